@@ -1,10 +1,10 @@
-"""Solve the scene with all effects on, and print how it closes and what a point costs (docs/reference/effects.md).
+"""Solve the scene with all effects, and print how it closes and what a point costs (docs/reference/effects.md).
 
-Run: python benchmarks/all_effects.py [REPEATS]. The time is the processor's in a whole `simulate`, compiled and
-warm, without traces, as in a sweep; `near` takes it along a course of near speeds, as cases of a sweep do. The paper's
-point is solved between them, each after each, so that what else the machine does weighs on both; its accuracy is the
-same. Medians, with the least in brackets: a busy machine lengthens the processor's times, too, and the least tells
-more of a quiet one.
+Run: python benchmarks/all_effects.py [REPEATS]. Times are processor times of a whole `simulate`, compiled and warm,
+without traces, as in a sweep; `near` measures a course of neighbouring speeds, as the cases of a sweep are. The paper's
+point is solved in turn with it, at the same accuracy, so that other load on the machine affects both. Medians are
+given, with the minimum in brackets: a busy machine lengthens processor times too, and the minimum is closer to a quiet
+one.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ WAYS = ("alone", "near")
 
 
 def times(scenes: dict[str, Scene], repeats: int) -> tuple[dict[tuple[str, str], list[float]], list[str]]:
-    """Return the times [ms] of each scene, alone and along a course of near speeds; the status of all solutions."""
+    """Return the times [ms] of each scene, alone and along a course of neighbouring speeds, and all statuses."""
     found: dict[tuple[str, str], list[float]] = {}
     courses = {name: simulate_many(near(scene, repeats + 1), trace=False) for name, scene in scenes.items()}
     statuses = []
-    for _ in range(repeats + 1):  # the first is warming up
+    for _ in range(repeats + 1):  # the first is for warming up
         for name, scene in scenes.items():
             for way in WAYS:
                 started = time.process_time()
@@ -43,14 +43,14 @@ def times(scenes: dict[str, Scene], repeats: int) -> tuple[dict[tuple[str, str],
 
 
 def near(scene: Scene, count: int) -> Iterator[Scene]:
-    """Yield the scene at so many near speeds."""
+    """Yield the scene at `count` neighbouring speeds."""
     for i in range(count):
         yield with_values(scene, {"operation.speed": scene.operation.speed * (1.0 + SPEEDS * i)})
 
 
 @for_speed()
 def main() -> None:
-    """Print both."""
+    """Print the results at both accuracies."""
     repeats = int(sys.argv[1]) if len(sys.argv) > 1 else REPEATS
     for accuracy in (None, 1e-3):
         changes = [] if accuracy is None else [f"numerics.accuracy={accuracy}"]

@@ -36,9 +36,9 @@ TOOK = re.compile(rf"time taken\W*{NUMBER}")
 FLOW = re.compile(rf"Mass flow rate is\s*{NUMBER}\s*g/s")
 POWER = re.compile(rf"P-v,Qamb\s*\S+\s+{NUMBER}")  # [kW]
 UNCLOSED = re.compile(rf"mdot \[%\]\s*{NUMBER}")
-NEEDS = "PDSim.flow.flow", "PDSim.core.core"  # compiled modules that an example imports
+NEEDS = "PDSim.flow.flow", "PDSim.core.core"  # compiled modules imported by an example
 PATIENCE = 1800.0  # [s] for one example
-# simple_example.py: V = 0.5 cm³ + 4 cm³ (1 − cos θ), a bore of 20 mm on a long rod; ports that let one way through
+# simple_example.py: V = 0.5 cm³ + 4 cm³ (1 − cos θ), a bore of 20 mm on a long rod; ports that pass one direction only
 ONE_CHAMBER = """
 machine: {kind: slider_crank, bore: 20 mm, crank_radius: 12.7324 mm, rod_length: 0.5 m, clearance: 0.5 cm^3}
 gas: {fluid: Air, model: real}
@@ -74,7 +74,7 @@ EXAMPLES: Mapping[str, str | None] = {
 
 
 def missing(python: str, needs: tuple[str, ...] = NEEDS) -> str:
-    """Return why an interpreter cannot run PDSim, in one line; empty where it can."""
+    """Return why an interpreter cannot run PDSim, in one line; empty if it can."""
     try:
         found = subprocess.run([python, "-c", f"import {', '.join(needs)}"], capture_output=True, text=True)
     except OSError as error:
@@ -85,7 +85,7 @@ def missing(python: str, needs: tuple[str, ...] = NEEDS) -> str:
 
 
 class Solved(NamedTuple):
-    """What one solution took and made; None is a figure that is not told."""
+    """Time and figures of one solution; None for a figure that is not reported."""
 
     seconds: float
     flow: float | None = None  # [g/s]
@@ -99,13 +99,13 @@ class Solved(NamedTuple):
 
 
 def theirs(python: str, example: Path) -> list[Solved]:
-    """Return what an example tells of its solutions; raise RuntimeError where it tells no time."""
-    with tempfile.TemporaryDirectory() as folder:  # it writes files where it stands
+    """Return the reported solutions of an example; raise RuntimeError if it reports no time."""
+    with tempfile.TemporaryDirectory() as folder:  # it writes files into its working folder
         environment = os.environ | {"MPLBACKEND": "Agg"}
         command = [python, str(example.resolve())]
         run = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=PATIENCE)
     solutions, start = [], 0
-    for took in TOOK.finditer(run.stdout):  # figures come before the time
+    for took in TOOK.finditer(run.stdout):  # figures are reported before the time
         found = (pattern.findall(run.stdout, start, took.start()) for pattern in (FLOW, POWER, UNCLOSED))
         flow, power, unclosed = (float(each[-1]) if each else None for each in found)
         scaled = None if power is None else 1e3 * power, None if unclosed is None else abs(unclosed) / 100.0
@@ -118,7 +118,7 @@ def theirs(python: str, example: Path) -> list[Solved]:
 
 
 def ours(scene: Scene) -> Solved:
-    """Return what one point took and made; raise RuntimeError where it does not close."""
+    """Return time and figures of one point; raise RuntimeError if it does not close."""
     result: Any = simulate(scene, trace=False)
     if result.status != "ok":
         raise RuntimeError(result.told)
@@ -128,7 +128,7 @@ def ours(scene: Scene) -> Solved:
 
 
 def pairs(python: str, example: Path, text: str | None, count: int) -> str:
-    """Return in words what paired runs took and made: the shortest of an example's solutions beside a point here."""
+    """Return in words the times and figures of paired runs: an example's fastest solution beside a point here."""
     scene = None if text is None else loads(text)
     if scene is not None:
         ours(scene)
@@ -146,7 +146,7 @@ def pairs(python: str, example: Path, text: str | None, count: int) -> str:
 
 @for_speed()
 def main() -> int:
-    """Run the examples that are there."""
+    """Run the examples that are present."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--python", default=sys.executable)
     parser.add_argument("--examples", type=Path, default=Path("pdsim/examples"))

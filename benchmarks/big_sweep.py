@@ -33,14 +33,14 @@ MEBI = 1 << 20
 
 
 class Tenths(Progress):
-    """Progress that notes when each tenth was done, and the most parts that lay on disk."""
+    """Progress that records when each tenth was done, and the largest number of part files on disk."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.total = self.done = self.most = self.reused = 0
         self.began = time.perf_counter()
         self.times: list[float] = []
-        self.failed = 0  # or not closed
+        self.failed = 0  # failed or not closed
 
     def start(self, cases: int, reused: int) -> None:
         self.total, self.reused = cases - reused, reused
@@ -61,7 +61,7 @@ class Tenths(Progress):
 
 
 def scene_of(points: int) -> Scene:
-    """Return the ports alone over speeds and discharge pressures, about `points` in all."""
+    """Return the machine with its ports only, over speeds and discharge pressures, about `points` in all."""
     rows = max(1, round(points**0.5))
     axes = [
         f"sweep.operation.speed={{from: 1000 rpm, to: 5000 rpm, count: {rows}}}",
@@ -82,13 +82,13 @@ def real_scene_of(points: int) -> Scene:
 
 
 def repeat(result: Result, scenes: Iterable[Scene]) -> Iterator[Result]:
-    """Give one result for every scene."""
+    """Return one result for each scene."""
     return (result for _ in scenes)
 
 
 @for_speed()
 def main() -> None:
-    """Sweep, and print the figures."""
+    """Run the sweep, and print the figures."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--points", type=int, default=1_000_000)
     parser.add_argument("--jobs", type=int)

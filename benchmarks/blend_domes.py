@@ -1,9 +1,9 @@
-"""Print how far the tables of blends in two phases are off direct flashes, and what they cost.
+"""Print errors of the tables of two-phase blends with respect to direct flashes, and the tables' cost.
 
-Run: python benchmarks/blend_domes.py [-o PAGE.md] [NAME ...]. Without names: all predefined refrigerants, and air, that
-CoolProp has data for. Errors are the largest at random states of the table's whole reach, 5 to 95 % of the volume from
-bubble to dew point: p of the table against that of a flash at the same T and v; s, c_v and T ∂p/∂T against differences
-of flashes' Helmholtz energies and pressures of fourth order in T.
+Run: python benchmarks/blend_domes.py [-o PAGE.md] [NAME ...]. Without names: all predefined refrigerants, and air, for
+which CoolProp has data. Errors are the largest at random states over the table's whole range, 5 to 95 % of the volume
+from bubble to dew point: p of the table against that of a flash at the same T and v; s, c_v and T ∂p/∂T against
+fourth-order differences in T of the flashes' Helmholtz energies and pressures.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from screwsim.numerics.kernel import HEADER, flatten
 
 Array = np.ndarray
 STATES, STEP = 200, 0.05  # random states of a blend; [K] of the differences
-SMOOTH = 1e-5  # fourth difference of p over p: above it one of five flashes is another solution
-ENDS = 0.3  # [K] that the states keep from the ends of the table
+SMOOTH = 1e-5  # fourth difference of p over p, above which one of five flashes is another solution
+ENDS = 0.3  # [K] distance of the states from the ends of the table
 HEAD = """\
 # Blends in two phases
 
@@ -81,7 +81,7 @@ def errors(name: str) -> list[float]:
 
 
 def row(name: str) -> str:
-    """Return a blend's row."""
+    """Return the table row of a blend."""
     saturation(name)
     started = time.process_time()
     dome.__wrapped__(name)
@@ -91,7 +91,7 @@ def row(name: str) -> str:
 
 
 def main() -> None:
-    """Print, or write, the table."""
+    """Print the table, or write it to a page."""
     words = sys.argv[1:]
     page = Path(words[words.index("-o") + 1]) if "-o" in words else None
     names = [word for word in words if word != "-o" and (page is None or word != str(page))] or [

@@ -1,10 +1,11 @@
-"""Print what the predefined blends cost, and how far they are off: per blend, beside R134a and CoolProp.
+"""Print cost and errors of the predefined blends, compared with R134a and CoolProp.
 
-Run: python benchmarks/blends.py [-o PAGE.md] [NAME ...]. Without names: all that CoolProp has data for, some minutes
-the first time. Times are those of `properties.py`, as multiples of R134a's state measured beside each; compare ratios.
-Errors are the largest over 0.5-40 bar from the dew point (or 1.02 of the highest temperature of two phases) to 150 C,
-at the same temperature and density; of dew and bubble pressure against CoolProp's flashes at -20, 2 and 45 C where they
-converge. `--points` in place of all that: the time of configs/r454b/point.yaml on some blends.
+Run: python benchmarks/blends.py [-o PAGE.md] [NAME ...]. Without names: all for which CoolProp has data, which takes
+some minutes the first time. Times are those of `properties.py`, as multiples of R134a's state measured beside each;
+compare ratios. Errors are the largest over 0.5-40 bar from the dew point (or 1.02 of the highest temperature of two
+phases) to 150 C, at the same temperature and density; those of dew and bubble pressure are against CoolProp's flashes
+at -20, 2 and 45 C where they converge. With `--points` it prints instead the time of configs/r454b/point.yaml on some
+blends.
 """
 
 from __future__ import annotations
@@ -61,7 +62,7 @@ def reference(known: Description) -> Any:
 
 
 def inconsistent(known: Description) -> float:
-    """Return by how much the weights of CoolProp's ideal parts miss 1, and so its entropy its pressure (M311)."""
+    """Return by how much the weights of CoolProp's ideal parts miss 1, and thus its entropy its pressure (M311)."""
     parts = [describe(name) for name in known.components]
     weights = (x * one.R * one.molar_mass for x, one in zip(known.fractions, parts, strict=True))
     return sum(weights) / (known.R * known.molar_mass) - 1.0
@@ -102,12 +103,12 @@ def flash_error(name: str, known: Description) -> tuple[float, int]:
 
 
 def least(gas: RealGas, T: float, rho: float) -> float:
-    """Return the least of some times of one state [ns]."""
+    """Return the shortest of several times of one state [ns]."""
     return min(loop_cost(gas.state, T, rho) for _ in range(4))
 
 
 def row(name: str) -> str:
-    """Return a blend's row."""
+    """Return the table row of a blend."""
     gas = RealGas(name)
     known, lines = gas.known, saturation(name)
     rho = 0.5 * gas.density(2e5, max(300.0, 1.02 * lines.T_c))
@@ -116,7 +117,7 @@ def row(name: str) -> str:
     T = max(min(318.15, 0.8 * lines.T_c), 1.001 * lines.T_low)
     try:
         glide = f"{T - constants.condensed(name, T):.2f} K"
-    except UsageError:  # a wide range of boiling, of which a narrow part is covered
+    except UsageError:  # a wide boiling range, of which a narrow part is covered
         glide = "–"
     parts = ", ".join(known.components)
     dew = f"{off:.0e} of {count}" if count else "none of them converges"
@@ -126,7 +127,7 @@ def row(name: str) -> str:
 
 
 def points() -> None:
-    """Print the time of a point on some blends, the least of several, beside R134a's."""
+    """Print the shortest of several times of a point on some blends, compared with R134a."""
     base = 0.0
     for name in ("R134a", "R454B", "R513A", "R407C.mix", "R448A"):
         problem = problem_of(load(str(POINT), overrides=[f"gas.fluid={name}"]))
@@ -143,7 +144,7 @@ def points() -> None:
 
 @for_speed()
 def main() -> None:
-    """Print, or write, the table."""
+    """Print the table, or write it to a page."""
     words = sys.argv[1:]
     if "--points" in words:
         points()

@@ -1,8 +1,8 @@
-"""Print how many evaluations a point takes by speed: what closing takes, and what closing and the error estimate do.
+"""Print the evaluations of a point over speed: for closing alone, and for closing with the error estimate.
 
-Run: python benchmarks/by_speed.py [SPEEDS]. Of three machines, the paper's, the same with carried oil, and one with
-R134a, at 25 speeds (or so many) from 250 to 10 000 rpm in equal ratios, each from its own first guess.
-`numerics.rhs_evaluations` of a result counts closing alone. Counts hardly depend on the machine.
+Run: python benchmarks/by_speed.py [SPEEDS]. Three machines, the paper's, the same with carried oil, and one on R134a,
+run at 25 speeds (or SPEEDS) from 250 to 10 000 rpm in equal ratios, each from its own first guess.
+`numerics.rhs_evaluations` of a result counts closing alone. The counts hardly depend on the computer.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PAPER, REAL = ROOT / "configs" / "paper" / "point.yaml", ROOT / "tests" / "plain" / "r134a.yaml"
 MACHINES = {"paper": (PAPER, ()), "carried oil": (PAPER, ("oil.transport=carried",)), "R134a": (REAL, ())}
 SLOWEST, FASTEST, COUNT = 250.0, 10_000.0, 25
-WANTED = 10_000  # evaluations a point, at most
+WANTED = 10_000  # evaluations per point that should suffice
 
 
 def evaluations(scene: Scene) -> tuple[str, int, int]:
@@ -36,7 +36,7 @@ def evaluations(scene: Scene) -> tuple[str, int, int]:
 
 
 def main(speeds: int = COUNT) -> None:
-    """Print a row for each of so many speeds and what they come to."""
+    """Print a row for each speed, and summary rows."""
     print(f"{'rpm':>8}" + "".join(f"{name:>16}{'estimated':>11}" for name in MACHINES))
     counts = []
     for rpm in np.geomspace(SLOWEST, FASTEST, speeds):

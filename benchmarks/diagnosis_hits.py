@@ -28,10 +28,10 @@ from screwsim.study.inputs import read_text
 ROOT = Path(__file__).resolve().parent.parent
 FIGURES = {"gas_mass_flow": "kg/s", "shaft_power": "W", "discharge_temperature": "degC"}
 SHARE, KELVIN, ZERO_CELSIUS = 0.005, 0.5, 273.15  # noise: of flow and power, of the temperature [K]
-SHARES = (0.3, 0.8)  # of the way to the bound that a fault goes
+SHARES = (0.3, 0.8)  # of the way to the bound, range of a fault's size
 ROUGH = ("numerics.error=none",)
 NOTHING = "nothing"
-MACHINES = {  # scene, speeds [rpm], discharge, {parameter: both bounds in its unit, which way a fault goes}
+MACHINES = {  # scene, speeds [rpm], discharge, {parameter: both bounds in its unit, direction of a fault}
     "r134a": (
         ROOT / "tests" / "plain" / "r134a.yaml",
         (1500.0, 2950.0, 4500.0),
@@ -69,12 +69,12 @@ UNITS = {
 
 
 def text_of(path: str, value: float) -> str:
-    """Return a bound as a scene states it."""
+    """Return a bound as written in a scene."""
     return f"{value:g} {UNITS.get(path.rpartition('.')[2], '')}".strip()
 
 
 def measured(scene: Scene, machine: str, random: np.random.Generator) -> str:
-    """Return what is measured of a machine as the data of a fit."""
+    """Return the measurements of a machine as a fit's data file."""
     _, speeds, (path, unit, ends), _ = MACHINES[machine]
     heads = [f"operation.speed [rpm],{path} [{unit}]"]
     heads += [f"{name} [{u}],{name}_uncertainty [{'K' if u == 'degC' else u}]" for name, u in FIGURES.items()]
@@ -96,7 +96,7 @@ def measured(scene: Scene, machine: str, random: np.random.Generator) -> str:
 
 
 def draw(machine: str, fault: str, number: int, jobs: int | None) -> dict:
-    """Return what the diagnosis of one faulty machine says: the rank of the true fault, and its probability."""
+    """Return the result of diagnosing one faulty machine: the rank of the true fault, and its probability."""
     file, _, _, parameters = MACHINES[machine]
     scene, random = load(file, ROUGH), np.random.default_rng([list(MACHINES).index(machine), number])
     share = float(random.uniform(*SHARES))
@@ -134,12 +134,12 @@ def draw(machine: str, fault: str, number: int, jobs: int | None) -> dict:
 
 
 def short(path: str) -> str:
-    """Return a path as the table has it."""
+    """Return a path as shown in the table."""
     return path.removeprefix("effects.")
 
 
 def summary(runs: list[dict]) -> list[list[str]]:
-    """Return a row a fault: draws, right first, among the first two, said to be alike, mean probability, taken for."""
+    """Return a row per fault: draws, right first, among two, said alike, sure and wrong, probability, taken for."""
     rows = []
     for fault in dict.fromkeys(each["fault"] for each in runs):
         of = [each for each in runs if each["fault"] == fault]
@@ -157,7 +157,7 @@ def summary(runs: list[dict]) -> list[list[str]]:
 
 
 def table(outcomes: dict) -> str:
-    """Return the outcomes as a table of the docs."""
+    """Return the outcomes as a table for the docs."""
     heads = ["machine", "has changed", "draws", "first", "first two", "said alike", "sure and wrong", "probability"]
     lines = ["| " + " | ".join([*heads, "taken for"]) + " |", "|" + "---|" * 9]
     for machine, runs in outcomes.items():

@@ -28,7 +28,7 @@ from screwsim.scene import load
 from screwsim.simulate import simulate
 
 SCENE = Path(__file__).parents[1] / "configs" / "paper" / "point.yaml"
-CHANGES, BETWEEN = 60, 0.1  # of the slider, and seconds between two: about as fast as a hand presses
+CHANGES, BETWEEN = 60, 0.1  # changes of the slider, and seconds between two: about as fast as a hand presses
 SPEEDS, RATIOS = range(800, 1600, 50), (0.5, 1.0, 2.0, 3.0)
 SWITCHED = "blow_hole"
 
@@ -48,7 +48,7 @@ def served(scene: str) -> Iterator[tuple[str, int]]:
 
 
 def follow(host: str) -> str:
-    """Return in words how soon a page follows its slider."""
+    """Return in words how quickly a page follows its slider."""
     from playwright.sync_api import sync_playwright
 
     path = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -75,7 +75,7 @@ def follow(host: str) -> str:
 
 
 def ask_for(host: str, seed: int, seconds: float, answers: list[Any]) -> None:
-    """Ask random settings, one after the other, and keep what is answered."""
+    """Request random settings, one after another, and keep the answers."""
     from websockets.sync.client import connect
 
     chance, number, end = random.Random(seed), 0, time.monotonic() + seconds
@@ -93,7 +93,7 @@ def ask_for(host: str, seed: int, seconds: float, answers: list[Any]) -> None:
 
 
 def memory(pid: int) -> list[int]:
-    """Return the resident memory [MB] of a process and of all below it."""
+    """Return the resident memory [MB] of a process and of each of its descendants."""
     table = subprocess.run(["ps", "-eo", "pid=,ppid=,rss="], capture_output=True, text=True, check=True).stdout
     rows = [tuple(map(int, row.split())) for row in table.splitlines()]
     family, found = {pid}, []
@@ -106,7 +106,7 @@ def memory(pid: int) -> list[int]:
 
 
 def burden(host: str, pid: int, scene: str, clients: int, seconds: float) -> str:
-    """Return in words what many lines at once were answered."""
+    """Return in words the answers to many simultaneous connections."""
     answers: list[Any] = []
     threads = [threading.Thread(target=ask_for, args=(host, seed, seconds, answers)) for seed in range(clients)]
     for thread in threads:

@@ -1,8 +1,8 @@
-"""Compiled C of an exported map against the simulator at 200 points drawn inside, and what one call of it takes.
+"""Compare an exported map's compiled C with the simulator at 200 random points inside, and time a call of it.
 
     python benchmarks/export_map.py [SCENE [ERROR]]
 
-The map is over evaporating and condensing temperature and speed of the R134a machine. Times are the thread's own.
+The map is over evaporating and condensing temperature and speed of the R134a machine. Times are those of the thread.
 """
 
 from __future__ import annotations

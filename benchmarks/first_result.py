@@ -1,11 +1,10 @@
 """Time a combination of effects that was never solved before, from the command to its first result (docs).
 
 Run: python benchmarks/first_result.py [SCENE ...] (default: the paper's point, the R134a machine and all effects). Each
-`screwsim run` is a process of its own with a cache that knows the scene's fluid and nothing else: what a fluid costs
-once a machine is told in the first column, for the first scene with Python's own bytecode of the package where that is
-not there. Then each effect of the first scene is left out in turn: `without` is the median and the largest of such
-runs, `--knock-out` all of them in one command. Wall times [s]; `processor` is that of the command, which a busy machine
-does not lengthen as much.
+`screwsim run` is a separate process with a cache that has only the scene's fluid: the one-time cost of a fluid is in
+the first column, for the first scene including Python's bytecode of the package if that is missing. Then each effect of
+the first scene is left out in turn: `without` gives median and largest of these runs, `--knock-out` all of them in one
+command. Wall times [s]; `processor` is the command's processor time, which a busy machine lengthens less.
 """
 
 from __future__ import annotations
@@ -36,7 +35,7 @@ def run(cache: Path, *words: str) -> tuple[float, float]:
 
 
 def forget_models(cache: Path) -> None:
-    """Leave nothing in a cache but what was asked of CoolProp and made of it for a fluid."""
+    """Remove everything from a cache except fluid data."""
     for path in cache.iterdir():
         if path.name.startswith("screwsim_model_"):
             path.unlink()

@@ -39,14 +39,14 @@ MACHINES = {
         "operation.condensing_temperature: {from: 35 degC, to: 60 degC}",
     ),
 }
-ACCURACY = 3e-4  # `numerics.accuracy`, its default
-NEXT = 0.01  # by so much of itself the speed rises from a point of a course to the next
-CHECKED = 8  # of so many points one is held against the processor's; the processor is given as few
+ACCURACY = 3e-4  # default of `numerics.accuracy`
+NEXT = 0.01  # relative increase of the speed between the points of a course
+CHECKED = 8  # one in so many points is compared with the processor's, which solves as few
 Courses = list[list[Scene]]
 
 
 def courses_of(name: str, count: int, length: int, seed: int = 1) -> Courses:
-    """Return courses of a machine: of a sample over its speed and pressure or temperature."""
+    """Return courses of a machine that begin at a sample over its speed and pressure or temperature."""
     path, over = MACHINES[name]
     scene = load(str(path), [f"sweep.sample={{kind: sobol, count: {count}, seed: {seed}, over: {{{SPEED}, {over}}}}}"])
     return [_course(case(scene, k), length) for k in range(count)]
@@ -58,14 +58,14 @@ def _course(first: Scene, length: int) -> list[Scene]:
 
 
 def seconds(work: Callable[[], Any]) -> tuple[float, Any]:
-    """Return the wall time of something [s], and what it returns."""
+    """Return the wall time of a call [s], and its result."""
     began = time.perf_counter()
     found = work()
     return time.perf_counter() - began, found
 
 
 class Clocked:
-    """Wall time [s] of the parts of calls of the GPU, their number and that of their turns."""
+    """Wall time [s] of the parts of GPU calls, the number of calls and that of their turns."""
 
     def __init__(self) -> None:
         self.spent: dict[str, float] = {}
@@ -86,12 +86,12 @@ class Clocked:
         return timed
 
     def clear(self) -> None:
-        """Begin anew."""
+        """Reset all times and counts."""
         self.spent.update(calls=0.0, kernels=0.0, up=0.0, down=0.0)
         self.count = self.turns = 0
 
     def told(self, took: float) -> str:
-        """Return where the time went."""
+        """Return in words where the time was spent."""
         calls, kernels, up, down = self.spent.values()
         parts = {"kernels": kernels, "copies": up + down, "rows": calls - kernels - up - down, "between": took - calls}
         shares = ", ".join(f"{part} {100 * share / took:.0f} %" for part, share in parts.items())
@@ -100,7 +100,7 @@ class Clocked:
 
 
 def apart(pairs: Sequence[tuple[Result, Result]]) -> str:
-    """Tell by how much results differ, in parts of the larger of the stated errors and the accuracy asked for."""
+    """Return in words how results differ, relative to the larger of the stated errors and the requested accuracy."""
     shares, statuses, counts = [], 0, []
     for one, other in pairs:
         statuses += one.status != other.status
@@ -118,11 +118,11 @@ def apart(pairs: Sequence[tuple[Result, Result]]) -> str:
 
 
 def measure(name: str, points: int, length: int, clock: Clocked) -> None:
-    """Measure one machine; each way has points of its own, so that none finds properties that another asked for."""
+    """Measure one machine; each way has its own points, so that none reuses properties computed for another."""
     first, _ = seconds(lambda: simulate_courses(courses_of(name, THREADS, 1, 99), gpu=True))
     print(f"{name}: compiled for the device, and {THREADS} points: {first:.1f} s", flush=True)
     few = points // CHECKED
-    courses = courses_of(name, 8, length, 98)  # what is compiled for the processor
+    courses = courses_of(name, 8, length, 98)  # for compiling for the processor
     one_by_one(courses[:1])
     simulate_courses(courses)
     slow, quick = courses_of(name, few, length, 1), courses_of(name, few, length, 2)

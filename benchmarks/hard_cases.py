@@ -1,7 +1,7 @@
-"""Count the evaluations of the right-hand side that the hard cases take, to close and with their estimates.
+"""Count right-hand-side evaluations of the hard cases, for closing and with error estimates.
 
-Run: python benchmarks/hard_cases.py [SHOWN] (default: 12). Jacobians count as many evaluations as in a result
-(`numerics.rhs_evaluations`), so that the counts do not depend on the machine. Prints the dearest cases and the sums.
+Run: python benchmarks/hard_cases.py [SHOWN] (default: 12). Jacobians count as in a result (`numerics.rhs_evaluations`),
+so that the counts do not depend on the computer. Prints the most expensive cases and the sums.
 """
 
 from __future__ import annotations

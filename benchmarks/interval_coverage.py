@@ -37,7 +37,7 @@ KINDS = ("even", "speed", "none")
 
 
 def measured(fit: Fit, seed: int, count: int, kind: str) -> list[Point]:
-    """Return so many measured points of a machine whose parameters the seed draws."""
+    """Return `count` measured points of a machine whose parameters are drawn by the seed."""
     random = np.random.default_rng(seed)
     truth = {each.path: each.value(float(random.uniform(0.25, 0.75))) for each in fit.parameters}
     speeds, pressures = random.uniform(*SPEEDS, count) * RPM, random.uniform(*PRESSURES, count)
@@ -65,7 +65,7 @@ def measured(fit: Fit, seed: int, count: int, kind: str) -> list[Point]:
 
 
 def covered(seed: int, fitted: int, held_out: int, kind: str, jobs: int | None) -> dict:
-    """Return how many measurements of held-out points lie in the intervals of one fit, by figure."""
+    """Return how many held-out measurements lie in the intervals of one fit, by figure."""
     fit = read_fit(FIT)
     points = measured(fit, seed, fitted + held_out, kind)
     found = calibrate(replace(fit, points=tuple(points[:fitted]), starts=1, seed=seed), jobs=jobs)
@@ -83,7 +83,7 @@ def covered(seed: int, fitted: int, held_out: int, kind: str, jobs: int | None) 
 
 
 def summary(run: dict) -> dict:
-    """Return the shares inside, by figure and of all, and the standard error of the latter from fit to fit."""
+    """Return the shares inside, by figure and in all, and the latter's standard error between fits."""
     fits = [each for each in run["fits"] if each["of"]]
     of = sum(each["of"] for each in fits)
     shares = {name: sum(each["inside"][name] for each in fits) / of for name in FIGURES}
@@ -93,7 +93,7 @@ def summary(run: dict) -> dict:
 
 
 def table(runs: dict) -> str:
-    """Return the outcomes as a table of the docs."""
+    """Return the outcomes as a table for the docs."""
     lines = [
         "| discrepancy | fits | fitted points | held-out measurements | flow | power | temperature | all |",
         "|---|---|---|---|---|---|---|---|",

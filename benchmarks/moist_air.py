@@ -1,8 +1,8 @@
-"""Print how far moist air is off CoolProp's (HAPropsSI): what saturates it, its pressure dew point, its heat.
+"""Print differences of moist air from CoolProp's (HAPropsSI): saturation, pressure dew point, heat.
 
-Run: python benchmarks/moist_air.py [-o PAGE.md]. The air is that of 25 degC, 1 bar and a relative humidity of 0.6, but
-where it is saturated. HAPropsSI's own equations (Herrmann, Kretzschmar, Gatley, HVAC&R Research 15 (2009) 961) have
-third virial coefficients, air dissolved in the liquid and its pressure, which ours leave out.
+Run: python benchmarks/moist_air.py [-o PAGE.md]. The air is that of 25 degC, 1 bar and a relative humidity of 0.6,
+except where it is saturated. HAPropsSI's equations (Herrmann, Kretzschmar, Gatley, HVAC&R Research 15 (2009) 961)
+include third virial coefficients, air dissolved in the liquid and the pressure on the liquid, which ours leave out.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from screwsim.fluid.real_gas import RealGas
 P_S, T_S, HUMIDITY = 1e5, 298.15, 0.6
 BAR = (1.0, 4.0, 8.0, 11.0, 14.0)
 SATURATED = (283.15, 303.15, 323.15, 343.15, 363.15)  # [K]
-HEATED = (323.15, 353.15, 383.15, 413.15)  # [K], none of them wet at these pressures but where told
+HEATED = (323.15, 353.15, 383.15, 413.15)  # [K], dry at these pressures unless marked
 HEAD = """\
 # Moist air beside HAPropsSI
 
@@ -38,7 +38,7 @@ is not compared here: that of HAPropsSI misses T ds = dh - v dp by 5e-4 of moist
 
 
 def reference(output: str, **given: float) -> float:
-    """Return what CoolProp says of humid air."""
+    """Return a property of humid air from CoolProp."""
     pairs = [each for name, value in given.items() for each in (name, value)]
     return coolprop.HAPropsSI(output, *pairs)
 
@@ -67,12 +67,12 @@ def density(gas: MoistAir, p: float, T: float) -> float:
 
 
 def dry(gas: MoistAir, p: float, T: float) -> bool:
-    """Tell whether all water is vapour, with a kelvin to spare."""
+    """Tell whether all water is vapour, with a margin of 1 K."""
     return T > gas.dew_point(p) + 1.0
 
 
 def gases() -> dict[str, MoistAir]:
-    """Return the two models of that air."""
+    """Return both models of that air."""
     own = IdealGas(constants.gas_constant("Air"), constants.isentropic_exponent("Air", T_S)), RealGas("Air")
     made = {each.name: moist_air(each, P_S, T_S, HUMIDITY) for each in own}
     return {name: gas for name, gas in made.items() if isinstance(gas, MoistAir)}
@@ -105,7 +105,7 @@ def page() -> str:
 
 
 def main() -> None:
-    """Print, or write, the page."""
+    """Print the page, or write it."""
     words = sys.argv[1:]
     if words[:1] == ["-o"]:
         Path(words[1]).write_text(page(), encoding="utf-8")

@@ -35,11 +35,11 @@ VARY = {
     "oil_supply.temperature": (275.0, 330.0),
 }
 AIMS = ("isothermal_efficiency", "gas_mass_flow")
-BATCH = 500  # random samples solved in one go
+BATCH = 500  # random samples solved at once
 
 
 def sampled(asked: Question, count: int, jobs: int) -> Record:
-    """Return so many random evaluations."""
+    """Return `count` random evaluations."""
     with Crew(jobs, lambda work: None, lambda: None) as crew:
         record = Record(asked, crew)
         generator = np.random.default_rng(11)
@@ -49,7 +49,7 @@ def sampled(asked: Question, count: int, jobs: int) -> Record:
 
 
 def front(evaluations: int, samples: int, jobs: int) -> dict:
-    """Return what the front and the samples give."""
+    """Return the results of the front and of the samples."""
     scene = screwsim.load(CONFIGS / "paper" / "point.yaml")
     began = time.perf_counter()
     found = run(question(scene, VARY, AIMS, evaluations=evaluations), jobs=jobs)
@@ -84,7 +84,7 @@ def front(evaluations: int, samples: int, jobs: int) -> dict:
 
 
 def volume(points: np.ndarray, low: np.ndarray) -> float:
-    """Return the area that points of two aims, to be highest, dominate above a corner."""
+    """Return the area above a corner dominated by points of two objectives to be maximised."""
     total, height = 0.0, float(low[1])
     for x, y in sorted(points.tolist(), key=lambda point: (-point[0], -point[1])):
         if y > height:
@@ -94,7 +94,7 @@ def volume(points: np.ndarray, low: np.ndarray) -> float:
 
 
 def main() -> None:
-    """Measure, and print what was found."""
+    """Measure, and print the results."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--evaluations", type=int, default=1000)
     parser.add_argument("--samples", type=int, default=10_000)

@@ -1,7 +1,7 @@
 """Print what a point costs: by accuracy, by effect, by speed, and the start-up of the commands.
 
-Run: python benchmarks/point.py [SCENE.yaml]. Times are medians on one core of this machine, compiled and
-warm unless they say otherwise; compare ratios, and the counts of evaluations, which do not depend on the machine.
+Run: python benchmarks/point.py [SCENE.yaml]. Times are medians on one core of this computer, compiled and warm unless
+stated otherwise; compare ratios, and numbers of evaluations, which do not depend on the computer.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ def timed(scene: Scene, runs: int = 15):
 
 
 def with_accuracy(scene: Scene, accuracy: float) -> Scene:
-    """Return the scene at another wanted accuracy."""
+    """Return the scene with another requested accuracy."""
     return replace(scene, numerics=replace(scene.numerics, accuracy=accuracy))
 
 
 def accuracy_table(scene: Scene) -> None:
-    """Print time and true error against the wanted accuracy; the reference is wanted at 1e-8 with closing: coupled."""
+    """Print time and true error over the requested accuracy; the reference has 1e-8 with closing: coupled."""
     print("\nWhat accuracy costs (error: largest of efficiency, mass flow, shaft power, discharge temperature)")
     print(
         f"{'speed':>10} {'accuracy':>9} {'ms':>8} {'RHS evaluations':>16} {'turns':>6} {'closing':>10} "
@@ -80,7 +80,7 @@ def speed_table(scene: Scene) -> None:
 
 
 def gases_table() -> None:
-    """Print the real gas beside the ideal one and beside CoolProp in the right-hand side (tests/plain/r134a.yaml)."""
+    """Compare the real gas with the ideal one and with CoolProp in the right-hand side (tests/plain/r134a.yaml)."""
     print("\nWhat the gas costs (tests/plain/r134a.yaml; no error estimate)")
     scene = load(str(REAL), ["numerics.error=none"])
     print(f"{'gas':>20} {'ms':>8} {'RHS evaluations':>16} {'eta_s':>9} {'ratio':>7}")
@@ -113,7 +113,7 @@ COURSES = (
 
 
 def points(scenes: list[Scene], in_a_row: bool) -> tuple[float, float]:
-    """Return the mean number of evaluations and the median time [ms] of a point, all that it takes included."""
+    """Return the mean number of evaluations and the median time [ms] of a point, with all overhead included."""
     results, times = [], []
     for _ in range(3):
         started = time.perf_counter()
@@ -124,7 +124,7 @@ def points(scenes: list[Scene], in_a_row: bool) -> tuple[float, float]:
 
 
 def course_table() -> None:
-    """Print what points cost in a row, each begun from the ones before, beside the same points alone."""
+    """Print the cost of points in a row, each started from those before, beside the same points alone."""
     print("\nPoints in a row (block of a sweep) beside points alone; ms with all that is not the solution, one core")
     print(f"{'sweep':>34} {'errors':>9} {'alone: evaluations':>18} {'ms':>6} {'in a row: evaluations':>21} {'ms':>6}")
     for name, path, axis, values, rpm in COURSES:
@@ -137,7 +137,7 @@ def course_table() -> None:
 
 
 def effects_table(scene: Scene) -> None:
-    """Print what each effect costs in time and changes in the efficiency, by leaving it out."""
+    """Print each effect's cost in time and its change of the efficiency, by leaving it out."""
     print("\nWhat each effect costs and changes (left out, one at a time)")
     full, ms_full = timed(scene)
     eta = full.performance.isothermal_efficiency
@@ -152,7 +152,7 @@ def effects_table(scene: Scene) -> None:
 
 
 def command_times(scene_path: Path) -> None:
-    """Print the start-up of the commands, warm, and the first compilation, in a cache folder of its own."""
+    """Print the start-up times of the commands, warm, and the first compilation, with a separate cache folder."""
     print("\nCommands (whole processes; median of 5 warm runs)")
     screwsim = [sys.executable, "-m", "screwsim"]
     with tempfile.TemporaryDirectory() as folder:

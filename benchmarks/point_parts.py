@@ -1,9 +1,9 @@
-"""Print where the time of a point goes: alone and in a row, with its errors estimated and without, by parts and calls.
+"""Print where the time of a point goes, alone and in a row, with and without error estimates, by parts and calls.
 
-Run: python benchmarks/point_parts.py [ROUNDS]. Parts are sampled by the clock of the process's own processor time, each
-with all that it calls, so that some rows lie within others. Compiled functions are timed call by call, in a round of
-their own. All in µs of processor time a point, of the paper's machine and of R134a at 3000 rpm, from some hundred
-samples.
+Run: python benchmarks/point_parts.py [ROUNDS]. Parts are sampled by the process's own processor clock, each including
+all that it calls, so that some rows are contained in others. Compiled functions are timed call by call, in a separate
+round. All values are in µs of processor time per point, of the paper's machine and of R134a at 3000 rpm, from some
+hundred samples.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from screwsim.simulate import simulate, simulate_many
 
 ROOT = Path(__file__).resolve().parent.parent
 POINTS = 60
-TICK = 1e-3  # [s] of processor time between samples, or what the system makes of it
+TICK = 1e-3  # [s] of processor time between samples, as far as the system resolves it
 SERIES = {
     "paper": (ROOT / "configs" / "paper" / "point.yaml", "oil_supply.ratio", np.linspace(0.5, 8.0, POINTS)),
     "R134a": (
@@ -35,7 +35,7 @@ SERIES = {
         273.15 + np.linspace(30.0, 60.0, POINTS),
     ),
 }
-PARTS = {  # functions, by file, with what they do for a point
+PARTS = {  # functions, by file, and their part in a point
     "problem.py:problem_of": "scene to problem",
     "guess.py:continued": "guess from the cycles before",
     "guess.py:begin": "first guess",
@@ -63,7 +63,7 @@ def scenes(name: str, errors: str) -> list[Scene]:
 
 @contextmanager
 def sampled(found: Counter[str]) -> Iterator[None]:
-    """Count in which functions the process is, with those that called them, at ticks of its processor time."""
+    """Count in which functions the process is, with their callers, at ticks of its processor time."""
 
     def look(_signal: int, frame: FrameType | None) -> None:
         seen = {""}
@@ -83,7 +83,7 @@ def sampled(found: Counter[str]) -> Iterator[None]:
 
 @contextmanager
 def timed(spent: Counter[str], calls: Counter[str]) -> Iterator[None]:
-    """Time the compiled functions that are called [s], by name."""
+    """Time the calls of compiled functions [s], by name."""
     by_name, by_words = Function.__call__, Variant.__call__
     now = [""]
 
@@ -106,7 +106,7 @@ def timed(spent: Counter[str], calls: Counter[str]) -> Iterator[None]:
 
 
 def tell(name: str, work: Callable[[], object], rounds: int) -> None:
-    """Print the parts of some work on all points."""
+    """Print the parts of work on all points."""
     work()
     parts: Counter[str] = Counter()
     began = time.process_time()
@@ -129,7 +129,7 @@ def tell(name: str, work: Callable[[], object], rounds: int) -> None:
 
 @for_speed()
 def main() -> None:
-    """Print them all."""
+    """Print all parts."""
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 20
     for name in SERIES:
         for errors in ("estimate", "none"):

@@ -33,20 +33,20 @@ PROFILES = (
     "machine.built_in_volume_ratio=2.2..4",
 )
 AIMS = ("cop", "cooling_capacity")
-EVERY = 2000  # evaluations a line
-SAMPLED = 1.0  # [s] between two looks at the memory
+EVERY = 2000  # evaluations per line
+SAMPLED = 1.0  # [s] between two samples of the memory
 MIB = 1024.0  # kB
 
 
 def resident() -> tuple[float, ...]:
-    """Return the resident memory of this process and of each that descends from it [MiB]; nothing without /proc."""
+    """Return the resident memory of this process and of each descendant [MiB]; empty without /proc."""
     found, numbers = [], ["self"]
     while numbers:
         process = Path("/proc") / numbers.pop()
         try:
             lines = (process / "status").read_text().splitlines()
             numbers += [child for task in (process / "task").iterdir() for child in _words(task / "children")]
-        except OSError:  # it has just ended, or this is no Linux
+        except OSError:  # it has just ended, or this is not Linux
             continue
         found += [float(line.split()[1]) / MIB for line in lines if line.startswith("VmRSS:")]
     return tuple(found)
@@ -57,17 +57,17 @@ def _words(file: Path) -> list[str]:
 
 
 class Lines(Progress):
-    """Print a line every so many evaluations."""
+    """Progress that prints a line every `EVERY` evaluations."""
 
     def __init__(self) -> None:
         self.done = self.new = self.failed = 0
         self.together = self.largest = self.own = 0.0  # MiB, since the last line
         self.peak: tuple[float, float, float] = (0.0, 0.0, 0.0)
         self.began = self.looked = time.monotonic()
-        self.fresh = False  # whether evaluations are computed, no longer read
+        self.fresh = False  # whether evaluations are computed rather than read from the file
 
     def tick(self) -> None:
-        """Look at the memory."""
+        """Sample the memory."""
         if not self.fresh:
             self.fresh, self.began = True, time.monotonic()
         if time.monotonic() - self.looked < SAMPLED:
@@ -78,7 +78,7 @@ class Lines(Progress):
             self.largest, self.own = max(self.largest, *sizes[1:], 0.0), max(self.own, sizes[0])
 
     def advance(self, cases: int, failed: int) -> None:
-        """Count, and print a line where so many are full."""
+        """Count evaluations, and print a line when due."""
         before = self.done // EVERY
         self.done, self.failed = self.done + cases, self.failed + failed
         self.new += cases if self.fresh else 0
@@ -86,7 +86,7 @@ class Lines(Progress):
             self.line()
 
     def line(self) -> None:
-        """Print how far it is."""
+        """Print the state of the run."""
         seconds = time.monotonic() - self.began
         memory = f"{self.together:.0f} MiB together, {self.own:.0f} here, {self.largest:.0f} in the largest worker"
         print(f"{self.done:7d} {self.failed} failed {self.new / seconds:6.2f} a second {memory}", flush=True)
@@ -96,7 +96,7 @@ class Lines(Progress):
 
 
 def told(found: Optimum, lines: Lines, jobs: int) -> None:
-    """Print what came out."""
+    """Print the outcome."""
     lines.line()
     usage = resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN)
     seconds = time.monotonic() - lines.began
@@ -115,7 +115,7 @@ def told(found: Optimum, lines: Lines, jobs: int) -> None:
 
 
 def main() -> None:
-    """Measure, and print what was found."""
+    """Measure, and print the results."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--evaluations", type=int, default=100_000)
     parser.add_argument("--jobs", type=int, default=cores())

@@ -1,6 +1,6 @@
-"""Print what the gas properties cost and how far they are off: per fluid, beside CoolProp; and the nozzle's error.
+"""Print cost and errors of the gas properties per fluid, compared with CoolProp; and the nozzle's error.
 
-Run: python benchmarks/properties.py [FLUID ...]. Times are medians of several runs on one core of this machine,
+Run: python benchmarks/properties.py [FLUID ...]. Times are medians of several runs on one core of this computer,
 compiled and warm, in a loop over slowly changing states; compare ratios. Errors are the largest over 0.5-40 bar from
 saturation to 150 C, at the same temperature and density.
 """
@@ -57,7 +57,7 @@ def loop_cost(kernel: Kernel, T: float, rho: float) -> float:
 
 
 def coolprop_cost(fluid: str, T: float, rho: float) -> float:
-    """Return the time of CoolProp's update by density and temperature with the five properties [ns]."""
+    """Return the time of CoolProp's update by density and temperature, including the five properties [ns]."""
     state = coolprop.AbstractState("HEOS", fluid)
 
     def calls(n: int) -> None:
@@ -99,7 +99,7 @@ def errors(fluid: str) -> list[float]:
 
 
 def property_table(fluids: list[str]) -> None:
-    """Print cost and error of every fluid."""
+    """Print cost and errors of each fluid."""
     head = ("refuse", "equil.", "in dome", "CoolProp")
     print("ns per state: p, h, c_v, T dp/dT, 1/k, choking; largest errors against CoolProp at equal T and density")
     print(
@@ -121,7 +121,7 @@ def property_table(fluids: list[str]) -> None:
 
 
 def flux_error(gas: RealGas, p: float, T: float, ratio: float) -> float:
-    """Return the relative error of the nozzle with the local exponent against the real isentrope in equilibrium."""
+    """Return the relative error of the nozzle with the local exponent, against the real isentrope in equilibrium."""
     s, h = gas.entropy(p, T), gas.enthalpy(p, T)
 
     def flux(at: float) -> float:

@@ -1,7 +1,7 @@
-"""Print what rotors cost: processor time from a profile to all tables of a scene's machine, checks included.
+"""Print the cost of rotors: processor time from a profile to all tables of a scene's machine, checks included.
 
-Run: python benchmarks/rotor_times.py. Least and median of some runs, nothing kept between them; then a machine
-with the same profile and another built-in ratio, which finds the rotors again.
+Run: python benchmarks/rotor_times.py. Minimum and median of several runs without any cached result; then a machine with
+the same profile and another built-in ratio, for which the rotors are cached.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ RUNS = 25
 
 
 def forget() -> None:
-    """Forget all rotors and their curves."""
+    """Clear the caches of rotors and their curves."""
     for kept in (profile_law._laid, rotors._rotors, rotors._checked_chain):
         kept.cache_clear()
 
 
 def milliseconds(before: Callable[[], object], work: Callable[[], object]) -> list[float]:
-    """Return the processor time of each run [ms]; `before` is not counted."""
+    """Return the processor time of each run [ms], without that of `before`."""
     found = []
     for _ in range(RUNS):
         before()
@@ -38,7 +38,7 @@ def milliseconds(before: Callable[[], object], work: Callable[[], object]) -> li
 
 
 def main() -> None:
-    """Print a line a machine."""
+    """Print one line per machine."""
     print(f"{'':<6}{'from nothing':>24}{'another ratio':>24}   ms: least, median of {RUNS}")
     for name in "abc":
         machine = load(CONFIGS / f"{name}.yaml").machine

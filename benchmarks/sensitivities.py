@@ -1,11 +1,11 @@
-"""Print what the derivatives of all figures by 20 numbers cost, over a point: CPU time of one thread, medians.
+"""Print the cost of derivatives of all figures by 20 numbers, relative to a point: CPU time of one thread, medians.
 
-Exact ones first, then quick ones (`derivatives.closed.QUICK`). Behind that, in points, where it goes: the collocated
-cycle, scenes composed with numbers shifted, what the cycle makes of that, figures read. Last what is evaluated, of one
-chamber: by the point, then by the derivatives.
+Exact ones come first, then quick ones (`derivatives.closed.QUICK`). Then follow the parts, in points: the collocated
+cycle, scenes composed with shifted numbers, the response of the cycle to that, reading figures. Last are the numbers of
+evaluations for one chamber: by the point, then by the derivatives.
 
-Run: python benchmarks/sensitivities.py [RUNS]. Points and derivatives take turns, compiled for speed and warm; what
-compiling takes is not in it. A point is `simulate` with its error estimate, as `run` does it.
+Run: python benchmarks/sensitivities.py [RUNS]. Points and derivatives alternate, compiled for speed and warm, so that
+no compilation is included. A point is `simulate` with its error estimate, as in `run`.
 """
 
 from __future__ import annotations
@@ -36,14 +36,14 @@ SHOWN = ("cycle", "composed", "moved", "read")
 
 
 def cpu(work: Callable[[], object]) -> float:
-    """Return the CPU time [ms] of some work."""
+    """Return the CPU time [ms] of a call."""
     started = time.process_time()
     work()
     return 1e3 * (time.process_time() - started)
 
 
 class Counted:
-    """CPU time [ms] of parts of the derivatives, and what is evaluated, since the last `clear`."""
+    """CPU time [ms] of parts of the derivatives, and numbers of evaluations, since the last `clear`."""
 
     def __init__(self) -> None:
         self.times, self.rates, self.jacobians, self.slices = dict.fromkeys(PARTS, 0.0), 0, 0, 0
@@ -71,7 +71,7 @@ class Counted:
             setattr(owner, name, by)
 
     def clear(self) -> None:
-        """Begin anew."""
+        """Reset all counts."""
         self.times, self.rates, self.jacobians = dict.fromkeys(PARTS, 0.0), 0, 0
 
     def _timed(self, part: str, work: Callable[..., Any]) -> Callable[..., Any]:
@@ -86,7 +86,7 @@ class Counted:
         return timed
 
 
-PARTS = {  # by what they are called here
+PARTS = {  # by their names here
     "cycle": (solving, "collocated"),
     "composed": (Directions, "of"),
     "moved": (solving, "responses"),
@@ -110,7 +110,7 @@ def told(scene: Scene, runs: int, counted: Counted, fineness: Fineness) -> str:
     counted.clear()
     pairs = [(cpu(lambda: simulate(scene, trace=False)), cpu(derived)) for _ in range(runs)]
     points, derivatives = zip(*pairs, strict=True)
-    # `found` closes the cycle of the point itself: the ratio counts that, too
+    # `found` also closes the cycle of the point itself, which the ratio includes
     ratio = statistics.median(after / before for before, after in pairs)
     point, told = statistics.median(points), simulate(scene, trace=False).numerics
     parts = counted.times | {"read": counted.times["placed"] + counted.times["read"]}

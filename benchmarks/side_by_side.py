@@ -1,9 +1,9 @@
-"""Print what points side by side in the lanes of a core gain over one by one, in processor time of interleaved pairs.
+"""Print the gain of points side by side in the lanes of a core over one by one, in processor time of paired runs.
 
-Run: python benchmarks/side_by_side.py [PAIRS | SCENE.yaml …]. Courses of R134a over the condensing temperature, with
-errors estimated or not, also in step without lanes, and what of such a point is in its turns; points of a sample, each
-from its own first guess; the turns of these alone. Of scenes: by how much figures differ from those of the point alone,
-and their evaluations.
+Run: python benchmarks/side_by_side.py [PAIRS | SCENE.yaml …]. Courses of R134a over the condensing temperature, with or
+without error estimates, also in step without lanes, and the share of the turns in such a point; points of a sample,
+each from its own first guess; only the turns of these. For scenes: by how much figures differ from those of the point
+alone, and the numbers of evaluations.
 """
 
 from __future__ import annotations
@@ -39,14 +39,14 @@ SAMPLE = (
 
 
 def seconds(work: Callable[[], object]) -> float:
-    """Return the processor time of something [s]."""
+    """Return the processor time of a call [s]."""
     began = time.process_time()
     work()
     return time.process_time() - began
 
 
 def pairs(name: str, scene: Scene, count: int, block: int, repeats: int) -> None:
-    """Measure the cases of a scene's sweep in courses of so many, one by one and side by side in turn."""
+    """Measure the cases of a scene's sweep in courses of length `block`, one by one and side by side in turn."""
     scenes = [case(scene, k) for k in range(count)]
     courses = [scenes[first : first + block] for first in range(0, count, block)]
     alone(scenes[0])
@@ -64,7 +64,7 @@ def pairs(name: str, scene: Scene, count: int, block: int, repeats: int) -> None
 
 
 def in_step(courses: Sequence[Sequence[Scene]]) -> None:
-    """Solve courses in step, each turn alone: as a sweep does without lanes."""
+    """Solve courses in step, each turn alone, as a sweep does without lanes."""
     together([partial(list, simulate_many(course, trace=False)) for course in courses], IN_STEP, lanes=False)
 
 
@@ -76,7 +76,7 @@ def _print(name: str, found: Sequence[tuple[float, float]]) -> None:
 
 @contextmanager
 def clocked(spent: list[float]) -> Iterator[None]:
-    """Add up the time of this process's turns [s], alone and side by side: in all, and their number and calls."""
+    """Sum the time of this process's turns [s], alone and side by side, their number, and the number of calls."""
 
     def timed(machinery: Machinery, y: Any, rtol: float, h: float) -> object:
         began = time.thread_time()
@@ -99,7 +99,7 @@ def clocked(spent: list[float]) -> Iterator[None]:
 
 
 def parts(scene: Scene, repeats: int) -> None:
-    """Tell what of a point of a course is in its turns, one by one and side by side [us]."""
+    """Print the share of the turns in a point of a course, one by one and side by side [us]."""
     scenes = [case(scene, k) for k in range(POINTS)]
     courses = [scenes[first : first + LONG_BLOCK] for first in range(0, POINTS, LONG_BLOCK)]
     ways: tuple[Callable[[], object], ...] = (
@@ -120,7 +120,7 @@ def parts(scene: Scene, repeats: int) -> None:
 
 
 def turns(scene: Scene, repeats: int) -> None:
-    """Measure the turns of cases alone: what of a point is in the call."""
+    """Measure only the turns of cases: the part of a point inside the call."""
     scenes = [case(scene, k) for k in range(TURNS)]
     found = []
     for _ in range(repeats):
@@ -147,7 +147,7 @@ def compare(file: str) -> None:
 
 @for_speed()
 def main() -> None:
-    """Measure them all, or compare scenes."""
+    """Measure all, or compare scenes."""
     if len(sys.argv) > 1 and not sys.argv[1].isdigit():
         for file in sys.argv[1:]:
             compare(file)

@@ -1,9 +1,9 @@
-"""Print what exactness of derivatives costs: errors of stored pairs of figure and number, over processor time.
+"""Print the cost of exact derivatives: errors of stored pairs of figure and number, over processor time.
 
 Run: python benchmarks/slopes_accuracy.py [RUNS]. Scenes and references are those of tests/tools/derivatives_pairs.csv;
-pairs whose reference is not good to 1e-5 are left out. Each scene has its derivatives found as quick ones, as exact
-ones and as ones between in turn, by the same solved cycle; times are medians of one thread, of all scenes together, in
-code as a first run has it (not for speed: that takes minutes to compile for all models), compiled before.
+pairs whose reference is less accurate than 1e-5 are left out. Quick, exact and intermediate derivatives of each scene
+are computed in turn from the same solved cycle; times are medians of one thread, summed over all scenes, with code as
+in a first run (not compiled for speed, which would take minutes for all models), compiled beforehand.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from screwsim.derivatives.solving import derivatives  # noqa: E402
 from screwsim.simulate import simulate  # noqa: E402
 
 PAIRS = ROOT / "tests" / "tools" / "derivatives_pairs.csv"
-SEED = 1  # with which the scenes of that file were drawn
+SEED = 1  # seed of the scenes of that file
 KINDS = {"quick": QUICK, "between": Fineness(), "exact": FINE}
 LIMITS = (1e-5, 1e-4, 1e-3, 1e-2)
 
 
 class Measured:
-    """What one kind of derivatives gives: errors of pairs, seconds and slices by scene."""
+    """Results of one kind of derivatives: errors of pairs, seconds and slices by scene."""
 
     def __init__(self) -> None:
         self.errors: list[float] = []
@@ -47,7 +47,7 @@ class Measured:
 
 
 def of_scene(rows: list[tool.Row], exact: tool.Exact, fineness: Fineness) -> tuple[float, float, Any, dict[str, Any]]:
-    """Return the seconds of the collocated cycle and of what follows, that cycle, and the derivatives by path."""
+    """Return the seconds of the collocated cycle and of the rest, that cycle, and the derivatives by path."""
     paths = list(dict.fromkeys(row["path"] for row in rows))
     began = time.process_time()
     cycle = collocated(exact.problem, exact.machinery, exact.life, fineness)

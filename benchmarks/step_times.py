@@ -1,7 +1,7 @@
-"""Print what a step of one chamber is made of, and what each part takes.
+"""Print the parts of a step of one chamber, and the time of each.
 
 Run: python benchmarks/step_times.py [SCENE.yaml]. The scene is closed as usual; parts are timed at states of its last
-life, the least of several times each, on one core of this machine. docs/explanation/tried.md says what follows.
+life, as the minimum of several runs, on one core of this computer. docs/explanation/tried.md has the conclusions.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from screwsim.numerics.rodas import ANGLE_STEP, JACOBIANS, REFUSED, TAKEN
 from screwsim.scene import Scene, load
 
 POINT = Path(__file__).resolve().parent.parent / "configs" / "paper" / "point.yaml"
-MOMENTS = 100  # of a life, at which parts of a step are timed
+MOMENTS = 100  # points of a life at which parts of a step are timed
 REPEATS, MANY = 15, 20_000
-STAGES = 5  # that need rates of their own
+STAGES = 5  # stages with their own rates
 SOLVES = 6  # with the factors of one step
 LOOPS = """
 def many_surroundings(times, angles, middles, E, context):
@@ -69,7 +69,7 @@ def many_flows(times, p, rho, choke, choked):
 
 
 def nanoseconds(work: Callable[[int], object], times: int) -> float:
-    """Return the time [ns] of one of `times` repetitions inside `work`: the least of several."""
+    """Return the time [ns] of one of `times` repetitions inside `work`: the minimum of several runs."""
     work(1)
     found = []
     for _ in range(REPEATS):
@@ -80,12 +80,12 @@ def nanoseconds(work: Callable[[int], object], times: int) -> float:
 
 
 def closed(scene: Scene) -> tuple[Machinery, Callable[[int], None]]:
-    """Return the machinery of a closed scene, and so many turns of its life among closed neighbours."""
+    """Return the machinery of a closed scene, and a function that repeats turns of its life among closed neighbours."""
     problem = problem_of(scene)
     machinery = leased(problem)
     rtol = close(problem, machinery, problem.wanted).rtol
     times, dense, quads, steps = machinery.last()
-    new = machinery.histories[1]  # neighbours behind are read from the turn being integrated: the same one
+    new = machinery.histories[1]  # neighbours behind are read from the turn being integrated, which is the same one
     new[0][: steps + 1], new[1][:steps], new[2][:steps] = times[: steps + 1], dense[:steps], quads[:steps]
     machinery.kept[0] = steps
     start = chambers_at_pitches(machinery)[: machinery.n]
@@ -98,7 +98,7 @@ def closed(scene: Scene) -> tuple[Machinery, Callable[[int], None]]:
 
 
 def timers(machinery: Machinery) -> dict[str, Callable[[int], object]]:
-    """Return what is timed: the parts of a step, as compiled for the scene."""
+    """Return the timed functions: the parts of a step, as compiled for the scene."""
     module = compiled(machinery.composition.text + LOOPS, "step_times")
     n, nq, context = machinery.n, machinery.nq, machinery.context
     at, dense, _, steps = machinery.last()
@@ -128,7 +128,7 @@ def timers(machinery: Machinery) -> dict[str, Callable[[int], object]]:
 
 @for_speed()
 def main() -> None:
-    """Print the parts of a step, the nozzle flow among them, which is part of rates and Jacobian."""
+    """Print the parts of a step; the nozzle flow among them is contained in rates and Jacobian."""
     machinery, turns = closed(load(sys.argv[1] if len(sys.argv) > 1 else str(POINT)))
     work = timers(machinery)
     before = machinery.counts.copy()

@@ -1,10 +1,10 @@
-"""Print what a sweep costs beside its solutions, and what a second worker brings.
+"""Print the cost of a sweep beside its solutions, and the gain by a second worker.
 
-Run: python benchmarks/sweep_speed.py [SCENE.yaml] [REPEATS]. Overhead: processor time of a sweep in this
-process, its parts included, over that of the same blocks simulated alone; the file that joins the parts is told apart.
-Workers: wall time of whole sweeps, best of the repeats; it needs idle cores. What the machine itself gives is told
-beside it: the same blocks without a sweep in one process, and in two at once. Of sweeps of a real gas the processor
-times of workers and of the process that writes the file are told, too.
+Run: python benchmarks/sweep_speed.py [SCENE.yaml] [REPEATS]. Overhead: processor time of a sweep in this process,
+including its parts, over that of the same blocks simulated alone; the file that joins the parts is given separately.
+Workers: wall time of whole sweeps, best of the repeats, which needs idle cores. For comparison with the computer's own
+limit, the same blocks run without a sweep in one process, and in two at once. For sweeps of a real gas, the processor
+times of workers and of the process that writes the file are also given.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ REAL_SWEEPS = ((1000, "estimate"), (5000, "estimate"), (1000, "none"))  # points
 
 
 def seconds(work: Callable[[], object], clock: Callable[[], float]) -> float:
-    """Return how long something takes by a clock [s]."""
+    """Return the duration of a call by a clock [s]."""
     began = clock()
     work()
     return clock() - began
@@ -55,7 +55,7 @@ def simulate_alone(scene: Scene) -> None:
 
 
 def side_by_side(scene: Scene, processes: int) -> float:
-    """Return how long processes take that each simulate all blocks at the same time [s], from their common start."""
+    """Return the time [s] of processes that each simulate all blocks simultaneously, from their common start."""
     fork = multiprocessing.get_context("fork")
     barrier = fork.Barrier(processes + 1)
 
@@ -74,9 +74,9 @@ def side_by_side(scene: Scene, processes: int) -> float:
 
 
 class Stopwatch(Progress):
-    """Progress that notes processor times [s]: when all cases are computed, and how long the file was laid out before.
+    """Progress that records processor times [s]: when all cases are computed, and how long laying out the file took.
 
-    A sweep in this process does that between its first chunk and its first tick.
+    A sweep in this process lays out the file between its first chunk and its first tick.
     """
 
     computed = 0.0
@@ -95,7 +95,7 @@ class Stopwatch(Progress):
 
 
 def swept(scene: Scene, jobs: int, batch: bool = False) -> tuple[float, float]:
-    """Sweep a scene into a file that is thrown away; return processor time [s] of its cases and of its file."""
+    """Sweep a scene into a temporary file; return the processor time [s] of its cases and of its file."""
     watch, began = Stopwatch(), time.process_time()
     with tempfile.TemporaryDirectory() as folder:
         run_sweep(scene, Path(folder) / "sweep.h5", jobs=jobs, progress=watch, warm_up=nothing, batch=batch)

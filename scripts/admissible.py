@@ -1,16 +1,16 @@
 """Sample the machines that the paper leaves open, and count which of its claims each meets.
 
-The paper (Chernov et al. 2015) gives no sizes, clearances, pressures or temperatures. Every row of OPEN is one of them
-with bounds and the reason for the bounds. A Sobol sequence (seed 1) over them is evaluated on a coarse grid (11 oil
-ratios at the five speeds of Fig. 1, accuracy 1e-4); A1-A4 are judged as in screwsim.study.claims, A5 by its value.
+The paper (Chernov et al. 2015) gives no sizes, clearances, pressures or temperatures. Each row of OPEN is one of them,
+with bounds and the reason for these. A Sobol sequence (seed 1) over them is evaluated on a coarse grid (11 oil ratios
+at the five speeds of Fig. 1, accuracy 1e-4); A1-A4 are judged as in screwsim.study.claims, A5 by its value.
 
     python scripts/admissible.py sample 512       -> results/admissible.csv and a summary
     python scripts/admissible.py leaks            the leaks of configs/paper at which A5 holds
 
-The machine of configs/paper is one of them with A1-A4, rounded: the best while the paper's (19) was read as the tips of
-every interface (M19), the ninth with those of a chamber (M260). Its tips leak less than half as much so, and η at A5
-is 71.8 %. The second command gives the rest back: all four leaks go the same share of the way, in logarithms, from the
-sample's to the upper bounds. No leak alone can: the widest tips leave 69.8 %.
+The machine of configs/paper is one of those that meet A1-A4, rounded: the best one while the paper's (19) was read as
+the tips of every interface (M19), the ninth with those of a chamber (M260). With the latter its tips leak less than
+half as much, and η at A5 is 71.8 %. The second command restores A5: all four leaks move the same share of the way, in
+logarithms, from the sample's values to the upper bounds. No single leak suffices: the widest tips leave 69.8 %.
 """
 
 import os
@@ -36,7 +36,7 @@ RATIOS = np.geomspace(0.15, 20.0, 11)
 
 
 class Open(NamedTuple):
-    """One open parameter: bounds, whether sampled in logarithms, and why these bounds."""
+    """One open parameter: bounds, whether sampled in logarithms, and the reason for these bounds."""
 
     name: str
     low: float
@@ -63,7 +63,7 @@ OPEN = (
     Open("line_loss_bar", 0.3, 2.0, False, "oil filter, cooler and nozzles"),
     Open("suction_K", 278, 290, False, "superheated vapour"),
 )
-LEAKS = {  # of configs/paper: what the sample's machine has, rounded, and the upper bound at 160 mm; SI
+LEAKS = {  # of configs/paper: rounded value of the sample's machine, and upper bound at 160 mm; SI
     "effects.tip_leakage.gap": (15e-6, 30e-6),
     "effects.interlobe_leakage.gap": (27e-6, 30e-6),
     "effects.end_face_leakage.gap": (27e-6, 50e-6),
@@ -76,13 +76,13 @@ LOG = np.array([item.log for item in OPEN])
 
 
 def from_unit(u: np.ndarray) -> np.ndarray:
-    """Return parameters from a point of the unit cube."""
+    """Return the parameters at a point of the unit cube."""
     safe = np.maximum(LOW, 1e-9)
     return np.where(LOG, safe * (HIGH / safe) ** u, LOW + (HIGH - LOW) * u)
 
 
 def to_unit(x: np.ndarray) -> np.ndarray:
-    """Return the point of the unit cube of some parameters."""
+    """Return the point of the unit cube for given parameters."""
     safe = np.maximum(LOW, 1e-9)
     return np.where(LOG, np.log(np.maximum(x, 1e-9) / safe) / np.log(HIGH / safe), (x - LOW) / (HIGH - LOW))
 
@@ -90,7 +90,7 @@ def to_unit(x: np.ndarray) -> np.ndarray:
 def machine(base: Scene, x: np.ndarray, pump: bool = True) -> Scene:
     """Return the paper's scene with the open parameters x; lengths scale with the diameter.
 
-    `pump` False: `base` has displacement supply, and no line loss.
+    With `pump` False, `base` has a displacement supply and no line loss.
     """
     v = dict(zip((item.name for item in OPEN), (float(value) for value in x), strict=True))
     D, opens = v["diameter_mm"] * 1e-3, v["opens_deg"] * DEGREE
@@ -137,7 +137,7 @@ def curves(scene: Scene) -> np.ndarray:
 
 
 class Verdict(NamedTuple):
-    """Which of A1-A4 hold, η at 1000 rpm and d = 3, and by how much the whole misses (0: nothing)."""
+    """Which of A1-A4 hold, η at 1000 rpm and d = 3, and the total deviation (0: none)."""
 
     a1: bool
     a2: bool
@@ -187,7 +187,7 @@ def sample(count: int) -> None:
 
 
 def leaks() -> None:
-    """Print the leaks of the paper's machine that meet A5, all the same share of the way to their bounds."""
+    """Print the leaks of the paper's machine that meet A5, all at the same share of the way to their bounds."""
     base = load(str(ROOT / "configs" / "paper" / "point.yaml"))
 
     def at(share: float) -> dict[str, float]:

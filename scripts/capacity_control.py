@@ -30,7 +30,7 @@ Found = dict[tuple[str, str], PartLoad]
 
 
 def solved(way: str, supply: str) -> PartLoad:
-    """Return what one way makes of the machine."""
+    """Return the part-load results of one way."""
     scene = load(CONFIGS / f"{way}{SUPPLIES[supply]}.yaml")
     (control,) = (each for each in controls(scene) if each.path in scene.sweep)
     found = part_load(replace(scene, sweep={}), control)
@@ -56,7 +56,7 @@ def table(found: Found, path: Path) -> None:
 
 
 def pages(found: Found) -> None:
-    """Print a table of each figure at equal loads, as docs/reference/effects-loads.md has them."""
+    """Print a table of each figure at equal loads, as in docs/reference/effects-loads.md."""
     for name, (title, factor, offset) in FIGURES.items():
         print(f"| {title.replace('$', '')} at a load of | {' | '.join(f'{x:.0%}'.replace('%', ' %') for x in LOADS)} |")
         print(f"|{'---|' * (1 + len(LOADS))}")
@@ -67,7 +67,7 @@ def pages(found: Found) -> None:
 
 
 def figure(found: Found):
-    """Draw all figures over the load: a colour a way, dashed for displaced oil."""
+    """Draw all figures over the load: one colour per way, dashed lines for displaced oil."""
     drawing = new_figure(DOUBLE, 130.0)
     panels = drawing.subplots(2, 2, sharex=True).ravel()
     for axes, (name, (label, factor, offset)) in zip(panels, FIGURES.items(), strict=True):

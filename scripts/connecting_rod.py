@@ -1,10 +1,10 @@
-"""Print the reference design of the flexible connecting rod beside its source, and draw its figures.
+"""Compare the reference design of the flexible connecting rod with its source, and draw its figures.
 
-Run: .venv/bin/python scripts/connecting_rod.py [FOLDER]   (default: results/rod). Last comes the same rod under the
-cylinder pressure that a compressor on it has in our simulation (configs/slider_crank/flexible_rod.yaml).
+Run: .venv/bin/python scripts/connecting_rod.py [FOLDER]   (default: results/rod). The last part is the same rod under
+the cylinder pressure that our simulation gives for a compressor with it (configs/slider_crank/flexible_rod.yaml).
 
 Sizes and load are the source's (validation/slider_crank/rod.csv); material and friction are not stated there and are
-assumptions, said so in the print. Equations and findings: docs/reference/slider-crank.md.
+assumptions, marked in the output. Equations and findings: docs/reference/slider-crank.md.
 """
 
 import math
@@ -43,7 +43,7 @@ def rod_of(design: dict[str, float], modulus: float = MODULUS) -> FlexibleRod:
 
 
 def loads(load: SchmidtLoad, rod: FlexibleRod) -> Bending:
-    """Print the load and the stability and return the bending over the turn."""
+    """Print the load and the stability, and return the bending over one revolution."""
     bending = bend(rod, ALPHA, load.load(ALPHA))
     low, high = float(bending.load.min()), float(bending.load.max())
     print(
@@ -89,7 +89,7 @@ def friction(bending: Bending, rod: FlexibleRod, design: dict[str, float]) -> No
 
 
 def computed(rod: FlexibleRod, schmidt: Bending) -> None:
-    """Print what our cylinder pressure does to the rod, beside the Schmidt-type load."""
+    """Print the effect of our cylinder pressure on the rod, beside the Schmidt-type load."""
     scene = load_scene(SCENE)
     result = simulate(scene)
     cycle, p_s = result.cycle, float(result.performance.suction_pressure)

@@ -1,4 +1,4 @@
-"""Print the rubber-cord coupling beside its source, and draw its figures.
+"""Compare the rubber-cord coupling with its source, and draw its figures.
 
 Run: .venv/bin/python scripts/coupling.py [FOLDER]   (default: results/coupling)
 
@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parent.parent
 DATA = ROOT / "validation" / "rubber_cord_coupling"
 DRAWN = RubberCordCoupling(cords=60, lean_plus=math.radians(36.0), lean_minus=math.radians(36.0))
 COUPLING = RubberCordCoupling()
-CORD_STEP = 0.1 / 94  # [m], 94 cords on 10 cm
+CORD_STEP = 0.1 / 94  # [m], 94 cords per 10 cm
 
 
 def read_leans() -> dict[str, Lean]:

@@ -30,7 +30,7 @@ FIGURES = ("shaft_power", "volumetric_efficiency", "isothermal_efficiency")
 
 
 def points(name: str, overrides: tuple[str, ...]) -> list[Point]:
-    """Return a drive over the speeds."""
+    """Return the points of a drive over the speeds."""
     path = CONFIGS / f"{name}.yaml"
     quick = ("numerics.error=none", "numerics.accuracy=1e-3")
     scenes = (load(path, overrides=[*overrides, *quick, f"operation.speed={n} rpm"]) for n in SPEEDS)
@@ -47,7 +47,7 @@ def points(name: str, overrides: tuple[str, ...]) -> list[Point]:
 
 
 def ripple() -> None:
-    """Print what the ripple changes in power, volumetric and isothermal efficiency, by speed."""
+    """Print the changes by ripple of power, volumetric and isothermal efficiency, by speed."""
     print("| drive | speed | ripple | coupling torque | ΔP_shaft | Δλ | Δη_iso |")
     print("|---|---|---|---|---|---|---|")
     for name in ("point", "rubber_cord"):
@@ -66,7 +66,7 @@ def ripple() -> None:
 
 
 def main() -> None:
-    """Draw and print."""
+    """Draw the figure and print the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-o", dest="folder", default="results/drive", metavar="FOLDER")
     folder = Path(parser.parse_args().folder)

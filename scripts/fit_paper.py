@@ -1,15 +1,15 @@
 """Fit the machine that the paper leaves open to its two numbers and its orderings, from several starts.
 
-    python scripts/fit_paper.py 12      -> validation/paper/fits.csv, one row a start
+    python scripts/fit_paper.py 12      -> validation/paper/fits.csv, one row per start
 
-Unknown are the quantities of scripts/admissible.py inside their bounds, and the speed at which displacement gives d = 3
-(the bore follows from it). Residuals: A5, 68 % within 0.5 points; A6, 44 % within 2 points; each ordering of A2, A3 and
-A4 between neighbouring speeds counts by what it lacks and nothing where it holds. There are more unknowns than
-conditions, so that fits that meet all are many: each start leads to one near it, and their spread is the result.
+Unknowns are the quantities of scripts/admissible.py within their bounds, and the speed at which displacement gives d =
+3 (which determines the bore). Residuals: A5, 68 % within 0.5 points; A6, 44 % within 2 points; each ordering of A2, A3
+and A4 between neighbouring speeds counts by its shortfall, or not at all where it holds. There are more unknowns than
+conditions, so that many fits meet all: each start leads to one near it, and their scatter is the result.
 
-Starts are the machines of validation/paper/admissible.csv with A1-A4, nearest to A5 first; least squares as in
+Starts are the machines of validation/paper/admissible.csv with A1-A4, nearest to A5 first; least squares are as in
 `screwsim calibrate` (bounded, central differences of 0.01 of the bounds). `screwsim validate paper` computes the
-figures of every row again.
+figures of each row again.
 """
 
 import csv
@@ -34,16 +34,16 @@ ROOT = Path(__file__).resolve().parent.parent
 PAPER = ROOT / "validation" / "paper"
 TARGET = PAPER / "fits.csv"
 RPM, D = 2.0 * np.pi / 60.0, 3.0
-SPEEDS = (250.0, 5000.0)  # [rpm] of A6, those of Fig. 1
+SPEEDS = (250.0, 5000.0)  # [rpm] of A6, range of Fig. 1
 A5, A5_WIDTH, A6, A6_WIDTH = 0.68, 0.005, 0.44, 0.02
-MARGINS = (0.004, 0.05, 0.05, 0.05)  # of A2 (efficiency), A3 (curvature, drop), A4 (ratio; logarithms but the first)
-WIDTHS = (0.004, 0.05, 0.05, 0.05)  # what counts as one
+MARGINS = (0.004, 0.05, 0.05, 0.05)  # A2 (efficiency), A3 (curvature, drop), A4 (ratio); the last three in logarithms
+WIDTHS = (0.004, 0.05, 0.05, 0.05)  # shortfalls that count as one
 TOLD = "(least squares to A5, A6 and the orderings; row: of admissible.csv, where it began; cost: sum of squares)"
 STEP, LOST, CHEAP = 0.01, 5.0, ("numerics.accuracy=1e-4", "numerics.error=none")
 
 
 def displaced(scene: Scene, x: np.ndarray, rpm: float) -> tuple[float, float]:
-    """Return η of displacement supply where its bore gives d = 3 at a speed [rpm], and that bore [m]."""
+    """Return η of displacement supply with the bore that gives d = 3 at a speed [rpm], and that bore [m]."""
     machine = with_values(admissible.machine(scene, x, pump=False), {"operation.speed": rpm * RPM})
     bore = 4e-3 * np.sqrt(rpm / 1000.0)
     for _ in range(4):
@@ -70,7 +70,7 @@ def curves(scene: Scene) -> np.ndarray:
 
 
 def orderings(eta: np.ndarray) -> list[float]:
-    """Return what A2, A3 and A4 lack between neighbouring speeds, LOST each where an optimum is missing."""
+    """Return the shortfalls of A2, A3 and A4 between neighbouring speeds; LOST for each where an optimum is missing."""
     best = [optimum(admissible.RATIOS, row) for row in eta]
     left = []
     for fast, slow in pairwise(best):
@@ -99,7 +99,7 @@ class Paper:
         return float(SPEEDS[0] * (SPEEDS[1] / SPEEDS[0]) ** u[-1])
 
     def residuals(self, u: np.ndarray) -> np.ndarray:
-        """Return A5, A6, then the orderings."""
+        """Return the residuals of A5, A6, then of the orderings."""
         u = np.clip(u, 0.0, 1.0)
         x = admissible.from_unit(u[:-1])
         eta = curves(admissible.machine(self.pump, x))
@@ -119,7 +119,7 @@ class Paper:
 
 
 def starts(count: int) -> list[tuple[int, np.ndarray]]:
-    """Return (row of the sample, its place with 500 rpm) of machines with A1-A4, nearest to A5 first."""
+    """Return (row of the sample, point of the unit cube with 500 rpm) of machines with A1-A4, nearest to A5 first."""
     rows = read_table(PAPER / "admissible.csv")
     good = [(n, row) for n, row in enumerate(rows, 1) if all(row[f"a{i}"] == "True" for i in (1, 2, 3, 4))]
     good.sort(key=lambda each: abs(float(each[1]["eta"]) - A5))
@@ -129,7 +129,7 @@ def starts(count: int) -> list[tuple[int, np.ndarray]]:
 
 
 def fit(start: tuple[int, np.ndarray]) -> dict[str, Any]:
-    """Return the row of one start."""
+    """Return the table row of one start."""
     paper, (number, began) = Paper(), start
     found = least_squares(
         paper.residuals, began, jac=paper.slopes, bounds=(0.0, 1.0), xtol=1e-4, ftol=1e-3, gtol=1e-6, max_nfev=10
@@ -143,7 +143,7 @@ def fit(start: tuple[int, np.ndarray]) -> dict[str, Any]:
 
 
 def write(rows: list[Mapping[str, Any]]) -> None:
-    """Write what is there, the best first."""
+    """Write the rows so far, the best first."""
     with TARGET.open("w", newline="", encoding="utf-8") as stream:
         stream.write(f"# Made by: python scripts/fit_paper.py {sys.argv[1]} {TOLD}\n")
         writer = csv.DictWriter(stream, list(rows[0]), lineterminator="\n")
@@ -152,7 +152,7 @@ def write(rows: list[Mapping[str, Any]]) -> None:
 
 
 def main(count: int) -> None:
-    """Fit from so many starts."""
+    """Fit from `count` starts."""
     rows: list[Mapping[str, Any]] = []
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         for row in pool.map(fit, starts(count)):

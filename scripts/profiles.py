@@ -1,8 +1,8 @@
 """Print what rotor profiles decide: the machines of configs/rotors, wrap, length, built-in ratio, clearance, speed.
 
 Run: .venv/bin/python scripts/profiles.py [-o DIR]; -o draws the figures profiles and profile_studies there. Machines
-are compared at the displacement of (b) a male revolution: all lengths of a machine are scaled together, the clearances
-stay. Published: the mean of Bitzer's compact screws (validation/bitzer).
+are compared at the displacement per male revolution of (b): all lengths of a machine are scaled together, while
+clearances stay. Published values are the mean of Bitzer's compact screws (validation/bitzer).
 """
 
 import argparse
@@ -43,7 +43,7 @@ AXES = {
 
 
 def scaled(scene: Scene, factor: float) -> Scene:
-    """Return the scene with all lengths of the rotors multiplied."""
+    """Return the scene with all lengths of the rotors multiplied by a factor."""
     machine, profile = scene.machine, scene.machine.profile
     lengths = {f"machine.{name}": getattr(machine, name) for name in ("rotor_diameter", "rotor_length")}
     names = ("centre_distance", "female_diameter", *(f"{part}_radius" for part in ROUNDED))
@@ -52,7 +52,7 @@ def scaled(scene: Scene, factor: float) -> Scene:
 
 
 def displacement(scene: Scene) -> float:
-    """Return the displacement of a male revolution [m³]."""
+    """Return the displacement per male revolution [m³]."""
     geometry = Geometry(scene.machine)
     return geometry.swept_volume * geometry.lobes
 
@@ -71,7 +71,7 @@ def figures(scene: Scene) -> str:
 
 
 def compare(scenes: dict[str, Scene]) -> dict[str, Result]:
-    """Print the profiles at one displacement, with what their effects destroy; return their results."""
+    """Print the profiles at one displacement, with the exergy destroyed by their effects; return their results."""
     results = {}
     print("Profiles at one displacement and one set of clearances, R134a 2/45 degC")
     head = "".join(f"{name.replace('_leakage', '').replace('_', ' '):>16}" for name in LOSSES)
@@ -93,7 +93,7 @@ def _share(result: Result, name: str) -> float:
 
 
 def variations(b: Scene) -> Iterator[tuple[str, list[tuple[str, Scene]]]]:
-    """Yield (what is varied, [(value, scene)]) of profile (b) at one displacement."""
+    """Yield (varied quantity, [(value, scene)]) for profile (b) at one displacement."""
     wanted, slender = displacement(b), b.machine.rotor_length / b.machine.rotor_diameter
     for name, values, path, unit in (
         ("wrap angle", (240, 260, 280, 300, 320, 340), "machine.profile.wrap_angle", DEG),
@@ -110,16 +110,16 @@ def variations(b: Scene) -> Iterator[tuple[str, list[tuple[str, Scene]]]]:
 
 
 def paths(b: Scene) -> None:
-    """Print what each leakage path of (b) takes, by its kind and the pitches between its chambers."""
+    """Print the effect of each leakage path of (b), by its kind and the pitches between its chambers."""
     laid, whole = lay(b.machine), simulate(b, trace=False).performance
     print("\nWhat a path takes of profile (b), path by path: lambda, eta_s")
     number = 0
     for gap, interfaces in laid.interfaces.items():
         for one in interfaces:
-            closed = replace(one, table=one.table.times(1e-9))  # the same model compiled
+            closed = replace(one, table=one.table.times(1e-9))  # so that the same model is used as compiled
             others = tuple(closed if other is one else other for other in interfaces)
             changed = replace(laid, interfaces={**laid.interfaces, gap: others})
-            number += 1  # another machine, whose geometry is not known yet
+            number += 1  # another machine, whose geometry is not cached yet
             other = with_values(b, {"machine.rotor_length": b.machine.rotor_length * (1.0 + 1e-13 * number)})
             with patch("screwsim.machine.profile_law.lay", return_value=changed):
                 found = simulate(other, trace=False).performance
@@ -181,7 +181,7 @@ def _studies_figure(studies: dict[str, list[tuple[float, float, float]]]) -> Any
 
 
 def main() -> None:
-    """Print all tables, and draw them where -o says."""
+    """Print all tables, and draw them into the folder of -o."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("-o", type=Path, metavar="DIR", help="where the figures go")
     folder = parser.parse_args().o

@@ -2,7 +2,7 @@
 
     python scripts/release_notes.py 1.3.0      or the tag, v1.3.0
 
-A section that is headed "(unreleased)" is printed, too, with a note on stderr: that is to be changed before the tag.
+A section headed "(unreleased)" is printed too, with a note on stderr, as the heading must be changed before the tag.
 """
 
 import re
@@ -22,7 +22,7 @@ def sections(text: str) -> dict[str, tuple[str, str]]:
 
 
 def main(arguments: Sequence[str], changelog: Path = CHANGELOG) -> int:
-    """Print the notes; return 2 for what cannot be printed, with one line that says why."""
+    """Print the notes; return 2, with one line on the reason, if they cannot be printed."""
     if len(arguments) != 1 or arguments[0].startswith("-"):
         print("usage: python scripts/release_notes.py VERSION (as 1.3.0 or v1.3.0)", file=sys.stderr)
         return 2

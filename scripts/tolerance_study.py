@@ -1,4 +1,4 @@
-"""Print the kinematic tolerance study of a slider-crank beside its source, and draw its figures.
+"""Compare the kinematic tolerance study of a slider-crank with its source, and draw its figures.
 
 Run: .venv/bin/python scripts/tolerance_study.py [FOLDER]   (default: results/tolerance)
 
@@ -24,7 +24,7 @@ ROUNDED = Links(0.092, 0.413, 0.015)
 
 
 class Printed(NamedTuple):
-    """The table of the source: angles over π as printed and in rad, values [m/rad], half of their last digit."""
+    """The source's table: angles over π as printed and in rad, values [m/rad], half of their last digit."""
 
     names: list[str]
     angles: np.ndarray
@@ -42,7 +42,7 @@ def printed_table() -> Printed:
 
 
 def functions(table: Printed) -> None:
-    """Print the three functions at the angles of the table, and how many values agree to the printed digits."""
+    """Print the three functions at the table's angles, and how many values agree to the printed digits."""
     print("Transfer function [m/rad] at the 32 angles of the source")
     print(f"{'angle/pi':>9} {'printed':>11}" + "".join(f"{name:>12}" for name in FUNCTIONS))
     found = {name: function(table.angles, NOMINAL) for name, function in FUNCTIONS.items()}
@@ -54,7 +54,7 @@ def functions(table: Printed) -> None:
 
 
 def deviations(table: Printed) -> None:
-    """Print the ten printed standard deviations and the limit beside ours."""
+    """Compare the ten printed standard deviations and the limit with ours."""
     printed = read_table(DATA / "deviations.csv")
     alpha = table.angles
     print("\nStandard deviations [mm/rad] and their difference from the printed ones")
@@ -77,7 +77,7 @@ def deviations(table: Printed) -> None:
 
 
 def grades() -> None:
-    """Print what errors of 1 % and the accuracy grades do to the law of motion, over a whole turn."""
+    """Print the effect of 1 % errors and of accuracy grades on the law of motion, over a whole revolution."""
     print("\nError of the law as a share of the law (equal standard deviations over a whole turn)")
     print(f"{'function':>10} {'crank +1%':>10} {'rod +1%':>9} {'rod/crank':>10} {'largest on the square':>22}")
     for name, function in FUNCTIONS.items():

@@ -1,4 +1,4 @@
-"""The command `screwsim`: arguments to calls, and what they give to print and exit codes.
+"""The command `screwsim`: from arguments to calls, printed output and exit codes.
 
 Heavy modules are imported inside the commands, so that `--help` answers at once.
 """
@@ -26,7 +26,7 @@ from screwsim.screen import say
 from screwsim.version import version
 
 NO_PLACE = (errno.ENAMETOOLONG, errno.EACCES, errno.EPERM, errno.EROFS, errno.ELOOP)
-FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # what a disk says that takes no more
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # errors of a disk that is full
 
 app = typer.Typer(
     name="screwsim",
@@ -34,7 +34,7 @@ app = typer.Typer(
     epilog="Exit codes: 0 ok, 1 internal error, 2 usage, 3 bad scene, 4 some cases failed or did not close, "
     "130 interrupted. A reader of the output that leaves early (| head) changes none of them.",
     add_completion=False,
-    suggest_commands=False,  # mistakes.explain does, where following it does nothing else
+    suggest_commands=False,  # mistakes.explain suggests commands that are safe to follow
     no_args_is_help=True,
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -69,7 +69,7 @@ for _registered in (*app.registered_commands, *export_app.registered_commands):
 
 @cache
 def _line(name: str) -> Any:
-    """Return what reads the arguments of one command, or of all: to make them takes a tenth of a command's start."""
+    """Return the parser of one command's arguments, or of all: building them all takes a tenth of a command's start."""
     alone = copy.copy(app)
     if name:
         alone.registered_commands = [each for each in app.registered_commands if _name(each) == name]
@@ -85,17 +85,17 @@ _NAMES = {*map(_name, app.registered_commands), *(group.name for group in app.re
 
 
 def exit_code(arguments: Sequence[str]) -> int:
-    """Run a command; print on stderr what went wrong, and return the exit code."""
+    """Run a command; print errors on stderr, and return the exit code."""
     try:
-        # typer's own handling of errors would end with other exit codes
+        # typer's own error handling would exit with other codes
         named = arguments[0] if arguments and arguments[0] in _NAMES else ""
         outcome = _line(named).main(list(arguments), "screwsim", standalone_mode=False)
-        sys.stdout.flush()  # what finds no room is told here, and not at Python's end
+        sys.stdout.flush()  # errors of full disks are reported here, not when Python exits
     except KeyboardInterrupt:
         outcome = INTERRUPTED
     except Exception as error:  # noqa: BLE001 - whatever it is, the user gets one line
         outcome = INTERRUPTED if process.interrupted() else _fault(error, arguments)
-    if process.interrupted() or outcome == INTERRUPTED:  # some code in between may have swallowed it
+    if process.interrupted() or outcome == INTERRUPTED:  # other code may have swallowed the exception
         resumes = "; the sweep resumes when it is started again" if "sweep" in arguments[:1] else ""
         if "optimize" in arguments[:1] and "-o" in arguments:
             resumes = "; the same command goes on where it stopped"
@@ -104,14 +104,14 @@ def exit_code(arguments: Sequence[str]) -> int:
 
 
 def _fault(error: Exception, arguments: Sequence[str]) -> int:
-    """Print what went wrong, and return the exit code."""
+    """Print an error, and return the exit code."""
     if isinstance(error, SceneError):
         return complain(str(error), BAD_SCENE)
     if isinstance(error, UsageError):
         return complain(" ".join(str(error).splitlines()), USAGE)
-    if isinstance(error, typer.Abort):  # how typer tells the end of a file where nothing was asked
+    if isinstance(error, typer.Abort):  # how typer reports an end of file where nothing was asked
         return _internal(error.__cause__ if isinstance(error.__cause__, Exception) else error)
-    if isinstance(error, typer.TyperException):  # the arguments make no sense
+    if isinstance(error, typer.TyperException):  # invalid arguments
         mistakes.explain(error, *_below(arguments))
         told = io.StringIO()
         getattr(error, "show", lambda file: None)(file=told)
@@ -127,7 +127,7 @@ def _fault(error: Exception, arguments: Sequence[str]) -> int:
 
 
 def _below(arguments: Sequence[str]) -> tuple[Sequence[str], Any]:
-    """Return the arguments from the command's name on, and the commands there are: those of a group behind its name."""
+    """Return the arguments from the command's name on, and the existing commands; for a group, those inside it."""
     group = _line("")
     inner = group.commands.get(arguments[0]) if arguments else None
     below = getattr(inner, "commands", None)
@@ -143,10 +143,10 @@ def _internal(error: Exception) -> int:
 
 
 def main() -> None:
-    """Be the command `screwsim`."""
+    """Run the command `screwsim`."""
     process.begin()
     try:
         code = exit_code(sys.argv[1:])
-    except KeyboardInterrupt:  # pressed between two lines above
+    except KeyboardInterrupt:  # pressed between the two lines above
         code = complain("interrupted", INTERRUPTED)
     process.end(code)

@@ -1,4 +1,4 @@
-"""The command that rates: a scene's data sheet, in the form that its trade uses."""
+"""The command that rates: a scene's data sheet, in the form customary in its trade."""
 
 from typing import Annotated
 

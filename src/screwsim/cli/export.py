@@ -1,4 +1,4 @@
-"""The command `export`: a machine's map, loads and spectra in the forms that other tools read."""
+"""The command `export`: a machine's map, loads and spectra in the formats of other tools."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def _told(scene: Scene, inputs: Sequence[Input]) -> None:
 
 
 def ended(table: Table, files: list[str], as_json: bool) -> int:
-    """Print a map and its files; return the exit code, not ok where its error is above that asked for."""
+    """Print a map and its files; return the exit code, not ok where its error exceeds the requested one."""
     from screwsim.printing.export import map_document, print_map, shortfall
 
     show(as_json, map_document, print_map, table, files)
@@ -97,7 +97,7 @@ def fmu(
 
     keep_other_units(output)
     if not sources_only:
-        compiler()  # is asked for before the map is simulated
+        compiler()  # reports a missing compiler before the map is simulated
     told = _told_of_polynomials if kind == "polynomial" else _told
     table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _bar, told)
     if kind == "polynomial":
@@ -296,7 +296,7 @@ def _finished(document: dict, figures: Sequence[str], rows: list, files: list[st
 
 
 def _written(output: Path, content: str | dict) -> str:
-    """Write a text, or a document as JSON, and return the path."""
+    """Write a text, or a document as JSON; return the path."""
     from screwsim.printing import write_json
     from screwsim.results.atomic import make_folder, write_text
 

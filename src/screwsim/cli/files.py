@@ -1,4 +1,4 @@
-"""The commands that show: rotors, results as figures and as a page, the comparison with sources, schemas."""
+"""The commands that show: rotors, results as figures and as a page, comparisons with sources, schemas."""
 
 from pathlib import Path
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""The commands that ask measured points of a machine: what has changed since, and which points to measure next."""
+"""The commands on measured points of a machine: what has changed since, and which points to measure next."""
 
 from typing import Annotated
 

@@ -1,4 +1,4 @@
-"""Arguments that make no sense: what a person may have meant, where following it does nothing else."""
+"""Invalid arguments: suggest what may have been meant, where following the suggestion is safe."""
 
 import re
 import shlex
@@ -8,12 +8,12 @@ import typer
 
 from screwsim.inputs.near import nearest
 
-# options whose values may have blanks
+# options whose values may contain blanks
 _VALUED = ("--set", "--path", "--from", "--to", "--vary", "--for", "--subject-to", "--catalogue")
 
 
 def explain(error: typer.TyperException, arguments: Sequence[str], commands: Iterable[str]) -> None:
-    """Change what an error says of the arguments: quotes that lack, the nearest command, the nearest option."""
+    """Improve an error message on arguments: missing quotes, the nearest command, the nearest option."""
     text = str(getattr(error, "message", ""))
     offered = getattr(error, "possibilities", None)
     if offered:
@@ -39,7 +39,7 @@ def _command(name: str, commands: list[str]) -> str:
 
 
 def _quoted(arguments: Sequence[str]) -> str | None:
-    """Return the first option whose value seems to go on in the next arguments, quoted as a shell wants it."""
+    """Return the first option whose value seems to continue in the next arguments, quoted for a shell."""
     for place, option in enumerate(arguments[:-1]):
         name, equals, value = option.partition("=")
         if name in _VALUED:
@@ -54,7 +54,7 @@ def _quoted(arguments: Sequence[str]) -> str | None:
 
 
 def _repeated(arguments: Sequence[str]) -> str | None:
-    """Return the remedy where --without has several names."""
+    """Return the remedy where --without is given several names."""
     if "--without" not in arguments[:-2]:
         return None
     place = list(arguments).index("--without") + 1

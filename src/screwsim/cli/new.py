@@ -1,4 +1,4 @@
-"""The command that begins: a complete, commented scene of a realistic machine, to be changed by hand."""
+"""The command for a new scene: complete, commented and realistic, to be edited by hand."""
 
 from pathlib import Path
 from typing import Annotated
@@ -86,7 +86,7 @@ def new(
         found = sized(kind, asked)
         text = found.text
         for line in told(asked, found):
-            say(wrapped(line), err=output is None)  # where the scene itself goes to the screen
+            say(wrapped(line), err=output is None)  # to stderr where the scene itself goes to the screen
     else:
         text = new_scene(kind, asked)
         if asked.economizer:
@@ -96,12 +96,12 @@ def new(
     if output is None:
         say(text.rstrip("\n"))
         return
-    _free(output)  # again: what came there meanwhile stays
+    _free(output)  # again: a file that has appeared meanwhile is kept
     say(write_text(output, text))
 
 
 def _free(output: Path) -> None:
-    """Raise UsageError unless a scene can be written there without taking anything's place."""
+    """Raise UsageError unless a scene can be written there without replacing anything."""
     if output.suffix.lower() not in (".yaml", ".yml"):
         good = output.with_suffix(".yaml")
         raise UsageError(f"-o {output}: a scene is written, which ends in .yaml (write -o {good})")

@@ -1,4 +1,4 @@
-"""What several commands share: exit codes, arguments and options, and the scene that they name."""
+"""Shared by several commands: exit codes, arguments and options, and loading of the scene."""
 
 from __future__ import annotations
 
@@ -42,14 +42,14 @@ def loaded(scene_file: str, overrides: Sequence[str] | None, without: Sequence[s
 
 
 def bar(title: str = "sweep", names: Sequence[str] = ()) -> Progress:
-    """Return what shows on stderr how far a study has come."""
+    """Return a progress display on stderr for a study."""
     from screwsim.study.progress import for_terminal
 
     return for_terminal(title, names)
 
 
 def show(as_json: bool, document: Callable[..., Any], printed: Callable[..., None], *found: Any) -> None:
-    """Print what was found: the JSON document of it, or text for people."""
+    """Print a result as its JSON document, or as text."""
     from screwsim.printing import print_json
 
     if as_json:
@@ -59,7 +59,7 @@ def show(as_json: bool, document: Callable[..., Any], printed: Callable[..., Non
 
 
 def check_results(output: Path) -> None:
-    """Raise UsageError where a name of results tells of another kind of file than HDF5, or is that of a folder."""
+    """Raise UsageError where a name for results has another file's ending than HDF5, or is that of a folder."""
     if output.suffix and output.suffix.lower() not in RESULTS:
         good = output.with_suffix(RESULTS[0])
         also = "; screwsim report makes a page of it" if output.suffix.lower() in PAGES else ""
@@ -71,13 +71,13 @@ def check_results(output: Path) -> None:
 
 
 def check_target(output: Path | None, *endings: str) -> None:
-    """Raise UsageError unless the name of a file has one of the endings."""
+    """Raise UsageError unless the file name has one of the endings."""
     if output is not None and output.suffix.lower() not in endings:
         raise UsageError(f"-o {output}: has no ending that tells its format (write one of {', '.join(endings)})")
 
 
 def check_columns(output: Path | None, title: str, *names: str) -> None:
-    """Raise UsageError unless a file has an ending of columns, and none lies there but such columns."""
+    """Raise UsageError unless the file name has an ending of columns, and any file there holds such columns."""
     from screwsim.study.columns import keep_other_columns
 
     check_target(output, ".csv", ".h5")
@@ -86,7 +86,7 @@ def check_columns(output: Path | None, title: str, *names: str) -> None:
 
 
 def check_page(output: Path) -> None:
-    """Raise UsageError where the name of a page does not end as one, or a file lies there that is none."""
+    """Raise UsageError where a page's file name has another ending, or the file there is not a page."""
     from screwsim.results.kept import PAGE, keep_without
 
     keep_without(output, PAGE)
@@ -96,14 +96,14 @@ def check_page(output: Path) -> None:
 
 
 def check_drawer(folder: Path | None) -> None:
-    """Raise UsageError where the name of a folder is that of a file, by its ending or because one is there."""
+    """Raise UsageError where a folder's name is that of a file, by its ending or because a file is there."""
     if folder is not None and (folder.suffix.lower() in FILES or folder.is_file()):
         good = folder.with_suffix("") if folder.suffix else folder.with_name(f"{folder.name}_files")
         raise UsageError(f"-o {folder}: several files are written, into a folder (write e.g. -o {good})")
 
 
 def check_place(output: Path) -> None:
-    """Raise UsageError where a run's results would replace anything but those of a run."""
+    """Raise UsageError where a run's results would replace anything but results of a run."""
     from screwsim.results import open_results
     from screwsim.results.atomic import HDF5, holds, keep_others
 
@@ -114,7 +114,7 @@ def check_place(output: Path) -> None:
 
 
 def base_point(scene: Scene, file: str) -> Scene:
-    """Return the scene without its sweep, as it is stored beside the result; say so on stderr where it has one."""
+    """Return the scene without its sweep, as stored with the result; if it has one, report that on stderr."""
     if not scene.sweep:
         return scene
     from screwsim.scene import scene_text
@@ -125,7 +125,7 @@ def base_point(scene: Scene, file: str) -> Scene:
 
 
 def say_left_aside(scene: Scene, whose: str, remedy: str) -> None:
-    """Say on stderr that a command leaves the sweep of a scene aside, where it has one."""
+    """Report on stderr that a command ignores the sweep of a scene, if there is one."""
     from screwsim.scene import case_count
 
     count = case_count(scene)
@@ -135,7 +135,7 @@ def say_left_aside(scene: Scene, whose: str, remedy: str) -> None:
 
 
 def complain(text: str, code: int) -> int:
-    """Say on stderr what went wrong, behind all that was printed; return the exit code."""
+    """Print an error on stderr, after all other output; return the exit code."""
     with contextlib.suppress(OSError):
         sys.stdout.flush()
     say(text, err=True)

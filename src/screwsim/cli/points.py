@@ -1,4 +1,4 @@
-"""The commands that solve a scene or say what it is: one point, a sweep, what accuracy costs."""
+"""The commands that solve or describe a scene: one point, a sweep, the cost of accuracy."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def run(
         from screwsim.results import save
         from screwsim.study.point import kept_slopes
 
-        options.check_place(output)  # again: what came there meanwhile stays
+        options.check_place(output)  # again: a file that has appeared meanwhile is kept
         save(output, scene, result, derivatives=kept_slopes(scene, result))
     found = None
     if points:
@@ -101,7 +101,7 @@ def run(
 
 
 def _measured(scene: Scene, texts: Sequence[str] | None) -> tuple[Measured, ...]:
-    """Return what was measured; a slip is told before anything is simulated."""
+    """Return the measured values; mistakes are reported before anything is simulated."""
     if not texts:
         return ()
     from screwsim.study.measured import read_measured
@@ -110,7 +110,7 @@ def _measured(scene: Scene, texts: Sequence[str] | None) -> tuple[Measured, ...]
 
 
 def _left_out(scene: Scene, each: bool, together: Sequence[str] | None) -> tuple[Left, ...]:
-    """Return what is to be left out in turn: groups as they are named, then each effect by itself."""
+    """Return what to leave out in turn: the named groups, then each effect by itself."""
     if not (each or together):
         return ()
     from screwsim.study.knock_out import each_alone, read_groups

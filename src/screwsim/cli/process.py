@@ -1,10 +1,10 @@
-"""The process of a command: its streams, Ctrl-C, and no work for memory that lives as long as it does.
+"""The process of a command: its streams, Ctrl-C, and little effort for memory that lives until the end.
 
-What the compiler and CoolProp bring are a million objects that stay. Python would look through them for garbage while
-it imports them, and take them apart one by one at the end, which takes longer than many a solution.
+The compiler and CoolProp create a million objects that stay. Python would search them for garbage while importing, and
+destroy them one by one at the end, which takes longer than many a solution.
 
-A reader that has seen enough (`| head -1`), and a stream that was closed from the start (`2>&-`), are no errors: what
-is written to them goes nowhere, and the command ends as it would have.
+A reader that stops early (`| head -1`), or a stream closed from the start (`2>&-`), is no error: output to it is
+discarded, and the command ends as it would otherwise.
 """
 
 import atexit
@@ -18,12 +18,12 @@ import threading
 import time
 from typing import Any, NoReturn, TextIO
 
-YOUNG = 200_000  # objects made between two searches for garbage; Python's own number is 700
+YOUNG = 200_000  # objects created between two searches for garbage; Python's default is 700
 INTERRUPTED = 130
-HELD = 0.5  # [s] within which a second Ctrl-C is the first one: a key held down, or a signal sent twice
+HELD = 0.5  # [s] within which a second Ctrl-C counts as the first: a key held down, or a signal sent twice
 STDOUT, STDERR = "standard output", "standard error"
 
-_asked: float | None = None  # when Ctrl-C was pressed first
+_asked: float | None = None  # when Ctrl-C was first pressed
 _ending = False
 
 
@@ -31,20 +31,20 @@ _ending = False
 
 
 class _Stream(io.FileIO):
-    """A standard stream that nobody has to read; an error of writing to it says that it is this one."""
+    """A standard stream that need not be read; an error of writing to it names this stream."""
 
     def __init__(self, number: int, label: str) -> None:
         super().__init__(number, "wb", closefd=False)
         self._label = label
 
     def write(self, data: Any) -> int:
-        """Write what the system takes; from when on nobody reads, or there is no room, all of it goes nowhere."""
+        """Write what the system accepts; once nobody reads, or there is no room, all output is discarded."""
         try:
             return super().write(data) or 0
         except BrokenPipeError:
             self._give_up()
             return super().write(data) or 0
-        except OSError as error:  # told once
+        except OSError as error:  # reported once
             self._give_up()
             error.filename = self._label
             raise
@@ -56,7 +56,7 @@ class _Stream(io.FileIO):
 
 
 def _stream(old: TextIO | None, number: int, label: str) -> TextIO:
-    """Return what stands in for a standard stream that is no terminal; letters that it has not are written out."""
+    """Return the replacement for a standard stream that is not a terminal; characters it lacks are escaped."""
     if isinstance(old, io.TextIOWrapper) and old.errors in ("strict", "surrogateescape"):
         old.reconfigure(errors="backslashreplace")
     if old is not None and old.isatty():
@@ -74,12 +74,12 @@ def _stream(old: TextIO | None, number: int, label: str) -> TextIO:
 
 
 def interrupted() -> bool:
-    """Tell whether Ctrl-C was pressed, whatever became of its exception."""
+    """Tell whether Ctrl-C was pressed, even if its exception was lost."""
     return _asked is not None
 
 
 def _interrupt(number: int, frame: Any) -> None:
-    """Raise KeyboardInterrupt once; to insist is to end at once, as a kill does, which no file minds."""
+    """Raise KeyboardInterrupt once; when pressed again, end at once like a kill, which leaves all files intact."""
     global _asked
     now = time.monotonic()
     if _asked is None and not _ending:
@@ -90,7 +90,7 @@ def _interrupt(number: int, frame: Any) -> None:
 
 
 def _leave() -> NoReturn:
-    """End at once; what was registered for the end is done."""
+    """End at once, after running the exit functions."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with contextlib.suppress(OSError):
         if not _ending:
@@ -101,7 +101,7 @@ def _leave() -> NoReturn:
 
 
 def _not_shown(what: Any, shown: Any = sys.unraisablehook) -> None:
-    """Show what cannot be raised; but not that of an interruption, which is not lost (`interrupted`)."""
+    """Show an exception that cannot be raised, except for an interruption, which `interrupted` reports."""
     if not interrupted():
         shown(what)
 
@@ -110,25 +110,25 @@ def _not_shown(what: Any, shown: Any = sys.unraisablehook) -> None:
 
 
 def begin() -> None:
-    """Search for cyclic garbage seldom, mind no stream that nobody reads, end by Ctrl-C in one line, from now on."""
+    """Set up the process: rare garbage searches, streams that need no reader, and Ctrl-C that ends in one line."""
     gc.set_threshold(YOUNG, *gc.get_threshold()[1:])
-    # streams that are closed get a place that takes all: the next file would be taken for them
+    # closed streams are opened to a null device, as the next file opened would take their numbers
     for number in range(3):
         try:
             os.fstat(number)
         except OSError:
-            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)  # it gets the lowest free number
+            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)  # opens the lowest free number
     sys.stdout, sys.stderr = _stream(sys.stdout, 1, STDOUT), _stream(sys.stderr, 2, STDERR)
-    if callable(signal.getsignal(signal.SIGINT)):  # a shell's job in the background ignores it
+    if callable(signal.getsignal(signal.SIGINT)):  # a background job of a shell ignores it
         signal.signal(signal.SIGINT, _interrupt)
     sys.unraisablehook = _not_shown
 
 
 def end(code: int) -> NoReturn:
-    """End the process with an exit code: what was registered for the end is done, what was written is flushed.
+    """End the process with an exit code, after running the exit functions and flushing the output.
 
-    With other threads about, output that cannot be written, or SCREWSIM_DEBUG=1 (a profiler waits for the end)
-    Python ends it.
+    Python itself ends it if there are other threads or output that cannot be written, or with SCREWSIM_DEBUG=1 (a
+    profiler waits for the end).
     """
     global _ending
     _ending = True  # from now on Ctrl-C raises nothing

@@ -1,4 +1,4 @@
-"""The commands that seek: values for wanted figures, and the best values of paths."""
+"""The search commands: values for given figures, and best values of paths."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ def optimize(
 
 
 def rounded_values(found: Optimum) -> dict[str, float]:
-    """Return the best values [SI] as they are written."""
+    """Return the best values [SI], rounded as written."""
     from screwsim.study.seek import rounded
 
     return rounded(found.asked.scene, found.values)

@@ -1,4 +1,4 @@
-"""The commands of studies: many solutions, or stored results, for one question."""
+"""The commands of studies: many solutions, or stored results, that answer one question."""
 
 from __future__ import annotations
 
@@ -181,7 +181,7 @@ def _local(
     jobs: int | None,
     as_json: bool,
 ) -> int:
-    """Print and write the derivatives of a scene's figures by numbers of it."""
+    """Print and write the derivatives of a scene's figures by its numbers."""
     from screwsim.printing.sensitivity import local_document, print_local, write_local
     from screwsim.study.figures import figure_of
     from screwsim.study.local import sensitivities

@@ -1,4 +1,4 @@
-"""What a scene simulates, in words: effects, states, flow paths, equations (docs/model.md), and what is left out.
+"""Description of a scene in words: effects, states, flow paths, equations (docs/model.md), and what is left out.
 
 Nothing is compiled for it.
 """
@@ -46,7 +46,7 @@ BALANCES = "balances of mass and energy M1, M2; work M7"
 
 @dataclass(frozen=True)
 class Explanation:
-    """What a scene simulates; `str` gives the text. `sections` are (heading, lines)."""
+    """Description of what a scene simulates; `str` gives the text. `sections` are (heading, lines)."""
 
     title: str
     active: tuple[str, ...]
@@ -60,7 +60,7 @@ class Explanation:
 
 
 def code(scene: Scene) -> str:
-    """Return the text that is compiled for a scene. Raises UsageError for a fluid that is not there."""
+    """Return the code that is compiled for a scene. Raise UsageError for an unknown fluid."""
     with faults_of_own(scene):
         composition = compose(build_parts(scene))
         if composition.chambers == 1:
@@ -70,7 +70,7 @@ def code(scene: Scene) -> str:
 
 
 def explain(scene: Scene) -> Explanation:
-    """Return what a scene simulates, and what it leaves out. Raises UsageError for a fluid that is not there."""
+    """Return what a scene simulates, and what it leaves out. Raise UsageError for an unknown fluid."""
     with faults_of_own(scene):
         parts = build_parts(scene)
         model = compose(parts)
@@ -94,7 +94,7 @@ def explain(scene: Scene) -> Explanation:
 
 
 def _counted(scene: Scene, left_out: tuple[str, ...]) -> str:
-    """Return how many effects are active, of how many that this kind of machine can have, and of how many in all."""
+    """Return how many effects are active, how many this kind of machine can have, and how many there are."""
     every = catalogue()
     active = sum(name in every for name in scene.effects)
     own = len(scene.effects) - active
@@ -145,7 +145,7 @@ def _screws(machine: TwinScrew, parts: Parts) -> Iterator[str]:
 
 
 def _otherwise(machine: TwinScrew, parts: Parts) -> Iterator[str]:
-    """Yield what states the machine's size and port in place of lengths and angles."""
+    """Yield the rows on a displacement or volume ratio that replaces lengths or angles."""
     stated = machine.displacement
     if stated is not None:
         flow, at = readable_quantity(KINDS["displacement"], stated.flow), readable_quantity(KINDS["speed"], stated.at)
@@ -181,7 +181,7 @@ def _rotors(machine: Any, parts: Parts) -> Iterator[str]:
 
 
 def _slide(slide: Any, laid: Laid) -> str:
-    """Return where a slide stands, and what it makes of a chamber."""
+    """Return the position of a slide valve, and its effect on a chamber."""
     told = parameters_text(slide, skip=())
     if not laid.moved:
         return f"{told}; at full load, its slot is shut"
@@ -190,7 +190,7 @@ def _slide(slide: Any, laid: Laid) -> str:
 
 
 def _sections(values: Any, under: str = "") -> Iterator[str]:
-    """Yield the sections among the parameters of an effect, with what stands in them."""
+    """Yield the sections among the parameters of an effect, with their contents."""
     for name, item in section_of(type(values)).fields.items():
         value = getattr(values, name)
         if isinstance(item, Section) and value is not None:

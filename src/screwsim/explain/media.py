@@ -1,4 +1,4 @@
-"""What a scene says of its gas and its oil, and of the lines, in words."""
+"""A scene's gas, oil and lines in words."""
 
 import math
 from collections.abc import Iterator
@@ -60,13 +60,13 @@ def gas_rows(scene: Scene, parts: Parts) -> Iterator[str]:
 
 
 def _over(scene: Scene, p: float | None) -> str:
-    """Return what to say of a pressure that was stated over the ambient one."""
+    """Return the remark on a pressure that was stated as a gauge pressure."""
     ambient = readable_quantity(KINDS["pressure"], scene.operation.ambient_pressure)
     return f" ({p.written} over {ambient} of the surroundings)" if isinstance(p, Gauge) else ""
 
 
 def _stated(T: float | None, point: str) -> str:
-    """Return what to say of a line whose pressure is that of saturation at T [K] (M42)."""
+    """Return the remark on a line whose pressure is that of saturation at T [K] (M42)."""
     return "" if T is None else f" ({point} point at {in_celsius(T)}, M42)"
 
 

@@ -1,4 +1,4 @@
-"""All keys of a scene, or of some effects: unit, default, range, meaning, and what stands in the scene."""
+"""All keys of a scene, or of some effects: unit, default, range, meaning, and the scene's value."""
 
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -16,9 +16,9 @@ from screwsim.scene.values import text_of
 
 
 def parameters(scene: Scene, names: Sequence[str] = ()) -> str:
-    """Return the keys of sections and effects of these names; without any, all that the scene's machine can have.
+    """Return the keys of the named sections and effects; without names, all that the scene's machine can have.
 
-    A name may go on to one key (`tip_leakage.gap`). Raises UsageError for a name that is none of these.
+    A name may continue to one key (`tip_leakage.gap`). Raise UsageError for an unknown name.
     """
     kind = scene.machine.kind
     fitting = {name: effect for name, effect in catalogue().items() if effect.fits(kind_of(scene.machine))}
@@ -67,7 +67,7 @@ def _absent(scene: Scene, name: str) -> str:
 
 
 def _rows(scene: Scene, under: str, keys: Iterable[Key]) -> Iterator[str]:
-    """Yield what each key is; at its end what the scene has there."""
+    """Yield a row on each key, ending with the scene's value."""
     none = True
     for key in keys:
         none = False

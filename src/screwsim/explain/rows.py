@@ -1,4 +1,4 @@
-"""A name with its text in two columns that fit a terminal, and the values of a section in words."""
+"""Rows of a name and its text in two columns that fit a terminal, and the values of a section in words."""
 
 import textwrap
 from typing import Any
@@ -10,18 +10,18 @@ from screwsim.scene.values import text_of
 
 WIDTH = 79
 NAME_WIDTH = 20
-NO_BREAK = "\u00a0"  # holds a name, its value and its unit on one line
+NO_BREAK = "\u00a0"  # keeps a name, its value and its unit on one line
 
 
 def row(name: str, text: str) -> str:
-    """Return a name with its text in the second column, wrapped."""
+    """Return a name with its text wrapped in the second column."""
     head = f"  {name:<{NAME_WIDTH}}" if len(name) < NAME_WIDTH else f"  {name}\n{'':<{NAME_WIDTH + 2}}"
     first, *others = textwrap.wrap(text, WIDTH - NAME_WIDTH - 2, break_on_hyphens=False) or [""]
     return "\n".join([head + first, *(" " * (NAME_WIDTH + 2) + line for line in others)]).replace(NO_BREAK, " ")
 
 
 def parameters_text(values: Any, skip: tuple[str, ...] = ("law",)) -> str:
-    """Return the declared values of a section in customary units, defaults marked, absent ones left out."""
+    """Return the declared values of a section in customary units, with defaults marked and absent values left out."""
     fields = section_of(type(values)).fields
     texts = []
     for name, leaf in fields.items():
@@ -34,7 +34,7 @@ def parameters_text(values: Any, skip: tuple[str, ...] = ("law",)) -> str:
 
 
 def _text(leaf: Leaf, value: Any) -> str:
-    if leaf.dimension is not None and is_derived(value):  # nobody wrote its digits
+    if leaf.dimension is not None and is_derived(value):  # its digits were not written by a user
         return f"{to_customary(leaf.dimension, value):.6g} {customary_unit(leaf.dimension)}"
     return (
         text_of(leaf, value)

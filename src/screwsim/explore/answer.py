@@ -1,6 +1,6 @@
-"""One answer to a page: a head of JSON, and behind it the traces as float32, which a browser reads without parsing.
+"""One answer to a page: a JSON head, followed by the traces as float32, which a browser reads without parsing.
 
-Figures are written so that reading them gives the same bits; traces are rounded to seven digits.
+Figures are written such that reading them gives the same bits; traces are rounded to seven digits.
 """
 
 import json
@@ -18,13 +18,16 @@ from screwsim.outputs import Figure, Result, sorted_entries
 CURVE = "curve"  # a point of a small sweep
 SOLVED = "solved"
 SLOPES = "slopes"  # derivatives of figures
-FILE = "file"  # `text` is one
-REFUSED = "refused"  # settings that make no scene; `message` has a line a fault
+FILE = "file"  # a file, in `text`
+REFUSED = "refused"  # settings that make no scene; `message` has one line per fault
 
 
 def packed(head: Mapping[str, Any], arrays: Iterable[np.ndarray] = ()) -> bytes:
-    """Return a message: the length of its head (4 bytes, little-endian), the head as JSON, blanks to a multiple of
-    four, and the arrays as little-endian float32 one after the other."""
+    """Return a message: the length of its head, the head and the arrays.
+
+    The length has 4 bytes, little-endian; the head is JSON, padded with blanks to a multiple of four; the arrays follow
+    one after another as little-endian float32.
+    """
     text = json.dumps(head, allow_nan=False, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     return b"".join((struct.pack("<I", len(text)), text, *(np.asarray(each, "<f4").tobytes() for each in arrays)))
@@ -37,7 +40,7 @@ def unpacked(message: bytes) -> tuple[dict[str, Any], np.ndarray]:
 
 
 def solved(result: Result, more: Mapping[str, Any]) -> bytes:
-    """Return the answer of a result, with whatever else its head has to say."""
+    """Return the answer for a result, with further entries of its head."""
     traces = {name: np.asarray(values, float) for name, values in result.cycle.items()}
     head = {
         "kind": SOLVED,
@@ -56,22 +59,22 @@ def solved(result: Result, more: Mapping[str, Any]) -> bytes:
 
 
 def point(result: Result, more: Mapping[str, Any]) -> bytes:
-    """Return the answer of a point of a small sweep: its figures alone."""
+    """Return the answer for a point of a small sweep: only its figures."""
     return packed({"kind": CURVE, **_told(result), **more})
 
 
 def slopes(derivatives: Mapping[str, Mapping[str, float]], more: Mapping[str, Any]) -> bytes:
-    """Return the answer of derivatives [SI] by path and figure."""
+    """Return the answer with derivatives [SI] by path and figure."""
     return packed({"kind": SLOPES, "slopes": {path: _finite(each) for path, each in derivatives.items()}, **more})
 
 
 def file(text: str) -> bytes:
-    """Return the answer that is a file."""
+    """Return the answer with a file."""
     return packed({"kind": FILE, "text": text})
 
 
 def refused(message: str, more: Mapping[str, Any]) -> bytes:
-    """Return the answer to settings that make no scene, or that no solution was found for."""
+    """Return the answer to settings that make no scene, or for which no solution was found."""
     return packed({"kind": REFUSED, "status": REFUSED, "message": message, **more})
 
 
@@ -80,7 +83,7 @@ def _told(result: Result) -> dict[str, Any]:
 
 
 def _finite(figures: Mapping[str, Any]) -> dict[str, Any]:
-    """Return figures, null in place of what JSON has no word for."""
+    """Return figures, with null for values that JSON cannot represent."""
     bad = (name for name, value in figures.items() if isinstance(value, float) and not math.isfinite(value))
     return {**figures, **dict.fromkeys(bad)}
 
@@ -90,7 +93,7 @@ def _about(result: Result) -> Mapping[str, Figure]:
 
 
 def _ledger(result: Result) -> dict[str, Any] | None:
-    """Return totals and entries of a ledger as the page's waterfall takes them; None where there is none."""
+    """Return totals and entries of a ledger for the page's waterfall; None without a ledger."""
     ledger = result.ledger
     if ledger.get("shaft_power") is None:
         return None

@@ -1,7 +1,7 @@
-"""What a page may change of a scene: its numbers and choices, and its effects; never a file, a module or a text.
+"""Changes that a page may make to a scene: numbers, choices and effects; never a file, a module or a text.
 
-A change comes from a browser, and so it is read as a value of its field and written anew: no text of a page ever
-becomes YAML.
+As a change comes from a browser, it is read as a value of its field and written again: no text of a page ever becomes
+YAML.
 """
 
 import json
@@ -23,14 +23,14 @@ from screwsim.scene.values import convert, shown, text_of
 from screwsim.scene.write import quoted
 from screwsim.study.calibration.scene import lines_of
 
-CHANGED = {*KINDS, "number", "count", "choice"}  # kinds of fields; a fluid, a file and a word are the command's
-LONGEST = 60  # letters of a value
-MOST = 400  # changes at once
+CHANGED = {*KINDS, "number", "count", "choice"}  # kinds of fields; only the command may state a fluid, a file or a word
+LONGEST = 60  # characters of a value
+MOST = 400  # most changes at once
 
 
 @dataclass(frozen=True)
 class Base:
-    """What the command named: a scene's file, its overrides with the effects that it leaves out; and that scene."""
+    """The command's arguments: a scene's file, overrides including the effects left out; and the resulting scene."""
 
     file: str
     overrides: tuple[str, ...]
@@ -39,14 +39,14 @@ class Base:
 
 @dataclass(frozen=True)
 class Changes:
-    """What a page asks for: values by dotted path, as a person writes them, and effects that are on or off."""
+    """A page's request: values by dotted path, as users write them, and effects that are on or off."""
 
     values: Mapping[str, Any]
     effects: Mapping[str, bool]
 
 
 def read_changes(raw: Any) -> Changes:
-    """Return the changes in what a page sent ({set: {path: value}, effects: {name: true}}); raise Refused."""
+    """Return the changes sent by a page ({set: {path: value}, effects: {name: true}}); raise Refused."""
     if not isinstance(raw, dict) or not raw.keys() <= {"set", "effects"}:
         raise Refused("the settings are no mapping of set and effects (reload the page)")
     values, effects = raw.get("set", {}), raw.get("effects", {})
@@ -54,7 +54,7 @@ def read_changes(raw: Any) -> Changes:
         raise Refused(f"set and effects are no mappings, or hold more than {MOST} changes (reload the page)")
     if not all(isinstance(each, bool) for each in effects.values()):
         raise Refused("an effect is neither on nor off: true or false (reload the page)")
-    if not all(map(str.isprintable, (*values, *effects))):  # half a letter could not even be told
+    if not all(map(str.isprintable, (*values, *effects))):  # half a character could not even be reported
         raise Refused("a name in the settings is none that can be printed (reload the page)")
     return Changes(values, effects)
 
@@ -67,14 +67,14 @@ def open_base(file: str, overrides: Iterable[str] = (), without: Iterable[str] =
 
 
 def possible(scene: Scene) -> dict[str, Effect]:
-    """Return the effects that a page may have on: those of the scene, and of the catalogue what fits its machine."""
+    """Return the effects that a page may switch on: those of the scene, and the catalogue's that fit its machine."""
     kind = find_machine(scene.machine.kind)
     named = {name: active.effect for name, active in scene.effects.items()}
     return named | {name: effect for name, effect in catalogue().items() if effect.fits(kind)}
 
 
 def active(scene: Scene, effects: Mapping[str, bool]) -> dict[str, Effect]:
-    """Return the effects that are on with those switches; raise Refused for one that a page may not switch."""
+    """Return the effects that are on with these switches; raise Refused for one that a page may not switch."""
     known = possible(scene)
     for name in effects:
         if name not in known:
@@ -83,7 +83,7 @@ def active(scene: Scene, effects: Mapping[str, bool]) -> dict[str, Effect]:
 
 
 def changeable(scene: Scene, effects: Mapping[str, Effect]) -> dict[str, Leaf]:
-    """Return the fields that a page may change, by dotted path, with those effects on."""
+    """Return the fields that a page may change, by dotted path, with the given effects on."""
     leaves = leaf_paths({name: effect.parameters for name, effect in effects.items()}, scene.machine.kind)
     return {path: leaf for path, leaf in leaves.items() if leaf.kind in CHANGED and path not in FIXED}
 
@@ -91,7 +91,7 @@ def changeable(scene: Scene, effects: Mapping[str, Effect]) -> dict[str, Leaf]:
 def overrides_of(base: Base, changes: Changes) -> list[str]:
     """Return the changes as PATH=VALUE of `--set`, each value as the program itself writes it; raise Refused.
 
-    Values of an effect that is off are left aside. A value that has a tolerance in the scene keeps it.
+    Values of effects that are off are ignored. A value that has a tolerance in the scene keeps it.
     """
     on = active(base.scene, changes.effects)
     leaves, found = changeable(base.scene, on), []
@@ -106,13 +106,13 @@ def overrides_of(base: Base, changes: Changes) -> list[str]:
 
 
 def _tolerance(scene: Scene, leaves: Mapping[str, Leaf], path: str, raw: Any) -> str:
-    """Return the tolerance that a value of the scene has, as it stands behind the value in YAML."""
+    """Return the tolerance that a value has in the scene, as written after the value in YAML."""
     known = scene.uncertain.get(path)
     return "" if known is None or raw is None else tolerance_text(leaves[path], known)
 
 
 def _value(leaf: Leaf | None, path: str, raw: Any) -> str:
-    """Return a value as YAML text."""
+    """Return a value as YAML text; raise Refused."""
     if leaf is None:
         raise Refused(f"{path[:LONGEST]}: a page changes numbers, choices and effects of the scene, and nothing else")
     if raw is None:
@@ -128,12 +128,12 @@ def _value(leaf: Leaf | None, path: str, raw: Any) -> str:
 
 
 def scene_of(base: Base, overrides: Iterable[str]) -> Scene:
-    """Return the scene with those changes, as `screwsim run` would load it."""
+    """Return the scene with these changes, as loaded by `screwsim run`."""
     return load(base.file, [*_every(base, overrides), "sweep=null"])
 
 
 def _every(base: Base, overrides: Iterable[str]) -> list[str]:
-    """Return the overrides of the command and those of a page; an effect that the page has on again is not off."""
+    """Return the overrides of the command and of a page; an effect switched on by the page is no longer off."""
     later = list(overrides)
     again = {each for each in base.overrides if each.endswith("=off") and each.replace("=off", "={}") in later}
     kept = [each for each in later if each.replace("={}", "=off") not in again]
@@ -141,7 +141,7 @@ def _every(base: Base, overrides: Iterable[str]) -> list[str]:
 
 
 def shell_command(base: Base, overrides: Iterable[str]) -> str:
-    """Return the command that simulates the same."""
+    """Return the shell command for the same simulation."""
     words = ["screwsim", "run", base.file]
     for override in _every(base, overrides):
         words += ["--set", override]
@@ -149,7 +149,7 @@ def shell_command(base: Base, overrides: Iterable[str]) -> str:
 
 
 def python_text(base: Base, overrides: Iterable[str]) -> str:
-    """Return the Python that simulates the same."""
+    """Return the Python code for the same simulation."""
     every = _every(base, overrides)
     inner = "".join(f"\n    {json.dumps(each, ensure_ascii=False)}," for each in every)
     sets = f", [{inner}\n]" if every else ""
@@ -158,7 +158,7 @@ def python_text(base: Base, overrides: Iterable[str]) -> str:
 
 
 def yaml_text(base: Base, overrides: Iterable[str]) -> str:
-    """Return a scene of its own: the command's scene as its base, by its whole path, and what is changed of it."""
+    """Return a scene file of its own: the command's scene as base, by its full path, and the changes."""
     tree: dict[str, Any] = {}
     for override in _every(base, overrides):
         path, _, value = override.partition("=")
@@ -176,7 +176,7 @@ def yaml_text(base: Base, overrides: Iterable[str]) -> str:
 
 
 def _keys(path: str, base: Base) -> list[str]:
-    """Return the keys of a path; names of effects of the user's own have dots."""
+    """Return the keys of a path; names of user-defined effects have dots."""
     for name in base.scene.effects:
         if "." in name and (path == f"effects.{name}" or path.startswith(f"effects.{name}.")):
             rest = path.removeprefix(f"effects.{name}").removeprefix(".")

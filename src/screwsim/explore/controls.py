@@ -1,4 +1,4 @@
-"""What a page shows to change a scene: a field for each number and choice, in the units in which people write them."""
+"""Controls of a page: a field for each number and choice of a scene, in customary units."""
 
 import math
 from collections.abc import Mapping
@@ -14,10 +14,10 @@ from screwsim.scene.types import Tolerance
 from screwsim.scene.units import ZERO_CELSIUS, Refused, customary_unit, parse_quantity
 from screwsim.scene.values import limits_text
 
-AROUND = 4.0  # a slider reaches from the value over this to the value times this
-DEGREES = 30.0  # [K] to both sides of a temperature
-ANGLE = math.radians(40.0)  # to both sides of an angle
-_SMALL = (("m", 1e-3, "um"), ("m^2", 1e-4, "mm^2"))  # below that size the unit is a smaller one
+AROUND = 4.0  # a slider extends from the value over this factor to the value times it
+DEGREES = 30.0  # [K] on both sides of a temperature
+ANGLE = math.radians(40.0)  # on both sides of an angle
+_SMALL = (("m", 1e-3, "um"), ("m^2", 1e-4, "mm^2"))  # below this size a smaller unit is used
 GROUPS = {
     "operation": "Operation",
     "oil_supply": "Oil supply",
@@ -30,7 +30,7 @@ APART = {"output.keep", "output.derivatives", "title"}
 
 
 class Span(NamedTuple):
-    """From where to where a slider goes [SI], and whether its steps are equal ratios."""
+    """Range of a slider [SI], and whether its steps are equal ratios."""
 
     low: float
     high: float
@@ -38,19 +38,19 @@ class Span(NamedTuple):
 
 
 class Shown(NamedTuple):
-    """A unit as a scene has it: its size and its zero [SI]."""
+    """A unit as written in a scene: its size and its zero [SI]."""
 
     name: str
     size: float
     zero: float = 0.0
 
     def of(self, value: float) -> float:
-        """Return a value [SI] in this unit, without the last digits that a change of units leaves."""
+        """Return a value [SI] in this unit, without the last digits, which come from rounding."""
         return float(f"{(value - self.zero) / self.size:.12g}")
 
 
 def document(base: Base) -> dict[str, Any]:
-    """Return what the page builds its fields from: groups of controls, and the effects with theirs."""
+    """Return the data from which the page builds its fields: groups of controls, and effects with theirs."""
     scene = base.scene
     every = possible(scene)
     leaves = {path: leaf for path, leaf in changeable(scene, every).items() if path not in APART}
@@ -88,14 +88,14 @@ def _under(path: str, name: str) -> bool:
 
 
 def _is_needed(scene: Scene, path: str, leaf: Leaf) -> bool:
-    """Tell whether a value has to be given: a section that the scene has not asks for nothing."""
+    """Tell whether a value is required: in a section that the scene does not have, none is."""
     parent = path.rpartition(".")[0]
     of_effect = path.startswith("effects.") and parent.count(".") == 1
     return leaf.default is MISSING and (of_effect or value_at(scene, parent) is not None)
 
 
 def control(path: str, leaf: Leaf, value: Any, needed: bool = False) -> dict[str, Any]:
-    """Return what the page has to know of one field; numbers in the shown unit, `value` None where it is left open."""
+    """Return the page's data on one field; numbers are in the shown unit, and `value` is None if left open."""
     keys = path.split(".")
     inner = keys[2:] if keys[0] == "effects" else keys[1:]
     about: dict[str, Any] = {
@@ -123,7 +123,7 @@ def control(path: str, leaf: Leaf, value: Any, needed: bool = False) -> dict[str
 
 
 def shown_unit(leaf: Leaf, value: Any) -> Shown:
-    """Return the unit in which a number is shown: the customary one, of what is small a smaller one, °C."""
+    """Return the unit in which a number is shown: the customary one, a smaller one for small numbers, or °C."""
     kind = leaf.dimension
     if kind is None:
         return Shown("", 1.0)
@@ -137,7 +137,7 @@ def shown_unit(leaf: Leaf, value: Any) -> Shown:
 
 
 def _example(leaf: Leaf) -> float:
-    """Return around what the slider of a value that is left open goes: where it usually lies, else its example."""
+    """Return the centre of the slider of a value left open: within its usual range, else its example."""
     limits = leaf.limits
     lows = [leaf.hardly[0], limits.get("gt"), limits.get("ge")]
     highs = [leaf.hardly[1], limits.get("lt"), limits.get("le")]
@@ -149,7 +149,7 @@ def _example(leaf: Leaf) -> float:
 
 
 def span_of(leaf: Leaf, value: float) -> Span:
-    """Return from where to where a slider goes around a value: what usually is, and what can be."""
+    """Return the range of a slider around a value, limited to usual and to possible values."""
     low, high, log = _around(leaf, value)
     usual_low, usual_high = leaf.hardly
     if usual_low is not None and value >= usual_low:
@@ -169,7 +169,7 @@ def span_of(leaf: Leaf, value: float) -> Span:
 
 
 def _around(leaf: Leaf, value: float) -> tuple[float, float, bool]:
-    """Return (low, high, equal ratios) around a value, whatever its limits."""
+    """Return (low, high, equal ratios) around a value, regardless of its limits."""
     highest = leaf.limits.get("le", leaf.limits.get("lt"))
     if leaf.kind in ("number", "count") and highest is not None and highest <= 1.0:
         return 0.0, float(highest), False
@@ -191,7 +191,7 @@ _SPEED = "operation.speed"
 
 
 def presets(base: Base) -> list[dict[str, Any]]:
-    """Return sets of changes worth a click, as far as the scene has what they change and can be changed so."""
+    """Return useful sets of changes, if the scene has the changed values and allows the changes."""
     scene = base.scene
     gaps = [name for name, active in scene.effects.items() if active.effect.needs & protocol.GAPS]
     clearances = [f"effects.{name}.gap" for name in gaps if hasattr(scene.effects[name].parameters, "gap")]
@@ -214,7 +214,7 @@ def _can_be(base: Base, preset: Mapping[str, Any]) -> bool:
 
 
 def _scaled(scene: Scene, words: str, paths: list[str], factor: float) -> dict[str, Any]:
-    """Return a set of changes in which quantities are those of the scene times a factor."""
+    """Return a set of changes that multiplies quantities of the scene by a factor."""
     leaves, values = changeable(scene, possible(scene)), {}
     for path in paths:
         value = float(value_at(scene, path))

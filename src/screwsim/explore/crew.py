@@ -1,4 +1,4 @@
-"""The workers: processes that solve for pages, each killed and started anew when it hangs, dies or grows too large."""
+"""Worker processes that solve for pages; one that hangs, dies or grows too large is killed and replaced."""
 
 import asyncio
 import multiprocessing
@@ -19,13 +19,13 @@ from screwsim.explore.changes import Base
 from screwsim.explore.worker import DONE, NOTE, Job, serve
 from screwsim.numerics.folder import handed_on
 
-LOOK = 0.05  # [s] between two looks at a worker that solves
-LARGEST = 1 << 30  # [byte] of a worker, above which it is started anew
+LOOK = 0.05  # [s] between two checks of a busy worker
+LARGEST = 1 << 30  # [byte] size above which a worker is restarted
 
 
 @dataclass(frozen=True)
 class Patience:
-    """How long [s] a page waits: for an answer, for one that a newer request waits behind, for what is compiled."""
+    """How long [s] a page waits: for an answer, for one with a newer request behind it, for compilation."""
 
     alone: float = 60.0
     behind: float = 5.0
@@ -33,12 +33,12 @@ class Patience:
 
 
 class Dead(Exception):
-    """Say why a worker gave no answer."""
+    """Reason why a worker gave no answer."""
 
 
 @dataclass
 class Worker:
-    """One process and its pipe; `compiling` tells that it said so, and has not said that it is done."""
+    """One process and its pipe; `compiling` is true while it reports a compilation."""
 
     base: Base
     patience: Patience
@@ -49,7 +49,7 @@ class Worker:
     jobs: int = field(default=0)
 
     def start(self) -> None:
-        """Start the process; it gets ready while nobody waits."""
+        """Start the process; it prepares itself in the meantime."""
         context = multiprocessing.get_context("forkserver" if sys.platform == "linux" else "spawn")
         if sys.platform == "linux":
             context.set_forkserver_preload(["screwsim.explore.worker"])  # type: ignore[attr-defined]
@@ -73,7 +73,7 @@ class Worker:
             self.pipe = None
 
     def solve(self, job: Job, newer: Callable[[], bool], note: Callable[[str], None]) -> bytes:
-        """Return the answer to a job, from a thread of its own; a worker that gives none is stopped and told of."""
+        """Return the answer to a job, called in a separate thread; a worker that gives none is stopped and reported."""
         try:
             return self._answer(job, newer, note)
         except Dead as error:
@@ -114,7 +114,7 @@ class Worker:
             raise Dead(f"the {what} was given up after {seconds:.0f} s (change the settings, or go back)")
 
     def too_large(self) -> bool:
-        """Tell whether the process has grown beyond what a page should cost."""
+        """Tell whether the process uses more memory than a page should."""
         with suppress(OSError, ValueError, AttributeError):
             pages = Path(f"/proc/{self.process.pid}/statm").read_text(encoding="ascii").split()[1]
             return int(pages) * os.sysconf("SC_PAGE_SIZE") > LARGEST
@@ -132,32 +132,32 @@ def _how_it_ended(process: Any) -> str:
 
 
 class Crew:
-    """Some workers; a job gets the one that is free the longest."""
+    """Several workers; a job gets the one that has been free longest."""
 
     def __init__(self, base: Base, count: int, patience: Patience) -> None:
         self.workers = [Worker(base, patience) for _ in range(count)]
-        self.aside = asyncio.Semaphore(count - 1)  # of what takes long and may wait: a worker is left to all else
+        self.aside = asyncio.Semaphore(count - 1)  # for long jobs that may wait: one worker is kept for all others
         self._threads = ThreadPoolExecutor(count, thread_name_prefix="explore")
         self._free: asyncio.Queue[Worker] = asyncio.Queue()
         self._tasks: set[asyncio.Task[bytes]] = set()
 
     async def start(self) -> None:
-        """Start all, and let each solve the scene as it is, which loads what is compiled."""
+        """Start all workers; each solves the unchanged scene, to load compiled code."""
         for worker in self.workers:
             await asyncio.to_thread(worker.start)
             self._hold(asyncio.create_task(self._solve(worker, Job("curve", {}, {}), lambda: False, lambda text: None)))
 
     async def stop(self) -> None:
-        """Kill all."""
+        """Kill all workers."""
         for worker in self.workers:
             if worker.process is not None:
-                worker.process.kill()  # ends what a thread waits for
+                worker.process.kill()  # unblocks a waiting thread
         self._threads.shutdown(wait=True)
         for worker in self.workers:
             worker.stop()
 
     async def lend(self) -> Worker:
-        """Return a worker, as soon as one is free; it is to be given back, or to `solve`."""
+        """Return a worker as soon as one is free; it must be given back, or passed to `solve`."""
         return await self._free.get()
 
     def give_back(self, worker: Worker) -> None:
@@ -165,14 +165,14 @@ class Crew:
         self._free.put_nowait(worker)
 
     async def solve(self, worker: Worker, job: Job, newer: Callable[[], bool], note: Callable[[str], None]) -> bytes:
-        """Return the answer of a lent worker, and take it back; `note` is called in this loop.
+        """Return the answer of a lent worker, and take the worker back; `note` is called in this event loop.
 
-        Where nobody waits for the answer any more the worker comes back later, when it has given it.
+        If nobody waits for the answer any longer, the worker comes back later, once it has answered.
         """
         return await asyncio.shield(self._hold(asyncio.create_task(self._solve(worker, job, newer, note))))
 
     def _hold(self, task: asyncio.Task[bytes]) -> asyncio.Task[bytes]:
-        """Keep a task until it ends: the loop does not."""
+        """Keep a reference to a task until it ends, as the loop does not."""
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
         return task

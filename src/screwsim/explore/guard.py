@@ -1,8 +1,8 @@
-"""Who may speak to the server: a page that it served itself, under the name under which it was asked for.
+"""Access control of the server: only pages that it served itself, under the name by which it was called.
 
-The program answers on the loopback address, so no other machine reaches it; but every page that the user's browser
-shows does. Such a page has another origin, or has its own name point here (DNS rebinding), which the Host header tells.
-Under another address a token is asked for, too.
+The program listens on the loopback address, so that no other machine reaches it; but every page in the user's browser
+does. Such a page has another origin, or makes its own name point here (DNS rebinding), which the Host header reveals.
+Under any other address a token is required too.
 """
 
 import hmac
@@ -17,19 +17,19 @@ Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 LARGEST = 64_000  # [byte] of the body of a request
-SAFE = ("same-origin", "none")  # what a browser says of a request that its user, or our own page, made
+SAFE = ("same-origin", "none")  # Sec-Fetch-Site of requests by the user or by our own page
 
 
 @dataclass(frozen=True)
 class Rules:
-    """Where the server answers: the names by which it may be called (none: any), and the token that it asks for."""
+    """Where the server answers: the names by which it may be called (none: any), and the required token."""
 
     names: frozenset[str]
     token: str = ""
 
     def refuses(self, scope: Scope) -> tuple[int, str]:
-        """Return the status and the reason with which a request is refused; (0, '') where it is not."""
-        # of a header that comes twice a text that equals nothing
+        """Return the status and the reason for refusing a request; (0, '') if it is accepted."""
+        # a header that occurs twice becomes a text that equals nothing
         found: dict[str, str] = {}
         for raw_name, raw in scope["headers"]:
             name = raw_name.decode("latin-1").lower()
@@ -53,7 +53,7 @@ class Rules:
 
 
 def _is_navigation(scope: Scope, headers: dict[str, str]) -> bool:
-    """Tell whether a user follows a link to the page."""
+    """Tell whether a user is following a link to the page."""
     return scope.get("method") == "GET" and headers.get("sec-fetch-mode") == "navigate"
 
 
@@ -62,7 +62,7 @@ def _token(scope: Scope) -> str:
 
 
 class Guard:
-    """Lets through what `Rules` do not refuse, and no body beyond `LARGEST`."""
+    """Middleware that passes requests not refused by `Rules`, and no body beyond `LARGEST`."""
 
     def __init__(self, app: App, rules: Rules) -> None:
         self._app, self._rules = app, rules
@@ -79,7 +79,7 @@ class Guard:
 
 
 def _bounded(receive: Receive) -> Receive:
-    """Return a receiver that takes a body beyond `LARGEST`, sent in parts, for a client that has gone."""
+    """Return a receiver that reports a disconnect once a body, sent in parts, exceeds `LARGEST`."""
     taken = 0
 
     async def bounded() -> MutableMapping[str, Any]:

@@ -1,7 +1,7 @@
-"""What the page draws of a machine: the rotors of its profile, a sketch of such where a law gives the volume alone.
+"""Drawing of a machine on the page: the rotors of its profile, or a sketch where a law gives only the volume.
 
-A sketch has circular rotors of the machine's lobes, diameter and length, twisted so far that a chamber lives as long as
-its law says; it shows which chamber is where, and no shape that was computed with.
+A sketch has circular rotors with the machine's lobes, diameter and length, twisted so that a chamber lives as long as
+in its law; it shows which chamber is where, but no shape used in the simulation.
 """
 
 import math
@@ -19,16 +19,16 @@ from screwsim.machine.settings import TwinScrew
 from screwsim.report.rotors_page import drawing
 
 DEG = 180.0 / math.pi
-WRAPS = math.radians(120.0), math.radians(350.0)  # of a sketch
+WRAPS = math.radians(120.0), math.radians(350.0)  # range of a sketch's wrap angle
 ARC = 0.8  # of half a pitch: radius of a sketched lobe
 TIP = 0.08  # of the male lobe's height: radius of a sketched female tip
 
 
 def document(settings: Any) -> dict[str, Any]:
-    """Return what the page draws: rotors in millimetres and degrees, or a cylinder; the angles of a chamber's life."""
+    """Return the drawing: rotors in millimetres and degrees, or a cylinder; and the angles of a chamber's life."""
     geometry = kind_of(settings).geometry(settings)
     life, pitch = DEG * geometry.life, DEG * geometry.pitch
-    backwards = getattr(settings, "mode", "") == "expander"  # such a machine is the compressor run backwards
+    backwards = getattr(settings, "mode", "") == "expander"  # an expander is the compressor run backwards
     common = {"life": life, "pitch": pitch, "chambers": max(1, round(life / pitch)), "backwards": backwards}
     if settings.kind != TWIN_SCREW:
         return {"kind": "cylinder", **common}
@@ -40,7 +40,7 @@ def document(settings: Any) -> dict[str, Any]:
     rotors = _sketched(machine, geometry.life)
     if rotors is None:
         return {"kind": "none", **common}
-    start = DEG * rotors.wrap - life  # chambers end together with those of the law
+    start = DEG * rotors.wrap - life  # its chambers end together with those of the law
     return {"kind": "rotors", "sketch": True, **common, **drawing(rotors), "start": start, **_sizes(machine)}
 
 
@@ -49,7 +49,7 @@ def _sizes(machine: TwinScrew) -> dict[str, Any]:
 
 
 def _sketched(machine: TwinScrew, life: float) -> Rotors | None:
-    """Return circular rotors of a machine's lobes and sizes; None where there are none of so few or so many lobes."""
+    """Return circular rotors with a machine's lobes and sizes; None where these numbers of lobes allow none."""
     if machine.male_lobes < 2 or machine.female_lobes < 2:
         return None
     radius, lobes = 0.5 * machine.rotor_diameter, machine.male_lobes

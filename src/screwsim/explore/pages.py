@@ -1,7 +1,7 @@
-"""The pages that are open: what each asks, in the order in which it asked, and the newest first of what waits.
+"""The open pages: what each requests, in order, with only the newest of waiting settings solved.
 
-A page numbers its settings 1, 2, 3 … An answer says from which number to which it is one: settings that newer ones
-overtook while they waited are answered by those.
+A page numbers its settings 1, 2, 3 … An answer states the range of numbers that it covers: settings overtaken by newer
+ones while waiting are answered by those.
 """
 
 import asyncio
@@ -15,14 +15,14 @@ from screwsim.explore import answer
 from screwsim.explore.crew import Crew
 from screwsim.explore.worker import Job
 
-MOST_POINTS = 200  # of a curve, or of what is tried around the settings
-LONGEST = 64_000  # letters of a message
-RATE, BURST = 200.0, 400.0  # messages a second that a page may send, and at once
-LANES = ("curve", "around")  # of points; the first goes first
+MOST_POINTS = 200  # of a curve, or of variations around the settings
+LONGEST = 64_000  # characters of a message
+RATE, BURST = 200.0, 400.0  # messages per second that a page may send, and in a burst
+LANES = ("curve", "around")  # of points, in order of priority
 
 
 class Wrong(Exception):
-    """Say why what a page sent is none of what a page sends."""
+    """Reason why a message cannot come from our page."""
 
 
 class Asked(NamedTuple):
@@ -34,13 +34,13 @@ class Asked(NamedTuple):
 
 
 class Pace:
-    """Holds back who sends too much."""
+    """Rate limit for pages that send too much."""
 
     def __init__(self, rate: float = RATE, burst: float = BURST) -> None:
         self._rate, self._burst, self._left, self._last = rate, burst, burst, time.monotonic()
 
     def wait(self) -> float:
-        """Count a message; return how long [s] to wait before the next is read."""
+        """Count a message; return how long [s] to wait before reading the next."""
         now = time.monotonic()
         self._left = min(self._burst, self._left + self._rate * (now - self._last)) - 1.0
         self._last = now
@@ -48,7 +48,7 @@ class Pace:
 
 
 class Page:
-    """One page that is open."""
+    """One open page."""
 
     def __init__(self, crew: Crew, send: Callable[[bytes], Awaitable[None]]) -> None:
         self._crew, self._send = crew, send
@@ -62,7 +62,7 @@ class Page:
         self.gone = False
 
     def take(self, text: str) -> None:
-        """Take note of a message; raise Wrong where it is none."""
+        """Accept a message; raise Wrong if it is not a valid one."""
         if len(text) > LONGEST:
             raise Wrong("a message is too long")
         try:
@@ -87,7 +87,7 @@ class Page:
         self._awake.set()
 
     def _take_points(self, lane: str, asked: dict[str, Any]) -> None:
-        """Replace the points of a lane by new ones: [path, value] each, all else as in `changes`."""
+        """Replace the points of a lane by new ones: each [path, value], with the rest as in `changes`."""
         points, changes, name = asked.get("points"), asked.get("changes"), asked.get("id")
         values = changes.get("set", {}) if isinstance(changes, dict) else None
         if not isinstance(points, list) or len(points) > MOST_POINTS or type(name) is not int:
@@ -101,7 +101,7 @@ class Page:
             self._lanes[lane].append(Job("curve", changed, {"lane": lane, "id": name, "index": index}))
 
     def _next(self) -> Job | None:
-        """Return what to solve next: the newest settings, then points."""
+        """Return the next job: the newest settings, then points."""
         if self._newest is not None:
             number, changes, machine = self._newest
             tag = {"first": self._answered + 1, "number": number}
@@ -110,7 +110,7 @@ class Page:
         return next((self._lanes[lane].popleft() for lane in LANES if self._lanes[lane]), None)
 
     async def work(self) -> None:
-        """Answer what the page asks, one thing after the other, for as long as it is open."""
+        """Answer the page's requests, one after another, as long as it is open."""
         while True:
             await self._awake.wait()
             worker = await self._crew.lend()
@@ -122,7 +122,7 @@ class Page:
             await self._send(await self._crew.solve(worker, job, self._newer, self._note))
 
     async def work_aside(self) -> None:
-        """Answer what takes long beside all else, the newest of it, where there is a worker for that."""
+        """Answer the newest long request beside all others, if there is a worker for it."""
         while True:
             await self._aside_awake.wait()
             self._aside_awake.clear()
@@ -138,7 +138,7 @@ class Page:
         return self.gone or self._newest is not None
 
     def _note(self, text: str) -> None:
-        """Send what a worker says while it solves."""
+        """Send a worker's remark while it solves."""
         if not self.gone:
             task = asyncio.ensure_future(self._send(answer.packed({"kind": "note", "text": text})))
             self._notes.add(task)
@@ -147,4 +147,4 @@ class Page:
     def _note_sent(self, task: asyncio.Task[None]) -> None:
         self._notes.discard(task)
         if not task.cancelled():
-            task.exception()  # a page that is gone by now reads none
+            task.exception()  # retrieves the error of a page that has closed meanwhile

@@ -1,6 +1,6 @@
-"""`screwsim explore` from its arguments to a server that runs: the address, the token, the browser.
+"""`screwsim explore` from its arguments to a running server: the address, the token, the browser.
 
-The server gives the page itself, holds its line for settings and answers, and makes files of what is asked for.
+The server delivers the page, keeps its connection for settings and answers, and makes requested files.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ from screwsim.explore.worker import Job
 from screwsim.inputs.faults import UsageError
 from screwsim.study.workers import cores
 
-MOST_PAGES = 32  # open at once
-WRONG, FULL = 1008, 1013  # codes of closing a line
-SENDING = 30.0  # [s] in which a page has to take an answer
+MOST_PAGES = 32  # most pages open at once
+WRONG, FULL = 1008, 1013  # close codes of a connection
+SENDING = 30.0  # [s] within which a page must accept an answer
 FILES = {"report": "text/html; charset=utf-8", "scene": "application/yaml; charset=utf-8"}
 HEADERS = {
     "X-Content-Type-Options": "nosniff",
@@ -48,15 +48,15 @@ HEADERS = {
     "Cache-Control": "no-store",
 }
 LOOPBACK = "127.0.0.1"
-PORT = 8421  # where it is free
+PORT = 8421  # if it is free
 MOST_WORKERS = 4
-MOST_LINES = 128  # connections at once
-CLOSING = 2  # [s] that pages have at the end
+MOST_LINES = 128  # most connections at once
+CLOSING = 2  # [s] left to pages at the end
 
 
 @dataclass(frozen=True)
 class Address:
-    """A socket that listens, and how it is reached."""
+    """A listening socket, and how to reach it."""
 
     socket: socket.socket
     url: str
@@ -64,9 +64,9 @@ class Address:
 
 
 def listen(host: str, port: int | None) -> Address:
-    """Return where the page is served: on the loopback address by its own names alone, elsewhere by a token.
+    """Return where the page is served: on loopback under its own names only, elsewhere with a token.
 
-    Without a port it is `PORT`, or any that is free; raise UsageError where one that is asked for is not.
+    Without a port, `PORT` or any free one is used; raise UsageError where a requested port is not free.
     """
     bound = _bound(host, port)
     number = bound.getsockname()[1]
@@ -80,7 +80,7 @@ def listen(host: str, port: int | None) -> Address:
 
 
 def is_loopback(host: str) -> bool:
-    """Tell whether only this machine reaches an address."""
+    """Tell whether an address can be reached only from this machine."""
     if host == "localhost":
         return True
     try:
@@ -114,18 +114,18 @@ def prepared(base: Base, rules: Rules, workers: int | None = None, patience: Pat
 
 
 def configured(app: App) -> uvicorn.Config:
-    """Return how the server runs: what it takes is bounded, and nothing is logged but a fault of its own."""
+    """Return the server's configuration: all inputs are bounded, and only its own faults are logged."""
     return uvicorn.Config(
         app,
         http="h11",
         ws="websockets-sansio",
         loop="asyncio",
         ws_max_size=LONGEST,
-        ws_per_message_deflate=False,  # it takes longer than the loopback does
+        ws_per_message_deflate=False,  # takes longer than the loopback transfer
         limit_concurrency=MOST_LINES,
         timeout_graceful_shutdown=CLOSING,
         log_config=None,
-        log_level="error",  # and not each request that is no HTTP, of which anyone can send many
+        log_level="error",  # not each request that is not HTTP, of which anyone can send many
         access_log=False,
         proxy_headers=False,
         server_header=False,
@@ -152,9 +152,9 @@ def serve(
 
 @dataclass
 class Desk:
-    """What the server has: the page's text, the workers, the pages that are open."""
+    """State of the server: the page's text, the workers, the open pages."""
 
-    text: str  # with @NONCE@ where its policy's nonce goes
+    text: str  # with @NONCE@ in place of its policy's nonce
     crew: Crew
     pages: set[Page] = field(default_factory=set)
     files: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(2))
@@ -189,7 +189,7 @@ def application(desk: Desk, rules: Rules) -> App:
 
 
 def _page(desk: Desk, request: Request) -> Response:
-    """Return the page; its policy lets it load nothing, and speak to this server alone."""
+    """Return the page; its policy forbids loading anything, and allows connections to this server only."""
     nonce, host = secrets.token_urlsafe(16), request.headers.get("host", "")
     policy = (
         f"default-src 'none'; script-src 'nonce-{nonce}'; style-src 'nonce-{nonce}'; img-src data: blob:; "
@@ -199,7 +199,7 @@ def _page(desk: Desk, request: Request) -> Response:
 
 
 async def _line(desk: Desk, socket: WebSocket) -> None:
-    """Answer a page for as long as it is open."""
+    """Serve the connection of a page while it is open."""
     await socket.accept()
     if len(desk.pages) >= MOST_PAGES:
         await socket.close(FULL, f"{MOST_PAGES} pages are open")
@@ -242,7 +242,7 @@ async def _read(socket: WebSocket, page: Page) -> None:
 
 
 async def _made(desk: Desk, request: Request) -> Response:
-    """Return what is made of settings: a report's page, or the whole scene."""
+    """Return a file made from settings: a report's page, or the complete scene."""
     kind = request.path_params["kind"]
     if kind not in FILES:
         return PlainTextResponse("there is no such file\n", 404, HEADERS)
@@ -259,7 +259,7 @@ async def _made(desk: Desk, request: Request) -> Response:
 
 
 def _changes(body: str, kind: str) -> Any:
-    """Return the settings that a form or a script sent."""
+    """Return the settings sent by a form or a script."""
     if kind.startswith("text/plain"):  # a form: settings={…}
         body = body.partition("=")[2].strip()
     return json.loads(body)

@@ -1,6 +1,6 @@
-"""The process that solves for pages: it reads jobs from a pipe, and answers each; it may be killed at any time.
+"""The process that solves for pages: it reads jobs from a pipe and answers each; it may be killed at any time.
 
-What it says on stderr while it compiles goes to the page as a note.
+Its output to stderr during compilation is sent to the page as notes.
 """
 
 import contextlib
@@ -39,13 +39,15 @@ from screwsim.study.workers import end_with_parent
 
 NOTE, DONE = "note", "done"
 SECTIONS = ("machine", "gas", "oil", "operation", "oil_supply", "effects", "numerics", "output", "sweep")
-DRAWINGS = 8  # of machines, that are kept
-MEMORY = 4 << 30  # [byte] of address space beyond what it begins with, where the system can bound it
+DRAWINGS = 8  # most drawings of machines that are cached
+MEMORY = 4 << 30  # [byte] of address space beyond the initial one, where the system can limit it
 
 
 class Job(NamedTuple):
-    """What a worker is asked: a kind of `JOBS`, the changes of a page as they came, and the key of the machine that the
-    page draws already. `tag` comes back in the head of the answer."""
+    """A request to a worker: a kind of `JOBS`, a page's changes as received, and the key of the drawn machine.
+
+    `tag` comes back in the head of the answer.
+    """
 
     kind: str
     changes: Any
@@ -54,7 +56,7 @@ class Job(NamedTuple):
 
 
 class _Told(io.TextIOBase):
-    """Stands in for stderr: each line goes to the page."""
+    """Replacement for stderr that sends each line to the page."""
 
     def __init__(self, pipe: Connection) -> None:
         super().__init__()
@@ -82,7 +84,7 @@ def serve(pipe: Connection, file: str, overrides: tuple[str, ...], known: Any) -
 
 
 def _bound_memory() -> None:
-    """Let a scene that asks for more memory than there is fail by itself."""
+    """Limit the memory, so that a scene that needs too much fails by itself."""
     with contextlib.suppress(ImportError, OSError, ValueError):
         import resource
 
@@ -97,13 +99,13 @@ def _base(file: str, overrides: tuple[str, ...]) -> Base:
 
 
 def answered(named: tuple[str, tuple[str, ...]], job: Job) -> bytes:
-    """Return the answer to a job on the scene that was named; whatever goes wrong is one."""
+    """Return the answer to a job on the named scene; every failure is an answer too."""
     try:
         base = _base(*named)
         overrides = overrides_of(base, read_changes(job.changes))
         return JOBS[job.kind](base, overrides, scene_of(base, overrides), job)
     except SceneError as error:
-        # path and what is wrong, without the file and the line that a page has not
+        # path and fault only, as a page has neither file nor line
         matches = (re.search(rf"(?:^|: )((?:{'|'.join(SECTIONS)})(?:\.[\w.]+)?): (.*)$", line) for line in error.lines)
         faults = [
             [match[1], match[2]] if match else ["", line] for match, line in zip(matches, error.lines, strict=True)
@@ -114,13 +116,13 @@ def answered(named: tuple[str, tuple[str, ...]], job: Job) -> bytes:
         return answer.refused(str(error), job.tag)
     except MemoryError:
         return answer.refused("the solution asks for too much memory (change the settings)", job.tag)
-    except Exception as error:  # noqa: BLE001 - the page is told, and goes on
+    except Exception as error:  # noqa: BLE001 - the page reports it and continues
         text = " ".join(f"{type(error).__name__}: {error}".split())
         return answer.refused(f"internal error: {text}; please report it with these settings", job.tag)
 
 
 def _point(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
-    """Return the whole answer of one point, and what gives the same elsewhere."""
+    """Return the complete answer for one point, with commands and texts that reproduce it."""
     text = {
         "overrides": overrides,
         "shell": shell_command(base, overrides),
@@ -139,9 +141,9 @@ def _curve(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
 
 
 def _slopes(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
-    """Return the exact derivatives of all figures by the numbers of the scene, as far as there are.
+    """Return the exact derivatives of all figures by the numbers of the scene, as far as they exist.
 
-    With them what the tolerances of the scene make of the figures.
+    They come with the uncertainties due to the tolerances of the scene.
     """
     from screwsim.derivatives.solving import found
     from screwsim.study.local import numeric_paths
@@ -176,11 +178,11 @@ def _whole(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
     return answer.file(scene.text)
 
 
-_known: dict[str, dict[str, Any]] = {}  # drawings by what tells their machines apart
+_known: dict[str, dict[str, Any]] = {}  # drawings by the key of their machines
 
 
 def _drawn(settings: Any) -> tuple[str, dict[str, Any]]:
-    """Return what the page draws of a machine, and a short text that is another for another machine."""
+    """Return the key of a machine, a short text that differs between machines, and its drawing."""
     key = f"{zlib.crc32(repr(settings).encode()):08x}"
     if key not in _known:
         while len(_known) >= DRAWINGS:

@@ -1,1 +1,1 @@
-"""What other tools read: maps of a machine as FMU and as texts, loads of its rotors, spectra of forces and flows."""
+"""Exports to other tools: maps of a machine as FMU and as text, loads of its rotors, spectra of forces and flows."""

@@ -1,4 +1,4 @@
-"""The numbers of a map as a C header, and the C sources that read it."""
+"""The numbers of a map as a C header, with the C sources that read it."""
 
 import hashlib
 import uuid
@@ -11,11 +11,11 @@ from screwsim.export.table import Table
 SOURCES = {"2": ("map.c", "model.c", "fmi2.c"), "3": ("map.c", "model.c", "fmi3.c")}
 HEADERS = ("map.h", "model.h", "fmi.h")
 DATA = "map_data.h"
-_A_LINE = 6  # numbers
+_A_LINE = 6  # numbers per line
 
 
 def data_header(table: Table, version: str = "2") -> str:
-    """Return the header of a map's numbers; the token in it is a hash of them, of names and of the version of FMI."""
+    """Return the header with a map's numbers; its token is a hash of them, of the names and of the FMI version."""
     grid = table.grid
     count = len(grid.nodes)
     orders = [grid.data[tuple(order >> axis & 1 for axis in range(count))] for order in range(2**count)]
@@ -46,17 +46,17 @@ def data_header(table: Table, version: str = "2") -> str:
 
 
 def token_of(header: str) -> str:
-    """Return the token that a header holds."""
+    """Return the token in a header."""
     return header.split('"')[1]
 
 
 def source(name: str) -> str:
-    """Return the text of a C file that is the same for every map."""
+    """Return the text of a C file that is the same for all maps."""
     return (resources.files("screwsim.export") / "c" / name).read_text(encoding="utf-8")
 
 
 def source_files(table: Table, version: str) -> dict[str, str]:
-    """Return {name: text} of all that has to be compiled for a version of FMI, and of what that includes."""
+    """Return {name: text} of all files to be compiled for a version of FMI, and of those that they include."""
     names = (*SOURCES[version], *HEADERS)
     return {name: source(name) for name in names} | {DATA: data_header(table, version)}
 

@@ -1,4 +1,4 @@
-"""A map's nodes as a table with commas: a row a node, inputs before outputs, units in the heads."""
+"""A map's nodes as a comma-separated table: one row per node, inputs before outputs, units in the heads."""
 
 import itertools
 

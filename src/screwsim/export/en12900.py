@@ -1,4 +1,4 @@
-"""Rating tables and coefficients as EN 12900 and AHRI 540 have them, as text with commas, in SI or inch-pound units."""
+"""Rating tables and coefficients after EN 12900 and AHRI 540 as comma-separated text, in SI or inch-pound units."""
 
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,7 @@ from screwsim.results.kept import keep_other_documents, keep_without
 from screwsim.study.performance_map import NAMES, PerformanceMap
 
 FIGURES = ("cooling_capacity", "shaft_power", "gas_mass_flow")
-BESIDE = ("electrical_power", "heating_capacity")  # beside them where a result has them
+BESIDE = ("electrical_power", "heating_capacity")  # included where a result has them
 POUND, BTU = 0.45359237, 1055.05585262  # [kg], [J]
 _IP = {
     "cooling_capacity": ("Btu/h", 3600.0 / BTU),
@@ -19,12 +19,12 @@ _IP = {
     "heating_capacity": ("Btu/h", 3600.0 / BTU),
     "gas_mass_flow": ("lb/h", 3600.0 / POUND),
 }
-HEAD = "table,map,figure,unit"  # of the coefficients
+HEAD = "table,map,figure,unit"  # of the coefficients' table
 STEPS = 6  # rated temperatures along each axis
 
 
 def en12900_csv(found: Polynomials, ip: bool = False) -> str:
-    """Return coefficients, then rated points in the envelope, of every map."""
+    """Return the coefficients, then the rated points in the envelope, of each map."""
     degree = "degF" if ip else "degC"
     lines = [
         f"# {found.title}: {found.fluid}",
@@ -48,7 +48,7 @@ def en12900_csv(found: Polynomials, ip: bool = False) -> str:
 
 
 def keep_other_coefficients(path: Path) -> None:
-    """Raise UsageError where a file lies at `path` that holds no such coefficients: it would be lost."""
+    """Raise UsageError where a file at `path` holds anything but such coefficients, as it would be lost."""
     if path.suffix.lower() == ".csv":
         keep_without(path, HEAD)
     else:
@@ -56,12 +56,12 @@ def keep_other_coefficients(path: Path) -> None:
 
 
 def unit_of(found: Polynomials, figure: str, ip: bool) -> tuple[str, float]:
-    """Return the unit of a figure, and the factor to it from SI."""
+    """Return the unit of a figure, and the factor from SI to it."""
     return _IP[figure] if ip and figure in _IP else (found.units[figure].replace("kg s-1", "kg/s"), 1.0)
 
 
 def _rated(found: Polynomials, one: PerformanceMap, ip: bool) -> list[str]:
-    """Return the rows of the rated points, evenly over the envelope's box, those inside."""
+    """Return the rows of the rated points: a regular grid over the envelope's box, without points outside."""
     (s0, s1), (d0, d1) = limits(one)
     rows = []
     for S in np.linspace(s0, s1, STEPS):
@@ -75,7 +75,7 @@ def _rated(found: Polynomials, one: PerformanceMap, ip: bool) -> list[str]:
 
 
 def en12900_document(found: Polynomials, ip: bool = False) -> dict[str, Any]:
-    """Return the same coefficients as what JSON holds."""
+    """Return the same coefficients as a JSON document."""
     maps = []
     for one in found.maps:
         figures = {}

@@ -1,4 +1,4 @@
-"""A map as EnergyPlus reads it: curves of a Refrigeration:Compressor, and normalised ones, as IDF or epJSON."""
+"""A map for EnergyPlus: curves of a Refrigeration:Compressor, and normalised ones, as IDF or epJSON."""
 
 import re
 from collections.abc import Container
@@ -9,22 +9,22 @@ from screwsim.export.polynomials import Polynomials, by_terms, limits, quadratic
 from screwsim.results.kept import keep_other_documents, keep_without
 from screwsim.scene.operation import SUBCOOLING
 
-CAPACITY, POWERS = "cooling_capacity", ("electrical_power", "shaft_power")  # that of the motor where there is one
+CAPACITY, POWERS = "cooling_capacity", ("electrical_power", "shaft_power")  # the motor's power where there is one
 BICUBIC = ((0, 0), (1, 0), (2, 0), (0, 1), (0, 2), (1, 1), (3, 0), (0, 3), (2, 1), (1, 2))  # its order of terms
 _CUBIC_KEYS = ("1_constant", "2_x", "3_x_2", "4_y", "5_y_2", "6_x_y", "7_x_3", "8_y_3", "9_x_2_y", "10_x_y_2")
 _KEYS = tuple(f"coefficient{key}" for key in _CUBIC_KEYS)
 CLASSES = ("Curve:Bicubic", "Curve:Biquadratic", "Refrigeration:Compressor")
 WRITTEN = "; written by screwsim"
-VERSION = "24.1"  # of EnergyPlus whose input data dictionary the names are of
+VERSION = "24.1"  # EnergyPlus version whose input data dictionary has these names
 
 Objects = dict[str, dict[str, dict[str, Any]]]  # {class: {name: {field: value}}}
 
 
 def energyplus_objects(found: Polynomials, name: str) -> Objects:
-    """Return the objects by class: of every map a compressor with two bicubic curves, and two biquadratic ones.
+    """Return the objects by class: for each map a compressor with two bicubic curves, and two biquadratic curves.
 
-    The biquadratic curves are capacity, and power per capacity, over those at a rated point: CAPFT and EIRFT of a
-    chiller that is written over saturation temperatures.
+    The biquadratic curves are capacity, and power over capacity, relative to those at a rated point: CAPFT and EIRFT of
+    a chiller as functions of saturation temperatures.
     """
     objects: Objects = {name: {} for name in CLASSES}
     for one in found.maps:
@@ -50,7 +50,7 @@ def energyplus_objects(found: Polynomials, name: str) -> Objects:
 
 
 def keep_other_objects(path: Path) -> None:
-    """Raise UsageError where a file lies at `path` that is not of such objects alone: a building would be lost."""
+    """Raise UsageError where a file at `path` has anything but such objects, as a building model would be lost."""
     if path.suffix.lower() == ".idf":
         keep_without(path, WRITTEN)
     else:
@@ -58,21 +58,21 @@ def keep_other_objects(path: Path) -> None:
 
 
 def power_of(figures: Container[str]) -> str:
-    """Return the power that a compressor draws: that of its motor, or at its shaft."""
+    """Return the name of the power that a compressor draws: at its motor if known, else at its shaft."""
     return next(name for name in POWERS if name in figures or name == POWERS[-1])
 
 
 def normalised(one: Any, at: tuple[float, float]) -> dict[str, tuple[tuple[float, ...], float]]:
-    """Return coefficients of capacity, and of power over capacity, over those at a point; largest errors of both.
+    """Return coefficients of capacity, and of power over capacity, relative to those at a point, and largest errors.
 
-    The errors are relative, against the cubics.
+    The errors are relative, with respect to the cubics.
     """
     ratio = quadratic(_Ratio(one), "power_over_capacity", at)  # type: ignore[arg-type]
     return {"CAPFT": quadratic(one, CAPACITY, at), "EIRFT": ratio}
 
 
 class _Ratio:
-    """The power per capacity of a map, as if it were a figure of it."""
+    """The power over capacity of a map, with the interface of a figure."""
 
     def __init__(self, one: Any) -> None:
         self._one, self.envelope, self.inside = one, one.envelope, one.inside
@@ -88,7 +88,7 @@ def epjson(objects: Objects) -> dict[str, Any]:
 
 
 def idf(objects: Objects, notes: list[str]) -> str:
-    """Return the objects as IDF text, notes before them as comments."""
+    """Return the objects as IDF text, with notes before them as comments."""
     lines = [f"! {note}" for note in notes] + ["", "Version,", f"    {VERSION};"]
     for kind, named in objects.items():
         for name, fields in named.items():
@@ -101,7 +101,7 @@ def idf(objects: Objects, notes: list[str]) -> str:
 
 
 def _in_order(kind: str, fields: dict[str, Any]) -> list[tuple[str, Any]]:
-    """Return the fields in the order of the dictionary; those between that are left to their defaults stay empty."""
+    """Return the fields in the dictionary's order; omitted ones between them are empty and take their defaults."""
     if kind == "Refrigeration:Compressor":
         names = (
             "refrigeration_compressor_power_curve_name",
@@ -122,7 +122,7 @@ def _text(value: Any) -> str:
 
 
 def notes(found: Polynomials) -> list[str]:
-    """Return what stands before the objects: what they are, where they hold, how far they are off."""
+    """Return the notes before the objects: what they are, their range of validity, their errors."""
     lines = [f"{found.title}: {found.fluid}{WRITTEN}"]
     y = f"saturated discharge temperature ({found.condensing})"
     lines.append(f"x: saturated suction temperature (dew), y: {y}, deg C; W")

@@ -1,7 +1,7 @@
-"""A functional mock-up unit of a map, for co-simulation by FMI 2.0 or 3.0: C that needs no Python where it runs.
+"""A functional mock-up unit of a map, for co-simulation by FMI 2.0 or 3.0: C code that needs no Python.
 
-The archive holds the description, the C sources, what they are compiled to for this machine, a page and the map's own
-data. The same map gives the same bytes (but for the compiler's).
+The archive holds the description, the C sources, their compiled library for this machine, a page and the map's own
+data. The same map gives the same bytes (except for the compiler's).
 """
 
 import json
@@ -30,11 +30,11 @@ _BITS = {"x86_64": "x86_64", "amd64": "x86_64", "arm64": "aarch64", "aarch64": "
 _SYSTEMS = {"linux": ("linux", "so"), "darwin": ("darwin", "dylib"), "win32": ("windows", "dll")}
 _OLD = {("linux", "x86_64"): "linux64", ("darwin", "x86_64"): "darwin64", ("windows", "x86_64"): "win64"}
 GENERATED = 'generationTool="screwsim"'
-_MOMENT = (1980, 1, 1, 0, 0, 0)  # of every file in the archive: the same map is the same archive
+_MOMENT = (1980, 1, 1, 0, 0, 0)  # of each file in the archive: the same map gives the same archive
 
 
 def write_fmu(table: Table, path: Path, version: str = "2", *, compiled: bool = True) -> list[str]:
-    """Write the unit of a map; return what it holds. Raise UsageError where no C compiler is found, or it fails."""
+    """Write the unit of a map; return the files in it. Raise UsageError if no C compiler is found, or if it fails."""
     name = identifier(path)
     sources = source_files(table, version)
     token = token_of(sources["map_data.h"])
@@ -54,27 +54,27 @@ def write_fmu(table: Table, path: Path, version: str = "2", *, compiled: bool = 
 
 
 def keep_other_units(path: Path) -> None:
-    """Raise UsageError where a file lies at `path` that is no unit of a map: it would be lost."""
+    """Raise UsageError where a file at `path` is not a unit of a map, as it would be lost."""
     check_target_kind(path)
     try:
         with zipfile.ZipFile(path) as archive:
             ours = GENERATED.encode() in archive.read("modelDescription.xml")
     except FileNotFoundError:
         return
-    except (OSError, zipfile.BadZipFile, KeyError, RuntimeError):  # RuntimeError: of an archive with a password
+    except (OSError, zipfile.BadZipFile, KeyError, RuntimeError):  # RuntimeError: an archive with a password
         ours = False
     if not ours:
         raise UsageError(OTHERS.format(path))
 
 
 def identifier(path: Path) -> str:
-    """Return a name that C allows, from that of the file."""
+    """Return a valid C identifier made from the file's name."""
     name = re.sub(r"\W", "_", path.stem, flags=re.ASCII)
     return name if name[:1].isalpha() else f"map_{name}"
 
 
 def binary_place(version: str) -> tuple[str, str]:
-    """Return the folder below binaries/ for this machine, and how a shared library's name ends there."""
+    """Return the folder below binaries/ for this machine, and the file extension of a shared library there."""
     system, ending = _SYSTEMS.get(sys.platform, (sys.platform, "so"))
     machine = platform.machine().lower()
     bits = _BITS.get(machine, machine)
@@ -84,7 +84,7 @@ def binary_place(version: str) -> tuple[str, str]:
 
 
 def compiler() -> str:
-    """Return the C compiler: that of the variable CC, else cc, gcc or clang; raise UsageError where there is none."""
+    """Return the C compiler: that of the variable CC, else cc, gcc or clang; raise UsageError if there is none."""
     wanted = os.environ.get("CC", "")
     found = next((shutil.which(name) for name in (wanted, "cc", "gcc", "clang") if name and shutil.which(name)), None)
     if found is None:
@@ -96,7 +96,7 @@ def compiler() -> str:
 
 
 def compile_shared(sources: dict[str, str], names: tuple[str, ...], ending: str) -> bytes:
-    """Return the shared library of C sources; raise UsageError with the compiler's first complaint."""
+    """Return the shared library of C sources; raise UsageError with the compiler's first error message."""
     command = compiler()
     with tempfile.TemporaryDirectory(prefix="screwsim-") as folder:
         for file, text in sources.items():
@@ -113,7 +113,7 @@ def compile_shared(sources: dict[str, str], names: tuple[str, ...], ending: str)
 
 
 def about(table: Table) -> dict[str, object]:
-    """Return what a map is, for people and programs."""
+    """Return the description of a map, for people and programs."""
     return {
         "title": table.title,
         "inputs": [
@@ -139,7 +139,7 @@ def about(table: Table) -> dict[str, object]:
 
 
 def known(error: float) -> float | None:
-    """Return an error, None where it is not known."""
+    """Return an error; None if it is unknown."""
     return error if math.isfinite(error) else None
 
 
@@ -277,7 +277,7 @@ def build_description(name: str) -> str:
 
 
 def page(table: Table, name: str) -> str:
-    """Return the page that an importing tool shows: inputs with their ranges, outputs with their errors."""
+    """Return the page shown by an importing tool: inputs with their ranges, outputs with their errors."""
     inputs = "".join(
         f"<tr><td>{one.name}</td><td>{one.low:.6g} … {one.high:.6g} {escape(plain(one.units))}</td>"
         f"<td>{escape(one.long_name)}</td></tr>"

@@ -1,10 +1,10 @@
 """Interpolation on a grid with continuous first derivatives: tensor products of cubic Hermite polynomials.
 
-A cell's polynomial follows from values and slopes at its corners alone, with the mixed derivatives; neighbours share
-those, so that value and gradient are continuous everywhere, whatever the slopes are. The slopes are those of a cubic
-spline through the nodes of a line (error of order h⁴), limited as by Hyman (1983): |slope| ≤ 3 |secant| of both
-neighbouring steps, and of their sign where these agree. So along the lines of the grid the interpolation is monotone
-where the nodes are, and beside an extreme node it goes beyond by at most √2 − 1 of a step (tests/export).
+The polynomial of a cell follows from values, slopes and mixed derivatives at its corners alone; neighbours share those,
+so that value and gradient are continuous everywhere, whatever the slopes are. The slopes are those of a cubic spline
+through the nodes of a line (error of order h⁴), limited as by Hyman (1983): |slope| ≤ 3 |secant| of both neighbouring
+steps, and of their sign where these agree. So along grid lines the interpolation is monotone where the nodes are, and
+next to an extreme node it overshoots by at most √2 − 1 of a step (tests/export).
 """
 
 import itertools
@@ -19,7 +19,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Nodes of each axis, `data` (2, …, 2, nodes …, outputs): values and derivatives, 1 for an axis derived by.
+    """Nodes of each axis, and `data` (2, …, 2, nodes …, outputs): values, with index 1 for a derivative by that axis.
 
     `sound` (nodes …) says which nodes have values of their own; the others are filled so that nothing is undefined.
     """
@@ -30,7 +30,7 @@ class Grid:
 
 
 def grid_of(nodes: Sequence[Array], values: Array, sound: Array) -> Grid:
-    """Return the interpolation of values (nodes …, outputs) over axes that rise; unsound nodes have no influence."""
+    """Return the interpolation of values (nodes …, outputs) over increasing axes; unsound nodes have no influence."""
     filled = _filled(values, sound)
     derived = [filled]
     for axis, x in enumerate(nodes):
@@ -42,7 +42,7 @@ def grid_of(nodes: Sequence[Array], values: Array, sound: Array) -> Grid:
 
 
 def evaluate(grid: Grid, x: Array) -> tuple[Array, Array]:
-    """Return the outputs at points (n, axes), held at the border beyond it, and whether each lies among sound nodes."""
+    """Return the outputs at points (n, axes), constant beyond the border, and whether each lies among sound nodes."""
     x = np.atleast_2d(np.asarray(x, float))
     places, bases, inside = [], [], np.ones(len(x), bool)
     for axis, nodes in enumerate(grid.nodes):
@@ -66,14 +66,14 @@ def evaluate(grid: Grid, x: Array) -> tuple[Array, Array]:
 
 
 def slopes(x: Array, values: Array, axis: int) -> Array:
-    """Return the slopes of values along an axis whose nodes are x, those of a cubic spline, linear in the values."""
+    """Return the slopes of values along an axis with nodes x, from a cubic spline; they are linear in the values."""
     y = np.moveaxis(np.asarray(values, float), axis, 0)
     found = _run(np.asarray(x, float), y.reshape(len(x), -1), limited=False)
     return np.moveaxis(found.reshape(y.shape), 0, axis)
 
 
 def basis(t: Array, width: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Return the weights of value and slope at both ends of a step, at its share t."""
+    """Return the weights of value and slope at both ends of an interval, at the fraction t of its width."""
     s = 1.0 - t
     return (s * s * (1.0 + 2.0 * t), width * t * s * s), (t * t * (3.0 - 2.0 * t), -width * t * t * s)
 
@@ -89,7 +89,7 @@ def _filled(values: Array, sound: Array) -> Array:
 
 
 def _slopes(x: Array, values: Array, sound: Array, axis: int, limited: bool) -> Array:
-    """Return the slopes of values along an axis, each run of sound nodes on its own; 0 at unsound ones."""
+    """Return the slopes of values along an axis, from each run of sound nodes separately; 0 at unsound ones."""
     y = np.moveaxis(values, axis, 0)
     own = np.broadcast_to(sound[..., None], values.shape)
     ok = np.moveaxis(own, axis, 0).reshape(len(x), -1)
@@ -107,7 +107,7 @@ def _slopes(x: Array, values: Array, sound: Array, axis: int, limited: bool) -> 
 
 
 def _run(x: Array, y: Array, limited: bool) -> Array:
-    """Return the slopes of columns y at nodes x: of a spline, of a parabola of three nodes, of a line of two."""
+    """Return the slopes of columns y at nodes x: of a spline, of a parabola for three nodes, of a line for two."""
     from scipy.interpolate import CubicSpline
 
     if len(x) == 2:
@@ -117,7 +117,7 @@ def _run(x: Array, y: Array, limited: bool) -> Array:
 
 
 def _limited(slopes: Array, secants: Array) -> Array:
-    """Return slopes of at most three times both secants beside them, and of their sign where it is one (Hyman)."""
+    """Return slopes limited to three times both neighbouring secants, and to their sign where these agree (Hyman)."""
     left, right = np.vstack([secants[:1], secants]), np.vstack([secants, secants[-1:]])
     most = 3.0 * np.minimum(np.abs(left), np.abs(right))
     sign = np.sign(left)

@@ -1,4 +1,4 @@
-"""What a map is over and what it gives: paths with ranges, figures; their names and units as other tools want them."""
+"""Inputs and outputs of a map: paths with ranges, and figures; with names and units as other tools need them."""
 
 import math
 import re
@@ -27,7 +27,7 @@ _DERIVED: dict[str, dict[str, int]] = {
     **{name: {name: 1} for name in BASE},
 }
 _PART = re.compile(r"([A-Za-z]+)\^?(-?[0-9]+)?")
-LOGARITHMIC_FROM = 2.0  # ratio of the ends of a range of pressures from which on nodes lie over their logarithm
+LOGARITHMIC_FROM = 2.0  # ratio of the ends of a pressure range from which nodes are spaced by its logarithm
 FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "cooling_capacity")
 _NAMES = {
     "operation.suction.pressure": "suction_pressure",
@@ -43,9 +43,9 @@ _NAMES = {
 
 @dataclass(frozen=True)
 class Input:
-    """One input of a map: its path in the scene, its name outside, unit and meaning, first and last value [SI].
+    """One input of a map: its path in the scene, external name, unit and meaning, first and last value [SI].
 
-    Nodes lie over the logarithm where `log`. `value` is that of the scene: where the input stands at first.
+    Nodes are spaced by the logarithm where `log`. `value` is the scene's: the initial value of the input.
     """
 
     path: str
@@ -58,11 +58,11 @@ class Input:
     log: bool = False
 
     def coordinate(self, x: np.ndarray | float) -> np.ndarray:
-        """Return where values [SI] lie on the axis of the grid."""
+        """Return the coordinates of values [SI] on the axis of the grid."""
         return np.log(x) if self.log else np.asarray(x, float)
 
     def at(self, u: np.ndarray | float) -> np.ndarray:
-        """Return the values [SI] at places of that axis, within the range."""
+        """Return the values [SI] at coordinates of that axis, limited to the range."""
         return np.clip(np.exp(u) if self.log else np.asarray(u, float), self.low, self.high)
 
 
@@ -76,7 +76,7 @@ class Output:
 
 
 def input_name(path: str) -> str:
-    """Return the name of an input outside: a usual one, else the last word of its path, with what it belongs to."""
+    """Return the external name of an input: a usual one, else the last words of its path."""
     if path in _NAMES:
         return _NAMES[path]
     last = path.rpartition(".")[2]
@@ -84,7 +84,7 @@ def input_name(path: str) -> str:
 
 
 def read_inputs(scene: Scene, over: Sequence[str]) -> tuple[Input, ...]:
-    """Return the inputs that `PATH=LOW..HIGH` name, else those of the scene's sweep; raise UsageError."""
+    """Return the inputs named by `PATH=LOW..HIGH`, else those of the scene's sweep; raise UsageError."""
     if not over:
         axes = {path: (min(values), max(values)) for path, values in scene.sweep.items() if _numbers(values)}
         if not axes:
@@ -132,14 +132,14 @@ def _input(scene: Scene, path: str, low: float, high: float) -> Input:
 
 
 def read_outputs(scene: Scene, figures: Sequence[str] = ()) -> tuple[Output, ...]:
-    """Return the outputs that are named, else the usual ones that the scene calls for; raise UsageError."""
+    """Return the named outputs, else the usual ones that the scene calls for; raise UsageError."""
     here = called_for(scene, build_parts(scene))
     names = [figure_of(scene, text) for text in figures] or [name for name in FIGURES if name in here]
     return tuple(output_of(name, here) for name in dict.fromkeys(names))
 
 
 def check_names(inputs: Sequence[Input], outputs: Sequence[Output]) -> None:
-    """Raise UsageError where two variables of a map have one name outside: readers could not tell them apart."""
+    """Raise UsageError where two variables of a map share an external name, as readers could not distinguish them."""
     paths: dict[str, str] = {}
     for one in inputs:
         if one.name in paths:
@@ -153,7 +153,7 @@ def check_names(inputs: Sequence[Input], outputs: Sequence[Output]) -> None:
 
 
 def one_line(text: str) -> str:
-    """Return a title as it can stand in a comment: in one line."""
+    """Return a title on one line, as in a comment."""
     return " ".join(text.split())
 
 
@@ -169,18 +169,18 @@ def range_of(scene: Scene, one: Input) -> str:
 
 
 def spread(one: Input, count: int) -> np.ndarray:
-    """Return so many nodes on the axis of an input, evenly."""
+    """Return `count` evenly spaced nodes on the axis of an input."""
     low, high = one.coordinate(one.low), one.coordinate(one.high)
     return np.linspace(float(low), float(high), count)
 
 
 def finite(values: Sequence[float]) -> bool:
-    """Tell whether all values are numbers."""
+    """Tell whether all values are finite."""
     return all(math.isfinite(value) for value in values)
 
 
 class Display(NamedTuple):
-    """A customary unit: a value in it is factor times that in SI, plus offset."""
+    """A customary unit: the value in it is `factor` times that in SI, plus `offset`."""
 
     name: str
     factor: float
@@ -196,14 +196,14 @@ DISPLAYS = {
 
 
 def plain(units: str) -> str:
-    """Return a unit as people write it, '1' for numbers: 'kg s-1' is kg/s."""
+    """Return a unit as people write it: 'kg s-1' gives kg/s, plain numbers '1'."""
     return units if "/" in units else si_unit(units) or "1"
 
 
 def exponents(units: str) -> dict[str, int]:
     """Return the exponents of base units in a unit such as 'kg s-1' or 'J/(kg K)'; empty for '1'.
 
-    Raise ValueError of a unit that is not made of the SI's.
+    Raise ValueError for a unit that is not composed of SI units.
     """
     above, _, below = units.partition("/")
     found: dict[str, int] = {}

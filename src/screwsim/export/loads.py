@@ -1,6 +1,6 @@
 """Loads and sound of a machine: forces on rotors and bearings, flows of both lines, spectra, surfaces.
 
-All repeats every lobe pitch: spectra are harmonics of the lobe frequency.
+Everything repeats with each lobe pitch, so spectra are harmonics of the lobe frequency.
 """
 
 import json
@@ -25,11 +25,11 @@ from screwsim.results.kept import keep_in, keep_other_documents
 from screwsim.scene import Scene
 
 HARMONICS = 20
-FLOW_POINTS = 360  # of a pitch
+FLOW_POINTS = 360  # points of a pitch
 PORTS = {"suction": ("mass_flow_suction_port", 1.0), "discharge": ("mass_flow_discharge_port", -1.0)}
-STEPS = 48  # of a turn of a rotor
-PIECES = 60  # of a pitch of the profile, on the surfaces that are written
-WHOLE, ANGLE, ORDER = "loads.json", "angle [deg]", "harmonic"  # a file of everything; first heads of the others
+STEPS = 48  # of one revolution of a rotor
+PIECES = 60  # of a pitch of the profile, on the written surfaces
+WHOLE, ANGLE, ORDER = "loads.json", "angle [deg]", "harmonic"  # file of everything; first heads of the other files
 _UNITS = {"force": "N", "bearing": "N", "torque": "N m", "mass_flow": "kg/s", "volume_flow": "m^3/s"}
 
 
@@ -43,7 +43,7 @@ class Harmonic(NamedTuple):
 
 
 def harmonics(values: Array, frequency: float, count: int = HARMONICS) -> list[Harmonic]:
-    """Return mean (number 0) and harmonics of a curve over one period, evenly sampled, its end left out.
+    """Return mean (number 0) and harmonics of a curve sampled evenly over one period, without its end.
 
     value = Σ amplitude cos(2π number t/T + phase).
     """
@@ -58,16 +58,16 @@ def harmonics(values: Array, frequency: float, count: int = HARMONICS) -> list[H
 
 
 def lobe_frequency(scene: Scene) -> float:
-    """Return how often chambers pass a second [Hz]."""
+    """Return the frequency [Hz] at which chambers pass."""
     parts = build_parts(scene)
     return scene.operation.speed / parts.geometry.pitch
 
 
 def flows_of(scene: Scene, result: Result) -> tuple[Array, dict[str, Array]]:
-    """Return the angle over one pitch [rad] and the volume flows of all chambers through each port [m³/s].
+    """Return the angle over one pitch [rad], and mass [kg/s] and volume flows [m³/s] of all chambers through each port.
 
-    Positive with the machine's flow; at the state of the line: suction as stated, discharge at its pressure and the
-    temperature at which the gas leaves. Raise UsageError where the cycle has no ports.
+    They are positive in the machine's direction of flow. Volume flows are at the state of the line: suction as stated,
+    discharge at its pressure and at the temperature of the leaving gas. Raise UsageError where the cycle has no ports.
     """
     parts = build_parts(scene)
     pitch, life = parts.geometry.pitch, math.radians(float(result.cycle["angle"][-1]))
@@ -94,7 +94,7 @@ def _densities(gas, figures: Mapping[str, float]) -> dict[str, float]:
 
 @dataclass(frozen=True, eq=False)
 class Exported:
-    """What was found: curves over one pitch [rad] by group, spectra by curve, lobe frequency [Hz], what is left out."""
+    """Results to export: curves over one pitch [rad] by group, spectra by curve, lobe frequency [Hz], and omissions."""
 
     title: str
     frequency: float
@@ -106,9 +106,9 @@ class Exported:
 def loads(
     scene: Scene, result: Result, spans: tuple[float, float], shafts: tuple[float, float] = (0.0, 0.0)
 ) -> Exported:
-    """Return loads and flows of a result that keeps its cycle; of rotors without a profile the flows alone.
+    """Return loads and flows of a result that keeps its cycle; for rotors without a profile only the flows.
 
-    `spans`, `shafts` [m] as `rotor_loads.loads_of` takes them.
+    `spans` and `shafts` [m] are those of `rotor_loads.loads_of`.
     """
     frequency = lobe_frequency(scene)
     curves = {"flows": flows_of(scene, result)}
@@ -122,13 +122,13 @@ def loads(
 
 
 def has_rotors(scene: Scene) -> bool:
-    """Tell whether a scene has rotors whose surfaces are known."""
+    """Tell whether a scene has rotors with known surfaces, as a compressor with a profile does."""
     machine = scene.machine
     return machine.kind == TWIN_SCREW and not machine.expands and twin_screw(machine).volume.from_rotors
 
 
 def keep_other_loads(folder: Path) -> None:
-    """Raise UsageError where a folder holds files of other kinds under the names of curves, spectra, or all of it."""
+    """Raise UsageError where a folder holds other files under the names of curves, spectra or the whole document."""
     groups = ("flows", "forces")
     keep_in(folder, {f"{group}.csv": ANGLE for group in groups} | {f"{group}_spectrum.csv": ORDER for group in groups})
     keep_other_documents(folder / WHOLE, "lobe_frequency", "curves", "spectra")
@@ -166,7 +166,7 @@ def _write_spectra(path: Path, spectra: Mapping[str, Sequence[Harmonic]]) -> str
 
 
 def document(found: Exported) -> dict[str, Any]:
-    """Return everything as one document, SI units."""
+    """Return everything as one document, in SI units."""
     return {
         "title": found.title,
         "lobe_frequency": found.frequency,
@@ -186,5 +186,5 @@ def document(found: Exported) -> dict[str, Any]:
 
 
 def unit_of(name: str) -> str:
-    """Return the unit of a curve, by its name."""
+    """Return the unit of a curve from its name."""
     return next(unit for word, unit in _UNITS.items() if word in name)

@@ -1,4 +1,4 @@
-"""A map of two inputs as a Modelica package: blocks with the standard library's tables, functions of polynomials."""
+"""A map of two inputs as a Modelica package: blocks with tables of the standard library, and polynomial functions."""
 
 import math
 import re
@@ -12,13 +12,13 @@ from screwsim.inputs.faults import UsageError
 from screwsim.study.performance_map import TERMS
 
 WRITTEN = "written by screwsim; error "  # in the first line of a package
-FINE = 25  # points along an axis to which polynomials are fitted, and at which errors are looked for
+FINE = 25  # points along an axis to which polynomials are fitted, and at which errors are evaluated
 _TABLE = "Modelica.Blocks.Tables.CombiTable2Ds"
 _TAKEN = {"real", "integer", "boolean", "string", "complex", "clock", "modelica", "modelicaservices", "stateselect"}
 
 
 def package(table: Table, name: str) -> str:
-    """Return the text of a package; raise UsageError where the map is not of two inputs."""
+    """Return the text of a package; raise UsageError unless the map has two inputs."""
     if len(table.inputs) != 2:
         inputs = ", ".join(one.name for one in table.inputs)
         what = f"has {len(table.inputs)} inputs ({inputs}), and {_TABLE} two"
@@ -41,14 +41,14 @@ def package(table: Table, name: str) -> str:
 
 
 def identifier(stem: str) -> str:
-    """Return a name that Modelica allows, with a capital, and that is neither one of its own nor of its library's."""
+    """Return a valid, capitalised Modelica name that is neither a keyword nor a library's name."""
     name = re.sub(r"\W", "_", stem, flags=re.ASCII)
     name = name if name[:1].isalpha() and name.lower() not in _TAKEN else f"Map_{name}"
     return name[:1].upper() + name[1:]
 
 
 def _error_in_words(table: Table) -> str:
-    """Return the error of the tables as Modelica interpolates them: that of the map, and what lies between both."""
+    """Return the error of the tables as interpolated by Modelica: that of the map, plus the difference between both."""
     if not math.isfinite(table.error):
         return table.error_in_words
     off = max(own + more for own, more in zip(table.errors, akima_differences(table), strict=True))
@@ -56,9 +56,9 @@ def _error_in_words(table: Table) -> str:
 
 
 def akima_differences(table: Table) -> Array:
-    """Return by how much Akima's interpolation (1974) of the nodes is off from the map, relative to each output.
+    """Return the largest difference of Akima's interpolation (1974) of the nodes from the map, relative to each output.
 
-    That is what CombiTable2Ds makes of them with continuous derivatives; the map's own is on a spline.
+    CombiTable2Ds interpolates so with continuous derivatives, whereas the map uses a spline.
     """
     nodes = tuple(one.at(u) for one, u in zip(table.inputs, table.grid.nodes, strict=True))
     values = table.grid.data[0, 0]
@@ -82,7 +82,7 @@ def _akima_slopes(x: Array, values: Array, axis: int) -> Array:
 
 
 def _mesh(table: Table) -> Array:
-    """Return points spread over both inputs' ranges (n, inputs)."""
+    """Return points of a regular grid over both inputs' ranges (n, inputs)."""
     mesh = np.meshgrid(*(np.linspace(one.low, one.high, FINE) for one in table.inputs), indexing="ij")
     return np.column_stack([each.ravel() for each in mesh])
 
@@ -130,7 +130,7 @@ def _matrix(nodes: list[np.ndarray], values: np.ndarray) -> str:
 
 
 def cubic(table: Table, number: int) -> tuple[np.ndarray, list[tuple[float, float]], float]:
-    """Return the coefficients of an output over scaled inputs, (middle, half) of each, and the error inside."""
+    """Return the coefficients of an output over scaled inputs, (middle, half width) of each, and the error inside."""
     ends = [(one.low, one.high) for one in table.inputs]
     x = _mesh(table)
     values, inside = table(x)

@@ -1,8 +1,8 @@
-"""A map as ten-coefficient polynomials (AHRI 540, EN 12900) of both saturation temperatures, in a table's place.
+"""A map as ten-coefficient polynomials (AHRI 540, EN 12900) of both saturation temperatures, instead of a table.
 
-One polynomial for each figure at each node of the other inputs, between which its coefficients follow a cubic spline.
-A cell of cubic Hermite polynomials holds a cubic exactly, so that the same C reads it: two nodes a temperature are
-enough where every node of the table closed; else the table's nodes stay, with its flags.
+There is one polynomial for each figure at each node of the other inputs, between which its coefficients follow a cubic
+spline. A cell of cubic Hermite polynomials represents a cubic exactly, so that the same C code reads it: two nodes per
+temperature suffice if all nodes of the table closed; else the table's nodes stay, with its flags.
 """
 
 import itertools
@@ -19,14 +19,13 @@ from screwsim.inputs.faults import UsageError
 from screwsim.scene.operation import CONDENSING, EVAPORATING
 from screwsim.study.performance_map import TERMS
 
-FITTED = 6  # values of each temperature that a polynomial is fitted to
+FITTED = 6  # values of each temperature to which a polynomial is fitted
 
 
 def polynomial_table(table: Table, wanted: float | None = None) -> Table:
     """Return a map whose figures are polynomials fitted to another's; raise UsageError without both temperatures.
 
-    Its errors are the largest differences from that table, at the table's nodes and half-way between, on top of the
-    table's own.
+    Its errors are the largest differences from that table, at its nodes and half-way between, plus the table's own.
     """
     check_inputs(table.inputs)
     paths = [one.path for one in table.inputs]
@@ -46,7 +45,7 @@ def polynomial_table(table: Table, wanted: float | None = None) -> Table:
 
 
 def check_inputs(inputs: Sequence[Input]) -> None:
-    """Raise UsageError where inputs of a map are without evaporating or condensing temperature."""
+    """Raise UsageError where a map's inputs lack the evaporating or the condensing temperature."""
     paths = [one.path for one in inputs]
     missing = [path for path in (EVAPORATING, CONDENSING) if path not in paths]
     if missing:
@@ -55,7 +54,7 @@ def check_inputs(inputs: Sequence[Input]) -> None:
 
 
 def _grid(table: Grid, temperatures: Sequence[int]) -> Grid:
-    """Return polynomials in the two axes as a grid over all axes in their order."""
+    """Return polynomials in two of the axes as a grid over all axes, in their order."""
     others = [axis for axis in range(len(table.nodes)) if axis not in temperatures]
     ends = [(table.nodes[axis][0], table.nodes[axis][-1]) for axis in temperatures]
     coefficients = _fitted(table, temperatures, others, ends)
@@ -81,7 +80,7 @@ def _grid(table: Grid, temperatures: Sequence[int]) -> Grid:
 def _fitted(
     table: Grid, temperatures: Sequence[int], others: Sequence[int], ends: Sequence[tuple[float, float]]
 ) -> Array:
-    """Return coefficients (others …, terms, outputs) of least squares, in temperatures from −1 to 1."""
+    """Return least-squares coefficients (others …, terms, outputs), with temperatures scaled to −1 … 1."""
     fitted = [np.linspace(*both, FITTED) for both in ends]
     S, D = (x.ravel() for x in np.meshgrid(*fitted, indexing="ij"))
     powers = [_powers(x, both, 0) for x, both in zip((S, D), ends, strict=True)]
@@ -104,7 +103,7 @@ def _fitted(
 
 
 def _powers(x: Array, ends: tuple[float, float], order: int) -> list[Array]:
-    """Return 1, t, t², t³ or their derivatives by x, t from −1 to 1 between the ends."""
+    """Return 1, t, t², t³ or their derivatives by x, where t is −1 and 1 at the ends."""
     half = 0.5 * (ends[1] - ends[0])
     t = (np.asarray(x) - ends[0]) / half - 1.0
     return [t**n for n in range(4)] if order == 0 else [n * t ** max(n - 1, 0) / half for n in range(4)]

@@ -1,4 +1,4 @@
-"""Ten-coefficient polynomials of a sweep over evaporating and condensing temperature, for tools that know no tables."""
+"""Ten-coefficient polynomials of a sweep over evaporating and condensing temperature, for tools without tables."""
 
 import itertools
 import math
@@ -22,13 +22,13 @@ from screwsim.study.performance_map import FORMULA, TERMS, Fit, PerformanceMap, 
 from screwsim.study.progress import Progress
 from screwsim.study.sweep import run_sweep
 
-SATURATION_NODES, OTHER_NODES = 6, 3  # where --over names ranges
-RATED = {"S": 5.0, "D": 45.0}  # [°C] looked for near it where the envelope has it, else its middle
+SATURATION_NODES, OTHER_NODES = 6, 3  # number of values where --over gives ranges
+RATED = {"S": 5.0, "D": 45.0}  # [°C] used where the envelope contains it, else its middle
 
 
 @dataclass(frozen=True, eq=False)
 class Polynomials:
-    """Maps of figures, one a point of the sweep's other axes; units by figure, what else they were made at [SI]."""
+    """Maps of figures, one per point of the sweep's other axes; units by figure, and the other conditions [SI]."""
 
     title: str
     fluid: str
@@ -36,18 +36,18 @@ class Polynomials:
     units: dict[str, str]
     conditions: dict[str, float]
     axes: dict[str, str]  # SI units of the other axes
-    condensing: str = "bubble"  # of which point the condensing temperature is: of a blend "dew" (M316)
+    condensing: str = "bubble"  # to which point the condensing temperature refers: "dew" for a blend (M316)
     within: frozenset[str] = frozenset()  # paths that vary together with a temperature, and so within a map
 
     def name(self, one: PerformanceMap) -> str:
-        """Return what tells a map from the others, as part of a name: 'speed_308.923'."""
+        """Return what distinguishes a map from the others, as part of a name: 'speed_308.923'."""
         parts = (f"{path.rpartition('.')[2]}_{value:.6g}" for path, value in one.values.items())
         return "_".join(parts)
 
     def condition(self, one: PerformanceMap, path: str) -> float:
-        """Return what a map was made at [SI], its own where the sweep varies it; 0 of what the scene does not state.
+        """Return a condition of a map [SI]: its own value where the sweep varies it; 0 if the scene does not state it.
 
-        Raise UsageError of what varies within the map: there is no one value.
+        Raise UsageError for a path that varies within the map, as it has no single value.
         """
         if path in self.within:
             what = f"{path} varies together with a temperature, and what is written takes one value of it"
@@ -55,7 +55,7 @@ class Polynomials:
         return float(one.values.get(path, self.conditions.get(path, 0.0)))
 
     def superheat(self, one: PerformanceMap) -> float:
-        """Return the superheat [K] of the suction gas in a map; raise UsageError where that is wet."""
+        """Return the superheat [K] of the suction gas in a map; raise UsageError where that gas is wet."""
         if QUALITY in self.conditions or QUALITY in one.values or QUALITY in self.within:
             raise UsageError(f"{QUALITY} is of wet gas, and what is written takes a superheat (export en12900)")
         return self.condition(one, SUPERHEAT)
@@ -71,7 +71,7 @@ def swept(
     progress: Progress | None = None,
     told: Callable[[Scene, tuple[Input, ...]], None] | None = None,
 ) -> Iterator[Results]:
-    """Give the results of a file, or those of a scene that is swept: as it says, or over ranges (`--over`)."""
+    """Give the results of a file, or those of a scene after its own sweep or one over ranges (`--over`)."""
     if is_results(source):
         stray = [name for name, value in (("--over", over), ("--set", overrides), ("--without", without)) if value]
         if stray:
@@ -102,7 +102,7 @@ def swept(
 
 
 def polynomials(results: Results, figures: Sequence[str]) -> Polynomials:
-    """Return the polynomials of some figures; raise UsageError where none can be had."""
+    """Return the polynomials of some figures; raise UsageError where there can be none."""
     if any(axis.values.dtype.kind != "f" for axis in results.axis_list):
         raise UsageError(f"{results.path}: has an axis of words (export a sweep of one of them)")
     maps = tuple(one for one in performance_maps(results, figures) if not one.message)
@@ -129,13 +129,13 @@ def fluid_of(results: Results) -> tuple[str, bool]:
 
 
 def limits(one: PerformanceMap) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the lowest and the highest of both temperatures [°C] in the envelope of a map."""
+    """Return the lowest and highest value of both temperatures [°C] in the envelope of a map."""
     S, D = zip(*one.envelope, strict=True)
     return (min(S), max(S)), (min(D), max(D))
 
 
 def rated(one: PerformanceMap) -> tuple[float, float]:
-    """Return temperatures [°C] at which a map is normalised: 5/45 where its envelope has them, else the middle."""
+    """Return the temperatures [°C] at which a map is normalised: 5/45 if in its envelope, else its middle."""
     if one.inside(RATED["S"], RATED["D"]).all():
         return RATED["S"], RATED["D"]
     points = np.array(one.envelope)
@@ -146,7 +146,8 @@ def rated(one: PerformanceMap) -> tuple[float, float]:
 def quadratic(one: PerformanceMap, figure: str, at: tuple[float, float]) -> tuple[tuple[float, ...], float]:
     """Return c0 + c1 S + c2 S² + c3 D + c4 D² + c5 S D of a figure over its value at a point, and the largest error.
 
-    It is fitted to the cubic at 11 × 11 points of the envelope's box that lie inside; the error is relative to that.
+    It is fitted to the cubic at 11 × 11 points of the envelope's box that lie inside; the error is relative to the
+    cubic.
     """
     (s0, s1), (d0, d1) = limits(one)
     S, D = (x.ravel() for x in np.meshgrid(np.linspace(s0, s1, 11), np.linspace(d0, d1, 11)))
@@ -159,13 +160,13 @@ def quadratic(one: PerformanceMap, figure: str, at: tuple[float, float]) -> tupl
 
 
 def by_terms(fit: Fit, order: Sequence[tuple[int, int]]) -> list[float]:
-    """Return the coefficients of a fit in another order of its terms (powers of S and D)."""
+    """Return the coefficients of a fit in another order of terms (powers of S and D)."""
     place = dict(zip(TERMS, fit.coefficients, strict=True))
     return [place[term] for term in order]
 
 
 def in_fahrenheit(fit: Fit, factor: float) -> tuple[float, ...]:
-    """Return the coefficients in °F of those in °C, the figure times a factor."""
+    """Return the coefficients for °F from those for °C, for the figure times a factor."""
     scaled = np.zeros((4, 4))
     for (i, j), c in zip(TERMS, fit.coefficients, strict=True):
         for (k, a), (m, b) in itertools.product(_powers(i), _powers(j)):
@@ -178,11 +179,11 @@ def _powers(n: int) -> list[tuple[int, float]]:
     return [(k, math.comb(n, k) * (-32.0) ** (n - k) / 1.8**n) for k in range(n + 1)]
 
 
-KEYS = ("title", "fluid", "formula", "S", "D", "units", "conditions")  # of a document
+KEYS = ("title", "fluid", "formula", "S", "D", "units", "conditions")  # keys of a document
 
 
 def document(found: Polynomials) -> dict[str, Any]:
-    """Return polynomials as what JSON holds."""
+    """Return polynomials as a JSON document, without coefficients."""
     return {
         "title": found.title,
         "fluid": found.fluid,

@@ -1,12 +1,13 @@
-"""What presses on a rotor beside the gas on its flanks: gas on its end faces, and the other rotor at the pitch line.
+"""Loads on a rotor beside the gas on its flanks: gas on its end faces, and the other rotor at the pitch line.
 
-End faces: the chamber that bounds a piece of the profile presses on the sector from that piece in to the shaft; what
-the shaft takes of a face is under the pressure of suction. So in a lobe the pressure of one chamber meets that of the
-next about at its tip (half of each, as a pressure that falls evenly across the lobe has on the whole).
+End faces: the chamber that bounds a piece of the profile presses on the sector from that piece inwards to the shaft;
+the area of the shaft is at suction pressure. So within a lobe the pressures of two neighbouring chambers meet near its
+tip (half of each, which equals the total of a pressure that falls evenly across the lobe).
 
-Contact: the male rotor drives. What torque the gas puts on the female, the male holds against it at the pitch point,
-along the common normal of the flanks there, without friction; on helical flanks a normal force of torque M has the
-axial part M k/h. It is taken to be spread evenly over the length, so that its resultant is at the middle.
+Contact: the male rotor drives. It balances the gas torque on the female rotor at the pitch point, along the common
+normal of the flanks there, without friction; on helical flanks a normal force of torque M has the axial component M
+k/h. It is assumed to be distributed evenly over the length, so that its resultant is at the middle.
+
 Source: statics of helical gears; pressures on end faces as in Stošić, Smith, Kovačević, Screw Compressors, 2005, ch. 4.
 """
 
@@ -20,12 +21,12 @@ from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.pair import Array, Chain
 from screwsim.machine.rotors.rotors import Rotors
 
-STEEPEST = 30.0  # tan α of the normal: more than 88 deg away from the pitch circle's tangent
+STEEPEST = 30.0  # tan α of the normal: more than 88 deg from the pitch circle's tangent
 
 
 @dataclass(frozen=True, eq=False)
 class Face:
-    """Areas [m²] and first moments [m³], about the rotor's axis, of the sectors of an end face (lobes, profile)."""
+    """Areas [m²] and first moments [m³] about the rotor's axis of the sectors of an end face (lobes, profile)."""
 
     area: Array
     x: Array
@@ -33,7 +34,7 @@ class Face:
 
 
 def face(surface: Surface, rotors: Rotors, phi: float, z: float, shaft: float = 0.0) -> Face:
-    """Return an end face's sectors at `z` [m], less a shaft of radius `shaft` [m], as the rotor stands at `phi`."""
+    """Return an end face's sectors at `z` [m], without a shaft of radius `shaft` [m], with the rotor at `phi`."""
     x, y = (points[:, :, 0] for points in positions(surface, rotors, phi, np.array([z])))
     x = x - surface.centre
     x1, x2, y1, y2 = x[:, :-1], x[:, 1:], y[:, :-1], y[:, 1:]
@@ -53,7 +54,7 @@ def end_forces(
 ) -> dict[str, float]:
     """Return the axial forces [N] of the gas on both ends of a rotor at one angle, and their moments [N m].
 
-    `excess(phi)`: the pressure over that of suction [Pa] of chambers at φ [rad]. Moments as those of the flanks.
+    `excess(phi)` is the pressure above suction [Pa] of chambers at φ [rad]. Moments are defined as for the flanks.
     """
     forces, moment_x, moment_y = [], 0.0, 0.0
     for z, push in ((0.0, 1.0), (rotors.length, -1.0)):
@@ -71,7 +72,7 @@ def end_forces(
 
 
 def check_shafts(rotors: Rotors, shafts: tuple[float, float]) -> None:
-    """Raise UsageError for shafts, diameters [m] of male and female, that are no less than their rotors' roots."""
+    """Raise UsageError if a shaft's diameter [m], of male or female, is not less than that of its rotor's roots."""
     for name, shaft, root in zip(("male", "female"), shafts, _roots(rotors), strict=True):
         if 0.5 * shaft >= root:
             raise UsageError(
@@ -81,15 +82,15 @@ def check_shafts(rotors: Rotors, shafts: tuple[float, float]) -> None:
 
 
 def _roots(rotors: Rotors) -> tuple[float, float]:
-    """Return the least radii [m] of male and female rotor."""
+    """Return the smallest radii [m] of male and female rotor."""
     return float(rotors.chain.male_radii().min()), float(rotors.chain.female_radii(rotors.pair).min())
 
 
 def slope_at_pitch(rotors: Rotors, leading: bool) -> float:
-    """Return tan α of the common normal to the flanks at the pitch circle: its part towards the axes over that along.
+    """Return tan α of the flanks' common normal at the pitch circle: its component towards the axes over the other.
 
-    Of the leading flank of the male, which drives, or of the trailing one. Raise UsageError where the flank lies along
-    the pitch circle, and cannot transmit a torque there.
+    It is that of the male's leading flank, which drives, or of the trailing one. Raise UsageError where the flank lies
+    along the pitch circle, and so cannot transmit a torque.
     """
     chain, radius = rotors.chain, rotors.pair.r1
     points = np.arange(chain.edges[0], chain.tip + 1) if leading else np.arange(chain.edges[1], chain.tip - 1, -1)
@@ -99,7 +100,7 @@ def slope_at_pitch(rotors: Rotors, leading: bool) -> float:
 
 
 def _tangent(chain: Chain, one: int, two: int) -> float:
-    """Return |normal in x| over |normal in y| of the male flank between two contact points, as it stands in contact."""
+    """Return |normal in x| over |normal in y| of the male flank between two contact points, when in contact."""
     x, y = chain.male()
     angle = -0.5 * (chain.psi[one] + chain.psi[two])  # from the rotor's frame
     dx, dy = x[two] - x[one], y[two] - y[one]
@@ -110,9 +111,10 @@ def _tangent(chain: Chain, one: int, two: int) -> float:
 
 
 def contact(rotors: Rotors, torque: Array) -> dict[str, dict[str, Array]]:
-    """Return the contact's force [N] on each rotor, its torque about its axis, and its moments [N m], by angle.
+    """Return the contact's force [N] on each rotor, its torque about the axis, and its moments [N m], by angle.
 
-    `torque` [N m]: what holds the female against the gas, as `female_torque`. Its sign chooses the flank.
+    `torque` [N m] holds the female against the gas, as `female_torque` does; its sign decides which flank is in
+    contact.
     """
     pair = rotors.pair
     flank = np.where(torque > 0.0, slope_at_pitch(rotors, True), slope_at_pitch(rotors, False))

@@ -1,8 +1,8 @@
 """Forces on the rotors of a closed cycle: pressures integrated over their surfaces, by angle.
 
-First those of the gas on the flanks, as pressure over that of suction; then with the gas on the end faces and the
-contact of the rotors (`rotor_balance`). Gears, balance pistons and weights are not in it. The mapping of pressures to
-the surface is held against virtual work: the male torque agrees within 1.5 %, that of the female within 2.5 % of the
+First come those of the gas on the flanks, for pressures above suction; then those of the gas on the end faces and of
+the rotors' contact (`rotor_balance`). Gears, balance pistons and weights are not included. The mapping of pressures to
+the surface is checked against virtual work: the male torque agrees within 1.5 %, the female one within 2.5 % of the
 male's (tests/export/test_loads.py).
 """
 
@@ -19,35 +19,35 @@ from screwsim.machine.rotors.pair import Array
 from screwsim.outputs import Result
 
 NAMES = ("male", "female")
-POINTS = 48  # of a pitch
-DOWN = 1.02  # times the suction pressure: the rest of a chamber's last charge is gone
+POINTS = 48  # points of a pitch
+DOWN = 1.02  # over the suction pressure: from there the remainder of a chamber's last charge has expanded
 
 
 @dataclass(frozen=True, eq=False)
 class Pressures:
-    """Pressure [Pa] of a chamber over its angle φ, origin as in `machine.rotors.rotors`; `low`: that of suction."""
+    """Pressure [Pa] of a chamber over its angle φ, with the origin of `machine.rotors.rotors`; `low` is suction's."""
 
     laid: Laid
-    angle: Array  # [rad], the scene's
+    angle: Array  # [rad], on the scene's axis
     pressure: Array
     low: float
 
     def at(self, phi: Array) -> Array:
-        """Return the pressure of chambers; before their birth that of suction, after their end the last one."""
+        """Return the pressure of chambers; before their birth that of suction, after their end the last value."""
         rotors = self.laid.rotors
         axis = self.laid.born + np.minimum(phi, rotors.wrap) - rotors.start
         return np.where(phi < rotors.start, self.low, np.interp(axis, self.angle, self.pressure))
 
     def excess(self, phi: Array) -> Array:
-        """Return the pressure of chambers over that of suction [Pa]."""
+        """Return the pressure of chambers above suction [Pa]."""
         return self.at(phi) - self.low
 
 
 def pressures_of(laid: Laid, result: Result) -> Pressures:
     """Return the pressures of a result that keeps its cycle.
 
-    What a chamber is born with, the rest of its last charge in hardly any volume, presses on nothing: until its
-    pressure has first come down to that of suction, suction's is taken.
+    A chamber is born with the remainder of its last charge in almost no volume, which presses on nothing: until its
+    pressure has first fallen to that of suction, the suction pressure replaces it.
     """
     angle, pressure = np.radians(result.cycle["angle"]), np.array(result.cycle["pressure"])
     low = float(result.performance["suction_pressure"])
@@ -58,7 +58,7 @@ def pressures_of(laid: Laid, result: Result) -> Pressures:
 
 @dataclass(frozen=True, eq=False)
 class Loads:
-    """Columns over one pitch of the male rotor (`angle` [rad]): forces [N], torques and bearing forces by name."""
+    """Columns over one pitch of the male rotor (`angle` [rad]): forces [N], torques [N m], bearing forces by name."""
 
     angle: Array
     columns: Mapping[str, Array]
@@ -67,10 +67,10 @@ class Loads:
 def loads_of(
     pressures: Pressures, spans: tuple[float, float] = (0.0, 0.0), shafts: tuple[float, float] = (0.0, 0.0)
 ) -> Loads:
-    """Return the loads over a pitch of the male rotor.
+    """Return the loads over one pitch of the male rotor.
 
-    `spans` [m]: how far the bearings lie outside of the end planes, suction first; `shafts` [m]: diameters of the
-    shafts of male and female, which the gas on the end faces does not reach.
+    `spans` [m] are the distances of the bearings outside of the end planes, suction first; `shafts` [m] the diameters
+    of the shafts of male and female, which the gas on the end faces does not reach.
     """
     rotors = pressures.laid.rotors
     check_shafts(rotors, shafts)
@@ -103,7 +103,7 @@ def _whole(
     length: float,
     spans: tuple[float, float],
 ) -> dict[str, Array]:
-    """Return what the ends and the other rotor do to a rotor, and its bearings' forces [N] of all of it."""
+    """Return the loads by the ends and the other rotor on a rotor, and the bearing forces [N] from all loads."""
     ends = {key: np.array([row[key] for row in rows]) for key in rows[0]}
     found = {f"force_{way}": gas[f"{name}_force_{way}"] + touch[f"contact_force_{way}"] for way in "xy"}
     for way in "xy":
@@ -118,7 +118,7 @@ def _whole(
 
 
 def _at(pressures: Pressures, surface: Surface, phi: float, z: Array) -> dict[str, float]:
-    """Return force [N], torque about the axis, and moments about the suction end [N m] at one angle."""
+    """Return force [N], torque about the axis [N m], and moments about the suction end [N m] at one angle."""
     rotors = pressures.laid.rotors
     x, y = positions(surface, rotors, phi, z)
     ax, ay, az = areas(surface, x, y, z)
@@ -131,13 +131,13 @@ def _at(pressures: Pressures, surface: Surface, phi: float, z: Array) -> dict[st
         "force_y": float(fy.sum()),
         "axial_force": float(fz.sum()),
         "torque": float((rx * fy - ry * fx).sum()) * surface.outward,
-        "moment_x": float((fx * middle - fz * rx).sum()),  # Σ z F_x less the tilt of the axial forces
+        "moment_x": float((fx * middle - fz * rx).sum()),  # Σ z F_x minus the tilting moment of the axial forces
         "moment_y": float((fy * middle - fz * ry).sum()),
     }
 
 
 def _bearings(name: str, found: Mapping[str, Array], length: float, spans: tuple[float, float]) -> dict[str, Array]:
-    """Return the radial forces [N] that both bearings of a rotor take, from the balance of moments."""
+    """Return the radial forces [N] on both bearings of a rotor, from the balance of moments."""
     columns = {}
     for way in "xy":
         force, moment = found[f"force_{way}"], found[f"moment_{way}"]
@@ -151,7 +151,7 @@ def _bearings(name: str, found: Mapping[str, Array], length: float, spans: tuple
 
 
 def _virtual(pressures: Pressures, angle: Array) -> dict[str, Array]:
-    """Return the torques [N m] of both rotors by virtual work (M144, M145): what the surfaces are held against."""
+    """Return the torques [N m] of both rotors by virtual work (M144, M145), as a check of those from the surfaces."""
     rotors = pressures.laid.rotors
     pitch = rotors.pair.pitch
     first = math.ceil((rotors.start - pitch) / pitch)

@@ -1,11 +1,12 @@
-"""Which chamber presses on which part of a rotor: surfaces of both rotors, and the angle of the chamber at each point.
+"""Assignment of chambers to rotor surfaces: surfaces of both rotors, and the angle of the chamber at each point.
 
-A point of the profile meets the other rotor once a turn, at its ψ on the chain (`machine.rotors.pair`). Until then it
-lies in the chamber that is compressed, afterwards in one that fills. Of male lobe 0: the leading flank bounds the
-chamber ahead of it (its trailing lobe is lobe 0, angle φ), the trailing flank that behind it (φ − p). The side of the
-tip between the tip and S changes from the chamber behind to that ahead when the tip leaves the bore at the cusp; so
-does, the other way round, the flank of the female groove on which the trailing branch of the contact runs.
-Angles [rad] with their origin as in `machine.rotors.rotors`; lengths [m].
+A point of the profile meets the other rotor once per revolution, at its ψ on the chain (`machine.rotors.pair`). Before
+that it lies in a chamber under compression, afterwards in one that fills. For male lobe 0 the leading flank bounds the
+chamber ahead of it (whose trailing lobe is lobe 0, angle φ), the trailing flank the one behind it (φ − p). The side of
+the tip between the tip and S changes from the chamber behind to that ahead when the tip leaves the bore at the cusp;
+conversely, the flank of the female groove with the trailing branch of the contact changes from ahead to behind.
+
+Angles [rad] have the origin of `machine.rotors.rotors`; lengths are in [m].
 """
 
 import math
@@ -17,15 +18,15 @@ from screwsim.machine.rotors.pair import Array
 from screwsim.machine.rotors.rotors import Rotors
 
 TURN = 2.0 * math.pi
-ALONG, PROFILE = 160, 120  # pieces along the rotor, and of a pitch of the profile
+ALONG, PROFILE = 160, 120  # pieces along the rotor, and of one pitch of the profile
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """One rotor: points of a pitch of its profile in its own frame, the ψ of their contact, and how often they repeat.
+    """One rotor: points of one pitch of its profile in its own frame, ψ of their contact, and how often they repeat.
 
     `turns` [rad of the rotor per rad of the male] and `pitch` [rad] have the sense of the rotor's outline; `region` of
-    a piece between two points: 0 leading, 1 the tip's side that changes, 2 trailing.
+    a piece between two points: 0 leading, 1 the side of the tip that changes chambers, 2 trailing.
     """
 
     x: Array
@@ -36,9 +37,9 @@ class Surface:
     pitch: float
     turns: float
     centre: float  # x of the axis [m]
-    outward: float  # 1 for an outline that runs counter-clockwise, −1 for one that runs clockwise
-    meets: float  # male angle after which a point meets the other rotor again [rad]
-    changes: Array  # ψ at which a piece of region 1 changes sides [rad]
+    outward: float  # 1 for an outline that runs counter-clockwise, −1 for clockwise
+    meets: float  # period of the male angle after which a point meets the other rotor again [rad]
+    changes: Array  # ψ at which a piece of region 1 changes chambers [rad]
 
 
 def surfaces(rotors: Rotors, pieces: int = PROFILE) -> tuple[Surface, Surface]:
@@ -58,9 +59,9 @@ def surfaces(rotors: Rotors, pieces: int = PROFILE) -> tuple[Surface, Surface]:
 
 
 def _changes(rotors: Rotors, kept: Array) -> tuple[Array, Array]:
-    """Return ψ [rad] at which pieces change sides, of male and female rotor.
+    """Return ψ [rad] at which pieces change chambers, of male and female rotor.
 
-    From the tip's leaving the bore to the first contact on its far side, one point after the other.
+    It runs from the tip's leaving the bore to the first contact on its far side, point after point.
     """
     pair, chain = rotors.pair, rotors.chain
     middles = 0.5 * (kept[1:] + kept[:-1])
@@ -71,7 +72,7 @@ def _changes(rotors: Rotors, kept: Array) -> tuple[Array, Array]:
 
 
 def _kept(rotors: Rotors, pieces: int) -> Array:
-    """Return the points of the chain that are kept: evenly along both profiles together, with its marked ones."""
+    """Return the indices of chain points to keep: evenly spaced along both profiles together, plus the marked ones."""
     chain = rotors.chain
     steps = [np.hypot(np.diff(x), np.diff(y)) for x, y in (chain.male(), chain.female(rotors.pair))]
     way = np.concatenate([[0.0], np.cumsum(np.sum(steps, axis=0))])
@@ -83,21 +84,21 @@ def _kept(rotors: Rotors, pieces: int) -> Array:
 def chamber_angles(surface: Surface, rotors: Rotors, phi: float, z: Array) -> Array:
     """Return φ [rad] of the chamber at each piece (lobes, profile, z) when the tip of lobe 0 is at `phi` at the inlet.
 
-    Below `rotors.start` the chamber is one that is not born yet: it is open to suction.
+    Below `rotors.start` the chamber is not born yet, and is open to suction.
     """
     pair, female = rotors.pair, surface.outward < 0.0
     contact = 0.5 * (surface.psi[1:] + surface.psi[:-1])[None, :, None]
     lobe = np.arange(surface.lobes)[:, None, None] * pair.pitch
     behind = (z / rotors.h)[None, None, :]
     own = phi - lobe - behind
-    own = contact - np.mod(contact - own, surface.meets)  # the latest before the point's contact
+    own = contact - np.mod(contact - own, surface.meets)  # the last one before the point's contact
     region, changes = surface.region[None, :, None], surface.changes[None, :, None]
     back = (region == 2) | ((region == 1) & ((own >= changes) if female else (own < changes)))
     return own + behind - pair.pitch * back
 
 
 def positions(surface: Surface, rotors: Rotors, phi: float, z: Array) -> tuple[Array, Array]:
-    """Return x, y [m] of the points (lobes, profile, z) in the machine's frame, as the rotor stands at `phi`."""
+    """Return x, y [m] of the points (lobes, profile, z) in the machine's frame, with the rotor at `phi`."""
     lobe = np.arange(surface.lobes)[:, None, None] * surface.pitch
     turned = lobe + surface.turns * (phi - z / rotors.h)[None, None, :]
     c, s = np.cos(turned), np.sin(turned)
@@ -106,7 +107,7 @@ def positions(surface: Surface, rotors: Rotors, phi: float, z: Array) -> tuple[A
 
 
 def areas(surface: Surface, x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
-    """Return the vector areas [m²] of the pieces, out of the rotor, of points (lobes, profile, z)."""
+    """Return the outward vector areas [m²] of the pieces between points (lobes, profile, z)."""
     z = np.broadcast_to(z, x.shape)
     one = [a[:, 1:, 1:] - a[:, :-1, :-1] for a in (x, y, z)]
     two = [a[:, :-1, 1:] - a[:, 1:, :-1] for a in (x, y, z)]
@@ -119,5 +120,5 @@ def areas(surface: Surface, x: Array, y: Array, z: Array) -> tuple[Array, Array,
 
 
 def centres(a: Array) -> Array:
-    """Return the middles of the pieces of points (lobes, profile, z)."""
+    """Return the centres of the pieces between points (lobes, profile, z)."""
     return 0.25 * (a[:, 1:, 1:] + a[:, :-1, :-1] + a[:, :-1, 1:] + a[:, 1:, :-1])

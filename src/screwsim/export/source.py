@@ -1,4 +1,4 @@
-"""A map, or a run with its cycle, of what a command names: a scene, which is simulated, or a file that holds it."""
+"""A map, or a run with its cycle, from a command's argument: a scene to simulate, or a file with the results."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -19,13 +19,13 @@ from screwsim.simulate import simulate
 from screwsim.study.figures import figure_named
 from screwsim.study.progress import Progress
 
-WANTED = 0.005  # relative error of a map, where none is asked for
+WANTED = 0.005  # relative error of a map, if none is requested
 MOST_CASES = 5000
 _HDF5 = b"\x89HDF"
 
 
 def is_results(source: str) -> bool:
-    """Tell whether a name is that of a file of results, by its first bytes; False of one that cannot be read."""
+    """Tell whether a path is a results file, by its first bytes; False if it cannot be read."""
     try:
         with Path(source).open("rb") as stream:
             return stream.read(len(_HDF5)) == _HDF5
@@ -45,9 +45,9 @@ def map_of(
     progress: Callable[[], Progress] | None = None,
     told: Callable[[Scene, tuple[Input, ...]], None] | None = None,
 ) -> Table:
-    """Return the map of a scene's file or of a file of results; raise `SceneError` or `UsageError`.
+    """Return the map of a scene's file or of a results file; raise `SceneError` or `UsageError`.
 
-    `told` is called with what will be mapped before anything is simulated.
+    `told` is called with the scene and the inputs before anything is simulated.
     """
     if is_results(source):
         given = {"--over": over, "--error": wanted, "--most-cases": most, "--set": overrides, "--without": without}
@@ -73,7 +73,7 @@ def map_of(
 
 
 def run_of(source: str, overrides: Sequence[str] = (), without: Sequence[str] = ()) -> tuple[Scene, Result]:
-    """Return a scene without its sweep and its result with the cycle; raise `SceneError` or `UsageError`."""
+    """Return a scene without its sweep, and its result with the cycle; raise `SceneError` or `UsageError`."""
     if not is_results(source):
         scene = load(source, overrides, without)
         scene = replace(scene, sweep={}, joints=())
@@ -94,7 +94,7 @@ def run_of(source: str, overrides: Sequence[str] = (), without: Sequence[str] = 
 
 
 def spans_of(text: str | None, option: str = "--bearings") -> tuple[float, float]:
-    """Return two lengths [m] of a text '40 mm,60 mm'; (0, 0) without one. Raise UsageError, which names the option."""
+    """Return two lengths [m] from a text such as '40 mm,60 mm', or (0, 0) for None; raise UsageError with `option`."""
     if text is None:
         return 0.0, 0.0
     parts = text.split(",")

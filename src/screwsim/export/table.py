@@ -1,8 +1,8 @@
-"""A map as a table: figures on a grid of inputs, made finer until points that it was not made from are met.
+"""A map as a table: figures on a grid of inputs, refined until independent check points are met.
 
-Nodes of an axis double where leaving out every second one errs most. The error that is stated is the largest at points
-drawn in the box (a scrambled Sobol sequence) and simulated for that alone; of a table from a file, which has no such
-points, that of leaving out every second node, and so of a coarser table.
+The nodes of an axis double where leaving out every second one gives the largest error. The stated error is the largest
+at points drawn in the box (a scrambled Sobol sequence) and simulated for this purpose; for a table from a file, which
+has no such points, it is that of leaving out every second node, and so of a coarser table.
 """
 
 from __future__ import annotations
@@ -25,19 +25,20 @@ from screwsim.scene.types import Joint
 from screwsim.study.progress import Progress
 from screwsim.study.sweep import run_sweep
 
-CHECKS = 32  # points that are drawn
-SAFE = 0.7  # of the error that is asked for: met at the points that are drawn, so that others meet that asked for
-FEW_INPUTS = 2  # up to so many an axis begins with five nodes, beyond with three
-LEAST_SCALE = 0.1  # of the largest value: what errors of small ones are relative to
-KELVIN = 100.0  # what errors of temperatures are relative to [K]
-TOO_FEW = 4  # sound points below which nothing is stated
+CHECKS = 32  # check points drawn
+SAFE = 0.7  # of the requested error: required at the check points, so that other points meet the requested one
+FEW_INPUTS = 2  # up to so many, each axis begins with five nodes, beyond with three
+LEAST_SCALE = 0.1  # of the largest value: least scale of relative errors
+KELVIN = 100.0  # [K] scale of errors of temperatures
+TOO_FEW = 4  # number of nodes of an axis up to which no error is estimated from it
 
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """A map: `grid` over the inputs' coordinates; `errors` of each output, relative, and how they were found.
+    """A map: `grid` over the inputs' coordinates; relative `errors` of the outputs, and how they were found.
 
-    `cases` were simulated, `not_ok` of the nodes have no closed cycle; `met` tells whether the error asked for is kept.
+    `cases` is the number of cases simulated, `not_ok` that of nodes without a closed cycle; `met` tells whether the
+    requested error is kept.
     """
 
     title: str
@@ -55,12 +56,12 @@ class Table:
 
     @property
     def error(self) -> float:
-        """The largest of the errors."""
+        """The largest error."""
         return max(self.errors)
 
     @property
     def error_in_words(self) -> str:
-        """The largest of the errors and how it was found; where it is not known, why."""
+        """The largest error and how it was found; if it is unknown, why."""
         return f"{self.error:.2g}, {self.how}" if math.isfinite(self.error) else self.how
 
     @property
@@ -78,7 +79,7 @@ class Table:
 
 
 def scales(outputs: Sequence[Output], values: Array) -> Array:
-    """Return what errors of values (…, outputs) are relative to: their size, 100 K for temperatures."""
+    """Return the scale of relative errors of values (…, outputs): their size, limited below; 100 K for temperatures."""
     size = np.abs(values)
     largest = np.nanmax(size.reshape(-1, size.shape[-1]), axis=0)
     found = np.maximum(size, LEAST_SCALE * largest)
@@ -100,9 +101,10 @@ def tabulate(
     progress: Callable[[], Progress] | None = None,
     simulate: Any = None,
 ) -> Table:
-    """Return the map of a scene whose error at points drawn is at most `SAFE` times the wanted one, of `most` cases.
+    """Return the map of a scene with an error at the check points of at most `SAFE` times `wanted`.
 
-    Raise UsageError where nothing closes; a table that stays coarser for `most` says so (`Table.met`).
+    At most `most` nodes are simulated; a table that remains coarser because of them says so (`Table.met`). Raise
+    UsageError where nothing closes.
     """
     check_names(inputs, outputs)
     solve = _Solver(scene, outputs, jobs, progress, simulate)
@@ -135,7 +137,7 @@ def tabulate(
 
 
 def table_of(results: Results, figures: Sequence[str] | None = None) -> Table:
-    """Return the map that a file of a sweep holds, over all its axes; raise UsageError where it holds none."""
+    """Return the map in a sweep's results file, over all its axes; raise UsageError where there is none."""
     if not results.axis_list or any(axis.joined for axis in results.axis_list):
         raise UsageError(
             f"{results.path}: holds no grid (a map needs a sweep over one axis or more, none of them joined)"
@@ -197,7 +199,7 @@ def _table(
 
 
 def _drawn(inputs: Sequence[Input]) -> Array:
-    """Return points in the box [SI] (n, inputs); the same again for the same box."""
+    """Return the check points in the box [SI] (n, inputs); always the same for the same box."""
     from scipy.stats import qmc
 
     shares = qmc.Sobol(len(inputs), rng=1).random(CHECKS)
@@ -209,7 +211,7 @@ def _drawn(inputs: Sequence[Input]) -> Array:
 
 
 def _errors(table: Table, points: Array, values: Array, sound: Array) -> tuple[list[float], int, int]:
-    """Return the largest error of each output at points that closed and lie inside, how many closed, and did not."""
+    """Return each output's largest error at inside points that closed, and how many inside points did, and did not."""
     found, inside = table(points)
     there = inside & sound
     not_closed = int((inside & ~sound).sum())
@@ -222,7 +224,7 @@ def _errors(table: Table, points: Array, values: Array, sound: Array) -> tuple[l
 def _left_out(
     nodes: Sequence[Array], values: Array, sound: Array, outputs: Sequence[Output]
 ) -> tuple[tuple[float, ...], int]:
-    """Return the largest errors of leaving out every second node of each axis that has five or more."""
+    """Return the largest errors from leaving out every second node of each axis that has five or more; their number."""
     each = [_axis_error(nodes, values, sound, outputs, axis) for axis, x in enumerate(nodes) if len(x) > TOO_FEW]
     each = [one for one in each if one[1]]
     if not each:
@@ -233,7 +235,7 @@ def _left_out(
 def _axis_error(
     nodes: Sequence[Array], values: Array, sound: Array, outputs: Sequence[Output], axis: int
 ) -> tuple[Array, int]:
-    """Return the errors of the outputs at nodes of an axis that a table of every second one was not made from."""
+    """Return the errors of the outputs at nodes of an axis left out of a table of every second one; their number."""
     kept = np.unique([*range(0, len(nodes[axis]), 2), len(nodes[axis]) - 1])
     dropped = np.setdiff1d(np.arange(len(nodes[axis])), kept)
     coarse = [x[kept] if i == axis else x for i, x in enumerate(nodes)]
@@ -250,14 +252,14 @@ def _axis_error(
 
 
 def _coarsest(nodes: Sequence[Array], values: Array, sound: Array, outputs: Sequence[Output]) -> int:
-    """Return the axis along which leaving out nodes errs most; one of few nodes counts as its errors are, larger."""
+    """Return the axis along which leaving out nodes gives the largest error; few nodes give large errors."""
     return int(np.argmax([np.max(_axis_error(nodes, values, sound, outputs, axis)[0]) for axis in range(len(nodes))]))
 
 
 def _inserted(
     solve: _Solver, inputs: Sequence[Input], nodes: Sequence[Array], axis: int, finer: Array, known: tuple[Array, Array]
 ) -> tuple[Array, Array]:
-    """Return values and soundness on the grid with the nodes between those of an axis, which alone are simulated."""
+    """Return values and soundness on the grid refined along one axis; only the nodes between are simulated."""
     between = finer[1::2]
     fresh = solve.grid(inputs, [between if i == axis else x for i, x in enumerate(nodes)])
     merged = []
@@ -269,7 +271,7 @@ def _inserted(
 
 
 class _Solver:
-    """Simulates grids and points of a scene, counting cases; keeps why the first failed."""
+    """Simulates grids and points of a scene, counts cases, and keeps the first reason for a failure."""
 
     def __init__(
         self,

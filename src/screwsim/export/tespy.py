@@ -1,7 +1,7 @@
-"""A map as TESPy's PolynomialCompressor takes it: polynomials of isentropic and volumetric efficiency.
+"""A map for TESPy's PolynomialCompressor: polynomials of isentropic and volumetric efficiency.
 
-TESPy has P = ṁ (h_is − h_1)/η_s and ṁ = η_v V n/v_1, both our definitions; of the power it gives a constant share away
-as heat, so that only the discharge temperature depends on that: it is the mean over the map, and its spread is stated.
+TESPy has P = ṁ (h_is − h_1)/η_s and ṁ = η_v V n/v_1, which are our definitions; it loses a constant share of the power
+as heat, on which only the discharge temperature depends: the mean over the map is used, and its spread stated.
 """
 
 from typing import Any
@@ -15,7 +15,7 @@ from screwsim.scene.operation import EVAPORATING, SUBCOOLING
 
 FIGURES = ("isentropic_efficiency", "volumetric_efficiency")
 SEPARATOR = "separator_temperature"
-SAME = 1e-6  # share up to which the values of one map are one value
+SAME = 1e-6  # relative difference up to which the values of one map are considered equal
 _NEEDED = (
     "displacement",
     "displacement_flow",
@@ -28,7 +28,7 @@ _NEEDED = (
 
 
 def tespy_document(results: Results) -> dict[str, Any]:
-    """Return attributes for PolynomialCompressor.set_attr, one a point of the sweep's other axes.
+    """Return attributes for PolynomialCompressor.set_attr, one set per point of the sweep's other axes.
 
     Raise UsageError where the sweep lacks what they need.
     """
@@ -68,7 +68,7 @@ def _map(results: Results, found: Polynomials, number: int) -> dict[str, Any]:
         "attributes": {
             "eta_s_poly": list(eta_s.coefficients),
             "eta_vol_poly": list(eta_v.coefficients),
-            "dissipation_ratio": max(float(np.mean(shares)), 0.0),  # TESPy takes none below 0
+            "dissipation_ratio": max(float(np.mean(shares)), 0.0),  # TESPy accepts none below 0
             "reference_state": reference,
         },
         "frequency": frequency,
@@ -81,7 +81,7 @@ def _map(results: Results, found: Polynomials, number: int) -> dict[str, Any]:
 
 
 def _one(values: np.ndarray, results: Results, name: str) -> float:
-    """Return the value that all cases of a map have; raise UsageError where they differ."""
+    """Return the common value of all cases of a map; raise UsageError where they differ."""
     value = float(np.mean(values))
     if np.ptp(values) > SAME * value:
         what = f"{name} varies together with a temperature, and TESPy's compressor has one"
@@ -90,14 +90,14 @@ def _one(values: np.ndarray, results: Results, name: str) -> float:
 
 
 def leaving(results: Results) -> str:
-    """Return the figure of the temperature at which the gas leaves: behind the separator where there is one."""
+    """Return the figure for the temperature of the leaving gas: that behind the separator, where there is one."""
     return SEPARATOR if SEPARATOR in results.figures else "discharge_temperature"
 
 
 def dissipated(results: Results, fluid: str, superheat: float, cases: np.ndarray) -> np.ndarray:
-    """Return the share of the shaft power that does not leave with the gas, at cases of a superheat [K].
+    """Return the share of the shaft power that does not leave with the gas, at cases with a superheat [K].
 
-    It is below 0 where other heat does, as that of a motor in the suction gas.
+    It is negative where other heat enters the gas, such as that of a motor in the suction gas.
     """
     from CoolProp.CoolProp import PropsSI
 

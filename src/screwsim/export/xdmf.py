@@ -1,7 +1,7 @@
-"""Pressures on a rotor's surface over its turn, for finite elements: XDMF text beside HDF5.
+"""Pressures on a rotor's surface over one revolution, for finite elements: XDMF text beside HDF5.
 
-The mesh stands in the rotor's own frame, z along its axis from the suction end; cells carry the gauge pressure over
-suction, one field a step of the turn.
+The mesh is in the rotor's own frame, with z along its axis from the suction end; cells have the pressure above suction,
+one field per step of the revolution.
 """
 
 import math
@@ -37,8 +37,8 @@ def mesh(surface: Surface, pressures: Pressures, along: int = ALONG) -> tuple[Ar
 
 
 def write_surface(stem: Path, surface: Surface, pressures: Pressures, steps: int, speed: float) -> list[str]:
-    """Write the surface with pressures over one turn of that rotor, return both paths; `speed` of the male [rad/s]."""
-    turn = 2.0 * math.pi / abs(surface.turns)  # of the male, while this rotor turns once
+    """Write the surface with pressures over one revolution and return both paths; `speed` is the male's [rad/s]."""
+    turn = 2.0 * math.pi / abs(surface.turns)  # male angle during one revolution of this rotor
     angles = np.arange(steps) * turn / steps
     points, cells = mesh(surface, pressures)
     rotors = pressures.laid.rotors
@@ -57,7 +57,7 @@ def write_surface(stem: Path, surface: Surface, pressures: Pressures, steps: int
 
 
 def xdmf(data: str, points: int, cells: int, times: list[float]) -> str:
-    """Return the description of a mesh with one field a time [s]."""
+    """Return the description of a mesh with one field per time [s]."""
     mesh_text = f"""    <Grid Name="mesh" GridType="Uniform">
       <Geometry GeometryType="XYZ">{_item(data, DATA[0], f"{points} 3", "Float")}</Geometry>
       <Topology TopologyType="Quadrilateral" NumberOfElements="{cells}" NodesPerElement="4">

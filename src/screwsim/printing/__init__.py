@@ -1,4 +1,4 @@
-"""What the commands print: results as JSON documents, and as text for people in engineering units."""
+"""Output of the commands: results as JSON documents, and as text in engineering units."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ if TYPE_CHECKING:
     from screwsim.report.accuracy import Drawing
     from screwsim.study.accuracy import Study
 
-SEEN = 5e-5  # of the shaft power, from which on an entry of the ledger is not shown as 0.00 %
-MOST_FAILURES = 20  # listed of one sweep; all are in its file
-MOST_WARNINGS = 8  # kinds of them, likewise
+SEEN = 5e-5  # of the shaft power: smaller losses would be shown as 0.00 %
+MOST_FAILURES = 20  # listed for one sweep; all are in its file
+MOST_WARNINGS = 8  # kinds of warnings, likewise
 
 
 def plain(value: Any) -> Any:
-    """Return a value in types of JSON: numpy's become Python's, NaN and infinities None."""
+    """Return a value in JSON types: numpy's become Python's, NaN and infinities None."""
     if isinstance(value, Mapping):
         return {str(name): plain(item) for name, item in value.items()}
     if isinstance(value, list | tuple):
@@ -44,7 +44,7 @@ def plain(value: Any) -> Any:
 
 
 def print_json(document: Any) -> None:
-    """Print one JSON document on stdout, with escapes of letters that it may not have."""
+    """Print one JSON document on stdout; characters that its encoding may lack are escaped."""
     few = not (sys.stdout.encoding or "utf").lower().startswith("utf")
     print(json_safe(json.dumps(plain(document), indent=2, allow_nan=False, ensure_ascii=few)))
 
@@ -56,10 +56,10 @@ def write_json(document: Any, path: Path) -> str:
 
 
 def print_result(title: str, result: Result, left_out: Iterable[str] = (), changed: Sequence[str] = ()) -> None:
-    """Print a result: its warnings, the table of figures with its ledger, then notes, balances and numerics.
+    """Print a result: warnings, the table of figures and the ledger, then notes, balances and numerics.
 
-    `left_out` are lines on what its scene does not simulate; `changed` is what the command line changed of the scene
-    that the title names.
+    `left_out` has lines on what its scene does not simulate; `changed` lists the changes by the command line to the
+    scene named in the title.
     """
     from rich.console import Console
 
@@ -68,7 +68,7 @@ def print_result(title: str, result: Result, left_out: Iterable[str] = (), chang
     doubted = no_machine(result)
     if title or doubted:
         first = ": ".join(filter(None, (raised(title), doubted)))
-        console.print(printable(first), style="bold", soft_wrap=bool(doubted))  # in the first line, whatever its length
+        console.print(printable(first), style="bold", soft_wrap=bool(doubted))  # always in the first line, however long
     if changed:
         console.print(wrapped(printable(", ".join(changed))))
     console.print(wrapped(printable(f"status: {_ended(result)}")))
@@ -89,7 +89,7 @@ def print_result(title: str, result: Result, left_out: Iterable[str] = (), chang
 
 
 def no_machine(result: Result) -> str:
-    """Return the figures of a result that no machine has; empty where it has none of them."""
+    """Return the figures of a result that no machine can have; empty if all are possible."""
     names = dict.fromkeys(result.impossible)
     if (result.performance.get("volumetric_efficiency") or 0.0) < 0.0:
         names = {"volumetric_efficiency": None} | names
@@ -101,7 +101,7 @@ def no_machine(result: Result) -> str:
 
 
 def _ended(result: Result) -> str:
-    """Return the status with the number of warnings and the message, where there are any."""
+    """Return the status with the number of warnings and the message, if any."""
     count = len(result.warnings)
     warned = f", with {count} {'warning' if count == 1 else 'warnings'}" if count else ""
     filled = result.performance.get("volumetric_efficiency")
@@ -126,9 +126,9 @@ def _table(result: Result) -> Any:
 
 
 def _ledger(ledger: Mapping[str, Any]) -> Any:
-    """Return where the shaft power goes: useful exergy, then what each effect destroys, the dearest first."""
+    """Return the table of the ledger: useful exergy, then what each effect destroys, the largest first."""
     shaft, gas = ledger["shaft_power"], ledger["gas_exergy_rise"]
-    given = shaft <= 0.0  # an expander's gas gives what its shaft gives on
+    given = shaft <= 0.0  # an expander's gas supplies the power at its shaft
     whole = -gas if given else shaft
     factor, unit = scale("W", abs(whole))
     heads = (unit, "%", "W/K", f"moved {unit}", "kg/s")
@@ -158,18 +158,18 @@ def _ledger(ledger: Mapping[str, Any]) -> Any:
 
 
 def _right_table(first: str, *others: str) -> Any:
-    """Return an empty table: a column of names, then columns of numbers."""
+    """Return an empty table: a column of names, then right-aligned columns of numbers."""
     from rich.table import Table
 
     table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column(first, overflow="fold")  # gives way before a number does
+    table.add_column(first, overflow="fold")  # is narrowed before columns of numbers are
     for name in others:
         table.add_column(name, justify="right", no_wrap=True)
     return table
 
 
 def _knock_out(costs: Iterable[Mapping[str, Any]]) -> list[str]:
-    """Return the lines of what leaving each effect out changes; the changes need not add up."""
+    """Return the lines on the changes by leaving out each effect; these changes need not add up."""
     costs = list(costs)
     cooled = any(cost.get("cop") is not None for cost in costs)
     factor, unit = scale("W", max((abs(cost["shaft_power"] or 0.0) for cost in costs), default=0.0))
@@ -190,7 +190,7 @@ def _knock_out(costs: Iterable[Mapping[str, Any]]) -> list[str]:
 
 
 def _account(result: Result) -> Iterable[str]:
-    """Yield what stands below the figures, one subject a line."""
+    """Yield the lines below the figures, one subject each."""
     absent = [name for name, value in result.performance.items() if value is None]
     reasons: dict[str, list[str]] = {}
     for name in absent:
@@ -257,7 +257,7 @@ def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
 
 
 def _counts(document: Mapping[str, Any]) -> str:
-    """Return how many cases ended in each status and how many of those warn: `28 ok (3 of them with warnings)`."""
+    """Return how many cases have each status, and how many of those warn: `28 ok (3 of them with warnings)`."""
     told = []
     for name in ("ok", "not_closed", "failed"):
         warned = document["warned_by_status"].get(name, 0)
@@ -268,9 +268,9 @@ def _counts(document: Mapping[str, Any]) -> str:
 
 
 def print_sweep(document: Mapping[str, Any], scene: Scene) -> None:
-    """Print how a sweep ended: the file, the first failures, the kinds of warnings, last the numbers of cases.
+    """Print the outcome of a sweep: the file, the first failures, the kinds of warnings, last the numbers of cases.
 
-    Failures with the same words stand in one entry, at the first of their cases; `scene` is the one that was swept.
+    Failures with the same message are one entry, at the first of their cases; `scene` is the one that was swept.
     """
 
     def where(values: Mapping[str, Any]) -> str:
@@ -301,7 +301,7 @@ def print_sweep(document: Mapping[str, Any], scene: Scene) -> None:
 
 
 def accuracy_drawing(study: Study) -> Drawing:
-    """Return what the work-precision figure of a study shows."""
+    """Return the contents of a study's work-precision figure."""
     from screwsim.report.accuracy import Drawing, Line
     from screwsim.study.accuracy.words import competing, front, limit_of_regularisation
 

@@ -1,4 +1,4 @@
-"""What `screwsim calibrate` prints and writes."""
+"""Output of `screwsim calibrate`, printed and written."""
 
 import os
 from collections.abc import Iterator
@@ -28,7 +28,7 @@ _ABOUT_TOLERANCES = f"{TOLERANCE}: half of a 95 % interval, twice a standard dev
 
 
 def calibration_document(found: Calibration) -> dict[str, Any]:
-    """Return what `calibrate --json` prints; SI units."""
+    """Return what `calibrate --json` prints, in SI units."""
     known = found.certainty
     return {
         "title": found.fit.title,
@@ -99,15 +99,15 @@ def _compared(each: Compared) -> dict[str, Any]:
 
 
 def spread(found: Calibration, index: int) -> tuple[float | None, float | None]:
-    """Return the lowest and highest value [SI] of a parameter among the fits that are as good."""
+    """Return the lowest and highest value [SI] of a parameter among the equally good fits."""
     parameter = found.fit.parameters[index]
     values = [parameter.value(found.starts[number].places[index]) for number in found.as_good]
-    values += [found.values[parameter.path]] if values else []  # the best start is led on from where it ended
+    values += [found.values[parameter.path]] if values else []  # the best start continues from where it ended
     return (min(values), max(values)) if values else (None, None)
 
 
 def print_calibration(found: Calibration) -> None:
-    """Print the parameters, how sure they are, what is left over, and what the data do not tell."""
+    """Print the parameters, their uncertainty, the residuals, and what the data leave undetermined."""
     print_title(found.fit)
     count = f"{found.solutions} solutions" + (f", {found.failed} without figures" if found.failed else "")
     say(wrapped(f"{len(found.starts)} starts, seed {found.fit.seed}, {count}, {found.jacobians} Jacobians"))
@@ -136,7 +136,7 @@ def print_calibration(found: Calibration) -> None:
 
 
 def _methods(found: Calibration) -> Iterator[str]:
-    """Yield how the slopes by the parameters were found, parameters of one kind together."""
+    """Yield how the slopes by the parameters were found, with parameters of the same method together."""
     names = found.fit.short_names()
     for why in dict.fromkeys(found.methods.values()):
         some = [names[path] for path, each in found.methods.items() if each == why]
@@ -159,7 +159,7 @@ def _row(found: Calibration, index: int, parameter: Parameter) -> list[str]:
 
 
 def _tolerance(found: Calibration, parameter: Parameter) -> str:
-    """Return the tolerance by which a parameter is held, in the unit of its value, or that one is not; '' of others."""
+    """Return the tolerance that constrains a parameter, in the unit of its value, or that one is left out; else ''."""
     prior, path = parameter.prior, parameter.path
     if prior is None or not prior.of_scene:
         return "none (left out)" if parameter.unheld and path in found.fit.scene.uncertain else ""
@@ -170,7 +170,7 @@ def _tolerance(found: Calibration, parameter: Parameter) -> str:
 
 
 def _per_unit(found: Calibration, parameter: Parameter) -> float:
-    """Return customary units per SI unit of a difference of values."""
+    """Return the number of customary units per SI unit, for differences of values."""
     ends = [in_customary(found.fit.scene, parameter.path, each)[0] for each in (parameter.low, parameter.high)]
     return (ends[1] - ends[0]) / (parameter.high - parameter.low)
 
@@ -248,7 +248,7 @@ def _correlations(found: Calibration) -> Iterator[str]:
 
 
 def check_folder(folder: Path) -> None:
-    """Raise UsageError where a folder holds what no calibration wrote, under the name of its scene or document."""
+    """Raise UsageError where a folder has a foreign file under the name of a calibration's scene or document."""
     keep_in(folder, {SCENE: BEGINS})
     keep_other_documents(folder / DOCUMENT, "parameters", "chi_squared", "starts")
 

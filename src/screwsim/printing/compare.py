@@ -1,4 +1,4 @@
-"""What `screwsim compare` prints."""
+"""Output of `screwsim compare`."""
 
 import math
 from collections.abc import Mapping
@@ -18,12 +18,12 @@ from screwsim.study.columns import Column, keep_other_columns, write_columns
 from screwsim.study.compare import Comparison, FigureChange, common_points
 
 TABLE, TITLE = "comparison.csv", "comparison"
-OWN = "status_a", "status_b"  # columns by which such a table is known
-MOST_NAMES = 3  # of figures that differ most at one point
+OWN = "status_a", "status_b"  # columns that identify such a table
+MOST_NAMES = 3  # most figures named for one point of largest change
 
 
 def comparison_document(a: Results, b: Results, found: Comparison) -> dict[str, Any]:
-    """Return what `compare --json` prints; SI units."""
+    """Return what `compare --json` prints, in SI units."""
     return {
         "a": str(a.path),
         "b": str(b.path),
@@ -93,21 +93,21 @@ def _cells(a: Results, b: Results, each: FigureChange) -> list[str]:
         change = f"{each.change:+.1e} K" if each.change else "0"
         return [shown_name(each.figure), one, other, "°C", change, f"{each.error or 0.0:.0e} K", differ]
     (one, unit), (other, other_unit) = (engineering(about, value) for value in (each.a, each.b))
-    other = other if other_unit == unit else f"{other} {other_unit}"  # 900 W against 1.1 kW
+    other = other if other_unit == unit else f"{other} {other_unit}"  # as for 900 W and 1.1 kW
     relative = "" if each.relative is None else f"{each.relative:+.1e}" if each.relative else "0"
     error = f"{(each.error or 0.0) / abs(each.a):.0e}" if each.a else ""
     return [shown_name(each.figure), one, other, unit, relative, error, differ]
 
 
 def _where(results: Results, at: Mapping[str, Any]) -> str:
-    """Return where a point lies, in the units in which a figure shows it."""
+    """Return the position of a point, in the units in which figures show it."""
     axes = {inner.path: inner for axis in results.axis_list for inner in (axis.joined or (axis,))}
     words = [f"{path} = {_shown(axes.get(path), value)}" for path, value in at.items()]
     return f" at {', '.join(words)}" if words else ""
 
 
 def _shown(axis: Axis | None, value: Any) -> str:
-    """Return a value [SI] of an axis with its unit; a text stands for itself."""
+    """Return a value [SI] of an axis with its unit; a text is returned as such."""
     if axis is None or isinstance(value, str):
         return value if isinstance(value, str) else short(value)
     shown = shown_axis(axis)
@@ -115,7 +115,7 @@ def _shown(axis: Axis | None, value: Any) -> str:
 
 
 def write_comparison(a: Results, b: Results, folder: Path) -> list[str]:
-    """Write a row a common point, SI units, and figures of both files; return the paths."""
+    """Write one row per common point, in SI units, and the figures of both files; return the paths."""
     common, columns = common_points(a, b), {}
     units = {inner.path: inner.units for each in (b, a) for axis in each.axis_list for inner in axis.joined or (axis,)}
     for path, values in common.places.items():

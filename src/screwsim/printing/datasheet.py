@@ -1,4 +1,4 @@
-"""What `screwsim datasheet` prints."""
+"""Output of `screwsim datasheet`."""
 
 import textwrap
 

@@ -1,4 +1,4 @@
-"""What `screwsim diagnose` prints."""
+"""Output of `screwsim diagnose`."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,13 +13,13 @@ from screwsim.study.calibration.judge import BORDER
 from screwsim.study.inputs import shown_value, unit_of_change
 
 NOTHING = "nothing changed"
-ANY = "any"  # value of a parameter of which the points tell next to nothing fits as well
-TOLD = 0.01  # probability from which on a hypothesis is told in words, ...
-MOST_TOLD = 4  # ... and how many at most
+ANY = "any"  # value of a parameter about which the points say almost nothing
+TOLD = 0.01  # probability above which a hypothesis is put into words, ...
+MOST_TOLD = 4  # ... and how many are at most
 
 
 def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
-    """Return what `diagnose --json` prints; SI units."""
+    """Return what `diagnose --json` prints, in SI units."""
     return {
         "title": found.fit.title,
         "status": found.status,
@@ -46,7 +46,7 @@ def _hypothesis(each: Hypothesis) -> dict[str, Any]:
 
 
 def print_diagnosis(found: Diagnosis) -> None:
-    """Print the hypotheses, the most probable first, and what the points do not tell apart."""
+    """Print the hypotheses, the most probable first, and what the points cannot distinguish."""
     fit = found.fit
     print_title(fit)
     points = [point for point in fit.points if point.fitted]
@@ -68,7 +68,7 @@ def print_diagnosis(found: Diagnosis) -> None:
 
 
 def _rows(found: Diagnosis, each: Hypothesis) -> Iterator[list[str]]:
-    """Yield the row of a hypothesis, of two changes one for each."""
+    """Yield the row of a hypothesis; for one of two changes, a row for each."""
     beside = [_probability(each.probability), f"{each.misfit:.3g}"]
     if each.path == NONE:
         yield [NOTHING, beside[0], "", "", "", "", beside[1]]
@@ -85,7 +85,7 @@ def _rows(found: Diagnosis, each: Hypothesis) -> Iterator[list[str]]:
 
 
 def _by(found: Diagnosis, change: Change) -> str:
-    """Return by how much a parameter has changed; of one of which the points tell nothing, that any value will do."""
+    """Return by how much a parameter has changed; any amount, if the points say nothing about it."""
     if change.path in found.untold:
         return f"{ANY} amount"
     per, unit = unit_of_change(found.fit.scene, change.path, change.value)

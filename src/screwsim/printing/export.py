@@ -1,4 +1,4 @@
-"""What `screwsim export` prints of a map: its inputs with their nodes, its outputs with their errors, the files."""
+"""Output of `screwsim export` for a map: its inputs with their nodes, its outputs with their errors, the files."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -25,7 +25,7 @@ def map_document(table: Table, files: Sequence[str]) -> dict[str, Any]:
 
 
 def print_map(table: Table, files: Sequence[str]) -> None:
-    """Print a map for people, SI units."""
+    """Print a map, in SI units."""
     say_title(table.title)
     rows = [
         [one.name, f"{one.low:.6g}", f"{one.high:.6g}", plain(one.units), str(len(nodes))]
@@ -49,7 +49,7 @@ def print_polynomials(
     rows: Sequence[tuple[Mapping[str, float], Sequence[float]]],
     files: Sequence[str],
 ) -> None:
-    """Print the largest error of each polynomial, a row a map, and the files."""
+    """Print the largest error of each polynomial, one row per map, and the files."""
     say(wrapped(f"{document['title']} ({document['fluid']})"))
     body = [
         [", ".join(f"{path} = {value:.6g}" for path, value in at.items()) or "map", *(_percent(e) for e in errors)]
@@ -61,7 +61,7 @@ def print_polynomials(
 
 
 def print_loads(found: Exported, result: Result, files: Sequence[str]) -> None:
-    """Print means and the first harmonics of each curve, and the files."""
+    """Print mean and first harmonics of each curve, and the files."""
     say_title(found.title or "loads")
     say(wrapped(f"status: {result.told if result.message else result.status}; lobe frequency {found.frequency:.5g} Hz"))
     rows = [
@@ -78,7 +78,7 @@ def _percent(error: float) -> str:
 
 
 def shortfall(table: Table, remedy: str) -> str:
-    """Return why a map is not as good as was asked for; empty where it is."""
+    """Return why a map is not as accurate as requested; empty if it is."""
     if table.met:
         return ""
     return f"the error {table.error:.2g} is above the {table.wanted:g} asked for ({remedy})"

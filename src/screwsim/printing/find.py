@@ -1,4 +1,4 @@
-"""What `screwsim find` prints and writes."""
+"""Output of `screwsim find`, printed and written."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -13,14 +13,14 @@ from screwsim.study.columns import Column, write_columns
 from screwsim.study.inputs import shown_value, unit_of_change
 from screwsim.study.seek import DIGITS, Found, Question
 
-MOST_NOTES = 4  # of rows, printed
+MOST_NOTES = 4  # most notes printed
 BESIDE = ("cooling_capacity", "shaft_power", "cop", "heating_capacity", "heating_cop")
 BESIDE += ("isentropic_efficiency", "volumetric_efficiency")
-BESIDE += ("discharge_temperature", "gas_mass_flow")  # of one answer, shown beside the figures that were sought
+BESIDE += ("discharge_temperature", "gas_mass_flow")  # for a single answer, shown beside the figures sought
 
 
 def find_document(scene: Scene, asked: Question, rows: Sequence[Found]) -> dict[str, Any]:
-    """Return what `find --json` prints: the question, a row a point of the other axes, counts; SI units."""
+    """Return what `find --json` prints: the question, one row per point of the other axes, counts; in SI units."""
     return {
         "title": scene.title,
         "vary": {span.path: {"from": span.low, "to": span.high, "start": span.start} for span in asked.spans},
@@ -53,7 +53,7 @@ def _row_document(row: Found) -> dict[str, Any]:
 
 
 def print_find(scene: Scene, asked: Question, rows: Sequence[Found]) -> None:
-    """Print the values of each point of the other axes, what they give, and what is to be said of them."""
+    """Print the values for each point of the other axes, the figures there, and remarks."""
     say_title(scene.title)
     for span in asked.spans:
         low, high = (shown_value(scene, span.path, end) for end in (span.low, span.high))
@@ -100,7 +100,7 @@ def _notes(scene: Scene, paths: Sequence[str], row: Found) -> Iterator[str]:
 
 
 def _print_one(scene: Scene, asked: Question, row: Found) -> None:
-    """Print one answer with figures beside those that were sought."""
+    """Print one answer, with other figures beside those that were sought."""
     if row.status == "ok":
         for span in asked.spans:
             say(f"{span.path} = {_value(scene, span.path, row)}")
@@ -128,7 +128,7 @@ def _print_size(scene: Scene, asked: Question, row: Found) -> None:
 
 def _value(scene: Scene, path: str, row: Found) -> str:
     text, width = shown_value(scene, path, row.values[path], DIGITS), row.uncertainties.get(path)
-    if row.size is not None and not row.uncertainties:  # every size is beyond the goal
+    if row.size is not None and not row.uncertainties:  # all sizes exceed the goal
         return f"{text} ({row.borders.get(path, 'nearest')}: the goal lies below every size)"
     return f"{text} ± {_width(scene, path, width)}" if width is not None else text
 
@@ -137,12 +137,12 @@ def _width(scene: Scene, path: str, width: float | None) -> str:
     """Return a difference of a path's values in its customary unit."""
     if width is None:
         return ""
-    per, unit = unit_of_change(scene, path, 1.0)  # as the value, not in µm
+    per, unit = unit_of_change(scene, path, 1.0)  # in the unit of the value, not in µm
     return f"{per * width:.1g} {unit}".strip()
 
 
 def _figures(asked: Question, row: Found) -> Iterator[tuple[str, str]]:
-    """Yield the figures sought with their errors, then some of the others; of a size those that it gives."""
+    """Yield the figures sought with their errors, then some of the others; for a size, those at that size."""
     performance = {} if row.result is None else row.result.performance
     sought = [goal.figure for goal in asked.goals]
     for name in sought:
@@ -157,7 +157,7 @@ def _figures(asked: Question, row: Found) -> Iterator[tuple[str, str]]:
 
 
 def write_find(path: Path, scene: Scene, asked: Question, rows: Sequence[Found]) -> None:
-    """Write a row a point of the other axes: CSV or HDF5, SI units."""
+    """Write one row per point of the other axes as CSV or HDF5, in SI units."""
     columns = {}
     for axis in rows[0].at:
         units, doc = axis_label(axis, scene)[1] or "1", leaf_of(scene, axis).doc

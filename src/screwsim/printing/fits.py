@@ -1,4 +1,4 @@
-"""What all commands that are given a fit print of it."""
+"""Output shared by all commands that take a fit."""
 
 from collections.abc import Mapping
 
@@ -8,11 +8,11 @@ from screwsim.study.calibration.fit import Fit
 
 
 def print_title(fit: Fit) -> None:
-    """Print the title of a fit, or else that of its scene, where one has any."""
+    """Print the title of a fit, or else that of its scene, if it has one."""
     say_title(fit.title or fit.scene.title)
 
 
 def print_left_out(reasons: Mapping[str, str]) -> None:
-    """Print the points without a solution, and why they have none."""
+    """Print the points without a solution, and the reasons."""
     for name, reason in reasons.items():
         say(wrapped(f"left out, no solution at {name}: {reason}"))

@@ -1,4 +1,4 @@
-"""What is printed of measured figures beside a scene's own, and of what would explain their difference."""
+"""Output on measured figures beside a scene's own, and on what would explain their differences."""
 
 from collections.abc import Iterator
 
@@ -12,11 +12,11 @@ from screwsim.screen import printable, say
 from screwsim.study.inputs import shown_number, shown_value, unit_of_change
 from screwsim.study.measured import AGREES, Compared, Comparison, Explanation
 
-MOST = 8  # explanations that are printed; all are in --json
+MOST = 8  # most explanations printed; all are in --json
 
 
 def print_measured(scene: Scene, result: Result, found: Comparison) -> None:
-    """Print figures, what was measured and the differences, below each the uncertainties of ours; then explanations."""
+    """Print figures, measured values and differences, with the uncertainties of ours below each; then explanations."""
     say()
     if found.rows:
         heads = ("figure", "ours", "measured", "unit", "difference", "sigma")
@@ -50,7 +50,7 @@ def _row(result: Result, row: Compared) -> list[str]:
 
 
 def _parts(scene: Scene, result: Result, row: Compared) -> str:
-    """Return the three uncertainties of the scene's own figure, each by itself."""
+    """Return the three uncertainties of the scene's own figure, separately."""
     factor, unit, _ = read_in(declared(row.figure, result.performance), row.value)
     unit = {"%": "points", "°C": "K"}.get(unit, unit)
     inputs = f"inputs ± {factor * COVERAGE * row.inputs:.2g}" if scene.uncertain else "inputs not told"
@@ -61,7 +61,7 @@ def _parts(scene: Scene, result: Result, row: Compared) -> str:
 
 
 def _verdict(scene: Scene, found: Comparison) -> Iterator[str]:
-    """Yield what the differences say, and what is not known for saying more."""
+    """Yield what the differences show, and which missing information would show more."""
     far = [row for row in found.rows if row.sigma is not None and abs(row.sigma) > AGREES]
     bare = [row for row in found.rows if row.sigma is None]
     if far:
@@ -106,7 +106,7 @@ def _print_explanations(scene: Scene, found: Comparison) -> None:
 
 
 def _change(scene: Scene, each: Explanation) -> str:
-    """Return by how much a number would have to change: in percent, of temperatures in kelvin."""
+    """Return by how much a number would have to change: in per cent, for temperatures in kelvin."""
     if unit_of_change(scene, each.path, each.value)[1] == "K":
         return f"{each.wanted - each.value:+.2g} K"
     return f"{100.0 * (each.wanted / each.value - 1.0):+.2g} %"

@@ -1,4 +1,4 @@
-"""What `screwsim optimize` prints."""
+"""Output of `screwsim optimize`."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -13,13 +13,13 @@ from screwsim.study.inputs import shown_number, shown_value
 from screwsim.study.optimize import Optimum, Question, Reach
 from screwsim.study.seek import DIGITS
 
-SHOWN = 12  # rows of a front that are printed; all are in the file
-REASONS = 3  # of failed evaluations
-BESIDE = ("cooling_capacity", "shaft_power", "cop", "discharge_temperature")  # of operating points, beside the aims
+SHOWN = 12  # most rows of a front printed; all are in the file
+REASONS = 3  # most reasons for failed evaluations
+BESIDE = ("cooling_capacity", "shaft_power", "cop", "discharge_temperature")  # for operating points, beside objectives
 
 
 def optimize_document(found: Optimum) -> dict[str, Any]:
-    """Return what `optimize --json` prints: the question, the best or the front, counts; SI units."""
+    """Return what `optimize --json` prints: the question, the best or the front, counts; in SI units."""
     asked = found.asked
     names = [aim.figure for aim in asked.aims]
     return {
@@ -65,7 +65,7 @@ def _point(asked: Question, number: int) -> dict[str, Any]:
 
 
 def print_optimize(found: Optimum) -> None:
-    """Print the question, the best or the front, what is to be said of it, and the counts."""
+    """Print the question, the best or the front, remarks, and the counts."""
     asked = found.asked
     say_title(asked.scene.title)
     senses = (f"{'lowest' if aim.minimum else 'highest'} {shown_name(aim.figure)}" for aim in asked.aims)
@@ -96,7 +96,7 @@ def _range(asked: Question, number: int) -> str:
 
 
 def _print_best(found: Optimum) -> None:
-    """Print the best values with how far others are as good, the aim with its error, and the operating points."""
+    """Print the best values with ranges of equally good ones, the objective and its error, and the operating points."""
     asked, row, aim = found.asked, int(found.front[0]), found.asked.aims[0]
     rows = []
     for path, value in found.values.items():
@@ -128,7 +128,7 @@ def _reach(found: Optimum, path: str, reach: Reach) -> str:
 
 
 def _points(found: Optimum) -> Iterator[str]:
-    """Yield the lines of a table of the operating points at the best."""
+    """Yield the lines of a table of the operating points at the best evaluation."""
     asked, points = found.asked, found.asked.points
     sought = [aim.figure for aim in asked.aims]
     names = list(dict.fromkeys((*sought, *(bound.figure for bound in asked.bounds), *BESIDE)))
@@ -146,7 +146,7 @@ def _points(found: Optimum) -> Iterator[str]:
 
 
 def _print_front(found: Optimum) -> None:
-    """Print some rows of the front, evenly spread along it, the first and the last included."""
+    """Print some rows of the front, evenly spread along it and including both ends."""
     asked, front = found.asked, found.front
     picked = spread(found.aims[front], SHOWN)
     heads = [*(shown_name(aim.figure) for aim in asked.aims), "error"]
@@ -159,7 +159,7 @@ def _print_front(found: Optimum) -> None:
 
 
 def spread(aims: np.ndarray, most: int) -> np.ndarray:
-    """Return the numbers of at most so many rows, evenly spread along the line through all of them."""
+    """Return the indices of at most `most` rows, evenly spread along the line through all of them."""
     if len(aims) <= most:
         return np.arange(len(aims))
     width = np.ptp(aims, axis=0)

@@ -1,4 +1,4 @@
-"""What `screwsim optimum` prints and writes."""
+"""Output of `screwsim optimum`, printed and written."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
@@ -17,7 +17,7 @@ from screwsim.study.optimum import Best, Question
 
 
 def optimum_document(scene: Scene, asked: Question, rows: Sequence[Best]) -> dict[str, Any]:
-    """Return what `optimum --json` prints: the question, a row a point of the other axes, counts; SI units."""
+    """Return what `optimum --json` prints: the question, one row per point of the other axes, counts; in SI units."""
     return {
         "title": scene.title,
         "path": asked.path,
@@ -32,7 +32,7 @@ def optimum_document(scene: Scene, asked: Question, rows: Sequence[Best]) -> dic
 
 
 def print_optimum(scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
-    """Print a row a point of the other axes, then what is to be said of single ones."""
+    """Print one row per point of the other axes, then remarks on single ones."""
     word = "lowest" if asked.minimum else "highest"
     ends = f"{shown_value(scene, asked.path, asked.low)} … {shown_value(scene, asked.path, asked.high)}"
     say_title(scene.title)
@@ -86,7 +86,7 @@ def _notes(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> It
 
 
 def write_optimum(path: Path, scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
-    """Write a row a point of the other axes: CSV or HDF5, SI units."""
+    """Write one row per point of the other axes as CSV or HDF5, in SI units."""
     columns = {}
     for axis in (axis for axis in scene.sweep if axis != asked.path):
         values = [row.values[axis] for row in rows]

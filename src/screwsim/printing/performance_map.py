@@ -1,4 +1,4 @@
-"""What `screwsim map` prints and writes."""
+"""Output of `screwsim map`, printed and written."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -20,7 +20,7 @@ from screwsim.study.performance_map import ELECTRICAL, FORMULA, NAMES, SHAFT, Pe
 
 
 def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, Any]:
-    """Return what `map --json` prints: the formula, the conditions, a map a point of the other axes."""
+    """Return what `map --json` prints: the formula, the conditions, one map per point of the other axes."""
     figures = next(each.fits for each in maps if each.fits)
     return {
         "file": str(results.path),
@@ -52,7 +52,7 @@ def print_maps(results: Results, maps: Sequence[PerformanceMap]) -> None:
 
 
 def _print_warnings(results: Results) -> None:
-    """Print what points of the sweep warn of."""
+    """Print the warnings of points of the sweep."""
     for kind in kinds(results):
         cases = f"{kind.cases} {'point' if kind.cases == 1 else 'points'}"
         say(wrapped(f"warning in {cases} of the sweep: {kind.text}"))
@@ -84,7 +84,7 @@ def _print_map(results: Results, one: PerformanceMap) -> None:
 
 
 def points_document(results: Results, points: Sequence[MapPoint]) -> dict[str, Any]:
-    """Return what `map --at … --json` prints: the figures at each point, SI units."""
+    """Return what `map --at … --json` prints: the figures at each point, in SI units."""
     return {
         "file": str(results.path),
         "title": results.attributes["title"],
@@ -108,7 +108,7 @@ def print_points(results: Results, points: Sequence[MapPoint]) -> None:
 
 
 def keep_other_maps(path: Path) -> None:
-    """Raise UsageError where a file lies at `path` that is no map: it would be lost."""
+    """Raise UsageError where a file at `path` is not a map, as it would be lost."""
     if path.suffix.lower() == ".csv":
         keep_other_columns(path, "compressor map", "figure", "units", "largest_error", "rms_error")
         return
@@ -116,7 +116,7 @@ def keep_other_maps(path: Path) -> None:
 
 
 def write_maps(path: Path, results: Results, maps: Sequence[PerformanceMap]) -> None:
-    """Write the maps: JSON as `map --json` prints it, or CSV with a row a figure."""
+    """Write the maps as JSON, like `map --json`, or as CSV with one row per figure."""
     if path.suffix.lower() == ".csv":
         rows = [(one, figure, fit) for one in maps for figure, fit in one.fits.items()]
         columns = {

@@ -1,4 +1,4 @@
-"""What `screwsim plan` prints and writes."""
+"""Output of `screwsim plan`, printed and written."""
 
 import csv
 from collections.abc import Iterator, Sequence
@@ -16,11 +16,11 @@ from screwsim.study.calibration.plan import Plan, point_name
 from screwsim.study.columns import first_line
 from screwsim.study.inputs import in_customary, unit_of_change
 
-MOST = 6  # points of which the table shows the deviations behind them
+MOST = 6  # most points for which the table shows the deviations
 
 
 def plan_document(found: Plan) -> dict[str, Any]:
-    """Return what `plan --json` prints; SI units."""
+    """Return what `plan --json` prints, in SI units."""
     paths = [each.path for each in found.fit.parameters]
     return {
         "title": found.fit.title,
@@ -94,7 +94,7 @@ def _told(found: Plan) -> Iterator[str]:
 
 
 def keep_measured(path: Path) -> None:
-    """Raise UsageError where a file lies at `path` that is no plan, or one in which a figure has been filled in."""
+    """Raise UsageError where a file at `path` is not a plan, or has measured figures filled in."""
     check_target_kind(path)
     heads = [head.partition(" [")[0] for head in first_line(path)]
     figures = [number for number, head in enumerate(heads) if f"{head}{UNCERTAINTY}" in heads]
@@ -108,7 +108,7 @@ def keep_measured(path: Path) -> None:
 
 
 def write_plan(path: Path, found: Plan) -> str:
-    """Write the points as data of a fit, whose figures are still to be measured."""
+    """Write the points as the data file of a fit, with the figures still to be measured."""
     make_folder(path.parent)
     scene = found.fit.scene
     conditions = list(dict.fromkeys(name for each in found.steps for name in each.point.values))
@@ -139,6 +139,6 @@ def _number(value: Any) -> str:
 
 
 def _unit(figure: str) -> str:
-    """Return the unit of a figure's SI value as a fit's data state it."""
+    """Return the unit of a figure's SI value as written in a fit's data."""
     unit = next(name for name, factor in units_of(figure).items() if factor == 1.0)
     return f" [{unit}]" if unit else ""

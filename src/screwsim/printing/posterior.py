@@ -1,4 +1,4 @@
-"""What `screwsim calibrate --posterior` and `--predict` print and write."""
+"""Output of `screwsim calibrate --posterior` and `--predict`, printed and written."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -37,7 +37,7 @@ _PARTS = {
 
 
 def posterior_document(found: Posterior) -> dict[str, Any]:
-    """Return the posterior as a part of the document of `calibrate --json`; SI units."""
+    """Return the posterior as a part of the document of `calibrate --json`, in SI units."""
     return {
         "status": found.status,
         "message": found.message,
@@ -72,7 +72,7 @@ def _predictions(found: Predictions) -> dict[str, Any]:
 
 
 def print_posterior(fit: Calibration, found: Posterior) -> None:
-    """Print the intervals of parameters and discrepancies, the predictions of points, and what the chains are worth."""
+    """Print the intervals of parameters and discrepancies, the predicted points, and the quality of the chains."""
     say()
     if found.message:
         say(wrapped(f"posterior {found.status}: {found.message}"))
@@ -97,7 +97,7 @@ def print_posterior(fit: Calibration, found: Posterior) -> None:
 
 
 def print_predictions(found: Predictions) -> None:
-    """Print what would be measured at other points, figure by figure, and what makes it uncertain."""
+    """Print what would be measured at other points, figure by figure, and the sources of its uncertainty."""
     say()
     if found.message:
         say(wrapped(f"predictions {found.status}: {found.message}"))
@@ -126,7 +126,7 @@ def print_predictions(found: Predictions) -> None:
 
 
 def write_predictions(fit: Fit, found: Predictions, folder: Path) -> list[str]:
-    """Write what would be measured, a row a point, SI units, into an HDF5 file; return the path."""
+    """Write what would be measured to an HDF5 file, one row per point, in SI units; return the path."""
     names = list(dict.fromkeys(each.point for each in found.figures))
     if not names:
         return []
@@ -149,7 +149,7 @@ def write_predictions(fit: Fit, found: Predictions, folder: Path) -> list[str]:
 
 
 def _width(found: Posterior, name: str) -> list[str]:
-    """Return median and upper end of a discrepancy's width, over the figure's size; of temperatures in kelvins."""
+    """Return median and upper end of a discrepancy's width, relative to the figure; for temperatures in kelvin."""
     size = max(abs(each.measured) for each in found.predicted if each.figure == name)
     spread = next(each for each in found.discrepancies if each.name == name)
     if declared(name).units == "K":
@@ -180,7 +180,7 @@ def _notes(found: Posterior) -> Iterator[str]:
 
 
 def keep_other_samples(folder: Path) -> None:
-    """Raise UsageError where a folder holds what no posterior wrote under the name of its samples or predictions."""
+    """Raise UsageError where a folder has a foreign file under the name of a posterior's samples or predictions."""
     heads = first_line(folder / SAMPLES)
     if not all("." in head or head.startswith(WIDTH) for head in heads):  # paths of parameters, then widths
         raise UsageError(OTHERS.format(folder / SAMPLES))
@@ -188,7 +188,7 @@ def keep_other_samples(folder: Path) -> None:
 
 
 def write_posterior(fit: Calibration, found: Posterior, folder: Path) -> list[str]:
-    """Write the samples, a row each, SI units; return the path."""
+    """Write the samples, one per row in SI units, the figure of pairs and the predictions; return the paths."""
     if found.samples is None or found.widths is None:
         return []
     names = [each.path for each in fit.fit.parameters]
@@ -200,7 +200,7 @@ def write_posterior(fit: Calibration, found: Posterior, folder: Path) -> list[st
 
 
 def _drawn(fit: Calibration, found: Posterior, number: int) -> Drawn:
-    """Return a parameter as it is drawn, in the unit in which people write it."""
+    """Return a parameter for drawing, in its customary unit."""
     scene, spread = fit.fit.scene, found.parameters[number]
     ends = np.array([spread.low, spread.high])
     known = (in_customary(scene, spread.name, value)[0] for value in ends.tolist())

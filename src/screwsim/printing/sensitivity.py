@@ -1,4 +1,4 @@
-"""What `screwsim sensitivity` prints and writes: indices over ranges, and with `--local` derivatives at the point."""
+"""Output of `screwsim sensitivity`, printed and written: indices over ranges, or with `--local` derivatives."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,10 +18,10 @@ from screwsim.study.inputs import shown_value, unit_of_change, usual_efficiency
 from screwsim.study.local import Sensitivities
 from screwsim.study.sensitivity import CONFIDENCE, NOISY, Sensitivity, Shares
 
-SHOWN = ("gas_mass_flow", "shaft_power")  # beside the efficiency, where none is chosen
-MOST = 15  # numbers in the table, the most important first
-NONE = 5e-5  # percent per percent, below which a figure does not depend on a number
-ROUND = (1.0, 2.0, 5.0)  # of a power of ten: the change of a number in a sentence
+SHOWN = ("gas_mass_flow", "shaft_power")  # beside the efficiency, if no figures are chosen
+MOST = 15  # most numbers in the table, in order of importance
+NONE = 5e-5  # per cent per per cent, below which a figure is independent of a number
+ROUND = (1.0, 2.0, 5.0)  # of a power of ten: changes of a number in sentences
 
 
 def sensitivity_document(scene: Scene, found: Sensitivity) -> dict[str, Any]:
@@ -50,7 +50,7 @@ def sensitivity_document(scene: Scene, found: Sensitivity) -> dict[str, Any]:
 
 
 def print_sensitivity(scene: Scene, found: Sensitivity) -> None:
-    """Print a table a figure: the inputs with the largest total index first."""
+    """Print one table per figure, with inputs of the largest total index first."""
     say_title(scene.title)
     samples = f"{found.samples} samples of {len(found.ranges)} input{'s' * (len(found.ranges) > 1)}, seed {found.seed}"
     say(wrapped(f"{found.solutions} solutions: {samples}"))
@@ -93,7 +93,7 @@ def _head(shares: Shares) -> str:
 
 
 def write_sensitivity(path: Path, found: Sensitivity) -> None:
-    """Write a row a figure and input: CSV or HDF5."""
+    """Write one row per figure and input, as CSV or HDF5."""
     rows = [(shares, index) for shares in found.shares for index in shares.indices]
     columns = {
         "figure": Column([shares.figure for shares, _ in rows], "", "figure"),
@@ -126,7 +126,7 @@ def local_document(scene: Scene, found: Sensitivities) -> dict[str, Any]:
 
 
 def print_local(scene: Scene, found: Sensitivities, chosen: Sequence[str] = ()) -> None:
-    """Print a table of numbers by figures [%/%], the most important first, and what the first of them mean."""
+    """Print a table of numbers by figures [%/%], the most important first, and the first of them in words."""
     say_title(scene.title)
     if found.result.status != "ok":
         say(wrapped(f"status: {found.result.status}; {found.result.message}"))
@@ -153,7 +153,7 @@ def print_local(scene: Scene, found: Sensitivities, chosen: Sequence[str] = ()) 
 
 
 def _print_methods(found: Sensitivities) -> None:
-    """Print by which method they were found, where not all are exact, and what was left out."""
+    """Print the method of derivatives that are not exact, and what was left out."""
     for why in dict.fromkeys(found.why.values()):
         paths = [path for path, each in found.why.items() if each == why]
         which = "all" if len(paths) == len(found.values) else ", ".join(paths)
@@ -167,7 +167,7 @@ def _print_methods(found: Sensitivities) -> None:
 
 
 def sentence(scene: Scene, found: Sensitivities, figure: str, path: str) -> str:
-    """Return in words what a round change of a number does to a figure: '1 um … = -0.14 points of …'."""
+    """Return in words the effect of a round change of a number on a figure: '1 um … = -0.14 points of …'."""
     change, shown = _round_change(scene, path, found.values[path])
     slope, value = found.derivatives[figure][path], found.result.performance[figure]
     about = declared(figure, found.result.performance)
@@ -178,7 +178,7 @@ def sentence(scene: Scene, found: Sensitivities, figure: str, path: str) -> str:
 
 
 def _round_change(scene: Scene, path: str, value: float) -> tuple[float, str]:
-    """Return a round change [SI] of about a twentieth of a number, and how it is written."""
+    """Return a round change [SI] of about a twentieth of a number, and its text."""
     kind = leaf_of(scene, path).dimension
     per, unit = unit_of_change(scene, path, value)
     if kind is not None and kind.name in ("temperature", "angle"):
@@ -202,7 +202,7 @@ def _percent(value: float | None) -> str:
 
 
 def write_local(path: Path, scene: Scene, found: Sensitivities) -> None:
-    """Write a row a figure and number as CSV; as HDF5 the results of the point, with a group of derivatives."""
+    """Write one row per figure and number as CSV; as HDF5 the results of the point, with a group of derivatives."""
     if path.suffix.lower() != ".csv":
         save(path, scene, found.result, "sensitivity --local", found)
         return

@@ -1,4 +1,4 @@
-"""What an engineer reads first of a result, on one screen of 80 columns and 24 lines (`run --short`)."""
+"""The essentials of a result, on one screen of 80 columns and 24 lines (`run --short`)."""
 
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -10,16 +10,16 @@ from screwsim.printing import no_machine
 from screwsim.printing.tables import plain_table, tell, wrapped
 from screwsim.screen import printable, say
 
-MOST = 10  # figures
-LINES = 3  # of warnings and of a message, each
-# in the order in which they are read: what the machine gives, what it takes, how well, how hot, how much oil
+MOST = 10  # most figures
+LINES = 3  # most lines of warnings and of a message, each
+# in reading order: what the machine delivers, what it takes, how well, how hot, how much oil
 FIRST = (
     *("free_air_delivered", "cooling_capacity", "heating_capacity", "gas_mass_flow", "output_power", "shaft_power"),
     *("electrical_power", "package_input_power", "package_specific_power", "cop", "electrical_cop"),
     *("isentropic_efficiency", "isothermal_efficiency", "volumetric_efficiency", "discharge_temperature"),
     *("pressure_ratio", "oil_flow_volume", "oil_flow_ratio", "peak_pressure", "specific_power", "shaft_torque"),
 )
-INSTEAD = {  # of the first, where the second is there, too
+INSTEAD = {  # the first is replaced by the second, if that is present
     "cop": "electrical_cop",
     "electrical_power": "package_input_power",
     "isothermal_efficiency": "cooling_capacity",
@@ -29,7 +29,7 @@ INSTEAD = {  # of the first, where the second is there, too
 
 
 def print_short(title: str, result: Result, changed: Sequence[str] = ()) -> None:
-    """Print title, status, the first warnings, ten figures with their numerical errors, if any, the balances."""
+    """Print title, status, the first warning, ten figures with their numerical errors, if any, and the balances."""
     first = ": ".join(filter(None, (raised(title), no_machine(result))))
     if first:
         say(_cut(printable(first), 1))
@@ -50,7 +50,7 @@ def print_short(title: str, result: Result, changed: Sequence[str] = ()) -> None
 def _rows(result: Result, names: Iterable[str]) -> Iterator[list[str]]:
     for name in names:
         number, unit = engineering(declared(name, result.performance), result.performance[name])
-        error = result.error.get(name)  # what the scene states, as a ratio of its pressures, has exactly none
+        error = result.error.get(name)  # exactly zero for a stated quantity, such as the pressure ratio
         yield [shown_name(name), number, unit, small(error) if error else ""]
 
 
@@ -69,6 +69,6 @@ def _last(result: Result, names: Sequence[str]) -> Iterator[str]:
 
 
 def _cut(text: str, most: int) -> str:
-    """Return a text in so many lines at most."""
+    """Return a text limited to `most` lines."""
     lines = wrapped(text).splitlines()
     return "\n".join(lines if len(lines) <= most else [*lines[: most - 1], f"{lines[most - 1][:76]} …"])

@@ -1,4 +1,4 @@
-"""Two stages as text: the figures of the whole, then what each stage does."""
+"""Two stages as text: the figures of the whole chain, then those of each stage."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ OF_STAGES = ("gas_mass_flow", "shaft_power", "volumetric_efficiency", "isentropi
 
 
 def print_stages(title: str, found: ChainResult) -> None:
-    """Print the figures of a chain, and some of both its stages."""
+    """Print the figures of a chain, and some figures of both stages."""
     say_title(title)
     say(textwrap.fill(f"status: {found.status}" + (f"; {found.message}" if found.message else ""), WIDTH - 1))
     for warning in found.warnings:

@@ -1,4 +1,4 @@
-"""What `screwsim startup` prints and writes."""
+"""Output of `screwsim startup`, printed and written."""
 
 import math
 from pathlib import Path
@@ -32,7 +32,7 @@ ROWS = (
 
 
 def text(title: str, found: StartUp) -> str:
-    """Return the figures of a start-up for a terminal."""
+    """Return the figures of a start-up as text for a terminal."""
     lines = [raised(title)] if title else []
     lines.append(wrapped(f"status: {found.status}{f', {found.message}' if found.message else ''}"))
     lines += [wrapped(f"warning: {warning}") for warning in found.warnings]
@@ -46,10 +46,10 @@ def text(title: str, found: StartUp) -> str:
 
 
 def keep_other_traces(path: Path) -> None:
-    """Raise UsageError where a file lies at `path` that is none of such traces: it would be lost."""
+    """Raise UsageError where a file at `path` does not hold such traces, as it would be lost."""
     keep_others(path, b"time,angle,speed,")
 
 
 def write_traces(path: Path, found: StartUp) -> str:
-    """Write the traces as CSV, SI units; return the path."""
+    """Write the traces as CSV, in SI units; return the path."""
     return write_csv(path, found.traces, zip(*(trace.tolist() for trace in found.traces.values()), strict=True))

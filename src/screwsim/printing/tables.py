@@ -7,14 +7,14 @@ from screwsim.outputs.customary import raised
 from screwsim.screen import say
 
 WIDTH = 80
-NARROWEST = 12  # of a first column beside which the others stand
+NARROWEST = 12  # least width of a first column that has others beside it
 
 
 def plain_table(heads: Sequence[str], rows: Iterable[Sequence[str]], left: int = 0) -> list[str]:
     """Return the lines of a table: the first `left` columns aligned to the left, the others to the right.
 
-    Columns stand two spaces apart, one where they would be wider than the terminal; heads break between words. A name
-    in the first column that leaves no room for its row then stands on a line of its own, the row below it.
+    Columns are two spaces apart, or one if the table would be wider than the terminal; heads break between words. A
+    name in the first column that leaves too little space for its row gets a line of its own above it.
     """
     body = [[raised(cell) for cell in row] for row in rows]
     widths = [max((len(row[i]) for row in body), default=0) for i in range(len(heads))]
@@ -40,7 +40,7 @@ def plain_table(heads: Sequence[str], rows: Iterable[Sequence[str]], left: int =
 
 
 def _broken(head: str, width: int) -> list[str]:
-    """Return a head in lines about as wide as its column."""
+    """Return a head broken into lines about as wide as its column."""
     longest = max(map(len, head.split()), default=1)
     return textwrap.wrap(head, max(width, longest), break_long_words=False) or [""]
 
@@ -51,11 +51,11 @@ def wrapped(text: str) -> str:
 
 
 def say_title(title: str) -> None:
-    """Print a title in lines that fit, where there is one, its units as they are printed."""
+    """Print a title, if any, in lines that fit, with its units as printed."""
     tell(filter(None, [raised(title)]))
 
 
 def tell(texts: Iterable[str]) -> None:
-    """Print texts, each from a line of its own on, in lines that fit."""
+    """Print texts in lines that fit, each starting on a new line."""
     for text in texts:
         say(wrapped(text))

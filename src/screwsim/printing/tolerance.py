@@ -1,4 +1,4 @@
-"""What `screwsim tolerance` prints."""
+"""Output of `screwsim tolerance`."""
 
 from typing import Any
 
@@ -28,7 +28,7 @@ def tolerance_document(scene: Scene, found: Tolerances) -> dict[str, Any]:
 
 
 def print_tolerance(scene: Scene, found: Tolerances) -> None:
-    """Print the kinematic table by grades, and the spread of the figures over the machines drawn."""
+    """Print the kinematic table by grades, and the scatter of the figures over the sampled machines."""
     say_title(scene.title)
     say("\nlaw of motion, worst corner of crank and rod")
     rows = []

@@ -1,4 +1,4 @@
-"""What is printed of the uncertainty of a scene's figures by its inputs, beside the numerical error, and of sweeps."""
+"""Output on the uncertainty of a scene's figures due to its inputs, beside the numerical error; and that of sweeps."""
 
 import textwrap
 from collections.abc import Mapping
@@ -18,9 +18,9 @@ from screwsim.study.uncertain import COVERAGE, Uncertainty
 TOLD = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power")
 MOST_FIGURES = 3
 EFFICIENCY = "efficiency"
-NAMED = 3  # contributors of a figure ...
-LEAST = 0.01  # ... of that share of its variance at the least
-NOTHING = 1e-6  # of a figure: an uncertainty below it is none
+NAMED = 3  # most contributors named for a figure ...
+LEAST = 0.01  # ... and their least share of its variance
+NOTHING = 1e-6  # of a figure: smaller uncertainties are ignored
 USUAL = (
     *("isothermal_efficiency", "isentropic_efficiency", "volumetric_efficiency", "gas_mass_flow", "cooling_capacity"),
     *("cop", "shaft_power", "electrical_power", "discharge_temperature", "oil_mass_flow", "work_per_cycle"),
@@ -28,9 +28,9 @@ USUAL = (
 
 
 def print_uncertainty(result: Result) -> None:
-    """Print of the usual figures value, numerical error, what the inputs make of it, and the error of the model.
+    """Print for the usual figures value, numerical error, uncertainty due to the inputs, and the error of the model.
 
-    Each of the three stands for itself, and below a figure the inputs that make the most of its part.
+    The three are independent of each other; below a figure stand the inputs that contribute most to its uncertainty.
     """
     found, model = result.uncertainty.get("figures", {}), result.uncertainty.get("model", {})
     by_model = model.get("figures", {})
@@ -71,7 +71,7 @@ def _shown(result: Result, name: str, expanded: float, model: Mapping[str, Any])
 
 
 def ends_text(name: str, model: Mapping[str, Any], factor: float) -> str:
-    """Return the ends of the error of the model of a figure; in brackets where the scene lies outside."""
+    """Return the ends of the model's error of a figure; in brackets if the scene lies outside the validated range."""
     told = model.get("figures", {}).get(name)
     if told is None:
         return ""
@@ -80,7 +80,7 @@ def ends_text(name: str, model: Mapping[str, Any], factor: float) -> str:
 
 
 def model_lines(model: Mapping[str, Any]) -> list[str]:
-    """Return what is said of the error of the model: where it comes from, what is not known, whether it holds here."""
+    """Return the lines on the model's error: its source, what is unknown, and whether it applies here."""
     if not model:
         return []
     figures = model["figures"]
@@ -102,7 +102,7 @@ def _short(path: str) -> str:
 
 
 def print_check(found: Uncertainty) -> None:
-    """Print what a Sobol sample says beside the linear uncertainties, and warn where these are wrong."""
+    """Print the results of a Sobol sample beside the linear uncertainties, and warn where the latter are wrong."""
     say()
     if found.message:
         say(wrapped(f"the sample tells nothing: {found.message}"))
@@ -126,15 +126,15 @@ def print_check(found: Uncertainty) -> None:
 
 
 def check_document(found: Uncertainty) -> dict[str, Any]:
-    """Return what `--json` says of the sample."""
+    """Return the part of `--json` on the sample."""
     figures = {name: each._asdict() for name, each in found.sampled.items()}
     return {"samples": found.samples, "message": found.message, "figures": figures}
 
 
 def uncertainty_ranges(results: Results) -> dict[str, Any]:
-    """Return what `sweep --json` says: of each figure the least and the largest half of a 95 % interval [SI].
+    """Return the part of `sweep --json` on uncertainty: each figure's least and largest half of a 95 % interval [SI].
 
-    With them the share that each input has of the variance, in the mean over the cases.
+    It includes the share of each input in the variance, as the mean over the cases.
     """
     figures = {}
     for name in results.uncertainty:
@@ -154,7 +154,7 @@ def uncertainty_ranges(results: Results) -> dict[str, Any]:
 
 
 def ranges_text(found: Mapping[str, Any]) -> str:
-    """Return in words how uncertain the first figures are, and by which input the most."""
+    """Return in words the uncertainty of the first figures, and the input that contributes most."""
     parts = []
     for name in [name for name in TOLD if name in found["figures"]][:MOST_FIGURES]:
         each = found["figures"][name]

@@ -1,4 +1,4 @@
-"""Figures from stored results only, as a journal prints them: PNG (200 dpi) and vector PDF."""
+"""Publication-quality figures from stored results only, as PNG (200 dpi) and vector PDF."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ __all__ = ["plot"]
 def plot(path: str | Path, folder: str | Path | None = None, measured: Indicated | None = None) -> list[str]:
     """Write every figure that a results file has data for, and return the paths of the files.
 
-    `folder` (default: beside the file, named after its stem) is made when it is missing; pressures that were `measured`
-    in a chamber stand beside those of the cycle. Raise UsageError in one line when the file is none of ours or has
-    nothing to draw, or when the folder cannot be written.
+    `folder` (default: beside the file, named after its stem) is created if missing; pressures `measured` in a chamber
+    are drawn beside those of the cycle. Raise UsageError in one line when the file is not a results file or has nothing
+    to draw, or when the folder cannot be written.
     """
     from screwsim.report import categories, cycle, front, ledger, maps, outcome, samples, sweeps, torque
     from screwsim.report.style import write_all
@@ -35,7 +35,7 @@ def plot(path: str | Path, folder: str | Path | None = None, measured: Indicated
 
 
 def _why(results: Results) -> str:
-    """Return why nothing of a file can be drawn, with the remedy."""
+    """Return why a file has nothing to draw, with the remedy."""
     if set(results.status.reshape(-1).tolist()) == {"failed"}:
         first = str(results.messages.ravel()[0]).splitlines()
         return f"all cases failed (the first: {first[0] if first else 'no message'})"

@@ -8,7 +8,7 @@ from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, journal, new_fi
 
 HEIGHT = 92.0  # [mm]
 MARKERS = "os^Dv<>P"
-FIRST = (*COLOURS, "#8a8a8a", "#a89000")  # eight methods: one colour, one line and one marker each
+FIRST = (*COLOURS, "#8a8a8a", "#a89000")  # eight methods, each with its own colour, line and marker
 LINES = (*DASHES, (0, (1, 0.8)), (0, (7, 2.5)))
 
 
@@ -22,7 +22,7 @@ class Line(NamedTuple):
 
 
 class Drawing(NamedTuple):
-    """What the figure shows; `front` holds (time [s], error), `floor` is the difference of the two references."""
+    """Contents of the figure; `front` has (time [s], error), `floor` is the difference of the two references."""
 
     lines: Sequence[Line]
     front: Sequence[tuple[float, float]]
@@ -70,7 +70,7 @@ def _plot(axes: Any, index: int, x: Sequence[float], line: Line) -> None:
 
 
 def _guides(axes: Any, drawing: Drawing) -> None:
-    """Draw the levels below which nothing can be told, or nothing be had at the scene's accuracy."""
+    """Draw two levels: below one the references differ, below the other regularisation dominates the error."""
     levels = ((drawing.regularisation, "regularisation", "right"), (drawing.floor, "references differ", "left"))
     for level, text, side in levels:
         if level is None or not level > 0.0:

@@ -1,4 +1,4 @@
-"""Labels at curves: beside their ends and along them, without overlaps. Places are computed on the drawn canvas."""
+"""Labels at the ends of curves and along them, without overlaps; positions are computed on the drawn canvas."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -8,19 +8,19 @@ import numpy as np
 
 from screwsim.report.style import GREY, SMALL
 
-_GAP = 1.18  # distance of two lines of text over the size of the font
-_MOST = 9  # labels at the ends of curves
+_GAP = 1.18  # line spacing over the size of the font
+_MOST = 9  # most labels at the ends of curves
 _LEADER = {"arrowstyle": "-", "color": GREY, "linewidth": 0.4, "shrinkA": 1.0, "shrinkB": 2.0}
-_LOOSE = 8.0  # [pt] texts farther from their point than this have a leader
+_LOOSE = 8.0  # [pt] labels farther from their point than this have a leader
 Point = tuple[float, float]
 Way = tuple[int, int]  # −1, 0 or 1 to the right and up
 _AROUND: tuple[Way, ...] = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1))
 
 
 def spread(wanted: np.ndarray, gap: float, low: float, high: float) -> np.ndarray:
-    """Return places at least `gap` apart in [low, high], in the order of `wanted` and close to it.
+    """Return positions at least `gap` apart in [low, high], in the order of `wanted` and close to it.
 
-    Neighbours that are too near share their mean (pool adjacent violators); raise ValueError when they do not fit.
+    Neighbours that are too close share their mean (pool adjacent violators); raise ValueError if they do not fit.
     """
     count = len(wanted)
     if (count - 1) * gap > high - low + 1e-9:
@@ -41,22 +41,22 @@ def spread(wanted: np.ndarray, gap: float, low: float, high: float) -> np.ndarra
 
 
 def label_ends(panels: Sequence[tuple[Any, Sequence[Point], Sequence[str]]], heading: str) -> None:
-    """Label curves right of their axes at the height of their ends (data coordinates), the heading above.
+    """Label curves to the right of their axes at the height of their ends (data coordinates), with a heading above.
 
-    `panels` are axes of one figure, with ends and texts: the figure is laid out once for all of them. Of more labels
-    than a reader can follow, or than there are lines of text, every second, third … is drawn.
+    `panels` are axes of one figure, with ends and texts: the figure is laid out once for all of them. If there are more
+    labels than a reader can follow, or than fit, only every second, third … is drawn.
     """
     for axes, _, _ in panels:
         if heading:
             axes.annotate(heading, (1.045, 1.02), xycoords="axes fraction", va="bottom", fontsize=SMALL)
     for axes, _, _ in panels[:1]:
-        axes.figure.get_layout_engine().execute(axes.figure)  # as when it is drawn, without its lines
+        axes.figure.get_layout_engine().execute(axes.figure)  # lays out the figure without drawing its lines
     for axes, ends, texts in panels:
         _label_ends(axes, ends, texts)
 
 
 def _label_ends(axes: Any, ends: Sequence[Point], texts: Sequence[str]) -> None:
-    """Label curves of axes that are laid out."""
+    """Label the curves of axes that have been laid out."""
     figure = axes.figure
     box = axes.get_window_extent()
     gap = _GAP * SMALL * figure.dpi / 72.0 / box.height
@@ -77,17 +77,14 @@ def _label_ends(axes: Any, ends: Sequence[Point], texts: Sequence[str]) -> None:
 
 
 def label_along(axes: Any, x: np.ndarray, y: np.ndarray, texts: Sequence[str], most: int = 7) -> None:
-    """Label some points of a curve, evenly along its drawn length, where the text crosses nothing."""
+    """Label some points of a curve, evenly along its drawn length, where the text overlaps nothing."""
     axes.figure.draw_without_rendering()
     points = axes.transData.transform(np.column_stack([x, y]))
     label_points(axes, [((x[i], y[i]), texts[i], _AROUND) for i in _evenly(points, most)], points)
 
 
 def label_points(axes: Any, labels: Sequence[tuple[Point, str, Sequence[Way]]], line: np.ndarray) -> None:
-    """Label points (x, y), text, directions to try first; the texts keep off the line [pixel] and off each other.
-
-    A text without any free place is left out.
-    """
+    """Label points: each (x, y) has a text and directions to try first; texts avoid the line [pixel] and each other."""
     path = _dense(line[np.isfinite(line).all(axis=1)])
     taken: list[Any] = []
     for xy, text, ways in labels:
@@ -95,20 +92,20 @@ def label_points(axes: Any, labels: Sequence[tuple[Point, str, Sequence[Way]]], 
 
 
 def _evenly(points: np.ndarray, most: int) -> list[int]:
-    """Return indices of points about evenly spaced along the polyline, both ends among them."""
+    """Return indices of points about evenly spaced along the polyline, including both ends."""
     length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     wanted = np.linspace(0.0, length[-1], min(most, len(points)))
     return sorted({int(np.argmin(np.abs(length - place))) for place in wanted})
 
 
 def _dense(points: np.ndarray) -> np.ndarray:
-    """Return points every pixel or so along a polyline; far jumps are thinned."""
+    """Return points about every pixel along a polyline; long jumps get fewer."""
     pieces = [np.linspace(a, b, 2 + min(int(np.hypot(*(b - a))), 5000)) for a, b in pairwise(points)]
     return np.concatenate(pieces) if pieces else points
 
 
 def _label_one(axes: Any, xy: Point, text: str, path: np.ndarray, taken: list[Any], ways: Sequence[Way]) -> None:
-    """Put one text beside its point in the first direction that is free."""
+    """Place one text beside its point in the first free direction."""
     from matplotlib.text import Text
 
     frame = axes.get_window_extent()
@@ -133,7 +130,7 @@ def _label_one(axes: Any, xy: Point, text: str, path: np.ndarray, taken: list[An
 
 
 def _free(box: Any, frame: Any, path: np.ndarray, taken: Sequence[Any], point: float) -> bool:
-    """Return whether a box lies inside the frame and its ticks, off the path and off the other boxes."""
+    """Tell whether a box lies inside the frame and its ticks, clear of the path and of the other boxes."""
     edge = 4.0 * point
     inside = frame.x0 + edge < box.x0 and box.x1 < frame.x1 - edge
     inside = inside and frame.y0 + edge < box.y0 and box.y1 < frame.y1 - edge

@@ -1,4 +1,4 @@
-"""Two results files in one figure: the curves of their sweeps, or the cycles that they keep, A drawn and B dashed."""
+"""Two results files in one figure: curves of their sweeps, or cycles that they keep, A with solid lines, B dashed."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -15,13 +15,13 @@ from screwsim.report.sweeps import OTHERS, label_axes, label_curves, thinned
 from screwsim.report.trace import Trace, chosen_trace
 from screwsim.results import Results
 
-WIDTHS = 1.2, 0.9  # [pt] of lines of A and B
+WIDTHS = 1.2, 0.9  # [pt] line widths of A and B
 DASH = DASHES[1]
 COLOUR_B = COLOURS[3]  # of the second cycle
 
 
 def draw_both(a: Results, b: Results, folder: str | Path) -> list[str]:
-    """Write the figures that two files have in common, and return their paths; none where they share no axis."""
+    """Write the figures that two files have in common, and return their paths; none where they share no axes."""
     return write_all(dict(plans(a, b)), folder)
 
 
@@ -38,12 +38,12 @@ def plans(a: Results, b: Results) -> Mapping[str, Callable[[], Any]]:
 
 
 def _same(a: Results, b: Results, one: Layout, other: Layout) -> bool:
-    """Tell whether both files are swept over the same axes, so that curves belong together."""
+    """Tell whether both files are swept over the same axes, so that their curves can be compared."""
     return [axis.path for axis in a.axis_list] == [axis.path for axis in b.axis_list] and one == other
 
 
 def _curves(a: Results, b: Results, layout: Layout, _other: Layout) -> Any:
-    """Draw figures over the axis of both sweeps, a panel each; further axes at their first values."""
+    """Draw figures over the common axis of both sweeps, one panel each, with further axes at their first values."""
     _, constant, chosen = next(slices(a, layout))
     efficiency = families.efficiency_name(a)
     names = [name for name in (efficiency, *OTHERS) if name is not None]
@@ -74,7 +74,7 @@ def _curves(a: Results, b: Results, layout: Layout, _other: Layout) -> Any:
 
 
 def _in_units(a: Results, b: Results, name: str, curves: list[Curve]) -> list[Curve]:
-    """Return curves of B in the unit in which A shows the figure."""
+    """Return the curves of B in the units in which A shows the figure."""
     own, wanted = shown_figure(b, name), shown_figure(a, name)
 
     def of(values: np.ndarray) -> np.ndarray:
@@ -99,7 +99,7 @@ def _cycles(a: Results, b: Results, one: Trace, other: Trace) -> Any:
 
 
 def _head(figure: Any, a: Results, b: Results, *words: str) -> None:
-    """Say above a figure which file is drawn, which dashed, and what else there is to know."""
+    """Write above a figure which file has solid and which dashed lines, and other remarks."""
     names = [each.path.name for each in (a, b)]
     titles = [str(each.attributes.get("title", "")) for each in (a, b)]
     apart = titles if titles[0] != titles[1] else ["", ""]

@@ -1,4 +1,4 @@
-"""Figures of a calibration: what is left over at each point; and of its posterior: every parameter, every pair."""
+"""Figures of a calibration: residuals at each point; and of its posterior: each parameter and each pair of them."""
 
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -10,16 +10,16 @@ import numpy as np
 
 from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, grid, new_figure, note, plain_ticks, write_all
 
-BINS, FINE = 40, 28  # of a parameter, of each of a pair
-SHARES = (0.5, 0.9)  # of the samples, within the lines of a pair
+BINS, FINE = 40, 28  # bins of a parameter, of each of a pair
+SHARES = (0.5, 0.9)  # of the samples, enclosed by the contours of a pair
 CELL = 34.0  # [mm] of a panel, at least
 HEIGHT = 62.0  # [mm] of a panel
-MOST_NAMES = 16  # points whose names fit below an axis
+MOST_NAMES = 16  # most points whose names fit below an axis
 Left = tuple[int, bool, float, float]  # number of the point, fitted, residual, uncertainty
 
 
 def draw(panels: Mapping[str, Sequence[Left]], names: Sequence[str], folder: Path, name: str) -> list[str]:
-    """Write a panel a figure, residuals over points, as PNG and PDF; return the paths."""
+    """Write the residuals over the points, one panel per figure, as PNG and PDF; return the paths."""
     return write_all({name: partial(_figure, panels, names)}, folder)
 
 
@@ -48,7 +48,7 @@ def _figure(panels: Mapping[str, Sequence[Left]], names: Sequence[str]) -> Any:
 
 
 class Drawn(NamedTuple):
-    """A parameter: its label with the unit, samples, and the ends of the interval that is stated, in that unit."""
+    """A parameter: its label with the unit, its samples, and the ends of the stated interval, in that unit."""
 
     label: str
     samples: Any
@@ -97,7 +97,7 @@ def _pairs(parameters: Sequence[Drawn], level: float) -> Any:
 
 
 def _wrapped(label: str, count: int) -> str:
-    """Return a label in lines that fit beside its panel."""
+    """Return a label broken into lines that fit beside its panel."""
     return textwrap.fill(label, 30 if count < 4 else 16, break_long_words=False)
 
 

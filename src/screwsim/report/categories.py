@@ -1,4 +1,4 @@
-"""Figure of a sweep over words alone, as over fluids: a point a word in a panel for each figure."""
+"""Figure of a sweep over words only, such as fluids: one point per word, in one panel per figure."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -14,11 +14,11 @@ from screwsim.results import Results
 from screwsim.results.warned import warns
 
 _FEWEST = 2
-_MARGIN = 0.08  # of the span of the values, beside them
+_MARGIN = 0.08  # of the span of the values, on either side
 
 
 def plans(results: Results) -> Iterator[Plan]:
-    """Yield the figures over the longest axis of words (over the fluid, where it varies); none where numbers vary."""
+    """Yield the figures over the longest axis of words (over fluids, if they vary); none where numbers vary."""
     axes = results.axis_list
     lengths = [0 if is_numeric(axis) else len(axis.values) + (axis.path == FLUID) * 10_000 for axis in axes]
     if is_design(results) or layout_of(results) is not None or max(lengths, default=0) < _FEWEST:
@@ -37,14 +37,14 @@ def _row(values: np.ndarray, chosen: dict[int, int]) -> np.ndarray:
 
 
 def _there(results: Results, chosen: dict[int, int], name: str) -> np.ndarray:
-    """Return of which words a figure has a value."""
+    """Return for which words a figure has a value."""
     if name not in results.performance:
         return np.zeros(1, bool)
     return np.isfinite(_row(results.performance[name], chosen)) & (_row(results.status, chosen) != "failed")
 
 
 def _draw(results: Results, place: int, chosen: dict[int, int], constant: str, shown: list[str]) -> Any:
-    """Draw each figure in a panel, the words from top to bottom in their order."""
+    """Draw each figure in one panel, with the words from top to bottom in their order."""
     words = [str(value) for value in results.axis_list[place].values]
     rows = (len(shown) + 1) // 2
     figure = new_figure(DOUBLE, 10.0 + rows * (16.0 + 5.0 * len(words)))

@@ -1,4 +1,4 @@
-"""Figures of a flexible connecting rod: its stability boundary, and load, deflection and stress over rod and turn."""
+"""Figures of a flexible connecting rod: its stability boundary; load, deflection and stress over rod and rotation."""
 
 from functools import partial
 from pathlib import Path
@@ -39,7 +39,7 @@ def stability_figure(rod: FlexibleRod, bending: Bending) -> Any:
 
 
 def bending_figure(rod: FlexibleRod, bending: Bending) -> Any:
-    """Draw the load over the turn; deflection, bending moment and stress of one face over rod and turn."""
+    """Draw the load over one revolution; deflection, bending moment and stress of one face over rod and angle."""
     figure = new_figure(DOUBLE, 124.0)
     panels = figure.subplots(2, 2, sharex=True).ravel()
     degrees, z = np.degrees(bending.alpha), MM * bending.z

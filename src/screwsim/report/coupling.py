@@ -35,7 +35,7 @@ def draw_coupling(
 
 
 def cords_figure(coupling: RubberCordCoupling, twist: float = math.radians(3.0)) -> Any:
-    """Draw the cords of one layer of either direction, unloaded, and those of the direction + under a twist [rad]."""
+    """Draw the cords of one layer in each direction, unloaded, and those of the + direction under a twist [rad]."""
     figure = new_figure(DOUBLE, 88.0)
     panels = figure.subplots(1, 2)
     r_A, r_B = MM * coupling.inner_radius, MM * coupling.outer_radius
@@ -63,7 +63,7 @@ def cords_figure(coupling: RubberCordCoupling, twist: float = math.radians(3.0))
 
 
 def crossing_figure(coupling: RubberCordCoupling) -> Any:
-    """Draw the angle at which cords of both directions cross, over the radius."""
+    """Draw the crossing angle of cords of both directions, over the radius."""
     figure = new_figure(SINGLE, 60.0)
     axes = figure.subplots()
     radii = np.linspace(coupling.inner_radius, coupling.outer_radius, 200)
@@ -78,7 +78,7 @@ def crossing_figure(coupling: RubberCordCoupling) -> Any:
 def torque_figure(
     coupling: RubberCordCoupling, leans: tuple[Lean, ...], nominal: float, most: float = math.radians(3.0)
 ) -> Any:
-    """Draw torque and tangent stiffness over the twist for measured leans; the last one's scatter is the band."""
+    """Draw torque and tangent stiffness over the twist for measured leans; the band is the scatter of the last one."""
     figure = new_figure(DOUBLE, 78.0)
     left, right = figure.subplots(1, 2, sharex=True)
     twists = np.linspace(0.0, most, 121)

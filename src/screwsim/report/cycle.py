@@ -15,11 +15,11 @@ from screwsim.results import Results
 
 _LIFTS = {"suction_valve_lift": "suction valve", "discharge_valve_lift": "discharge valve"}
 _BESIDE_LEGEND = 0.75  # of the width
-_NEAR = 170.0  # [degree] marks nearer than this have their texts side by side, not centred
+_NEAR = 170.0  # [degree] closer marks have their texts side by side, not centred
 
 
 def plans(results: Results, measured: Indicated | None = None) -> Iterator[tuple[str, Any]]:
-    """Yield the figures of the cycle that the file keeps, of its best case in a sweep, beside measured pressures."""
+    """Yield the figures of the stored cycle (in a sweep that of its best case), with measured pressures if given."""
     trace = chosen_trace(results)
     if trace is None:
         return
@@ -51,13 +51,13 @@ def _valves(trace: Trace) -> Any:
 
 
 def _loop(trace: Trace, measured: Indicated | None) -> Any:
-    """Draw pressure over volume, with the lines' pressures and the points where oil and port come in."""
+    """Draw pressure over volume, with the lines' pressures and the points where oil enters and ports open."""
     figure = new_figure(SINGLE, 68.0)
     clipped, V, p = _draw_loop(axes := figure.subplots(), trace)
     if measured is not None:
         draw_over_volume(axes, measured, trace)
     note(figure, trace.title, clipped)
-    # the empty corner is up and right of the compression line
+    # the free corner is above and to the right of the compression line
     axes.figure.draw_without_rendering()
     labels = []
     for text, angle in trace.marks.items():
@@ -69,7 +69,7 @@ def _loop(trace: Trace, measured: Indicated | None) -> Any:
 
 
 def draw_loop(axes: Any, trace: Trace) -> None:
-    """Draw pressure over volume into axes, the marked angles as circles with their names."""
+    """Draw pressure over volume into axes, with named circles at the marked angles."""
     _, V, p = _draw_loop(axes, trace)
     for text, angle in trace.marks.items():
         at = float(np.interp(angle, trace.angle, V)), float(np.interp(angle, trace.angle, p))
@@ -78,7 +78,7 @@ def draw_loop(axes: Any, trace: Trace) -> None:
 
 
 def _draw_loop(axes: Any, trace: Trace) -> tuple[str, Any, Any]:
-    """Draw the loop alone; return the note on what is beyond the axes, and volume and pressure as shown."""
+    """Draw the loop alone; return the note on what exceeds the axes, and volume and pressure as shown."""
     V, p = trace.values["volume"] * VOLUME.factor, trace.values["pressure"] * PRESSURE.factor
     axes.plot(V, p, color=COLOURS[0])
     clipped = _pressure_axis(axes, trace)
@@ -89,7 +89,7 @@ def _draw_loop(axes: Any, trace: Trace) -> tuple[str, Any, Any]:
 
 
 def _states(trace: Trace, measured: Indicated | None) -> Any:
-    """Draw pressure, temperatures and gas mass over the angle, one above the other."""
+    """Draw pressure, temperatures and gas mass over the angle, one below another."""
     figure = new_figure(SINGLE, 130.0)
     upper, middle, lower = figure.subplots(3, 1, sharex=True)
     clipped = _pressure(upper, trace)
@@ -101,7 +101,7 @@ def _states(trace: Trace, measured: Indicated | None) -> Any:
     lower.set(xlabel=trace.axis.label, ylabel=GAS_MASS.label, ylim=(0.0, None))
     for axes in (upper, middle, lower):
         _angle_axis(axes, trace)
-    # neighbours turn away from each other
+    # texts of close marks point away from each other
     marks = list(trace.marks.items())
     for i, (text, angle) in enumerate(marks):
         near_left = i > 0 and angle - marks[i - 1][1] < _NEAR
@@ -119,7 +119,7 @@ def _pressure(axes: Any, trace: Trace) -> str:
 
 
 def _temperatures(axes: Any, trace: Trace) -> bool:
-    """Draw the temperature of the gas, and of the oil where it has one; tell whether it has."""
+    """Draw the gas temperature, and the oil's if present; return whether it is."""
     axes.plot(trace.angle, TEMPERATURE.of(trace.values["gas_temperature"]), color=COLOURS[0], label="gas $T$")
     axes.set_ylabel(TEMPERATURE.label)
     if not np.isfinite(trace.values.get("oil_temperature", np.nan)).any():
@@ -145,7 +145,7 @@ def draw_temperatures(axes: Any, trace: Trace) -> None:
 
 
 def draw_flows(axes: Any, trace: Trace) -> None:
-    """Draw the mass flow of every path over the angle into axes, a colour each."""
+    """Draw the mass flow of each path over the angle into axes, one colour per path."""
     axes.axhline(0.0, color=GREY, linewidth=0.4)
     for i, (words, sides) in enumerate(flow_paths(trace.values).items()):
         for j, (side, name) in enumerate(sides.items()):
@@ -159,7 +159,7 @@ def draw_flows(axes: Any, trace: Trace) -> None:
 
 
 def _flows(trace: Trace) -> Any:
-    """Draw the mass flow of each path over the angle, a panel each; both sides of a gap in one."""
+    """Draw the mass flow of each path over the angle, one panel per path, with both sides of a gap in one panel."""
     paths = flow_paths(trace.values)
     figure = new_figure(DOUBLE, 22.0 + 36.0 * ((len(paths) + 1) // 2))
     panels = grid(figure, len(paths), sharex=True)
@@ -182,7 +182,7 @@ def _flows(trace: Trace) -> Any:
 
 
 def _pressure_axis(axes: Any, trace: Trace) -> str:
-    """Draw the lines' pressures, limit the axis, and return the note on what lies beyond it."""
+    """Draw the lines' pressures, limit the axis, and return the note on what exceeds it."""
     for symbol, pressure in trace.pressures.items():
         height = pressure * PRESSURE.factor
         axes.axhline(height, color=GREY, linewidth=0.5, linestyle=(0, (6, 3)), zorder=1)

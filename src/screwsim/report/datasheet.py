@@ -1,4 +1,4 @@
-"""A data sheet as a page: one file, drawn without scripts, nothing loaded from elsewhere."""
+"""A data sheet as a self-contained HTML page: one file, without scripts and external resources."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -12,19 +12,19 @@ from screwsim.results.atomic import make_folder, write_text
 from screwsim.results.kept import PAGE, PDF, keep_without
 from screwsim.version import version
 
-WIDE, HIGH = 640.0, 300.0  # of a drawing
-LEFT, RIGHT, TOP, BOTTOM = 58.0, 14.0, 26.0, 44.0  # its margins
+WIDE, HIGH = 640.0, 300.0  # size of a drawing
+LEFT, RIGHT, TOP, BOTTOM = 58.0, 14.0, 26.0, 44.0  # margins of a drawing
 TICKS = 6
-ROOM = 0.08  # of the range, left free above and below a curve
-COLOURS, DASHES = 6, ("", "7 3", "2 3", "9 3 2 3")  # of several curves: colours of the page, and then dashes
+ROOM = 0.08  # of the range, left free on each side of the curves
+COLOURS, DASHES = 6, ("", "7 3", "2 3", "9 3 2 3")  # of several curves: colours of the page, then dashes
 CLASSES = {True: "holds", False: "fails", None: ""}
 WORDS = {True: "met", False: "not met", None: "no verdict"}
-MANY = 2  # tables, or drawings, from which on they stand beside one another
-LONG = 42  # letters of all heads of a table, from which on units go below their numbers: two tables stand in a row
+MANY = 2  # number of tables, or of drawings, from which they are side by side
+LONG = 42  # characters of a table's heads from which units move below, so that two tables fit side by side
 
 
 def check_sheet(output: Path) -> None:
-    """Raise UsageError where the name of a sheet is neither that of a page nor of a PDF, or another file lies there."""
+    """Raise UsageError where a sheet's file name is neither HTML nor PDF, or the file there is another's."""
     mark = {".pdf": PDF, ".html": PAGE, ".htm": PAGE}.get(output.suffix.lower())
     if mark is None:
         good = " or ".join(str(output.with_suffix(ending)) for ending in (".html", ".pdf"))
@@ -33,7 +33,7 @@ def check_sheet(output: Path) -> None:
 
 
 def write_sheet(sheet: Any, output: Path) -> str:
-    """Write a data sheet as PDF where the name ends so, else as a page; raise UsageError when the system refuses."""
+    """Write a data sheet as PDF or HTML, by the ending of its name; raise UsageError when the system refuses."""
     make_folder(output.parent)
     if output.suffix.lower() == ".pdf":
         from screwsim.report.datasheet_pdf import write_pdf
@@ -95,7 +95,7 @@ def _verdict(verdict: tuple[str, str, bool | None] | None) -> str:
 
 
 def ticks(low: float, high: float) -> list[float]:
-    """Return round numbers between two values, steps of 1, 2 or 5 times a power of ten."""
+    """Return round numbers between two values, in steps of 1, 2 or 5 times a power of ten."""
     rough = (high - low) / TICKS
     scale = 10.0 ** math.floor(math.log10(rough))
     step = next(scale * each for each in (1.0, 2.0, 5.0, 10.0) if scale * each >= rough)
@@ -115,13 +115,13 @@ def _figure(one: Any) -> str:
 
 
 def _look(number: int) -> tuple[str, str]:
-    """Return colour and dashes of one of several curves; the first is the page's accent."""
+    """Return colour and dashes of one of several curves; the first has the page's accent colour."""
     colour = "var(--accent)" if number == 0 else f"var(--c{number % COLOURS})"
     return colour, DASHES[number % len(DASHES)]
 
 
 def drawing(one: Any) -> str:
-    """Return curves with their points as an SVG; its text follows the colours of the page."""
+    """Return curves with their points as an SVG whose text takes the colours of the page."""
     x, y = ([value for curve in one.curves for value in getattr(curve, name)] for name in ("x", "y"))
     (x_0, x_1), (y_0, y_1) = (0.0, max(x) * (1.0 + ROOM)) if one.from_zero else _range(x), _range(y)
 
@@ -146,7 +146,7 @@ def drawing(one: Any) -> str:
         drawn += _drawn([(across(a), up(b)) for a, b in zip(curve.x, curve.y, strict=True)], *_look(number))
     middle = 0.5 * (LEFT + WIDE - RIGHT)
     drawn.append(f'<text x="{middle:g}" y="{HIGH - 6:g}" text-anchor="middle">{escape(one.x_label)}</text>')
-    above = "" if one.y_label == one.title else escape(one.y_label)  # what its heading does not say
+    above = "" if one.y_label == one.title else escape(one.y_label)  # left out where the heading says the same
     drawn.append(f'<text x="4" y="14">{above}</text></svg>')
     return "".join(drawn)
 

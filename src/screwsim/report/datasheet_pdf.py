@@ -1,4 +1,4 @@
-"""A data sheet as PDF: one page of A4, in the largest type in which it fits, or more where none is small enough."""
+"""A data sheet as PDF: one A4 page in the largest type that fits, or several if even the smallest does not fit."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,15 +10,15 @@ from screwsim.report.sheet_tables import GUTTER, TEXT, tables_on
 from screwsim.report.style import GREY, journal, line_style, plain_ticks
 from screwsim.results.atomic import replacing
 
-TITLE = 1.6  # size of the title, of that of the text
+TITLE = 1.6  # size of the title over that of the text
 PLOT, MOST = 33.0, 54.0  # [mm] least and greatest height of a drawing without its title and legend
-SWATCH = 4.5  # [mm] of a line in a legend
-TICK = 9.0, 5.5  # [mm] from tick to tick, at least: across, and up
-FITTED, NEAR = 6, 2e-4  # times that axes are fitted to their place, or until it is met (of the page): ticks move
+SWATCH = 4.5  # [mm] length of a line in a legend
+TICK = 9.0, 5.5  # [mm] least distance between ticks: horizontal, vertical
+FITTED, NEAR = 6, 2e-4  # most iterations and tolerance (of the page) for fitting axes to a box, as ticks move
 
 
 class Form(NamedTuple):
-    """How a sheet is set: size of type [pt], drawings beside one another."""
+    """Typesetting of a sheet: font size [pt], and number of drawings side by side."""
 
     size: float
     abreast: int
@@ -28,9 +28,9 @@ FORMS = (Form(8.0, 2), Form(7.5, 2), Form(7.5, 4), Form(7.0, 4), Form(LEAST, 4))
 
 
 def write_pdf(sheet: Any, output: Path) -> str:
-    """Write a data sheet as PDF and return its path, with the number of pages where one does not hold it.
+    """Write a data sheet as PDF and return its path, with the number of pages if there is more than one.
 
-    Raises UsageError in one line when the system refuses.
+    Raise UsageError in one line when the system refuses.
     """
     from matplotlib.backends.backend_pdf import PdfPages
 
@@ -46,7 +46,7 @@ def write_pdf(sheet: Any, output: Path) -> str:
 
 
 def pages_of(sheet: Any) -> list[Any]:
-    """Return the pages of a data sheet, as figures; drawings take the height that is left."""
+    """Return the pages of a data sheet as figures; drawings fill the remaining height."""
     papers: list[tuple[Paper, Form]] = []
     for form in FORMS:
         papers.append((_set(sheet, form, PLOT), form))
@@ -61,7 +61,7 @@ def pages_of(sheet: Any) -> list[Any]:
 
 
 def _set(sheet: Any, form: Form, plot: float) -> Paper:
-    """Return the pages of a sheet in a form, its drawings of a height [mm]."""
+    """Return a sheet typeset in a form, with drawings of height `plot` [mm]."""
     paper = Paper(sheet.title or sheet.heading, form.size)
     paper.room(HIGH)
     paper.paragraph(sheet.title or sheet.heading, size=TITLE * form.size, bold=True)
@@ -129,7 +129,7 @@ def _drawings(paper: Paper, drawings: Sequence[Any], abreast: int, plot: float) 
 
 
 def _legend(one: Any, width: float, size: float) -> list[tuple[int, float, int]]:
-    """Return the numbers of the named curves of a drawing, each with its place across [mm] and its line."""
+    """Return (number, horizontal position [mm], line) of each named curve in a drawing's legend."""
     found: list[tuple[int, float, int]] = []
     at, row = 0.0, 0
     for i, curve in enumerate(one.curves):
@@ -143,7 +143,7 @@ def _legend(one: Any, width: float, size: float) -> list[tuple[int, float, int]]
 
 
 def _drawer(one: Any, box: tuple[float, float, float, float], size: float) -> Any:
-    """Return the call that draws curves in a box: x, y of its upper left corner, width and height [mm]."""
+    """Return a function that draws curves into a box: x, y of its upper left corner, width and height [mm]."""
     x, y, width, high = box
     size = max(size - 0.5, LEAST)
     below = "\n".join(wrapped(one.x_label, width, size))
@@ -167,7 +167,7 @@ def _drawer(one: Any, box: tuple[float, float, float, float], size: float) -> An
 
 
 def _fit(figure: Any, axes: Any, box: tuple[float, float, float, float]) -> None:
-    """Place axes so that they fill a box together with the words around them."""
+    """Place axes so that they fill a box together with their labels."""
     x, y, width, high = box
     asked = x / WIDE, 1.0 - (y + high) / HIGH, (x + width) / WIDE, 1.0 - y / HIGH
     for _ in range(FITTED):

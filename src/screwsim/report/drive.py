@@ -1,4 +1,4 @@
-"""Figures of a drive: torsional frequency, lobe harmonics and coupling torque over the speed; a start-up."""
+"""Figures of a drive: torsional frequency, lobe harmonics and coupling torque over the speed; and of a start-up."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -14,7 +14,7 @@ RPM = 30.0 / math.pi
 
 
 class Point(NamedTuple):
-    """A drive at one speed [rad/s]: torsional frequency [Hz], coupling torque [N m], ripple; None where failed."""
+    """A drive at one speed [rad/s]: torsional frequency [Hz], coupling torque [N m], ripple; None where it failed."""
 
     speed: float
     frequency: float | None
@@ -24,7 +24,7 @@ class Point(NamedTuple):
 
 
 def draw_campbell(cases: Mapping[str, Sequence[Point]], lobes: int, folder: Path, name: str) -> list[str]:
-    """Write the Campbell figure of named drives over the speed (PNG, PDF); return the paths."""
+    """Write the Campbell diagram of named drives over the speed (PNG, PDF); return the paths."""
     return write_all({name: partial(campbell, cases, lobes, "", 3)}, folder)
 
 
@@ -73,7 +73,7 @@ def campbell(cases: Mapping[str, Sequence[Point]], lobes: int, title: str, order
 
 
 def crossing(x: np.ndarray, y: np.ndarray) -> float | None:
-    """Return where a curve first passes zero, by linear interpolation; None where it does not."""
+    """Return the first zero of a curve, by linear interpolation; None without one."""
     changes = np.flatnonzero(np.sign(y[1:]) != np.sign(y[:-1]))
     if len(changes) == 0:
         return None
@@ -87,7 +87,7 @@ def draw_start(found: Any, title: str, folder: str | Path) -> list[str]:
 
 
 def start(found: Any, title: str) -> Any:
-    """Draw speeds and torques over the time."""
+    """Draw speeds and torques over time."""
     figure = new_figure(DOUBLE, 100.0)
     upper, lower = figure.subplots(2, 1, sharex=True)
     t = found.traces

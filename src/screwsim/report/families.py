@@ -1,4 +1,4 @@
-"""Families of curves from the grid of a sweep: which axis is x, which one tells the curves apart; and their optima."""
+"""Families of curves from the grid of a sweep: the choice of the x axis and of the curve parameter; their optima."""
 
 import itertools
 from collections.abc import Iterator
@@ -13,17 +13,17 @@ from screwsim.results.warned import warns
 from screwsim.scene.types import COVERAGE
 
 SPEED, RATIO, FLUID = "operation.speed", "oil_supply.ratio", "gas.fluid"
-FEWEST = 2  # points that make a curve
-_ARC = 41  # points that draw a parabola
-_SHORT_HEADING = 12  # letters that fit above labels of numbers
-_VARIES = 0.01  # relative: an oil ratio that changes more along the speed is an outcome
+FEWEST = 2  # least number of points of a curve
+_ARC = 41  # points of a drawn parabola
+_SHORT_HEADING = 12  # longest heading, in characters, above numeric labels
+_VARIES = 0.01  # relative variation along the speed from which an oil ratio is an outcome
 
 
 class Curve(NamedTuple):
-    """One curve in shown units: `at` are the values of the sweep's axis, `closed` is False where a case did not close.
+    """One curve in shown units: `at` has the values of the sweep's axis, `closed` is False for a case not closed.
 
-    `warned` is True where a case closed with a warning. Points are in the order of the axis, reversed where x falls
-    along it. `low` and `high` are the ends of the 95 % interval by the tolerances of the inputs, empty without them.
+    `warned` is True where a case closed with a warning. Points are in the order of the axis, reversed where x decreases
+    along it. `low` and `high` are the ends of the 95 % interval due to the tolerances of the inputs, NaN without them.
     """
 
     text: str
@@ -37,12 +37,12 @@ class Curve(NamedTuple):
 
     @property
     def banded(self) -> bool:
-        """Whether any point has an interval by the inputs."""
+        """Whether any point has an interval due to the inputs."""
         return bool(np.isfinite(self.low).any())
 
 
 class Layout(NamedTuple):
-    """Places of the axes of a grid: x, the one that tells the curves apart (None: one curve), all others."""
+    """Indices of the axes of a grid: x, the curve parameter (None: a single curve), all others."""
 
     x: int
     curves: int | None
@@ -50,7 +50,7 @@ class Layout(NamedTuple):
 
 
 def efficiency_name(results: Results) -> str | None:
-    """Return the efficiency to show: the isentropic one where the isothermal one lacks values; None without any."""
+    """Return the efficiency with more values, isothermal before isentropic; None where neither has any."""
     found = {name: int(np.isfinite(results.performance[name]).sum()) for name in EFFICIENCIES}
     isothermal, isentropic = found.values()
     if not isothermal and not isentropic:
@@ -59,14 +59,14 @@ def efficiency_name(results: Results) -> str | None:
 
 
 def is_design(results: Results) -> bool:
-    """Return whether several quantities vary together (a sample, a list of cases): there are no curves then."""
+    """Tell whether several quantities vary together (a sample, a list of cases), so that there are no curves."""
     return any(axis.joined for axis in results.axis_list)
 
 
 def layout_of(results: Results, by_fluid: bool = True) -> Layout | None:
-    """Return which axis is x (the oil ratio, else the longest one of numbers) and which tells the curves apart.
+    """Return the axis x (the oil ratio, else the longest numeric one) and the axis that distinguishes curves.
 
-    That is the fluid, where it varies and curves are told apart `by_fluid`.
+    With `by_fluid` the latter is the fluid, if it varies.
     """
     axes = results.axis_list
     lengths = [len(axis.values) if is_numeric(axis) else 0 for axis in axes]
@@ -76,7 +76,7 @@ def layout_of(results: Results, by_fluid: bool = True) -> Layout | None:
 
 
 def outcome_layout(results: Results) -> Layout | None:
-    """Return the layout over the speed when the oil ratio is an outcome that varies with it; else None."""
+    """Return the layout over the speed if the oil ratio is an outcome that varies along it; else None."""
     axes = results.axis_list
     paths = [axis.path for axis in axes]
     if SPEED not in paths or RATIO in paths or is_design(results) or "oil_ratio" not in results.performance:
@@ -102,7 +102,7 @@ def _layout(axes: tuple[Axis, ...], x: int, by_fluid: bool = True) -> Layout:
 
 
 def _preferred(axes: tuple[Axis, ...], lengths: list[int], path: str) -> int:
-    """Return the place of the axis of that path when it is long enough, else of the longest axis."""
+    """Return the index of the axis with that path if it is long enough, else of the longest axis."""
     for i, axis in enumerate(axes):
         if axis.path == path and lengths[i] >= FEWEST:
             return i
@@ -110,7 +110,7 @@ def _preferred(axes: tuple[Axis, ...], lengths: list[int], path: str) -> int:
 
 
 def slices(results: Results, layout: Layout) -> Iterator[tuple[str, str, dict[int, int]]]:
-    """Yield (suffix of its name, what is constant, {axis: index}) of each figure: all values of the other axes."""
+    """Yield (suffix of its name, constants in words, {axis: index}) of each figure, one per value of the other axes."""
     axes = results.axis_list
     for number, indices in enumerate(itertools.product(*(range(len(axes[i].values)) for i in layout.rest)), start=1):
         chosen = dict(zip(layout.rest, indices, strict=True))
@@ -121,7 +121,8 @@ def slices(results: Results, layout: Layout) -> Iterator[tuple[str, str, dict[in
 def family(results: Results, layout: Layout, chosen: dict[int, int], x_name: str | None, y_name: str) -> list[Curve]:
     """Return the curves of one slice: figure `y_name` over the axis x, or over the figure `x_name`.
 
-    Cases without a value are left out; curves of fewer than two points too. None of a figure that no case calls for.
+    Cases without a value are left out, and so are curves of fewer than two points. A figure that no case calls for has
+    no curves.
     """
     if y_name not in results.performance:
         return []
@@ -150,7 +151,7 @@ def family(results: Results, layout: Layout, chosen: dict[int, int], x_name: str
 
 
 def left_out(results: Results, layout: Layout, chosen: dict[int, int], curves: list[Curve]) -> str:
-    """Return the note on cases without a place in the figure; empty when all are shown."""
+    """Return the note on cases missing from the figure; empty if all are shown."""
     cases = _rows(results, layout, chosen, np.asarray(results.status)).size
     missing = cases - sum(len(curve.x) for curve in curves)
     return f"{missing} of {cases} cases without a result left out" if missing else ""
@@ -162,7 +163,7 @@ def not_closed(curves: list[Curve]) -> int:
 
 
 def band_words(results: Results, curves: list[Curve]) -> str:
-    """Return what the bands around curves are; empty without any."""
+    """Return the explanation of the bands around curves; empty without any."""
     if not any(curve.banded for curve in curves):
         return ""
     count = sum(len(label.split(" + ")) for label in results.contributions["contributor"])
@@ -180,7 +181,7 @@ def _count(results: Results, layout: Layout) -> int:
 
 
 def _rows(results: Results, layout: Layout, chosen: dict[int, int], values: np.ndarray) -> np.ndarray:
-    """Return values as (curves, x) of one slice."""
+    """Return the values of one slice as an array (curves, x)."""
     index = tuple(chosen.get(i, slice(None)) for i in range(values.ndim))
     part = values[index]
     if layout.curves is not None and layout.x < layout.curves:
@@ -198,7 +199,7 @@ def _texts(results: Results, layout: Layout) -> list[str]:
 
 
 def curves_heading(results: Results, layout: Layout) -> tuple[str, str]:
-    """Return what tells the curves apart, with its unit: the heading of their labels, or for long words a note."""
+    """Return the heading of the curves' labels (with its unit), and a note that replaces it if it is too long."""
     if layout.curves is None:
         return "", ""
     axis = results.axis_list[layout.curves]
@@ -207,9 +208,9 @@ def curves_heading(results: Results, layout: Layout) -> tuple[str, str]:
 
 
 def optimum(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:
-    """Return the maximum of y by a parabola in ln x through the three best points; None unless it is interior.
+    """Return the maximum of y by a parabola in ln x through the three highest points; None unless it is interior.
 
-    The three are the highest point and its neighbours; x itself stands for ln x when it is not positive there.
+    These are the highest point and its neighbours; x replaces ln x where it is not positive.
     """
     best = int(np.argmax(y))
     if not 0 < best < len(x) - 1:
@@ -231,9 +232,9 @@ def optimum(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:
 
 
 def arc(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the parabola in ln x whose top `optimum` is, between the neighbours of the highest point; None without it.
+    """Return the parabola in ln x with its maximum at `optimum`, between the highest point's neighbours; else None.
 
-    Where the points are far apart it shows why the optimum lies off the straight lines between them.
+    Where points are far apart it shows why the optimum is not on the straight lines between them.
     """
     if optimum(x, y) is None:
         return None
@@ -247,5 +248,5 @@ def arc(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
 
 
 def is_log(x: np.ndarray) -> bool:
-    """Return whether values are shown on a logarithmic axis: positive, over a range of more than 8."""
+    """Tell whether values belong on a logarithmic axis: all positive, with a range of more than a factor of 8."""
     return bool(np.all(x > 0.0) and np.max(x) > 8.0 * np.min(x))

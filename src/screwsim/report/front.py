@@ -1,4 +1,4 @@
-"""Figures of an optimisation: the front of its aims among all evaluations, and each aim over what was varied."""
+"""Figures of an optimisation: the Pareto front among all evaluations, and each objective over what was varied."""
 
 import itertools
 from collections.abc import Iterator
@@ -13,12 +13,12 @@ from screwsim.report.sweeps import Plan, label_axes
 from screwsim.results import Results
 from screwsim.results.optimum import AIM
 
-_MOST = 5000  # evaluations drawn in a panel; those of the front all
+_MOST = 5000  # most evaluations drawn in a panel; those of the front are all drawn
 _LIGHT = "#b9b9b9"  # evaluations that are not best
 
 
 def plans(results: Results) -> Iterator[Plan]:
-    """Yield the figures of an optimisation; none of other results."""
+    """Yield the figures of an optimisation; none for other results."""
     names = aims(results)
     if len(names) > 1:
         yield "front", partial(_front, results, names)
@@ -27,7 +27,7 @@ def plans(results: Results) -> Iterator[Plan]:
 
 
 def aims(results: Results) -> list[str]:
-    """Return the figures that were aimed at."""
+    """Return the figures that are objectives."""
     return [name.removeprefix(AIM) for name in results.optimum if name.startswith(AIM)]
 
 
@@ -37,7 +37,7 @@ def _columns(results: Results, name: str) -> tuple[Shown, np.ndarray]:
 
 
 def _rows(results: Results) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the evaluations to be drawn: within the bounds, outside, of the front."""
+    """Return the evaluations to be drawn: within the bounds, outside, and on the front."""
     feasible, front = results.optimum["feasible"] == 1, results.optimum["front"] == 1
     solved = np.all([np.isfinite(results.optimum[AIM + name]) for name in aims(results)], axis=0)
     inside, outside = np.flatnonzero(feasible & ~front), np.flatnonzero(solved & ~feasible)
@@ -57,7 +57,7 @@ def _outside(results: Results) -> bool:
 
 
 def _front(results: Results, names: list[str]) -> Any:
-    """Draw each pair of aims: all evaluations, and the front as a line where there are two aims."""
+    """Draw each pair of objectives: all evaluations, and the front, as a line if there are two objectives."""
     pairs = list(itertools.combinations(names, 2))
     inside, outside, front = _rows(results)
     figure = new_figure(SINGLE if len(pairs) == 1 else DOUBLE, 72.0 * ((len(pairs) + 1) // 2))
@@ -76,7 +76,7 @@ def _front(results: Results, names: list[str]) -> Any:
 
 
 def _evaluations(results: Results, names: list[str]) -> Any:
-    """Draw each aim over each path that was varied."""
+    """Draw each objective over each path that was varied."""
     varied = [axis for axis in results.axis_list[0].joined if is_numeric(axis)]
     inside, outside, front = _rows(results)
     panels = [(name, axis) for name in names for axis in varied]

@@ -1,4 +1,4 @@
-"""Pressures that were measured in a chamber, over the angle, beside those of a computed cycle."""
+"""Measured pressures of a chamber over the angle, to be drawn beside those of a computed cycle."""
 
 import os
 import re
@@ -16,11 +16,11 @@ from screwsim.scene.units import Refused, parse_quantity
 
 COLUMN = re.compile(r"pressure_(bar|mbar|kPa|MPa|Pa)")
 _EXAMPLE = "write angle_deg,pressure_bar; absolute pressures, also _kPa, _MPa or _Pa"
-HOLDS = 5.0  # [degree]: ends of a cycle beyond which no point may lie by more
+HOLDS = 5.0  # [degree] by which a point may exceed the ends of the cycle
 
 
 class Indicated(NamedTuple):
-    """Measured points: angles [degree] as the cycle counts them, absolute pressures [Pa]."""
+    """Measured points: angles [degree] in the cycle's convention, absolute pressures [Pa]."""
 
     angle: np.ndarray
     pressure: np.ndarray
@@ -53,7 +53,7 @@ def _point(where: str, line: int, cells: tuple[str, ...], unit: str) -> tuple[fl
 
 
 def check_angles(points: Indicated, trace: Trace) -> None:
-    """Raise UsageError for points that lie outside the life of the chamber."""
+    """Raise UsageError for points outside the life of the chamber."""
     first, last = float(trace.angle[0]), float(trace.angle[-1])
     out = points.angle[(points.angle < first - HOLDS) | (points.angle > last + HOLDS)]
     if len(out):
@@ -64,7 +64,7 @@ def check_angles(points: Indicated, trace: Trace) -> None:
 
 
 def told(points: Indicated, trace: Trace) -> str:
-    """Return in words how far computed and measured pressures lie apart: mean, root mean square, largest [bar]."""
+    """Return in words the deviation of computed from measured pressures: mean, root mean square, largest [bar]."""
     off = (np.interp(points.angle, trace.angle, trace.values["pressure"]) - points.pressure) * PRESSURE.factor
     worst = int(np.argmax(np.abs(off)))
     return (
@@ -79,7 +79,7 @@ def draw_over_angle(axes: Any, points: Indicated) -> None:
 
 
 def draw_over_volume(axes: Any, points: Indicated, trace: Trace) -> None:
-    """Draw measured points over the volume that the chamber has at their angles."""
+    """Draw measured points over the chamber's volume at their angles."""
     volume = np.interp(points.angle, trace.angle, trace.values["volume"])
     _draw(axes, volume * VOLUME.factor, points.pressure, "upper right")
 

@@ -1,4 +1,4 @@
-"""Figure of the ledger: from the shaft power down to the useful exergy of the gas, or back of an expander."""
+"""Figure of the ledger: from the shaft power down to the useful exergy of the gas, or the reverse for an expander."""
 
 from collections.abc import Iterator, Mapping
 from functools import partial
@@ -12,12 +12,12 @@ from screwsim.report.style import COLOURS, DOUBLE, GREY, SMALL, new_figure, note
 from screwsim.report.trace import best_case, case_title
 from screwsim.results import Results
 
-_LEAST = 1e-3  # of the shaft power: smaller entries are drawn as one
+_LEAST = 1e-3  # of the shaft power: smaller entries are combined
 _SHAFT, _LOSS, _GAIN, _OIL, _GAS = COLOURS[0], COLOURS[2], COLOURS[4], COLOURS[3], COLOURS[1]
 
 
 class Step(NamedTuple):
-    """One bar of the waterfall: words, power [W] (positive: spent), colour; `total` bars begin at zero."""
+    """One bar of the waterfall: words, power [W] (positive: consumed), colour; `total` bars begin at zero."""
 
     words: str
     power: float
@@ -26,7 +26,7 @@ class Step(NamedTuple):
 
 
 def plans(results: Results) -> Iterator[tuple[str, Any]]:
-    """Yield the waterfall of the ledger that the file keeps, of its best case in a sweep."""
+    """Yield the waterfall of the stored ledger, in a sweep that of its best case."""
     if "shaft_power" not in results.ledger or (index := best_case(results)) is None:
         return
     ledger = {name: float(results.ledger[name][index]) for name in results.ledger}
@@ -35,14 +35,14 @@ def plans(results: Results) -> Iterator[tuple[str, Any]]:
 
 
 def spent(ledger: Mapping[str, float]) -> float:
-    """Return the exergy [W] that is spent: the shaft power, or of an expander that which the gas gives."""
+    """Return the exergy supplied [W]: the shaft power, or for an expander the exergy given up by the gas."""
     return ledger["shaft_power"] if ledger["shaft_power"] > 0.0 else -ledger["gas_exergy_rise"]
 
 
 def steps(ledger: Mapping[str, float]) -> list[Step]:
-    """Return the bars from the shaft power to the gas: losses by size, small ones as one, then what the oil takes.
+    """Return the bars from the shaft power to the gas: losses by size, small ones combined, then the oil's share.
 
-    Of an expander they lead from the gas to the shaft.
+    For an expander they lead from the gas to the shaft.
     """
     whole, shaft, gas = spent(ledger), ledger["shaft_power"], ledger["gas_exergy_rise"]
     ends = (Step("shaft power", shaft, _SHAFT, True), Step("exergy rise of the gas", gas, _GAS, True))
@@ -67,7 +67,7 @@ def _loss(words: str, power: float) -> Step:
 
 
 def _draw(ledger: Mapping[str, float], title: str) -> Any:
-    """Draw the waterfall: each bar begins where the one above ends; power and share stand on the right."""
+    """Draw the waterfall: each bar begins where the one above ends; power and share are to the right."""
     bars = steps(ledger)
     whole = spent(ledger)
     factor, unit = (1e-3, "kW") if whole >= 1e3 else (1.0, "W")
@@ -98,7 +98,7 @@ def _draw(ledger: Mapping[str, float], title: str) -> Any:
 
 
 def _cells(axes: Any, row: float, *texts: str) -> None:
-    """Write texts in columns right of the axes, at the height of a row."""
+    """Write texts in columns to the right of the axes, at the height of a row."""
     for place, text in zip((1.075, 1.14), texts, strict=True):
         at = {"xycoords": ("axes fraction", "data"), "ha": "right", "va": "center", "fontsize": SMALL}
         axes.annotate(text.replace("-", "−"), (place, row), **at)

@@ -1,4 +1,4 @@
-"""Contour maps over two axes of a sweep: of the efficiency with the optimum of each curve, of capacity and COP."""
+"""Contour maps over two axes of a sweep: efficiency with the optimum of each row, cooling capacity, COP."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -14,18 +14,18 @@ from screwsim.report.sweeps import Plan
 from screwsim.results import Results
 
 HAS_OPTIMUM = "efficiency"
-_FEWEST = 3  # values on each axis that make a map
+_FEWEST = 3  # least number of values on each axis of a map
 _LEVELS = 18
 _COOLING = ("cooling_capacity", "cop")
-_FINE = 61  # places along an axis between which contours are drawn: straight lines between few values make corners
-_BEYOND = 0.02  # of the values' span: a smooth surface that goes farther beyond them invents a summit,
-_APART = 0.08  # one that is so far from the shape-preserving one a valley between values that rise
-_POINTS_SHOWN = 150  # up to so many computed points are marked
-_OPTIMA_SHOWN = 14  # up to about so many optima have a circle, on the line through all
+_FINE = 61  # points per axis for drawing contours: few points would give corners
+_BEYOND = 0.02  # of the values' span: a smooth surface that exceeds them by more invents a maximum,
+_APART = 0.08  # one that differs more from the shape-preserving one invents a valley
+_POINTS_SHOWN = 150  # most computed points that are marked
+_OPTIMA_SHOWN = 14  # approximate number of optima with a circle; the line is through all
 
 
 def plans(results: Results) -> Iterator[Plan]:
-    """Yield maps for each slice of a sweep over two axes of numbers, three values or more on each."""
+    """Yield maps for each slice of a sweep over two numeric axes with three values or more each."""
     layout = families.layout_of(results, by_fluid=False)
     if layout is None or layout.curves is None or families.outcome_layout(results) is not None:
         return
@@ -39,7 +39,7 @@ def plans(results: Results) -> Iterator[Plan]:
 
 
 def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: str, name: str) -> Any:
-    """Draw filled contours with a scale; where a case has no result the map is white."""
+    """Draw filled contours with a scale; the map is white where a case has no result."""
     figure = new_figure(SINGLE, 76.0)
     found = draw_contours(figure.subplots(), results, layout, chosen, name)
     curves = family(results, layout, chosen, None, name)
@@ -51,7 +51,7 @@ def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: st
 
 
 def _error_words(results: Results, name: str) -> str:
-    """Return how far numerical errors move what is drawn, at most; empty where none were estimated."""
+    """Return the largest effect of numerical errors on the drawn figure; empty where none were estimated."""
     if name not in results.error or not np.isfinite(errors := results.absolute_error(name)).any():
         return ""
     shown = shown_figure(results, name)
@@ -60,14 +60,14 @@ def _error_words(results: Results, name: str) -> str:
 
 
 def draw_contours(axes: Any, results: Results, layout: Layout, chosen: dict[int, int], name: str) -> int:
-    """Draw filled contours into axes, their scale beside them; return how many optima are marked."""
+    """Draw filled contours into axes, with their scale beside them; return how many optima are marked."""
     x, y, z = _surface(results, layout, chosen, name)
     points = np.array([(x[j], y[i]) for i, j in np.argwhere(~np.ma.getmaskarray(z))])
     x, y, z = _refined(x, y, z)
     levels = _levels(z)
     filled = axes.contourf(x, y, z, levels=levels, cmap="viridis", extend="neither")
     axes.contour(x, y, z, levels=levels, colors="black", linewidths=0.3)
-    axes.tick_params(which="both", pad=5.0)  # labels of both axes keep apart in the corner
+    axes.tick_params(which="both", pad=5.0)  # separates the labels of both axes in the corner
     bar = axes.figure.colorbar(filled, ax=axes, ticks=levels[:: 1 + len(levels) // 10], pad=0.03, aspect=28)
     bar.ax.tick_params(which="both", length=2.0)
     bar.ax.minorticks_off()
@@ -86,11 +86,11 @@ def draw_contours(axes: Any, results: Results, layout: Layout, chosen: dict[int,
 
 
 def _refined(x: np.ndarray, y: np.ndarray, z: Any) -> tuple[np.ndarray, np.ndarray, Any]:
-    """Return the surface on more places, by the smooth bicubic through its values: a ridge stays one between them.
+    """Return the surface on a finer grid, by a smooth bicubic spline, so that a ridge stays one between points.
 
-    Where that rises or falls beyond all values, or is far from them, as through few speeds far apart, shape-preserving
-    cubics along one axis and then the other (Fritsch & Carlson 1980) take its place: no summit and no valley is drawn
-    that was not computed. A surface with gaps, or with many values, stays as it is.
+    If that exceeds the range of the values, or is far from shape-preserving cubics along one axis and then the other
+    (Fritsch & Carlson 1980), as with few distant speeds, those cubics replace it: no maximum and no valley is drawn
+    that was not computed. A surface with gaps, or with many values, is left as it is.
     """
     from scipy.interpolate import RectBivariateSpline, pchip_interpolate
 
@@ -127,7 +127,7 @@ def _y(layout: Layout) -> int:
 
 
 def _levels(z: Any) -> np.ndarray:
-    """Return levels at round numbers that span the values."""
+    """Return contour levels at round numbers that span the values."""
     from matplotlib.ticker import MaxNLocator
 
     low, high = float(z.min()), float(z.max())
@@ -137,7 +137,7 @@ def _levels(z: Any) -> np.ndarray:
 
 
 def _optima(axes: Any, results: Results, layout: Layout, chosen: dict[int, int], name: str) -> int:
-    """Draw a circle at the optimum of each row and a line through them; return how many there are."""
+    """Draw a circle at the optimum of each row and a line through them; return their number."""
     x, y, z = _surface(results, layout, chosen, name)
     points = []
     for height, row in zip(y, z, strict=True):

@@ -1,4 +1,4 @@
-"""Figure of a displacement supply: the oil ratio is an outcome of the speed (the paper's Fig. 2)."""
+"""Figure of a displacement supply, in which the oil ratio is an outcome of the speed (the paper's Fig. 2)."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -14,7 +14,7 @@ from screwsim.results import Results
 
 
 def plans(results: Results) -> Iterator[Plan]:
-    """Yield the figures of a sweep over the speed in which the oil ratio follows."""
+    """Yield the figures of a sweep over the speed in which the oil ratio is an outcome."""
     layout, name = families.outcome_layout(results), families.efficiency_name(results)
     if layout is None or name is None:
         return
@@ -24,7 +24,7 @@ def plans(results: Results) -> Iterator[Plan]:
 
 
 def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: str, name: str) -> Any:
-    """Draw the efficiency over d with the speed along the curve, and both over the speed."""
+    """Draw the efficiency over d, with the speed along the curve, and both over the speed."""
     figure = new_figure(DOUBLE, 82.0)
     grid = figure.add_gridspec(2, 2, width_ratios=(1.15, 1.0))
     main, upper, lower = (figure.add_subplot(place) for place in (grid[:, 0], grid[0, 1], grid[1, 1]))

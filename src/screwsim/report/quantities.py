@@ -1,4 +1,4 @@
-"""How a stored quantity is shown in a figure: symbol, customary unit, factor and offset from SI.
+"""Display of stored quantities in figures: symbol, customary unit, factor and offset from SI.
 
 Temperatures are shown in °C, differences of temperature in K.
 """
@@ -15,7 +15,7 @@ from screwsim.scene.units import ZERO_CELSIUS
 
 
 class Shown(NamedTuple):
-    """Words, symbol (mathtext), customary unit ('' for none), factor from SI, and what is added after it."""
+    """Words, symbol (mathtext), customary unit ('' for none), factor from SI, and the offset added after it."""
 
     words: str
     symbol: str
@@ -34,7 +34,7 @@ class Shown(NamedTuple):
 
     @property
     def quantity(self) -> str:
-        """Return symbol and unit alone, for narrow places."""
+        """Return only symbol and unit, for narrow places."""
         return f"{self.symbol}{self._unit}" if self.symbol else self.label
 
     @property
@@ -48,7 +48,7 @@ class Shown(NamedTuple):
 
 
 def celsius(words: str, symbol: str) -> Shown:
-    """Return how a temperature is shown."""
+    """Return the display of a temperature."""
     return Shown(words, symbol, "°C", 1.0, -ZERO_CELSIUS)
 
 
@@ -64,9 +64,9 @@ GAS_MASS = Shown("gas mass", "$m$", "g", 1e3)
 MASS_FLOW = Shown("mass flow into the chamber", r"$\dot m$", "g/s", 1e3)
 SPEED = Shown("male-rotor speed", "$n$", "rpm", RPM)
 RATIO = Shown("oil-to-gas mass ratio", "$d$", "kg/kg", 1.0)
-_RATIOS = {"oil_ratio": RATIO, "cop": Shown("COP", "", "W/W", 1.0)}  # the quotient is their unit
+_RATIOS = {"oil_ratio": RATIO, "cop": Shown("COP", "", "W/W", 1.0)}  # shown as a ratio of units
 
-EFFICIENCIES = ("isothermal_efficiency", "isentropic_efficiency")  # the first with most values is the one to show
+EFFICIENCIES = ("isothermal_efficiency", "isentropic_efficiency")  # the one with more values is shown
 _SYMBOLS = {
     "isothermal_efficiency": r"$\eta_\mathrm{iso}$",
     "isentropic_efficiency": r"$\eta_s$",
@@ -105,7 +105,7 @@ _CUSTOMARY = {
 
 
 def shown_axis(axis: Axis) -> Shown:
-    """Return how an axis of a sweep is shown; paths without a symbol of their own show their last words."""
+    """Return the display of a sweep's axis; paths without their own symbol show their last words."""
     if axis.path in _AXES:
         return _AXES[axis.path]
     words = " ".join(axis.path.split(".")[-2:]).replace("_", " ")
@@ -118,7 +118,7 @@ def shown_axis(axis: Axis) -> Shown:
 
 
 def shown_figure(results: Results, name: str) -> Shown:
-    """Return how a performance figure is shown over all cases of a file: one unit, that of the largest."""
+    """Return the display of a performance figure over all cases of a file: one unit, that of the largest value."""
     if name in _RATIOS:
         return _RATIOS[name]
     words, symbol = shown_name(name), _SYMBOLS.get(name, "")
@@ -140,13 +140,13 @@ def _length(axis: Axis) -> tuple[str, float]:
 
 
 def short(number: float) -> str:
-    """Return a number as people write it in a figure, at most four digits: 5000, 0.25, 12."""
+    """Return a number as written in a figure, with at most four digits: 5000, 0.25, 12."""
     rounded = float(f"{number:.4g}")
     return f"{rounded:.0f}" if 1e3 <= abs(rounded) < 1e6 else f"{rounded:g}".replace("-", "−")
 
 
 def value_of(axis: Axis, index: int) -> str:
-    """Return one value of an axis with its symbol and unit; a text stands for itself, joined values in a row."""
+    """Return one value of an axis with its symbol and unit; a text is shown as such, joined values in a row."""
     if axis.joined:
         return ", ".join(value_of(inner, index) for inner in axis.joined)
     value = axis.values[index]
@@ -154,5 +154,5 @@ def value_of(axis: Axis, index: int) -> str:
 
 
 def is_numeric(axis: Axis) -> bool:
-    """Return whether the values of an axis are numbers."""
+    """Tell whether the values of an axis are numbers."""
     return axis.values.dtype.kind == "f"

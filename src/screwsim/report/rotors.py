@@ -1,4 +1,4 @@
-"""Figures of a pair of rotors: mesh, sealing line in space, volume and areas over the angle, a slide valve."""
+"""Figures of a rotor pair: mesh, sealing line in space, volume and areas over the angle, slide valve."""
 
 import math
 from dataclasses import replace
@@ -19,7 +19,7 @@ from screwsim.results.kept import keep_other_beginnings
 
 POSITIONS = (0.0, 0.25, 0.5, 0.75, 1.0)
 CM2 = 1e4  # [cm²/m²]
-LEAST = 1e-6  # of the travel: the slot is open, and as narrow as can be
+LEAST = 1e-6  # of the travel: the slot is open, but as narrow as possible
 MM = 1e3  # [mm/m]
 _FILL = "#e4e4e4"
 
@@ -60,7 +60,7 @@ def draw_rotors(
 
 
 def mesh_figure(rotors: Rotors, psi: float = 0.0) -> Any:
-    """Draw both rotors in their bores at an angle ψ [rad], pitch circles, the line of contact, H, P and S."""
+    """Draw both rotors in their bores at an angle ψ [rad], with pitch circles, the line of contact, H, P and S."""
     pair, chain = rotors.pair, rotors.chain
     A, (Hx, Hy) = pair.centre_distance, pair.cusp
     figure = new_figure(DOUBLE, 104.0)
@@ -92,7 +92,7 @@ def mesh_figure(rotors: Rotors, psi: float = 0.0) -> Any:
 
 
 def _fill(axes: Any, x: np.ndarray, y: np.ndarray, colour: str) -> None:
-    """Fill an outline as `axes.fill` does, which asks each of its sides for its extent: 0.8 s of a thousand points."""
+    """Fill an outline; `axes.fill` queries the extent of each side, which takes 0.8 s for a thousand points."""
     from matplotlib.patches import Polygon
 
     points = np.column_stack([x, y])
@@ -108,7 +108,7 @@ def sealing_figure(rotors: Rotors) -> Any:
     order = np.concatenate([np.arange(trail, n), np.arange(1, trail + 1)])
     psi = chain.psi[order] - np.where(np.arange(n) < n - trail, pair.pitch, 0.0)
     x, y = MM * chain.x[order], MM * chain.y[order]
-    z = MM * rotors.h * (psi.max() - psi)  # what has the larger ψ meshes nearer the inlet
+    z = MM * rotors.h * (psi.max() - psi)  # points of larger ψ mesh nearer the inlet
     figure = new_figure(SINGLE, 92.0)
     figure.set_layout_engine("none")
     axes = figure.add_axes((0.02, 0.06, 0.86, 0.92), projection="3d")
@@ -128,7 +128,7 @@ def sealing_figure(rotors: Rotors) -> Any:
     axes.tick_params(pad=-1)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         plain_ticks(axis, most=4)
-        axis._axinfo["grid"].update(color="#dddddd", linewidth=0.4)  # matplotlib has no public way for one figure
+        axis._axinfo["grid"].update(color="#dddddd", linewidth=0.4)  # matplotlib has no public way for a single figure
     axes.view_init(elev=22.0, azim=-58.0)
     return figure
 
@@ -142,7 +142,7 @@ def _angle_axis(axes: Any, life: float) -> None:
 
 
 def _mark(axes: Any, curves: Curves, named: bool) -> None:
-    """Mark where suction closes and discharge opens; the names stand above the axes."""
+    """Mark where suction closes and discharge opens, with names above the axes."""
     for text, angle in (("suction closes", curves.suction_closes), ("discharge opens", curves.discharge_opens)):
         at = math.degrees(angle)
         axes.axvline(at, color=GREY, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)
@@ -153,7 +153,7 @@ def _mark(axes: Any, curves: Curves, named: bool) -> None:
 
 
 def volume_figure(curves: Curves) -> Any:
-    """Draw V and dV/dφ over a chamber's own angle, and the male rotor's part of dV/dφ."""
+    """Draw V and dV/dφ over the chamber's own angle, and the male rotor's part of dV/dφ."""
     figure = new_figure(SINGLE, 96.0)
     upper, lower = figure.subplots(2, 1, sharex=True)
     degrees = np.degrees(curves.volume.angle)
@@ -216,7 +216,7 @@ def _panel(axes: Any, named: dict[str, tuple[Any, float]], label: str) -> None:
 
 
 def slide_figure(rotors: Rotors, volume_ratio: float, axial_ratio: float | None, slide: SlideValve) -> Any:
-    """Draw the slot to suction and the discharge port over the angle, and volume and volume ratio over the position."""
+    """Draw the slot to suction and the discharge port over the angle; volume and volume ratio over the position."""
     figure = new_figure(DOUBLE, 118.0)
     upper, lower = figure.subplots(2, 2, gridspec_kw={"width_ratios": (1.7, 1.0)})
     known = [make_curves(rotors, volume_ratio, axial_ratio, replace(slide, position=x)) for x in POSITIONS]

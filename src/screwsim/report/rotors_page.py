@@ -1,4 +1,4 @@
-"""A page with the meshing rotors under sliders of angle and section: one file, nothing loaded from elsewhere."""
+"""A self-contained page that shows the meshing rotors, with sliders for angle and section."""
 
 import json
 import math
@@ -13,11 +13,11 @@ from screwsim.machine.rotors.pair import Array, outlines
 from screwsim.machine.rotors.rotors import Rotors
 
 MM, DEG = 1e3, 180.0 / math.pi
-FINE = 4e-3  # [mm] how far a drawn outline may lie from the rotor's
+FINE = 4e-3  # [mm] tolerance of drawn outlines
 
 
 def thinned(x: Array, y: Array, off: float) -> list[int]:
-    """Return the indices of points such that no point lies farther from the polygon of the kept ones than `off`."""
+    """Return the indices of points to keep, such that no point is farther from their polygon than `off`."""
     keep, todo = {0, len(x) - 1}, [(0, len(x) - 1)]
     while todo:
         first, last = todo.pop()
@@ -46,9 +46,9 @@ def _curve(angle: Array, value: Array, factor: float) -> list[list[float]]:
 
 
 def drawing(rotors: Rotors) -> dict[str, Any]:
-    """Return what a script draws and turns meshing rotors by: lengths in millimetres, angles in degrees.
+    """Return the data from which a script draws and turns meshing rotors: lengths in millimetres, angles in degrees.
 
-    The outlines are texts of SVG paths; of the contact line each point has its angle.
+    The outlines are texts of SVG paths; each point of the contact line has its angle.
     """
     pair, chain = rotors.pair, rotors.chain
     male, female = outlines(pair, chain)

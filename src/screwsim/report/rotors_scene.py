@@ -1,4 +1,4 @@
-"""What `screwsim rotors` says and writes of a scene: coefficients, figures, page, tables that `law: table` reads."""
+"""Output of `screwsim rotors` for a scene: coefficients, figures, page, and tables that `law: table` reads."""
 
 import math
 import textwrap
@@ -25,9 +25,9 @@ from screwsim.results.kept import keep_other_beginnings
 from screwsim.scene import scene_text
 from screwsim.scene.types import Scene
 
-WIDE = 79  # of a line of the table, for a terminal
+WIDE = 79  # line width of the table, for a terminal
 DEG = 180.0 / math.pi
-RATIOS = (2.2, 2.6, 3.2, 4.0)  # built-in volume ratios whose angles the table gives beside the scene's
+RATIOS = (2.2, 2.6, 3.2, 4.0)  # built-in volume ratios whose angles are listed beside the scene's
 _SHOWN = {"m^2": (1e6, "mm²"), "m^3": (1e6, "cm³"), "rad": (DEG, "°"), "m": (1e3, "mm"), "1": (1.0, "")}
 _TABLE_NOTE = """\
 # Written by `screwsim rotors`: the machine as tables, in place of its profile. A table of an effect holds one path, so
@@ -36,7 +36,7 @@ _TABLE_NOTE = """\
 
 
 def laid_of(scene: Scene) -> Laid:
-    """Return the curves of a scene's rotors; raise UsageError when its volume has another law."""
+    """Return the curves of a scene's rotors; raise UsageError where its machine has none."""
     kind = scene.machine.kind
     if kind != TWIN_SCREW:
         raise UsageError(f"machine.kind is {kind}: there are no rotors (name a scene of a {TWIN_SCREW})")
@@ -49,7 +49,7 @@ def laid_of(scene: Scene) -> Laid:
 
 
 def coefficients(scene: Scene) -> dict[str, tuple[float, str, str]]:
-    """Return {name: (value [SI], unit, meaning)}: of the rotors, and of their place on the scene's angle axis."""
+    """Return {name: (value [SI], unit, meaning)} of the rotors, and of their position on the scene's angle axis."""
     laid = laid_of(scene)
     rotors, own = laid.rotors, laid.rotors.coefficients()
     ratio = float(twin_screw(scene.machine).built_in_volume_ratio or 0.0)
@@ -83,14 +83,14 @@ def coefficients(scene: Scene) -> dict[str, tuple[float, str, str]]:
 
 
 def _longest_line(laid: Laid) -> float:
-    """Return the largest sum of both branches [m]; each has rows of its own, so at all angles of either."""
+    """Return the largest sum of both branches [m], over all angles of either, as their tables have different rows."""
     parts = [path.curve for path in laid.curves.paths if path.name.startswith("sealing_line")]
     angle = np.unique(np.concatenate([part.angle for part in parts]))
     return float(np.max(np.sum([np.interp(angle, part.angle, part.value) for part in parts], axis=0)))
 
 
 def table_text(scene: Scene) -> str:
-    """Return the coefficients as lines for people."""
+    """Return the coefficients as printed lines."""
     found = coefficients(scene)
     lines = [raised(scene.title), ""] if scene.title else []
     faired = laid_of(scene).rotors.chain.faired
@@ -103,7 +103,7 @@ def table_text(scene: Scene) -> str:
 
 
 def document(scene: Scene, files: list[str]) -> dict[str, Any]:
-    """Return what `--json` prints, SI units."""
+    """Return the document printed by `--json`, in SI units."""
     found = coefficients(scene)
     return {
         "title": scene.title,
@@ -117,7 +117,7 @@ def document(scene: Scene, files: list[str]) -> dict[str, Any]:
 
 
 def write(scene: Scene, folder: Path) -> list[str]:
-    """Write figures, profiles, page and the tables with their scene; return all paths."""
+    """Write figures, profiles, page, and tables with their scene; return all paths."""
     laid = laid_of(scene)
     machine = twin_screw(scene.machine)
     ratio, axial = float(machine.built_in_volume_ratio or 0.0), machine.axial_volume_ratio
@@ -131,7 +131,7 @@ def write(scene: Scene, folder: Path) -> list[str]:
 
 
 def table_files(scene: Scene, folder: Path) -> dict[str, str]:
-    """Return {name: text}: curves over the scene's angle, with the scene's clearances, and a scene that reads them."""
+    """Return {name: text} of curves over the scene's angle, with its clearances, and of a scene that reads them."""
     laid = laid_of(scene)
     files = {
         "volume.csv": _csv(laid.volume, "m^3"),
@@ -162,7 +162,7 @@ def _csv(table: Table, unit: str) -> str:
 
 
 def _path_csv(interfaces: tuple[Interface, ...], gap: float | None) -> str:
-    """Return the first interface with all others of its offset (the blow-holes at both cusps) as one table."""
+    """Return the sum of all interfaces with the first one's offset (such as blow-holes at both cusps) as one table."""
     tables = [one.table for one in interfaces if one.offset == interfaces[0].offset]
     angle = np.unique(np.concatenate([table.angle for table in tables]).round(9))
     value = np.sum([np.interp(angle, table.angle, table.value, left=0.0, right=0.0) for table in tables], axis=0)

@@ -1,4 +1,4 @@
-"""Figure of a design in which several quantities vary together: the efficiency over each of them, a point a case."""
+"""Figure of a design in which several quantities vary together: efficiency over each of them, one point per case."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -14,18 +14,18 @@ from screwsim.results import Results
 from screwsim.results.schema import Axis
 from screwsim.results.warned import warns
 
-_MOST = 5000  # points drawn of each panel
+_MOST = 5000  # most points drawn in a panel
 
 
 def plans(results: Results) -> Iterator[Plan]:
-    """Yield the scatter figure of a design; none of a product of axes."""
+    """Yield the scatter figure of a design; none for a product of axes."""
     name = efficiency_name(results)
     if is_design(results) and not len(results.optimum) and name is not None and (shown := columns(results)):
         yield "samples", partial(_draw, results, shown, name)
 
 
 def columns(results: Results) -> list[tuple[Axis, np.ndarray]]:
-    """Return every quantity that varies with its values [SI] on the axes of the results; those of numbers."""
+    """Return each varied numeric quantity with its values [SI] on the axes of the results."""
     axes = (inner for axis in results.axis_list for inner in axis.joined or (axis,))
     return [(axis, results.along(axis.path)) for axis in axes if is_numeric(axis) and np.ptp(axis.values) > 0.0]
 

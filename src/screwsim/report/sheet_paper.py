@@ -1,4 +1,4 @@
-"""Pages of A4 that are filled from top to bottom: what stands where is found first, drawn by matplotlib when all is."""
+"""A4 pages filled from top to bottom: positions are computed first, and matplotlib draws when all are known."""
 
 import re
 from collections.abc import Callable, Iterator
@@ -9,18 +9,18 @@ from typing import Any
 from screwsim.report.style import DPI, GREY, MM, new_figure
 from screwsim.version import version
 
-WIDE, HIGH = 210.0, 297.0  # [mm] of a page
-EDGE = 12.0  # [mm] left free around
+WIDE, HIGH = 210.0, 297.0  # [mm] size of a page
+EDGE = 12.0  # [mm] margin
 POINT = 1.0 / (72.0 * MM)  # [mm]
-LEAST = 6.5  # [pt] the smallest type
-LINE, FALL = 1.28, 0.25  # of the size: from line to line, and what letters take below theirs
+LEAST = 6.5  # [pt] smallest type
+LINE, FALL = 1.28, 0.25  # of the font size: line spacing, and depth of letters below the baseline
 _UNIT = re.compile(r"(?<=\d) (?=[^\s\d])")
-_FIXED = "\u00a0"  # a space at which no line ends
+_FIXED = "\u00a0"  # no-break space
 
 
 @lru_cache(maxsize=8192)
 def width_of(words: str, size: float, bold: bool = False) -> float:
-    """Return the width [mm] of words in type of a size [pt]."""
+    """Return the width [mm] of words in a font size [pt]."""
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import text_to_path
 
@@ -29,7 +29,7 @@ def width_of(words: str, size: float, bold: bool = False) -> float:
 
 
 def wrapped(words: str, width: float, size: float, bold: bool = False) -> list[str]:
-    """Return the lines that words take in a width [mm]; a number stays with its unit, a word too long is broken."""
+    """Return words broken into lines of a width [mm]; numbers stay with their units, too long words are broken."""
     rows: list[str] = []
     for word in _UNIT.sub(_FIXED, words).split(" "):
         longer = f"{rows[-1]} {word}" if rows else word
@@ -41,7 +41,7 @@ def wrapped(words: str, width: float, size: float, bold: bool = False) -> list[s
 
 
 def _pieces(word: str, width: float, size: float, bold: bool) -> Iterator[str]:
-    """Yield a word, in pieces where it is wider than the line."""
+    """Yield a word, in pieces if it is wider than the line."""
     while len(word) > 1 and width_of(word, size, bold) > width:
         fits = next((n for n in range(len(word) - 1, 1, -1) if width_of(word[:n], size, bold) <= width), 1)
         yield word[:fits]
@@ -51,7 +51,7 @@ def _pieces(word: str, width: float, size: float, bold: bool) -> Iterator[str]:
 
 @dataclass
 class Paper:
-    """The pages so far, each the calls that draw it, and how far down [mm] the last one is filled; `size` [pt]."""
+    """Pages so far, each a list of calls that draw it; `at` is the filled height [mm] of the last; `size` in [pt]."""
 
     title: str
     size: float
@@ -65,11 +65,11 @@ class Paper:
 
     @property
     def left(self) -> float:
-        """Height [mm] that is left on the last page."""
+        """Remaining height [mm] of the last page."""
         return HIGH - EDGE - self.at
 
     def room(self, height: float) -> None:
-        """Begin a new page where that height is not left on this one."""
+        """Begin a new page if this one has less than that height left."""
         if height > self.left or not self.pages:
             self.pages.append([])
             self.at = EDGE
@@ -79,18 +79,18 @@ class Paper:
         self.at += height
 
     def draw(self, call: Callable[[Any], None]) -> None:
-        """Have the figure of the last page drawn on by a call."""
+        """Add a call that draws on the figure of the last page."""
         self.pages[-1].append(call)
 
     def text(self, x: float, words: str, size: float = 0.0, bold: bool = False, **look: Any) -> None:
-        """Write words at x [mm] from the left edge, as far down as the page is filled."""
+        """Write words at x [mm] from the left edge, at the filled height of the page."""
         if words:
             where = x / WIDE, 1.0 - self.at / HIGH
             look = {"fontsize": size or self.size, "va": "baseline", **look} | ({"weight": "bold"} if bold else {})
             self.draw(lambda figure: figure.text(*where, words, parse_math=False, **look))
 
     def rule(self, x: float, y: float, width: float, **look: Any) -> None:
-        """Draw a line across from x, y [mm] from the left and upper edges."""
+        """Draw a horizontal line from x, y [mm], counted from the left and upper edges."""
         ends = [x / WIDE, (x + width) / WIDE], [1.0 - y / HIGH] * 2
 
         def call(figure: Any) -> None:
@@ -101,7 +101,7 @@ class Paper:
         self.draw(call)
 
     def paragraph(self, words: str, x: float = EDGE, width: float = WIDE - 2.0 * EDGE, **look: Any) -> None:
-        """Write words in lines of a width [mm], on the next page where this one is full."""
+        """Write words in lines of a width [mm], on the next page when this one is full."""
         size = look.get("size") or self.size
         for row in wrapped(words, width, size, look.get("bold", False)):
             high = size * LINE * POINT
@@ -110,7 +110,7 @@ class Paper:
             self.text(x, row, **look)
 
     def figures(self) -> list[Any]:
-        """Return the pages as figures, with their foot."""
+        """Return the pages as figures, with their footers."""
         return [self._figure(number) for number in range(len(self.pages))]
 
     def _figure(self, number: int) -> Any:

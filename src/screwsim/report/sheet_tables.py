@@ -1,4 +1,4 @@
-"""Tables of a data sheet on paper: beside one another where their columns have room, cut where they are too long."""
+"""Tables of a data sheet on paper: side by side where their widths allow, split where too long."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -8,33 +8,33 @@ from typing import Any, NamedTuple
 from screwsim.report.sheet_paper import EDGE, FALL, HIGH, POINT, WIDE, Paper, width_of, wrapped
 from screwsim.report.style import GREY
 
-TEXT, PAGE = WIDE - 2.0 * EDGE, HIGH - 2.0 * EDGE  # [mm] width and height of what is written on a page
+TEXT, PAGE = WIDE - 2.0 * EDGE, HIGH - 2.0 * EDGE  # [mm] width and height of the text area of a page
 GUTTER = 8.0  # [mm] between tables
-GAP = 1.1  # of the size of type: between columns
-ABOVE, RULE = 1.35, 0.55  # of a line: over a title, and around the line below the heads
+GAP = 1.1  # of the font size: between columns
+ABOVE, RULE = 1.35, 0.55  # of a line: space above a title, and around the rule below the heads
 
 
 class Columns(NamedTuple):
-    """The columns of a table in type of a size: their heads in lines, and their least widths [mm]."""
+    """The columns of a table in a font size: their heads in lines, and their widths [mm]."""
 
     heads: list[list[str]]
     widths: list[float]
 
     @property
     def deep(self) -> int:
-        """Return the lines of the heads."""
+        """Return the number of lines of the heads."""
         return max(map(len, self.heads))
 
     @property
     def width(self) -> float:
-        """Return the least width [mm] of all."""
+        """Return the total width [mm]."""
         return sum(self.widths)
 
 
 def columns_of(table: Any, size: float, width: float = 0.0) -> Columns:
-    """Return the columns of a table, spread over a width [mm] where that is more than they need.
+    """Return the columns of a table, spread over a width [mm] if that is more than they need.
 
-    A head takes the lines that it needs in its column, which has room for its cells and for the head's longest word.
+    A column has room for its cells and for the longest word of its head, which is broken into lines.
     """
     gap, least = gap_of(size), []
     for i, head in enumerate(table.heads):
@@ -47,19 +47,19 @@ def columns_of(table: Any, size: float, width: float = 0.0) -> Columns:
 
 
 def gap_of(size: float) -> float:
-    """Return what is left free [mm] between columns."""
+    """Return the space [mm] between columns."""
     return GAP * size * POINT
 
 
 def tables_on(paper: Paper, tables: Sequence[Any]) -> None:
-    """Write tables, as many beside one another as their columns leave room for."""
+    """Write tables, as many side by side as their widths allow."""
     pieces = [piece for table in tables for piece in _narrowed(table, paper.size)]
     for shelf in _shelves(pieces, paper.size):
         _shelf(paper, shelf)
 
 
 def _narrowed(table: Any, size: float) -> Iterator[Any]:
-    """Yield a table, in pieces of fewer columns where it is wider than the page; its first column stays."""
+    """Yield a table, split into ones of fewer columns if wider than the page; each repeats the first column."""
     widths = columns_of(table, size).widths
     kept, filled = [0], widths[0]
     for i in range(1, len(widths)):
@@ -97,7 +97,7 @@ def _shelves(tables: Sequence[Any], size: float) -> Iterator[list[Any]]:
 
 
 def _shelf(paper: Paper, tables: Sequence[Any]) -> None:
-    """Write tables beside one another, those that are longer than a page in pieces."""
+    """Write tables side by side, splitting those that are longer than a page."""
     widths = _widths([columns_of(table, paper.size).width for table in tables])
     heights = [_height(paper, table, width) for table, width in zip(tables, widths, strict=True)]
     if max(heights) > PAGE:
@@ -118,7 +118,7 @@ def _shelf(paper: Paper, tables: Sequence[Any]) -> None:
 
 
 def _widths(least: Sequence[float]) -> list[float]:
-    """Return the widths [mm] of tables of one row: equal where that is enough, else what is left shared."""
+    """Return the widths [mm] of tables in one row: equal if that suffices, else with the remaining space shared."""
     left = TEXT - GUTTER * (len(least) - 1)
     equal = left / max(len(least), 2) - (0.5 * GUTTER if len(least) == 1 else 0.0)
     if max(least) <= equal:
@@ -127,7 +127,7 @@ def _widths(least: Sequence[float]) -> list[float]:
 
 
 def _beside(table: Any, width: float, size: float) -> bool:
-    """Tell whether a note has room at the end of the line of the title."""
+    """Tell whether a note fits on the line of the title."""
     return width_of(table.title, size, bold=True) + width_of(table.note, size) + 4.0 <= width
 
 

@@ -1,6 +1,6 @@
-"""Look of the figures: sizes, fonts, colours and line styles of a printed journal page; and how they are written.
+"""Appearance of the figures: sizes, fonts, colours and line styles as in a printed journal; and writing them.
 
-Nothing of matplotlib's global state is used or left changed; a reader's own matplotlibrc has no influence.
+No global state of matplotlib is used or left changed, and a reader's own matplotlibrc has no effect.
 """
 
 import textwrap
@@ -17,9 +17,9 @@ MM = 1.0 / 25.4  # [inch]
 SINGLE, DOUBLE = 88.0, 180.0  # [mm] width of one and of two columns
 SMALL = 7.0  # [pt] notes and direct labels
 DPI = 200.0
-GREY = "#6e6e6e"  # guides: lines that are no data
+GREY = "#6e6e6e"  # guides: lines that are not data
 
-# Colours by descending contrast: told apart in print without colour and with any colour vision.
+# Colours by descending contrast, distinguishable in black-and-white print and with any colour vision.
 COLOURS = ("#000000", "#3b2a8c", "#a01f62", "#c2561a", "#3f9e72", "#62b0dc")
 _GAPS = ((5, 1.6), (5, 1.5, 1.2, 1.5), (1.2, 1.3), (9, 2), (3, 1, 1, 1, 1, 1))
 DASHES: tuple[Any, ...] = ("-", *((0, gaps) for gaps in _GAPS))
@@ -34,7 +34,7 @@ _TICKS = {
 }
 _RC = {
     "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],  # comes with matplotlib: the same figure on every machine
+    "font.sans-serif": ["DejaVu Sans"],  # comes with matplotlib: the same figure on each machine
     "mathtext.fontset": "dejavusans",
     "font.size": 8.0,
     "axes.labelsize": 8.0,
@@ -59,7 +59,7 @@ _RC = {
     "figure.constrained_layout.w_pad": 0.03,
     **{f"{axis}tick.{name}": value for axis in "xy" for name, value in _TICKS.items()},
 }
-_FORMATS: dict[str, dict[str, Any]] = {  # no moment of writing: the same data give the same bytes
+_FORMATS: dict[str, dict[str, Any]] = {  # no time of writing: the same data give the same bytes
     "png": {"Software": None},
     "pdf": {"Creator": "screwsim", "Producer": None, "CreationDate": None},
 }
@@ -67,7 +67,7 @@ _FORMATS: dict[str, dict[str, Any]] = {  # no moment of writing: the same data g
 
 @contextmanager
 def journal() -> Iterator[None]:
-    """Draw and write inside this block; settings of the caller come back after it."""
+    """Draw and write inside this context; the caller's settings are restored after it."""
     from matplotlib import style
 
     with style.context(["default", _RC]):
@@ -75,7 +75,7 @@ def journal() -> Iterator[None]:
 
 
 def new_figure(width: float, height: float) -> Any:
-    """Return an empty figure of a size [mm] on a canvas of its own."""
+    """Return an empty figure of a given size [mm] on its own canvas."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -93,7 +93,7 @@ def write(figure: Any, folder: Path, name: str) -> list[str]:
     figure.set_dpi(DPI)
     layout = figure.get_layout_engine()
     if layout is not None:
-        layout.execute(figure)  # once: all forms are to look alike. `savefig` would draw the figure twice for each
+        layout.execute(figure)  # once, so that all formats look alike; `savefig` would draw the figure twice for each
         figure.set_layout_engine("none")
     for form, metadata in _FORMATS.items():
         path = folder / f"{name}.{form}"
@@ -107,7 +107,7 @@ def write(figure: Any, folder: Path, name: str) -> list[str]:
 
 
 def write_all(plans: Mapping[str, Callable[[], Any]], folder: str | Path) -> list[str]:
-    """Draw figures and write each under its name into a folder, made when missing; return the paths."""
+    """Draw figures and write each under its name into a folder, which is created if missing; return the paths."""
     target, written = Path(folder), []
     make_folder(target)
     for name, draw in plans.items():
@@ -117,7 +117,7 @@ def write_all(plans: Mapping[str, Callable[[], Any]], folder: str | Path) -> lis
 
 
 def grid(figure: Any, count: int, columns: int = 2, **options: Any) -> list[Any]:
-    """Return so many axes of a figure, in rows of some columns; nothing stands in the places that are left."""
+    """Return `count` axes of a figure, in rows of `columns`; remaining places stay empty."""
     rows = -(-count // columns)
     places = list(figure.subplots(rows, columns, squeeze=False, **options).flat)
     for axes in places[count:]:
@@ -126,7 +126,7 @@ def grid(figure: Any, count: int, columns: int = 2, **options: Any) -> list[Any]
 
 
 def note(figure: Any, *parts: str, share: float = 1.0) -> None:
-    """Write the parts that are not empty above the figure, in lines that fit a share of its width."""
+    """Write the non-empty parts above the figure, in lines that fit a share of its width."""
     text = "; ".join(part for part in parts if part)
     if not text:
         return
@@ -135,7 +135,7 @@ def note(figure: Any, *parts: str, share: float = 1.0) -> None:
 
 
 def plain_ticks(*axes: Any, most: int = 7) -> None:
-    """Put ticks of linear axes at round numbers (1, 2, 5), with smaller ones between."""
+    """Put ticks of linear axes at round numbers (1, 2, 5), with minor ticks between."""
     from matplotlib.ticker import AutoMinorLocator, MaxNLocator
 
     for axis in axes:
@@ -144,7 +144,7 @@ def plain_ticks(*axes: Any, most: int = 7) -> None:
 
 
 def log_scale(axes: Any, ratio: float, which: str = "x") -> None:
-    """Make x or y logarithmic with plain numbers at 1, 2, 5, or at powers of ten when the range is wide."""
+    """Make x or y logarithmic with plain numbers at 1, 2, 5, or at powers of ten if the range is wide."""
     import numpy as np
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
@@ -157,10 +157,10 @@ def log_scale(axes: Any, ratio: float, which: str = "x") -> None:
 
 
 def line_style(index: int, count: int) -> dict[str, Any]:
-    """Return colour and dashes of one of several ordered curves: the first is the darkest."""
+    """Return colour and dashes of one of several ordered curves, the first being the darkest."""
     from matplotlib import colormaps
 
     if count <= len(COLOURS):
         return {"color": COLOURS[index], "linestyle": DASHES[index]}
-    colour = colormaps["inferno"](0.05 + 0.75 * index / (count - 1))  # luminance grows evenly; the end is too pale
+    colour = colormaps["inferno"](0.05 + 0.75 * index / (count - 1))  # even steps of luminance; the end is too pale
     return {"color": colour, "linestyle": DASHES[index % len(DASHES)]}

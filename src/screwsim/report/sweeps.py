@@ -1,4 +1,4 @@
-"""Figures of a sweep: the efficiency over one axis with a curve per value of another, and the other figures so."""
+"""Figures of a sweep: efficiency over one axis with one curve per value of another, and likewise other figures."""
 
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
@@ -13,16 +13,16 @@ from screwsim.report.quantities import shown_axis, shown_figure
 from screwsim.report.style import DOUBLE, SINGLE, grid, line_style, log_scale, new_figure, note, plain_ticks
 from screwsim.results import Results
 
-Plan = tuple[str, Callable[[], Any]]  # name of a figure, and what draws it
+Plan = tuple[str, Callable[[], Any]]  # name of a figure, and the function that draws it
 OTHERS = ("volumetric_efficiency", "shaft_power", "gas_mass_flow", "discharge_temperature", "cooling_capacity", "cop")
-_LEAST_SPAN = 0.01  # of an axis over its values: numerical noise is not blown up
+_LEAST_SPAN = 0.01  # of an axis over its values, so that numerical noise is not magnified
 _BAND = 0.16  # opacity of a band
-_MOST_CURVES, _CURVES_SHOWN = 16, 9  # more curves than the first are a smear: so many of them are drawn
-_POINTS_SHOWN = 60  # up to so many computed points in a panel they are marked
+_MOST_CURVES, _CURVES_SHOWN = 16, 9  # more curves than the first number are unreadable: the second is drawn
+_POINTS_SHOWN = 60  # most computed points in a panel that are marked
 
 
 def plans(results: Results) -> Iterator[Plan]:
-    """Yield the figures over the axes of a sweep; none where the oil ratio is an outcome or no axis has numbers."""
+    """Yield the figures over the axes of a sweep; none where the oil ratio is an outcome or no axis is numeric."""
     layout = families.layout_of(results)
     if layout is None or families.outcome_layout(results) is not None:
         return
@@ -35,7 +35,7 @@ def plans(results: Results) -> Iterator[Plan]:
 
 
 def _efficiency(results: Results, layout: Layout, chosen: dict[int, int], constant: str, name: str) -> Any:
-    """Draw an efficiency over x, optimum of each curve marked (the paper's Fig. 1)."""
+    """Draw an efficiency over x, with the optimum of each curve marked (the paper's Fig. 1)."""
     curves, kept = thinned(every := family(results, layout, chosen, None, name))
     figure = new_figure(SINGLE, 70.0)
     axes = figure.subplots()
@@ -51,7 +51,7 @@ def _efficiency(results: Results, layout: Layout, chosen: dict[int, int], consta
 
 
 def _performance(results: Results, layout: Layout, chosen: dict[int, int], constant: str) -> Any:
-    """Draw the other figures over x, a panel each."""
+    """Draw the other figures over x, one panel each."""
     every = {name: curves for name in OTHERS if (curves := family(results, layout, chosen, None, name))}
     shown = {name: thinned(curves)[0] for name, curves in every.items()}
     rows, x_label = (len(shown) + 1) // 2, shown_axis(results.axis_list[layout.x]).label
@@ -71,7 +71,7 @@ def _performance(results: Results, layout: Layout, chosen: dict[int, int], const
 
 
 def thinned(curves: list[Curve]) -> tuple[list[Curve], str]:
-    """Return as many curves as an eye can follow, evenly chosen with both ends, and what is said of it; else all."""
+    """Return a readable number of curves, evenly chosen including both ends, and a remark on it; '' if all are kept."""
     if len(curves) <= _MOST_CURVES:
         return curves, ""
     chosen = np.unique(np.linspace(0, len(curves) - 1, _CURVES_SHOWN).round().astype(int))
@@ -79,11 +79,10 @@ def thinned(curves: list[Curve]) -> tuple[list[Curve], str]:
 
 
 def draw_curves(axes: Any, curves: list[Curve], optima: bool) -> int:
-    """Draw curves, crosses where a case did not close, triangles where it warns, circles at optima; count the optima.
+    """Draw curves, with crosses where a case did not close, triangles for warnings, circles at optima; count these.
 
-    Around a curve lies the band of its inputs' tolerances, where it has one.
-
-    The parabola that an optimum is the top of is drawn thin, as it may leave the lines between far points.
+    A band around a curve shows the tolerances of its inputs, if any. The parabola of an optimum is drawn thin, since it
+    may leave the straight lines between distant points.
     """
     found = 0
     marker = "." if sum(len(curve.x) for curve in curves) <= _POINTS_SHOWN else "None"
@@ -106,19 +105,19 @@ def draw_curves(axes: Any, curves: list[Curve], optima: bool) -> int:
 
 
 def _mark(axes: Any, x: np.ndarray, y: np.ndarray, marker: str, colour: Any) -> None:
-    """Draw markers that the frame does not cut; the layout need not make room for them."""
+    """Draw markers that the frame does not clip and for which the layout makes no room."""
     size = {"markersize": 3.0, "markeredgewidth": 0.6}
     axes.plot(x, y, marker=marker, color=colour, linestyle="", clip_on=False, in_layout=False, **size)
 
 
 def label_curves(panels: Iterable[tuple[Any, list[Curve]]], heading: str) -> None:
-    """Label the curves of all axes of a figure beside their ends."""
+    """Label the curves of all axes of a figure at their ends."""
     ends = [(axes, [(c.x[-1], c.y[-1]) for c in curves], [c.text for c in curves]) for axes, curves in panels]
     label_ends(ends, heading)
 
 
 def label_axes(axes: Any, x_label: str, y_label: str, x: list[np.ndarray]) -> None:
-    """Label both axes; x is logarithmic where its values ask for it, and spans them."""
+    """Label both axes; x spans its values, and is logarithmic if they suit that."""
     axes.set(xlabel=x_label, ylabel=y_label)
     values = np.concatenate(x)
     if is_log(values):
@@ -133,7 +132,7 @@ def label_axes(axes: Any, x_label: str, y_label: str, x: list[np.ndarray]) -> No
 
 
 def remarks(curves: list[Curve], optima: int) -> tuple[str, str, str]:
-    """Return what circles, crosses and triangles mean, where there are any."""
+    """Return the meaning of circles, crosses and triangles, where there are any."""
     open_cases, warned = families.not_closed(curves), families.with_warnings(curves)
     return (
         "○ optimum, top of a parabola (thin) through three points" if optima else "",

@@ -1,4 +1,4 @@
-"""Figures of tolerances: the three transfer functions, the surface of their deviations, the spread of a compressor."""
+"""Figures of tolerances: the three transfer functions, the surface of their deviations, the scatter of a compressor."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -12,7 +12,7 @@ from screwsim.machine.slider_crank.tolerance import FUNCTIONS, Array, Grade, Lin
 from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
 
 MM = 1e3  # [mm/m]
-SHARE = 0.05  # of the lengths, to either side
+SHARE = 0.05  # of the lengths, on either side
 SHOWN = ("gas_mass_flow", "shaft_power", "isentropic_efficiency")
 MARKERS = "o^s"
 _NAMES = {"right": "d$x$/d$α$", "printed": "formula as printed", "tabulated": "formula behind the table"}
@@ -29,7 +29,7 @@ def draw_tolerance(alpha: Array, nominal: Links, points: tuple[Array, Array], fo
 
 
 def functions_figure(nominal: Links, points: tuple[Array, Array]) -> Any:
-    """Draw the three transfer functions over a turn [mm/rad], the right one with ± 5 %, and the printed table."""
+    """Draw the three transfer functions over a revolution [mm/rad], the right one with ± 5 %, and the printed table."""
     figure = new_figure(SINGLE, 74.0)
     axes = figure.subplots()
     alpha = np.linspace(-np.pi, np.pi, 721)
@@ -50,7 +50,7 @@ def functions_figure(nominal: Links, points: tuple[Array, Array]) -> Any:
 
 
 def surface_figure(alpha: Array, nominal: Links) -> Any:
-    """Draw the standard deviation over ± 5 % of both lengths and the 5 % plane, right and as tabulated."""
+    """Draw the standard deviation over ± 5 % of both lengths with the 5 % plane, right and as tabulated."""
     figure = new_figure(DOUBLE, 82.0)
     figure.set_layout_engine("none")
     for i, name in enumerate(("right", "tabulated")):
@@ -78,18 +78,18 @@ def _surface(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
     axes.view_init(elev=22.0, azim=-62.0)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         plain_ticks(axis, most=5)
-        axis._axinfo["grid"].update(color="#dddddd", linewidth=0.4)  # matplotlib has no public way for one figure
+        axis._axinfo["grid"].update(color="#dddddd", linewidth=0.4)  # matplotlib has no public way for a single figure
 
 
 def _above(found: Array, level: float) -> Array:
-    """Return what rises above a level, with the cells that it cuts; the rest is not drawn."""
+    """Return the part above a level with the cells that it cuts; the rest is NaN and so not drawn."""
     high = np.pad(found > level, 1)
     near = high[1:-1, 1:-1] | high[:-2, 1:-1] | high[2:, 1:-1] | high[1:-1, :-2] | high[1:-1, 2:]
     return np.where(near, np.maximum(found, level), np.nan)
 
 
 def contour_figure(alpha: Array, nominal: Links) -> Any:
-    """Draw lines of equal deviation, as per cent of the law, over errors of both lengths; thick: 5 %."""
+    """Draw lines of equal deviation, in per cent of the law, over errors of both lengths; 5 % is thick."""
     figure = new_figure(DOUBLE, 84.0)
     panels = figure.subplots(1, 2, sharey=True)
     for i, name in enumerate(("right", "tabulated")):
@@ -100,7 +100,7 @@ def contour_figure(alpha: Array, nominal: Links) -> Any:
 
 
 def _contours(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
-    """Draw the lines of one function."""
+    """Draw the contours of one function."""
     errors = 1.1 * np.linspace(-SHARE, SHARE, 81)
     share = 100.0 * surface(function, alpha, nominal, errors) / plane(function, alpha, nominal, 1.0)
     for levels, width in (((1, 2, 3, 4, 6, 7, 8, 9), 0.8), ((100 * SHARE,), 1.8)):
@@ -112,7 +112,7 @@ def _contours(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
 
 
 def draw_machine(nominal: Links, drawn: tuple[Sequence[Grade], Array, Mapping[str, Array]], folder: Path) -> list[str]:
-    """Write the law of motion of one machine and the spread of those drawn (PNG, PDF); return the paths."""
+    """Write the law of motion of one machine and the scatter of the sampled ones (PNG, PDF); return the paths."""
     plans = {"law_of_motion": partial(law_figure, nominal), "tolerance": partial(spread_figure, *drawn)}
     return write_all(plans, folder)
 
@@ -132,7 +132,7 @@ def law_figure(nominal: Links) -> Any:
 
 
 def spread_figure(table: Sequence[Grade], shifts: np.ndarray, deviations: Mapping[str, np.ndarray]) -> Any:
-    """Draw error of the law and shift of the dead centre by grades, and over that figures' relative deviations."""
+    """Draw errors of the law and shifts of the dead centre by grades, and relative deviations of figures by shifts."""
     figure = new_figure(DOUBLE, 78.0)
     left, right = figure.subplots(1, 2)
     numbers = [row.crank for row in table]

@@ -1,4 +1,4 @@
-"""Figure of the gas torque: over two lobe pitches, and its harmonics of the lobe frequency."""
+"""Figure of the gas torque over two lobe pitches, and of its harmonics of the lobe frequency."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -16,7 +16,7 @@ _FINE = 720  # points of a pitch for the spectrum
 
 
 def plans(results: Results) -> Iterator[tuple[str, Any]]:
-    """Yield the torque of the cycle that the file keeps, of its best case in a sweep."""
+    """Yield the torque of the stored cycle, in a sweep that of its best case."""
     trace = chosen_trace(results)
     if trace is None or "machine_male_lobes" not in results.inputs:
         return

@@ -1,4 +1,4 @@
-"""One cycle out of a results file: its traces, the pressures of the lines and the angles worth a mark."""
+"""One cycle from a results file: its traces, the pressures of the lines, and angles to be marked."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -12,10 +12,10 @@ from screwsim.results import Results
 from screwsim.results.schema import variable_name
 from screwsim.results.warned import caption, warnings_of
 
-_SLACK = 0.1  # of the distance of two samples, for the digits of volume and ratio
-_INJECTION = 360.0  # [degree] oil is injected there (docs/model.md)
-_LONE = 0.03  # share of the angles that a spike may take to lie beyond the axis
-_ROOM = 1.25  # axis over the highest pressure that is no spike
+_SLACK = 0.1  # of the distance of two samples, for rounding of volume and ratio
+_INJECTION = 360.0  # [degree] where oil is injected (docs/model.md)
+_LONE = 0.03  # largest share of the angles of a spike that may exceed the axis
+_ROOM = 1.25  # axis limit over the highest pressure outside spikes
 _SIDES = ("leading", "trailing")
 
 
@@ -31,12 +31,12 @@ class Trace(NamedTuple):
 
 
 def angle_axis(results: Results) -> Shown:
-    """Return what the angle of a file's machine is called."""
+    """Return how the angle of a file's machine is shown."""
     return ANGLE if variable_name("machine.crank_radius") not in results.inputs else CRANK_ANGLE
 
 
 def chosen_trace(results: Results) -> Trace | None:
-    """Return the cycle of the run, or of the sweep's case of best efficiency; None when no cycle is kept."""
+    """Return the cycle of the run, or of a sweep's case with the best efficiency; None if no cycle is stored."""
     if "angle" not in results.cycle:
         return None
     index = best_case(results)
@@ -54,7 +54,7 @@ def chosen_trace(results: Results) -> Trace | None:
 
 
 def trace_of(result: Result) -> Trace:
-    """Return the cycle of a result in memory; of the lines' pressures and marks what the result itself tells."""
+    """Return the cycle of a result in memory, with the lines' pressures that the result has, and no marks."""
     values = {name: column for name, column in result.cycle.items() if name != "angle"}
     pressures = {
         symbol: float(value)
@@ -66,7 +66,7 @@ def trace_of(result: Result) -> Trace:
 
 
 def case_title(results: Results, index: tuple[int, ...]) -> str:
-    """Return what tells a case of a sweep, whether it closed, what it warns of; '' for a run that did without."""
+    """Return the title of a case: its values in a sweep, whether it failed to close, its warnings; '' if none apply."""
     title = ", ".join(value_of(axis, i) for axis, i in zip(results.axis_list, index, strict=True))
     status = "" if np.asarray(results.status)[index] == "ok" else "not closed"
     told = (f"best case: {title}" if title else "", status, caption(warnings_of(results, index)))
@@ -74,7 +74,7 @@ def case_title(results: Results, index: tuple[int, ...]) -> str:
 
 
 def best_case(results: Results) -> tuple[int, ...] | None:
-    """Return the index of the case of best efficiency among those with a cycle, closed ones first."""
+    """Return the index of the case with the best efficiency among those with a cycle, closed ones first."""
     there = np.isfinite(results.cycle["pressure"]).any(axis=-1)
     if not there.any():
         return None
@@ -88,7 +88,7 @@ def best_case(results: Results) -> tuple[int, ...] | None:
 
 
 def _line_pressure(results: Results, line: str, index: tuple[int, ...]) -> float:
-    """Return the pressure of a line [Pa]: the stated one, or the figure where temperatures are stated."""
+    """Return the pressure of a line [Pa]: the stated one, or the computed figure where temperatures are stated."""
     given = _input(results, f"operation.{line}.pressure", index)
     name = f"{line}_pressure"
     if np.isfinite(given) or name not in results.performance:
@@ -97,7 +97,7 @@ def _line_pressure(results: Results, line: str, index: tuple[int, ...]) -> float
 
 
 def _input(results: Results, path: str, index: tuple[int, ...]) -> float:
-    """Return a numeric input of one case [SI]; NaN when the file has none."""
+    """Return a numeric input of one case [SI]; NaN if the file has none."""
     for axis, i in zip(results.axis_list, index, strict=True):
         for inner in axis.joined or (axis,):
             if inner.path == path:
@@ -109,7 +109,7 @@ def _input(results: Results, path: str, index: tuple[int, ...]) -> float:
 def marks_of(
     results: Results, index: tuple[int, ...], angle: np.ndarray, values: Mapping[str, np.ndarray]
 ) -> dict[str, float]:
-    """Return the angles of injection and of the port's opening, as far as the scene has them; an expander has none."""
+    """Return the angles of injection and of the port's opening, if the scene has them; none for an expander."""
     marks: dict[str, float] = {}
     if "output_power" in results.performance and np.isfinite(results.performance["output_power"][index]):
         return marks
@@ -117,7 +117,7 @@ def marks_of(
         marks["oil injection"] = _injection(results, index, angle, values)
     opens = _input(results, "machine.discharge_port.opens", index) * DEGREE
     flow = np.abs(values.get("mass_flow_discharge_port", np.zeros_like(angle)))
-    if not np.isfinite(opens) and flow.any():  # rotors', or a tabulated port: where its first flow is
+    if not np.isfinite(opens) and flow.any():  # rotors, or a tabulated port: at its first flow
         opens = _first_flow(results, index, angle, flow, values)
     if np.isfinite(opens) and flow.any():
         marks["port opens"] = opens
@@ -129,7 +129,7 @@ def _first_flow(
 ) -> float:
     """Return the angle [degree] of the first flow through the discharge port.
 
-    Between the samples beside it, it is where the chamber has the volume of the built-in volume ratio, if it has.
+    Between the samples around it, this is where the chamber has the volume of the built-in volume ratio, if it does.
     """
     first = int(np.argmax(flow > 0.0))
     before = max(first - 1, 0)
@@ -142,7 +142,7 @@ def _first_flow(
 
 
 def _injection(results: Results, index: tuple[int, ...], angle: np.ndarray, values: Mapping[str, np.ndarray]) -> float:
-    """Return the angle of injection [degree]: a table's own, that of the largest volume of rotors, or 360°."""
+    """Return the angle of injection [degree]: a table's own, for rotors that of the largest volume, else 360°."""
     given = _input(results, "machine.volume.injection_angle", index) * DEGREE
     if np.isfinite(given):
         return given
@@ -153,7 +153,7 @@ def _injection(results: Results, index: tuple[int, ...], angle: np.ndarray, valu
 def pressure_limit(trace: Trace) -> tuple[float, float, float]:
     """Return the top of the pressure axis, the highest pressure [Pa] and its angle [degree].
 
-    A spike over few degrees, as the dead volume's at the end of a life, may lie beyond the top.
+    A spike over few degrees, such as that in the dead volume at the end of a life, may exceed the top.
     """
     p = trace.values["pressure"]
     place = int(np.nanargmax(p))

@@ -1,4 +1,4 @@
-"""Figures of a validation, from its document: ours as lines, theirs as points with the source's uncertainty."""
+"""Figures of a validation, from its document: ours as lines, the source's as points with their uncertainty."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -11,12 +11,12 @@ HEIGHT = 74.0  # [mm] of one row of panels
 MARKERS = "os^Dv<>P"
 THEIRS = COLOURS[2]
 OURS = tuple(colour for colour in COLOURS if colour != THEIRS)
-LEGEND = 58  # letters that fit side by side above a panel, handles counted
-HANDLE = 7  # letters that a handle is wide
+LEGEND = 58  # characters that fit side by side above a panel, including handles
+HANDLE = 7  # width of a handle in characters
 
 
 def draw(document: Mapping[str, Any], folder: Path) -> list[str]:
-    """Write a figure a source that has panels, as PNG and PDF; return the paths."""
+    """Write one figure per source that has panels, as PNG and PDF; return the paths."""
     drawn = {name: source for name, source in document["sources"].items() if source["panels"]}
     return write_all({name: partial(_figure, source) for name, source in drawn.items()}, folder)
 
@@ -53,7 +53,7 @@ def _draw_panel(axes: Any, panel: Mapping[str, Any]) -> None:
     for which in "xy":
         if panel[f"log_{which}"]:
             _logarithmic(axes, which)
-    # above the axes, where no curve can run under it
+    # above the axes, so that it covers no curve
     _, labels = axes.get_legend_handles_labels()
     longest = max(map(len, labels), default=1) + HANDLE
     axes.legend(

@@ -1,4 +1,4 @@
-"""Results to HDF5 and back, in one schema."""
+"""Writing results to HDF5 and reading them back, with one schema."""
 
 from screwsim.results.group import Group
 from screwsim.results.read import Results, open_results

@@ -1,4 +1,4 @@
-"""The scene that a file of results holds, as a file of its own: what simulates the same again."""
+"""The scene stored in a results file, as a file of its own that repeats the simulation."""
 
 import json
 
@@ -8,7 +8,7 @@ _NAMES = "screwsim", "python", "numpy", "scipy", "llvmlite", "coolprop"
 
 
 def scene_text(results: Results) -> str:
-    """Return the YAML text of the scene, below lines that say of which file, of which versions, with which tables."""
+    """Return the scene's YAML text, below comment lines that give its source file, versions and the tables it needs."""
     told = results.attributes
     versions = ", ".join(f"{name} {told[f'{name}_version']}" for name in _NAMES if f"{name}_version" in told)
     lines = [f"# The scene of {results.path.name}, scene_sha256 {told['scene_sha256'][:16]}", f"# {versions}"]

@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all: written beside, forced to disk, then renamed."""
+"""Atomic files, complete or absent: written under a temporary name, forced to disk, then renamed."""
 
 import csv
 import os
@@ -11,7 +11,7 @@ from typing import Any
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import irregular
 
-HDF5 = b"\x89HDF\r\n\x1a\n"  # how such a file begins
+HDF5 = b"\x89HDF\r\n\x1a\n"  # first bytes of an HDF5 file
 OTHERS = "{}: is there, and not of the kind that would be written (choose another -o, or remove it)"
 
 
@@ -31,9 +31,9 @@ def _sync_folder(folder: Path) -> None:
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Give a temporary path beside; put what was written there at `path` when the block ends well.
+    """Give a temporary path in the same folder; move the file there to `path` if the block succeeds.
 
-    A link stays, and what it names is replaced. When anything fails the temporary file is removed and the old one
+    A symbolic link stays, and its target is replaced. On any failure the temporary file is removed and the old file
     stays. Raise UsageError, in one line, when the system refuses.
     """
     check_target_kind(path)
@@ -48,14 +48,14 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def write_text(path: Path, text: str) -> str:
-    """Write a text whole or not at all, and return its path; raise UsageError as `replacing` does."""
+    """Write a text atomically and return its path; raise UsageError as `replacing` does."""
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
     return str(path)
 
 
 def write_csv(path: Path, names: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
-    """Write a line of names and rows below it, likewise."""
+    """Write a header line of names and the rows below it as CSV, atomically; return its path."""
     with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(names)
@@ -64,17 +64,17 @@ def write_csv(path: Path, names: Iterable[str], rows: Iterable[Iterable[Any]]) -
 
 
 def followed(path: Path) -> Path:
-    """Return the file that a link names in the end, there or not; of what is no link the path itself."""
+    """Return the final target of a symbolic link, whether it exists or not; for anything else the path itself."""
     return Path(os.path.realpath(path)) if path.is_symlink() else path
 
 
 def beside(path: Path, folder: Path | None = None) -> Path:
-    """Return where a file is written until it is whole: in `folder`, on the same disk (default: that of `path`)."""
+    """Return the temporary name of a file being written: in `folder`, on the same disk (default: that of `path`)."""
     return (folder or path.parent) / f".{path.name}.{os.getpid()}.tmp"
 
 
 def put(temporary: Path, path: Path) -> None:
-    """Put a file at `path` that is whole, for good; raise OSError when the system refuses."""
+    """Move a complete file to `path` and force it to disk; raise OSError when the system refuses."""
     _sync(temporary)
     os.replace(temporary, path)
     _sync_folder(path.parent)
@@ -84,7 +84,7 @@ Stamp = tuple[int, ...] | None
 
 
 def stamp_of(path: Path) -> Stamp:
-    """Return what changes when another file comes to `path`; None where there is none."""
+    """Return a value that changes when `path` is replaced or rewritten; None where there is no file."""
     try:
         found = os.lstat(path)
     except OSError:
@@ -93,7 +93,7 @@ def stamp_of(path: Path) -> Stamp:
 
 
 def put_beside_none(temporary: Path, path: Path, before: Stamp) -> None:
-    """Put a whole file at `path`; raise FileExistsError where another lies there than that `before`, which stays."""
+    """Move a complete file to `path`; raise FileExistsError, and keep the file there, if it is not that of `before`."""
     _sync(temporary)
     if before is None:
         _put_new(temporary, path)
@@ -106,7 +106,7 @@ def put_beside_none(temporary: Path, path: Path, before: Stamp) -> None:
 
 def _put_new(temporary: Path, path: Path) -> None:
     try:
-        os.link(temporary, path)  # never takes another's place
+        os.link(temporary, path)  # never replaces another file
     except FileExistsError:
         raise
     except OSError:  # a disk without hard links
@@ -119,7 +119,7 @@ def _put_new(temporary: Path, path: Path) -> None:
 
 @contextmanager
 def refused(path: Path) -> Iterator[None]:
-    """Raise UsageError, in one line, when the system refuses to write what shall lie at `path`."""
+    """Raise UsageError, in one line, when the system refuses to write to `path`."""
     try:
         yield
     except OSError as error:
@@ -127,7 +127,7 @@ def refused(path: Path) -> Iterator[None]:
 
 
 def cannot_write(path: Path, error: OSError) -> str:
-    """Return the line that says why `path` cannot be written, and the remedy."""
+    """Return one line on why `path` cannot be written, with the remedy."""
     reason = os.strerror(error.errno) if error.errno else str(error).splitlines()[0]
     return f"{path}: cannot be written: {reason} (make room or rights there, or choose another place with -o)"
 
@@ -139,20 +139,20 @@ def make_folder(folder: Path) -> None:
 
 
 def remove(path: Path) -> None:
-    """Remove a file, if it is there and the system allows."""
-    with suppress(OSError):  # the folder itself is gone or refuses: that error is already on its way
+    """Remove a file if it exists and the system allows it."""
+    with suppress(OSError):  # the folder itself is gone or not writable: that error is already being raised
         path.unlink(missing_ok=True)
 
 
 def check_target_kind(path: Path) -> None:
-    """Raise UsageError where a folder, a pipe or a device lies at `path`: it would be replaced, or waited for."""
+    """Raise UsageError where `path` is a folder, a pipe or a device, which would be replaced or block."""
     what = irregular(path)
     if what:
         raise UsageError(f"{path}: is {what} (choose another -o)")
 
 
 def holds(path: Path) -> bool:
-    """Tell whether something lies at `path`, but an empty file, as programs make them ahead."""
+    """Tell whether `path` exists and is not an empty file, such as programs create in advance."""
     try:
         found = path.stat()
     except OSError:
@@ -161,12 +161,12 @@ def holds(path: Path) -> bool:
 
 
 def keep_others(path: Path, begins: bytes) -> None:
-    """Raise UsageError where a file that holds something lies at `path` and does not begin so: none of ours."""
+    """Raise UsageError where a non-empty file at `path` does not begin with `begins`, and so is of another kind."""
     check_target_kind(path)
     try:
         with path.open("rb") as stream:
             found = stream.read(len(begins))
-    except OSError:  # none there, or one that cannot be replaced either, which is told then
+    except OSError:  # missing, or not readable: if it cannot be replaced either, that is reported then
         return
     if found and found.lower() != begins.lower():
         raise UsageError(OTHERS.format(path))

@@ -12,11 +12,11 @@ from screwsim.results.read import Results
 from screwsim.results.schema import Axis
 
 _PREFIXED = ("balance", "error", "numerics", "cycle", "ledger", "knock_out", "optimum", "contributions", "derivatives")
-_UNCERTAIN = "_u"  # behind the name of a figure: its standard uncertainty by the inputs
+_UNCERTAIN = "_u"  # suffix of a figure's standard uncertainty due to the inputs
 
 
 def dataset(results: Results, group: str | None) -> Any:
-    """Return a group of results as an xarray.Dataset; None: performance, and the others with a prefix."""
+    """Return a group of results as an xarray.Dataset; None: performance, and the other groups with a prefix."""
     import xarray as xr
 
     if group is None:
@@ -41,7 +41,7 @@ def dataset(results: Results, group: str | None) -> Any:
 
 
 def frame(results: Results, group: str) -> Any:
-    """Return a group of results as a pandas.DataFrame, a row a case; raise UsageError of what is over an angle."""
+    """Return a group of results as a pandas.DataFrame, one row per case; raise UsageError if it has its own axis."""
     part: Group = getattr(results, group)
     if OWN.get(group) is not None:
         raise UsageError(f"{group}: has more than one value a case (use to_xarray({group!r}))")
@@ -60,7 +60,7 @@ def frame(results: Results, group: str) -> Any:
 
 
 def _variables(part: Group, prefix: str, axes: tuple[Axis, ...]) -> dict[str, Any]:
-    """Return (dimensions, values, attributes) by name; inputs that do not vary have no dimension."""
+    """Return (dimensions, values, attributes) by name; variables that are the same for all cases have no dimension."""
     names = [axis.name for axis in axes]
     joined = {inner.name for axis in axes for inner in axis.joined}
     found = {}

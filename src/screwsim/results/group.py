@@ -1,4 +1,4 @@
-"""A group of a results file: its variables by name, each read when it is asked for, and what a variable holds."""
+"""A group of a results file: its variables by name, each read on demand, with their meanings."""
 
 from collections.abc import ItemsView, Iterable, Iterator, Mapping
 from pathlib import Path
@@ -12,29 +12,29 @@ from screwsim.results import stored
 from screwsim.results.netcdf import SEPARATOR
 from screwsim.results.stored import REMEDY, Odd, opened
 
-_LONG_TEXTS = 1 << 24  # letters; more texts than that come as objects, for numpy gives each the room of the longest
-# the coordinate of its own that a group has
+_LONG_TEXTS = 1 << 24  # characters; beyond this texts are objects, since numpy pads every text to the longest
+# the coordinate that a group has of its own
 OWN = {"cycle": "angle", "knock_out": "effect", "contributions": "contributor", "derivatives": "number"}
 
 
 class NoVariable(UsageError, KeyError):
-    """Report a variable that a file does not have."""
+    """Error for a variable that a file does not have."""
 
     def __str__(self) -> str:
         return str(self.args[0])
 
 
 class Group(Mapping[str, np.ndarray]):
-    """Variables of one group by name, arrays on the axes of the sweep; each is read once, when it is asked for.
+    """Variables of one group by name, arrays on the axes of the sweep; each is read once, on demand.
 
-    Of those over a coordinate of the group's own (`OWN`) a pair picks one label: `["shaft_power", "operation.speed"]`.
-    Texts come as str, numbers as stored: NaN is where there is none, `status` is an index of `outputs.STATUSES`.
+    Where the group has a coordinate of its own (`OWN`), a pair selects one label: `["shaft_power", "operation.speed"]`.
+    Texts are str, numbers as stored: NaN is a missing value, `status` an index into `outputs.STATUSES`.
     """
 
     def __init__(self, path: Path, name: str, about: Mapping[str, Variable], scales: Mapping[str, str]) -> None:
         self.name = name
         self.about = about  # unit and meaning of each variable
-        self.scales = scales  # of errors: what each is relative to, as text
+        self.scales = scales  # of errors: the scale to which each is relative, as text
         self._path = path
         self._read: dict[str, np.ndarray] = {}
 
@@ -48,7 +48,7 @@ class Group(Mapping[str, np.ndarray]):
         return self._read[name]
 
     def take(self, names: Iterable[str]) -> None:
-        """Read several variables of the group while the file is open once; to open it takes as long as to read one."""
+        """Read several variables with the file opened once, as opening takes as long as reading one variable."""
         missing = [name for name in names if name not in self._read]
         if missing:
             with opened(self._path) as file:
@@ -59,12 +59,12 @@ class Group(Mapping[str, np.ndarray]):
         return name in self.about or (isinstance(name, tuple) and super().__contains__(name))
 
     def items(self) -> ItemsView[str, np.ndarray]:
-        """Return names and values, read together."""
+        """Return names and values, all read at once."""
         self.take(self.about)
         return super().items()
 
     def _labelled(self, name: str, label: str) -> np.ndarray:
-        """Return a variable at one label of the coordinate that the group has of its own: an input's, a number's."""
+        """Return a variable at one label of the group's own coordinate, such as an input or a number."""
         own = OWN.get(self.name)
         labels = [] if own is None or own not in self.about else [str(each) for each in self[own]]
         if label not in labels:
@@ -73,12 +73,12 @@ class Group(Mapping[str, np.ndarray]):
         return self[name][..., labels.index(label)]
 
     def texts_at(self, name: str, cases: np.ndarray) -> list[str]:
-        """Return a text of some cases, by their numbers (last axis fastest), without making those of all."""
+        """Return a variable's texts for given case numbers (last axis fastest), without building those of all cases."""
         words, numbers = self.texts(name)
         return [words[number] for number in numbers[cases]]
 
     def texts(self, name: str) -> tuple[list[str], np.ndarray]:
-        """Return the different texts of a variable, and the number of each case's, last axis fastest (cases,)."""
+        """Return the distinct texts of a variable, and the index of each case's text (cases,), last axis fastest."""
         with opened(self._path) as file:
             group = stored.member(file, self.name, dataset=False)
             if not stored.has(group, f"{name}_text"):
@@ -93,13 +93,13 @@ class Group(Mapping[str, np.ndarray]):
         return len(self.about)
 
     def part(self, name: str, index: tuple[slice, ...]) -> np.ndarray:
-        """Return a part of a variable of numbers, read from the file now and not kept."""
+        """Return a slice of a numeric variable, read from the file at once and not cached."""
         with opened(self._path) as file:
             return stored.values(stored.member(stored.member(file, self.name, dataset=False), name), index)
 
 
 def values_of(group: Any, name: str) -> np.ndarray:
-    """Return a variable; texts as str, also those that are stored as numbers of a text in `<name>_text`."""
+    """Return a variable; texts as str, also those that are stored as indices into `<name>_text`."""
     data = stored.member(group, name)
     if stored.is_scale(data) and stored.has_attribute(data, "labels"):
         return labels_of(data)
@@ -115,7 +115,7 @@ def values_of(group: Any, name: str) -> np.ndarray:
 
 
 def _in_range(data: Any, count: int, first: int = 0) -> np.ndarray:
-    """Return a variable of numbers of words, from `first` to below `count`."""
+    """Return a variable of indices of words; raise Odd if any is outside `first` to `count` - 1 (`first` = 0 or -1)."""
     values = stored.values(data)
     if values.dtype.kind not in "iu" or (values.size and not first <= values.min() <= values.max() < count):
         raise Odd(f"is damaged: {data.name} has numbers of texts that are not there")
@@ -123,7 +123,7 @@ def _in_range(data: Any, count: int, first: int = 0) -> np.ndarray:
 
 
 def labels_of(data: Any) -> np.ndarray:
-    """Return the words that a coordinate numbers."""
+    """Return the words of a coordinate that stores their indices."""
     labels = np.array(stored.text_attribute(data, "labels").split("\n"))
     return labels[_in_range(data, len(labels))]
 

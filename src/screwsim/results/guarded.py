@@ -1,4 +1,4 @@
-"""New HDF5 files on disks that may be full: what stops the writing is raised, in place of what HDF5 makes of it."""
+"""New HDF5 files on disks that may be full: the error that stopped the writing is raised, not HDF5's consequence."""
 
 import os
 from collections.abc import Iterator
@@ -9,14 +9,14 @@ from typing import Any
 
 @contextmanager
 def new_hdf5(path: Path, **layout: Any) -> Iterator[Any]:
-    """Give a new HDF5 file to write into; raise the OSError that stopped its writing, if any."""
+    """Give a new HDF5 file to write to; raise the OSError that stopped its writing, if any."""
     import h5py
 
     target = GuardedFile(path)
     try:
         with h5py.File(target, "w", **layout) as file:
             yield file
-    except Exception:  # of HDF5, which reads back less than it wrote
+    except Exception:  # raised by HDF5, which reads back less than it wrote
         target.check()
         raise
     finally:
@@ -25,10 +25,10 @@ def new_hdf5(path: Path, **layout: Any) -> Iterator[Any]:
 
 
 class GuardedFile:
-    """A new file whose failure to write is kept in `error` and not raised.
+    """A new file that keeps a failure to write in `error` instead of raising it.
 
-    HDF5 1.14 can crash the process when its own writing fails: it is told that all went well, and whoever writes
-    asks `check` now and then.
+    HDF5 1.14 can crash the process when its own writing fails. So it is told that every write succeeded, and the writer
+    calls `check` from time to time.
     """
 
     def __init__(self, path: Path) -> None:
@@ -41,7 +41,7 @@ class GuardedFile:
             raise self.error
 
     def write(self, data: memoryview) -> int:
-        """Write all bytes, or keep the reason why not."""
+        """Write all bytes; on failure keep the error."""
         left = memoryview(data).cast("B")
         try:
             while len(left) and self.error is None:
@@ -66,21 +66,21 @@ class GuardedFile:
         return bytes(buffer)
 
     def readinto(self, buffer: memoryview) -> int:
-        """Read; after a failure there may be less than was written, and zeros stand for it."""
+        """Read; after a failed write there may be fewer bytes than were written, and zeros replace the rest."""
         size = self._file.readinto(buffer) or 0
         buffer[size:] = bytes(len(buffer) - size)
         return len(buffer)
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Go to a place."""
+        """Move to an offset."""
         return self._file.seek(offset, whence)
 
     def tell(self) -> int:
-        """Return the place."""
+        """Return the offset."""
         return self._file.tell()
 
     def flush(self) -> None:
-        """Nothing is held back."""
+        """Do nothing: the file is unbuffered."""
 
     def close(self) -> None:
         """Close the file."""

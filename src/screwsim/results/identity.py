@@ -1,7 +1,7 @@
-"""What results depend on: the scene, the code, the user's own modules and files, by content and not by name or date.
+"""What results depend on: scene, code, user-defined modules and files, identified by contents, not by name or date.
 
-Only results of one identity may stand in one file. It is a flat {what: digest or version}, stored beside the results,
-so that a refusal can say what differs.
+Only results of one identity may be in one file. It is a flat {what: digest or version}, stored with the results, so
+that a refusal can name the differences.
 """
 
 import hashlib
@@ -19,21 +19,21 @@ from screwsim.version import release
 
 LIBRARIES = ("CoolProp", "llvmlite", "numpy", "scipy")
 Identity = Mapping[str, str]
-Files = Mapping[str, str]  # {file as the scene names it: its path}
+Files = Mapping[str, str]  # {file as named in the scene: its path}
 _FILE, _MODULE, _SOURCES, _NONE = "file ", "module ", "screwsim sources", "none"
-_TOLD = 3  # differences that are told
+_TOLD = 3  # number of differences listed
 
 
 def code_identity(own: Iterable[str]) -> dict[str, str]:
-    """Return what this process computes with: this package, libraries, the modules of the user's own.
+    """Return the identity of the code of this process: this package, libraries and user-defined modules.
 
-    Of this package the release that it belongs to, and its sources: a version between tags changes with each commit, of
-    a page of the documentation too, and would refuse what is as good as new.
+    For this package that is its release and a digest of its sources: a version between tags changes with each commit,
+    even of a documentation page, and would refuse results that are still valid.
     """
     found = {"screwsim": release(version()), _SOURCES: sources.of_package()}
     found |= {name: _library(name) for name in LIBRARIES}
     for name in own:
-        own_module(name)  # imports it, where a worker has not
+        own_module(name)  # imports it, if a worker has not yet
         found |= {_MODULE + file: text for file, text in sources.of_module(name).items()}
     return found
 
@@ -44,12 +44,12 @@ def file_identity(files: Files) -> dict[str, str]:
 
 
 def files_of(identity: Identity) -> dict[str, str]:
-    """Return what an identity says of files."""
+    """Return the part of an identity that describes files."""
     return {name: text for name, text in identity.items() if name.startswith(_FILE)}
 
 
 def figures_identity() -> dict[str, str]:
-    """Return what a file of results holds."""
+    """Return a digest of the figures that a results file holds."""
     return {"figures": hashlib.sha256(repr(known()).encode()).hexdigest()[:16]}
 
 
@@ -68,12 +68,12 @@ def unpacked(text: Any) -> Identity | None:
 
 
 def differences(stored: Identity, wanted: Identity) -> str:
-    """Return in words what differs, at most a few things; '' when nothing does."""
+    """Return in words the differences, at most a few; '' if there are none."""
     return _few(list(_differences(stored, wanted)))
 
 
 def changed_values(stored: Mapping[str, str], wanted: Mapping[str, str]) -> str:
-    """Return which values of two scenes differ, by their paths, at most a few, after a comma; '' where none does."""
+    """Return which values of two scenes differ, by path, at most a few, after a comma; '' if none do."""
     none = "not there"
     changed = [path for path in dict.fromkeys((*stored, *wanted)) if stored.get(path) != wanted.get(path)]
     told = [f"{path}: {stored.get(path, none)}, now {wanted.get(path, none)}" for path in changed]
@@ -86,7 +86,7 @@ def _few(told: list[str]) -> str:
 
 
 def disagreement(found: Identity, wanted: Identity) -> str:
-    """Return in words what a process has that is not as wanted, at most a few things; '' when all is."""
+    """Return in words how a process differs from the `wanted` identity, at most a few things; '' if it does not."""
     told = []
     for name, now in wanted.items():
         here = found.get(name, _NONE)

@@ -14,24 +14,24 @@ import numpy as np
 
 from screwsim.outputs import Variable
 
-_COMPRESS_FROM = 4096  # [byte] below it a chunk's index costs more than it saves
+_COMPRESS_FROM = 4096  # [byte] below this a chunk's index costs more than compression saves
 _CHUNK = 262144  # [byte]
-_ITEM = 8  # [byte] one size for all types: the variables of a case lie in chunks of the same cases
-_BARE = "This is a netCDF dimension but not a netCDF variable.{:10d}"  # the format's own name of such a scale
-SEPARATOR = "\n\n"  # between the texts of a sweep
+_ITEM = 8  # [byte] same size for all types, so that the chunks of all variables cover the same cases
+_BARE = "This is a netCDF dimension but not a netCDF variable.{:10d}"  # name prescribed by the format for such a scale
+SEPARATOR = "\n\n"  # separates the texts of a sweep
 _TEXT_LIMIT = 2000  # [byte]
 
 
 def set_attributes(target: Any, attributes: Mapping[str, Any]) -> None:
-    """Write new attributes; texts with a fixed length, UTF-8.
+    """Write new attributes; texts get a fixed length and UTF-8.
 
-    By HDF5's own calls: a file has hundreds of them, and the checks of h5py's take longer than the writing.
+    This calls HDF5 directly: a file has hundreds of attributes, and h5py's checks take longer than the writing.
     """
     from h5py import h5a  # pyright: ignore[reportAttributeAccessIssue] - compiled, without types
 
     for name, value in attributes.items():
         if isinstance(value, str):
-            data = np.array(value.encode() or b"\0")  # a length of zero is not possible
+            data = np.array(value.encode() or b"\0")  # HDF5 allows no length of zero
             kind = _text_type(data.itemsize)
         else:
             data = np.asarray(np.int32(value) if isinstance(value, int) else value)
@@ -62,7 +62,7 @@ def _space(shape: tuple[int, ...]) -> Any:
 
 
 class Made(NamedTuple):
-    """A variable, by the number that HDF5 has for it: a dataset of h5py's takes as long to make as HDF5's own."""
+    """A variable as HDF5's own identifier, since an h5py dataset takes as long to create as HDF5's."""
 
     id: Any
 
@@ -74,26 +74,26 @@ class Made(NamedTuple):
 
 
 class Layout:
-    """Write groups, dimensions and variables into an open HDF5 file; it counts the dimensions of the file."""
+    """Writes groups, dimensions and variables into an open HDF5 file, and counts the file's dimensions."""
 
     def __init__(self, file: Any) -> None:
         self.file = file
         self._ids = count()
-        self._scales: dict[tuple[int, str], Any] = {}  # of each group
-        self._kinds: dict[tuple[Any, ...], tuple[Any, Any, Any]] = {}  # type, space and storage of like variables
+        self._scales: dict[tuple[int, str], Any] = {}  # by group and name
+        self._kinds: dict[tuple[Any, ...], tuple[Any, Any, Any]] = {}  # type, space and storage of similar variables
 
     def group(self, name: str) -> Any:
-        """Make a group that remembers the order of its members, as netCDF-4 does."""
+        """Create a group that remembers the order of its members, as netCDF-4 does."""
         return self.file.create_group(name, track_order=True)
 
     def coordinate(self, group: Any, name: str, values: np.ndarray, about: Mapping[str, Any]) -> None:
-        """Make a dimension with its coordinate variable."""
+        """Create a dimension with its coordinate variable."""
         data = group.create_dataset(name, data=values, **_storage(values.shape))
         set_attributes(data, about)
         self._scale(group, data, name)
 
     def dimension(self, group: Any, name: str, size: int) -> None:
-        """Make a dimension without values, unless the group has it."""
+        """Create a dimension without values, unless the group has it already."""
         if name not in group:
             self._scale(group, group.create_dataset(name, (size,), ">f4"), name, _BARE.format(size))
 
@@ -105,13 +105,13 @@ class Layout:
     def variable(
         self, group: Any, name: str, values: np.ndarray, dimensions: Sequence[str], about: Mapping[str, Any]
     ) -> None:
-        """Make a variable over dimensions that the group has; `_FillValue` of `about` must have its type."""
+        """Create a variable over existing dimensions of the group; `_FillValue` of `about` must have its type."""
         self.empty(group, name, values.shape, values.dtype, dimensions, about).write(values)
 
     def empty(
         self, group: Any, name: str, shape: tuple[int, ...], dtype: Any, dimensions: Sequence[str], about: Mapping
     ) -> Made:
-        """Make a variable whose values are written later, and return it."""
+        """Create a variable whose values are written later, and return it."""
         from h5py import h5ds  # pyright: ignore[reportAttributeAccessIssue]
 
         data = self._made(group, name, shape, np.dtype(dtype), about.get("_FillValue"))
@@ -121,7 +121,7 @@ class Layout:
         return data
 
     def _made(self, group: Any, name: str, shape: tuple[int, ...], dtype: np.dtype, fill: Any) -> Made:
-        """Make a dataset like the first of its kind, which h5py makes."""
+        """Create a dataset with the properties of the first one of its kind, which h5py creates."""
         from h5py import h5d  # pyright: ignore[reportAttributeAccessIssue]
 
         kind = shape, dtype.str, None if fill is None else fill.tobytes()
@@ -134,11 +134,11 @@ class Layout:
     def texts(
         self, group: Any, name: str, words: Sequence[str], shape: tuple[int, ...], dimensions: Sequence[str], about: str
     ) -> Any:
-        """Make a variable of texts, of which `words` are the different ones.
+        """Create a variable of texts; `words` are the distinct ones.
 
-        One text: its characters. An array: numbers of the texts in `<name>_text`, written later; it is returned. One
-        dimension of single characters is all that Octave, netCDF 4.9 and xarray read alike: Octave stops at two, the
-        netCDF library crashes on longer strings.
+        A single text is stored as its characters, an array as indices into `<name>_text`, which is returned to be
+        written later. Octave, netCDF 4.9 and xarray all read only single characters along one dimension: Octave stops
+        at two, and the netCDF library crashes on longer strings.
         """
         if not dimensions:
             return self.characters(group, name, words[0], about)
@@ -147,7 +147,7 @@ class Layout:
         return self.empty(group, name, shape, np.int32, dimensions, numbers)
 
     def characters(self, group: Any, name: str, text: str, long_name: str) -> None:
-        """Make a variable of one text."""
+        """Create a variable that holds one text."""
         characters = np.frombuffer(text.encode() or b"\0", "S1")
         length = f"string{characters.size}"
         self.dimension(group, length, characters.size)
@@ -156,7 +156,7 @@ class Layout:
 
 
 class Selection:
-    """A block of values of variables of one shape, from the place `first` on; dimensions behind its own whole."""
+    """A block of values in variables of one shape, from the index `first` on; later dimensions are taken completely."""
 
     def __init__(self, shape: tuple[int, ...], first: tuple[int, ...], block: tuple[int, ...]) -> None:
         from h5py import h5s
@@ -167,17 +167,17 @@ class Selection:
             self._file.select_hyperslab((*first, *(0 for _ in shape[len(block) :])), size)
 
     def write(self, data: Any, values: np.ndarray) -> None:
-        """Write as many values into a variable, in C order."""
+        """Write the values of the block into a variable, in C order."""
         data.id.write(self._memory, self._file, np.ascontiguousarray(values))
 
 
 def number_attributes(variable: Variable) -> dict[str, Any]:
-    """Return the attributes of a variable of numbers; NaN is where there is none."""
+    """Return the attributes of a numeric variable; NaN marks missing values."""
     return {"units": variable.units, "long_name": variable.long_name, "_FillValue": np.float64(np.nan)}
 
 
 def flag_type(count: int) -> type[np.signedinteger[Any]]:
-    """Return the type of numbers of so many words: int8 as long as it holds them."""
+    """Return the type for numbering so many words: int8 as long as it suffices."""
     return np.int8 if count <= 128 else np.int32
 
 
@@ -193,14 +193,14 @@ def flag_attributes(words: Sequence[str], long_name: str, fill: int | None = Non
 
 
 def text_lines(text: str) -> str:
-    """Return a text as it is stored: cut to the limit of its bytes, between two characters, without empty lines."""
+    """Return a text as stored: without empty lines, and cut between characters to the byte limit."""
     raw = text.encode()
     cut = text if len(raw) <= _TEXT_LIMIT else raw[: _TEXT_LIMIT - 3].decode(errors="ignore") + "…"
     return "\n".join(line for line in cut.splitlines() if line.strip())
 
 
 def chunks_of(shape: tuple[int, ...]) -> tuple[int, ...]:
-    """Return the chunk of a variable: last dimensions whole, so that a chunk is a run of consecutive values."""
+    """Return the chunk shape of a variable: later dimensions stay whole, so a chunk is a run of consecutive values."""
     chunks = list(shape)
     for index in range(len(chunks)):
         while math.prod(chunks) * _ITEM > _CHUNK and chunks[index] > 1:
@@ -209,7 +209,7 @@ def chunks_of(shape: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def _storage(shape: tuple[int, ...]) -> dict[str, Any]:
-    """Return how an array is stored: small ones as they are, others compressed in chunks."""
+    """Return the storage options of an array: small ones are contiguous, others chunked and compressed."""
     if math.prod(shape) * _ITEM < _COMPRESS_FROM:
         return {}
     return {"chunks": chunks_of(shape), "compression": "gzip", "compression_opts": 4, "shuffle": True}

@@ -1,4 +1,4 @@
-"""What an optimisation found, in the results of all its cases: aims over the evaluations, and which are best."""
+"""The group of an optimisation's results: objectives at each evaluation, and which evaluations are best."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,21 +8,21 @@ import numpy as np
 from screwsim.outputs import Variable
 from screwsim.results.netcdf import Layout, number_attributes, set_attributes
 
-EVALUATION, POINT = "evaluation", "point"  # the dimensions
-AIM, ERROR, EXCESS = "aim_", "error_", "excess_"  # beginnings of names
+EVALUATION, POINT = "evaluation", "point"  # names of dimensions
+AIM, ERROR, EXCESS = "aim_", "error_", "excess_"  # prefixes of names
 
 
 @dataclass(frozen=True)
 class Evaluated:
-    """Columns over the evaluations: aims, their errors, the excess over bounds, by figure; the question as text."""
+    """Columns over the evaluations, by figure: objectives, their errors, excess over bounds; the question as text."""
 
     aims: Mapping[str, np.ndarray]
     errors: Mapping[str, np.ndarray]
     excess: Mapping[str, np.ndarray]
     feasible: np.ndarray
-    front: np.ndarray  # 1: no other is better in all aims
+    front: np.ndarray  # 1: no other is better in all objectives
     units: Mapping[str, str]
-    minimum: Sequence[str]  # aims that were to be lowest
+    minimum: Sequence[str]  # objectives to be minimised
     question: str  # JSON
 
 

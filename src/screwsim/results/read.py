@@ -1,4 +1,4 @@
-"""Results from HDF5: figures by name, read when asked for; nothing but what results hold is taken from a file."""
+"""Results from HDF5: figures by name, read on demand; nothing but results is taken from a file."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from screwsim.results.group import OWN, Group, labels_of, values_of
 from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis
 from screwsim.results.stored import REMEDY, Odd, opened
 
-# the first two come with traces, the next of their studies, two of scenes with tolerances, the last where asked for
+# the first two come with traces, the next two with their studies, two with tolerances, the last on request
 _ALWAYS = ("inputs", "performance", "balance", "error", "numerics")
 _OPTIONAL = ("cycle", "ledger", "knock_out", "optimum", "uncertainty", "contributions", "derivatives")
 _LARGEST = 1e30  # of a coordinate, in SI units
@@ -31,7 +31,7 @@ _TEXTS = ("title", "source", "history", "scene_yaml", "scene_sha256", "screwsim_
 
 @dataclass(frozen=True, repr=False)
 class Results(Brief):
-    """A results file: `axes` {dotted path: values [SI] or texts}, and one mapping a group."""
+    """A results file: `axes` {dotted path: values [SI] or texts}, and one mapping per group."""
 
     path: Path
     attributes: Mapping[str, Any]
@@ -43,11 +43,11 @@ class Results(Brief):
     numerics: Group
     cycle: Group  # with `angle`; empty unless the traces were kept
     ledger: Group  # empty unless the traces were kept
-    knock_out: Group  # over `effect`; empty unless it was asked for, of one run
+    knock_out: Group  # over `effect`; empty unless requested, and for one run only
     optimum: Group  # over the first axis; empty unless an optimisation wrote the file
     uncertainty: Group  # standard uncertainty of each figure by the inputs; empty unless the scene gives tolerances
-    contributions: Group  # over `contributor`: what one standard uncertainty of each input changes
-    derivatives: Group  # over `number`: of each figure by each number of the scene; empty unless asked for
+    contributions: Group  # over `contributor`: change by one standard uncertainty of each input
+    derivatives: Group  # over `number`: of each figure by each number of the scene; empty unless requested
 
     @property
     def scene_yaml(self) -> str:
@@ -61,14 +61,14 @@ class Results(Brief):
 
     @property
     def varied(self) -> dict[str, tuple[int, np.ndarray]]:
-        """Dimension and values along it of every path that the sweep varies, those that vary together too."""
+        """Dimension, and values along it, of every path that the sweep varies, including paths that vary together."""
         found = {}
         for number, axis in enumerate(self.axis_list):
             found |= {inner.path: (number, inner.values) for inner in axis.joined or (axis,)}
         return found
 
     def along(self, path: str) -> np.ndarray:
-        """Return the value of a path that varies in every case, on the axes of the results."""
+        """Return the values of a varied path in all cases, on the axes of the results."""
         number, values = self.varied[path]
         return np.broadcast_to(values.reshape([-1 if i == number else 1 for i in range(len(self.shape))]), self.shape)
 
@@ -84,16 +84,16 @@ class Results(Brief):
 
     @property
     def messages(self) -> np.ndarray:
-        """Why each case failed or did not close; empty where it did neither."""
+        """Why each case failed or did not close; empty for a case that closed."""
         return self.performance["message"]
 
     @property
     def warnings(self) -> np.ndarray:
-        """What each case warns of, several joined by a line break; empty where it does not."""
+        """Warnings of each case, joined by line breaks; empty without any."""
         return self.performance["warnings"]
 
     def figure(self, name: str) -> Figure:
-        """Return what the file says of a performance figure; an older file does not say what its error is over."""
+        """Return the declaration of a figure as the file states it; the error's scale is missing from older files."""
         units, long_name = self.performance.about[name]
         here = declaration(name)
         scale = unpacked(self.error.scales.get(name, "")) or getattr(here, "scale", ITSELF)
@@ -102,7 +102,7 @@ class Results(Brief):
     def absolute_error(self, name: str, unknown: float = np.nan) -> np.ndarray:
         """Return the estimated numerical error of a figure in each case, in its own unit [SI].
 
-        By the relative one `unknown` where nothing was estimated.
+        Where none was estimated, the relative error `unknown` is used.
         """
         scale = self.figure(name).scale
         asked = (each for each in needed(name, scale) if each in self.performance)
@@ -112,21 +112,21 @@ class Results(Brief):
 
     @cached_property
     def figures(self) -> list[str]:
-        """Names of the performance figures that any case has a value of."""
+        """Names of the performance figures that have a value in any case."""
         names = [name for name in self.error if name in self.performance]
         self.performance.take(names)
         return [name for name in names if np.isfinite(self.performance[name]).any()]
 
     @takes(group=one_of(None, *_ALWAYS, *_OPTIONAL))
     def to_xarray(self, group: str | None = "performance") -> Any:
-        """Return one group as an xarray.Dataset; None: all in one, names of other groups with their prefix."""
+        """Return one group as an xarray.Dataset; None: all in one, with prefixes to names of groups but performance."""
         from screwsim.results.dataset import dataset
 
         return dataset(self, group)
 
     @takes(group=one_of(*_ALWAYS, *_OPTIONAL))
     def to_pandas(self, group: str = "performance") -> Any:
-        """Return one group as a pandas.DataFrame, a row a case: what varies, then the variables, SI units."""
+        """Return one group as a pandas.DataFrame, one row per case: varied inputs, then the variables, in SI units."""
         from screwsim.results.dataset import frame
 
         return frame(self, group)
@@ -149,20 +149,20 @@ class Results(Brief):
 
 @takes(path=FILE)
 def open_results(path: str | os.PathLike[str]) -> Results:
-    """Return the results in a file; raise UsageError if screwsim did not write it."""
+    """Return the results in a file; raise UsageError if it is not a valid results file of screwsim."""
     path = Path(path)
     with opened(path) as file:
         return _results(path, file, _root(path, file))
 
 
 def read_attributes(path: Path) -> dict[str, Any]:
-    """Return the attributes of a results file alone; raise UsageError as `open_results`."""
+    """Return only the attributes of a results file; raise UsageError as `open_results` does."""
     with opened(path) as file:
         return _root(path, file)
 
 
 def count_statuses(path: Path) -> tuple[int, ...]:
-    """Return how many cases of a results file ended in each of `outputs.STATUSES`."""
+    """Return the number of cases of a results file with each status of `outputs.STATUSES`."""
     with opened(path) as file:
         status = values_of(stored.member(file, "performance", dataset=False), "status")
     return tuple(int(np.count_nonzero(status == index)) for index in range(len(STATUSES)))
@@ -188,7 +188,7 @@ def _group(path: Path, file: Any, name: str, axes: tuple[Axis, ...]) -> Group:
 
 
 def _scales(group: Any, names: Iterable[str]) -> Iterator[tuple[str, str]]:
-    """Yield the errors that say what they are relative to, and what they say."""
+    """Yield (name, scale as text) of the errors that state their scale."""
     for name in names:
         data = stored.member(group, name)
         if stored.has_attribute(data, RELATIVE_TO):
@@ -196,7 +196,7 @@ def _scales(group: Any, names: Iterable[str]) -> Iterator[tuple[str, str]]:
 
 
 def _own_length(group: Any, coordinate: str | None) -> tuple[int, ...]:
-    """Return the length of the coordinate of its own that a group has."""
+    """Return the shape of a group's own coordinate; () without one."""
     if coordinate is None:
         return ()
     found = stored.shape(stored.member(group, coordinate))
@@ -207,20 +207,20 @@ def _own_length(group: Any, coordinate: str | None) -> tuple[int, ...]:
 
 @dataclass(frozen=True)
 class _Shapes:
-    """What shapes the variables of a group may have: over the axes, then over what the group has of its own."""
+    """Shapes that the variables of a group may have: over the axes, then over the group's own coordinate."""
 
     group: str
     axes: tuple[int, ...]
     own: tuple[int, ...]
 
     def check(self, name: str, data: Any) -> None:
-        """Raise Odd of a variable of another shape, or of texts where they cannot be."""
+        """Raise Odd for a variable of another shape, or for texts where none may be."""
         found, numbers = stored.shape(data), stored.is_numbers(data)
         if self.group == "inputs":
             fits = numbers and len(found) <= 1
-        elif not numbers:  # one text
+        elif not numbers:  # a single text
             fits = len(found) == 1 and not self.axes and not self.own
-        elif name in OWN.values():  # of another group it would be two things in one dataset
+        elif name in OWN.values():  # in another group it would be two things in one dataset
             fits = name == OWN.get(self.group) and found == self.own
         else:
             fits = found == (*self.axes, *self.own)
@@ -229,7 +229,7 @@ class _Shapes:
 
 
 def _axes(group: Any) -> tuple[Axis, ...]:
-    """Return the axes of a group with what varies along each."""
+    """Return the axes of a group, with the paths that vary along each."""
     every = (stored.member(group, name) for name in stored.names(group))
     coordinates = [data for data in every if stored.has_attribute(data, "path")]
     scales = [data for data in coordinates if stored.is_scale(data)]
@@ -247,7 +247,7 @@ def _axes(group: Any) -> tuple[Axis, ...]:
 
 
 def _about_all(group: Any, axes: tuple[str, ...], shapes: _Shapes) -> dict[str, Variable]:
-    """Return unit and meaning of the variables that are no axis, no texts of numbers, no bare dimension."""
+    """Return unit and meaning of all variables except axes, tables of texts and bare dimensions."""
     every = stored.names(group)
     texts = {f"{name}_text" for name in every}
     found = {}
@@ -276,7 +276,7 @@ def _axis(data: Any) -> Axis:
 
 
 def _root(path: Path, file: Any) -> dict[str, Any]:
-    """Return the attributes of a file that this version can read."""
+    """Return the attributes of a file; raise UsageError or Odd if this version cannot read it."""
     if not stored.has_attribute(file, "screwsim_schema"):
         raise UsageError(f"{path}: is an HDF5 file of another program ({REMEDY})")
     attributes = stored.attributes(file)

@@ -1,7 +1,7 @@
-"""What a results file says beside the figures: identity of the scene, inputs, axes, versions.
+"""Contents of a results file beside the figures: identity of the scene, inputs, axes, versions.
 
-Groups: inputs, performance, balance, error, numerics (one value per case on the axes of the sweep), and where
-traces are kept cycle (traces) and ledger (one value per case).
+Groups: inputs, performance, balance, error, numerics (one value per case on the axes of the sweep), and, if traces are
+kept, cycle (traces) and ledger (one value per case).
 """
 
 from __future__ import annotations
@@ -27,18 +27,18 @@ from screwsim.results.identity import version
 from screwsim.scene.model_errors import stored
 from screwsim.scene.types import Scene
 
-RELATIVE_TO = "relative_to"  # attribute of an error: what it is relative to (`outputs.Scale`)
-MODEL_ERROR = "model_error"  # attribute: what the validation that the scene names says of it, as JSON
-SCHEMA = 1  # raise when a reader of the older files would misread a newer one
+RELATIVE_TO = "relative_to"  # attribute of an error: its scale (`outputs.Scale`)
+MODEL_ERROR = "model_error"  # attribute: the model error from the validation that the scene names, as JSON
+SCHEMA = 1  # to be raised when a reader of older files would misread a newer one
 _LIBRARIES = ("numpy", "scipy", "llvmlite", "CoolProp")
 _NUMERIC = {"number": "1", "count": "1", **{name: kind.si for name, kind in KINDS.items()}}
 
 
 class Axis(NamedTuple):
-    """One axis of a sweep: `values` are numbers [SI], or texts (a fluid, a kind).
+    """One axis of a sweep: `values` are numbers [SI], or texts (such as names of fluids or kinds).
 
-    Where paths vary together, `path` is the name of the dimension, `values` count its cases from 0, and `joined`
-    holds the values of each path along it.
+    Where paths vary together, `path` is the name of the dimension, `values` count its cases from 0, and `joined` holds
+    the values of each path along it.
     """
 
     path: str
@@ -66,7 +66,7 @@ def axis_of(path: str, values: Sequence[Any], units: str, long_name: str) -> Axi
 
 
 def axes_of(scene: Scene) -> tuple[Axis, ...]:
-    """Return the axes of the scene's sweep, in its order (none: one case)."""
+    """Return the axes of the scene's sweep, in its order; none for a single case."""
     from screwsim.scene import grid
 
     def along(path: str) -> Axis:
@@ -84,7 +84,7 @@ def axes_of(scene: Scene) -> tuple[Axis, ...]:
 
 
 def numeric_inputs(scene: Scene) -> Iterator[tuple[str, Variable, float]]:
-    """Yield (path, unit and meaning, value [SI]) of every numeric input; NaN when it is not given."""
+    """Yield (path, unit and meaning, value [SI]) of each numeric input; NaN where it is not given."""
     for path, kind, doc, value in inputs_of(scene):
         if kind in _NUMERIC:
             yield path, Variable(_NUMERIC[kind], doc), np.nan if value is None else float(value)
@@ -96,7 +96,7 @@ def digest(text: str) -> str:
 
 
 def named_files(scene: Scene) -> dict[str, str]:
-    """Return {name relative to the scene: path} of the files that it names."""
+    """Return {name relative to the scene: path} of the files that the scene names."""
     paths = [Path(scene.folder) / name for name in files_in(scene)]
     return {_relative(path, scene.folder): str(path) for path in paths}
 
@@ -109,7 +109,7 @@ def _relative(path: Path, folder: str) -> str:
 
 
 def identity_of(scene: Scene) -> dict[str, str]:
-    """Return what tells results apart (`results.identity`); the folder of the scene does not matter."""
+    """Return what distinguishes results (`results.identity`); the folder of the scene does not matter."""
     drawn = [repr(scene.sweep[path]) for joint in scene.joints if joint.sample for path in joint.paths]
     found = {"schema": str(SCHEMA), "values of the scene": digest(scene.text)}
     found |= {"values of the sample": digest("\0".join(drawn))} if drawn else {}
@@ -122,7 +122,7 @@ def identity_of(scene: Scene) -> dict[str, str]:
 
 
 def _library_version(name: str) -> str:
-    """Return the version of a library: its own word where it is loaded, as reading its metadata takes milliseconds."""
+    """Return a library's version: its own statement if loaded, since reading the metadata takes milliseconds."""
     told = getattr(sys.modules.get(name), "__version__", None)
     return _stated_version(name) if told is None else told
 
@@ -136,7 +136,7 @@ def _stated_version(name: str) -> str:
 
 
 def root_attributes(scene: Scene, command: str) -> dict[str, str | int]:
-    """Return the attributes of the file; only `history` depends on the moment."""
+    """Return the attributes of the file; only `history` depends on the time of writing."""
     told = identity.packed(identity_of(scene))
     moment = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     attributes: dict[str, str | int] = {
@@ -151,7 +151,7 @@ def root_attributes(scene: Scene, command: str) -> dict[str, str | int]:
         "scene_yaml": scene.text,
         "scene_sha256": digest(scene.text),
         "python_version": platform.python_version(),
-        "numba_version": "not used",  # its compiler, LLVM, is, through llvmlite
+        "numba_version": "not used",  # replaced by LLVM, through llvmlite
     }
     if scene.model_error:
         attributes[MODEL_ERROR] = json.dumps({"of": scene.model_error, **stored()[scene.model_error]})

@@ -1,4 +1,4 @@
-"""Derivatives of one result's figures by the numbers of its scene, in a group of its results file."""
+"""Derivatives of one result's figures with respect to the numbers of its scene, as a group of the results file."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from screwsim.outputs.derivatives import STORED, Slopes
 from screwsim.results.netcdf import Layout, flag_attributes, flag_type, number_attributes
 from screwsim.results.table import EXACT, VALUE
 
-DERIVATIVES, NUMBER = "derivatives", "number"  # the group, the dimension
+DERIVATIVES, NUMBER = "derivatives", "number"  # names of the group and its dimension
 UNITS = "number_units"
 IS_EXACT = {
     "units": "1",
@@ -16,7 +16,7 @@ IS_EXACT = {
 
 
 def write_slopes(layout: Layout, found: Slopes, performance: Figures) -> None:
-    """Write the group `derivatives`; its `number` counts the paths, which its attribute `labels` holds."""
+    """Write the group `derivatives`; its coordinate `number` counts the paths, listed in its attribute `labels`."""
     group, paths = layout.group(DERIVATIVES), list(found.values)
     about = flag_attributes(paths, "number of the scene")
     counted = np.arange(len(paths), dtype=flag_type(len(paths)))
@@ -34,10 +34,10 @@ def write_slopes(layout: Layout, found: Slopes, performance: Figures) -> None:
 
 
 def about_slope(figure: str, units: str) -> dict[str, object]:
-    """Return the attributes of the derivatives of a figure in its units."""
+    """Return the attributes of a figure's derivatives; `units` are those of the figure."""
     return number_attributes(Variable(units, f"derivative of {figure} by the number, per unit of it ({UNITS})"))
 
 
 def about_value() -> dict[str, object]:
-    """Return the attributes of the numbers."""
+    """Return the attributes of the scene's numbers."""
     return number_attributes(Variable("1", f"value of the number, in the unit that {UNITS} says"))

@@ -1,7 +1,7 @@
-"""Access to an HDF5 file that anybody may have made: what lies in the file itself, of sizes that can be, and no more.
+"""Safe access to an HDF5 file of unknown origin: only data inside the file, of plausible sizes.
 
-HDF5 can send its reader elsewhere: links to other files, values kept in other files or mapped from them, filters that
-are loaded as programs. Results have none of these, and a file that has is refused before anything is followed.
+HDF5 can refer its reader elsewhere: links to other files, values kept in or mapped from other files, filters that are
+loaded as programs. Results have none of these, and a file that does is refused before anything is followed.
 """
 
 import math
@@ -16,10 +16,10 @@ from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import irregular
 
 REMEDY = "give a file that `screwsim run` or `screwsim sweep` wrote"
-MOST_ATTRIBUTE = 4_000_000  # [byte]: the scene is the longest
-MOST_TEXTS = 256_000_000  # [byte] of the different texts of one variable
+MOST_ATTRIBUTE = 4_000_000  # [byte] the scene is the longest attribute
+MOST_TEXTS = 256_000_000  # [byte] of the distinct texts of one variable
 _FILTERS = {1, 2, 3}  # deflate, shuffle, checksum: HDF5's own
-_DENSEST = 1100  # deflate makes no less than 1/1032
+_DENSEST = 1100  # deflate compresses to no less than 1/1032
 _SLACK = 4096  # [byte]
 _NUMBERS = "fiu"
 _LARGEST = 1e60  # in SI units
@@ -27,12 +27,12 @@ _SENSELESS = (OSError, RuntimeError, KeyError, ValueError, TypeError, OverflowEr
 
 
 class Odd(Exception):
-    """Say what of a file is not as results are, in words that go on after its name."""
+    """A deviation of a file from a results file, worded to follow the file's name."""
 
 
 @contextmanager
 def opened(path: Path) -> Iterator[Any]:
-    """Open an HDF5 file to read; raise UsageError, in one line, with what is wrong with it or with what is read."""
+    """Open an HDF5 file for reading; raise UsageError, in one line, for a fault of the file or of what is read."""
     file = _open(path)
     try:
         with file:
@@ -59,15 +59,15 @@ def _open(path: Path) -> Any:
         if not h5py.is_hdf5(path):
             raise UsageError(f"{path}: is not an HDF5 file ({REMEDY})")
         return h5py.File(path, "r")
-    except (OSError, RuntimeError, ValueError) as error:  # ValueError: a name with a null character
+    except (OSError, RuntimeError, ValueError) as error:  # ValueError: a null character in the name
         why = "may not be read" if isinstance(error, PermissionError) else "is damaged or cut short"
         raise UsageError(f"{path}: {why} (write it again, or {REMEDY})") from error
 
 
 class _told:
-    """Raise Odd where HDF5 cannot make sense of something: it says so by many kinds of errors.
+    """Raise Odd where HDF5 fails to read something, which it reports by many types of errors.
 
-    What is read is named when it cannot be: to ask HDF5 for a name takes as long as to read an attribute.
+    The item is named only after a failure: asking HDF5 for a name takes as long as reading an attribute.
     """
 
     __slots__ = ("_item", "_name")
@@ -83,19 +83,19 @@ class _told:
 
 
 def _where(item: Any, name: str = "") -> str:
-    """Return where something lies: `/group/variable`, an attribute behind an @."""
+    """Return the position of an item: `/group/variable`, or an attribute after an @."""
     place = str(item.name)
     return f"{place}{name}" if name.startswith("@") else f"{place.rstrip('/')}/{name}" if name else place
 
 
 def names(group: Any) -> list[str]:
-    """Return the names in a group, in its order."""
+    """Return the names in a group, in the group's order."""
     with _told(group):
         return [name for name in group if isinstance(name, str)]
 
 
 def member(group: Any, name: str, dataset: bool = True) -> Any:
-    """Return a dataset, or a group, that lies in the group itself; raise Odd where it does not."""
+    """Return a dataset or group stored in the group itself; raise Odd if it is missing, a link or of the wrong type."""
     import h5py
     from h5py import h5d, h5l, h5o  # pyright: ignore[reportAttributeAccessIssue] - compiled, without types
 
@@ -117,7 +117,7 @@ def member(group: Any, name: str, dataset: bool = True) -> Any:
 
 
 def has(group: Any, name: str) -> bool:
-    """Tell whether a group has a name, whatever the link there leads to."""
+    """Tell whether a group has a member of this name, whatever its link leads to."""
     with _told(group, name):
         return bool(group.id.links.exists(name.encode()))
 
@@ -131,7 +131,7 @@ def has_attribute(item: Any, name: str) -> bool:
 
 
 def attribute(item: Any, name: str) -> Any:
-    """Return an attribute that is one text or one number; raise Odd of any other, or where it is missing."""
+    """Return an attribute that is a single text or number; raise Odd for any other, or if it is missing."""
     from h5py import h5a, h5t  # pyright: ignore[reportAttributeAccessIssue] - compiled, without types
 
     try:
@@ -143,12 +143,12 @@ def attribute(item: Any, name: str) -> Any:
     with _told(item, f"@{name}"):
         kind, size = found.get_type(), found.get_storage_size()
         text = kind.get_class() == h5t.STRING
-        one = kind.get_size() == size  # a file has hundreds of them, and to ask for the space takes a quarter more
+        one = kind.get_size() == size  # a file has hundreds of attributes, and asking for the space takes 25 % longer
         if not (one or found.get_space().get_simple_extent_npoints() == 1) or size > MOST_ATTRIBUTE:
             raise Odd(f"is not a results file: {_where(item, f'@{name}')} is not one text or number")
         plain = text and one and not kind.is_variable_str() and kind.get_strpad() == h5t.STR_NULLPAD
         value = np.zeros(() if plain else found.shape, f"S{size}" if plain else found.dtype)
-        found.read(value, kind if plain else None)  # not `item.attrs[name]`, which takes twice as long
+        found.read(value, kind if plain else None)  # `item.attrs[name]` would take twice as long
     value = value.item() if value.size == 1 else value
     if text:
         return _decoded(value, item, name)
@@ -165,7 +165,7 @@ def _decoded(value: Any, item: Any, name: str) -> str:
 
 
 def text_attribute(item: Any, name: str) -> str:
-    """Return an attribute that is a text; raise Odd of any other."""
+    """Return an attribute that is a text; raise Odd for any other."""
     value = attribute(item, name)
     if not isinstance(value, str):
         raise Odd(f"is not a results file: {item.name}@{name} is no text")
@@ -173,7 +173,7 @@ def text_attribute(item: Any, name: str) -> str:
 
 
 def attributes(item: Any) -> dict[str, Any]:
-    """Return all attributes that are one text or one number; others are none of ours."""
+    """Return all attributes that are a single text or number; others are not ours."""
     with _told(item, "@"):
         every = [name for name in item.attrs if isinstance(name, str)]
     found = {}
@@ -186,13 +186,13 @@ def attributes(item: Any) -> dict[str, Any]:
 
 
 def is_scale(data: Any) -> bool:
-    """Tell whether a variable is a dimension, or the coordinate of one."""
+    """Tell whether a variable is a dimension or its coordinate."""
     with _told(data):
         return bool(data.is_scale)
 
 
 def scale_of(data: Any) -> Any:
-    """Return the coordinate along which a variable of one dimension lies; raise Odd where there is none."""
+    """Return the coordinate along which a one-dimensional variable lies; raise Odd if there is none."""
     with _told(data):
         if data.ndim != 1 or len(data.dims[0]) != 1:
             raise Odd(f"is not a results file: {data.name} lies along no coordinate")
@@ -200,7 +200,7 @@ def scale_of(data: Any) -> Any:
 
 
 def shape(data: Any) -> tuple[int, ...]:
-    """Return the shape of a variable; raise Odd where it has none."""
+    """Return the shape of a variable; raise Odd if it has none."""
     with _told(data):
         found = data.shape
     if found is None:
@@ -209,7 +209,7 @@ def shape(data: Any) -> tuple[int, ...]:
 
 
 def is_numbers(data: Any) -> bool:
-    """Tell whether a variable holds plain numbers; raise Odd where it holds neither these nor single characters."""
+    """Tell whether a variable holds plain numbers; raise Odd if it holds neither these nor single characters."""
     with _told(data):
         kind = data.dtype
     if kind.kind in _NUMBERS and kind.itemsize <= 8:
@@ -220,7 +220,7 @@ def is_numbers(data: Any) -> bool:
 
 
 def values(data: Any, index: Any = ()) -> np.ndarray:
-    """Return the values of a variable, or a part; raise Odd where they do not lie in the file itself."""
+    """Return the values of a variable, or a part of them; raise Odd if they are not stored in the file itself."""
     is_numbers(data)
     _check_storage(data)
     with _told(data):
@@ -240,7 +240,7 @@ def characters(data: Any) -> str:
 
 
 def _check_storage(data: Any) -> None:
-    """Raise Odd unless the values lie in the file, under HDF5's own filters, in as many bytes as they can need."""
+    """Raise Odd unless the values are in the file, with HDF5's own filters only, and in a plausible number of bytes."""
     import h5py
 
     with _told(data):

@@ -1,4 +1,4 @@
-"""Results of many cases as columns: compact to send between processes, to store and to write."""
+"""Results of many cases as columns: a compact form to send between processes, to store and to write."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from screwsim.outputs import BALANCE, LEDGER, NUMERICS, NUMERICS_TEXT, STATUSES,
 from screwsim.outputs.derivatives import STORED
 
 GROUPS = ("performance", "balance", "error", "numerics")
-Columns = Mapping[tuple[str, str], int]  # place of (group, figure)
+Columns = Mapping[tuple[str, str], int]  # column of (group, figure)
 TEXTS = ("message", "warnings", "notes", *NUMERICS_TEXT)
-NOT_COMPUTED = -1  # the status of a case without a result
-BY_NAME = ("traces", "ledger", "changes", "slopes")  # what of a table has arrays by name, a row a case
-VALUE, EXACT = "number_value", "number_exact"  # beside derivatives: of the number itself, how they were found
+NOT_COMPUTED = -1  # status of a case without a result
+BY_NAME = ("traces", "ledger", "changes", "slopes")  # mappings of a table from names to arrays, one row per case
+VALUE, EXACT = "number_value", "number_exact"  # variables beside the derivatives: the number, its method
 
 
 @lru_cache(maxsize=64)
 def columns_of(names: tuple[str, ...]) -> Columns:
-    """Return the place of every figure of every group, where these are those of performance, and of its errors."""
+    """Return the column of each figure of each group; `names` are the figures of performance and of its errors."""
     groups = zip(GROUPS, (names, tuple(BALANCE), names, tuple(NUMERICS)), strict=True)
     return {figure: i for i, figure in enumerate((group, name) for group, names in groups for name in names)}
 
 
 class Texts(NamedTuple):
-    """One text a case: its `number` in `words`, int32 (cases,); most cases share their texts."""
+    """One text per case: its index `number` into `words`, int32 (cases,); most cases share their texts."""
 
     words: tuple[str, ...]
     number: np.ndarray
@@ -38,16 +38,19 @@ class Texts(NamedTuple):
 
 @dataclass(frozen=True)
 class Table:
-    """Results of consecutive cases: row = case, SI units.
+    """Results of consecutive cases, one row per case, in SI units.
 
-    `status` int8 (cases,); `about` the figures of performance that any of the cases calls for; `figures` float64
-    (cases, `columns_of` these), NaN where a figure is None or not called for; `texts` {name: Texts};
-    `angle` [degree] (points,), empty without traces; `traces` {name: float64 (cases, points)}, NaN for a case
-    without a cycle; `ledger` {name: float64 (cases,)}, NaN for a case without one, it comes with the traces;
-    `inputs` the names of those with a tolerance, `changes` {figure: float64 (cases, inputs)} what one standard
-    uncertainty of each changes, NaN for a case without figures and for an input without a derivative;
-    `numbers` {path: SI unit} of those that figures have derivatives by, `slopes` {figure: float64 (cases, numbers)}
-    these, NaN where there is none, beside the numbers themselves (`VALUE`) and how they were found (`EXACT`).
+    `status` is int8 (cases,). `about` has the performance figures that any of the cases calls for; `figures` is float64
+    (cases, `columns_of` these), NaN where a figure is None or not called for; `texts` is {name: Texts}.
+
+    `angle` [degree] (points,) is empty without traces; `traces` {name: float64 (cases, points)}, NaN for a case without
+    a cycle; `ledger` {name: float64 (cases,)}, present with the traces, NaN for a case without one.
+
+    `inputs` names the inputs with a tolerance; `changes` {figure: float64 (cases, inputs)} is the change by one
+    standard uncertainty of each, NaN for a case without figures and for an input without a derivative.
+
+    `numbers` {path: SI unit} are those that figures have derivatives by; `slopes` {figure: float64 (cases, numbers)}
+    are these derivatives, NaN where there is none, with the numbers themselves (`VALUE`) and the methods (`EXACT`).
     """
 
     status: np.ndarray
@@ -69,34 +72,34 @@ class Table:
 
     @property
     def size(self) -> int:
-        """Size of the numbers [byte]."""
+        """Size of the numeric arrays [byte]."""
         arrays = [self.status, self.figures, self.angle, *(texts.number for texts in self.texts.values())]
         return sum(array.nbytes for array in (*arrays, *(v for part in BY_NAME for v in getattr(self, part).values())))
 
     def column(self, group: str, name: str) -> np.ndarray:
-        """Return one figure of all cases (cases,), NaN where none of them calls for it."""
+        """Return one figure of all cases (cases,); NaN where no case calls for it."""
         place = columns_of(names_of(self.about)).get((group, name))
         return np.full(len(self), np.nan) if place is None else self.figures[:, place]
 
     def rows(self, chosen: slice | np.ndarray) -> Table:
-        """Return some of the cases."""
+        """Return a table of some of the cases."""
         texts = {name: Texts(each.words, each.number[chosen]) for name, each in self.texts.items()}
         by_name = {part: {name: v[chosen] for name, v in getattr(self, part).items()} for part in BY_NAME}
         return replace(self, status=self.status[chosen], figures=self.figures[chosen], texts=texts, **by_name)
 
     def part(self, part: str, name: str, *width: int) -> np.ndarray:
-        """Return an array of one of the mappings `BY_NAME` (cases, width), NaN where there is none of that name."""
+        """Return an array of one of the mappings `BY_NAME` (cases, width); NaN if it lacks that name."""
         found = getattr(self, part)
         return found[name] if name in found else np.full((len(self), *width), np.nan)
 
 
 class Tables(Protocol):
-    """All cases of a sweep as consecutive tables, read one after the other."""
+    """All cases of a sweep as consecutive tables, read one after another."""
 
     cases: int
 
     def heads(self) -> Iterator[Table]:
-        """Yield the tables in order, without figures and traces: no more than what names and texts there are."""
+        """Yield the tables in order, without figures and traces: only the names and texts that they contain."""
         ...
 
     def tables(self, traces: bool) -> Iterator[Table]:
@@ -105,7 +108,7 @@ class Tables(Protocol):
 
 
 class InMemory:
-    """One table as the only one of all."""
+    """A single table as the source of all cases."""
 
     def __init__(self, table: Table) -> None:
         self.cases = len(table)
@@ -121,9 +124,9 @@ class InMemory:
 
 
 def table_of(results: Sequence[Result], *, keep_cycle: bool, keep_slopes: bool = False) -> Table:
-    """Return the columns of results; a figure of another group that `outputs` does not name is a ValueError.
+    """Return the columns of results; raise ValueError for a figure of another group that `outputs` does not declare.
 
-    `keep_slopes` keeps those derivatives that are known; none are found for it.
+    `keep_slopes` stores the derivatives that are known already; none are computed.
     """
     about = reduce(merged, {tuple(each): each.values() for each in map(_about, results)}.values(), ())
     names = names_of(about)
@@ -148,7 +151,7 @@ def table_of(results: Sequence[Result], *, keep_cycle: bool, keep_slopes: bool =
 
 
 def _about(result: Result) -> Mapping[str, Figure]:
-    """Return what is declared of a result's figures: those that its scene calls for, as it knows, else those it has."""
+    """Return the declarations of a result's figures: those that its scene calls for if known, else those it has."""
     called = getattr(result.performance, "about", {})
     names = result.performance | result.error
     return called or {name: declared(name) for name in (*(each for each in known() if each in names), *names)}
@@ -163,7 +166,7 @@ def _fill_row(row: np.ndarray, result: Result, about: tuple[str, ...]) -> None:
 
 @lru_cache(maxsize=64)
 def _columns(group: str, names: tuple[str, ...], about: tuple[str, ...]) -> tuple[list[str], np.ndarray]:
-    """Return which of a group's names are numbers, and their columns."""
+    """Return the names of a group's numeric figures, and their columns."""
     numbers, columns = [name for name in names if name not in NUMERICS_TEXT], columns_of(about)
     for name in numbers:
         if (group, name) not in columns:
@@ -172,13 +175,13 @@ def _columns(group: str, names: tuple[str, ...], about: tuple[str, ...]) -> tupl
 
 
 def warnings_at(table: Table, row: int) -> list[str]:
-    """Return what the case of a row warns of."""
+    """Return the warnings of the case in a row."""
     texts = table.texts["warnings"]
     return [text for text in texts.words[texts.number[row]].split("\n") if text]
 
 
 def numbered(texts: Iterable[str]) -> Texts:
-    """Return texts as numbers of the different ones, in the order in which they came."""
+    """Return texts as indices into their distinct ones, in order of first appearance."""
     found: dict[str, int] = {}
     number = np.array([found.setdefault(text, len(found)) for text in texts], np.int32)
     return Texts(tuple(found), number)
@@ -195,7 +198,7 @@ def _text(result: Result, name: str) -> str:
 
 
 def trace_names(names: Iterable[str]) -> tuple[str, ...]:
-    """Return the names of traces, those of the program first, without the angle; a fixed order whatever came first."""
+    """Return the names of traces except the angle in a fixed order: the program's own first."""
     found = set(names) - {"angle"}
     known = [name for name in known_traces() if name in found]
     return (*known, *sorted(found.difference(known)))
@@ -213,7 +216,7 @@ def _traces(results: Sequence[Result], rows: Sequence[int], angle: np.ndarray) -
 
 
 def ledger_names(names: Iterable[str]) -> tuple[str, ...]:
-    """Return the names of a ledger, totals first, each quantity's entries in the order in which they came."""
+    """Return the names of a ledger: totals first, then the entries in order of appearance."""
     found = dict.fromkeys(names)
     return (*(name for name in LEDGER if name in found), *(name for name in found if name not in LEDGER))
 
@@ -225,7 +228,7 @@ def _ledgers(results: Sequence[Result]) -> dict[str, np.ndarray]:
 
 
 def _uncertainties(results: Sequence[Result]) -> dict[str, Any]:
-    """Return the inputs with tolerances and what each changes, where results tell it."""
+    """Return the inputs with tolerances and the change by each, where results have them."""
     told = {row: result.uncertainty for row, result in enumerate(results) if "figures" in result.uncertainty}
     if not told:
         return {}
@@ -245,7 +248,7 @@ def _uncertainties(results: Sequence[Result]) -> dict[str, Any]:
 
 
 def _slopes(results: Sequence[Result]) -> dict[str, Any]:
-    """Return the numbers and the derivatives by them, where results know some."""
+    """Return the numbers and the derivatives by them, where results have some."""
     told = {row: found for row, result in enumerate(results) if (found := result.derivatives.known) is not None}
     numbers = {path: unit for found in told.values() for path, unit in found.units.items()}
     slopes: dict[str, np.ndarray] = {}
@@ -258,7 +261,7 @@ def _slopes(results: Sequence[Result]) -> dict[str, Any]:
 
 
 def slopes_of(table: Table, name: str, numbers: Iterable[str]) -> np.ndarray:
-    """Return derivatives of a figure (cases, numbers) by these numbers, NaN where the table says nothing of them."""
+    """Return the derivatives of a figure by the given numbers (cases, numbers); NaN where the table has none."""
     wanted, there = list(numbers), list(table.numbers)
     found = np.full((len(table), len(wanted)), np.nan)
     if name in table.slopes:
@@ -269,13 +272,13 @@ def slopes_of(table: Table, name: str, numbers: Iterable[str]) -> np.ndarray:
 
 
 def standard_of(changes: np.ndarray) -> np.ndarray:
-    """Return the standard uncertainty (…) of what inputs change (…, inputs): independent ones add in squares."""
+    """Return the standard uncertainty (…) from the changes by independent inputs (…, inputs): their squares add."""
     some = np.isfinite(changes).any(axis=-1)
     return np.where(some, np.sqrt(np.nansum(np.square(changes), axis=-1)), np.nan)
 
 
 def same_angles(angle: np.ndarray, other: np.ndarray) -> None:
-    """Raise UsageError unless both are one grid (1e-9 degree): the traces of a sweep share one coordinate."""
+    """Raise UsageError unless both grids agree (to 1e-9 degree): the traces of a sweep share one coordinate."""
     if angle.shape != other.shape or not np.allclose(angle, other, rtol=0.0, atol=1e-9):
         lives = f"{angle[-1]:g} and {other[-1]:g} deg"
         what = f"chambers live {lives} in these cases, and their traces share no angles"
@@ -284,7 +287,7 @@ def same_angles(angle: np.ndarray, other: np.ndarray) -> None:
 
 @dataclass(frozen=True)
 class Names:
-    """What tables together have: figures, effects, states, angles, and the names of what a `Table` has by name."""
+    """Combined contents of several tables: figures, effects, states, angles, and the names in a `Table`'s mappings."""
 
     about: tuple[Figure, ...] = ()
     effects: tuple[str, ...] = ()
@@ -293,12 +296,12 @@ class Names:
     traces: tuple[str, ...] = ()
     ledger: tuple[str, ...] = ()
     inputs: tuple[str, ...] = ()  # with tolerances
-    changes: tuple[str, ...] = ()  # figures of which these make an uncertainty
-    numbers: tuple[tuple[str, str], ...] = ()  # paths that there are derivatives by, and their SI units
-    slopes: tuple[str, ...] = ()  # figures that have some
+    changes: tuple[str, ...] = ()  # figures whose uncertainty they determine
+    numbers: tuple[tuple[str, str], ...] = ()  # paths of the derivatives' numbers, and their SI units
+    slopes: tuple[str, ...] = ()  # figures that have derivatives
 
     def joined(self, table: Table) -> Names:
-        """Return these with what one more table has; raise UsageError where its traces have other angles."""
+        """Return these names with those of one more table; raise UsageError if its traces have other angles."""
         if self.angle and table.angle.size:
             same_angles(np.array(self.angle), table.angle)
         return Names(
@@ -316,7 +319,7 @@ class Names:
 
 
 def join(tables: Sequence[Table]) -> Table:
-    """Return one table of consecutive tables."""
+    """Return consecutive tables as one table."""
     names = reduce(Names.joined, tables, Names())
 
     def whole(part: str, *width: int) -> dict[str, np.ndarray]:
@@ -342,7 +345,7 @@ def join(tables: Sequence[Table]) -> Table:
 
 
 def _figures_of(table: Table, about: tuple[Figure, ...]) -> np.ndarray:
-    """Return the figures of a table in the columns of figures of which it has some."""
+    """Return a table's figures in the columns of all figures `about`, of which it has some."""
     if table.about == about:
         return table.figures
     return np.column_stack([table.column(*figure) for figure in columns_of(names_of(about))])
@@ -357,12 +360,12 @@ def _joined_texts(parts: Sequence[Texts]) -> Texts:
 
 
 def renumbered(texts: Texts, place: Mapping[str, int]) -> np.ndarray:
-    """Return the numbers of texts where each has another place."""
+    """Return the indices of texts in another list of words; `place` is the new index of each word."""
     return np.array([place[word] for word in texts.words], np.int32)[texts.number]
 
 
 def regrouped(tables: Iterable[Table], sizes: Iterable[int]) -> Iterator[Table]:
-    """Yield the cases of consecutive tables again in tables of the given sizes."""
+    """Yield the cases of consecutive tables again, in tables of the given sizes."""
     source = iter(tables)
     held: list[Table] = []
     for size in sizes:

@@ -1,4 +1,4 @@
-"""The variables of a results file: what they are called, what they mean, and what fills them."""
+"""The variables of a results file: their names, their meanings, and the source of their values."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -22,22 +22,22 @@ _CASE_TEXTS = {
     "notes": "why a figure of a simulated effect has no value, one a line",
 }
 
-UNCERTAINTY, CONTRIBUTIONS, CONTRIBUTOR = "uncertainty", "contributions", "contributor"  # groups; the dimension
+UNCERTAINTY, CONTRIBUTIONS, CONTRIBUTOR = "uncertainty", "contributions", "contributor"  # groups, and their dimension
 
-# in every file, of failed cases alone, too
+# in every file, even one of failed cases only
 _ALWAYS = tuple(each for each in outputs.PERFORMANCE.values() if not each.needs)
 
 
 @dataclass(frozen=True)
 class Column:
-    """A variable of the file that is written piece by piece, and its values (cases, …) of a table."""
+    """A variable of the file that is written in pieces; `values` takes its values (cases, …) from a table."""
 
     data: Any
     values: Callable[[Table], np.ndarray]
 
 
 def names_of(heads: Iterable[Table]) -> tuple[Names, dict[str, tuple[str, ...]]]:
-    """Return the names of tables, and the different words of each of their texts."""
+    """Return the names of tables, and the distinct words of each of their texts."""
     names, words = Names(), {name: set[str]() for name in TEXTS}
     for head in heads:
         names = names.joined(head)
@@ -50,7 +50,7 @@ def names_of(heads: Iterable[Table]) -> tuple[Names, dict[str, tuple[str, ...]]]
 
 
 class Plan:
-    """The variables of an open file, made in two steps: all but the texts, whose words come last."""
+    """The variables of an open file, created in two steps: all but the texts, whose words are known last."""
 
     def __init__(self, file: Any, scene: Scene, axes: Sequence[Axis], command: str, names: Names) -> None:
         stated = {"effects": ", ".join(names.effects), "states": ", ".join(names.states)}
@@ -60,7 +60,7 @@ class Plan:
         self.shape = tuple(len(axis.values) for axis in axes)
         self._axes = axes
         self._dimensions = [axis.name for axis in axes]
-        self._along = {inner.name for axis in axes for inner in (axis, *axis.joined)}  # every group has these
+        self._along = {inner.name for axis in axes for inner in (axis, *axis.joined)}  # in every group
         self._beside = _beside(axes)
         self._groups: dict[str, Any] = {}
         group, there = self._group("inputs"), set(self._along)
@@ -78,7 +78,7 @@ class Plan:
         self.slopes = list(self._slopes()) if names.numbers else []
 
     def texts(self, words: Mapping[str, Sequence[str]]) -> list[Column]:
-        """Make the variables of texts of which `words` are the different ones; return those with values."""
+        """Create the variables of texts, `words` being the distinct ones; return those to be given values later."""
         found = []
         for group, texts in {"performance": _CASE_TEXTS, "numerics": NUMERICS_TEXT}.items():
             for text, long_name in texts.items():
@@ -91,7 +91,7 @@ class Plan:
         return found
 
     def _group(self, name: str) -> Any:
-        """Make a group with its own copy of the axes."""
+        """Create a group with its own copy of the axes."""
         group = self._groups[name] = self.layout.group(name)
         for axis in self._axes:
             values, about = _coordinate(axis)
@@ -106,7 +106,7 @@ class Plan:
         return self.layout.empty(group, name, self.shape, dtype, self._dimensions, about | self._beside)
 
     def _figures(self, name: str) -> Iterator[Column]:
-        """Make the variables of a group of figures; one with the name of an axis is that axis."""
+        """Create the variables of a group of figures; a figure with the name of an axis is that axis."""
         group = self._group(name)
         if name == "performance":
             about = flag_attributes(STATUSES, "how the case ended", NOT_COMPUTED)
@@ -118,7 +118,7 @@ class Plan:
             yield Column(data, lambda table, figure=figure: table.column(name, figure))
 
     def _about(self, group: str) -> Iterator[tuple[str, dict[str, Any]]]:
-        """Yield the figures of a group with the attributes of each; of an error, what it is relative to, too."""
+        """Yield the figures of a group with their attributes; for an error these include its scale."""
         if group == "error":
             for each in self.names.about:
                 about = Variable("1", f"estimated relative numerical error of {each.name}")
@@ -130,7 +130,7 @@ class Plan:
             yield name, number_attributes(about)
 
     def _cycle(self) -> Iterator[Column]:
-        """Make the variables of the traces."""
+        """Create the variables of the traces."""
         group, points = self._group("cycle"), len(self.names.angle)
         self.layout.coordinate(group, "angle", np.array(self.names.angle), CYCLE["angle"]._asdict())
         shape, dimensions = (*self.shape, points), (*self._dimensions, "angle")
@@ -146,7 +146,7 @@ class Plan:
             yield Column(data, lambda table, name=name: table.part("ledger", name))
 
     def _uncertainty(self) -> Iterator[Column]:
-        """Make the standard uncertainty of each figure by the tolerances of the inputs."""
+        """Create the standard uncertainty of each figure due to the tolerances of the inputs."""
         group = self._group(UNCERTAINTY)
         for figure in self._uncertain():
             if figure.name in self._along:
@@ -156,7 +156,7 @@ class Plan:
             yield Column(data, lambda table, name=figure.name: tables.standard_of(self._changed(table, name)))
 
     def _changes(self) -> Iterator[Column]:
-        """Make what each input makes of these, over the inputs."""
+        """Create the change of these figures by each input, over the inputs."""
         group, labels = self._group(CONTRIBUTIONS), self.names.inputs
         about = flag_attributes(labels, "input with a tolerance, or those that err together")
         numbers = np.arange(len(labels), dtype=flag_type(len(labels)))
@@ -171,7 +171,7 @@ class Plan:
             yield Column(data, lambda table, name=figure.name: self._changed(table, name))
 
     def _slopes(self) -> Iterator[Column]:
-        """Make the derivatives of the figures, over the numbers; what is told of these may differ from case to case."""
+        """Create the derivatives of the figures over the numbers; values and methods may differ between cases."""
         group, paths = self._group(slopes.DERIVATIVES), [path for path, _ in self.names.numbers]
         about = flag_attributes(paths, "number of the scene")
         counted = np.arange(len(paths), dtype=flag_type(len(paths)))
@@ -197,13 +197,13 @@ class Plan:
 
 
 def _beside(axes: Sequence[Axis]) -> dict[str, str]:
-    """Return the attribute that names the coordinates beside the dimensions' own (CF, section 5)."""
+    """Return the attribute that names coordinates other than the dimensions' own (CF, section 5)."""
     names = " ".join(inner.name for axis in axes for inner in axis.joined)
     return {"coordinates": names} if names else {}
 
 
 def _coordinate(axis: Axis) -> tuple[np.ndarray, dict[str, Any]]:
-    """Return the coordinate of an axis; texts are numbered, their words kept in the attributes."""
+    """Return the coordinate of an axis; texts are stored as indices, with their words in the attributes."""
     about: dict[str, Any] = {"units": axis.units, "long_name": axis.long_name, "path": axis.path}
     if axis.values.dtype.kind != "U":
         return axis.values, about
@@ -214,7 +214,7 @@ def _coordinate(axis: Axis) -> tuple[np.ndarray, dict[str, Any]]:
 
 
 def _numbers(name: str, words: Sequence[str]) -> Callable[[Table], np.ndarray]:
-    """Return what gives the numbers of a table's texts in `words`."""
+    """Return a function that gives the indices of a table's texts in `words`."""
     place = {word: index for index, word in enumerate(words)}
 
     def numbers(table: Table) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""What the cases of a results file warn of: which do, in which words, and the kinds with their numbers of cases."""
+"""Warnings of the cases of a results file: which cases warn, and the kinds of warnings with their numbers of cases."""
 
 import re
 import textwrap
@@ -10,12 +10,12 @@ import numpy as np
 from screwsim.results.read import Results
 
 NAME = "warnings"
-LONGEST = 110  # letters of a warning in a caption
+LONGEST = 110  # characters of a warning in a caption
 _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 
 
 class Kind(NamedTuple):
-    """Warnings that differ by their numbers alone: of how many cases, which is the first, and what that one says."""
+    """Warnings that differ only in their numbers: how many cases have them, the first such case, and its text."""
 
     cases: int
     first: int
@@ -23,19 +23,19 @@ class Kind(NamedTuple):
 
 
 class Warned(NamedTuple):
-    """How many cases warn, and the kinds of their warnings, the most frequent first."""
+    """Number of cases with warnings, and the kinds of their warnings, the most frequent first."""
 
     cases: int
     kinds: tuple[Kind, ...]
 
 
 def kind_of(warning: str) -> str:
-    """Return what warnings have in common that differ by their numbers alone."""
+    """Return a warning with its numbers masked, so that warnings that differ only in these are equal."""
     return _NUMBER.sub("#", warning)
 
 
 def kinds_of(every: Iterable[Iterable[str]]) -> tuple[tuple[int, str], ...]:
-    """Return the kinds that results warn of, each with the number of results and the words of the first one."""
+    """Return the kinds of warnings of results, each with the number of results and the first text."""
     found: dict[str, tuple[int, str]] = {}
     for warnings in every:
         for kind, text in {kind_of(text): text for text in warnings}.items():
@@ -45,7 +45,7 @@ def kinds_of(every: Iterable[Iterable[str]]) -> tuple[tuple[int, str], ...]:
 
 
 def warned(results: Results) -> Warned:
-    """Return what the cases of a file warn of."""
+    """Return the warnings of the cases of a file."""
     words, number = results.performance.texts(NAME)
     counts, firsts = np.bincount(number, minlength=len(words)), _firsts(number, len(words))
     found: dict[str, Kind] = {}
@@ -70,7 +70,7 @@ def _firsts(number: np.ndarray, words: int) -> list[int]:
 
 
 def warns(results: Results) -> np.ndarray:
-    """Return which cases warn, on the axes of the results; none of a file that keeps no warnings."""
+    """Return which cases warn, on the axes of the results; none for a file without warnings."""
     if NAME not in results.performance:
         return np.zeros(results.shape, bool)
     words, numbers = results.performance.texts(NAME)
@@ -78,7 +78,7 @@ def warns(results: Results) -> np.ndarray:
 
 
 def warnings_of(results: Results, index: tuple[int, ...]) -> list[str]:
-    """Return what one case warns of."""
+    """Return the warnings of one case."""
     if NAME not in results.performance:
         return []
     number = int(np.ravel_multi_index(index, results.shape)) if index else 0
@@ -92,8 +92,8 @@ def kinds(results: Results) -> tuple[Kind, ...]:
 
 
 def caption(warnings: list[str]) -> str:
-    """Return what a figure of one case says of its warnings; empty without any."""
+    """Return the caption on warnings in a figure of one case; empty without any."""
     if not warnings:
         return ""
-    first = textwrap.shorten(warnings[0], LONGEST, placeholder=" …")  # between words: half a number is another one
+    first = textwrap.shorten(warnings[0], LONGEST, placeholder=" …")  # between words, as half a number misleads
     return f"{len(warnings)} warnings, the first: {first}" if len(warnings) > 1 else f"warning: {first}"

@@ -1,4 +1,4 @@
-"""Results to HDF5: one file, written beside and renamed, so that it is whole or not there."""
+"""Results to HDF5: one file, written under a temporary name and renamed, so that it is complete or absent."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from screwsim.scene.types import Scene
 
 # the format of HDF5 1.8 allows attributes (the scene) beyond 64 KiB; netCDF-4 keeps the order of creation
 _FORMAT: dict[str, Any] = {"libver": ("v108", "v108"), "track_order": True}
-# every chunk is written once and whole; HDF5 would keep 8 MiB of each variable
+# each chunk is written once and completely; HDF5 would cache 8 MiB per variable
 _NO_CACHE: dict[str, Any] = {"rdcc_nbytes": 0}
-EFFECT = "effect"  # the dimension of a knock-out
+EFFECT = "effect"  # dimension of a knock-out
 
 
 def save(
@@ -39,10 +39,10 @@ def save(
 ) -> None:
     """Write one result, or those of all cases of the scene's sweep (last axis fastest), to an HDF5 file.
 
-    Of one result the knock-out is written, too, where there is one, and derivatives that are given.
-    Of several those are written that are known, when the scene says `output.derivatives: all`.
-    The cycle is kept for one result, and for a sweep when the scene says `output.keep: cycle`. An existing file
-    is replaced. Raise UsageError in one line when the system refuses; the old file stays then.
+    With one result its knock-out, if any, and the given derivatives are written too. With several, the derivatives that
+    are known are written if the scene has `output.derivatives: all`. The cycle is kept for one result, and for a sweep
+    with `output.keep: cycle`. An existing file is replaced. Raise UsageError in one line when the system refuses; the
+    old file then stays.
     """
     if isinstance(results, Result):
         one = InMemory(table_of([results], keep_cycle=True))
@@ -63,10 +63,10 @@ def write_tables(
 
 
 class Draft:
-    """A results file of all cases on the axes: laid out at some time, filled when all values are there, then renamed.
+    """A results file of all cases on the axes, laid out at any time, filled once all values exist, then renamed.
 
-    The temporary file lies in `folder` (default: beside `path`). Left before it is complete, the draft is removed. With
-    a `folder`, which holds the results by themselves, a file that came to `path` meanwhile is not replaced.
+    The temporary file lies in `folder` (default: that of `path`). A draft that is left before completion is removed.
+    With a `folder`, which keeps the results itself, a file that has appeared at `path` meanwhile is not replaced.
     """
 
     def __init__(
@@ -87,13 +87,13 @@ class Draft:
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Remove what is not complete."""
+        """Remove an incomplete file."""
         self._drop()
 
     def lay_out(self, head: Table) -> None:
-        """Make the variables ahead, unless they are there, as one of the tables to come wants them.
+        """Create the variables in advance, if not yet done, as needed by `head`, one of the tables to come.
 
-        What the system refuses now it refuses again in the end, which tells it.
+        An error of the system is ignored here: it occurs again at the end and is reported then.
         """
         if self._plan is None:
             with suppress(OSError):
@@ -102,10 +102,10 @@ class Draft:
     def complete(
         self, source: Tables, knock_out: Sequence[Figures] = (), beside: Callable[[Layout], None] | None = None
     ) -> None:
-        """Write all results, chunk by chunk: no more than one chunk of each variable is in memory.
+        """Write all results chunk by chunk, with no more than one chunk of each variable in memory.
 
-        `beside` writes a group of its own. Raise UsageError in one line when the system refuses; the old file stays
-        then.
+        `beside` writes a group of its own. Raise UsageError in one line when the system refuses; the old file then
+        stays.
         """
         cases = math.prod(len(axis.values) for axis in self._about[1])
         if cases != source.cases:
@@ -129,7 +129,7 @@ class Draft:
             self._put()
 
     def _write(self, plan: Plan, source: Tables, columns: Sequence[Column], *own: int) -> None:
-        """Write columns over the cases, and over what they have of their `own` beside these."""
+        """Write columns over the cases and over further dimensions, whose lengths are `own`."""
         if columns:
             pieces = source.tables(traces=columns is plan.traces)
             for _ in _fill(columns, plan.shape, (*plan.shape, *own), pieces):
@@ -180,7 +180,7 @@ class Draft:
 def _fill(
     columns: Sequence[Column], shape: tuple[int, ...], full: tuple[int, ...], tables: Iterator[Table]
 ) -> Iterator[None]:
-    """Write columns over cases of `shape` chunk by chunk, those of a variable of the shape `full`."""
+    """Write columns chunk by chunk over cases of `shape`; the variables have the shape `full`."""
     places = list(_places(shape, chunks_of(full)[: len(shape)]))
     pieces = regrouped(tables, (size for _, size, _ in places))
     for (first, _, part), table in zip(places, pieces, strict=True):
@@ -191,7 +191,7 @@ def _fill(
 
 
 def _places(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Iterator[tuple[tuple[int, ...], int, tuple[int, ...]]]:
-    """Yield (place of its first case, number of cases, shape) of each chunk, in the order of the cases."""
+    """Yield (index of its first case, number of cases, shape) of each chunk, in the order of the cases."""
     split = next((index for index, size in enumerate(chunk) if size > 1), len(shape) - 1)
     if not shape:
         yield (), 1, ()
@@ -205,7 +205,7 @@ def _places(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Iterator[tuple[tu
 
 
 def write_knock_out(layout: Layout, costs: Sequence[Figures]) -> None:
-    """Write the group `knock_out`; its `effect` numbers the names, which its attribute `labels` holds."""
+    """Write the group `knock_out`; its coordinate `effect` numbers the names, listed in its attribute `labels`."""
     group, shape = layout.group("knock_out"), (len(costs),)
     layout.coordinate(group, EFFECT, np.arange(len(costs), dtype=np.int8), _effects([cost.effect for cost in costs]))
     status = np.array([KNOCK_OUT_STATUSES.index(cost.status) for cost in costs], np.int8)

@@ -1,4 +1,4 @@
-"""From a YAML file to a typed scene in SI units, with every fault at its line; and the grid of a sweep."""
+"""Scenes: from a YAML file to a typed scene in SI units, with each fault at its line; and the grid of a sweep."""
 
 from screwsim.scene.checks import cross_check
 from screwsim.scene.fields import value_at

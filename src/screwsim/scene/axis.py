@@ -19,7 +19,7 @@ from screwsim.scene.units import Refused, customary_unit, to_customary
 from screwsim.scene.values import convert, shown, text_of
 from screwsim.scene.yaml_tree import Node, Problem, join
 
-LONGEST_AXIS = 100_000  # values; more is a slip of the pen
+LONGEST_AXIS = 100_000  # values; more is taken for a typing error
 SPACING = Leaf("choice", "spacing of the values", "linear", {"options": ("linear", "log")})
 _COUNT = Leaf("count", "number of values", dataclasses.MISSING, {"ge": 1, "le": LONGEST_AXIS})
 _WORD = Leaf("word", "a word", None, {})
@@ -72,12 +72,12 @@ def _item(leaf: Leaf, node: Node, path: str, problems: list[Problem]) -> Any:
 
 
 def _all_whole(node: Node) -> bool:
-    """Tell whether a list is of whole numbers, as one of decimals with commas is read."""
+    """Tell whether all values of a list are whole numbers, as happens when decimals are written with commas."""
     return isinstance(node.value, list) and all(isinstance(item.value, int) for item in node.value)
 
 
 def example(leaf: Leaf) -> str:
-    """Return values as one writes them."""
+    """Return example values of an input as a user writes them."""
     if leaf.dimension is not None:
         return leaf.dimension.example
     return {"choice": leaf.limits.get("options", ("",))[0], "fluid": "R134a, R1234yf"}.get(leaf.kind, "1, 2")
@@ -86,7 +86,7 @@ def example(leaf: Leaf) -> str:
 def read_fields(
     fields: Mapping[str, Leaf], node: Node, path: str, problems: list[Problem], remedy: str, also: tuple[str, ...] = ()
 ) -> dict[str, Any] | None:
-    """Return the values of a small mapping, or None after faults were added; `also` are names read elsewhere."""
+    """Return the values of a small mapping, or None after faults were added; the names `also` are read elsewhere."""
     if not isinstance(node.value, dict):
         problems.append(Problem(node.place, path, f"{shown(node.value)} is not a mapping ({remedy})"))
         return None
@@ -107,7 +107,7 @@ def read_fields(
 
 
 def _range(leaf: Leaf, node: Node, path: str, problems: list[Problem]) -> list[Any]:
-    """Return the values of {from, to, count, spacing}, or nothing after faults were added."""
+    """Return the values of {from, to, count, spacing}, or an empty list after faults were added."""
     if leaf.kind in OF_WORDS:
         problems.append(Problem(node.place, path, OF_WORDS[leaf.kind]))
         return []
@@ -124,7 +124,7 @@ def _range(leaf: Leaf, node: Node, path: str, problems: list[Problem]) -> list[A
 
 
 def spread(leaf: Leaf, first: float, last: float, count: int, spacing: str) -> list[Any]:
-    """Return `count` values from first to last [SI], evenly spaced in the customary unit or its logarithm."""
+    """Return `count` values from first to last [SI], evenly spaced in the customary unit or in its logarithm."""
     if spacing == "log" and not (first > 0.0 and last > 0.0):
         raise Refused("log spacing needs ends above zero (choose others, or spacing: linear)")
     if count == 1:
@@ -140,7 +140,7 @@ def spread(leaf: Leaf, first: float, last: float, count: int, spacing: str) -> l
 
 
 def _rounded(leaf: Leaf, number: float) -> Any:
-    """Return a number of the customary unit in SI, rounded to 14 digits so that the axis reads well."""
+    """Return a number given in the customary unit as an SI value, rounded to 14 digits so that the axis reads well."""
     text = f"{number:.14g}"
     if leaf.kind == "count":
         if "." in text:
@@ -197,7 +197,7 @@ def _cell(leaf: Leaf, text: str, unit: str | None, where: str) -> Any:
 
 
 def _plain(text: str) -> Any:
-    """Return a cell as the number that it is, else as its text."""
+    """Return a cell as a number if it is one, else as its text."""
     for kind in (int, float):
         try:
             return kind(text)

@@ -1,4 +1,4 @@
-"""What only the whole scene shows: ranges of angles, states of the lines, oil and its supply, effects, curve files."""
+"""Checks that need the whole scene: ranges of angles, states of the lines, oil and its supply, effects, curve files."""
 
 import math
 import os
@@ -22,9 +22,9 @@ from screwsim.scene.types import Scene
 
 FLUID = "gas.fluid"
 KIND = "machine.kind"
-IN_RADIANS = math.radians(4.0 * math.pi)  # the last row of an area over 720 deg whose angles are written in radians
-ROUNDED = math.radians(0.01)  # by which the last row of a table may miss the end of the life
-LEAST_SPAN = 0.5  # of a chamber's life, which a table of its volume covers at the least
+IN_RADIANS = math.radians(4.0 * math.pi)  # last angle of an area table over 720 deg whose angles are written in radians
+ROUNDED = math.radians(0.01)  # tolerance on the angle of a table's last row at the end of the life
+LEAST_SPAN = 0.5  # least share of a chamber's life that a table of its volume must cover
 
 
 def cross_check(scene: Scene) -> list[Fault]:
@@ -34,7 +34,7 @@ def cross_check(scene: Scene) -> list[Fault]:
         return stated
     machine = check_machine(scene.machine)
     if any(fault.path == KIND for fault in machine):
-        return machine  # a module of the user's own is wrong: no size or speed can be asked of it
+        return machine  # the user's own machine module is faulty: it cannot report a size or speed
     operation = check_operation(scene)
     found = [
         *machine,
@@ -50,11 +50,11 @@ def cross_check(scene: Scene) -> list[Fault]:
         return list(_on_geometry(scene))
     if all(fault.path != FLUID for fault in found):
         return found
-    return [fault for fault in found if f"{FLUID}: " not in fault.what]  # what an unknown fluid leaves unknown
+    return [fault for fault in found if f"{FLUID}: " not in fault.what]  # drop faults that follow from an unknown fluid
 
 
 def _dry(scene: Scene) -> Iterator[Fault]:
-    """Yield the oil of a machine into which none is injected."""
+    """Yield faults for oil stated with a machine into which no oil is injected."""
     kind = kind_of(scene.machine)
     for name in ("oil", "oil_supply") if OIL not in kind.offers else ():
         if getattr(scene, name) is not None:
@@ -63,14 +63,14 @@ def _dry(scene: Scene) -> Iterator[Fault]:
 
 
 def _expander(scene: Scene) -> Iterator[Fault]:
-    """Yield what does not go together with an expander; asked of a scene whose lines are those of one."""
+    """Yield faults of what cannot be combined with an expander; called once the lines are known to be those of one."""
     if scene.machine.expands and scene.oil_supply is not None:
         why = "oil is injected where compression begins, at the end of an expansion"
         yield Fault("oil_supply", f"needs machine.mode: compressor ({why}; remove it with the effects that need oil)")
 
 
 def oil_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield what the oil's properties lack, or what is given beside the name of a stored oil."""
+    """Yield properties of the oil that are missing, or that are given beside the name of a stored oil."""
     oil, supply = scene.oil, scene.oil_supply
     if oil is None:
         return
@@ -103,7 +103,7 @@ def _oil_supply(scene: Scene) -> Iterator[Fault]:
 
 
 def _cooling(scene: Scene) -> tuple[str, CoolsOil] | None:
-    """Return the effect that cools the oil and may find its temperature, and its parameters; None without one."""
+    """Return the effect that cools the oil and may find its temperature, as (name, parameters); None without one."""
     every = ((name, active.parameters) for name, active in scene.effects.items())
     return next(((name, one) for name, one in every if isinstance(one, CoolsOil)), None)
 
@@ -132,7 +132,7 @@ def _pump(scene: Scene) -> Iterator[Fault]:
 
 
 def _sought(scene: Scene) -> Iterator[Fault]:
-    """Yield what does not go together with an oil flow that is found for a temperature at discharge."""
+    """Yield faults of what cannot be combined with an oil flow sought for a discharge temperature."""
     supply, path = scene.oil_supply, "oil_supply.discharge_temperature"
     assert supply is not None and supply.discharge_temperature is not None
     cooling = _cooling(scene)
@@ -192,7 +192,7 @@ def _effects(scene: Scene) -> Iterator[Fault]:
 
 
 def _on_geometry(scene: Scene) -> Iterator[Fault]:
-    """Yield what does not fit the machine's geometry, of a scene that is in order but for that."""
+    """Yield faults of effects on the machine's geometry; called on a scene that is otherwise in order."""
     asking = [active for active in scene.effects.values() if active.effect.check_geometry is not None]
     geometry = kind_of(scene.machine).geometry(scene.machine) if asking else None
     for active in asking:
@@ -201,10 +201,10 @@ def _on_geometry(scene: Scene) -> Iterator[Fault]:
 
 
 def check_files(scene: Scene) -> list[Fault]:
-    """Return the faults of the curve files that a scene names: not there, not readable, not a curve."""
+    """Return the faults of the curve files that a scene names: missing, unreadable, or not a curve."""
     faults = []
     curves = {path: leaf.limits["curve"] for path, leaf in leaves_of(scene).items() if "curve" in leaf.limits}
-    for path, column in curves.items():  # any other file is read with its own checks
+    for path, column in curves.items():  # all other files are checked where they are read
         name = value_at(scene, path)
         what = None if name is None else _curve_fault(name, column, scene)
         if what is not None:
@@ -235,7 +235,7 @@ def _curve_fault(name: str, column: str, scene: Scene) -> str | None:
 
 
 def _span_fault(scene: Scene, first: float, last: float) -> str | None:
-    """Return what is wrong with the angles [rad] from the first to the last row of a chamber's volume."""
+    """Return what is wrong with the first and last angle [rad] of a chamber's volume table; None if nothing is."""
     life = kind_of(scene.machine).geometry(scene.machine).life
     ends = f"goes from {math.degrees(first):.6g} to {math.degrees(last):.6g} deg"
     if first < -ROUNDED or last > life + ROUNDED:

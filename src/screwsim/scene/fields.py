@@ -1,4 +1,4 @@
-"""What a scene may contain, read from the dataclasses: sections and leaves, and every dotted path."""
+"""What a scene may contain, read from the declared dataclasses: sections, leaves (single inputs) and dotted paths."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from screwsim.scene.units import Refused
 # parts of a scene that are not plain sections
 APART = ("effects", "sweep", "joints", "text", "folder", "losses", "uncertain", "correlated", "model_error")
 SWEEPABLE = {*KINDS, "number", "count", "choice", "fluid"}
-FIXED = {"machine.kind", "operation.ambient_pressure"}  # another scene; gauge pressures were read over it
-_MANY = 4  # paths that a message lists
+FIXED = {"machine.kind", "operation.ambient_pressure"}  # another scene; gauge pressures depend on the ambient one
+_MANY = 4  # most paths that a message lists
 
 
 @dataclass(frozen=True)
 class Leaf:
     """One input: its kind (a name of `KINDS`, or number, count, choice, fluid, word, file), default [SI] and limits.
 
-    `hardly` are the bounds [SI] beyond which it hardly lies, `remedy` what to write in place of one out of range;
-    `otherwise` are inputs beside it that may state it in its place; with `auto` it may be found with the cycle.
+    `hardly` gives the bounds [SI] of usual values, `remedy` what to write in place of a value out of range; `otherwise`
+    names neighbouring inputs that may replace this one; an `auto` input may be solved for with the cycle.
     """
 
     kind: str
@@ -62,14 +62,14 @@ class Section:
 
 @cache
 def section_of(cls: type, required: bool = True) -> Section:
-    """Return the description of a dataclass whose fields are declared; raise TypeError for any that is not."""
+    """Return the description of a dataclass whose fields are all declared; raise TypeError for a field that is not."""
     hints = typing.get_type_hints(cls) | ({"machine": MACHINES[TWIN_SCREW].settings} if cls is Scene else {})
     fields = {
         item.name: _describe(cls, item, hints[item.name])
         for item in dataclasses.fields(cls)
         if not (cls is Scene and item.name in APART)
     }
-    if "title" in fields:  # people write it first
+    if "title" in fields:  # users write the title first
         fields = {"title": fields.pop("title"), **fields}
     return Section(cls, required, fields, (cls.__doc__ or "").strip().splitlines()[0] if cls.__doc__ else "")
 
@@ -130,7 +130,7 @@ def varies(path: str, leaf: Leaf) -> bool:
 
 
 def effect_keys(path: str, names: Iterable[str]) -> tuple[str, list[str]]:
-    """Return the effect, one of `names`, and the keys below it of a path `effects.…`; own effects' names have dots."""
+    """Return (effect, keys below it) of a path `effects.…`; the effect is one of `names`, which may contain dots."""
     rest = path.removeprefix("effects.")
     name = max((each for each in names if rest.startswith(f"{each}.")), key=len, default=rest.rpartition(".")[0])
     return name, rest[len(name) + 1 :].split(".")
@@ -169,9 +169,10 @@ def sweep_leaf(path: str, parameters: Mapping[str, type], known: Iterable[str] =
 
 
 def unknown(name: str, options: Iterable[str], otherwise: str = "", paths: Iterable[str] = ()) -> str:
-    """Return 'is not known' with what is meant, where that is certain, else with what is known instead.
+    """Return 'is not known' with a suggestion where the intended name is clear, else with the names that are known.
 
-    `paths` are those of the whole scene: one that ends in the name is told of. A dotted name is one of them itself.
+    `paths` are those of the whole scene; those that end in `name` are listed. Without `paths` the options take their
+    place.
     """
     options = list(options)
     elsewhere = ending(name, paths or options)
@@ -191,7 +192,7 @@ def unknown(name: str, options: Iterable[str], otherwise: str = "", paths: Itera
 
 
 def stray(name: str, options: Iterable[str], paths: Iterable[str] = ()) -> str:
-    """Return what is wrong with a key that a mapping of a file does not know; `paths` are those of the whole scene."""
+    """Return what is wrong with an unknown key of a mapping in a file; `paths` are those of the whole scene."""
     if name[:1].isdigit():
         return "is no name (in { } and [ ] a comma begins another entry: write decimals with a point)"
     if "." in name and name in paths:

@@ -1,4 +1,4 @@
-"""Files that a command is given in place of another kind: what one is, by its keys."""
+"""Recognise, by its keys, a file of another kind than the one a command expects."""
 
 from collections.abc import Collection
 
@@ -7,7 +7,7 @@ _FIT = ("parameters", "data", "scene")
 
 
 def other_file(keys: Collection[str], name: str, wanted: str = "scene") -> str | None:
-    """Return what a file with these keys is in place of a `wanted` one (scene, fit), and what reads it; else None."""
+    """Return what a file is that is not the `wanted` kind (scene, fit), and which command reads it; else None."""
     if STAGES in keys:
         what = "describes two stages, which screwsim run and screwsim explain take"
         return f"{what} (run those on {name}, or name the scene of one stage here)"

@@ -1,4 +1,4 @@
-"""A mapping of a scene, which does not change: what was simulated is what its text says."""
+"""Immutable mapping of a scene, so that a scene always agrees with its text."""
 
 from typing import Any, Generic, NoReturn, TypeVar
 
@@ -7,7 +7,7 @@ V = TypeVar("V")
 
 
 class Fixed(dict[K, V], Generic[K, V]):
-    """A dict that is made once; what would change it raises TypeError with the remedy."""
+    """A dict that cannot be changed; any attempt raises TypeError with the remedy."""
 
     def _refuse(self, *_: Any, **__: Any) -> NoReturn:
         raise TypeError("a scene does not change: with_ and without make another one")

@@ -1,4 +1,4 @@
-"""Checks of what a scene names as its gas: a fluid that there is, a blend whose parts are known, humid air."""
+"""Checks of the gas of a scene: that the fluid exists, the components of a blend are known, and humid air is valid."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -18,8 +18,8 @@ from screwsim.scene.values import convert, shown
 HUMIDITY, MARGIN = "gas.relative_humidity", "gas.dew_point_margin"
 AFTERCOOLER = "operation.aftercooler_temperature"
 AIR = "air"
-P_MOST = 1e7  # [Pa] of the lines: beyond, third virial coefficients count (M324)
-SUM = 1e-6  # by which fractions may miss 1
+P_MOST = 1e7  # [Pa] highest pressure of the lines: beyond it third virial coefficients matter (M324)
+SUM = 1e-6  # tolerance on the sum of fractions
 _PURE = "is no fluid or predefined blend of CoolProp"
 _LEAVES = {name: item for name, item in section_of(GasSettings).fields.items() if isinstance(item, Leaf)}
 _AS_LISTED = "write NAME, or of a blend {fluid: [NAME, NAME], mass_fractions: [0.7, 0.3]}"
@@ -27,7 +27,7 @@ _FRACTIONS = ("mass_fractions", "mole_fractions")
 
 
 def fluid_faults(gas: GasSettings) -> Iterator[Fault]:
-    """Yield what is wrong with a gas's fluid, or with the composition of a blend of one's own."""
+    """Yield faults of a gas's fluid, or of the composition of a user-defined blend."""
     found = list(_stated(gas))
     yield from found
     if not found and constants.limits(gas.name) is None:
@@ -35,10 +35,10 @@ def fluid_faults(gas: GasSettings) -> Iterator[Fault]:
 
 
 def listed_fluid(raw: Any) -> str:
-    """Return the name of a fluid that an axis lists: a name, or a mapping of the components and fractions of a blend.
+    """Return the name of a fluid listed on an axis: a name, or a mapping of a blend's components and fractions.
 
-    Raise `Refused` for one that is unknown or badly stated. What a fluid that there is lacks (data of its pairs, a
-    saturation at the temperatures of the lines) is said of its cases.
+    Raise `Refused` for one that is unknown or badly stated. What an existing fluid lacks (data of its pairs, a
+    saturation at the temperatures of the lines) is reported for its cases.
     """
     if isinstance(raw, str):
         gas = GasSettings(fluid=raw)
@@ -57,7 +57,7 @@ def listed_fluid(raw: Any) -> str:
 
 
 def _stated(gas: GasSettings) -> Iterator[Fault]:
-    """Yield what is wrong with how a gas's fluid is stated, before any of its data are asked for."""
+    """Yield faults in how a gas's fluid is stated, before any of its data are looked up."""
     if not isinstance(gas.fluid, str):
         yield from _own_blend(gas, gas.fluid)
         return
@@ -116,7 +116,7 @@ def _component(name: str) -> str | None:
 
 
 def _unknown_fluid(fluid: str, such: str = "R134a, R1234yf, R32, R744, Ammonia or R454B") -> str:
-    """Return what is wrong with the name of a fluid; another fluid is never offered for it."""
+    """Return what is wrong with the name of a fluid; another fluid is never suggested in its place."""
     shown = repr(fluid[:40])
     same, blend = names.same_fluid(fluid), names.blend(fluid)
     if same is not None:
@@ -127,7 +127,7 @@ def _unknown_fluid(fluid: str, such: str = "R134a, R1234yf, R32, R744, Ammonia o
 
 
 def humidity_faults(gas: GasSettings, aftercooler: float | None) -> Iterator[Fault]:
-    """Yield what does not go together with a relative humidity, whatever the lines are."""
+    """Yield faults of what cannot be combined with a relative humidity, whatever the states of the lines."""
     if gas.relative_humidity is None:
         for path, value in ((MARGIN, gas.dew_point_margin), (AFTERCOOLER, aftercooler)):
             if value is not None:
@@ -145,7 +145,7 @@ def humidity_faults(gas: GasSettings, aftercooler: float | None) -> Iterator[Fau
 
 
 def line_faults(gas: GasSettings, lines: Lines) -> Iterator[Fault]:
-    """Yield that water boils where a relative humidity is stated, and a pressure beyond that of its virial terms."""
+    """Yield faults of a relative humidity where water boils, or at pressures beyond the range of its virial terms."""
     if not gas.relative_humidity:
         return
     if lines.T_s >= water.T_MOST or lines.p_s <= water.saturation(lines.T_s)[0]:

@@ -1,4 +1,4 @@
-"""A scene as a program is given it: a path, a dict, YAML text, or a scene; and the same scene with other values."""
+"""A scene from whatever a program passes (a path, a dict, YAML text, a scene); and a scene with some values changed."""
 
 import os
 from collections.abc import Iterable, Mapping
@@ -14,10 +14,11 @@ _TAKES = "a path, a dict as in the file, YAML text, or a Scene of screwsim.load"
 
 
 def scene_of(given: Any) -> Scene:
-    """Return the scene that is meant by a path, a dict, a YAML text or a scene itself.
+    """Return the scene given as a path, a dict, YAML text, or a scene itself.
 
-    A text is YAML where it has more than one line, or a colon or brace and names no file. Files that a dict or a text
-    names are found from where the program runs. Raise `SceneError` with all faults, `UsageError` for anything else.
+    A text counts as YAML if it has more than one line, or if it has a colon or brace and is not the name of a file.
+    Files named in a dict or a text are relative to the working directory. Raise `SceneError` with all faults, and
+    `UsageError` for anything else.
     """
     if isinstance(given, Scene):
         return given
@@ -35,9 +36,9 @@ def _is_text(given: str) -> bool:
 
 
 def changed(scene: Scene, values: Mapping[str, Any], without: Iterable[str] = ()) -> Scene:
-    """Return the scene with other values at dotted paths, read and checked as `--set` does; and without some effects.
+    """Return the scene with other values at dotted paths, read and checked as by `--set`, and without some effects.
 
-    A text is read as in a file ('3000 rpm', 'off'), None takes a value out. Raise `SceneError` or `UsageError`.
+    A text is read as in a file ('3000 rpm', 'off'); None removes a value. Raise `SceneError` or `UsageError`.
     """
     texts = {path: value if isinstance(value, str) else flow(value, path) for path, value in values.items()}
     overrides = [f"{path}={text}" for path, text in texts.items()]

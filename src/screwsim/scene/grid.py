@@ -1,4 +1,4 @@
-"""The grid of a sweep: its dimensions, and each case made on demand; the last dimension runs fastest."""
+"""The grid of a sweep: its dimensions, and its cases, made on demand; the last dimension varies fastest."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -15,8 +15,8 @@ from screwsim.scene.units import Refused, over
 from screwsim.scene.values import convert
 
 FLUID = "gas.fluid"
-MOST_TRIED = 100  # cases of one fluid, to find one that can be
-MOST_CASES = 10_000_000  # of one study; more is a slip of the pen
+MOST_TRIED = 100  # cases of one fluid tried to find a valid one
+MOST_CASES = 10_000_000  # cases of one study; more is taken for a typing error
 
 
 def too_many(cases: int) -> str:
@@ -28,7 +28,7 @@ def too_many(cases: int) -> str:
 
 
 class Dimension(NamedTuple):
-    """One dimension of a grid: `name` is its path, or that of a joint, whose paths then vary together."""
+    """One dimension of a grid; `name` is its path, or the name of the joint whose paths vary together."""
 
     name: str
     paths: tuple[str, ...]
@@ -51,7 +51,7 @@ def dimensions(scene: Scene) -> tuple[Dimension, ...]:
 
 
 def joints_of(scene: Scene) -> tuple[Joint, ...]:
-    """Return the joints whose paths the sweep (still) varies; without the other paths they are zipped ones."""
+    """Return the joints whose paths the sweep still varies; a joint that has lost a path becomes a zipped one."""
     found = []
     for joint in scene.joints:
         paths = tuple(path for path in joint.paths if path in scene.sweep)
@@ -61,7 +61,7 @@ def joints_of(scene: Scene) -> tuple[Joint, ...]:
 
 
 def only(scene: Scene, paths: Iterable[str]) -> Scene:
-    """Return the scene with a sweep of those of the paths alone that its own sweep varies."""
+    """Return the scene with its sweep reduced to the given paths."""
     kept = set(paths)
     sweep = {path: values for path, values in scene.sweep.items() if path in kept}
     cut = changed(scene, sweep=sweep)
@@ -86,7 +86,7 @@ def case_values(scene: Scene, index: int) -> dict[str, Any]:
 
 
 def values_of(scene: Scene, cases: range) -> list[tuple[Any, ...]]:
-    """Return the values in SI of consecutive cases, each in the order of the sweep's paths."""
+    """Return the values in SI of consecutive cases, each a tuple in the order of the sweep's paths."""
     columns: dict[str, list[Any]] = {}
     below = case_count(scene)
     for dimension in dimensions(scene):
@@ -98,16 +98,16 @@ def values_of(scene: Scene, cases: range) -> list[tuple[Any, ...]]:
 
 
 def case(scene: Scene, index: int) -> Scene:
-    """Return one case of the grid, as a scene without a sweep and without text (`scene_text` makes it)."""
+    """Return one case of the grid, as a scene without a sweep and without its text (`scene_text` creates it)."""
     return with_values(changed(scene, sweep={}, joints=(), text=""), case_values(scene, index))
 
 
 def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
-    """Return the scene with other values [SI] at dotted paths; neither checked nor written as text.
+    """Return the scene with other values [SI] at dotted paths, neither checked nor written as text.
 
-    The sections on the way must be there. `cross_check` tells whether the values fit together.
+    The sections that contain them must exist. `cross_check` tells whether the values fit together.
     """
-    if FLUID in values:  # an axis names the fluid whole, with the composition of a blend
+    if FLUID in values:  # an axis states the fluid completely, with the composition of a blend
         scene = changed(scene, gas=changed(scene.gas, mass_fractions=None, mole_fractions=None))
     for path, value in values.items():
         scene = _with_value(scene, path, value)
@@ -130,9 +130,9 @@ def _replaced(part: Any, names: list[str], value: Any) -> Any:
 
 
 def first_by_fluid(scene: Scene) -> list[tuple[str, Scene]]:
-    """Return the fluids of a sweep over them, each with its first case that `cross_check` finds in order.
+    """Return each fluid of a sweep over fluids with its first case that passes `cross_check`.
 
-    A fluid without such a case among its first `MOST_TRIED` is left out.
+    A fluid with no such case among its first `MOST_TRIED` is left out.
     """
     found = []
     for fluid in dict.fromkeys(scene.sweep.get(FLUID, ())):

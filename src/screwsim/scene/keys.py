@@ -1,6 +1,6 @@
 """All keys of a scene in words: unit, default, range and meaning, for `explain --parameters` and the reference page.
 
-Read from the declarations that read a scene, and from what sizes can be (`machine.protocol.Size`).
+They come from the declarations by which scenes are read, and from the bounds on sizes (`machine.protocol.Size`).
 """
 
 import dataclasses
@@ -78,7 +78,7 @@ def _default(leaf: Leaf) -> str:
 
 
 def _range(leaf: Leaf, size: Size | None) -> str:
-    """Return what a value can be, and what it usually is."""
+    """Return in words the possible range of a value, and its usual range."""
     if leaf.kind == "choice":
         own = ["a module of your own"] if leaf.limits.get("own") else []
         return ", ".join([*leaf.limits["options"], *own])

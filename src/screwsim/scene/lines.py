@@ -1,7 +1,7 @@
-"""The states of both lines of a scene, whichever way it states them: the one place to ask for p_s, T_s, p_d.
+"""The states of both lines of a scene, however it states them: the only source of p_s, T_s and p_d.
 
-Pressures are given, or they are those of saturation at given temperatures (docs/model.md M42). Of a package around the
-machine the discharge pressure is stated at its outlet, and is higher at the machine (M342).
+Pressures are given, or follow from saturation at given temperatures (docs/model.md M42). For a machine in a package the
+discharge pressure is stated at the package's outlet, and is higher at the machine (M342).
 """
 
 from dataclasses import dataclass, replace
@@ -14,12 +14,12 @@ from screwsim.fluid.settings import GasSettings
 from screwsim.numerics.remembered import Remembered
 from screwsim.scene.types import Operation, Scene
 
-LEAST_SUPERHEAT = 1e-6  # [K] of saturated vapour: more than the round-off of saturation, which makes a liquid of it
+LEAST_SUPERHEAT = 1e-6  # [K] for saturated vapour: more than the round-off of saturation, which would make it liquid
 
 
 @dataclass(frozen=True)
 class Lines:
-    """The states of both lines: pressures [Pa], suction temperature [K]; of wet suction the vapour's mass fraction."""
+    """States of both lines: pressures [Pa], suction temperature [K], and the vapour's mass fraction for wet suction."""
 
     p_s: float
     T_s: float
@@ -28,7 +28,7 @@ class Lines:
 
 
 def lines(scene: Scene) -> Lines:
-    """Return the states of both lines of a scene that `cross_check` finds in order (M42)."""
+    """Return the states of both lines of a scene that passed `cross_check` (M42)."""
     stated = _stated(scene.operation, scene.gas)
     behind = 0.0 if scene.losses is None else scene.losses.behind
     return stated if behind == 0.0 else replace(stated, p_d=stated.p_d + behind)
@@ -57,17 +57,17 @@ def _lines(operation: Operation, fluid: str) -> Lines:
 
 
 def _wet(fluid: str, p_s: float, T_s: float, quality: float | None) -> float:
-    """Return the temperature [K] of suction gas: T_s, that of a wet blend below its dew point (M353)."""
+    """Return the temperature [K] of suction gas: T_s, or for a wet blend its temperature below the dew point (M353)."""
     return T_s if quality is None or not is_blend(fluid) else constants.wet_temperature(fluid, p_s, quality)
 
 
 def _superheated(T: float, superheat: float | None) -> float:
-    """Return the temperature [K] of suction gas over saturation at T [K]; that of wet gas where none is stated."""
+    """Return the suction temperature [K] at a superheat over saturation at T [K]; without one (wet gas) T itself."""
     return T if superheat is None else T + max(superheat, LEAST_SUPERHEAT)
 
 
 def saturates(scene: Scene) -> bool:
-    """Tell whether the gas is a real one that pressure would condense: it is sucked in below its critical point."""
+    """Tell whether the gas is a real one that can condense on compression: it enters below its critical temperature."""
     return condenses(scene.gas) and _saturates(scene.gas.name, lines(scene).T_s)
 
 
@@ -111,7 +111,7 @@ def _condensate_enthalpy(operation: Operation, fluid: str) -> float | None:
 
 
 def refrigerating_effect(scene: Scene) -> float | None:
-    """Return what a kilogram of refrigerant takes up in the evaporator [J/kg] (M43, M330).
+    """Return the heat that the refrigerant takes up in the evaporator [J/kg] (M43, M330).
 
     None where the scene states neither condenser nor gas cooler, and for an expander.
     """

@@ -1,4 +1,4 @@
-"""Load a scene: file, base, overrides, typed sections, cross-checks; every fault at once."""
+"""Load a scene: file, base, overrides, typed sections and cross-checks; all faults are reported together."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ from screwsim.scene.values import shown
 from screwsim.scene.write import scene_text
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, merge, one_line, pointer, scene_error
 
-OVERRIDE = 1_000_000  # rank of the first override: after all files
-SET = "--set "  # stands before an override where it is told of
-MOST_BASES = 32  # one above the other
+OVERRIDE = 1_000_000  # rank of the first override, above those of all files
+SET = "--set "  # prefix of an override in messages
+MOST_BASES = 32  # longest chain of bases
 FILE_OR_DICT = Kind(lambda given: isinstance(given, Mapping) or FILE.holds(given), "no path of a file, and no dict")
 
 
@@ -44,9 +44,9 @@ def load(
     without: Iterable[str] = (),
     stage: str = "",
 ) -> Scene:
-    """Return the scene of a YAML file or a dict, changed by `PATH=VALUE` overrides and without the named effects.
+    """Return the scene of a YAML file or a dict, with `PATH=VALUE` overrides applied and the named effects removed.
 
-    `stage` is put before the path of an override in messages, as the user wrote it ('first.'). Raises `SceneError` with
+    `stage` is put before the path of an override in messages, as the user wrote it ('first.'). Raise `SceneError` with
     one line for each fault, and `UsageError` for an override or an effect's name that makes no sense.
     """
     if isinstance(path, Mapping):
@@ -67,7 +67,7 @@ def loads(
     without: Iterable[str] = (),
     told: str = SET,
 ) -> Scene:
-    """Return the scene of a YAML text; files and a base are found relative to `folder`.
+    """Return the scene of a YAML text; files and a base are relative to `folder`.
 
     `told` is put before an override in messages about its faults.
     """
@@ -85,7 +85,7 @@ def _finish(
     stage: str = "",
     told: str = SET,
 ) -> Scene:
-    overrides, without = listed(overrides), listed(without)  # they may be iterators, or one text
+    overrides, without = listed(overrides), listed(without)  # they may be iterators, or a single text
     if root is None:
         raise scene_error(problems)
     for number, override in enumerate(overrides):
@@ -98,7 +98,7 @@ def _finish(
 
 
 def _of_stage(problem: Problem, stage: str) -> Problem:
-    """Return a fault of an override with its paths as they are given for a stage; any other as it is."""
+    """Return a fault of an override with its paths as written for a stage; any other fault unchanged."""
     if not stage or problem.place.rank < OVERRIDE:
         return problem
     what = re.sub(r"(?<=did you mean ')(?=[a-z_]+\.)", stage, problem.what)
@@ -108,7 +108,7 @@ def _of_stage(problem: Problem, stage: str) -> Problem:
 def _read_file(
     name: str, start: Place, trail: tuple[str, ...], problems: list[Problem], at: Problem | None = None
 ) -> Node | None:
-    """Return the tree of a file and its bases; `at` says where and how it was named, `trail` the files on the way."""
+    """Return the tree of a file and its bases; `at` says where and how it was named, `trail` which files led to it."""
     try:
         text = read_text(name, MOST_YAML)
     except Unreadable as error:
@@ -128,7 +128,7 @@ def _read_file(
 
 
 def _near_file(name: str) -> str | None:
-    """Return the scene beside a file that is not there, of whose name this one is a slip; None without one."""
+    """Return the scene file whose name is nearest to that of a missing file in its folder; None without one."""
     folder, own = os.path.split(name)
     if os.path.lexists(name) or not os.path.isdir(folder or "."):
         return None
@@ -159,7 +159,7 @@ def _read_text(text: str, start: Place, trail: tuple[str, ...], problems: list[P
     if base is None or base.value is None:
         return above
     below = _read_base(base, trail, problems)
-    return None if below is None else merge(below, above)  # without it, nearly all would be told to be missing
+    return None if below is None else merge(below, above)  # without the base, nearly all keys would be reported missing
 
 
 def _read_base(node: Node, trail: tuple[str, ...], problems: list[Problem]) -> Node | None:
@@ -180,7 +180,7 @@ def _read_base(node: Node, trail: tuple[str, ...], problems: list[Problem]) -> N
 
 
 def _override(root: Node, override: str, place: Place, problems: list[Problem], told: str) -> Node:
-    """Return the tree changed by one `PATH=VALUE`; `told` stands before it where it is told of."""
+    """Return the tree changed by one `PATH=VALUE`; `told` is put before the override in messages."""
     path, equals, text = override.partition("=")
     path = path.strip()
     if not equals or not all(part.strip() for part in path.split(".")):
@@ -217,12 +217,12 @@ def _override_value(text: str, place: Place, path: str, problems: list[Problem])
     if node is None:
         return Node(None, place, place)
     if isinstance(node.value, dict | list) and text.lstrip()[:1] not in ("{", "["):
-        return Node(text, place, place)  # 'a: b' and '- a' are words here
+        return Node(text, place, place)  # 'a: b' and '- a' are plain text here
     return replace(node, key=place)
 
 
 def _keys(root: Node, path: str, value: Node) -> list[str]:
-    """Return the keys of a dotted path: all after `sweep.` is one key, and names of own effects have dots."""
+    """Return the keys of a dotted path: all after `sweep.` is one key, and names of user-defined effects have dots."""
     head, _, rest = path.partition(".")
     if head == "sweep" and rest:
         return [head, *_sweep_keys(rest)]
@@ -237,7 +237,7 @@ def _keys(root: Node, path: str, value: Node) -> list[str]:
 
 
 def _sweep_keys(rest: str) -> list[str]:
-    """Return the keys after `sweep.`: a path is one key, also that of a sample; else those of the sample."""
+    """Return the keys after `sweep.`: a path is one key, also inside a sample; other keys of a sample are separate."""
     if not rest.startswith("sample."):
         return [rest]
     first, *inner = rest.removeprefix("sample.").split(".", 1)
@@ -267,7 +267,7 @@ def _not_active(name: str, named: list[str]) -> str:
 
 
 def _machine_kind(root: Node, problems: list[Problem]) -> str:
-    """Return the kind of machine that a tree names; the default where it names none, or none that there is."""
+    """Return the machine kind that a tree names; the default where it names none, or one that does not exist."""
     machine = root.value.get("machine")
     named = machine.value.get("kind") if machine is not None and isinstance(machine.value, dict) else None
     name = named.value if named is not None else None
@@ -282,7 +282,7 @@ def _machine_kind(root: Node, problems: list[Problem]) -> str:
 
 
 def _paths(root: Node, kind: str) -> list[str]:
-    """Return where a name may belong: the paths of sections and values, and the effects with those of active ones."""
+    """Return all valid paths: those of sections and values, known effects, and the parameters of active effects."""
     effects = root.value.get("effects")
     named = effects.value if effects is not None and isinstance(effects.value, dict) else {}
     known = catalogue()
@@ -298,7 +298,7 @@ def _typed(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
 
 
 def _ambient(root: Node) -> float | None:
-    """Return the pressure [Pa] over which a tree's gauge pressures are; None where it states that badly."""
+    """Return the ambient pressure [Pa] for a tree's gauge pressures; None where it is badly stated."""
     operation = root.value.get("operation")
     stated = operation.value.get("ambient_pressure") if operation and isinstance(operation.value, dict) else None
     if stated is None or stated.value is None:
@@ -314,7 +314,7 @@ def _read(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
     kind = _machine_kind(root, problems)
     paths = _paths(root, kind)
     scene = read_section(scene_section(kind), root, "", problems, ("base", "effects", "sweep", BLOCK), paths)
-    # what is said of a machine whose kind is none may be right for the kind that is meant
+    # faults of a machine of unknown kind may be no faults of the kind that is meant
     first = next((problem for problem in problems if problem.path == "machine.kind"), None)
     if first is not None:
         problems[:] = [each for each in problems if not each.path.startswith("machine.") or each is first]

@@ -1,4 +1,4 @@
-"""A scene that a program holds as a dict, as the text of a file."""
+"""A scene given as a dict, written as the text of a file."""
 
 import json
 import os
@@ -7,11 +7,11 @@ from typing import Any
 
 from screwsim.inputs.faults import UsageError
 
-DICT = "<dict>"  # stands where messages name a file
+DICT = "<dict>"  # takes the place of a file name in messages
 
 
 def yaml_text(given: Mapping[str, Any]) -> str:
-    """Return a dict as YAML, a key a line, so that faults tell where; raise UsageError of what no file could hold."""
+    """Return a dict as YAML, one key a line, so that faults have a line; raise UsageError for what no file can hold."""
     lines: list[str] = []
     _write(given, "", "", lines)
     return "\n".join(lines) + "\n"
@@ -28,7 +28,7 @@ def _write(given: Mapping[str, Any], indent: str, path: str, lines: list[str]) -
 
 
 def flow(value: Any, path: str) -> str:
-    """Return a value as YAML in one line; raise UsageError where it is of a kind that no file can hold."""
+    """Return a value as YAML in one line; raise UsageError for a type that no file can hold."""
     try:
         return json.dumps(value, default=_plain, ensure_ascii=False, allow_nan=False)
     except (TypeError, ValueError):
@@ -37,7 +37,7 @@ def flow(value: Any, path: str) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """Return a number or array of numpy, a path, a tuple's like as JSON knows it; raise TypeError of anything else."""
+    """Return a numpy number or array, or a path, as a type that JSON knows; raise TypeError for anything else."""
     if hasattr(value, "tolist"):
         return value.tolist()
     return os.fspath(value)

@@ -1,7 +1,7 @@
-"""Numbers written in ways that no program reads alike: what each says, and how to write it.
+"""Numbers written in ways that programs read differently: what may be meant, and how to write it.
 
-`1,5` is a decimal comma and `1,000,000` a number with its thousands divided, but `3,000` is both, and who reads it as
-one of the two is a thousand times wrong in the other: every reading is told, and none is taken.
+`1,5` has a decimal comma and `1,000,000` separators of thousands, but `3,000` may be either, and whoever takes it for
+the wrong one is off by a factor of a thousand. All readings are reported, and none is used.
 """
 
 import re
@@ -9,12 +9,12 @@ import unicodedata
 from typing import NamedTuple
 
 _SPACES = " \u00a0\u202f\u2009\u2007"  # plain, no-break, narrow no-break, thin, figure
-_DIVIDERS = f"{_SPACES}'’_"  # of thousands, and of nothing else
-_BOTH = ",·"  # of thousands or decimals
+_DIVIDERS = f"{_SPACES}'’_"  # separate thousands, nothing else
+_BOTH = ",·"  # separate thousands or decimals
 _MINUS, _PLUS = "−–—－﹣", "＋"
 _ALIKE = {"．": ".", "，": ",", "٫": ",", "٬": "'"}
 _QUOTES = "“”„‟«»″"
-LONGEST = 200  # characters of what anyone means as a number; patterns would take long over more
+LONGEST = 200  # most characters of a text examined as a number; the patterns would be slow on more
 _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)"
 _GROUPED = re.compile(rf"([+-]?)([0-9][0-9.{_BOTH}{_DIVIDERS}]*[0-9])((?:[eE][+-]?[0-9]+)?)(.*)", re.DOTALL)
 _POWER = re.compile(rf"({_NUMBER})\s*[x×*·]\s*10\s*(?:\^|\*\*)\s*\(?([+-]?[0-9]{{1,3}})\)?(?![0-9])\s*(.*)", re.DOTALL)
@@ -27,7 +27,7 @@ _ABOUT = re.compile(r"(?:~|≈|=|ca\.?|approx\.?|about)\s*([+-]?[0-9.].*)", re.D
 
 
 class Odd(NamedTuple):
-    """What is odd about a number, and the texts that say what it may mean; none where it means no one number."""
+    """What is odd about a number, and texts that state its possible readings; none where no single number is meant."""
 
     what: str
     readings: tuple[str, ...] = ()
@@ -35,7 +35,7 @@ class Odd(NamedTuple):
 
 
 def odd_number(text: str, unit: str = "") -> Odd | None:
-    """Return what is odd about a text that begins like a number; `unit` stands in the readings where it has none."""
+    """Return what is odd about a text that begins like a number; `unit` completes readings that have no unit."""
     text = text.strip()
     if len(text) > LONGEST:
         return None
@@ -53,7 +53,7 @@ def odd_number(text: str, unit: str = "") -> Odd | None:
 
 
 def told(odd: Odd, quote: str = "'") -> str:
-    """Return what is odd with the remedy, as a message says it."""
+    """Return what is odd and its remedy, as worded in a message."""
     readings = [f"{quote}{reading}{quote}" for reading in odd.readings]
     if not readings:
         return f"{odd.what} (write one number: digits, and a point before decimals)"
@@ -111,7 +111,7 @@ def _about(text: str, unit: str) -> Odd | None:
 
 
 def _grouped(text: str, unit: str) -> Odd | None:
-    """Return the readings of a number with marks between its digits."""
+    """Return the readings of a number with marks between its digits; None if there are no such marks."""
     match = _GROUPED.fullmatch(text)
     if match is None or re.fullmatch(r"[0-9]+(\.[0-9]+)?", match[2]):
         return None
@@ -129,7 +129,7 @@ def _grouped(text: str, unit: str) -> Odd | None:
 
 
 def _readings(body: str) -> list[str]:
-    """Return the numbers that digits with marks between them may mean: thousands divided, and with decimals."""
+    """Return the possible values of digits with marks between them: as separators of thousands, and of decimals."""
     parts, marks = re.split(r"[^0-9]", body), re.findall(r"[^0-9]", body)
     found = []
     if _groups(parts, marks):
@@ -141,7 +141,7 @@ def _readings(body: str) -> list[str]:
 
 
 def _groups(parts: list[str], marks: list[str]) -> bool:
-    """Tell whether digits are divided into thousands, all by the same mark."""
+    """Tell whether digits are grouped in thousands, all by the same mark."""
     first, *others = parts
     inner = all(len(part) == 3 for part in others)
     return inner and 1 <= len(first) <= 3 and first[0] != "0" and len(set(marks)) == 1

@@ -1,4 +1,4 @@
-"""Checks of gas and operation: the fluid, the one way in which a scene states its lines, and what the fluid allows."""
+"""Checks of gas and operation: the fluid, that the lines are stated in exactly one way, and the fluid's limits."""
 
 from collections.abc import Iterator
 from operator import attrgetter
@@ -22,7 +22,7 @@ T_D = "operation.discharge.temperature"
 GAS_COOLER = "operation.gas_cooler"
 GAS_COOLER_P, GAS_COOLER_T = f"{GAS_COOLER}.pressure", f"{GAS_COOLER}.outlet_temperature"
 QUALITY = "operation.suction.quality"
-STATED = ("gas.fluid", "gas.mass_fractions", "gas.mole_fractions", "operation")  # what the states are made of
+STATED = ("gas.fluid", "gas.mass_fractions", "gas.mole_fractions", "operation")  # paths on which the states depend
 TEMPERATURES = (EVAPORATING, CONDENSING, SUPERHEAT, SUBCOOLING, GAS_COOLER)  # one way to state the lines
 PRESSURES = (P_S, P_D, T_S, SUPERHEAT_S)  # the other way
 COUNTERPART = {
@@ -37,7 +37,7 @@ COUNTERPART = {
 
 
 def check_operation(scene: Scene) -> list[Fault]:
-    """Return the faults of gas and operation; those of the states only when the scene states them in one way."""
+    """Return the faults of gas and operation; states are checked only once the scene states them in one way."""
     faults = [*_gas(scene), *_one_way(scene), *_axes(scene)]
     if not any(fault.path.startswith(STATED) for fault in faults):
         faults += _states(scene)
@@ -66,7 +66,7 @@ def _gas(scene: Scene) -> Iterator[Fault]:
 
 
 def _one_way(scene: Scene) -> Iterator[Fault]:
-    """Yield what lacks, or what is too much, of the one way in which the lines are stated."""
+    """Yield what is missing, or given twice, in the way in which the lines are stated."""
     temperatures, pressures = _given(scene, TEMPERATURES), _given(scene, PRESSURES)
     if temperatures and pressures:
         for path in pressures:
@@ -98,7 +98,7 @@ def _temperatures_complete(scene: Scene) -> Iterator[Fault]:
 
 
 def _instead_of_a_condenser(scene: Scene) -> Iterator[Fault]:
-    """Yield what does not go together with a gas cooler."""
+    """Yield faults of what cannot be combined with a gas cooler."""
     for path in _given(scene, (CONDENSING, SUBCOOLING)):
         what = "is given beside operation.gas_cooler, which states pressure and temperature itself"
         yield Fault(path, f"{what} (remove one of the two, with null where a base gives it)")
@@ -122,7 +122,7 @@ def _axes(scene: Scene) -> Iterator[Fault]:
     """Yield the axes of a sweep that belong to the other way of stating the lines."""
     temperatures = _given(scene, TEMPERATURES)
     if bool(temperatures) == bool(_given(scene, PRESSURES)):
-        return  # neither way, or both: said elsewhere
+        return  # neither way, or both: reported elsewhere
     stated, other = ("saturation temperatures", PRESSURES) if temperatures else ("pressures", TEMPERATURES)
     if scene.operation.gas_cooler is not None:
         other = (*other, CONDENSING, SUBCOOLING)
@@ -136,7 +136,7 @@ def _axes(scene: Scene) -> Iterator[Fault]:
 
 
 def _states(scene: Scene) -> list[Fault]:
-    """Return the faults of states that are stated in one way and of a fluid that is known."""
+    """Return the faults of states that are stated in one way, of a known fluid."""
     limits = constants.limits(scene.gas.name)
     assert limits is not None
     by_temperature = scene.operation.evaporating_temperature is not None
@@ -151,7 +151,7 @@ def _states(scene: Scene) -> list[Fault]:
             faults = [Fault(where, f"{error} (choose another state)")]
         else:
             faults = list(_no_cooling(scene, effect))
-    if not faults and stated is _temperatures:  # the glide of a pseudo-pure fluid may turn the order round
+    if not faults and stated is _temperatures:  # the glide of a pseudo-pure fluid may reverse the order
         faults = list(_order(scene, lines(scene).p_s, lines(scene).p_d, CONDENSING))
     return faults or list(line_faults(scene.gas, lines(scene)))
 
@@ -172,7 +172,7 @@ def _pressures(scene: Scene, limits: Limits) -> Iterator[Fault]:
 
 
 def _liquid(scene: Scene, path: str, p: float, T: float | None) -> Iterator[Fault]:
-    """Yield a stated temperature of a line at which the real fluid is no gas."""
+    """Yield a fault where the real fluid is liquid at the stated temperature of a line."""
     boiling = None if T is None else constants.liquid_below(scene.gas.name, p, T)
     if T is None or boiling is None:
         return
@@ -196,7 +196,7 @@ def _order(scene: Scene, p_s: float, p_d: float, path: str) -> Iterator[Fault]:
 
 
 def _temperatures(scene: Scene, limits: Limits) -> Iterator[Fault]:
-    """Yield temperatures at which the fluid does not saturate, or whose order is not the machine's."""
+    """Yield faults of temperatures at which the fluid does not saturate, or whose order does not suit the machine."""
     operation, fluid = scene.operation, scene.gas.name
     T_e, T_c = operation.evaporating_temperature, operation.condensing_temperature
     assert T_e is not None and T_c is not None
@@ -222,7 +222,7 @@ def _temperatures(scene: Scene, limits: Limits) -> Iterator[Fault]:
 
 
 def _gas_cooler(scene: Scene, limits: Limits) -> Iterator[Fault]:
-    """Yield what cannot be of a plant that is stated by evaporating temperature and gas cooler (M330)."""
+    """Yield faults of a plant that is stated by evaporating temperature and gas cooler (M330)."""
     operation, fluid = scene.operation, scene.gas.name
     T_e, cooler = operation.evaporating_temperature, operation.gas_cooler
     assert T_e is not None and cooler is not None
@@ -243,7 +243,7 @@ def _gas_cooler(scene: Scene, limits: Limits) -> Iterator[Fault]:
 
 
 def _too_hot(scene: Scene, limits: Limits, T_e: float) -> Iterator[Fault]:
-    """Yield a superheat beyond the fluid's equation."""
+    """Yield a fault for a superheat beyond the range of the fluid's equation of state."""
     T_s = T_e + (scene.operation.superheat or 0.0)
     if T_s > limits.T_max:
         what = f"the equation of state of {scene.gas.name} ends at {in_celsius(limits.T_max)} (choose a smaller one)"
@@ -251,7 +251,7 @@ def _too_hot(scene: Scene, limits: Limits, T_e: float) -> Iterator[Fault]:
 
 
 def _no_cooling(scene: Scene, effect: float | None) -> Iterator[Fault]:
-    """Yield a gas cooler behind which the fluid has more enthalpy than the suction gas."""
+    """Yield a fault for a gas cooler after which the fluid has more enthalpy than the suction gas."""
     if scene.operation.gas_cooler is not None and effect is not None and effect <= 0.0:
         what = f"leaves no cooling: behind it {scene.gas.name} has {-effect / 1e3:.4g} kJ/kg more than the suction gas"
         yield Fault(GAS_COOLER_T, f"{what} (lower it, or raise operation.gas_cooler.pressure)")

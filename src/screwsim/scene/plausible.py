@@ -1,9 +1,9 @@
-"""What can be and hardly is: warnings of a scene, each led by its path; what scenes of its kind name and it leaves out.
+"""Warnings of what is possible but unusual in a scene, and of effects that scenes of its kind name and it omits.
 
-Of a single value by the bounds that its field declares (`hardly=`), of sizes by the machine's (`scene.sizes`), of the
-lines by the fluid. The scene is solved as it is written.
+Single values are compared with the bounds that their fields declare (`hardly=`), sizes with those of the machine
+(`scene.sizes`), the lines with what the fluid allows. The scene is solved as it is written.
 
-A machine with half its leaks has efficiencies that no machine has, and nothing of its figures shows it.
+A machine without half of its leaks has unrealistic efficiencies, and nothing in its figures shows why.
 """
 
 import math
@@ -36,16 +36,16 @@ from screwsim.scene.types import ActiveEffect, Scene
 from screwsim.scene.units import readable_quantity
 
 MEANT = "is it meant?"
-LEFT = 1e-3  # of its largest volume, which a table hardly keeps: the displacement is off by as much
-OTHER_HAND = 1.5  # from which ratio of the blow-holes' areas on a lobe looks mirrored: asymmetric ones have 0.1
-USUAL_RATIO = 30.0  # of pressures, the higher over the lower, in one machine
-SCALED = 0.01  # by which the largest volume of a table may be off what is stated
-ROUGH = 0.25  # of its largest, by which the slope of a table hardly jumps to and fro: digits cut off make half of that
+LEFT = 1e-3  # share of the largest volume that a table's smallest may have: the displacement is off by as much
+OTHER_HAND = 1.5  # ratio of a lobe's blow-hole areas from which it looks mirrored: asymmetric profiles have 0.1
+USUAL_RATIO = 30.0  # usual pressure ratio in one machine, higher over lower, at the most
+SCALED = 0.01  # relative deviation allowed between a table's largest volume and the stated one
+ROUGH = 0.25  # over its largest slope, how far a table's slope may jump back and forth; cut-off digits give half of it
 PLAIN = ("gas", "oil", "operation", "oil_supply", "machine")
 
 
 def scene_warnings(scene: Scene) -> tuple[str, ...]:
-    """Return what of a scene that `cross_check` finds in order hardly is so, each in one line led by its path."""
+    """Return warnings about a scene that passed `cross_check`, one line each, which begins with the path."""
     of_machine = *_volume(scene), *_profile(scene), *size_warnings(scene)
     found = [*_fields(scene), *of_machine, *_lines(scene), *_oil(scene)]
     return tuple(f"{path}: {what}; {MEANT}" for path, what in found)
@@ -55,7 +55,7 @@ def _fields(scene: Scene) -> Iterator[tuple[str, str]]:
     for name in PLAIN:
         part = getattr(scene, name)
         if part is not None:
-            # a section that is the same object as that of the case before is not looked at
+            # a section that is the same object as in the previous case need not be checked again
             last = _seen.get(name)
             if last is None or last[0] is not part:
                 last = _seen[name] = part, tuple(_beyond(type(part), part, name))
@@ -69,11 +69,11 @@ def _of_effects(effects: Mapping[str, ActiveEffect]) -> tuple[tuple[str, str], .
     return tuple(chain.from_iterable(found))
 
 
-_seen: dict[str, tuple[Any, tuple[tuple[str, str], ...]]] = {}  # the last section of a path, which cases share
+_seen: dict[str, tuple[Any, tuple[tuple[str, str], ...]]] = {}  # last section of each path, which cases share
 
 
 def _beyond(cls: type, part: Any, path: str) -> Iterator[tuple[str, str]]:
-    """Yield (path, what) of the values of a section, and of those below it, outside what its fields hardly leave."""
+    """Yield (path, what) of the values of a section, and of those below it, outside their usual bounds."""
     leaves, sections = _bounded(cls)
     for name, leaf, low, high in leaves:
         value = getattr(part, name)
@@ -89,7 +89,7 @@ def _beyond(cls: type, part: Any, path: str) -> Iterator[tuple[str, str]]:
 
 @cache
 def _bounded(cls: type) -> tuple[tuple[tuple[str, Leaf, float, float], ...], tuple[str, ...]]:
-    """Return (name, leaf, low, high) of the fields of a section that state what they hardly are; its sections."""
+    """Return (name, leaf, low, high) of the fields of a section with usual bounds, and the names of its sections."""
     fields, leaves = section_of(cls).fields, []
     for name, item in fields.items():
         if isinstance(item, Leaf) and item.hardly != ANY:
@@ -103,7 +103,7 @@ def _shown(leaf: Leaf, value: float) -> str:
 
 
 def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield what hardly is of the lines: a pressure ratio, an ideal gas where its fluid is a liquid."""
+    """Yield warnings about the lines: a large pressure ratio, an ideal gas where its fluid is a liquid."""
     at = lines(scene)
     ratio = max(at.p_d / at.p_s, at.p_s / at.p_d)
     if ratio > USUAL_RATIO:
@@ -126,8 +126,8 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def _volume(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield what of a table of volumes hardly is meant: that it goes to and fro, in jerks, or is another size."""
-    law = getattr(scene.machine, "volume", None)  # of a machine of one's own it may be anything
+    """Yield warnings about a table of volumes that never reaches zero, whose slope jumps, or that is rescaled."""
+    law = getattr(scene.machine, "volume", None)  # a user-defined machine may have anything here
     if isinstance(law, VolumeLaw) and law.file is not None:
         angles, volumes = read_curve(str(law.file), VOLUME)
         yield from _left(volumes)
@@ -136,7 +136,7 @@ def _volume(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def _left(volumes: np.ndarray) -> Iterator[tuple[str, str]]:
-    """Yield that a table of what is swept keeps some of it: the displacement is counted by its largest volume."""
+    """Yield a warning where the swept volume of a table never reaches zero: its largest counts as displacement."""
     share = float(np.min(volumes) / np.max(volumes))
     if share > LEFT:
         what = f"the smallest volume of the table is {share:.2%} of its largest, and that is swept only where it is 0"
@@ -144,7 +144,7 @@ def _left(volumes: np.ndarray) -> Iterator[tuple[str, str]]:
 
 
 def _of_scale(law: VolumeLaw, largest: float) -> Iterator[tuple[str, str]]:
-    """Yield that a table's volumes are scaled to what the scene states of the largest."""
+    """Yield a warning where the volumes of a table are rescaled to the largest volume that the scene states."""
     if law.max is None or abs(law.max - largest) <= SCALED * largest or is_derived(law.max):
         return
     held, stated = (readable_quantity(KINDS["volume"], round(each, 12)) for each in (largest, law.max))
@@ -161,7 +161,7 @@ def _of_table(angles: np.ndarray, volumes: np.ndarray) -> tuple[tuple[str, str],
 
 
 def _profile(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield what of the rotors' profile is stated and not read, and that its lobe looks like one of the other hand."""
+    """Yield warnings about values of the rotor profile that are not used, and about a lobe that looks mirrored."""
     profile = getattr(scene.machine, "profile", None)
     if isinstance(profile, Profile):
         yield from unread(profile)
@@ -170,9 +170,9 @@ def _profile(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def _hand(machine: TwinScrew) -> Iterator[tuple[str, str]]:
-    from screwsim.machine.profile_law import lay  # a start without rotors has not to wait for them
+    from screwsim.machine.profile_law import lay  # imported here so that scenes without rotors start faster
 
-    with suppress(UsageError):  # of what cannot be laid, which is told where it is built
+    with suppress(UsageError):  # for rotors that cannot be laid out, which is reported where they are built
         rotors = lay(machine).rotors
         high, low = rotors.blow_hole.area(rotors.h), rotors.suction_blow_hole.area(rotors.h)
         if high > OTHER_HAND * low:
@@ -188,7 +188,7 @@ def _critical(scene: Scene) -> float:
 
 
 def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield that the oil is so cold that a real gas condenses on it at the discharge pressure."""
+    """Yield a warning where the oil is so cold that a real gas condenses on it at the discharge pressure."""
     supply = scene.oil_supply
     if supply is None or supply.temperature is None or not condenses(scene.gas) or not _warmed(scene.effects):
         return
@@ -207,12 +207,12 @@ def _warmed(effects: Mapping[str, ActiveEffect]) -> bool:
 
 
 def what_is_left_out(scene: Scene) -> list[str]:
-    """Return in a line each which leaks, and how many effects, a scene leaves out."""
+    """Return one line each on the leaks that a scene omits and on the number of effects that it omits."""
     return [line for line in (leaks_told(scene), left_out_told(scene)) if line]
 
 
 def leaks_told(scene: Scene) -> str:
-    """Return which of a machine's leaks are simulated, where not all of them are; empty where they are."""
+    """Return which of a machine's leaks are simulated; empty where all of them are."""
     there, lacking = _parted(scene, _named(scene).get(LEAK, []))
     if not lacking:
         return ""
@@ -221,7 +221,7 @@ def leaks_told(scene: Scene) -> str:
 
 
 def left_out_told(scene: Scene) -> str:
-    """Return in one line what is not simulated: how many effects, and those that typical scenes name."""
+    """Return in one line how many effects are not simulated, and which of these typical scenes name."""
     kind = kind_of(scene.machine)
     left = [name for name, effect in catalogue().items() if name not in scene.effects and effect.fits(kind)]
     if not left:
@@ -233,7 +233,7 @@ def left_out_told(scene: Scene) -> str:
 
 
 def _usual(scene: Scene) -> Iterator[str]:
-    """Yield what scenes of this kind of machine name, and this one does not, leaks apart."""
+    """Yield effects other than leaks that typical scenes of this kind of machine name and this one does not."""
     named = _named(scene)
     for what in USUAL:
         names = named.get(what, [])
@@ -243,7 +243,7 @@ def _usual(scene: Scene) -> Iterator[str]:
 
 
 def _named(scene: Scene) -> dict[Usual, list[str]]:
-    """Return the effects that are something usual of this kind of machine, by what they are."""
+    """Return the effects that count as usual for this kind of machine, by what they stand for."""
     kind, found = kind_of(scene.machine), {}
     for name, effect in catalogue().items():
         for offer, what in effect.usual.items():

@@ -1,4 +1,4 @@
-"""JSON Schema of a scene, for editors and other programs, from the same declarations that read it."""
+"""JSON Schema of a scene, for editors and other programs, from the declarations by which scenes are read."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ DRAFT = "https://json-schema.org/draft/2020-12/schema"
 OWN = r"^[^.]+(\.[^.]+)+$"  # my_package.my_effect, my_package.my_machine
 OWN_PARAMETER = r"^effects\.[^.]+(\.[^.]+){2,}$"
 _SPACING = {"enum": ["linear", "log"], "default": "linear"}
-OFF = {  # an effect may be left out: off, no, false, in any case
+OFF = {  # an effect may be left out: off, no, false, in upper or lower case
     "type": ["object", "null", "string", "boolean"],
     "pattern": "^([Oo][Ff][Ff]|[Nn][Oo]|[Ff][Aa][Ll][Ss][Ee])$",
     "not": {"const": True},
@@ -33,7 +33,7 @@ _BOUNDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", 
 def mapping(
     properties: Mapping[str, Any], required: Sequence[str] = (), about: str = "", kind: str | Sequence[str] = "object"
 ) -> dict[str, Any]:
-    """Return the schema of a mapping that has no other keys than these."""
+    """Return the schema of a mapping that allows no keys other than these."""
     told = {"description": about} if about else {}
     needed = {"required": list(required)} if required else {}
     return {"type": kind, **told, "properties": properties, **needed, "additionalProperties": False}
@@ -91,7 +91,7 @@ def schema() -> dict[str, Any]:
 
 
 def _machine() -> dict[str, Any]:
-    """Return the schema of a machine: that of one of its kinds."""
+    """Return the schema of a machine of any kind."""
     kinds = {kind: _section(_machine_section(kind)) for kind in MACHINES}
     for kind, part in kinds.items():
         part["properties"]["kind"] = {**part["properties"]["kind"], "enum": [kind, None], "default": kind}
@@ -106,7 +106,7 @@ def _machine_section(kind: str) -> Section:
 
 
 def _complete(effects: dict[str, Section]) -> dict[str, Any]:
-    """Return what a scene without a base must have; of the machine, by its kind."""
+    """Return what a scene without a base must contain; for the machine, depending on its kind."""
     demands = _demands(scene_section(), effects)
     machine = demands["properties"]["machine"]
     for kind in MACHINES:
@@ -127,10 +127,10 @@ def _section(section: Section) -> dict[str, Any]:
 
 
 def leaf_schema(leaf: Leaf) -> dict[str, Any]:
-    """Return the schema of a field: its value, what it is, and null where it may be left out."""
+    """Return the schema of a field: its value, its description, and null where it may be left out."""
     limits = limits_text(leaf)
     found = {"description": f"{leaf.doc} ({limits})" if limits else leaf.doc, **value_schema(leaf)}
-    if leaf.kind == "number":  # a text only with a tolerance; bounds are those of numbers
+    if leaf.kind == "number":  # text only with a tolerance; the bounds apply to numbers
         found |= {"type": ["number", "string"], "pattern": TOLERANT}
     if not leaf.required and leaf.default is not None:
         found["default"] = text_of(leaf, leaf.default) if leaf.dimension else leaf.default
@@ -143,7 +143,7 @@ def leaf_schema(leaf: Leaf) -> dict[str, Any]:
 
 
 def value_schema(leaf: Leaf) -> dict[str, Any]:
-    """Return the schema of one value as a person writes it."""
+    """Return the schema of one value as users write it."""
     if leaf.dimension is not None and leaf.auto:
         return {**_quantity(leaf.dimension), "pattern": rf"{_quantity(leaf.dimension)['pattern']}|^{AUTO}$"}
     if leaf.dimension is not None:
@@ -159,7 +159,7 @@ def value_schema(leaf: Leaf) -> dict[str, Any]:
 
 
 def _several(leaf: Leaf) -> dict[str, Any]:
-    """Return the schema of a list, or of a name in place of a list."""
+    """Return the schema of a list, or of a list that a single name may replace."""
     items = value_schema(replace(leaf, kind="number" if leaf.kind == "numbers" else "word"))
     found = {"items": items, "minItems": 2}
     return {"type": "array", **found} if leaf.kind == "numbers" else {"type": ["string", "array"], **found}
@@ -170,7 +170,7 @@ def _quantity(kind: Kind) -> dict[str, Any]:
 
 
 def _demands(section: Section, effects: dict[str, Section] | None = None) -> dict[str, Any]:
-    """Return only what must be there, section by section."""
+    """Return only what is required, section by section."""
     required = [name for name, item in section.fields.items() if item.required]
     inner = {name: _demands(item) for name, item in section.fields.items() if isinstance(item, Section)}
     if effects:
@@ -184,7 +184,7 @@ def _demands(section: Section, effects: dict[str, Section] | None = None) -> dic
 
 
 def _either(section: Section) -> list[tuple[str, tuple[str, ...]]]:
-    """Return the inputs that another one may state in their place, with those."""
+    """Return the inputs that others may replace, each with those others."""
     leaves = ((name, item) for name, item in section.fields.items() if isinstance(item, Leaf))
     return [(name, item.otherwise) for name, item in leaves if item.otherwise]
 
@@ -222,7 +222,7 @@ def _paths(properties: dict[str, Any], about: str) -> dict[str, Any]:
 
 
 def _span_of(leaf: Leaf) -> dict[str, Any]:
-    """Return the schema of a path of a sample: ends, or values to pick from."""
+    """Return the schema of one path of a sample: its ends, or the values to choose from."""
     values = {"type": "array", "items": value_schema(leaf), "minItems": 1}
     if leaf.kind == "choice":
         return values

@@ -1,4 +1,4 @@
-"""From nodes to the typed parts of a scene: sections and effects, with every fault at its place."""
+"""From YAML nodes to the typed parts of a scene: sections and effects, with each fault at its place."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
@@ -26,7 +26,7 @@ def read_section(
 ) -> Any:
     """Return the dataclass of a section, or None after its faults were added.
 
-    `also` are names read elsewhere, `paths` those of the whole scene, where a name that is not known here may belong.
+    `also` names keys that are read elsewhere, `paths` those of the whole scene, to which an unknown key may belong.
     """
     content = {} if node.value is None else node.value
     if not isinstance(content, dict):
@@ -65,7 +65,7 @@ def _absent(item: Leaf | Section, node: Node, path: str, problems: list[Problem]
 
 
 def _blank(leaf: Leaf) -> str:
-    """Return what stands behind the name of an input: no value, which would be taken over, and hardly ever fits."""
+    """Return a blank form of an input's value: no example value, which users would copy although it rarely fits."""
     if leaf.dimension is not None:
         return f"… {customary_unit(leaf.dimension)}"
     return " or ".join(leaf.limits["options"]) if leaf.kind == "choice" else describe_leaf(leaf)
@@ -81,7 +81,7 @@ def read_leaf(leaf: Leaf, node: Node, path: str, problems: list[Problem]) -> Any
 
 
 def read_effects(node: Node | None, problems: list[Problem]) -> dict[str, ActiveEffect]:
-    """Return the active effects in the catalogue's order, the user's own after them in the order of the file."""
+    """Return the active effects in the catalogue's order, then user-defined ones in the order of the file."""
     if node is None or node.value is None:
         return {}
     if not isinstance(node.value, dict):
@@ -97,7 +97,7 @@ def read_effects(node: Node | None, problems: list[Problem]) -> dict[str, Active
         except Refused as refusal:
             problems.append(Problem(child.heading, path, str(refusal)))
             continue
-        if is_off(child.value):  # takes out what a base names
+        if is_off(child.value):  # removes an effect that a base names
             continue
         if not isinstance(child.value, dict | None):
             known = ", ".join(section.fields) or "none"
@@ -106,7 +106,7 @@ def read_effects(node: Node | None, problems: list[Problem]) -> dict[str, Active
             continue
         before = len(problems)
         parameters = read_section(section, child, path, problems)
-        if child.value is None:  # who writes null may mean off
+        if child.value is None:  # a user who writes null may mean off
             problems[before:] = [_or_off(each, name) for each in problems[before:]]
         active[name] = ActiveEffect(effect, parameters)
     return active
@@ -118,12 +118,12 @@ def _or_off(problem: Problem, name: str) -> Problem:
 
 
 def is_off(value: Any) -> bool:
-    """Tell whether a value takes an effect out: off, no or false, which YAML 1.2 reads as words or as a boolean."""
+    """Tell whether a value switches an effect off: off, no or false, which YAML 1.2 reads as words or as a boolean."""
     return value is False or (isinstance(value, str) and value.lower() in OFF)
 
 
 def find(name: str) -> tuple[Effect, Section]:
-    """Return an effect and the description of its parameters; own ones may lie in the working folder."""
+    """Return an effect and the description of its parameters; user-defined ones may lie in the working folder."""
     try:
         return imported(name, lambda: _declared(find_effect(name), "parameters"))
     except KeyError:
@@ -131,7 +131,7 @@ def find(name: str) -> tuple[Effect, Section]:
 
 
 def find_kind(name: str) -> None:
-    """Import a kind of machine of the user's own."""
+    """Import a user-defined kind of machine; raise `Refused` where it lacks a required setting."""
     _, section = imported(name, lambda: _declared(find_machine(name), "settings"))
     lacking = [each for each in ("kind", "mode") if each not in section.fields]
     if lacking:

@@ -1,8 +1,8 @@
-"""What must fit into the machine: sizes of a scene against those of its rotors or its cylinder, as a table.
+"""What must fit into the machine: sizes of a scene compared with those of its rotors or its cylinder.
 
-A size beyond what can be is a fault; one that hardly is so is a warning (`scene.plausible`). Bounds are shares of a
-measure of the machine. Those of what cannot be leave room for scenes that are extreme on purpose: ports ten times as
-wide as the housing let the pressure follow the line, and are allowed.
+An impossible size is a fault, an unusual one a warning (`scene.plausible`). Bounds are relative to a dimension of the
+machine. Those of impossible sizes leave room for deliberately extreme scenes: ports ten times as wide as the housing
+make the pressure follow that of the line, and are allowed.
 """
 
 import math
@@ -25,7 +25,7 @@ _EFFECTS, _IN_EFFECTS = "effects", "effects."
 
 
 def _shares(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[tuple[Size, float]]:
-    """Yield each of these sizes that the scene states, and its share of what it is measured by."""
+    """Yield each of these sizes that the scene states, and its ratio to the machine's reference dimension."""
     for size in sizes:
         value = _value(scene, size.path)
         if value is not None:
@@ -34,13 +34,13 @@ def _shares(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[tuple[Size, float
 
 @cache
 def _keys(path: str) -> tuple[str, ...]:
-    if path.startswith(_IN_EFFECTS):  # whose names may have dots, those of a user's own
+    if path.startswith(_IN_EFFECTS):  # effect names may contain dots, if user-defined
         return (_EFFECTS, *path.removeprefix(_IN_EFFECTS).rsplit(".", 1))
     return tuple(path.split("."))
 
 
 def _value(scene: Scene, path: str) -> float | None:
-    """Return the value [SI] of a size, None where the scene has none; asked of every case of a sweep."""
+    """Return the value [SI] of a size, None where the scene has none; called for every case of a sweep."""
     head, *keys = _keys(path)
     part: Any = getattr(scene, head)
     if head == "effects":
@@ -52,18 +52,18 @@ def _value(scene: Scene, path: str) -> float | None:
 
 
 def _fast(scene: Scene) -> tuple[float, Speed]:
-    """Return the speed [m/s] of what moves, and what bounds it."""
+    """Return the surface speed [m/s] of the moving parts, and its bounds."""
     known = kind_of(scene.machine).speed or Speed("moves the machine at", math.inf, math.inf, "")
     return scene.machine.surface_speed(scene.operation.speed), known
 
 
 def _words(scene: Scene, fast: float, known: Speed) -> str:
-    """Return in words what moves at which speed [m/s]."""
+    """Return in words which part moves at which speed [m/s]."""
     return f"{scene.operation.speed * RPM:.6g} rpm {known.what} {fast:.4g} m/s"
 
 
 def size_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the sizes that do not fit into the machine, and a speed that no machine stands."""
+    """Yield faults of sizes that do not fit into the machine, and of a speed that no machine withstands."""
     for faults, _ in _of_sections(scene):
         yield from faults
     fast, known = _fast(scene)
@@ -73,7 +73,7 @@ def size_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def area_fault(scene: Scene, largest: float) -> str | None:
-    """Return what is wrong with the largest area [m²] of a table of the machine; None where it can be."""
+    """Return what is wrong with the largest area [m²] of a table of the machine; None where it is possible."""
     size = kind_of(scene.machine).tables
     if size is None or largest <= size.most * size.of(scene.machine):
         return None
@@ -82,7 +82,7 @@ def area_fault(scene: Scene, largest: float) -> str | None:
 
 
 def size_warnings(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield (path, what) of sizes that machines hardly have, and of a speed that they hardly reach."""
+    """Yield (path, what) of unusual sizes, and of an unusual speed."""
     for _, doubts in _of_sections(scene):
         yield from doubts
     fast, known = _fast(scene)
@@ -91,16 +91,16 @@ def size_warnings(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 _Told = tuple[tuple[Fault, ...], tuple[tuple[str, str], ...]]
-_last: dict[int, tuple[Any, Any, _Told]] = {}  # by number of a section: machine and section that were looked at last
+_last: dict[int, tuple[Any, Any, _Told]] = {}  # by number of a section: machine and section checked last, and result
 
 
 def _of_sections(scene: Scene) -> Iterator[_Told]:
-    """Yield faults and doubts of the sizes of each section; cases that share machine and section share these, too."""
+    """Yield faults and warnings about the sizes of each section; cases with the same machine and section share them."""
     machine = scene.machine
     kind = kind_of(machine)
     for number, (head, sizes) in enumerate((*_by_section(kind.sizes), (_EFFECTS, ()))):
         part = getattr(scene, head)
-        last = _last.get(number)  # at once: threads share it
+        last = _last.get(number)  # read once: threads share it
         if last is None or last[0] is not machine or last[1] is not part:
             asked = sizes or tuple(_of_effects(scene, kind))
             told = tuple(_beyond(scene, asked)), tuple(_unusual(scene, asked))
@@ -116,7 +116,7 @@ def sizes_of_effect(kind: MachineKind, name: str, effect: Effect) -> Iterator[Si
 
 
 def sizes_of(scene: Scene) -> Iterator[Size]:
-    """Yield the sizes that are bounded in a scene: those of the machine, then those of its effects."""
+    """Yield all bounded sizes of a scene: those of the machine, then those of its effects."""
     kind = kind_of(scene.machine)
     yield from (*kind.sizes, *_of_effects(scene, kind))
 
@@ -128,12 +128,12 @@ def _of_effects(scene: Scene, kind: MachineKind) -> Iterator[Size]:
 
 @Remembered
 def _by_section(sizes: tuple[Size, ...]) -> tuple[tuple[str, tuple[Size, ...]], ...]:
-    """Return sizes in their order, by the section of a scene that states them."""
+    """Return sizes in their order, grouped by the section of a scene that states them."""
     return tuple((head, tuple(each)) for head, each in groupby(sizes, lambda size: _keys(size.path)[0]))
 
 
 def _beyond(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[Fault]:
-    """Yield the sizes that do not fit into the machine."""
+    """Yield faults of the sizes that do not fit into the machine."""
     for size, share in _shares(scene, sizes):
         if share > size.most:
             what = f"{_shown(scene, size.path)} is {_times(share, size.what)}, which cannot be"
@@ -141,7 +141,7 @@ def _beyond(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[Fault]:
 
 
 def _unusual(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[tuple[str, str]]:
-    """Yield (path, what) of sizes that machines hardly have."""
+    """Yield (path, what) of unusual sizes."""
     for size, share in _shares(scene, sizes):
         low, high = size.usual
         if not low <= share <= high:
@@ -150,7 +150,7 @@ def _unusual(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[tuple[str, str]]
 
 
 def _times(share: float, what: str) -> str:
-    """Return a share in words: 0.5 of the bore, 3 times the bore."""
+    """Return a ratio in words: 0.5 of the bore, 3 times the bore."""
     if share > 1.0 and what.startswith("of "):
         return f"{share:.3g} times {what.removeprefix('of ')}"
     return f"{share:.3g} {what}"

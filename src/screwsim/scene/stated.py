@@ -1,6 +1,6 @@
-"""What a scene states otherwise: of its machine by `machine.stated`, and its speed by that of the rotors' tips.
+"""Values that follow from others: machine sizes (`machine.stated`), and the speed from that of the rotors' tips.
 
-What follows is filled in where a scene is read and where a case of a sweep is made; `Derived` values are not written.
+They are filled in when a scene is read and when a case of a sweep is made; `Derived` values are not written to files.
 """
 
 from collections.abc import Iterable, Iterator
@@ -16,7 +16,7 @@ SPEED, TIP_SPEED = "operation.speed", "operation.tip_speed"
 
 
 def settled(scene: Scene, changed: Iterable[str] = ("machine", "operation")) -> Scene:
-    """Return a scene with all that follows from what it states, where values at these paths are new."""
+    """Return a scene with all values that follow from what it states; `changed` are the paths of new values."""
     heads = {path.partition(".")[0] for path in changed}
     if "machine" in heads:
         machine = kind_of(scene.machine).derived(scene.machine)
@@ -36,7 +36,7 @@ def _at_tip_speed(scene: Scene) -> Scene:
 
 
 def stated_faults(scene: Scene) -> list[Fault]:
-    """Return what a scene states twice, and what nothing states; asked of it before anything else."""
+    """Return the faults of values stated twice or not at all; called before all other checks."""
     return [*kind_of(scene.machine).stated(scene.machine), *_of_speed(scene)]
 
 

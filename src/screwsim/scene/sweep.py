@@ -1,4 +1,4 @@
-"""The sweep of a scene: each path with its values in SI units; paths that vary together, zipped or drawn by a seed."""
+"""The sweep of a scene: the values of each path in SI units; paths may vary together, zipped or as a seeded sample."""
 
 import dataclasses
 import math
@@ -30,13 +30,13 @@ _FIELDS = {
 }
 _SAMPLE = "write {kind: sobol, count: 64, seed: 1, over: {operation.speed: {from: 1000 rpm, to: 3000 rpm}}}"
 _ZIP = "write [{operation.speed: […], oil_supply.ratio: […]}]"
-DESIGNS = ("zip", "sample")  # keys of a sweep that are no path
+DESIGNS = ("zip", "sample")  # keys of a sweep that are not paths
 
 
 def read_sweep(
     node: Node | None, root: Node, active: Mapping[str, ActiveEffect], kind: str, problems: list[Problem]
 ) -> tuple[Axes, tuple[Joint, ...]]:
-    """Return {path: values in SI} in the order of the file, and which paths vary together; `kind` of machine."""
+    """Return {path: values in SI} in the order of the file, and which paths vary together; `kind` is the machine's."""
     if node is None or node.value is None:
         return {}, ()
     if not isinstance(node.value, dict):
@@ -68,9 +68,9 @@ def read_sweep(
 
 
 def _part(name: str, node: Node, leaf_of: LeafOf, problems: list[Problem]) -> list[tuple[Joint | None, Axes]]:
-    """Return the axes of one key of the sweep, with what joins them."""
+    """Return the axes of one key of the sweep, with their joint if they vary together."""
     path = f"sweep.{name}"
-    if node.value is None and name in DESIGNS:  # takes out what a base names
+    if node.value is None and name in DESIGNS:  # removes what a base names
         return []
     if name == "zip":
         return [*read_zip(node, path, leaf_of, problems)]
@@ -86,7 +86,7 @@ def _refuse_absent_section(path: str, root: Node) -> None:
     nested = name == "effects" and path.count(".") > 2 and path.split(".")[1] in catalogue()
     nested = nested or parent == GAS_COOLER
     if name in ("effects", "numerics", "output", "operation") and not nested:
-        return  # checked by their names, or there by default
+        return  # checked by their names, or present by default
     node, found = locate(root, parent)
     if not found or node.value is None:
         raise Refused(f"the section {parent} is not in this scene (write it first)")
@@ -106,7 +106,7 @@ def read_axes(node: Node, path: str, leaf_of: LeafOf, problems: list[Problem], d
 
 
 def read_zip(node: Node, path: str, leaf_of: LeafOf, problems: list[Problem]) -> list[tuple[Joint, Axes]]:
-    """Return the groups of axes whose values are taken side by side."""
+    """Return the groups of axes whose values are combined one by one, each with its joint."""
     if not isinstance(node.value, list) or not all(isinstance(group.value, dict) for group in node.value):
         problems.append(Problem(node.place, path, f"is not a list of mappings ({_ZIP})"))
         return []
@@ -187,7 +187,7 @@ def draw(sample: Sample) -> Axes:
 
 
 def _values(span: tuple[Any, ...], u: np.ndarray) -> tuple[Any, ...]:
-    """Return values for numbers of [0, 1)."""
+    """Return the values of a span for numbers of [0, 1)."""
     kind, *rest = span
     if kind == "any":
         return tuple(rest[place] for place in (u * len(rest)).astype(int))

@@ -1,4 +1,4 @@
-"""Text that is not YAML: what the parser says of it, and what a person most likely has to mend."""
+"""Faults of text that is not YAML: the parser's message, and the most likely remedy."""
 
 import re
 
@@ -7,7 +7,7 @@ from ruamel.yaml.error import MarkedYAMLError
 _ANY = "mend the indentation, brackets or quotes here"
 _LINE = "write NAME: value, a blank behind the colon, and as far in as its neighbours; look one line up, too"
 _ONE = "a scene is one document: remove the line of --- or ... and what is behind it"
-_REMEDIES = (  # words of the parser's message, and the remedy
+_REMEDIES = (  # pattern in the parser's message, and the remedy
     (r"cannot start any token", "write the text in quotes"),
     (r"mapping values are not allowed|could not find expected ':'|expected <block end>", _LINE),
     (
@@ -33,7 +33,7 @@ def _remedy(what: str) -> str | None:
 
 
 def _blank(error: MarkedYAMLError, text: str) -> str | None:
-    """Return the remedy where the line, or the one above, has a blank that is none: a tab, a no-break space."""
+    """Return the remedy where this line or the one above has a character that only looks like a blank, e.g. a tab."""
     mark = error.problem_mark or error.context_mark
     if mark is None:
         return None
@@ -47,7 +47,7 @@ def _blank(error: MarkedYAMLError, text: str) -> str | None:
 
 
 def _opened(error: MarkedYAMLError) -> str | None:
-    """Return the remedy where a quote or a bracket is open: where it was opened."""
+    """Return the remedy where a quote or a bracket is not closed: where it was opened."""
     words, mark = str(error.context or ""), error.context_mark
     if mark is None:
         return None

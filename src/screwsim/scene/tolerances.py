@@ -1,7 +1,8 @@
-"""Values with a tolerance: `27 um ± 5 um`, `3 ± 10 %`, `50 um ×/÷ 2`, and which of them err together.
+"""Values with a tolerance: `27 um ± 5 um`, `3 ± 10 %`, `50 um ×/÷ 2`, and which of their errors are fully correlated.
 
-A tolerance is half of the interval in which the value lies in 95 of 100 cases, a coverage factor of 2 (GUM): ±: normal,
-its standard uncertainty half the tolerance; ×/÷: so is the logarithm. In ASCII they are +/- and */.
+A tolerance is half of the interval in which the value lies in 95 of 100 cases, a coverage factor of 2 (GUM). With ± the
+value is normally distributed, its standard uncertainty half the tolerance; with ×/÷ its logarithm is. In ASCII the
+signs are +/- and */.
 """
 
 import math
@@ -21,8 +22,8 @@ from screwsim.scene.values import limits_text, shown, text_of, within
 from screwsim.scene.yaml_tree import Node, Place, Problem, join
 
 TOGETHER = "correlated"
-NO_INPUTS = ("numerics.", "output.")  # what is not the machine's is not uncertain
-APART = ("title", "base", "sweep", "output", BLOCK)  # keys under which no value has one
+NO_INPUTS = ("numerics.", "output.")  # only the machine and its operation are uncertain
+APART = ("title", "base", "sweep", "output", BLOCK)  # keys under which no value has a tolerance
 _SIGNS = {"±": False, "+/-": False, "+-": False, "×/÷": True, "x/÷": True, "*/": True, "x/": True}
 _SIGN = re.compile("|".join(map(re.escape, _SIGNS)))
 _SHARE = re.compile(rf"({NUMBER})\s*%")
@@ -32,7 +33,7 @@ _EXAMPLE = "write e.g. '27 um ± 5 um', '3 ± 10 %' or '50 um ×/÷ 2'"
 
 
 class Given(NamedTuple):
-    """A tolerance as it is written: the value's text before it, whether it is a factor, its own text, and where."""
+    """A tolerance as written: the text of the value before it, whether it is a factor, its own text, and its place."""
 
     value: str
     factor: bool
@@ -41,7 +42,7 @@ class Given(NamedTuple):
 
 
 def taken(root: Node, path: str = "") -> tuple[Node, dict[str, Given]]:
-    """Return a tree whose values stand without their tolerances, and these by their paths."""
+    """Return a tree with the tolerances removed from its values, and the tolerances by path."""
     match = _sign(root.value) if path and isinstance(root.value, str) else None
     if match is not None:
         value, factor, text = root.value[: match.start()].strip(), _SIGNS[match[0]], root.value[match.end() :].strip()
@@ -63,13 +64,13 @@ def tolerance_sign(text: str) -> str:
 
 
 def _sign(text: str) -> re.Match[str] | None:
-    """Return the first sign of a tolerance behind a digit; None where there is none."""
+    """Return the first sign of a tolerance after a digit; None where there is none."""
     number = re.search("[0-9.]", text)
     return _SIGN.search(text, number.end()) if number else None
 
 
 def _nominal(value: str, text: str, factor: bool) -> Any:
-    """Return a value as it stands without a tolerance; one without a unit has that of the tolerance, or is a number."""
+    """Return a value without its tolerance; one without a unit takes the tolerance's unit, or is a plain number."""
     if not _BARE.fullmatch(value):
         return value
     match = None if factor else _UNIT.fullmatch(text)
@@ -80,7 +81,7 @@ def _nominal(value: str, text: str, factor: bool) -> Any:
 def read_tolerances(
     given: Mapping[str, Given], block: Node | None, scene: Scene, problems: list[Problem]
 ) -> tuple[dict[str, Tolerance], tuple[tuple[str, ...], ...]]:
-    """Return the tolerances of a scene by path, and which of them err together; faults are added at their places."""
+    """Return the tolerances of a scene by path, and the groups that err together; faults are added at their places."""
     leaves, found = leaves_of(scene), {}
     for path, each in given.items():
         leaf = leaves.get(path)
@@ -100,7 +101,7 @@ def read_tolerances(
 
 
 def _check_ends(leaf: Leaf, tolerance: Tolerance, value: float, whose: str) -> None:
-    """Raise Refused where the interval around a value leaves what the input can be."""
+    """Raise Refused where the interval around a value exceeds the limits of the input."""
     for end in tolerance.ends(value):
         if not within(leaf, end):
             reach = f"{whose} 95 % interval reaches {text_of(leaf, float(f'{end:.4g}'))}, which is out of range"
@@ -108,7 +109,7 @@ def _check_ends(leaf: Leaf, tolerance: Tolerance, value: float, whose: str) -> N
 
 
 def _check_sweep(leaf: Leaf, tolerance: Tolerance, values: Sequence[Any]) -> None:
-    """Raise Refused where the tolerance does not go with a value of the sweep, which has it too."""
+    """Raise Refused where the tolerance is impossible at a value of the sweep, to which it applies too."""
     for value in values:
         own = tolerance.around(float(value))
         if not own.size > 0.0 or (tolerance.factor and value <= 0.0):
@@ -127,7 +128,7 @@ def _factor(leaf: Leaf, given: Given, value: float) -> Tolerance:
 
 
 def _half(leaf: Leaf, given: Given, value: float) -> Tolerance:
-    """Return a tolerance with ±."""
+    """Return a tolerance written with ±."""
     text, share = given.text, _SHARE.fullmatch(given.text)
     if share is not None:
         if leaf.kind == "temperature":
@@ -154,7 +155,7 @@ def _half(leaf: Leaf, given: Given, value: float) -> Tolerance:
 def _together(
     block: Node | None, known: Set[str], scene: Scene, problems: list[Problem]
 ) -> tuple[tuple[str, ...], ...]:
-    """Return the groups of paths that err together; those of effects that the scene leaves out are in none."""
+    """Return the groups of paths that err together, without paths of effects that the scene does not name."""
     if block is None or block.value is None:
         return ()
     if not isinstance(block.value, dict) or not set(block.value) <= {TOGETHER, MODEL}:
@@ -195,7 +196,7 @@ def _together(
 
 
 def _is_left_out(path: Any, scene: Scene) -> bool:
-    """Tell whether a path is of an effect that there is, with that parameter, and which the scene does not name."""
+    """Tell whether a path is a parameter of a known effect that the scene does not name."""
     if not isinstance(path, str) or not path.startswith("effects."):
         return False
     every = catalogue()
@@ -206,7 +207,7 @@ def _is_left_out(path: Any, scene: Scene) -> bool:
 
 
 def tolerance_text(leaf: Leaf, tolerance: Tolerance) -> str:
-    """Return a tolerance as YAML text, behind its value."""
+    """Return a tolerance as YAML text, to follow its value."""
     if tolerance.factor:
         return f" ×/÷ {tolerance.size!r}"
     if tolerance.percent is not None:
@@ -216,7 +217,7 @@ def tolerance_text(leaf: Leaf, tolerance: Tolerance) -> str:
 
 
 def together_text(scene: Scene) -> Iterator[str]:
-    """Yield the lines of what errs together, and of which validation the error of the model is told."""
+    """Yield the YAML lines of the groups that err together and of the validation that gives the model's error."""
     parts = []
     if scene.correlated:
         groups = (f"[{', '.join(group)}]" for group in scene.correlated)

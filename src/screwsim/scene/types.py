@@ -135,7 +135,7 @@ class Operation:
     gas_cooler: GasCooler | None = None
 
 
-PUMP, SUMP = "pump", "suction"  # what `oil_supply.kind` and `.source` say
+PUMP, SUMP = "pump", "suction"  # values of `oil_supply.kind` and `.source`
 
 
 @dataclass(frozen=True)
@@ -163,16 +163,16 @@ class OilSupply:
 
     @property
     def pumped(self) -> bool:
-        """Tell whether a pump gives the oil its flow; else the discharge pressure displaces it."""
+        """Tell whether a pump delivers the oil; otherwise the discharge pressure displaces it."""
         return self.kind == PUMP
 
     @property
     def from_sump(self) -> bool:
-        """Tell whether the pump draws from a sump at suction pressure, and not from the separator."""
+        """Tell whether the pump draws from a sump at suction pressure rather than from the separator."""
         return self.source == SUMP
 
 
-CYCLE, ALL = "cycle", "all"  # what `output.keep` and `.derivatives` say
+CYCLE, ALL = "cycle", "all"  # values of `output.keep` and `.derivatives`
 
 
 @dataclass(frozen=True)
@@ -203,9 +203,9 @@ class ActiveEffect:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """Half the interval [SI] in which a value lies in 95 of 100 cases; or the factor by which that goes up and down.
+    """Half the interval [SI] that contains the value in 95 of 100 cases; or the factor to either end of the interval.
 
-    Where it is written as `percent` of the value, `size` is that of the scene's own value, and `around` that of others.
+    If written as `percent` of the value, `size` is that at the scene's own value, and `around` gives that at others.
     """
 
     size: float
@@ -218,11 +218,11 @@ class Tolerance:
         return math.log(self.size) / COVERAGE if self.factor else self.size / COVERAGE
 
     def around(self, value: float) -> Tolerance:
-        """Return the tolerance of another value [SI] of the same input, as one of a sweep."""
+        """Return the tolerance of another value [SI] of the same input, such as one of a sweep."""
         return self if self.percent is None else replace(self, size=0.01 * self.percent * abs(value))
 
     def standard_at(self, value: float) -> float:
-        """Return the standard uncertainty [SI] around a value [SI]; of a factor that of small changes."""
+        """Return the standard uncertainty [SI] at a value [SI]; for a factor that of small changes."""
         return self.standard * value if self.factor else self.around(value).standard
 
     def ends(self, value: float) -> tuple[float, float]:
@@ -230,13 +230,13 @@ class Tolerance:
         return (value / self.size, value * self.size) if self.factor else (value - self.size, value + self.size)
 
     def at(self, value: float, deviation: float) -> float:
-        """Return the value [SI] that is so many standard uncertainties off."""
+        """Return the value [SI] that lies `deviation` standard uncertainties away."""
         return value * math.exp(self.standard * deviation) if self.factor else value + self.standard * deviation
 
 
 @dataclass(frozen=True)
 class Sample:
-    """How values were drawn: `over` keeps (path, values to pick from) or (path, first, last, linear or log) [SI]."""
+    """How values were drawn: `over` has (path, ("any", values)) or (path, ("linear" or "log", first, last)) [SI]."""
 
     kind: str  # sobol, latin_hypercube
     count: int
@@ -246,7 +246,7 @@ class Sample:
 
 @dataclass(frozen=True)
 class Joint:
-    """Paths that vary together: one dimension of a sweep, `name` in files of results; `sample` None: zipped."""
+    """Paths that vary together as one dimension of a sweep; results files use its `name`, no `sample` means zipped."""
 
     name: str
     paths: tuple[str, ...]
@@ -269,18 +269,18 @@ class Scene(Brief):
     numerics: NumericsSettings = NumericsSettings()
     output: Output = Output()
     sweep: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)  # dotted path -> values in SI units
-    joints: tuple[Joint, ...] = ()  # paths of the sweep that vary together; any other path is an axis of its own
+    joints: tuple[Joint, ...] = ()  # paths of the sweep that vary together; any other path is an axis by itself
     title: str = word("what is simulated", "")
     text: str = ""  # canonical YAML of the whole scene, overrides included
-    folder: str = "."  # files are found relative to it
+    folder: str = "."  # files are relative to it
     losses: PressureLosses | None = None
-    uncertain: Mapping[str, Tolerance] = field(default_factory=dict)  # dotted path -> tolerance of the value there
+    uncertain: Mapping[str, Tolerance] = field(default_factory=dict)  # dotted path -> tolerance of its value
     correlated: tuple[tuple[str, ...], ...] = ()  # paths whose values err together
-    model_error: str = ""  # of which validation the error of the model is told (`scene.model_errors`)
+    model_error: str = ""  # validation from which the model's error is reported (`scene.model_errors`)
 
     @property
     def own(self) -> dict[str, str]:
-        """The modules of the user's own that this scene names, and where it names them."""
+        """User-defined modules that this scene names, and where it names them."""
         if "." not in "".join([self.machine.kind, self.gas.model, self.numerics.integrator, *self.effects]):
             return {}
         named = {"machine.kind": self.machine.kind, "gas.model": self.gas.model}
@@ -289,18 +289,18 @@ class Scene(Brief):
         return found | {name: f"effects.{name}" for name in self.effects if "." in name}
 
     def _about(self) -> About:
-        """Return what is printed of it: a row a section of its text; of effects the names."""
+        """Return what is printed of the scene: one row per section of its text; of effects only the names."""
         rows = [(name, ", ".join(self.effects) if name == "effects" else text) for name, text in _sections(self.text)]
         return About(f"Scene: {self.title or 'without a title'}", (), ("section", "states"), rows)
 
     @takes(values=MAPPING)
     def with_(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> Scene:
-        """Return this scene with other values at dotted paths, read and checked as `--set` does; this one stays.
+        """Return this scene with other values at dotted paths, read and checked as by `--set`; this one is unchanged.
 
             scene.with_({"operation.speed": "1000 rpm"})        scene.with_(operation__speed="1000 rpm")
 
-        A text is read as in a file, with its unit; None takes a value out, 'off' an effect. Raise `SceneError`, a line
-        a fault, or `UsageError`.
+        A text is read as in a file, with its unit; None removes a value, 'off' an effect. Raise `SceneError`, with one
+        line per fault, or `UsageError`.
         """
         from screwsim.scene.given import changed
 
@@ -314,7 +314,7 @@ class Scene(Brief):
 
 
 def _sections(text: str) -> list[tuple[str, str]]:
-    """Return (name, what it states on one line) of each section of a canonical text, but its title."""
+    """Return (name, contents on one line) of each section of a canonical text, except its title."""
     found: list[tuple[str, list[str]]] = []
     for line in text.splitlines():
         if line[:1].isalpha():

@@ -1,7 +1,8 @@
-"""Quantities as people write them: '3000 rpm' to 314.159 rad/s, and back.
+"""Quantities as users write them: '3000 rpm' to 314.159 rad/s, and back.
 
-A regular expression splits number and unit, `float` reads the number and a table the usual units; pint is imported
-for other units only and sees the unit alone, because it would evaluate an expression (`9**9**9 m`) and misread `1,5`.
+A regular expression splits number and unit, `float` reads the number, and a table has the usual units; pint is imported
+only for other units and is given the unit alone, because it would evaluate an expression (`9**9**9 m`) and misread
+`1,5`.
 """
 
 import math
@@ -17,7 +18,7 @@ from screwsim.scene.numerals import odd_number, told
 
 
 class Refused(Exception):
-    """Say why a value is refused, with the remedy; the caller adds file, line and path."""
+    """Reason why a value is refused, with the remedy; the caller adds file, line and path."""
 
 
 NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
@@ -27,14 +28,14 @@ _ambient: ContextVar[float | None] = ContextVar("ambient", default=None)  # [Pa]
 
 
 class Gauge(float):
-    """An absolute pressure [Pa] that was written over the ambient one; `written` says how."""
+    """An absolute pressure [Pa] that was written as a gauge pressure; `written` is its original text."""
 
     written: str = ""
 
 
 @contextmanager
 def over(ambient: float | None) -> Iterator[None]:
-    """Read gauge pressures over an ambient pressure [Pa]; outside of it, or over None, they are refused."""
+    """Read gauge pressures relative to an ambient pressure [Pa]; outside this context, or for None, refuse them."""
     token = _ambient.set(ambient)
     try:
         yield
@@ -42,7 +43,7 @@ def over(ambient: float | None) -> Iterator[None]:
         _ambient.reset(token)
 
 
-# Grammar of what pint may see: names with a one-digit power, at most one level of brackets, no numbers.
+# Grammar of units passed to pint: names with a one-digit power, at most one level of brackets, no numbers.
 _TERM = r"[A-Za-z][A-Za-z_]*(?:\^-?[1-9](?![0-9]))?"
 _GROUP = rf"(?:{_TERM}|\({_TERM}(?:[ /]{_TERM})*\))"
 _UNIT = re.compile(rf"{_GROUP}(?:[ /]{_GROUP})*")
@@ -80,8 +81,8 @@ _TABLE: dict[str, dict[str, tuple[float, float]]] = {
 }
 _SPELLINGS = {"µ": "u", "μ": "u", "℃": "degC", "ºC": "degC", "°": "deg", "²": "^2", "³": "^3"}
 _SPELLINGS |= {"**": "^", "·": " ", "*": " "}
-# Other spellings of one unit, without blanks, dots and brackets, in any case where they stand in small letters: told,
-# and not read
+# Other spellings of a unit, without blanks, dots and brackets; those in lower case match any case. They are suggested
+# in messages, not read.
 _MEANT: dict[str, dict[str, str]] = {
     "Pa": {
         **dict.fromkeys(("bara", "barabs", "baraabs"), "bar"),
@@ -101,8 +102,8 @@ _MEANT: dict[str, dict[str, str]] = {
     "W/(m^2 K)": dict.fromkeys(("W/m2K", "W/m^2K", "W/m²K"), "W/(m^2 K)"),
 }
 _KINEMATIC = {"cst", "mm^2/s", "mm2/s", "mm²/s", "m^2/s", "st"}
-_TABLE_ONLY = {"rad", "rad/s", "N m/rad", "N m s/rad"}  # pint takes turns, radians and counts for the same thing
-_CELSIUS = {"degC", "celsius", "Celsius", "C"}  # a temperature in coulombs there is none
+_TABLE_ONLY = {"rad", "rad/s", "N m/rad", "N m s/rad"}  # pint does not distinguish turns, radians and plain numbers
+_CELSIUS = {"degC", "celsius", "Celsius", "C"}  # no temperature is in coulombs
 ZERO_CELSIUS = 273.15
 
 
@@ -149,7 +150,7 @@ def parse_quantity(kind: Kind, text: str) -> float:
 
 
 def _from_gauge(kind: Kind, number: float, unit: str, text: str) -> Gauge | None:
-    """Return the absolute pressure [Pa] of a gauge pressure; None of any other, and where none is read."""
+    """Return the absolute pressure [Pa] of a gauge pressure; None for any other, or where gauge pressure is refused."""
     found, ambient = _GAUGE.fullmatch(unit), _ambient.get()
     if kind.name != "pressure" or found is None or ambient is None:
         return None
@@ -164,7 +165,7 @@ def _from_gauge(kind: Kind, number: float, unit: str, text: str) -> Gauge | None
 
 
 def _odd(kind: Kind, text: str, shown: str) -> Refused | None:
-    """Return the fault of a number that is written in another way than ours; None of any other text."""
+    """Return the fault of a number written in an unsupported way; None for any other text."""
     odd = odd_number(text, customary_unit(kind))
     if odd is not None:
         return Refused(f"{shown} {told(odd)}")
@@ -173,7 +174,7 @@ def _odd(kind: Kind, text: str, shown: str) -> Refused | None:
 
 
 def _meant(kind: Kind, number: str, unit: str, shown: str) -> Refused | None:
-    """Return the fault of a unit that has one meaning for this kind, in another spelling; None of any other."""
+    """Return the fault of a unit that is spelt otherwise but is unambiguous for this kind; None for any other."""
     tight = re.sub(r"[\s._()]", "", unit)
     if kind.name == "viscosity" and tight.lower() in _KINEMATIC:
         return Refused(f"{shown} is a kinematic viscosity (multiply it by the density; write e.g. '{kind.example}')")
@@ -186,7 +187,7 @@ def _meant(kind: Kind, number: str, unit: str, shown: str) -> Refused | None:
 
 
 def refuse_traps(kind: Kind, unit: str, shown: str) -> None:
-    """Refuse units that mean two things: Hz, degrees Celsius of a difference; gauge pressures where none is read."""
+    """Refuse ambiguous units: Hz, or degrees Celsius for a difference; and gauge pressures where none are allowed."""
     if kind.si == "Pa" and _GAUGE.fullmatch(unit):
         if kind.name == "pressure_difference":
             raise Refused(f"{shown} is a gauge pressure, not a difference (write e.g. '{kind.example}')")
@@ -209,7 +210,7 @@ def _from_table(kind: Kind, number: float, unit: str) -> float | None:
 
 @cache
 def _registry() -> Any:
-    import pint  # 0.3 s, and usual scenes never need it
+    import pint  # takes 0.3 s, and usual scenes never need it
 
     return pint.UnitRegistry()
 
@@ -237,7 +238,7 @@ def to_customary(kind: Kind, value: float) -> float:
 
 
 def format_quantity(kind: Kind, value: float) -> str:
-    """Return an SI value in its customary unit, so that reading the text gives the same float again."""
+    """Return an SI value in its customary unit, such that reading the text gives the same float again."""
     unit = customary_unit(kind)
     number = to_customary(kind, value)
     for digits in (12, 15, 16, 17):
@@ -251,7 +252,7 @@ def format_quantity(kind: Kind, value: float) -> str:
 
 
 def readable_quantity(kind: Kind, value: float) -> str:
-    """Return an SI value in its customary unit for people to read, of ten digits."""
+    """Return an SI value in its customary unit for people to read, with ten digits."""
     return f"{to_customary(kind, value):.10g} {customary_unit(kind)}"
 
 

@@ -1,4 +1,4 @@
-"""One value of a scene: from what YAML gives to SI, and back to text."""
+"""One value of a scene: from its YAML form to SI, and back to text."""
 
 import os
 import re
@@ -16,12 +16,12 @@ from screwsim.scene.fields import Leaf
 from screwsim.scene.numerals import odd_number, told
 from screwsim.scene.units import NUMBER, Refused, format_quantity, parse_quantity
 
-LARGEST_GAP = 2e-3  # m: lengths that hardly are longer are told by an example of their size
+LARGEST_GAP = 2e-3  # [m] inputs that are usually shorter are explained by an example of a gap
 GAP = replace(KINDS["length"], example="27 um")
 
 
 def shown(raw: Any) -> str:
-    """Return a value of the YAML tree as a message shows it."""
+    """Return a value of the YAML tree as shown in messages."""
     if isinstance(raw, dict | list):
         return "a mapping" if isinstance(raw, dict) else "a list"
     if isinstance(raw, bool) or raw is None:
@@ -46,7 +46,7 @@ def convert(leaf: Leaf, raw: Any, folder: str = ".") -> Any:
 def _quantity(leaf: Leaf, raw: Any) -> float:
     kind = leaf.dimension
     assert kind is not None
-    if kind.name == "length" and (leaf.hardly[1] or 1.0) <= LARGEST_GAP:  # a rotor is no gap
+    if kind.name == "length" and (leaf.hardly[1] or 1.0) <= LARGEST_GAP:  # inputs the size of a rotor are not gaps
         kind = GAP
     if isinstance(raw, str):
         return parse_quantity(kind, raw)
@@ -56,7 +56,7 @@ def _quantity(leaf: Leaf, raw: Any) -> float:
 
 
 def describe_leaf(leaf: Leaf) -> str:
-    """Return what a leaf holds, with its article."""
+    """Return the kind of value that a leaf holds, with its article."""
     name = "whole number" if leaf.kind == "count" else leaf.kind.replace("_", " ")
     return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
 
@@ -75,7 +75,7 @@ def _number(leaf: Leaf, raw: Any, folder: str) -> float:
 
 
 def _not_plain(text: str) -> str:
-    """Return what a text is that should be a plain number, with the remedy."""
+    """Return what is wrong with a text given in place of a plain number, with the remedy."""
     odd, share = odd_number(text), re.fullmatch(rf"({NUMBER})\s*(%|‰|percent)", text)
     if share is not None:
         return f"is a share (write {float(share[1]) / (1000.0 if share[2] == '‰' else 100.0):.10g})"
@@ -95,7 +95,7 @@ def _count(leaf: Leaf, raw: Any, folder: str) -> int:
     return _limited(leaf, raw, raw)
 
 
-_CALLED = {  # other words for an option
+_CALLED = {  # other names of an option
     "perfect": "ideal",
     "ideal_gas": "ideal",
     "real_gas": "real",
@@ -104,9 +104,9 @@ _CALLED |= {word: name for name, kind in MACHINES.items() for word in kind.calle
 
 
 def imported(name: str, look: Callable[[], Any]) -> Any:
-    """Return what `look` finds in a module of the user's own; raise Refused, in one line, where that is bad."""
+    """Return what `look` finds in a user-defined module; raise Refused, in one line, where the module is faulty."""
     if "." in name and not {"", os.getcwd()} & set(sys.path):
-        sys.path.append(os.getcwd())  # last: it must not hide an installed package
+        sys.path.append(os.getcwd())  # last, so that it cannot hide an installed package
     try:
         return look()
     except KeyError:
@@ -115,11 +115,11 @@ def imported(name: str, look: Callable[[], Any]) -> Any:
         raise Refused(f"cannot be imported ({error}); tried PYTHONPATH and the working folder (is it there?)") from None
     except ImportError as error:
         raise Refused(f"cannot be imported ({error}); mend that module") from None
-    except Exception as error:  # noqa: BLE001 - a module of the user's may raise anything
+    except Exception as error:  # noqa: BLE001 - a user's module may raise anything
         raise Refused(f"fails on import ({type(error).__name__}: {error}); mend that module") from None
 
 
-# what looks for a choice of the user's own, by the variable of its module
+# functions that find a user-defined choice, by the variable that its module must define
 _OWN = {"INTEGRATOR": find_integrator, "GAS": find_gas_model}
 
 

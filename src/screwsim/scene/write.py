@@ -1,4 +1,4 @@
-"""A scene as canonical YAML: every value with its unit, in the order of the schema; reading it gives the same scene."""
+"""A scene as canonical YAML: each value with its unit, in the order of the schema; reading it gives the same scene."""
 
 import os
 from collections.abc import Iterator
@@ -13,9 +13,9 @@ from screwsim.scene.values import text_of
 
 
 def scene_text(scene: Scene) -> str:
-    """Return the YAML text that alone, beside its curve files, reproduces the scene.
+    """Return the YAML text that, together with its curve files, reproduces the scene.
 
-    Absent values are left out, and what follows from others.
+    Absent values, and values that follow from others, are left out.
     """
     lines = list(_section(scene_section(scene.machine.kind), scene, scene, ("", "")))
     lines.append("effects:" if scene.effects else "effects: {}")
@@ -50,7 +50,7 @@ def _sweep(scene: Scene) -> Iterator[str]:
 
 
 def _sample(sample: Sample, leaves: dict[str, Leaf]) -> Iterator[str]:
-    """Yield how a sample is drawn, not its values: the seed gives them again."""
+    """Yield how a sample is drawn, not its values: the seed reproduces them."""
     yield f"  sample:\n    kind: {sample.kind}\n    count: {sample.count}\n    seed: {sample.seed}\n    over:"
     for path, (kind, *values) in sample.over:
         texts = [_scalar(leaves[path], value, ".") for value in values]
@@ -61,7 +61,7 @@ def _sample(sample: Sample, leaves: dict[str, Leaf]) -> Iterator[str]:
 
 
 def _section(section: Section, value: Any, scene: Scene, at: tuple[str, str]) -> Iterator[str]:
-    """Yield the lines of a section of a scene, behind an indent; the paths of its values begin as told."""
+    """Yield the lines of a section; `at` is their indent and the prefix of the paths of its values."""
     indent, above = at
     for name, item in section.fields.items():
         part = getattr(value, name)

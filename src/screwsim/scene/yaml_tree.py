@@ -1,6 +1,6 @@
 """YAML text as a tree of nodes that know their file, line and column.
 
-Scalars follow YAML 1.2: `1e-3` is a number and `no` a word. Faults are collected, each with its place.
+Scalars follow YAML 1.2: `1e-3` is a number and `no` a string. Faults are collected, each with its place.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from ruamel.yaml.scanner import Scanner
 from screwsim.inputs.faults import SceneError
 from screwsim.scene.syntax import not_yaml
 
-MOST_NODES = 1_000_000  # of one text, every alias written out
+MOST_NODES = 1_000_000  # of one text, with all aliases written out
 MOST_LEVELS = 32
-MOST_DIGITS = 4000  # of a whole number, more than which Python may not read: no float is so large
-_LONGEST_PATH = 200  # letters of a path that a fault shows
-_POINT_FIRST = re.compile(r"[+-]?\.[0-9]+[eE][+-]?[0-9]+")  # a number of YAML 1.2 that ruamel takes for text
+MOST_DIGITS = 4000  # of a whole number; Python may refuse to read longer ones, and no float is so large
+_LONGEST_PATH = 200  # characters of a path shown in a fault
+_POINT_FIRST = re.compile(r"[+-]?\.[0-9]+[eE][+-]?[0-9]+")  # a YAML 1.2 number that ruamel reads as text
 _LONE = re.compile("[\ud800-\udfff]")
-_CORE = "tag:yaml.org,2002:"  # what YAML itself knows; any other tag asks for a program to run
+_CORE = "tag:yaml.org,2002:"  # prefix of YAML's own tags; any other tag would run a program
 _KNOWN = {"str", "int", "float", "bool", "null", "map", "seq", "timestamp", "merge", "value"}
 
 
 @dataclass(frozen=True, order=True)
 class Place:
-    """Where a node stands; `rank` orders files (scene, its base, overrides), `folder` resolves its file names."""
+    """Position of a node; `rank` orders files (scene, its base, overrides), file names are relative to `folder`."""
 
     rank: int
     source: str
@@ -51,7 +51,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Node:
-    """A scalar, a list of nodes or a mapping of nodes; `key` is where its name stands in the mapping."""
+    """A scalar, a list of nodes or a mapping of nodes; `key` is the position of its name in the mapping."""
 
     value: Any
     place: Place
@@ -59,7 +59,7 @@ class Node:
 
     @property
     def heading(self) -> Place:
-        """Return where to point when the node as a whole is meant."""
+        """Return the position to report for the node as a whole."""
         return self.key or self.place
 
 
@@ -77,12 +77,12 @@ class Problem:
 
 
 def scene_error(problems: Iterable[Problem]) -> SceneError:
-    """Return the error that tells of all problems, each once, in the order of their places."""
+    """Return the error that lists all problems, each once, in the order of their places."""
     return SceneError([str(each) for each in sorted(dict.fromkeys(problems), key=lambda each: each.place)])
 
 
 def one_line(text: str) -> str:
-    """Return a text without line breaks and control characters: a fault is one line."""
+    """Return a text without line breaks and control characters, as a fault must fit on one line."""
     return "".join(letter if letter.isprintable() else " " for letter in text)
 
 
@@ -92,7 +92,7 @@ def join(path: str, name: str) -> str:
 
 
 def compose(text: str, start: Place, problems: list[Problem], path: str = "") -> Node | None:
-    """Return the tree of a YAML text that begins at `start`, or None when it is not YAML or empty."""
+    """Return the tree of a YAML text that begins at `start`; None if empty or, after a fault was added, not YAML."""
     try:
         root = _tree(text)
     except MarkedYAMLError as error:
@@ -122,17 +122,17 @@ def compose(text: str, start: Place, problems: list[Problem], path: str = "") ->
     return _Converter(start, problems).convert(root, path)
 
 
-@lru_cache(maxsize=64)  # bases are read again with each scene on them, and ruamel takes some milliseconds a page
+@lru_cache(maxsize=64)  # bases are read again with each scene on them, and ruamel takes some milliseconds per page
 def _tree(text: str) -> Any:
-    """Return ruamel's tree of a text, not to be written to."""
+    """Return ruamel's tree of a text; callers must not change it."""
     yaml = YAML(typ="safe", pure=True)
     yaml.Scanner = _Scanner
-    yaml.composer.warn_double_anchors = False  # the later one holds from there on, as in YAML
+    yaml.composer.warn_double_anchors = False  # the later anchor replaces the earlier one from there on, as in YAML
     return yaml.compose(text)
 
 
 class _Scanner(Scanner):
-    """End where more brackets are open than a text may have levels: ruamel's time goes with their number squared."""
+    """Scanner that stops at more open brackets than levels allowed: ruamel's time grows with their number squared."""
 
     def fetch_flow_collection_start(self, TokenClass: Any, to_push: str) -> None:
         if len(self.flow_context) >= MOST_LEVELS:
@@ -144,15 +144,15 @@ _TOO_DEEP = f"is nested deeper than {MOST_LEVELS} levels (a scene has about five
 
 
 def _size_fault(root: Any) -> str:
-    """Return what is wrong with the size of ruamel's tree, every alias written out; empty where nothing is.
+    """Return what is wrong with the size of ruamel's tree, all aliases written out; empty if nothing is.
 
-    Aliases of aliases are few letters and an immense tree; here each node is looked at once.
+    Aliases of aliases make an immense tree of a short text; here each node is visited once.
     """
     sizes: dict[int, tuple[int, int]] = {}  # number of nodes, and of levels
 
     def size(node: Any) -> tuple[int, int]:
         if id(node) not in sizes:
-            sizes[id(node)] = 0, 0  # inside itself: told where the tree is made
+            sizes[id(node)] = 0, 0  # a node inside itself is reported where the tree is converted
             inner = [size(child) for child in _children(node)]
             sizes[id(node)] = 1 + sum(n for n, _ in inner), 1 + max((levels for _, levels in inner), default=0)
         return sizes[id(node)]
@@ -175,7 +175,7 @@ def _children(node: Any) -> list[Any]:
 
 
 class _Converter:
-    """Turn ruamel's nodes into ours, each once: an alias shares the node of its anchor."""
+    """Converter from ruamel's nodes to `Node`, each converted once: an alias shares the node of its anchor."""
 
     def __init__(self, start: Place, problems: list[Problem]) -> None:
         self.start = start
@@ -185,7 +185,7 @@ class _Converter:
     def convert(self, node: Any, path: str) -> Node:
         place = self.place(node)
         if id(node) not in self.done:
-            self.done[id(node)] = None  # while it stands so, the node is inside itself
+            self.done[id(node)] = None  # being converted: found again, the node is inside itself
             self.done[id(node)] = Node(self.value(node, path), place)
         found = self.done[id(node)]
         if found is None:
@@ -210,7 +210,7 @@ class _Converter:
         return dict(self.items(node, path))
 
     def text(self, node: ScalarNode, path: str) -> str:
-        """Return the letters of a scalar; half a letter, or a null character, is a fault."""
+        """Return the text of a scalar; half a character (a lone surrogate) or a null character is a fault."""
         text = whole_letters(node.value)
         for fault, what in (
             (_LONE.search(text), "half a letter (a lone surrogate)"),
@@ -242,13 +242,13 @@ class _Converter:
 
 
 def whole_letters(text: str) -> str:
-    """Return a text whose letters beyond 16 bits are whole: JSON writes each as an escape of two halves."""
+    """Return a text with surrogate pairs joined: JSON escapes each character beyond 16 bits as two halves."""
     return text.encode("utf-16", "surrogatepass").decode("utf-16", "surrogatepass") if _LONE.search(text) else text
 
 
 def scalar(tag: str, text: str) -> Any:
     """Return the value of a YAML 1.2 scalar: None, bool, int, float or str."""
-    kind = "str" if "_" in text else tag.rpartition(":")[2]  # no number of YAML 1.2 has one
+    kind = "str" if "_" in text else tag.rpartition(":")[2]  # no number of YAML 1.2 has an underscore
     try:
         if kind == "int":
             return int(text, 0) if text.lstrip("+-")[:2].lower() in ("0x", "0o", "0b") else int(text)
@@ -262,7 +262,7 @@ def scalar(tag: str, text: str) -> Any:
 
 
 def merge(below: Node, above: Node) -> Node:
-    """Return `below` changed by `above`: mappings merge, anything else is replaced."""
+    """Return `below` with `above` merged over it: mappings merge, anything else is replaced."""
     if not (isinstance(below.value, dict) and isinstance(above.value, dict)):
         return above
     merged = dict(below.value)
@@ -272,7 +272,7 @@ def merge(below: Node, above: Node) -> Node:
 
 
 def step(mapping: dict[str, Node], path: str) -> tuple[str, str] | None:
-    """Return (key, rest) of the longest key that begins a dotted path; keys themselves may have dots."""
+    """Return (key, rest) for the longest key that begins a dotted path; keys may contain dots themselves."""
     keys = [key for key in mapping if path == key or path.startswith(key + ".")]
     if not keys:
         return None
@@ -292,7 +292,7 @@ def locate(root: Node, path: str) -> tuple[Node, bool]:
 
 
 def pointer(root: Node, path: str) -> Place:
-    """Return the place to show for a fault at a path: the value itself, else the heading of what it belongs to."""
+    """Return the position to report for a fault at a path: that of the value, else of the section that contains it."""
     node, found = locate(root, path)
-    leaf = found and node.value is not None and not isinstance(node.value, dict)  # null stands nowhere
+    leaf = found and node.value is not None and not isinstance(node.value, dict)  # null has no position of its own
     return node.place if leaf else node.heading

@@ -1,6 +1,6 @@
-"""New scenes: a complete, commented machine of a kind, of the size and for the duty that are asked for.
+"""New scenes: a complete, commented machine of a kind, for the requested size and duty.
 
-Sizes scale from machines that the program knows (`template.sizes`); every number of the text says where it is from.
+Sizes scale from known machines (`template.sizes`); each number in the text has its source.
 """
 
 from collections.abc import Callable, Iterable
@@ -15,7 +15,7 @@ from screwsim.template.asked import Asked, asked_of
 
 MOTOR, SHEET, SPEEDS, CAPACITY = ("--motor",), ("--flow", "--pressure"), ("--variable-speed",), ("--capacity",)
 LIQUID, SLIDE = ("--economizer",), ("--slide",)
-WHOSE = {  # what is said of an option where the kind does not take it
+WHOSE = {  # message on an option that a kind does not take
     **dict.fromkeys(MOTOR, "is of {takers} (remove it; a motor of {name} is written by its size)"),
     **dict.fromkeys(CAPACITY, "is of {takers} (remove it; {name} has --displacement)"),
     **dict.fromkeys(SHEET, "is of an air package's sheet (write screwsim new {takers}; {name} has --displacement)"),
@@ -34,10 +34,10 @@ OTHER_WORDS = {
 
 
 class Kind(NamedTuple):
-    """A kind of new scene: what writes it, and the options that it takes beside those of all kinds.
+    """A kind of new scene: the function that writes it, and the options that it takes beside those of all kinds.
 
-    `cools` is the figure of what it is for, which `--capacity` states; `first` is the displacement [m³/s] of the first
-    size that is tried where one is sought.
+    `cools` is the figure that `--capacity` states; `first` gives the displacement [m³/s] of the first size tried when a
+    size is sought.
     """
 
     written: Callable[[Asked], str]
@@ -63,7 +63,7 @@ __all__ = ["KINDS", "Asked", "asked_of", "kind_of", "new_scene"]
 
 
 def kind_of(name: str, options: Iterable[str] = ()) -> Kind:
-    """Return a kind by its name; raise UsageError where there is none, or for an option that it does not take."""
+    """Return a kind by its name; raise UsageError for an unknown one, or for an option that it does not take."""
     if name not in KINDS:
         near = OTHER_WORDS.get(name.lower()) or nearest(name, KINDS)
         hint = f"; did you mean '{near}'?" if near else ""
@@ -76,7 +76,7 @@ def kind_of(name: str, options: Iterable[str] = ()) -> Kind:
 
 
 def new_scene(kind: str, asked: Asked) -> str:
-    """Return the text of a scene; raise UsageError, in one line, where none can be."""
+    """Return the text of a scene; raise UsageError, in one line, where there can be none."""
     text = kind_of(kind).written(asked)
     try:
         loads(text, f"new {kind}")
@@ -90,7 +90,7 @@ def new_scene(kind: str, asked: Asked) -> str:
 
 
 def _no_viscosity(what: str, asked: Asked) -> str:
-    """Return that the gaps' viscosity of a gas is not known; empty of a fault of another kind."""
+    """Return the message that a gas's viscosity, needed for gaps, is unknown; empty for other faults."""
     if ".gas_viscosity: " not in what:
         return ""
     return f"--fluid {asked.fluid}: CoolProp has no viscosity of it, which its gaps need (choose a gas near to it)"

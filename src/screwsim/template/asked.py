@@ -1,4 +1,4 @@
-"""What is asked of a new scene: its kind, and what the command line states of it; the rest is the kind's own."""
+"""The request for a new scene: what the command line states; each kind chooses the rest."""
 
 import math
 import re
@@ -14,13 +14,13 @@ from screwsim.scene.units import NUMBER, Refused, over, parse_quantity
 from screwsim.template import sizes
 
 SPEED = 2950.0 * math.pi / 30.0  # [rad/s] of screws
-ATMOSPHERE = 1e5  # [Pa] of the surroundings of a template, as ISO 1217 has it
+ATMOSPHERE = 1e5  # [Pa] of a template's surroundings, as in ISO 1217
 _PAIR = re.compile(rf"\s*({NUMBER})\s*([^/,]*?)\s*/\s*({NUMBER})\s*([^,]*?)\s*(?:,\s*(.+?)\s*)?")
 
 
 @dataclass(frozen=True)
 class Condition:
-    """Two lines: `low` and `high` as they are written with their unit, in SI, and what stands behind the comma."""
+    """Two lines: `low` and `high` in SI and as written with their units, and the text after the comma."""
 
     low: float
     high: float
@@ -31,7 +31,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class Asked:
-    """What the command states, in SI units; None of what the kind is to choose."""
+    """Values that the command states, in SI units; None where the kind is to choose."""
 
     fluid: str | None = None
     flow: float | None = None  # displacement, [m^3/s]
@@ -39,18 +39,18 @@ class Asked:
     ratio: float | None = None  # built-in
     oil: str | None = None
     condition: str | None = None
-    diameter: float | None = None  # of the male rotor, from which the flow follows
-    motor: float | None = None  # its rated power, [W]
-    free_air: float | None = None  # that an air package delivers, [m^3/s]: its size is to be sought
+    diameter: float | None = None  # of the male rotor; determines the flow
+    motor: float | None = None  # rated power, [W]
+    free_air: float | None = None  # delivered by an air package, [m^3/s]: its size is to be sought
     capacity: float | None = None  # cooling of a refrigeration machine, heating of a heat pump, [W]: likewise
     economizer: bool = False
     slide: bool = False  # a slide valve
-    variable: bool = False  # an inverter, and speeds to sweep
-    sought: str = ""  # the option by which the flow was sought with the cycle
+    variable: bool = False  # with an inverter, and speeds to sweep
+    sought: str = ""  # option for which the flow was sought with the cycle
 
     @property
     def by_sheet(self) -> bool:
-        """Is the size to be sought, by what the machine delivers or takes?"""
+        """Whether the size is to be sought, from what the machine delivers or what its motor takes."""
         delivered = self.free_air if self.capacity is None else self.capacity
         return delivered is not None or (self.flow is None and self.motor is not None)
 
@@ -72,10 +72,10 @@ def asked_of(
     slide: bool = False,
     variable: bool = False,
 ) -> Asked:
-    """Return what is asked for; raise UsageError, in one line, for what cannot be.
+    """Return the request; raise UsageError, in one line, for one that is impossible.
 
-    `motor`, `free_air` and `pressure` are what the sheet of an air package states, the pressure that of its outlet;
-    `capacity` is what a refrigeration machine cools, or a heat pump heats.
+    `motor`, `free_air` and `pressure` are those on the sheet of an air package, the pressure that of its outlet;
+    `capacity` is the cooling of a refrigeration machine, or the heating of a heat pump.
     """
     condition = _by_pressure(condition, pressure)
     if fluid is not None and constants.limits(fluid) is None:
@@ -111,7 +111,7 @@ def asked_of(
 
 
 def _by_pressure(condition: str | None, pressure: str | None) -> str | None:
-    """Return both lines of a package that sucks from its surroundings and delivers at a pressure."""
+    """Return both lines of a package that draws in ambient air and delivers it at a pressure."""
     if pressure is None:
         return condition
     if condition is not None:
@@ -126,7 +126,7 @@ def _by_pressure(condition: str | None, pressure: str | None) -> str | None:
 
 
 def _quantity(option: str, kind: str, text: str, example: str) -> float:
-    """Return the value [SI] of an option; it is above nothing."""
+    """Return the value [SI] of an option, which must be positive."""
     try:
         found = parse_quantity(KINDS[kind], text)
     except Refused as refusal:
@@ -137,9 +137,9 @@ def _quantity(option: str, kind: str, text: str, example: str) -> float:
 
 
 def condition_of(text: str, kind: str, example: str) -> Condition:
-    """Return two temperatures or pressures `LOW/HIGH UNIT`, the unit of the first that of the second if it has none.
+    """Return two temperatures or pressures `LOW/HIGH UNIT`; the first without a unit has that of the second.
 
-    Gauge pressures are over `ATMOSPHERE`, which the scene then states.
+    Gauge pressures are relative to `ATMOSPHERE`, which the scene then states.
     """
     match = _PAIR.fullmatch(text)
     if match is None:
@@ -157,7 +157,7 @@ def condition_of(text: str, kind: str, example: str) -> Condition:
 
 
 def beside_of(condition: Condition, kind: str, default: str) -> tuple[str, float]:
-    """Return what stands behind the comma of a condition, as a quantity: its text and its value [SI]."""
+    """Return the quantity after the comma of a condition: its text and its value [SI]."""
     text = condition.beside or default
     try:
         return text, parse_quantity(KINDS[kind], text)
@@ -166,6 +166,6 @@ def beside_of(condition: Condition, kind: str, default: str) -> tuple[str, float
 
 
 def refused(option: str, asked: Any, why: str) -> None:
-    """Raise UsageError where an option was given that a kind does not have."""
+    """Raise UsageError if an option was given that a kind does not have."""
     if asked is not None:
         raise UsageError(f"{option}: {why}")

@@ -1,4 +1,4 @@
-"""Screws on gases: an air package, a booster that sucks at pressure, an expander."""
+"""Screws on gases: an air package, a booster that takes in gas under pressure, an expander."""
 
 import math
 import textwrap
@@ -16,34 +16,34 @@ from screwsim.template.asked import Asked, Condition, beside_of, condition_of, r
 from screwsim.template.refrigeration import OILS_FOR
 
 RPM = math.pi / 30.0
-LAMBDA, ETA = 0.90, 0.78  # for estimates of flow and power; an expander's: what a filled inlet gives
+LAMBDA, ETA = 0.90, 0.78  # for estimates of flow and power; of an expander, from a filled inlet
 DRY = 80e-6  # [m], clearances of dry rotors of 160 mm: two to four times those of flooded ones, assumed
-AIR_OIL = 4.0  # kilograms per kilogram of air that leave oil some 30 K warmer (validation/cagi), at the least
-HOTTEST = 40.0  # [K] by which the oil of an air package is warmed at the most: assumed
-LEAVES, WARMED = 353.15, 30.0  # [K]: what leaves a booster, and by how much its oil is warmed
-LEAST_OIL, LEAST_SHARE = 2.0, 0.004  # kilograms per kilogram of gas; of the displaced volume (air packages: 0.5 %)
-UNCOOLED = 0.75  # of the way from the suction to where nothing is cooled, that gas and oil leave at most
-COMPRESSING = 0.88  # for an estimate: efficiency without friction, which goes with the size and not with the gas
-FRICTION = 1.5  # over that of the films alone: bearings, and oil that is brought to speed
-SHUT = 4e5  # [Pa] over the surroundings, below which a package's minimum-pressure valve stays shut ...
+AIR_OIL = 4.0  # least kg of oil per kg of air, warmed by some 30 K (validation/cagi)
+HOTTEST = 40.0  # [K] most by which the oil of an air package is warmed: assumed
+LEAVES, WARMED = 353.15, 30.0  # [K] temperature at a booster's outlet, and by how much its oil is warmed
+LEAST_OIL, LEAST_SHARE = 2.0, 0.004  # least kg of oil per kg of gas; and of the displaced volume (air packages: 0.5 %)
+UNCOOLED = 0.75  # of the temperature rise without cooling: most that gas and oil keep
+COMPRESSING = 0.88  # efficiency without friction, for an estimate; friction depends on size, not gas
+FRICTION = 1.5  # over that of the films alone, for bearings and for accelerating the oil
+SHUT = 4e5  # [Pa] above ambient, below which a package's minimum-pressure valve stays shut ...
 SHUT_SHARE = (
     0.8  # ... of the pressure rise at the most: a valve that opens above it holds the machine at its own pressure
 )
 LOST_BEFORE, LOST_BEHIND = 3.5e3, 36e3  # [Pa]: filter and valve; separator, valve and aftercooler of air.template
-COOLED, BROUGHT = 0.97, 1.1  # for an estimate: efficiency without friction where oil cools; friction over its films'
+COOLED, BROUGHT = 0.97, 1.1  # efficiency without friction with oil cooling; friction over that of films: estimates
 FAN = 0.04  # of the motor
-INVERTER = 0.03  # of the motor, that an inverter loses at the point of its class: 97 % as configs/air, assumed
-SPEEDS = 1.0, 0.86, 0.73, 0.59, 0.46, 0.32  # of full speed, on a sheet of a package of variable speed
+INVERTER = 0.03  # of the motor, lost by an inverter at its class's point: 97 % as in configs/air, assumed
+SPEEDS = 1.0, 0.86, 0.73, 0.59, 0.46, 0.32  # of full speed, on the sheet of a variable-speed package
 WIDE = 110  # columns of a comment
-DAMP = 1.3  # of the outlet's pressure: an ideal gas is this much drier than a real one, for an estimate
-DRAGGED = 4.0  # times the work without loss, beyond which friction makes no booster
-ABOVE_DEW, NEARLY = 10.0, 0.999  # [K] over the dew point that its separator stays; of the critical temperature
-OIL_OVER_DEW = 4.0  # [K] over the dew point that cooled oil stays
-SOLIDITY = 0.63  # of end faces, as the text of flooded machines has it
+DAMP = 1.3  # of the outlet's pressure: estimate of how much drier an ideal gas is than a real one
+DRAGGED = 4.0  # times the lossless work, beyond which friction rules out a booster
+ABOVE_DEW, NEARLY = 10.0, 0.999  # [K] margin of the separator above the dew point; fraction of the critical temperature
+OIL_OVER_DEW = 4.0  # [K] margin of cooled oil above the dew point
+SOLIDITY = 0.63  # of end faces, as in the text of flooded machines
 
 
 class Duty(NamedTuple):
-    """The lines of a condition, and estimates of the gas between them (SI units)."""
+    """The lines of a condition, and estimates of the gas between them, in SI units."""
 
     at: Condition
     temperature: str
@@ -58,12 +58,12 @@ class Duty(NamedTuple):
 
     @property
     def density(self) -> float:
-        """Density of what comes in."""
+        """Density of the incoming gas."""
         return self.at.low / (self.R * self.T)
 
     @property
     def work(self) -> float:
-        """Work of compressing, or of expanding, without loss."""
+        """Lossless work of compression or expansion."""
         return abs(sizes.isentropic_work(self.k, self.R, self.T, self.at.high / self.at.low))
 
 
@@ -90,7 +90,7 @@ def _common(asked: Asked, duty: Duty, size: sizes.Size, share: float, flow: floa
 
 
 def _motor(rated: float) -> dict[str, str]:
-    """Return what a scene states of a motor of so many kW."""
+    """Return what a scene states about a motor of the rated power [kW]."""
     return {"rated": f"{rated:.6g} kW", "efficiency": sizes.motor_efficiency(rated)}
 
 
@@ -99,7 +99,7 @@ def _air_duty(asked: Asked) -> Duty:
 
 
 def first_flow(asked: Asked) -> float:
-    """Return about what an air package displaces [m³/s] that delivers what is stated, or loads its motor in full."""
+    """Return the approximate displacement [m³/s] of an air package for the stated delivery, or for full motor load."""
     duty = _air_duty(asked)
     if asked.free_air is None and asked.motor is not None:
         return asked.motor * ETA / (duty.work * LAMBDA * duty.density)
@@ -136,20 +136,20 @@ def air(asked: Asked) -> str:
 
 
 def _carried(duty: Duty, taken: float, oil: str) -> float:
-    """Return the kilograms of oil per kilogram of air that carry off a work [J/kg], warmed by `HOTTEST` at most."""
+    """Return the kg of oil per kg of air that remove a work [J/kg], warmed by at most `HOTTEST`."""
     left = taken - duty.R * duty.k / (duty.k - 1.0) * (LEAVES - duty.T)
     heat_capacity = OILS[oil].heat_capacity_at(LEAVES - 0.5 * HOTTEST)
     return max(AIR_OIL, math.ceil(2.0 * left / (heat_capacity * HOTTEST)) / 2.0)
 
 
 def _package_work(duty: Duty) -> float:
-    """Return the work [J/kg] without friction, over what the package loses on both sides: much of a small rise."""
+    """Return the work [J/kg] without friction, with the package's pressure losses, which matter for small rises."""
     ratio = (duty.at.high + LOST_BEHIND) / max(duty.at.low - LOST_BEFORE, 0.5 * duty.at.low)
     return sizes.isentropic_work(duty.k, duty.R, duty.T, ratio) / COOLED
 
 
 def _speeds(asked: Asked, rated: float, speed: float) -> dict[str, str]:
-    """Return what differs between packages of fixed and of variable speed, with a motor of so many kW."""
+    """Return the parts that differ between packages of fixed and variable speed, with a motor of rated power [kW]."""
     motor = _motor(rated)
     if not asked.variable:
         return {
@@ -170,13 +170,13 @@ def _speeds(asked: Asked, rated: float, speed: float) -> dict[str, str]:
 
 
 def _named(asked: Asked) -> str:
-    """Return what the title says of a machine that was made for a sheet; nothing without one."""
+    """Return the part of the title on a machine made for a sheet; empty without one."""
     stated = [] if asked.free_air is None else [f"{60.0 * asked.free_air:.4g} m^3/min of free air"]
     return ", ".join(stated + ([] if asked.motor is None else [f"motor of {1e-3 * asked.motor:.6g} kW"]))
 
 
 def _sheet(asked: Asked) -> str:
-    """Return the line that says what of a maker's sheet the machine was made for; nothing without one."""
+    """Return the comment on the maker's data that the machine was made for; empty without any."""
     stated = _named(asked)
     if not stated:
         return ""
@@ -187,7 +187,7 @@ def _sheet(asked: Asked) -> str:
 
 
 def _friction(size: sizes.Size, speed: float, oil: str, leaves: float = LEAVES) -> float:
-    """Return what the films of oil in tip and end gaps take [W] (M141, M142); `leaves` is how warm it goes out [K]."""
+    """Return the friction [W] of oil films in tip and end gaps (M141, M142); `leaves` is the outlet temperature [K]."""
     rotors, big, gap = FAMILIES["b"], size.diameter / 0.240, sizes.GAP * size.clearance
     total = 0.0
     for ratio, lobes in ((1.0, rotors.male_lobes), (rotors.male_lobes / rotors.female_lobes, rotors.female_lobes)):
@@ -197,13 +197,13 @@ def _friction(size: sizes.Size, speed: float, oil: str, leaves: float = LEAVES) 
 
 
 def _condenses(fluid: str, duty: Duty) -> bool:
-    """Tell whether a gas at the temperature that comes in would be liquid at the pressure that goes out."""
+    """Tell whether the gas at its inlet temperature would be liquid at the outlet pressure."""
     limits = constants.limits(fluid)
     return limits is not None and duty.T < limits.T_critical and constants.dew_pressure(fluid, duty.T) < duty.at.high
 
 
 def _wet(fluid: str, duty: Duty) -> bool:
-    """Tell whether a gas that expands without loss comes near to where it condenses at the outlet."""
+    """Tell whether a gas expanding without loss comes close to condensing at the outlet."""
     limits, coldest = constants.limits(fluid), duty.T * (duty.at.high / duty.at.low) ** ((duty.k - 1.0) / duty.k)
     if limits is None or not limits.T_triple < coldest < limits.T_critical:
         return False
@@ -211,7 +211,7 @@ def _wet(fluid: str, duty: Duty) -> bool:
 
 
 def _dew_temperature(fluid: str, duty: Duty) -> float | None:
-    """Return where a gas condenses [K] at the pressure that goes out; None of one that does not condense there."""
+    """Return the condensing temperature [K] of a gas at the outlet pressure; None where it does not condense."""
     limits = constants.limits(fluid)
     if limits is None or not _condenses(fluid, duty):
         return None
@@ -220,7 +220,7 @@ def _dew_temperature(fluid: str, duty: Duty) -> float | None:
 
 
 def _booster_leaves(fluid: str, duty: Duty, warmed: float, dew: float | None) -> float:
-    """Return the temperature [K] to which a booster's oil cools: below what `warmed` [K] makes uncooled, above the dew.
+    """Return a booster's outlet temperature [K]: above the dew point, below what a rise of `warmed` [K] uncooled gives.
 
     Raise UsageError where there is none.
     """
@@ -235,7 +235,7 @@ def _booster_leaves(fluid: str, duty: Duty, warmed: float, dew: float | None) ->
 
 
 def booster(asked: Asked) -> str:
-    """Return the scene of a screw that sucks gas at pressure: a fuel-gas booster, or a second stage."""
+    """Return the scene of a screw that takes in gas under pressure: a fuel-gas booster, or a second stage."""
     fluid = asked.fluid or "Methane"
     oil = asked.oil or OILS_FOR.get(fluid.lower(), "PAG_100")
     flow, speed = asked.flow or 600.0 / 3600.0, asked.speed or 2950.0 * RPM
@@ -244,7 +244,7 @@ def booster(asked: Asked) -> str:
     gas_flow = LAMBDA * flow * duty.density
 
     def taken_at(leaving: float) -> float:
-        """Return the work [J/kg] where oil leaves so warm [K]: cold films take more."""
+        """Return the work [J/kg] at an outlet temperature [K]: cold films take more."""
         friction = FRICTION * _friction(size, speed, oil, leaving) / gas_flow
         return max(duty.work / ETA, duty.work / COMPRESSING + friction)
 

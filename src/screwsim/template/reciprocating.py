@@ -11,15 +11,15 @@ from screwsim.template.texts import filled
 
 RPM = math.pi / 30.0
 BORE, CRANK, ROD, OFFSET, CLEARANCE = 25.4e-3, 8e-3, 40e-3, 2e-3, 0.16e-6
-STROKE = 16.045e-3  # [m], of that crank, rod and offset
+STROKE = 16.045e-3  # [m], from that crank, rod and offset
 SWEPT, SPEED = 0.25 * math.pi * BORE**2 * STROKE, 2950.0 * RPM
-WIDEST = 0.3  # of the piston's area, that a port can have
+WIDEST = 0.3  # of the piston's area: largest possible port
 ETA = 0.65  # for an estimate of the power
-WALL = 0.57  # of the way from suction gas to that compressed without loss: 360 K of the known machine
+WALL = 0.57  # of the way from suction gas to gas compressed without loss: 360 K in the known machine
 
 
 def reciprocating(asked: Asked) -> str:
-    """Return the scene of one cylinder."""
+    """Return the scene of a single cylinder."""
     refused("--vi", asked.ratio, "a cylinder has no built-in volume ratio, its valves open by themselves (remove it)")
     refused("--diameter", asked.diameter, "is of rotors; a bore follows from --displacement (write that)")
     refused("--oil", asked.oil, "no oil is injected into a cylinder (remove it)")
@@ -37,7 +37,7 @@ def reciprocating(asked: Asked) -> str:
 
 
 def _wall(fluid: str, T: float) -> str:
-    """Return the line of the heat between gas and wall [K]; of a blend why there is none."""
+    """Return the line on the heat between gas and wall [K]; for a blend, why there is none."""
     if is_mixture(fluid):
         return f"  # No cylinder_heat: CoolProp has no transport properties of blends, as {fluid} is one.\n"
     told = "between the gas that comes and the gas that goes"
@@ -45,8 +45,8 @@ def _wall(fluid: str, T: float) -> str:
 
 
 def _text(fluid: str, duty: Duty, s: float, faster: float, flow: float, speed: float) -> str:
-    wide = s * math.sqrt(faster)  # of a port's lengths: as much wider as the piston is faster
-    stiff = s**3 * (speed / SPEED) ** 2  # reeds follow the crank as those of the known machine do
+    wide = s * math.sqrt(faster)  # scale of a port's lengths: its area grows with the piston speed
+    stiff = s**3 * (speed / SPEED) ** 2  # reeds follow the crank as in the known machine
     rated = sizes.motor_for(duty.gas_flow * duty.work / ETA)
     T_s = duty.T_e + duty.more
     values = {

@@ -16,19 +16,19 @@ from screwsim.template.asked import Asked, beside_of, condition_of
 
 RPM = math.pi / 30.0
 EFFICIENCIES = 0.91, 0.74  # lambda and eta_s of mean curves (validation/bitzer), for estimates of flow and power
-HOT = 350.0  # [K] of isentropic compression, from which the oil is cooled
-LEAVES, ABOVE = 348.15, 35.0  # [K] at which gas and oil then leave, and at least so far above condensing
+HOT = 350.0  # [K] after isentropic compression, from which the oil is cooled
+LEAVES, ABOVE = 348.15, 35.0  # [K] outlet temperature of gas and oil then, and least margin above condensing
 WARMED = 25.0  # [K] by which the oil is then warmed
-OVER_DEW = 4.0  # [K] that oil stays above condensing where a machine leaks more than those that EFFICIENCIES are of
-TIGHT, LEAKED = 0.8, 1.3  # eta_s without leaks, and what these take of it, rather too much: five gases from 40 m³/h ...
-RISING, THIN, DENSER = 0.9, 3.6, 0.35  # ... by powers of the pressure ratio, and of the density [kg/m³] from the second
-LEAST, TOO_HOT = 0.2, 400.0  # of that estimate; [K] of what leaves a leaky machine, from which its oil is cooled
-WARM = 333.15  # [K] at which the oil passes its bores
-BESIDE, SHORTEST = math.radians(5.0), math.radians(30.0)  # of an economizer's port: from the others, and its length
-PORT = 0.0057  # its area over the squared diameter of the rotor: assumed, 2 cm^2 at 187 mm
-SHARES = 0.5, 0.8  # of the way from the triple to the critical point, where a condition lies that any fluid has
-FRICTION, OF_DISPLACED = 0.096, 1.08  # of the indicated power, which is so much over the theoretical one at 0/40 °C
-ECONOMIZED = 1.12  # power over that without an economizer, which draws some 10 to 20 % more gas: for an estimate
+OVER_DEW = 4.0  # [K] margin of oil above condensing where a machine leaks more than those behind EFFICIENCIES
+TIGHT, LEAKED = 0.8, 1.3  # eta_s without leaks, and what these take, rather too large: five gases from 40 m³/h ...
+RISING, THIN, DENSER = 0.9, 3.6, 0.35  # ... by powers of pressure ratio and of density, at least the second [kg/m³]
+LEAST, TOO_HOT = 0.2, 400.0  # least value of the estimate; [K] leaving a leaky machine, from which its oil is cooled
+WARM = 333.15  # [K] of the oil in its bores
+BESIDE, SHORTEST = math.radians(5.0), math.radians(30.0)  # of an economizer's port: distance from others, length
+PORT = 0.0057  # its area over the squared rotor diameter: assumed, 2 cm^2 at 187 mm
+SHARES = 0.5, 0.8  # of the way from triple to critical point: a condition possible for any fluid
+FRICTION, OF_DISPLACED = 0.096, 1.08  # of the indicated power; ratio of that to the theoretical one at 0/40 °C
+ECONOMIZED = 1.12  # power over that without an economizer, which draws 10 to 20 % more gas: for an estimate
 AXIAL = 5.0  # ratio of the axial port beside a slide valve, or the machine's, beyond which bores have no port: assumed
 STANDS_IN = "R134a"
 COPPER_EATS = ("ammonia", "r717", "nh3")
@@ -49,7 +49,7 @@ OILS_FOR = {
 
 
 class Plant(NamedTuple):
-    """What a kind of plant begins with, where nothing else is asked for."""
+    """Defaults of a kind of plant."""
 
     what: str
     fluid: str
@@ -62,7 +62,7 @@ HEATING = Plant("Heat-pump screw", "R1234ze(E)", "10/65 degC", "heating")
 
 
 class Duty(NamedTuple):
-    """The states of a condition, estimates of flow and power, SI units."""
+    """The states of a condition, and estimates of flow and power, in SI units."""
 
     T_e: float
     T_c: float
@@ -77,14 +77,14 @@ class Duty(NamedTuple):
     k: float
 
 
-RATED = ("the next of IEC 60072-1 above an estimate", "as it was stated")  # where the rated power is from
-USUAL = 600.0 / 3600.0  # [m³/s] displaced where nothing is asked
+RATED = ("the next of IEC 60072-1 above an estimate", "as it was stated")  # source of the rated power
+USUAL = 600.0 / 3600.0  # [m³/s] default displacement
 
 
 def first_flow(plant: Plant, asked: Asked) -> float:
-    """Return the displacement [m³/s] from which a size is sought: what a machine gives is nearly in proportion.
+    """Return the displacement [m³/s] from which a size is sought, as output is nearly proportional to it.
 
-    A motor that is stated must turn the first one that is tried.
+    A stated motor must be able to drive the first size tried.
     """
     if asked.motor is None:
         return USUAL
@@ -93,7 +93,7 @@ def first_flow(plant: Plant, asked: Asked) -> float:
 
 
 def scene_of(plant: Plant, asked: Asked) -> str:
-    """Return the scene of the compressor of a refrigeration machine or heat pump."""
+    """Return the scene of the compressor of a refrigeration machine or a heat pump."""
     fluid, flow, speed = asked.fluid or plant.fluid, asked.flow or USUAL, asked.speed or 2950.0 * RPM
     duty, size = duty_of(fluid, flow, asked.condition or plant.condition, plant.condition), texts.sized(flow, speed)
     usual = sizes.matching(duty.p_d / duty.p_s, duty.k, 0.9)
@@ -115,7 +115,7 @@ def scene_of(plant: Plant, asked: Asked) -> str:
         "speed": sizes.rpm(speed),
         "two_phase": ", two_phase: equilibrium"
         if cooled and not is_mixture(fluid)
-        else "",  # on cooled oil gas may condense
+        else "",  # gas may condense on cooled oil
         "oil": oil,
         "oil_ratio": f"{ratio:g}",
         "separator": separator,
@@ -131,7 +131,7 @@ def scene_of(plant: Plant, asked: Asked) -> str:
 
 
 def _friction(slide: bool) -> dict[str, str]:
-    """Return what a scene states of bearings, seals and films: with a slide their torque stays at part load."""
+    """Return the entries on friction of bearings, seals and films; with a slide their torque stays at part load."""
     if not slide:
         return {"stays": "", "friction": f"fraction: {FRICTION:g}"}
     fraction = f"{FRICTION * OF_DISPLACED:.3g}"
@@ -143,7 +143,7 @@ def _friction(slide: bool) -> dict[str, str]:
 
 
 def _slide(text: str, ratio: float) -> str:
-    """Return the lines of a slide valve of a machine whose text is there, by its rotors."""
+    """Return the lines of a slide valve for the rotors of a machine with the given scene text."""
     profile = build_parts(loads(text)).geometry.profile
     assert profile is not None  # of a family
     axial = max(AXIAL, ratio)
@@ -155,7 +155,7 @@ def _slide(text: str, ratio: float) -> str:
 
 
 def _economizer(text: str, size: sizes.Size) -> str:
-    """Return the lines of an economizer's port of a machine whose text is there: between suction and discharge.
+    """Return the lines of an economizer's port between suction and discharge, for a machine with the given text.
 
     Raise UsageError where a chamber is not closed long enough for one.
     """
@@ -172,14 +172,14 @@ def _economizer(text: str, size: sizes.Size) -> str:
 
 
 def refused_port(what: str) -> str:
-    """Return why there can be no economizer, with a remedy that the command has; empty of a fault of another kind."""
+    """Return why there can be no economizer, with a remedy among the command's options; empty for other faults."""
     place, _, why = what.partition(": ")
     remedy = "a --condition whose ends are farther apart, or no --economizer"
     return f"--economizer: {why.rpartition(' (')[0]} ({remedy})" if place.startswith("effects.economizer") else ""
 
 
 def _rests(fluid: str) -> str:
-    """Return what λ and η_s of the machine rest on, as lines of a comment."""
+    """Return the comment lines on the evidence for λ and η_s of the machine."""
     if fluid.lower() in CURVES:
         return (
             "Those curves are over five refrigerants, this one among them; on R134a at\n"
@@ -192,7 +192,7 @@ def _rests(fluid: str) -> str:
 
 
 def conditions(duty: Duty) -> dict[str, str]:
-    """Return the temperatures of a duty as a scene states them; the liquid stays above the evaporator."""
+    """Return the temperatures of a duty as stated in a scene; the liquid stays warmer than the evaporator."""
     e, c = (f"{T - ZERO_CELSIUS:.6g}" for T in (duty.T_e, duty.T_c))
     return {
         "condition": f"{e}/{c} degC",
@@ -204,7 +204,7 @@ def conditions(duty: Duty) -> dict[str, str]:
 
 
 def _made(asked: Asked, plant: Plant) -> str:
-    """Return the line that says by what the size was sought; nothing where it was stated."""
+    """Return the comment on the goal by which the size was sought; empty where the size was stated."""
     goals = {
         "--capacity": (asked.capacity, "of {gives}"),
         "--motor": (asked.motor, "at the shaft, its motor's full load"),
@@ -217,13 +217,13 @@ def _made(asked: Asked, plant: Plant) -> str:
 
 
 def _power(duty: Duty, asked: Asked) -> float:
-    """Return an estimate of what the machine takes at its shaft [W], with the gas of an economizer."""
+    """Return the estimated shaft power [W], including the gas of an economizer."""
     worse = sizes.beyond_matching(duty.p_d / duty.p_s, duty.k, asked.ratio)
     return duty.gas_flow * (ECONOMIZED if asked.economizer else 1.0) * worse * duty.work / EFFICIENCIES[1]
 
 
 def _drive(fluid: str, power: float, stated: float | None) -> dict[str, str]:
-    """Return the motor of a rated power [W] that is stated, or that follows from an estimate of the power [W]."""
+    """Return the motor with the stated rated power [W], or with one chosen for an estimated power [W]."""
     rated = sizes.motor_for(power) if stated is None else 1e-3 * stated
     return {**_motor(fluid, rated), "rated": RATED[stated is not None]}
 
@@ -246,12 +246,12 @@ def _jets(duty: Duty, ratio: float, oil: str) -> dict[str, str]:
 
 
 def _reference(duty: Duty) -> tuple[float, float]:
-    """Return the pressure [Pa] and temperature [K] at which properties of the gas are taken."""
+    """Return the pressure [Pa] and temperature [K] for the gas properties."""
     return math.sqrt(duty.p_s * duty.p_d), 0.5 * (duty.T_e + duty.more + duty.T_c + 20.0)
 
 
 def _stands_in(fluid: str, duty: Duty) -> tuple[float, float, float] | None:
-    """Return conductivity, viscosity, Prandtl number of a gas that stands in; None where CoolProp has the fluid's."""
+    """Return conductivity, viscosity and Prandtl number of a substitute gas; None where CoolProp has the fluid's."""
     p, T = _reference(duty)
     try:
         constants.transport(fluid, p, T)
@@ -267,7 +267,7 @@ def _viscosity(fluid: str, duty: Duty) -> str:
 
 
 def _transport(fluid: str, duty: Duty) -> dict[str, str]:
-    """Return how droplets know their gas: by a state, or by numbers of another gas, and what is said of it."""
+    """Return the entries for gas properties around droplets: a state, or numbers of a substitute gas with a comment."""
     (p, T), found = _reference(duty), _stands_in(fluid, duty)
     if found is None:
         return {"transport": f"    reference_pressure: {1e-5 * p:.2g} bar\n    reference_temperature: {T:.0f} K\n"}
@@ -284,7 +284,7 @@ def _transport(fluid: str, duty: Duty) -> dict[str, str]:
 
 
 def duty_of(fluid: str, flow: float, condition: str, example: str) -> Duty:
-    """Return the states of a condition and estimates of flow and power; raise UsageError for one that cannot be."""
+    """Return the states of a condition with estimates of flow and power; raise UsageError for an impossible one."""
     found = condition_of(condition, "temperature", example)
     superheat, more = beside_of(found, "temperature_difference", "10 K")
     limits = constants.limits(fluid)
@@ -307,14 +307,14 @@ def duty_of(fluid: str, flow: float, condition: str, example: str) -> Duty:
 
 
 def _within(limits: constants.Limits) -> str:
-    """Return a condition that a fluid has."""
+    """Return a condition that is possible for a fluid."""
     span, zero = limits.T_critical - limits.T_triple, ZERO_CELSIUS
     low, high = (limits.T_triple + share * span - zero for share in SHARES)
     return f"{low:.1f}/{high:.1f} degC"
 
 
 def _leaky(fluid: str, duty: Duty, size: sizes.Size, flow: float) -> float:
-    """Return an estimate of eta_s of a small or slow machine, in which gaps pass much of what it displaces."""
+    """Return an estimate of eta_s of a small or slow machine, whose gaps pass much of its displacement."""
     R, T = constants.gas_constant(fluid), duty.T_e + duty.more
     passed = (
         sizes.GAP * size.clearance * size.diameter * math.sqrt(duty.k * R * T) / flow * (duty.p_d / duty.p_s) ** RISING
@@ -323,9 +323,9 @@ def _leaky(fluid: str, duty: Duty, size: sizes.Size, flow: float) -> float:
 
 
 def _oil(duty: Duty, oil: str, built_in: float | None, leaky: float) -> tuple[float, str]:
-    """Return oil over gas, and the separator with a cooler where the gas gets hot without one.
+    """Return oil over gas, and the separator, with a cooler where the gas would get hot without one.
 
-    The oil of a small machine, whose leaks take more power, stays so warm that no gas condenses on it.
+    The oil of a small machine, whose leaks take more power, stays warm enough that no gas condenses on it.
     """
     leaves = max(LEAVES, duty.T_c + ABOVE)
     work = sizes.beyond_matching(duty.p_d / duty.p_s, duty.k, built_in) * duty.work

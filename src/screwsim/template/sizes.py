@@ -1,9 +1,9 @@
-"""How the machines of new scenes scale with their size, from the machines that the program knows and stated sources.
+"""Scaling of new scenes' machines with size, from machines known to the program and stated sources.
 
 Rotors (b) of 160 mm were fitted to mean curves of compact screws (validation/bitzer): gaps of 26 um, 9.6 mm^2 past the
-shafts. Larger ones are cut as a whole: clearances grow with the diameter, as validation/cagi and configs/air take it
-(discharge end faces of one maker grow faster: 0.05 mm at 160 mm, 0.095 at 250, MYCOM V series, manual). Smaller ones
-cannot be cut as much finer: clearances fall with the tolerance unit of ISO 286, i = 0.45 D^(1/3) + 0.001 D.
+shafts. Larger ones are geometrically similar: clearances grow with the diameter, as assumed in validation/cagi and
+configs/air (discharge end faces of one maker grow faster: 0.05 mm at 160 mm, 0.095 at 250, MYCOM V series, manual).
+Smaller ones cannot be made equally finer: clearances follow the tolerance unit of ISO 286, i = 0.45 D^(1/3) + 0.001 D.
 """
 
 import math
@@ -13,31 +13,31 @@ from screwsim.effects.parts import motor_classes
 from screwsim.machine.rotors.settings import FAMILIES
 from screwsim.machine.stated import unit_volume
 
-SMALLEST, LARGEST = 0.05, 0.55  # [m], diameters of rotors that are cut
-KNOWN = 0.160  # [m], diameter of the machine that was fitted
+SMALLEST, LARGEST = 0.05, 0.55  # [m] diameters of manufactured rotors
+KNOWN = 0.160  # [m] diameter of the fitted machine
 GAP, SHAFTS = 26e-6, 9.6e-6  # [m], [m^2]
 LANDS = {"tip": 2e-3, "interlobe": 5e-3, "end_face": 10e-3}  # [m] along the leak (validation/bitzer/machine.yaml)
-MOTORS = (  # [kW], rated powers of IEC 60072-1
+MOTORS = (  # [kW] rated powers of IEC 60072-1
     *(0.75, 1.1, 1.5, 2.2, 3, 4, 5.5, 7.5, 11, 15, 18.5, 22, 30, 37, 45, 55, 75, 90, 110, 132, 160, 200, 250, 315, 355),
     *(400, 450, 500, 560, 630, 710, 800, 900, 1000),
 )
-RESERVE = 1.1  # of a motor over the estimated power
+RESERVE = 1.1  # of a motor's rated power over the estimated one
 
 
 class Size(NamedTuple):
-    """Rotors of a family: diameter and length [m], and their diameter over that of the machine that was fitted."""
+    """Rotors of a family: their diameter and length [m]."""
 
     diameter: float
     length: float
 
     @property
     def scale(self) -> float:
-        """Diameter over the known one."""
+        """Ratio of the diameter to that of the fitted machine."""
         return self.diameter / KNOWN
 
     @property
     def clearance(self) -> float:
-        """Clearances over the known ones."""
+        """Ratio of the clearances to those of the fitted machine."""
         return max(self.scale, tolerance_unit(self.diameter) / tolerance_unit(KNOWN))
 
 
@@ -56,35 +56,35 @@ def tolerance_unit(diameter: float) -> float:
 
 
 def motor_for(power: float) -> float:
-    """Return the rated power [kW] of the smallest motor with some reserve over a power [W]."""
+    """Return the rated power [kW] of the smallest motor with some reserve above a power [W]."""
     wanted = RESERVE * 1e-3 * power
     return next((float(each) for each in MOTORS if each >= wanted), float(math.ceil(wanted / 100.0) * 100.0))
 
 
 def motor_efficiency(rated: float) -> str:
-    """Return what a scene states of the efficiency of a four-pole motor of a rated power [kW]: IE3 (M450)."""
+    """Return a scene's entry on the efficiency of a four-pole motor of a rated power [kW]: IE3 (M450)."""
     if motor_classes.SMALLEST <= 1e3 * rated <= motor_classes.LARGEST:
         return f"efficiency_class: {motor_classes.IE3}"
     return f"efficiency: {motor_classes.class_efficiency(motor_classes.IE3, 4, 1e3 * rated):.3g}"
 
 
 def bore(oil_flow: float, density: float, drop: float, count: int = 2) -> float:
-    """Return the bore [m] of `count` jets that pass an oil flow [kg/s] under a pressure difference [Pa].
+    """Return the bore [m] of `count` jets that pass an oil flow [kg/s] at a pressure difference [Pa].
 
-    The rule of configs/r134a/point.yaml: a discharge coefficient of 0.7.
+    As in configs/r134a/point.yaml, the discharge coefficient is 0.7.
     """
     return math.sqrt(4.0 / math.pi * oil_flow / density / count / (0.7 * math.sqrt(2.0 * drop / density)))
 
 
 def isentropic_work(k: float, gas_constant: float, T: float, ratio: float) -> float:
-    """Return the work [J/kg] of an ideal gas compressed without loss by a pressure ratio: an estimate of powers."""
+    """Return the work [J/kg] of lossless compression of an ideal gas by a pressure ratio, to estimate powers."""
     return k / (k - 1.0) * gas_constant * T * (ratio ** ((k - 1.0) / k) - 1.0)
 
 
 def beyond_matching(pressures: float, k: float, ratio: float | None) -> float:
-    """Return the work of compressing by a built-in volume ratio, then at constant volume, over that without loss.
+    """Return the work of compression to a built-in volume ratio, then at constant volume, over the lossless work.
 
-    An ideal gas, for estimates of powers; 1 of None, a ratio that the pressures call for.
+    It holds for an ideal gas, to estimate powers; 1 for None, a ratio that matches the pressures.
     """
     if ratio is None or pressures <= 1.0:
         return 1.0
@@ -93,12 +93,12 @@ def beyond_matching(pressures: float, k: float, ratio: float | None) -> float:
 
 
 def matching(ratio: float, k: float, share: float, low: float = 1.8, high: float = 5.0) -> float:
-    """Return the built-in volume ratio of a pressure ratio, within what machines are sold with, to a tenth."""
+    """Return the built-in volume ratio that matches a pressure ratio, within the range on the market, to a tenth."""
     return min(max(round(share * ratio ** (1.0 / k), 1), low), high)
 
 
 def mm(length: float, digits: int = 3) -> str:
-    """Return a length [m] in millimetres, of some digits."""
+    """Return a length [m] in millimetres, with some digits."""
     return f"{float(f'{1e3 * length:.{digits}g}'):g} mm"
 
 
@@ -108,22 +108,22 @@ def um(length: float) -> str:
 
 
 def area(value: float, digits: int = 3) -> str:
-    """Return an area [m²] in square millimetres, of some digits."""
+    """Return an area [m²] in square millimetres, with some digits."""
     return f"{float(f'{1e6 * value:.{digits}g}'):g} mm^2"
 
 
 def flow_text(flow: float) -> str:
-    """Return a flow [m³/s] a machine's catalogue way."""
+    """Return a flow [m³/s] as in catalogues, in m³/h."""
     return f"{3600.0 * flow:.6g} m^3/h"
 
 
 def rpm(speed: float) -> str:
-    """Return a speed [rad/s] in turns a minute."""
+    """Return a speed [rad/s] in revolutions per minute."""
     return f"{speed * 30.0 / math.pi:.6g} rpm"
 
 
 def displaced(diameter: float, speed: float, family: str = "b") -> float:
-    """Return the flow [m³/s] that rotors of a diameter [m] displace at a speed [rad/s]."""
+    """Return the flow [m³/s] displaced by rotors of a diameter [m] at a speed [rad/s]."""
     rotors = FAMILIES[family]
     volume = unit_volume(family, rotors.wrap_angle) * rotors.length * diameter**3
     return volume * rotors.male_lobes * speed / (2.0 * math.pi)

@@ -1,4 +1,4 @@
-"""The texts of new scenes: files beside this one, in which `$name` stands for a value."""
+"""The texts of new scenes: template files in this folder, in which `$name` is replaced by a value."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -17,12 +17,12 @@ def _template(name: str) -> Template:
 
 
 def filled(name: str, values: Mapping[str, str]) -> str:
-    """Return a text with values; each of its names must have one."""
+    """Return a text with its values filled in; each name must have one."""
     return _template(name).substitute(values)
 
 
 def sized(flow: float, speed: float) -> sizes.Size:
-    """Return the rotors that displace a flow [m³/s] at a speed [rad/s]; raise UsageError for none that are cut."""
+    """Return the rotors that displace a flow [m³/s] at a speed [rad/s]; raise UsageError outside manufactured sizes."""
     size = sizes.size_of(flow, speed)
     if sizes.SMALLEST <= size.diameter <= sizes.LARGEST:
         return size
@@ -36,9 +36,9 @@ def sized(flow: float, speed: float) -> sizes.Size:
 def machine(
     size: sizes.Size, asked: Asked, usual: float, pressures: float, flow: float, speed: float, slide: str = ""
 ) -> str:
-    """Return the section of the machine; `usual` is the built-in volume ratio that the pressures call for.
+    """Return the section on the machine; `usual` is the built-in volume ratio that matches the pressures.
 
-    `slide` are lines of a slide valve.
+    `slide` has the lines of a slide valve.
     """
     told = f"for a pressure ratio of {pressures:.3g}; machines are sold with 1.8 to 5"
     if asked.ratio is not None:
@@ -53,7 +53,7 @@ def machine(
 
 
 def _size(size: sizes.Size, by_diameter: bool, flow: str, speed: str) -> str:
-    """Return the lines that state how large a machine is: by its rotors, or as catalogues do."""
+    """Return the lines on the machine's size: by its rotors, or as in catalogues."""
     diameter, length = sizes.mm(size.diameter, 6 if by_diameter else 4), sizes.mm(size.length, 4)
     if by_diameter:
         return f"  rotor_diameter: {diameter}    # rotors of {length} length follow, which displace {flow} at {speed}"
@@ -62,13 +62,13 @@ def _size(size: sizes.Size, by_diameter: bool, flow: str, speed: str) -> str:
 
 
 def ports(size: sizes.Size, viscosity: str = "") -> str:
-    """Return ports and gaps of a flooded machine; `viscosity` states that of its gas."""
+    """Return ports and gaps of a flooded machine; `viscosity` is the entry for that of its gas."""
     lands = {name: sizes.mm(depth * size.scale, 2) for name, depth in sizes.LANDS.items()}
     return filled("ports", {"gap": sizes.um(sizes.GAP * size.clearance), "viscosity": viscosity, **lands})
 
 
 def flooded(size: sizes.Size, leaves: float) -> str:
-    """Return what a flooded machine on a gas has that leaves it with a temperature [K]; sizes as in configs/air."""
+    """Return the entries of a flooded gas machine with an outlet temperature [K]; sizes as in configs/air."""
     big = size.diameter / 0.240
     values = {
         "ports": ports(size),

@@ -1,4 +1,4 @@
-"""The live page: one HTML text with all that it needs; it loads nothing."""
+"""The live page: one self-contained HTML text that loads nothing."""
 
 import json
 from importlib import resources
@@ -12,13 +12,13 @@ from screwsim.outputs.customary import raised
 _SCRIPTS = [
     f"{name}.js" for name in ("number", "chart", "machine", "controls", "show", "around", "state", "line", "start")
 ]
-_SHARED = ("numbers.js", "ledger.js", "theme.js")  # with the page of a report
+_SHARED = ("numbers.js", "ledger.js", "theme.js")  # with the report's page
 
 
 def page_text(base: Base, slopes: bool = True) -> str:
-    """Return the page of a scene; @NONCE@ stands where its policy has a number that is used once.
+    """Return the page of a scene; @NONCE@ marks the place of its policy's single-use number.
 
-    `slopes`: the server has a worker for derivatives, beside one for all else.
+    `slopes` tells whether the server has a separate worker for derivatives.
     """
     import jinja2
 
@@ -37,7 +37,7 @@ def page_text(base: Base, slopes: bool = True) -> str:
 
 
 def document(base: Base) -> dict[str, Any]:
-    """Return what the script of the page begins with."""
+    """Return the initial data of the page's script."""
     from screwsim.explore.answer import about_figure
     from screwsim.figures import known
 
@@ -51,8 +51,8 @@ def document(base: Base) -> dict[str, Any]:
 
 
 def _embedded(data: Any) -> str:
-    """Return JSON that no HTML can end."""
-    return json.dumps(data, allow_nan=False).replace("<", "\\u003c")  # JSON has no other letter outside ASCII
+    """Return JSON that cannot end an HTML element."""
+    return json.dumps(data, allow_nan=False).replace("<", "\\u003c")  # JSON is ASCII otherwise
 
 
 def _own(name: str) -> str:

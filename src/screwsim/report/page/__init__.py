@@ -1,4 +1,4 @@
-"""The page: one HTML file that shows a results file to a person, without a network and without this program."""
+"""The report: one HTML file that shows a results file to a reader without a network and without this program."""
 
 from collections.abc import Sequence
 from importlib import resources
@@ -18,8 +18,8 @@ _POLICY = "style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: 
 def report(path: str | Path, output: str | Path, claims: Sequence[Any] = ()) -> str:
     """Write the page of a results file and return its path.
 
-    `claims` (with says, measure, found, verdict) are shown as a table. Raise UsageError in one line when the extra
-    is not installed, the file is none of ours, or the page cannot be written.
+    `claims` (with says, measure, found, verdict) are shown as a table. Raise UsageError in one line when the extra is
+    not installed, the file is not a results file, or the page cannot be written.
     """
     missing = [name for name in _NEEDED if find_spec(name) is None]
     if missing:
@@ -36,7 +36,7 @@ def report(path: str | Path, output: str | Path, claims: Sequence[Any] = ()) -> 
 
 
 def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
-    """Return the page as text."""
+    """Return the page as HTML text."""
     import jinja2
     from plotly.offline import get_plotlyjs
 

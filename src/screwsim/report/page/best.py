@@ -1,4 +1,4 @@
-"""What the page says of an optimisation: what was sought, over what, and the evaluations that are best."""
+"""The page's part on an optimisation: what was sought, over which inputs, and the best evaluations."""
 
 from typing import NamedTuple
 
@@ -10,11 +10,11 @@ from screwsim.report.quantities import is_numeric, shown_axis
 from screwsim.results import Results
 from screwsim.results.optimum import AIM, ERROR
 
-ROWS = 12  # of a front that are shown, evenly spread along its first aim; all are in the file
+ROWS = 12  # of a front that are shown, evenly spread along its first objective; all are in the file
 
 
 class Best(NamedTuple):
-    """The best of an optimisation: what was sought, heads and rows of a table of it, and a line below it."""
+    """The best of an optimisation: what was sought, heads and rows of a table, and a line below it."""
 
     sought: str
     heads: list[str]
@@ -23,12 +23,12 @@ class Best(NamedTuple):
 
 
 def is_optimisation(results: Results) -> bool:
-    """Tell whether a search for the best wrote the file."""
+    """Tell whether the file was written by a search for an optimum."""
     return bool(aims(results))
 
 
 def front_of(results: Results) -> np.ndarray:
-    """Return the evaluations that no other betters, along the first aim."""
+    """Return the evaluations of the Pareto front, ordered by the first objective."""
     front = np.flatnonzero(results.optimum["front"] == 1)
     return front[np.argsort(results.optimum[AIM + aims(results)[0]][front], kind="stable")]
 
@@ -64,6 +64,6 @@ def _sense(results: Results, name: str) -> str:
 
 
 def _error(results: Results, names: list[str], row: int) -> float:
-    """Return the largest error of the aims of an evaluation, relative."""
+    """Return the largest relative error among the objectives of an evaluation."""
     sizes = ((results.optimum[ERROR + name][row], abs(results.optimum[AIM + name][row])) for name in names)
     return max((float(error / size) for error, size in sizes if size), default=0.0)

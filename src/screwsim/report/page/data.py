@@ -1,4 +1,4 @@
-"""What the page draws: axes, figures with their errors, balances, traces and ledgers of every case, as one document."""
+"""Data that the page draws, as one document: axes, figures with errors, balances, traces and ledgers of each case."""
 
 import math
 from typing import Any, NamedTuple
@@ -19,8 +19,8 @@ from screwsim.results import Results
 from screwsim.results.optimum import EVALUATION, POINT
 from screwsim.results.warned import warns
 
-MOST_CASES, MOST_WITH_TRACES, MOST_WITH_FLOWS = 20_000, 2_000, 400  # shown; all are in the file
-STATES_OFF, FLOWS_OFF = 2e-4, 2e-3  # of a trace's span: how far the page's straight lines may lie off
+MOST_CASES, MOST_WITH_TRACES, MOST_WITH_FLOWS = 20_000, 2_000, 400  # most cases shown; all are in the file
+STATES_OFF, FLOWS_OFF = 2e-4, 2e-3  # of a trace's span: largest deviation of the page's straight segments
 _BALANCES = ("mass", "energy", "entropy", "oil_mass", "bound")
 _STATES = {
     "volume": quantities.VOLUME,
@@ -32,14 +32,14 @@ _STATES = {
 
 
 class Selection(NamedTuple):
-    """The cases that the page shows: every so-many-th value of each axis."""
+    """The cases that the page shows: every n-th value of each axis."""
 
     strides: tuple[int, ...]
     shape: tuple[int, ...]
 
     @property
     def part(self) -> tuple[slice, ...]:
-        """What takes the shown cases out of an array on the axes."""
+        """Slices that take the shown cases from an array on the axes."""
         return tuple(slice(None, None, stride) for stride in self.strides)
 
     def of(self, values: np.ndarray) -> np.ndarray:
@@ -48,7 +48,7 @@ class Selection(NamedTuple):
 
 
 def selection(results: Results) -> Selection:
-    """Return which cases the page shows: all, or so many that it stays small."""
+    """Return the cases that the page shows: all, or few enough to keep it small."""
     most = MOST_WITH_TRACES if "angle" in results.cycle else MOST_CASES
     strides = [1] * len(results.shape)
 
@@ -61,7 +61,7 @@ def selection(results: Results) -> Selection:
 
 
 def document(results: Results, shown: Selection) -> dict[str, Any]:
-    """Return the document that the script of the page reads; JSON types only."""
+    """Return the document that the page's script reads, of JSON types only."""
     texts = shown.of(results.messages)
     return {
         "axes": [_axis(axis, stride) for axis, stride in zip(results.axis_list, shown.strides, strict=True)],
@@ -105,7 +105,7 @@ def _axis(axis: Any, stride: int) -> dict[str, Any]:
 
 
 def _figures(results: Results, shown: Selection) -> list[dict[str, Any]]:
-    """Return every figure that any case has: how it is written, how it is drawn, values and errors [SI]."""
+    """Return every figure that any case has: its format, its drawing, values and errors [SI]."""
     found = []
     results.error.take(results.figures)
     for name in results.figures:
@@ -132,7 +132,7 @@ def _figures(results: Results, shown: Selection) -> list[dict[str, Any]]:
 
 
 def _warnings(results: Results, shown: Selection) -> dict[str, str]:
-    """Return {number of the case: what it warns of, a line each}."""
+    """Return {number of the case: its warnings, one per line}."""
     found = np.flatnonzero(shown.of(warns(results)))
     numbers = shown.of(np.arange(results.status.size).reshape(results.shape))[found]
     texts = results.performance.texts_at("warnings", numbers) if found.size else []
@@ -140,7 +140,7 @@ def _warnings(results: Results, shown: Selection) -> dict[str, str]:
 
 
 def _cycle(results: Results, shown: Selection) -> dict[str, Any] | None:
-    """Return the traces on the angles that they need, and how far the straight lines between lie off."""
+    """Return the traces on a reduced set of angles, with the deviation of the straight segments between these."""
     if "angle" not in results.cycle:
         return None
     angle, cases = results.cycle["angle"], max(1, math.prod(shown.shape))
@@ -171,7 +171,7 @@ def _there(results: Results, shown: Selection, names: list[str], cases: int) -> 
 
 
 def _packed(angle: np.ndarray, traces: dict[str, np.ndarray], wanted: float) -> dict[str, Any]:
-    """Return traces on the angles that they need, and how far the straight lines between lie off."""
+    """Return traces on a reduced set of angles, with the deviation of the straight segments between these."""
     thinned = thin(angle, traces, wanted)
     return {
         "angle": floats(angle[thinned.kept]),
@@ -190,7 +190,7 @@ def _trace(name: str, values: np.ndarray) -> dict[str, Any]:
 
 
 def _all_marks(results: Results, shown: Selection, angle: np.ndarray, traces: Any) -> list[dict[str, float]]:
-    """Return the marked angles [degree] by name, one mapping a case, or one for all where they agree."""
+    """Return the marked angles [degree] by name, one mapping per case, or a single one where all agree."""
     found = []
     for case, index in enumerate(np.ndindex(shown.shape)):
         there = tuple(place * stride for place, stride in zip(index, shown.strides, strict=True))
@@ -200,7 +200,7 @@ def _all_marks(results: Results, shown: Selection, angle: np.ndarray, traces: An
 
 
 def _ledger(results: Results, shown: Selection) -> dict[str, Any] | None:
-    """Return the ledger of every case: totals, and what each effect destroys, generates and moves [SI]."""
+    """Return the ledger of each case: totals, and what each effect destroys, generates and transfers [SI]."""
     if "shaft_power" not in results.ledger:
         return None
     entries = ledger_entries(dict.fromkeys(results.ledger))
@@ -217,15 +217,15 @@ def _ledger(results: Results, shown: Selection) -> dict[str, Any] | None:
 
 
 def _words(results: Results) -> int | None:
-    """Return the first axis of words with two or more, over which a sweep without numbers is drawn."""
+    """Return the first axis of words with two values or more, over which a sweep without numeric axes is drawn."""
     words = (len(axis.values) > 1 and not axis.joined and not is_numeric(axis) for axis in results.axis_list)
     return next((place for place, several in enumerate(words) if several), None)
 
 
 def _start(results: Results, shown: Selection) -> dict[str, Any]:
-    """Return what is shown first: the best case, its efficiency over the axes that the printed figures use.
+    """Return what is shown first: the best case, and its efficiency over the axes of the printed figures.
 
-    Of an optimisation it is the first aim, and its best evaluation at the first operating point.
+    For an optimisation it is the first objective, and its best evaluation at the first operating point.
     """
     name = efficiency_name(results)
     case = 0

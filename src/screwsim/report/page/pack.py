@@ -1,4 +1,4 @@
-"""Arrays for the page: as few bytes as their accuracy needs, as text."""
+"""Arrays for the page as text, in as few bytes as their accuracy needs."""
 
 import base64
 import gzip
@@ -9,21 +9,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-STEPS = 65534  # of a trace's own span; 65535 is where it has no value
+STEPS = 65534  # of a trace's own span; 65535 marks missing values
 _MOST_POINTS = 400
-_FIRST = 24  # intervals to begin with
+_FIRST = 24  # initial number of intervals
 
 
 class Thinned(NamedTuple):
-    """Indices of the angles that are kept, and {trace: largest deviation of the straight lines between} [SI]."""
+    """Indices of the angles that are kept, and {trace: largest deviation of the straight segments between} [SI]."""
 
     kept: np.ndarray
     deviation: dict[str, float]
 
 
 def floats(values: np.ndarray) -> str:
-    """Return numbers as base64 of little-endian float32, seven digits; NaN stays."""
-    with np.errstate(over="ignore"):  # infinite there, as beyond seven digits and 38 powers of ten
+    """Return numbers as base64 of little-endian float32 (seven digits); NaN is kept."""
+    with np.errstate(over="ignore"):  # becomes infinite beyond float32's range
         return base64.b64encode(np.ascontiguousarray(values, "<f4").tobytes()).decode()
 
 
@@ -33,7 +33,7 @@ def bytes_of(values: np.ndarray) -> str:
 
 
 def steps(values: np.ndarray) -> dict[str, str]:
-    """Return traces (cases, points) as base64: 16-bit steps of each one's span, with its least value and its span."""
+    """Return traces (cases, points) as base64: 16-bit steps of each trace's span, with its minimum and its span."""
     there = np.isfinite(values)
     low = np.min(values, axis=1, where=there, initial=np.inf)
     span = np.max(values, axis=1, where=there, initial=-np.inf) - low
@@ -44,7 +44,7 @@ def steps(values: np.ndarray) -> dict[str, str]:
 
 
 def compressed(document: Any) -> str:
-    """Return a JSON document, or a text, as base64 of gzip; the same bytes again for the same content."""
+    """Return a JSON document, or a text, as base64 of gzip; the same content always gives the same bytes."""
     if isinstance(document, str):
         return _compressed(document)
     return _compressed.__wrapped__(json.dumps(document, allow_nan=False, ensure_ascii=False))
@@ -52,15 +52,15 @@ def compressed(document: Any) -> str:
 
 @lru_cache(maxsize=1)
 def _compressed(text: str) -> str:
-    """Return a text as base64 of gzip; the last is kept: every page has the same library, which takes half a second."""
+    """Return a text as base64 of gzip; the last one is cached, as the library in each page takes half a second."""
     return base64.b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode()
 
 
 def thin(angle: np.ndarray, traces: dict[str, np.ndarray], wanted: float) -> Thinned:
-    """Return the angles to keep for traces {name: (cases, points)}: where straight lines between them come close.
+    """Return the angles to keep for traces {name: (cases, points)}, so that straight segments between them suffice.
 
-    Every interval that lies off by more than `wanted` of a trace's span is split at its worst angle, again and
-    again, up to 400 angles; ends of a stretch without values are kept.
+    Intervals whose segment is off by more than `wanted` of a trace's span are split at their worst angle, repeatedly,
+    up to 400 angles; the ends of stretches without values are kept.
     """
     last = len(angle) - 1
     found: set[int] = set()
@@ -81,7 +81,7 @@ def thin(angle: np.ndarray, traces: dict[str, np.ndarray], wanted: float) -> Thi
 
 
 def _relative(angle: np.ndarray, traces: dict[str, np.ndarray], places: np.ndarray) -> np.ndarray:
-    """Return how far the lines lie off at each angle, over the trace's span, the worst of all traces and cases."""
+    """Return the deviation of the segments at each angle over the trace's span, the largest of all traces and cases."""
     worst = np.zeros(len(angle))
     for trace in traces.values():
         there = np.isfinite(trace)
@@ -92,7 +92,7 @@ def _relative(angle: np.ndarray, traces: dict[str, np.ndarray], places: np.ndarr
 
 
 def _off(angle: np.ndarray, trace: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Return |trace − straight lines between the kept angles| (cases, points); 0 where there is no value."""
+    """Return |trace − straight segments between the kept angles| (cases, points); 0 where there is no value."""
     right = np.clip(np.searchsorted(places, np.arange(len(angle)), side="left"), 1, len(places) - 1)
     a, b = places[right - 1], places[right]
     share = (angle - angle[a]) / (angle[b] - angle[a])

@@ -1,4 +1,4 @@
-"""What the page says in words and tables: cases, figures, balances against their bound, where the results come from."""
+"""The page's words and tables: cases, figures, balances against their bounds, and the origin of the results."""
 
 import hashlib
 from collections.abc import Iterator
@@ -17,13 +17,13 @@ from screwsim.results import Results
 from screwsim.results.warned import kinds, warns
 from screwsim.screen import printable
 
-MOST_KINDS = 8  # of warnings, listed of a sweep
+MOST_KINDS = 8  # of warnings, listed for a sweep
 _BALANCES = ("mass", "energy", "entropy", "oil_mass")
 _VERSIONS = ("python_version", "numpy_version", "scipy_version", "llvmlite_version", "coolprop_version")
 
 
 class Check(NamedTuple):
-    """One residual: what, the largest over all cases, the bound, and whether it was kept."""
+    """One residual: its name, the largest over all cases, its bound, and whether that was kept."""
 
     what: str
     largest: str
@@ -32,7 +32,7 @@ class Check(NamedTuple):
 
 
 def counts(results: Results) -> list[tuple[str, int]]:
-    """Return the number of cases by status, those that there are; what warns is apart from what is plainly ok."""
+    """Return the non-zero numbers of cases by status; cases with warnings are separate from those plainly ok."""
     warned = int(np.count_nonzero(warns(results) & (results.status == "ok")))
     words = (*STATUSES, "not_computed")
     found = {word.replace("_", " "): int(np.count_nonzero(results.status == word)) for word in words}
@@ -41,7 +41,7 @@ def counts(results: Results) -> list[tuple[str, int]]:
 
 
 def warnings(results: Results) -> tuple[str, list[str]]:
-    """Return the heading of the warnings and a line a kind of them; both empty without any."""
+    """Return the heading of the warnings, and a line for each kind of them; both empty without any."""
     found, cases = kinds(results), int(np.count_nonzero(warns(results)))
     if not results.axis_list:
         return (f"{len(found)} warnings" if len(found) > 1 else "Warning" if found else ""), [k.text for k in found]
@@ -57,7 +57,7 @@ def _cases(count: int) -> str:
 
 
 def axes(results: Results) -> Iterator[str]:
-    """Yield a line about each axis of a sweep: its words, how many values, from where to where."""
+    """Yield a line about each axis of a sweep: its name, its number of values, and their range."""
     for axis in (inner for outer in results.axis_list for inner in outer.joined or (outer,)):
         count = f"{len(axis.values)} values" if len(axis.values) > 1 else "one value"
         if not is_numeric(axis):
@@ -72,7 +72,7 @@ def axes(results: Results) -> Iterator[str]:
 
 
 def figures(results: Results, shown: Selection, case: int) -> list[tuple[str, str, str, str]]:
-    """Return name, number, unit and estimated error of every figure of one case, as the table of `run`."""
+    """Return name, number, unit and estimated error of each figure of one case, as in the table of `run`."""
     rows = []
     for name in results.figures:
         value = float(shown.of(results.performance[name])[case])
@@ -83,7 +83,7 @@ def figures(results: Results, shown: Selection, case: int) -> list[tuple[str, st
 
 
 def halves(results: Results, shown: Selection, case: int) -> dict[str, str]:
-    """Return half of the interval by the inputs' tolerances, in the unit of the value, of each figure of one case."""
+    """Return half the interval due to the inputs' tolerances of each figure of one case, in the unit of its value."""
     found = {}
     for name in results.uncertainty:
         value, half = (float(shown.of(each)[case]) for each in (results.performance[name], half_of(results, name)))
@@ -93,13 +93,13 @@ def halves(results: Results, shown: Selection, case: int) -> dict[str, str]:
 
 
 def inputs(results: Results, shown: Selection, case: int) -> list[str]:
-    """Return of one case which inputs with tolerances make the most of some figures."""
+    """Return for one case which inputs with tolerances contribute most to some figures."""
     index = tuple(int(i) * step for i, step in zip(np.unravel_index(case, shown.shape), shown.strides, strict=True))
     return inputs_lines(results, index)
 
 
 def ranges(results: Results) -> Iterator[tuple[str, str, str, str, str]]:
-    """Yield name, lowest, highest, largest estimated error and interval by the inputs of every figure."""
+    """Yield name, lowest, highest, largest estimated error and interval due to the inputs of each figure."""
     there = results.status != "failed"
     for name in results.figures:
         values, about = np.where(there, results.performance[name], np.nan), results.figure(name)
@@ -114,14 +114,14 @@ def ranges(results: Results) -> Iterator[tuple[str, str, str, str, str]]:
 
 
 def _half_at(results: Results, name: str, half: float, value: float) -> str:
-    """Return half an interval with its unit; of a temperature kelvin."""
+    """Return half an interval with its unit; for a temperature in kelvin."""
     number, unit = engineering(results.figure(name), value)
     shown_unit = "K" if unit.startswith("K") else unit
     return f"{half_text(half, value, (number, unit))} {shown_unit}".strip()
 
 
 def checks(results: Results) -> Iterator[Check]:
-    """Yield the largest residual of each balance over all cases that claim to have closed, against their bound."""
+    """Yield the largest residual of each balance over all closed cases, against its bound; then the largest error."""
     closed = results.status == "ok"
     for name in _BALANCES:
         values = np.where(closed, results.balance[name], np.nan)
@@ -145,7 +145,7 @@ def _verdict(kept: bool) -> str:
 
 
 def _errors(results: Results) -> Iterator[tuple[str, np.ndarray]]:
-    """Yield the estimated errors of each figure over the closed cases, where there are any."""
+    """Yield the estimated errors of each figure over the closed cases, if it has any."""
     closed = results.status == "ok"
     for name in results.error:
         errors = np.where(closed, results.error[name], np.nan)
@@ -168,14 +168,14 @@ def headline(results: Results) -> str:
 
 
 def _plain(text: str) -> str:
-    """Return a text without the marks of mathematical symbols."""
+    """Return a text without the markup of mathematical symbols."""
     for mark in ("$", "\\mathrm", "\\Delta ", "{", "}", "_"):
         text = text.replace(mark, "")
     return text
 
 
 def provenance(results: Results) -> list[tuple[str, str]]:
-    """Return what made the file, of what, when, with which versions, and the file's own digest."""
+    """Return the origin of the file: program, scene, time, versions, and the file's own digest."""
     about = results.attributes
     versions = ", ".join(f"{name.removesuffix('_version')} {about[name]}" for name in _VERSIONS if name in about)
     with results.path.open("rb") as file:
@@ -196,7 +196,7 @@ def provenance(results: Results) -> list[tuple[str, str]]:
 
 
 def notes(results: Results, shown: Selection) -> list[str]:
-    """Return what the page leaves out of a large file, and what the first cases without a result say."""
+    """Return what the page leaves out of a large file, and the first message of a failed case."""
     thinned = [
         f"one in {stride} values of {axis.path}"
         for axis, stride in zip(results.axis_list, shown.strides, strict=True)

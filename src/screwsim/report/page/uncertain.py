@@ -1,4 +1,4 @@
-"""What the page says of the tolerances of the inputs: the interval of each figure, and which inputs make the most."""
+"""The page's part on the tolerances of the inputs: the interval of each figure, and the inputs that contribute most."""
 
 import json
 from typing import Any
@@ -12,13 +12,13 @@ from screwsim.results.schema import MODEL_ERROR
 from screwsim.scene.model_errors import range_text
 from screwsim.scene.types import COVERAGE
 
-TOLD = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power", "cop")  # by which inputs
-NOTHING = 1e-6  # of a figure: an interval below it is none
-MOST, LEAST = 3, 0.01  # inputs of a figure, of that share of its variance at the least
+TOLD = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power", "cop")  # shown with inputs
+NOTHING = 1e-6  # of a figure: smaller intervals are ignored
+MOST, LEAST = 3, 0.01  # number of inputs listed for a figure, their least share of its variance
 
 
 def half_of(results: Results, name: str) -> np.ndarray:
-    """Return half of the 95 % interval [SI] of a figure on the axes, NaN where nothing is known of it."""
+    """Return half of the 95 % interval [SI] of a figure on the axes; NaN where it is unknown or negligible."""
     if name not in results.uncertainty:
         return np.full(results.shape, np.nan)
     half, size = COVERAGE * results.uncertainty[name], np.abs(results.performance[name])
@@ -35,7 +35,7 @@ def half_text(half: float, value: float, written: tuple[str, str]) -> str:
 
 
 def _shares(results: Results, name: str) -> np.ndarray:
-    """Return the share of the variance of a figure that each input makes (cases, inputs)."""
+    """Return the share of each input in a figure's variance (cases, inputs)."""
     changes = np.nan_to_num(results.contributions[name])
     square = np.square(changes)
     total = square.sum(axis=-1, keepdims=True)
@@ -43,7 +43,7 @@ def _shares(results: Results, name: str) -> np.ndarray:
 
 
 def inputs_document(results: Results, part: tuple[slice, ...]) -> dict[str, Any] | None:
-    """Return the names of the inputs, and their shares of some figures of the shown cases; None without any."""
+    """Return the names of the inputs, and their shares in some figures of the shown cases; None without any."""
     if "contributor" not in results.contributions:
         return None
     names = [name for name in TOLD if name in results.contributions]
@@ -57,7 +57,7 @@ def inputs_document(results: Results, part: tuple[slice, ...]) -> dict[str, Any]
 
 
 def inputs_lines(results: Results, index: tuple[int, ...]) -> list[str]:
-    """Return of one case which inputs make the most of some figures, a line a figure."""
+    """Return for one case which inputs contribute most to some figures, one line per figure."""
     lines = []
     if "contributor" not in results.contributions:
         return lines
@@ -72,7 +72,7 @@ def inputs_lines(results: Results, index: tuple[int, ...]) -> list[str]:
 
 
 def model_lines(results: Results) -> list[str]:
-    """Return what the validation that the scene names says of the model's error; nothing where it names none."""
+    """Return the model's error as found by the validation that the scene names; empty where it names none."""
     text = results.attributes.get(MODEL_ERROR)
     if not isinstance(text, str):
         return []
