@@ -300,8 +300,8 @@ def test_a_table_that_is_cut_says_so(window, pages):
     script = f"Array.from(document.querySelectorAll('.scroll'), (e) => [{cut}])"
     with Seen(window, pages["sweep with cycles"][1], size="phone") as seen:
         seen.page.set_viewport_size({"width": 240, "height": 700})
-        found = seen.page.evaluate(script)
-        assert [True, True] in found and all(cut == told for cut, told in found)
+        seen.page.wait_for_function(f"() => {script}.some(([cut, told]) => cut && told)")  # drawn anew, and told then
+        assert all(cut == told for cut, told in seen.page.evaluate(script))
     with Seen(window, pages["sweep with cycles"][1]) as seen:
         assert not any(told for _, told in seen.page.evaluate(script))
 
