@@ -159,4 +159,4 @@ def test_a_chamber_of_plain_equations_solved_now_is_that_of_the_package(compare_
 def test_kept_figures_are_those_of_the_plain_equations_solved_now(compare_of, plain_tool, kept_plain):
     now = plain_tool.solved_now(compare_of("plain"))
     assert now["digest"] == kept_plain["digest"], plain_tool.REMEDY
-    assert now["figures"] == pytest.approx(kept_plain["figures"], rel=1e-7), plain_tool.REMEDY  # of any rounding
+    assert now["figures"] == pytest.approx(kept_plain["figures"], rel=5e-7), plain_tool.REMEDY  # of any processor
