@@ -8,6 +8,7 @@ one to what is not there fails.
 
 from __future__ import annotations
 
+import argparse
 import inspect
 import json
 import os
@@ -303,4 +304,6 @@ def gallery(page: Path, source: Path) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:]))
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", nargs="?", default="results/site", help="where the site is made (results/site)")
+    sys.exit(main(parser.parse_args().folder))
