@@ -69,7 +69,7 @@ def test_numbers_of_numpy_are_numbers():
 @pytest.mark.parametrize(
     ("given", "says"),
     [
-        (3.0, "float is no scene (pass a path, a dict"),
+        (3.0, "float is not a scene (pass a path, a dict"),
         ({**GIVEN, "numerics": {"accuracy": object()}}, "numerics.accuracy: <object object"),
         ({**GIVEN, "numerics": {"accuracy": float("nan")}}, "numerics.accuracy: nan (float) cannot be written"),
     ],
@@ -261,7 +261,7 @@ def test_derivatives_of_a_result_are_the_sensitivities_of_its_scene_with_units(r
         (("shaft_power", "operation.sped"), "did you mean 'operation.speed'?"),
         (("shaft_power", "flow_coefficient"), "(write the whole path)"),
         (("shaft_power", "machine.male_lobes"), "a whole number"),
-        ("shaft_power", "is no figure with a path"),
+        ("shaft_power", "is not a figure with a path"),
     ],
 )
 def test_a_derivative_that_is_not_there_says_what_is(result, key, says):
@@ -271,7 +271,7 @@ def test_a_derivative_that_is_not_there_says_what_is(result, key, says):
 
 
 def test_a_result_that_does_not_know_its_scene_says_so():
-    with pytest.raises(KeyError, match="does not know its scene"):
+    with pytest.raises(KeyError, match="is not linked to its scene"):
         Result("ok").derivatives["shaft_power", "operation.speed"]
     assert "none" in repr(Result("ok").derivatives)
 
@@ -318,7 +318,7 @@ def test_a_loaded_scene_does_not_change_in_place(of):
         lambda: mapping.__setitem__(first, None),
         mapping.clear,
     ):
-        with pytest.raises(TypeError, match="a scene does not change: with_ and without make another one"):
+        with pytest.raises(TypeError, match="a scene cannot be changed: with_ and without return a new one"):
             change()
     again = pickle.loads(pickle.dumps(scene)), copy.deepcopy(scene)
     assert [getattr(each, of) == mapping and type(getattr(each, of)) is type(mapping) for each in again] == [True, True]

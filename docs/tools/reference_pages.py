@@ -27,44 +27,44 @@ SCENE_HEAD = """\
 # All keys of a scene
 
 Made by `docs/tools/reference_pages.py` from the declarations that read a scene; `screwsim schema` prints the same as
-JSON Schema for editors, and `screwsim explain SCENE.yaml --parameters [EFFECT]` the same beside what a scene has. Every
-quantity is written with its unit (`128 mm`, `20 degC`), of which the table shows one; a bare number for one is a fault.
+JSON Schema for editors, and `screwsim explain SCENE.yaml --parameters [EFFECT]` adds the values of a scene. Every
+quantity is written with its unit (`128 mm`, `20 degC`), of which the table shows one; a bare number is refused.
 The number is read as it stands, then scaled: `0.11 MPa` and `1.1 bar` may differ in the last of their sixteen digits.
 A key with a default, or a dash in its place, may be left out; *required* is what its section must have where it is
-named. Beyond *range* a value is refused, beyond what is *usual* it is taken with a warning. M… are equations of
+named. A value outside *range* is refused, one outside what is *usual* gives a warning. M… are equations of
 [model.md](../model.md), S… of [slider-crank.md](slider-crank.md).
 
 Gauge pressures are read where absolute ones are (`7 bar(g)`, `7 barg`, `100 psig`): over `operation.ambient_pressure`,
 which is the standard atmosphere, 1.01325 bar, unless the scene states it.
 
 A quantity or a number may have a tolerance: `27 um ± 5 um`, `3 ± 10 %`, `50 um ×/÷ 2`, in ASCII `+/-` and `*/`; the key
-`uncertainty` says which of them err together, and of which validation the error of the model is told,
+`uncertainty` says which of them are fully correlated, and of which validation the model error is reported,
 `{correlated: [[PATH, PATH], …], model: NAME}` ([uncertainty.md](../how-to/uncertainty.md)).
 
-Beside the sections below a scene may have `base: other.yaml`, whose paths it changes, a `title`, and a `sweep`, whose
+Besides the sections below a scene may have `base: other.yaml`, whose paths it changes, a `title`, and a `sweep`, whose
 keys are paths of these tables ([sweeps.md](../how-to/sweeps.md)). `--set operation.speed="1000 rpm"` overrides one.
-`screwsim explain SCENE.yaml` says what of all this a scene calls for.
+`screwsim explain SCENE.yaml` says what a scene uses of all this.
 """
 EFFECTS_HEAD = """\
 ## effects
 
-An effect that is named is simulated, with the keys under it; one that is not named is not simulated at all. `off` in
-place of the keys leaves an effect of the base out. An effect of one's own goes by the dotted name of its module
+Effects named in a scene are simulated, with the keys under them; all others are not simulated at all. `off` in place
+of the keys leaves out an effect of the base. An effect of your own is named by the dotted name of its module
 ([adding-an-effect.md](../how-to/adding-an-effect.md)).
 """
 FIGURES_HEAD = """\
 # All results
 
 Made by `docs/tools/reference_pages.py` from the tables that name them: in the JSON of `screwsim run --json`, in
-`screwsim.simulate(scene)` and in HDF5 files, in SI units. A result has the figures that its scene calls for, by what
-the fourth column names; where one of them has no value it is null, and `notes` says why. `error` has the estimated
-error of each figure relative to what the last column names, not always to the figure itself: a small difference of
-large flows, or one power of several, errs as those do ([model.md](../model.md), M41; λ is the volumetric efficiency).
+`screwsim.simulate(scene)` and in HDF5 files, in SI units. A result contains the figures that its scene calls for (the
+fourth column says what does); one without a value is null, and `notes` says why. `error` contains the estimated error
+of each figure, relative to what the last column names and not always to the figure itself: a small difference of large
+flows, or one power of several, has the error of those ([model.md](../model.md), M41; λ is the volumetric efficiency).
 `status` is one of {statuses}.
 """
 TABLES = (
-    ("balance", "Residuals of the balances; `bound` is what they are held to.", outputs.BALANCE),
-    ("numerics", "What the solution took.", outputs.NUMERICS),
+    ("balance", "Residuals of the balances, and the `bound` that they must meet.", outputs.BALANCE),
+    ("numerics", "Effort of the solution.", outputs.NUMERICS),
     ("cycle", "Traces over the angle; `mass_flow_<effect>` for each flow path.", outputs.CYCLE),
     ("ledger", "Where the shaft power goes.", outputs.LEDGER),
     ("ledger, of each effect", "`<name>_<effect>`.", outputs.LEDGER_ENTRY),

@@ -125,7 +125,7 @@ def test_a_chain_of_bases_ends(folder):
 
 
 def test_a_base_with_a_null_character_is_a_fault():
-    assert "<text>:1:7: base: holds a null character (remove it)" in lines_of(lambda: loads('base: "a\\0b"\n'))
+    assert "<text>:1:7: base: contains a null character (remove it)" in lines_of(lambda: loads('base: "a\\0b"\n'))
 
 
 def test_a_volume_that_is_zero_everywhere_is_a_fault(folder):

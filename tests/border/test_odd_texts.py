@@ -79,10 +79,10 @@ def test_a_scene_in_json_has_whole_letters():
 def test_half_letters_and_null_characters_are_faults_where_they_stand(letters, what):
     with pytest.raises(SceneError) as caught:
         loads(SCENE.replace("title: fake", f'title: "x{letters}"'))
-    assert caught.value.lines == [f"<text>:1:8: title: holds {what} (remove it)"]
+    assert caught.value.lines == [f"<text>:1:8: title: contains {what} (remove it)"]
     with pytest.raises(SceneError) as caught:
         loads(SCENE + f'  "x{letters}": {{}}\n')
-    assert any(f"effects: holds {what} (remove it)" in line for line in caught.value.lines)
+    assert any(f"effects: contains {what} (remove it)" in line for line in caught.value.lines)
 
 
 def test_an_anchor_may_be_given_again():

@@ -10,7 +10,7 @@ from screwsim.numerics.spline import read_curve
 from screwsim.scene import load
 from screwsim.study.validation import NotRun, read_table
 
-DECIMAL_COMMAS = "has 3 cells, the first line 2 (write decimal points, no decimal commas: one cell a column)"
+DECIMAL_COMMAS = "has 3 cells, but the first line has 2 (write decimal points, not decimal commas: one cell per column)"
 SCENE = """\
 machine:
   rotor_diameter: 160 mm
@@ -34,7 +34,7 @@ def test_comments_and_empty_lines_say_nothing_and_lines_keep_their_numbers():
 
 
 def test_a_row_whose_name_begins_with_a_hash_is_not_left_out_without_a_word():
-    with pytest.raises(BadSheet, match="line 3: begins with # and has the cells of a row"):
+    with pytest.raises(BadSheet, match="line 3: begins with #, but has as many cells as a row"):
         sheet_of("name,a\nx,1\n#3,2\n")
     kept = sheet_of('# source, of two parts\nname,a\nx,1\n"#3",2\n# 4,3\n#remark\n#1,2,3\n')
     assert kept.records() == [{"name": "x", "a": "1"}, {"name": "#3", "a": "2"}]
@@ -52,7 +52,7 @@ def test_all_ends_of_lines_are_read_alike(ends, tmp_path):
     ("text", "said"),
     [
         ("a,b\n1,2\n650,0,004\n", "line 3: " + DECIMAL_COMMAS),
-        ("a,b\n1\n", "line 2: has 1 cell, the first line 2 (fill the row: one cell a column)"),
+        ("a,b\n1\n", "line 2: has 1 cell, but the first line has 2 (fill the row: one cell per column)"),
         ("a,b\n1,2,\n", "line 2: has 3 cells"),
         ("a,a\n1,2\n", "line 1: has the column 'a' twice (remove one)"),
         ('a,b\n"1,2\n', "line 2: is not CSV: unexpected end of data"),
@@ -109,6 +109,6 @@ def test_a_decimal_comma_in_a_swept_column_is_a_fault_at_the_axis(tmp_path):
 @pytest.mark.parametrize(("mark", "name"), [(";", "semicolons"), ("\t", "tabs")])
 def test_other_marks_between_cells_are_told(mark, name):
     """Not as decimal commas, which such files have as well."""
-    told = rf"^line 1: is divided by {name} \(save it with commas, and points before decimals\)$"
+    told = rf"^line 1: is separated by {name} \(save it with commas between cells and decimal points\)$"
     with pytest.raises(BadSheet, match=told):
         sheet_of(f"angle{mark}volume\n0,5{mark}1,25\n")

@@ -58,7 +58,7 @@ def test_of_very_many_faults_the_first_are_told_and_the_others_counted(folder, c
     code, out, err = command("run", "bad.yaml")
     first, *_, last = lines = err.splitlines()
     assert (code, out, len(lines)) == (3, "", MOST_TOLD + 1)
-    assert first.startswith("bad.yaml:2:1: key0: is not known") and last == "… and 7 more faults (mend these first)"
+    assert first.startswith("bad.yaml:2:1: key0: is not known") and last == "… and 7 more faults (fix these first)"
 
 
 def test_missing_file_is_a_bad_scene(folder, command):
@@ -170,7 +170,7 @@ def test_file_of_another_scene_is_refused(folder, command):
 
 def test_unknown_fluid_is_a_bad_scene(folder, command):
     answer = command("run", "small.yaml", "--set", "gas.fluid=r134A")
-    message = "gas.fluid: 'r134A' is no fluid or predefined blend of CoolProp; did you mean 'R134a'?"
+    message = "gas.fluid: 'r134A' is not a fluid or predefined blend of CoolProp; did you mean 'R134a'?"
     assert answer == (3, "", f"--set gas.fluid=r134A: {message}\n")
 
 
@@ -190,7 +190,7 @@ def test_an_effect_of_ones_own_that_cannot_be_built_is_told_by_its_name(folder, 
         answer = command(name, "holed.yaml")
         assert answer.code == 2
         assert answer.err.startswith("effects.own_holes.hole: cannot be built or compiled (TypeError: ")
-        assert "'nowhere'" in answer.err and answer.err.endswith("mend that module\n")
+        assert "'nowhere'" in answer.err and answer.err.endswith("fix that module\n")
 
 
 def test_openings_beyond_the_life_are_told(folder, command):

@@ -61,7 +61,10 @@ def test_a_name_of_another_kind_of_file_is_refused(files, command, arguments, to
     assert sorted(files.iterdir()) == before
 
 
-TWO = "describes two stages, which screwsim run and screwsim explain take (run those on x.stages.yaml, or name the "
+TWO = (
+    "describes two stages, which only screwsim run and screwsim explain accept (run those on x.stages.yaml, or name "
+    "the "
+)
 
 
 @pytest.mark.parametrize(
@@ -80,7 +83,7 @@ TWO = "describes two stages, which screwsim run and screwsim explain take (run t
         (
             ("run", "out.h5"),
             "out.h5:1:1: is a file of results, not a scene "
-            "(screwsim scene out.h5 -o again.yaml writes the one that it holds)",
+            "(screwsim scene out.h5 -o again.yaml writes the scene that it contains)",
         ),
         (("run", "smal.yaml"), "smal.yaml:1:1: cannot be read: No such file or directory; did you mean 'small.yaml'?"),
         (("run", "small"), "small:1:1: cannot be read: No such file or directory (there is small.yaml)"),

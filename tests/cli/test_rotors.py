@@ -178,14 +178,14 @@ def test_a_machine_without_a_profile_is_refused(capsys):
 FAULTS = {
     "machine.profile=null": ("machine.profile", "is missing (law: profile needs it"),
     "machine.built_in_volume_ratio=null": ("machine.built_in_volume_ratio", "is missing"),
-    "machine.built_in_volume_ratio=40": ("machine.built_in_volume_ratio", "leaves the discharge port no opening"),
+    "machine.built_in_volume_ratio=40": ("machine.built_in_volume_ratio", "leaves no opening for the discharge port"),
     "machine.profile.female_tip_radius=1 mm": ("machine.profile.female_tip_radius", "undercut"),
     "machine.profile.flank_radius=null": ("machine.profile.flank_radius", "is missing (kind: rack needs it)"),
     "machine.profile.centre_distance=200 mm": ("machine.profile.centre_distance", "do not mesh"),
     "machine.profile.wrap_angle=400 deg": ("machine.profile.wrap_angle", "above 360 deg"),
     "machine.profile.wrap_angle=300": ("machine.profile.wrap_angle", "has no unit"),
     "machine.volume.max=500 cm^3": ("machine.volume.max", "profile finds it from the rotors (remove it)"),
-    "machine.volume.life=720 deg": ("machine.volume.life", "belongs to law: table"),
+    "machine.volume.life=720 deg": ("machine.volume.life", "applies only to law: table"),
     "effects.interlobe_leakage.length=100 mm": ("effects.interlobe_leakage.length", "finds it by angle (remove it)"),
     "effects.end_face_leakage.length=60 mm": ("effects.end_face_leakage.length", "finds it by angle (remove it)"),
     "machine.suction_port={law: paper, area: 80 cm^2, phi_B: 60 deg}": ("machine.suction_port.law", "720 deg"),
@@ -230,5 +230,5 @@ def test_gaps_on_another_life_need_a_table(capsys):
     )
     code, _, err = answer(capsys, CONFIGS / "r134a" / "point.yaml", "--set", volume)
     assert code == 3
-    assert "effects.tip_leakage: has a formula that counts a life of 720 deg" in err
-    assert "machine.suction_port.law: paper counts a life of 720 deg" in err
+    assert "effects.tip_leakage: has a formula for a chamber life of 720 deg" in err
+    assert "machine.suction_port.law: paper is for a chamber life of 720 deg" in err

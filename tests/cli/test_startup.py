@@ -88,4 +88,4 @@ def test_a_drive_that_cannot_be_followed_ends_with_the_remedy(inertia, capsys, m
     assert cli.exit_code(asked) == 4
     printed = " ".join(capsys.readouterr().out.split())
     assert "status: failed, the drive moves too fast for its coupling to be followed over a pitch" in printed
-    assert "(a larger motor_inertia or rotor_inertia, or a softer, less damped coupling)" in printed
+    assert "(choose a larger motor_inertia or rotor_inertia, or a softer, less damped coupling)" in printed

@@ -42,13 +42,13 @@ IDLE = "effects.liquid_injection={opens: 480 deg, closes: 560 deg, area: 20 mm^2
     [
         (
             (LATE, "numerics.accuracy=0.01"),  # the words are those of any accuracy, in a quarter of the time
-            "warning: at no temperature does the economizer's port draw what the liquid gives off: at 39.5 degC, the "
-            "highest, it draws 0 times that (a larger port, or one that opens earlier)",
+            "warning: at no economizer temperature does the port draw as much vapour as the liquid gives off: at 39.5 "
+            "degC, the highest, it draws 0 times as much (a larger port, or one that opens earlier)",
         ),
         (HOT, "warning: no oil flow brings the mixture to 326.9 degC: with "),
         (
             ("gas.two_phase=equilibrium", IDLE),
-            "warning: the valve of injected liquid stays shut: without it the discharge comes to ",
+            "warning: the liquid injection valve stays shut: without liquid the discharge is at ",
         ),
         (("oil_supply.temperature=316 K",), "R134a condenses on it at the discharge pressure"),
     ],
@@ -73,21 +73,37 @@ def test_a_machine_with_a_part_of_its_leaks_says_so_in_a_line_and_what_is_not_si
 @pytest.mark.parametrize(
     ("scene", "change", "words"),
     [
-        (B, "operation.tip_speed=20 m/s", "operation.tip_speed: is given beside operation.speed, which it states, too"),
+        (
+            B,
+            "operation.tip_speed=20 m/s",
+            "operation.tip_speed: is given as well as operation.speed, which states it already",
+        ),
         (
             B,
             "machine.displacement={flow: 9 m^3/min, at: 2950 rpm}",
-            "machine.displacement: needs machine.profile.family: the profile here states the size of its rotors by",
+            "machine.displacement: needs machine.profile.family: this profile states the size of its rotors by",
         ),
-        (B, "machine.rotor_diameter=300 mm", "it lies inside a rotor, no shaft is left (choose a larger one; another"),
-        (B, "machine.built_in_volume_ratio=40", "40 leaves the discharge port no opening (choose a smaller ratio)"),
+        (
+            B,
+            "machine.rotor_diameter=300 mm",
+            "it lies inside a rotor and leaves no shaft (choose a larger one; another",
+        ),
+        (B, "machine.built_in_volume_ratio=40", "40 leaves no opening for the discharge port (choose a smaller ratio)"),
         (B, "operation.condensing_temperature=1 degC", "operation.condensing_temperature: "),
-        (PAPER, "machine.built_in_volume_ratio=3", "machine.discharge_port.opens: is given beside machine.built_in"),
-        (PAPER, "oil_supply.orifice_count=3", "oil_supply.orifice_count: belongs to kind: displacement (remove it, or"),
+        (
+            PAPER,
+            "machine.built_in_volume_ratio=3",
+            "machine.discharge_port.opens: is given as well as machine.built_in",
+        ),
+        (
+            PAPER,
+            "oil_supply.orifice_count=3",
+            "oil_supply.orifice_count: applies only to kind: displacement (remove it, or",
+        ),
         (
             PAPER,
             "oil_supply.line={pressure_loss: 1 bar, flow: 30 L/min}",
-            "with kind: pump the pump pays its loss (write it under effects.oil_pump)",
+            "with kind: pump the pump overcomes the loss (write it under effects.oil_pump)",
         ),
         (PAPER, "effects.motor.rated_powr=5 kW", "rated_powr: is not known; did you mean 'rated_power'?"),
         (PAPER, "operation.discharge.pressure=7", "operation.discharge.pressure: 7 has no unit (write e.g."),
@@ -118,14 +134,17 @@ def measured(tmp_path_factory):
 def test_measured_points_are_shown_with_what_was_changed_of_them(measured, capsys):
     code, out, err = told(capsys, "rotors", measured)
     assert (code, err) == (0, "")
-    assert " points; the faired curve passes by them by " in out.partition("measured points: ")[2]
+    assert " points; the faired curve misses them by " in out.partition("measured points: ")[2]
     assert " um at most, " in out and " um RMS" in out
 
 
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ("tolerance=0 um", "no contact there (undercut, or noise: set machine.profile.tolerance, or change the curve"),
+        (
+            "tolerance=0 um",
+            "so that there is no contact (undercut, or noise: set machine.profile.tolerance, or change the curve",
+        ),
         ("tolerance=1 mm", "machine.profile.tolerance: only 10 points lie 7 mm apart (7 tolerances), 20 are needed"),
     ],
 )
@@ -138,4 +157,4 @@ def test_messages_of_measured_points_name_keys_of_points(measured, change, words
 def test_a_key_of_another_kind_of_profile_is_not_ignored_unsaid(measured, capsys):
     code, out, _ = told(capsys, "run", measured, "--set", "machine.profile.root_radius=1 mm")
     assert code == 0
-    assert "warning: machine.profile.root_radius: belongs to kind: rack, and kind: points does not read it" in out
+    assert "warning: machine.profile.root_radius: applies only to kind: rack, and kind: points does not read it" in out

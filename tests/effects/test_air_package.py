@@ -135,7 +135,7 @@ def test_parts_add_up_in_the_order_of_the_flow():
 
 @pytest.mark.parametrize(
     ("fluid", "flow", "power", "words"),
-    [("R134a", 0.3, 1e5, "that of air"), ("Air", -0.1, 1e5, "no net gas"), ("Air", 0.3, -1e5, "not positive")],
+    [("R134a", 0.3, 1e5, "power for air"), ("Air", -0.1, 1e5, "no net gas"), ("Air", 0.3, -1e5, "not positive")],
 )
 def test_figures_that_mean_nothing_say_why(fluid, flow, power, words):
     found = {"gas_mass_flow": flow, "suction_pressure": 1e5, "discharge_pressure": 8e5, "suction_temperature": 293.15}

@@ -245,7 +245,7 @@ def test_parts_that_cannot_be_are_refused(changes, what):
 
 @pytest.mark.parametrize("name", ["blow_hole.suction_area=5 mm^2", "interlobe_leakage.tip_length=5 mm"])
 def test_a_profile_finds_these_parts_itself(name):
-    with pytest.raises(SceneError, match=rf"{name.partition('=')[0]}: is given beside"):
+    with pytest.raises(SceneError, match=rf"{name.partition('=')[0]}: is given as well as"):
         load(Path(__file__).parents[2] / "configs" / "rotors" / "b.yaml", (f"effects.{name}",))
 
 

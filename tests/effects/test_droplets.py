@@ -118,7 +118,7 @@ def test_huge_droplets_exchange_nothing():
 @each_row(
     ("changes", "words"),
     [
-        ({"effects.droplets": {"diameter": "50 um"}}, "effects.droplets: is simulated beside effects.oil_heat"),
+        ({"effects.droplets": {"diameter": "50 um"}}, "effects.droplets: is simulated together with effects.oil_heat"),
         (
             {"effects.oil_heat": DROP, "effects.droplets": {}},
             "effects.droplets.diameter: is missing (size: fixed needs it",
@@ -129,7 +129,7 @@ def test_huge_droplets_exchange_nothing():
         ),
         (
             {"effects.oil_heat": DROP, "effects.droplets": {"diameter": "50 um", "prandtl": 0.8}},
-            "effects.droplets.gas_conductivity: is missing (stated together",
+            "effects.droplets.gas_conductivity: is missing (these are stated together",
         ),
         (
             {"effects.oil_heat": DROP, "effects.droplets": {"diameter": "50 um"}, "gas.fluid": "R1234ze(Z)"},

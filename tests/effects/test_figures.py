@@ -122,7 +122,7 @@ def test_what_others_rely_on_is_called_for_at_both_points(machine):
 def test_a_case_that_failed_says_so_of_its_figures():
     none = Performance({}, called(make({})))
     assert dict(none) == {} and none.copy().about == none.about
-    with pytest.raises(AttributeError, match=r"^no figure 'shaft_power' here: the case failed \(its message"):
+    with pytest.raises(AttributeError, match=r"^no figure 'shaft_power' here: the case failed \(see its message"):
         _ = none.shaft_power
     with pytest.raises(AttributeError, match=r"^no figure 'electrical_power' here: it needs effects\.motor$"):
         _ = none.electrical_power
@@ -283,7 +283,9 @@ def test_a_figure_that_nobody_declares_is_a_fault_of_its_effect(own, tmp_path):
     (path,) = tmp_path.glob("own_figures_*/share.py")
     path.write_text(OWN.replace('"lost_share", "lost_twice"', '"lost_shape", "lost_twice"'))
     scene = own()
-    with pytest.raises(UsageError, match=r"^effects\.\S+share: nobody declares its figure lost_shape \(write figures="):
+    with pytest.raises(
+        UsageError, match=r"^effects\.\S+share: its figure lost_shape is declared nowhere \(write figures="
+    ):
         called(scene)
 
 
@@ -291,7 +293,7 @@ def test_a_figure_of_ones_own_cannot_have_the_name_of_another(own, tmp_path):
     (path,) = tmp_path.glob("own_figures_*/share.py")
     path.write_text(OWN.replace("lost_share", "shaft_power"))
     scene = own()
-    with pytest.raises(UsageError, match=r"^effects\.\S+share: the program has another figure shaft_power \(give"):
+    with pytest.raises(UsageError, match=r"^effects\.\S+share: the program has a different figure shaft_power \(give"):
         called(scene)
 
 

@@ -125,7 +125,7 @@ def test_another_aftercooler_drains_at_the_outlet_of_the_package():
 
 def test_ice_in_the_aftercooler_is_warned_of():
     result = solved("operation.suction.temperature=-15 degC", "gas.relative_humidity=1", COLD[1])
-    assert any("-5.0 degC, and is taken as liquid, no ice" in each for each in result.warnings)
+    assert any("-5.0 degC, and is modelled as liquid, not ice" in each for each in result.warnings)
 
 
 def test_two_aftercoolers_are_one_too_many():

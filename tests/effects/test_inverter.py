@@ -82,10 +82,16 @@ def test_a_makers_points_are_met(tmp_path):
     ("rows", "message"),
     [
         ("0.9,1,3000\n0.9,0.5,2000\n", "needs 5 points or more"),
-        ("".join(f"0.9,{i},{1000 * i}\n" for i in (0.2, 0.4, 0.6, 0.8, 1)), "needs 5 points or more, three currents"),
+        (
+            "".join(f"0.9,{i},{1000 * i}\n" for i in (0.2, 0.4, 0.6, 0.8, 1)),
+            "needs at least 5 points, with three currents",
+        ),
         ("90,100,3000\n" * 5, "shares, not percent"),
-        ("".join(f"{f},{i},{w}\n" for (f, i), w in zip(POINTS, [9, 1, 9, 1, 9, 1, 9, 1], strict=True)), "off the law"),
-        ("a,1,3\n" * 5, "without a number"),
+        (
+            "".join(f"{f},{i},{w}\n" for (f, i), w in zip(POINTS, [9, 1, 9, 1, 9, 1, 9, 1], strict=True)),
+            "away from the law",
+        ),
+        ("a,1,3\n" * 5, "that is not a number"),
     ],
 )
 def test_points_that_tell_no_law_are_refused(tmp_path, rows, message):
@@ -98,7 +104,7 @@ def test_points_that_tell_no_law_are_refused(tmp_path, rows, message):
 def test_points_too_narrow_to_tell_the_loss_elsewhere_are_refused(tmp_path):
     """Currents of 0.9 to 1 that are met to 3 %, and tell of six times the largest loss without current."""
     rows = [(0.9, 0.9, 2000), (0.9, 0.95, 2300), (0.9, 1, 2700), (0.95, 0.9, 2050), (0.95, 1, 2750), (0.85, 0.95, 2200)]
-    with pytest.raises(UsageError, match="too narrow to tell the loss elsewhere"):
+    with pytest.raises(UsageError, match="too narrow to find the loss elsewhere"):
         inverter.fitted(rows)
 
 
@@ -111,7 +117,10 @@ def test_points_too_narrow_to_tell_the_loss_elsewhere_are_refused(tmp_path):
             "given beside effects.motor.inverter.points_file",
         ),
         ("{rated_speed: 2950 rpm, points_file: none.csv}", "inverter.points_file: cannot be read"),
-        ("{rated_speed: 2950 rpm, loss: 3 kW, standing_share: 0.7}", "current_share: is more than standing_share"),
+        (
+            "{rated_speed: 2950 rpm, loss: 3 kW, standing_share: 0.7}",
+            "current_share: exceeds the rest of the loss after standing_share",
+        ),
     ],
 )
 def test_what_an_inverter_lacks_or_has_twice_is_refused(more, message):

@@ -98,7 +98,9 @@ def test_the_theoretical_power_is_that_of_the_displacement_compressed_without_lo
 
 
 def test_an_expander_has_no_theoretical_power_of_what_it_displaces():
-    with pytest.raises(SceneError, match=r"mechanical\.of: theoretical_power is of all that a compressor displaces"):
+    with pytest.raises(
+        SceneError, match=r"mechanical\.of: theoretical_power counts the whole displacement of a compressor"
+    ):
         load(CONFIGS / "expander" / "point.yaml", [OF_THEORETICAL])
 
 

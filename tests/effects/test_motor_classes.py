@@ -85,12 +85,12 @@ def test_a_class_is_the_efficiency_that_it_states_whatever_the_rated_power_becom
     [
         (
             "efficiency_class: IE3, efficiency: 0.95",
-            r"motor\.efficiency: is given beside .* with --set effects\.motor\.efficiency=null\)",
+            r"motor\.efficiency: is given as well as .* with --set effects\.motor\.efficiency=null\)",
         ),
-        ("efficiency_class: IE3, poles: 8", r"motor\.poles: 8: known are motors of 2, 4 and 6"),
-        ("poles: 2", r"motor\.poles: belongs to efficiency_class"),
+        ("efficiency_class: IE3, poles: 8", r"motor\.poles: 8 is not covered, only 2, 4 and 6 are"),
+        ("poles: 2", r"motor\.poles: applies only to efficiency_class"),
         ("efficiency_class: IE33", "is not an option"),
-        ("efficiency_class: IE3, rated_power: 1200 kW", r"1200 kW: classes are known from 0\.75 kW to 1000 kW"),
+        ("efficiency_class: IE3, rated_power: 1200 kW", r"1200 kW: classes cover 0\.75 kW to 1000 kW"),
     ],
 )
 def test_what_a_class_does_not_know_is_refused(stated, words):

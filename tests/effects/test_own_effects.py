@@ -59,7 +59,7 @@ def test_what_cannot_be_fails_the_case_and_is_named(name):
     result = found(**changes)
     assert result.status == "failed"
     assert result.message.startswith(f"effects.{NAME}: {words}")
-    assert result.message.endswith(", which cannot be; mend that module")
+    assert result.message.endswith(", which is impossible; fix that module")
     assert "\n" not in result.message
 
 

@@ -203,9 +203,9 @@ def test_a_gas_of_another_back_end_says_itself_whether_its_lines_may_be_liquid()
 
 
 MODULES = {
-    "no gas": ("", "cannot be imported (module {} defines no GAS); mend that module"),
-    "another": ("GAS = 3\n", "cannot be imported (module {} defines no GAS); mend that module"),
-    "fails": ("1 / 0\n", "fails on import (ZeroDivisionError: division by zero); mend that module"),
+    "no gas": ("", "cannot be imported (module {} defines no GAS); fix that module"),
+    "another": ("GAS = 3\n", "cannot be imported (module {} defines no GAS); fix that module"),
+    "fails": ("1 / 0\n", "fails on import (ZeroDivisionError: division by zero); fix that module"),
 }
 
 

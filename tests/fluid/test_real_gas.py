@@ -305,7 +305,7 @@ def test_a_liquid_is_refused_with_its_boiling_point():
 
 def test_what_no_state_has_fails_a_case_and_ends_no_sweep():
     """Carbon dioxide above its critical pressure, colder than at the critical temperature; a liquid in a line."""
-    with pytest.raises(Unfound, match="below what the equation covers; use warmer gas or oil"):
+    with pytest.raises(Unfound, match="below the range of the equation; use warmer gas or oil"):
         RealGas("CarbonDioxide").temperature(1.2e7, 261e3)
     with pytest.raises(Unfound, match="is liquid"):
         R134A.enthalpy(5e5, 280.0)

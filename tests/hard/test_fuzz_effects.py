@@ -76,7 +76,7 @@ def test_a_cycle_beside_which_turns_stood_is_told(monkeypatch):
     monkeypatch.setattr(another, "relax", lambda problem, machinery, wanted, start, last: beside)
     result = simulate(make({}))
     (warning,) = [words for words in result.warnings if "another cycle" in words]
-    assert "from where turns of one chamber after the other stood" in warning
+    assert "from the state that the turns of single chambers had reached" in warning
     assert f"{result.performance.volumetric_efficiency:.4g}" in warning
 
 

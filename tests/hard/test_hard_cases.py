@@ -28,8 +28,8 @@ DOCS = Path(__file__).parents[2] / "docs"
 SOLVED = [case for case in CASES if case.status != "refused"]
 AGAINST_RADAU = [case for case in SOLVED if case.radau]
 FULL = (
-    "the oil would fill {share} of the chamber when the discharge port opens; oil takes no room in this model "
-    "(lower oil_supply.ratio, or take the result as a limit)"
+    "the oil would fill {share} of the chamber when the discharge port opens; oil takes up no volume in this scene's "
+    "model (lower oil_supply.ratio, or treat the result as a limit)"
 )
 LEAST_SHARE = 0.1  # of the cases that are ok, compared with Radau
 

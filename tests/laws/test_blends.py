@@ -173,7 +173,7 @@ def test_a_point_whose_isentrope_ends_wet_has_failed_and_ends_no_sweep():
     lines_of = ["operation.evaporating_temperature=20 degC", "operation.condensing_temperature=80 degC"]
     cold = load(CONFIG, [*heavy, *lines_of, "operation.superheat=0.5 K"], ["oil_heat"])
     result = simulate(cold)
-    assert result.status == "failed" and "where an isentrope ends, is wet" in result.message
+    assert result.status == "failed" and "at the end of an isentrope, is wet" in result.message
     assert result.message.endswith("; use warmer gas in the suction line, or gas.two_phase: equilibrium")
     found = sweep(cold.with_({"sweep.operation.superheat": ["40 K", "0.5 K", "30 K"]}), jobs=1)
     assert found.status.values.tolist() == [0, 2, 0]
@@ -206,7 +206,7 @@ def test_what_is_followed_and_stays_dry_is_what_is_refused_there():
 def test_wet_suction_that_no_table_holds_is_refused():
     cold = ["operation.evaporating_temperature=-75 degC", "operation.superheat=null", "operation.suction.quality=0.9"]
     with pytest.raises(
-        SceneError, match=r"R454B at .* bar has two phases from -7.* degC, and these are followed from -69\.3"
+        SceneError, match=r"R454B at .* bar has two phases from -7.* degC, and it is followed only from -69\.3"
     ):
         load(CONFIG, overrides=[*WET, *cold])
 

@@ -118,7 +118,7 @@ def test_every_entry_of_the_intake_destroys():
 
 @pytest.mark.parametrize("way", ["throttle", "bypass"])
 def test_flow_against_a_throttle_or_bypass_is_warned_of(way):
-    told = "gas flows back to the suction line, which no throttle, filter or bypass"
+    told = "gas flows back to the suction line, but throttle, filter and bypass"
     leaky = {"operation.speed": "60 rpm"}
     found = run({**WAYS[way], **leaky})
     assert found.performance.gas_mass_flow < 0.0 > found.ledger[f"exergy_destroyed_{NAMES[way]}"]
@@ -208,10 +208,10 @@ def test_the_study_goes_from_full_load_to_a_quarter_of_it(way, supply):
     ("changes", "words"),
     [
         ({"effects.bypass": {}}, "effects.bypass.share: is missing (source: discharge needs it"),
-        ({"effects.bypass": {"share": 0.2, "area": "1 cm^2"}}, "effects.bypass.area: belongs to source: chamber"),
+        ({"effects.bypass": {"share": 0.2, "area": "1 cm^2"}}, "effects.bypass.area: applies only to source: chamber"),
         (
             {**RETURNED, "operation.discharge": {"pressure": "12 bar", "temperature": "340 K"}},
-            "operation.discharge.temperature: is given, and the returned gas has the outflow's",
+            "operation.discharge.temperature: is given, but the returned gas has the temperature of the outflow",
         ),
         (
             {"effects.slide_valve": {"position": 0.5, "slot_area": "9 cm^2", "closes": "300 deg"}},
@@ -226,7 +226,7 @@ def test_the_study_goes_from_full_load_to_a_quarter_of_it(way, supply):
                     "radial_area": "9 cm^2",
                 }
             },
-            "effects.slide_valve.radial_opens: is missing (stated together",
+            "effects.slide_valve.radial_opens: is missing (these are stated together",
         ),
         ({"effects.suction_throttle": {"pressure_ratio": 1.2}}, "effects.suction_throttle.pressure_ratio"),
     ],

@@ -218,7 +218,7 @@ def test_explain_names_the_speed_of_the_wall():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"effects.interlobe_leakage.wall_speed": 0.5}, "wall_speed: has no meaning here: no wall of the housing"),
+        ({"effects.interlobe_leakage.wall_speed": 0.5}, "wall_speed: has no meaning here: no housing wall"),
         ({"effects.tip_leakage": {"gap": "50 um", "wall_speed": 0.5}}, "wall_speed: has no meaning with model: nozzle"),
         ({"effects.tip_leakage.wall_speed": -1}, "effects.tip_leakage.wall_speed"),
     ],

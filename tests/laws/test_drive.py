@@ -188,7 +188,7 @@ def test_rubber_cords_carry_the_mean_torque_at_their_twist():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"motor.torque_limit": "90 N m"}, "the motor stalls: the rotors ask for"),
+        ({"motor.torque_limit": "90 N m"}, "the motor stalls: the rotors need"),
         ({"coupling.linear.largest_twist": "1 deg"}, "under the steady ripple the coupling fails: twisted by"),
         ({"coupling": {"rubber_cord": {"cords": 1, "breaking_strain": 0.05}}}, "the coupling carries"),
     ],
@@ -349,7 +349,7 @@ def test_a_start_that_stops_within_its_first_pitch_tells_no_energies():
 def test_a_start_that_takes_too_long_says_how_far_it_came():
     found = start_up(make(DRIVEN), CREEP, longest=0.05)
     assert found.status == "failed"
-    assert "would be steady" in found.message
+    assert "not yet the steady" in found.message
 
 
 @pytest.mark.parametrize(

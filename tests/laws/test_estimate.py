@@ -274,7 +274,9 @@ def test_what_goes_with_the_net_flow_errs_as_that_does(name):
     assert errors[name] == pytest.approx(errors["gas_mass_flow"]) == pytest.approx(1e-3 * 0.02 / 0.1)
 
 
-@pytest.mark.parametrize(("filling", "words"), [(1e-3, "to within 0.03 of itself"), (1e-6, "not even by its size")])
+@pytest.mark.parametrize(
+    ("filling", "words"), [(1e-3, "to a relative error of 0.03 only"), (1e-6, "not even to its order of magnitude")]
+)
 def test_a_machine_that_delivers_next_to_nothing_is_warned_of_what_is_over_its_flow(filling, words):
     """Errors count over a tenth of the displacement: of itself a figure over less is known to less than was asked."""
     (warning,) = cautions.next_to_nothing(ACCURACY, Figures(volumetric_efficiency=filling, specific_power=1e9))

@@ -85,26 +85,26 @@ def test_a_blend_is_cooled_above_its_critical_pressure_too():
 @each_row(
     ("overrides", "told"),
     [
-        (["operation.condensing_temperature=25 degC"], "is given beside operation.gas_cooler"),
-        (["operation.subcooling=5 K"], "is given beside operation.gas_cooler"),
-        (["operation.discharge.pressure=90 bar"], "is given beside operation.evaporating_temperature"),
-        (["operation.gas_cooler.pressure=20 bar"], "is not above the pressure of evaporation, 26.48676671 bar"),
+        (["operation.condensing_temperature=25 degC"], "is given as well as operation.gas_cooler"),
+        (["operation.subcooling=5 K"], "is given as well as operation.gas_cooler"),
+        (["operation.discharge.pressure=90 bar"], "is given as well as operation.evaporating_temperature"),
+        (["operation.gas_cooler.pressure=20 bar"], "is not above the evaporating pressure, 26.48676671 bar"),
         (["operation.gas_cooler.outlet_temperature=-20 degC"], "is colder than the evaporator of -10 degC"),
-        (["operation.gas_cooler.outlet_temperature=80 degC"], "leaves no cooling: behind it CO2 has 32.51 kJ/kg more"),
+        (["operation.gas_cooler.outlet_temperature=80 degC"], "leaves no cooling: after it CO2 has 32.51 kJ/kg more"),
         (
             [
                 "gas.fluid=R407C.mix",
                 "effects.cylinder_heat=off",
                 "operation.gas_cooler={pressure: 20 bar, outlet_temperature: 47 degC}",
             ],
-            "R407C.mix at 20 bar, 47 degC is wet, between its bubble and its dew point",
+            "R407C.mix at 20 bar, 47 degC is wet: it lies between bubble and dew point",
         ),
         (["operation.gas_cooler.outlet_temperature=2000 degC"], "the equation of state of CO2 ends at 1726.85 degC"),
-        (["sweep={operation.condensing_temperature: [20 degC]}"], "has no meaning beside operation.gas_cooler"),
+        (["sweep={operation.condensing_temperature: [20 degC]}"], "has no meaning with operation.gas_cooler"),
         (["operation.gas_cooler=null"], "condensing_temperature: is missing"),
         (
             ["operation.gas_cooler=null", "operation.condensing_temperature=35 degC"],
-            "(lower it, or write operation.gas_cooler: {pressure: …, outlet_temperature: …} in its place)",
+            "(lower it, or write operation.gas_cooler: {pressure: …, outlet_temperature: …} instead)",
         ),
     ],
 )

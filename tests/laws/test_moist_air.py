@@ -90,8 +90,8 @@ def test_its_cooler_takes_the_heat_of_what_condenses(cold):
 
 def test_warnings_tell_of_water(cold, warm):
     told = " / ".join(cold.warnings)
-    assert "gas and oil part at 45.0 degC, below the pressure dew point of 56.7 degC" in told
-    assert "keep them at 61.7 degC or above by warmer oil" in told and "of the water in a chamber is liquid" in told
+    assert "gas and oil separate at 45.0 degC, below the pressure dew point of 56.7 degC" in told
+    assert "keep them at 61.7 degC or above with warmer oil" in told and "of the water in a chamber is liquid" in told
     assert not [each for each in warm.warnings if "water" in each or "dew" in each]
     near = machine(59)
     assert any("only 2.3 K above the pressure dew point" in each for each in near.warnings)

@@ -70,7 +70,7 @@ def stretched(**bore):
     supply = DISPLACEMENT["oil_supply"] | bore
     found = run({**DISPLACEMENT, "oil_supply": supply})
     assert found.status == "ok"
-    return [warning for warning in found.warnings if "formula of the oil's flow" in warning]
+    return [warning for warning in found.warnings if "formula for the oil flow" in warning]
 
 
 @pytest.mark.parametrize(("length", "words"), [("11 mm", "1.83 diameters long"), ("66 mm", "11 diameters long")])

@@ -192,7 +192,7 @@ def test_a_scene_without_films_has_none_in_its_text():
 
 def test_explain_names_the_film():
     text = " ".join(str(explain(make(FILMS))).split())
-    assert "full of oil from 0.2 kg per kg of gas on: viscous film (M250-M252)" in text
+    assert "full of oil from 0.2 kg per kg of gas upwards: viscous film (M250-M252)" in text
 
 
 @each_row(

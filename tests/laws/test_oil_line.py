@@ -91,8 +91,12 @@ def test_the_machine_gets_the_oil_that_the_line_lets_through():
 @pytest.mark.parametrize(
     ("base", "more", "told"),
     [
-        (PUMPED_PORT, {}, r"oil_injection\.line: is the line of displaced oil; with oil_supply\.kind: pump the pump"),
-        (OIL_PORT, {"pressure": "8 bar"}, r"oil_injection\.line: is given beside pressure, which is behind it"),
+        (PUMPED_PORT, {}, r"oil_injection\.line: applies to displaced oil; with oil_supply\.kind: pump the pump"),
+        (
+            OIL_PORT,
+            {"pressure": "8 bar"},
+            r"oil_injection\.line: is given as well as pressure, which is that after the line",
+        ),
     ],
 )
 def test_a_line_that_has_no_place_is_refused(base, more, told):
@@ -107,13 +111,13 @@ def test_a_line_that_has_no_place_is_refused(base, more, told):
         (
             {},
             {"line": {"pressure_loss": "1 bar", "flow": "30 L/min"}},
-            r"oil_supply\.line: is the line of displaced oil",
+            r"oil_supply\.line: applies to displaced oil",
         ),
-        ({}, {"orifice_count": 3}, r"oil_supply\.orifice_count: belongs to kind: displacement"),
+        ({}, {"orifice_count": 3}, r"oil_supply\.orifice_count: applies only to kind: displacement"),
         (
             OIL_PORT,
             {"line": {"pressure_loss": "1 bar", "flow": "30 L/min"}},
-            r"oil_supply\.line: is that of oil which enters at one angle \(write it under effects\.oil_injection",
+            r"oil_supply\.line: is for oil that enters at one angle \(write it under effects\.oil_injection",
         ),
     ],
 )

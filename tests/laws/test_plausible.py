@@ -39,13 +39,13 @@ def test_oil_colder_than_the_gas_is_named_where_it_lifts_the_efficiencies_above_
     (warning,) = told(result, "isothermal efficiency")
     assert "the oil comes in at -113.15 degC, colder than the suction gas of 5.85 degC" in warning
     (warning,) = told(result, "isentropic efficiency")
-    assert "oil cools the gas while it is compressed" in warning
+    assert "oil cools the gas during compression" in warning
 
 
 def test_gaps_that_let_more_back_than_is_displaced_are_told():
     result = at("paper/point.yaml", "effects.tip_leakage.gap=20 mm")
     assert result.performance.volumetric_efficiency < -0.5
-    assert told(result, "through leaks more flows back than the rotors displace")
+    assert told(result, "more flows back through leaks than the rotors displace")
     assert told(result, "effects.tip_leakage.gap: 20 mm is unusual")
 
 
@@ -64,7 +64,7 @@ def test_a_forgotten_suction_port_is_told_as_that():
     result = at(PLAIN, "effects.suction_port=off")
     assert result.status == "failed"
     assert "no port or valve leads from the suction line into the chambers (name effects.suction_port" in result.message
-    assert "machine.suction_port is given, but only an effect that is named is simulated" in result.message
+    assert "machine.suction_port is given, but only named effects are simulated" in result.message
 
 
 @pytest.mark.parametrize("port", ["suction_port", "discharge_port"])
@@ -87,7 +87,7 @@ def test_an_expander_lacks_the_port_through_which_its_gas_comes_or_goes():
     [
         ("75 kW", "ok", ""),
         ("10 kW", "ok", "times effects.motor.rated_power: it would not last"),
-        ("2.65 kW", "failed", "no motor turns beyond 3.5 times (choose a larger one)"),
+        ("2.65 kW", "failed", "no motor carries more than 3.5 times its rated power (choose a larger one)"),
     ],
 )
 def test_a_motor_that_is_too_small_is_told_or_does_not_turn(rated, status, words):

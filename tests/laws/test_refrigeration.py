@@ -70,7 +70,7 @@ def test_wet_suction_closes_and_starts_from_its_mixture():
     result = run({**WET, "operation.suction": {"quality": 0.9}})
     assert result.status == "ok"
     assert result.performance.suction_temperature == pytest.approx(275.15, abs=1e-6)
-    assert result.notes["isothermal_efficiency"] == "what is sucked in is wet"
+    assert result.notes["isothermal_efficiency"] == "the intake is wet"
 
 
 def test_drier_suction_tends_to_saturated_vapour():

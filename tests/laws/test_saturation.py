@@ -82,7 +82,7 @@ def test_wet_suction_has_no_superheat():
     wet["operation"] = {**wet["operation"], "suction": {"pressure": "3 bar", "quality": 0.95}}
     found = run({**wet, "oil.transport": "carried", "oil_supply.temperature": "325 K"})
     assert found.performance.suction_superheat is None
-    assert found.notes["suction_superheat"] == "what is sucked in is wet"
+    assert found.notes["suction_superheat"] == "the intake is wet"
 
 
 def test_points_of_a_sweep_have_their_own():

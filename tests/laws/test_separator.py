@@ -265,15 +265,15 @@ def test_mixing_generates_the_entropy_of_gas_and_oil_that_come_to_one_temperatur
 FAULTS = {
     "both": (
         {**CARRIED, "effects.separator": {"cooler": {"outlet_temperature": "300 K"}}},
-        r"effects\.separator\.cooler\.outlet_temperature: is given beside oil_supply\.temperature, and states it, too",
+        r"effects\.separator\.cooler\.outlet_temperature: is given as well as oil_supply\.temperature, which it",
     ),
     "duty beside a temperature": (
         {**CARRIED, "effects.separator": {"cooler": {"duty": "30 kW"}}},
-        r"effects\.separator\.cooler\.duty: is given beside oil_supply\.temperature, and lets it follow",
+        r"effects\.separator\.cooler\.duty: is given as well as oil_supply\.temperature, which follows from it",
     ),
     "two ways": (
         cooled({"duty": "30 kW", "outlet_temperature": "300 K"}),
-        r"effects\.separator\.cooler\.duty: is given beside outlet_temperature \(state one",
+        r"effects\.separator\.cooler\.duty: is given as well as outlet_temperature \(state one",
     ),
     "no temperature": (
         {"oil_supply.temperature": DROP},
@@ -285,7 +285,7 @@ FAULTS = {
     ),
     "two temperatures of the separator": (
         {**CARRIED, **SOLUBLE},
-        r"separator_temperature: is given beside effects\.separator, which finds it",
+        r"separator_temperature: is given as well as effects\.separator, which finds it",
     ),
 }
 
@@ -301,7 +301,7 @@ def test_what_contradicts_itself_is_one_fault_at_the_front(case):
 def test_oil_that_comes_back_warmer_than_the_separator_asks_for_heating():
     result = run({**CARRIED, "oil_supply.temperature": "420 K"})
     assert result.status == "ok" and result.performance.oil_cooler_duty < 0.0
-    assert [told for told in result.warnings if "its cooler would have to heat it with " in told]
+    assert [told for told in result.warnings if "its cooler would have to heat it by " in told]
 
 
 def test_a_thermostat_that_would_have_to_heat_is_idle():
@@ -319,9 +319,15 @@ def test_a_thermostat_that_would_have_to_heat_is_idle():
 
 FAILS = {
     "gas condenses": ({**CARRIED, "gas.model": "real", "oil_supply.temperature": "290 K"}, "gas condenses in the sep"),
-    "colder than oil": (cooled({"duty": "2 MW"}), "the oil's circuit leads to where oil_supply.temperature: "),
+    "colder than oil": (
+        cooled({"duty": "2 MW"}),
+        "the oil circuit leads to an impossible state: oil_supply.temperature: ",
+    ),
     "no oil": (cooled({"duty": "10 kW"}, {"oil_supply.ratio": 0}), "next to no oil flows"),
-    "solubility unknown": (cooled(None, {**SOLUBLE, SOLUBILITY: {}}), "the oil's circuit leads to where effects.refr"),
+    "solubility unknown": (
+        cooled(None, {**SOLUBLE, SOLUBILITY: {}}),
+        "the oil circuit leads to an impossible state: effects.refr",
+    ),
 }
 
 

@@ -237,7 +237,7 @@ def test_colder_films_drag_more():
             "effects.bearings.radial_load: belongs to stated, and gas is chosen",
         ),
         ({"effects.bearings.friction": "two_term"}, "effects.bearings.f_0: is missing (two_term needs it"),
-        ({"oil.name": "POE_ACD100FY"}, "oil.density: is given beside oil.name"),
+        ({"oil.name": "POE_ACD100FY"}, "oil.density: is given as well as oil.name"),
         ({"oil.density": DROP}, "oil.density: is missing (write e.g. density: 980 kg/m^3, or the name of a stored oil"),
     ],
 )

@@ -211,7 +211,7 @@ def test_explain_names_state_times_and_equations():
         ({f"{NAME}.flash_time": DROP}, "absorption_time: has no meaning where the oil flashes at once in the port"),
         ({f"{NAME}.flash_time": "0 s"}, "must be greater than 0 ms"),
         ({"oil.transport": "paper"}, "oil.transport"),
-        ({f"{NAME}.separator_temperature": "319.6 K"}, "and the rate knows 1e-06 to 20"),
+        ({f"{NAME}.separator_temperature": "319.6 K"}, "and the rate is known from 1e-06 to 20"),
     ],
 )
 def test_what_does_not_go_together_is_said(changes, words):

@@ -200,12 +200,12 @@ def test_a_line_that_does_not_have_what_comes_to_it_is_never_ok():
     assert line_left_open(of, life, q) == ""
     R = life.R.copy()
     R[R_SUCTION + ENTHALPY] *= 1.05
-    assert "does not settle: its gas is" in line_left_open(of, life._replace(R=R), q)
+    assert "does not settle: the enthalpy of its gas is" in line_left_open(of, life._replace(R=R), q)
     streams = streams_of(of.composition, q).copy()
     streams[1, 1] += 1e6 * streams[0, 0]  # [J] that no vapour can lack
     q = q.copy()
     q[-streams.size :] = streams.ravel()
-    assert "a mixture in the suction line that cannot be" in line_left_open(of, life, q)
+    assert "an impossible mixture in the suction line" in line_left_open(of, life, q)
 
 
 # ---- leaks beside the chambers ----

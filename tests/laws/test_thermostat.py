@@ -90,12 +90,12 @@ def test_a_valve_that_cannot_keep_the_temperature_says_where_it_stands(inject):
     open_, shut = inject(", discharge_temperature: 50 degC"), inject(", discharge_temperature: 90 degC")
     assert (open_.status, shut.status) == ("ok", "ok")
     assert open_.warnings == (
-        "no injected liquid brings the discharge to 50.0 degC: wide open it comes to 58.2 degC (a larger "
-        "effects.liquid_injection.area, or a bore that opens earlier)",
+        "no flow of injected liquid brings the discharge to 50.0 degC: with the valve wide open it is at 58.2 degC "
+        "(choose a larger effects.liquid_injection.area, or a bore that opens earlier)",
     )
     assert len(shut.warnings) == 1
     assert shut.warnings[0].startswith(
-        "the valve of injected liquid stays shut: without it the discharge comes to 66.9 degC, not to 90.0 degC"
+        "the liquid injection valve stays shut: without liquid the discharge is at 66.9 degC, not to 90.0 degC"
     )
     assert shut.performance.liquid_injection_flow_ratio < 1e-5
 
@@ -118,15 +118,15 @@ def test_the_loss_of_the_liquid_line_is_lost_before_the_bore(inject):
     [
         (
             ", pressure_loss: 0.5 bar",
-            r"liquid_injection\.pressure_loss: 0\.5 bar: liquid of 45 degC boils in its line when it loses 0 bar",
+            r"liquid_injection\.pressure_loss: 0\.5 bar: liquid of 45 degC boils in its line once it has lost 0 bar",
         ),
         (
             ", discharge_temperature: 40 degC",
-            r"discharge_temperature: 40 degC is not above condensation, 45 degC: liquid would be left \(raise it\)",
+            r"discharge_temperature: 40 degC is not above condensation, 45 degC: some liquid would not evaporate",
         ),
         (
             ", discharge_temperature: 60 degC, opening: 0.5",
-            r"opening: is given beside effects\.liquid_injection\.discharge_temperature, which finds it \(remove one",
+            r"opening: is given as well as effects\.liquid_injection\.discharge_temperature, which finds it",
         ),
     ],
 )
@@ -137,5 +137,7 @@ def test_what_liquid_cannot_do_is_refused(inject, more, told):
 
 def test_oil_and_liquid_do_not_keep_one_temperature_both(inject):
     oil = "oil_supply={kind: pump, discharge_temperature: 60 degC, temperature: 325 K, source: separator}"
-    with pytest.raises(SceneError, match=r"is what oil_supply\.discharge_temperature is: one of oil and liquid can"):
+    with pytest.raises(
+        SceneError, match=r"is stated as well as oil_supply\.discharge_temperature: either oil or liquid can"
+    ):
         inject(", discharge_temperature: 60 degC", oil, "effects.separator={}")

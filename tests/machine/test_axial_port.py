@@ -53,7 +53,7 @@ def test_the_part_that_opens_first_is_the_built_in_volume_ratio():
 @pytest.mark.parametrize(
     ("config", "change", "told"),
     [
-        ("r134a/point.yaml", "machine.axial_volume_ratio=3", "axial_volume_ratio: belongs to law: profile"),
+        ("r134a/point.yaml", "machine.axial_volume_ratio=3", "axial_volume_ratio: applies only to law: profile"),
         (
             "rotors/b.yaml",
             "machine.axial_volume_ratio=1e6",

@@ -21,10 +21,10 @@ def refused(**changes):
 
 
 MODULES = {
-    "nothing": ("X = 1\n", "cannot be imported (module own_{0} defines no MACHINE); mend that module"),
-    "another": ("MACHINE = 3\n", "cannot be imported (module own_{0} defines no MACHINE); mend that module"),
-    "fails": ("1 / 0\n", "fails on import (ZeroDivisionError: division by zero); mend that module"),
-    "ends": ("raise SystemExit(3)\n", "cannot be imported (it ends the program, by SystemExit: 3); mend that module"),
+    "nothing": ("X = 1\n", "cannot be imported (module own_{0} defines no MACHINE); fix that module"),
+    "another": ("MACHINE = 3\n", "cannot be imported (module own_{0} defines no MACHINE); fix that module"),
+    "fails": ("1 / 0\n", "fails on import (ZeroDivisionError: division by zero); fix that module"),
+    "ends": ("raise SystemExit(3)\n", "cannot be imported (it ends the program, by SystemExit: 3); fix that module"),
     "settings": (
         """from dataclasses import dataclass
 from screwsim.machine.protocol import MachineKind
@@ -32,11 +32,11 @@ from screwsim.machine.protocol import MachineKind
 class Settings: pass
 MACHINE = MachineKind(Settings, Settings, frozenset())
 """,
-        "has no setting kind, mode; mend that module",
+        "lacks the setting kind, mode; fix that module",
     ),
     "bare": (
         "from screwsim.machine.protocol import MachineKind\nMACHINE = MachineKind(int, int, frozenset())\n",
-        "fails on import (TypeError: must be called with a dataclass type or instance); mend that module",
+        "fails on import (TypeError: must be called with a dataclass type or instance); fix that module",
     ),
 }
 
@@ -62,16 +62,16 @@ def test_a_module_that_is_not_there_is_refused():
 
 
 FLAWS = {
-    "life": "its life of 396 deg is no whole number of pitches of 60 deg",
+    "life": "its life of 396 deg is not a whole number of pitches of 60 deg",
     "injection": "its injection_angle of 198 deg is not a whole number of pitches of 60 deg inside its life",
     "swept": "its swept_volume is 0.0016 m³, and its volume changes by 0.0008 m³",
-    "thin": "its volume is -1.5e-05 m³ at 0 deg, which cannot be",
-    "slope": "its volume_slope is not the slope of its volume up to 4 deg",
-    "speed": "its surface_speed is nan m/s at 1 rad/s, which cannot be",
-    "port": "the area of its suction port is -1.12305e-05 m² at 0.5 deg, which cannot be",
-    "behind": "its tip gap leads 0 pitches ahead, of 6 in a life",
-    "beyond": "its tip gap leads 7 pitches ahead, of 6 in a life",
-    "short": "the size of its tip gap is -0.2 at 38 deg, which cannot be",
+    "thin": "its volume is -1.5e-05 m³ at 0 deg, which is impossible",
+    "slope": "its volume_slope does not match the slope of its volume up to 4 deg",
+    "speed": "its surface_speed is nan m/s at 1 rad/s, which is impossible",
+    "port": "the area of its suction port is -1.12305e-05 m² at 0.5 deg, which is impossible",
+    "behind": "its tip gap leads to a chamber 0 pitches ahead, and a life has 6 pitches",
+    "beyond": "its tip gap leads to a chamber 7 pitches ahead, and a life has 6 pitches",
+    "short": "the size of its tip gap is -0.2 at 38 deg, which is impossible",
     "disorder": "the angles of its tip gap do not increase, at 30 deg",
 }
 
@@ -79,12 +79,12 @@ FLAWS = {
 @pytest.mark.parametrize("flaw", FLAWS)
 def test_a_geometry_that_cannot_be_is_refused(flaw):
     line = refused(kind=WRONG, flaw=flaw)
-    assert line.startswith(f"machine.kind: {WRONG}: {FLAWS[flaw]}") and line.endswith("; mend that module")
+    assert line.startswith(f"machine.kind: {WRONG}: {FLAWS[flaw]}") and line.endswith("; fix that module")
 
 
 def test_a_geometry_that_fails_is_refused():
     assert refused(kind=WRONG, flaw="raises") == (
-        f"machine.kind: {WRONG} fails (ZeroDivisionError: no law); mend that module"
+        f"machine.kind: {WRONG} fails (ZeroDivisionError: no law); fix that module"
     )
 
 
@@ -92,15 +92,15 @@ def test_a_port_of_less_than_nothing_at_a_few_angles_fails_the_case():
     result = simulate(blower(kind=WRONG, flaw="pierced", accuracy=1e-2))
     assert result.status == "failed"
     assert result.message.startswith("effects.suction_port: its area is -")
-    assert result.message.endswith(", which cannot be; mend that module")
+    assert result.message.endswith(", which is impossible; fix that module")
 
 
 def test_its_own_checks_and_what_it_does_not_offer_are_told():
     assert refused(pocket="3000 cm^3").startswith("machine.pocket: and machine.dead are more than the 0.002")
-    belongs = "belongs to machine.kind: twin_screw (remove the effect, or change the machine)"
+    belongs = "applies only to machine.kind: twin_screw (remove the effect, or change the machine)"
     assert refused(effects={"blow_hole": {"area": "1 mm^2"}}) == f"effects.blow_hole: {belongs}"
     length = {**GAPS, "interlobe_leakage": {"gap": "0.2 mm", "length": "1 m"}}
-    what = "is given beside machine.kind: own_machines.roots_blower, which finds it by angle (remove it)"
+    what = "is given as well as machine.kind: own_machines.roots_blower, which finds it by angle (remove it)"
     assert refused(effects=length) == f"effects.interlobe_leakage.length: {what}"
     assert "of the rotor diameters" not in refused(effects={"tip_leakage": {"gap": "30 mm"}})
 

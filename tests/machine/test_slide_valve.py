@@ -186,7 +186,7 @@ def test_explain_tells_what_the_slide_closes_in():
     ("changes", "told"),
     [
         ((slide(0.5, travel="1 m"),), "travel: 1000 mm brings the slot to chambers whose axial port is open (choose"),
-        ((slide(0.5, ", length: 5 mm"),), "length: 5 mm lets the slot reach the chamber whose radial port is open"),
+        ((slide(0.5, ", length: 5 mm"),), "length: 5 mm lets the slot reach a chamber whose radial port is open"),
         (
             (slide(0.5).replace("70 deg", "20 deg"),),
             "male_span: 20 deg: the radial port at full load reaches 29.42 deg from the cusp (choose a wider slide",
@@ -194,7 +194,8 @@ def test_explain_tells_what_the_slide_closes_in():
         ((slide(0.5).replace("60 deg", "300 deg"),), "female_span: 300 deg is more than the bore's"),
         (
             (slide(0.5), "effects.slide_valve={position: 0.5}"),
-            "effects.slide_valve.position: is given beside machine.slide_valve, whose rotors give it (remove it)",
+            "effects.slide_valve.position: is given as well as machine.slide_valve, which finds it from the rotors "
+            "(remove it)",
         ),
         (("effects.slide_valve={}",), "effects.slide_valve.slot_area: is missing (write e.g. slot_area: 40 cm^2, or"),
     ],

@@ -99,7 +99,7 @@ def test_neither_folder_nor_link_of_another_user_is_followed(here, tmp_path, cap
 def test_a_file_in_its_place_is_told(here, capsys):
     here.write_text("a file")
     folder.cache_folder()
-    assert_private(here, capsys.readouterr().err, f"{here}: is no folder")
+    assert_private(here, capsys.readouterr().err, f"{here}: is not a folder")
 
 
 def test_a_predictable_folder_is_never_used(here, capsys):

@@ -77,11 +77,11 @@ def test_coefficients_that_are_none_of_a_method_are_refused(name):
 
 
 MODULES = {
-    "nothing": ("", "cannot be imported (module {} defines no INTEGRATOR); mend that module"),
+    "nothing": ("", "cannot be imported (module {} defines no INTEGRATOR); fix that module"),
     "wrong": (
         "from dataclasses import replace\nfrom screwsim.numerics.integrators import RODAS4\n"
         "INTEGRATOR = replace(RODAS4, d=2.0 * RODAS4.d)\n",
-        "fails on import (ValueError: its coefficients are not those of its d_i); mend that module",
+        "fails on import (ValueError: its coefficients are not those of its d_i); fix that module",
     ),
 }
 

@@ -41,7 +41,7 @@ def test_pressures_are_read_in_the_unit_of_their_column_with_the_mark_of_excel(t
         ("angle_deg,pressure_bar\n1,x\n", "line 2: 1, x are no angle and pressure"),
         ("angle_deg,pressure_bar\n1,-0.1\n", "line 2: -0.1 bar is no absolute pressure"),
         ("angle_deg,pressure_bar\nnan,1\n", "line 2"),
-        ("angle_deg,pressure_bar\n1,5,2\n", "write decimal points, no decimal commas"),
+        ("angle_deg,pressure_bar\n1,5,2\n", "write decimal points, not decimal commas"),
     ],
 )
 def test_what_cannot_be_read_is_told_in_one_line(tmp_path, text, what):

@@ -129,7 +129,7 @@ def test_settings_of_a_sample_are_changed_from_outside(example):
         ),
         (
             "{sample: {kind: sobol, count: 4, over: {oil_supply.ratio: {from: 2, to: 1}}}}",
-            "sweep.sample.over.oil_supply.ratio: from is not below to (exchange them)",
+            "sweep.sample.over.oil_supply.ratio: from is not below to (swap them)",
         ),
         (
             "{sample: {kind: sobol, count: 4, over: {oil_supply.ratio: {from: 0, to: 1, spacing: log}}}}",
@@ -137,7 +137,7 @@ def test_settings_of_a_sample_are_changed_from_outside(example):
         ),
         (
             "{sample: {kind: sobol, count: 4, over: {oil.transport: {from: a, to: b}}}}",
-            "sweep.sample.over.oil.transport: is a choice: write a list of its words",
+            "sweep.sample.over.oil.transport: is a choice: write a list of its options",
         ),
         (
             "{sample: {kind: sobol, count: 4, over: {oil_supply.ratio: 3}}}",
@@ -153,7 +153,7 @@ def test_settings_of_a_sample_are_changed_from_outside(example):
         ),
         (
             "{operation.speed: {file: semicolons.csv, column: speed}}",
-            "sweep.operation.speed: semicolons.csv line 1: is divided by semicolons (save it with commas, and",
+            "sweep.operation.speed: semicolons.csv line 1: is separated by semicolons (save it with commas between",
         ),
         (
             "{operation.discharge.pressure: {file: map.csv, column: p_d}}",

@@ -12,9 +12,9 @@ from screwsim.study.inputs import check_continuous
 
 CONFIG = Path(__file__).parents[2] / "configs" / "r454b" / "point.yaml"
 OWN = "R32/R1234yf (0.6/0.4)"
-NO_FLUID = "is no fluid or predefined blend of CoolProp"
+NO_FLUID = "is not a fluid or predefined blend of CoolProp"
 NAMED = "such as R134a, R1234yf, R32, R744, Ammonia or R454B)"
-LISTED = "write NAME, or of a blend {fluid: [NAME, NAME], mass_fractions: [0.7, 0.3]}"
+LISTED = "write NAME, or for a blend {fluid: [NAME, NAME], mass_fractions: [0.7, 0.3]}"
 
 
 def swept(sweep, *overrides):
@@ -63,7 +63,7 @@ def test_fluids_come_from_a_column(tmp_path):
     (tmp_path / "fluids.csv").write_text("fluid\nR134a\nR1234yf\n")
     assert fluids_of(swept(f"{{gas.fluid: {{file: {tmp_path}/fluids.csv, column: fluid}}}}")) == ["R134a", "R1234yf"]
     (tmp_path / "fluids.csv").write_text("fluid\nR134a\nR134z\n")
-    with pytest.raises(SceneError, match=r"line 3: 'R134z' is no fluid"):
+    with pytest.raises(SceneError, match=r"line 3: 'R134z' is not a fluid"):
         swept(f"{{gas.fluid: {{file: {tmp_path}/fluids.csv, column: fluid}}}}")
 
 
@@ -76,13 +76,13 @@ def test_fluids_come_from_a_column(tmp_path):
         ("[{fluids: R32}]", f"x.yaml:2:21: sweep.gas.fluid: a mapping is not a fluid ({LISTED})"),
         (
             "[{fluid: [R32, R125], mass_fractions: [0.6, 0.6]}]",
-            "x.yaml:2:21: sweep.gas.fluid: mass_fractions: add up to 1.2, not to 1 (if only their ratios are meant: "
-            "[0.5, 0.5])",
+            "x.yaml:2:21: sweep.gas.fluid: mass_fractions: add up to 1.2, not to 1 (if they are ratios, write [0.5, "
+            "0.5])",
         ),
         (
             "['R32/R125 (0.6/0.6)']",
-            "x.yaml:2:21: sweep.gas.fluid: 'R32/R125 (0.6/0.6)': add up to 1.2, not to 1 (if only their ratios are "
-            "meant: [0.5, 0.5])",
+            "x.yaml:2:21: sweep.gas.fluid: 'R32/R125 (0.6/0.6)': add up to 1.2, not to 1 (if they are ratios, write "
+            "[0.5, 0.5])",
         ),
         ("{from: 1, to: 2, count: 2}", "x.yaml:2:20: sweep.gas.fluid: is a fluid: write a list of names"),
         ("[R134a, R134a]", "x.yaml:2:20: sweep.gas.fluid: has R134a twice (remove one)"),

@@ -21,22 +21,22 @@ CONFIG = CONFIGS / "air" / "moist.yaml"
         (("gas.relative_humidity=-0.1",), "-0.1 is out of range (it must be at least 0 and at most 1)"),
         (
             ("gas.fluid=R134a",),
-            "gas.relative_humidity: belongs to air, and the gas is R134a (remove it, null in place of a base's, or "
-            "write fluid: air)",
+            "gas.relative_humidity: applies only to air, and the gas is R134a (remove it, or write fluid: air; "
+            "null drops a base's value)",
         ),
         (
             ("gas.fluid=Air.mix",),
-            "gas.relative_humidity: belongs to air, and the gas is Air.mix (remove it, null in place of a base's, or "
-            "write fluid: air)",
+            "gas.relative_humidity: applies only to air, and the gas is Air.mix (remove it, or write fluid: air; "
+            "null drops a base's value)",
         ),
         (
             ("gas.model=real", "gas.two_phase=equilibrium"),
-            "gas.two_phase: belongs to a pure fluid; water of moist air condenses in equilibrium by itself (remove it, "
-            "or write refuse)",
+            "gas.two_phase: applies only to a pure fluid; the water of moist air always condenses in equilibrium "
+            "(remove it, or write refuse)",
         ),
         (
             ("operation.suction.temperature=105degC",),
-            "gas.relative_humidity: has no meaning at 1 bar and 378.15 K, where water boils (a lower "
+            "gas.relative_humidity: has no meaning at 1 bar and 378.15 K, where water boils (choose a lower "
             "operation.suction.temperature, or a higher pressure)",
         ),
         (
@@ -52,12 +52,12 @@ CONFIG = CONFIGS / "air" / "moist.yaml"
         (("operation.aftercooler_temperature=-3 degC",), "is out of range"),
         (
             ("operation.discharge.pressure=120 bar",),
-            "gas.relative_humidity: is followed up to 100 bar, not at 120 bar (remove it, or lower the pressure)",
+            "gas.relative_humidity: is modelled up to 100 bar, not at 120 bar (remove it, or lower the pressure)",
         ),
         (
             ("gas.relative_humidity=1", "operation.suction.temperature=95degC", "operation.discharge.pressure=60 bar"),
-            "gas.relative_humidity: brings so much water that it condenses above 226.85 degC at 60 bar, where it is "
-            "not followed (drier or colder air, or a lower pressure)",
+            "gas.relative_humidity: brings so much water that it condenses above 226.85 degC at 60 bar, where "
+            "that is not modelled (choose drier or colder air, or a lower pressure)",
         ),
     ],
 )

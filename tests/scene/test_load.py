@@ -124,7 +124,7 @@ def test_an_override_is_checked_like_the_file(example):
         "--set operation.speed=abc: operation.speed: 'abc' is not a speed (write e.g. '3000 rpm')",
         "--set machine.lobes=3: machine.lobes: is not known; there are male_lobes, female_lobes (write the whole name)",
         "--set oil_supply.ratio=[1: oil_supply.ratio: is not YAML: expected ',' or ']', but got '<stream end>' "
-        "(close the [ that opens in line 1, column 1 with ], and have commas between what is inside)",
+        "(close the [ that opens in line 1, column 1 with ], and separate what is inside by commas)",
     ]
 
 
@@ -189,7 +189,7 @@ def test_an_own_effect_that_fails_on_import_is_a_fault(example, own_package):
         loads(text, "x.yaml")
     assert error.value.lines == [
         "x.yaml:31:3: effects.own_effects_of_test.broken: fails on import "
-        "(ZeroDivisionError: division by zero); mend that module"
+        "(ZeroDivisionError: division by zero); fix that module"
     ]
 
 

@@ -64,8 +64,8 @@ TYPICAL = [
     (
         "fluid: R134a",
         "fluid: {fluid: [R32, R125], mass_fractions: [0.5, 0.5]}",
-        "x.yaml:12:10: gas.fluid: a mapping is not a fluid outside a sweep (write fluid: NAME, or of a blend "
-        "fluid: [NAME, NAME], and mass_fractions beside it)",
+        "x.yaml:12:10: gas.fluid: a mapping is not a fluid outside a sweep (write fluid: NAME, or for a blend fluid: "
+        "[NAME, NAME] and mass_fractions)",
     ),
     ("title: example", "title: 5", "x.yaml:1:8: title: 5 is not text (write it in quotes)"),
     (
@@ -77,7 +77,7 @@ TYPICAL = [
     (
         "transport: paper",
         "transport: paper\n  transport: carried",
-        "x.yaml:19:3: oil.transport: is there twice, first in line 18 (remove one)",
+        "x.yaml:19:3: oil.transport: appears twice, first in line 18 (remove one)",
     ),
     (
         "title: example",
@@ -116,7 +116,7 @@ TYPICAL = [
     (
         "temperature: 283 K",
         "temperature: 283 K\n    superheat: 5 K",
-        "x.yaml:24:16: operation.suction.superheat: is given beside temperature (remove one of the two)",
+        "x.yaml:24:16: operation.suction.superheat: is given as well as temperature (remove one of the two)",
     ),
     (
         "opens: 600 deg",
@@ -127,7 +127,7 @@ TYPICAL = [
     (
         "ratio: 3",
         "ratio: 3\n  orifice_diameter: 3 mm",
-        "x.yaml:29:21: oil_supply.orifice_diameter: belongs to kind: displacement (remove it, or change the kind)",
+        "x.yaml:29:21: oil_supply.orifice_diameter: applies only to kind: displacement (remove it, or change the kind)",
     ),
 ]
 
@@ -138,7 +138,7 @@ def test_a_typical_mistake_gives_its_one_line(example, old, new, line):
     assert faults_of(example.replace(old, new, 1)) == [line]
 
 
-LINE = "(write NAME: value, a blank behind the colon, and as far in as its neighbours; look one line up, too)"
+LINE = "(write NAME: value, with a space after the colon and indented like its neighbours; also check the line above)"
 BLOW_HOLE = "flow_coefficient, area_file, area, opens, closes, suction_area, suction_closes"
 UNDER = f"under it: {BLOW_HOLE}; or blow_hole: off to leave it out)"
 NEWCOMERS = [
@@ -147,13 +147,13 @@ NEWCOMERS = [
         "  kind: twin_screw",
         "\tkind: twin_screw",
         "x.yaml:3:1: is not YAML: found character '\\t' that cannot start any token "
-        "(line 3 has a tab: write blanks in its place)",
+        "(line 3 has a tab: replace it by spaces)",
     ),
     (
         "  fluid: R134a",
         "\u00a0 fluid: R134a",
         "x.yaml:13:8: is not YAML: mapping values are not allowed here "
-        "(line 12 has a no-break space: write blanks in its place)",
+        "(line 12 has a no-break space: replace it by spaces)",
     ),
     (
         "kind: twin_screw",
@@ -170,7 +170,7 @@ NEWCOMERS = [
         "{gap: 50 um}",
         "{gap: 50 um",
         "x.yaml:34:20: is not YAML: expected ',' or '}', but got ':' "
-        "(close the { that opens in line 33, column 16 with }, and have commas between what is inside)",
+        "(close the { that opens in line 33, column 16 with }, and separate what is inside by commas)",
     ),
     (
         "  model: ideal",
@@ -181,25 +181,25 @@ NEWCOMERS = [
         "gas:",
         "---\ngas:",
         "x.yaml:11:1: is not YAML: but found another document "
-        "(a scene is one document: remove the line of --- or ... and what is behind it)",
+        "(a scene is one document: remove the line with --- or ... and all that follows it)",
     ),
     (
         "title: example",
         "[scene]\ntitle = example",
         "x.yaml:2:1: is not YAML: expected '<document start>', but found ('<scalar>',) "
-        "(from first to last a scene is lines NAME: value)",
+        "(a scene consists of lines NAME: value only)",
     ),
     (
         "title: example",
         "title: !!python/name:os.system x",
-        "x.yaml:1:8: title: has the tag !!python/name:os.system, which a scene does not have (remove it)",
+        "x.yaml:1:8: title: has the tag !!python/name:os.system, which a scene cannot have (remove it)",
     ),
     # ---- names and places ----
     ("title: example", "speed: 3000 rpm", "x.yaml:1:1: speed: is not known; did you mean 'operation.speed'?"),
     (
         "title: example",
         "operation.speed: 3000 rpm",
-        "x.yaml:1:1: operation.speed: is a path, which --set and sweep take (write speed under operation: here)",
+        "x.yaml:1:1: operation.speed: is a path, which only --set and sweep take (here write speed under operation)",
     ),
     ("title: example", "mechanical: {}", "x.yaml:1:1: mechanical: is not known; did you mean 'effects.mechanical'?"),
     (
@@ -247,13 +247,13 @@ NEWCOMERS = [
     (
         "3000 rpm",
         "50 Hz",
-        "x.yaml:20:10: operation.speed: '50 Hz' is ambiguous, turns or radians "
-        "(write rpm, rev/s or rad/s, e.g. '3000 rpm')",
+        "x.yaml:20:10: operation.speed: '50 Hz' is ambiguous: turns or radians (write rpm, rev/s or rad/s, e.g. '3000 "
+        "rpm')",
     ),
     (
         "3000 rpm",
         "3,000 rpm",
-        "x.yaml:20:10: operation.speed: '3,000 rpm' has a comma that divides thousands or decimals "
+        "x.yaml:20:10: operation.speed: '3,000 rpm' has a comma that may separate thousands or decimals "
         "(write '3000 rpm', or '3 rpm' if decimals are meant)",
     ),
     ("3000 rpm", "“3000 rpm”", "x.yaml:20:10: operation.speed: '“3000 rpm”' has typographic quotes (write '3000 rpm')"),
@@ -262,7 +262,7 @@ NEWCOMERS = [
         "283 K",
         "- 10 C",
         "x.yaml:23:18: is not YAML: sequence entries are not allowed here "
-        "(a list begins on a line of its own, or stands in [ ]; a minus sign has no blank behind it)",
+        "(a list begins on its own line, or is in [ ]; a minus sign has no space after it)",
     ),
     (
         "1.5 bar",
@@ -338,7 +338,7 @@ NEWCOMERS = [
         "title: example",
         "sweep: {operation.speed: [1000 rpm, , 2 rpm]}",
         "x.yaml:1:37: is not YAML: expected the node "
-        "content, but found ',' (a value lacks here: write it, or remove the comma)",
+        "content, but found ',' (a value is missing here: write it, or remove the comma)",
     ),
     (
         "title: example",
@@ -355,8 +355,8 @@ NEWCOMERS = [
     (
         "title: example",
         "stages: [a.yaml, b.yaml]",
-        "x.yaml:1:1: describes two stages, which screwsim run and screwsim "
-        "explain take (run those on x.yaml, or name the scene of one stage here)",
+        "x.yaml:1:1: describes two stages, which only screwsim run and screwsim explain accept (run those on x.yaml, "
+        "or name the scene of one stage here)",
     ),
 ]
 
@@ -370,8 +370,8 @@ def test_a_newcomers_mistake_gives_its_one_line(example, old, new, line):
 def test_a_decimal_comma_in_brackets_is_told_beside_what_it_makes(example):
     assert faults_of(example.replace("600 cm^3", "600,5 cm^3")) == [
         "x.yaml:8:29: machine.volume.max: 600 has no unit (write e.g. '500 cm^3')",
-        "x.yaml:8:33: machine.volume.5 cm^3: is no name "
-        "(in { } and [ ] a comma begins another entry: write decimals with a point)",
+        "x.yaml:8:33: machine.volume.5 cm^3: is not a name (in { } and [ ] a comma begins another entry; write "
+        "decimals with a point)",
     ]
 
 
@@ -396,10 +396,10 @@ def test_off_no_and_false_leave_an_effect_out(example, word):
             "ambient_temperature, ambient_pressure, suction, discharge, evaporating_temperature, "
             "condensing_temperature, superheat, subcooling, aftercooler_temperature, gas_cooler)",
         ),
-        ("effects={}", "effects: {} changes nothing, as it merges into what is there (write null to take that out)"),
+        ("effects={}", "effects: {} changes nothing, as it is merged into what is there (write null to remove that)"),
         (
             "effects.blow_hole={}",
-            "effects.blow_hole: {} changes nothing, as it merges into what is there (write off to take that out)",
+            "effects.blow_hole: {} changes nothing, as it is merged into what is there (write off to remove that)",
         ),
         (
             "oil=off",
@@ -421,7 +421,7 @@ def test_off_no_and_false_leave_an_effect_out(example, word):
         ),
         (
             "operation.suction.temperature=- 10 C",
-            "operation.suction.temperature: '- 10 C' has a blank behind its sign (write '-10 C')",
+            "operation.suction.temperature: '- 10 C' has a space after its sign (write '-10 C')",
         ),
     ],
 )
@@ -433,7 +433,7 @@ def test_a_mistaken_override_gives_its_one_line(example, override, line):
     ("name", "told"),
     [
         ("effects.blow_hole", "that effect is not active in this scene; did you mean 'blow_hole'? (active: "),
-        ("blow_hole,tip_leakage", "is one effect at a time (write --without blow_hole --without tip_leakage)"),
+        ("blow_hole,tip_leakage", "takes one effect at a time (write --without blow_hole --without tip_leakage)"),
         ("all", "that effect is not active in this scene (active: suction_port, "),
     ],
 )
@@ -507,7 +507,8 @@ def test_an_effect_that_needs_oil_names_what_is_absent(example):
     dry = example[:oil] + example[operation:supply] + example[effects:]
     text = dry.replace("  oil_pump: {efficiency: 0.6}\n  hydromechanical:\n", "")
     assert faults_of(text) == [
-        "x.yaml:28:3: effects.oil_heat: needs oil and oil_supply, absent here (write that, or remove the effect)"
+        "x.yaml:28:3: effects.oil_heat: needs oil and oil_supply, which this scene lacks (write that, or remove the "
+        "effect)"
     ]
 
 
@@ -527,7 +528,7 @@ def test_a_bore_so_long_that_no_formula_holds_is_refused(example):
     text = example.replace("kind: pump", lengths).replace("  ratio: 3\n", "")
     told = [line for line in faults_of(text.replace("LONG", "20 cm")) if "orifice_length" in line]
     assert told == [
-        "x.yaml:29:19: oil_supply.orifice_length: is 100 diameters: no formula holds for so long a bore "
+        "x.yaml:29:19: oil_supply.orifice_length: is 100 diameters: no formula covers so long a bore "
         "(choose 2 to 10 diameters)"
     ]
     assert not [line for line in faults_of(text.replace("LONG", "2 cm")) if "orifice_length" in line]
@@ -550,12 +551,12 @@ def test_an_effect_of_a_port_demands_its_section(example):
         (
             "a: [1,\nb: 2",
             "x.yaml:2:5: is not YAML: expected ',' or ']', but got '<stream end>' "
-            "(close the [ that opens in line 1, column 4 with ], and have commas between what is inside)",
+            "(close the [ that opens in line 1, column 4 with ], and separate what is inside by commas)",
         ),
         (
             "machine:\n\tkind: x",
             "x.yaml:2:1: is not YAML: found character '\\t' that cannot start any token "
-            "(line 2 has a tab: write blanks in its place)",
+            "(line 2 has a tab: replace it by spaces)",
         ),
         (
             "a: *b",
@@ -570,7 +571,7 @@ def test_a_file_that_is_no_scene_gives_one_line(text, line):
 
 def test_a_control_character_is_told_where_it_stands():
     assert faults_of("title: a\nmachine: \x07b") == [
-        "x.yaml:2:10: is not YAML: it holds the control character U+0007 "
+        "x.yaml:2:10: is not YAML: it contains the control character U+0007 "
         "(remove it, or save the file as plain text in UTF-8)"
     ]
 

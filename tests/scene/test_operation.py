@@ -79,8 +79,8 @@ def test_null_removes_what_a_base_states(example, scene_file):
 
 
 BESIDE = (
-    "is given beside operation.evaporating_temperature (state the lines by pressures or by saturation temperatures; "
-    "remove one of the two, with null where a base gives it)"
+    "is given as well as operation.evaporating_temperature (state the lines by pressures or by saturation "
+    "temperatures; remove one of the two; null drops a base's value)"
 )
 
 
@@ -100,8 +100,8 @@ def test_a_mixture_of_both_ways_is_refused(rated):
 
 def test_neither_way_is_too_few(example):
     assert faults_of(example.replace(PRESSURES, "")) == [
-        "x.yaml:19:1: operation: states neither line (write suction and discharge, or evaporating_temperature, "
-        "condensing_temperature and superheat)"
+        "x.yaml:19:1: operation: states neither suction nor discharge (write suction and discharge, or "
+        "evaporating_temperature, condensing_temperature and superheat)"
     ]
 
 
@@ -154,8 +154,7 @@ EVAPORATING = "the evaporating temperature 2 degC"
         (
             ["operation.condensing_temperature=120 degC"],
             "operation.condensing_temperature: 120 degC is not below the critical temperature of R134a, "
-            "101.062 degC (lower it, or write operation.gas_cooler: {pressure: …, outlet_temperature: …} "
-            "in its place)",
+            "101.062 degC (lower it, or write operation.gas_cooler: {pressure: …, outlet_temperature: …} instead)",
         ),
         (
             ["operation.evaporating_temperature=-150 degC"],
@@ -176,9 +175,9 @@ EVAPORATING = "the evaporating temperature 2 degC"
         ),
         (
             ["gas.fluid=R407C", "gas.two_phase=equilibrium", "gas.model=real"],
-            "--set gas.two_phase=equilibrium: gas.two_phase: R407C is a mixture described as if it were pure: its two "
-            "phases differ in composition; use two_phase: refuse, or a pure fluid, or the blend itself (such as "
-            "R410A.mix)",
+            "--set gas.two_phase=equilibrium: gas.two_phase: R407C is a mixture described as if it were pure, "
+            "although its two phases differ in composition; use two_phase: refuse, or a pure fluid, or the blend "
+            "itself (such as R410A.mix)",
         ),
         (
             [
@@ -246,7 +245,7 @@ def test_wet_suction_is_at_saturation(rated):
 
 def test_the_state_of_suction_is_stated_once(rated, example):
     both = ["gas.model=real", "gas.two_phase=equilibrium", "operation.suction.quality=0.9"]
-    what = "operation.suction.quality: is given beside"
+    what = "operation.suction.quality: is given as well as"
     assert fault_of(rated, *both) == f"{what} operation.superheat (remove one of the two)"
     assert fault_of(example, *both) == f"{what} temperature (remove one of the two)"
 
@@ -255,7 +254,7 @@ def test_the_state_of_suction_is_stated_once(rated, example):
 
 
 NAMED = "such as R134a, R1234yf, R32, R744, Ammonia or R454B)"
-NO_FLUID = "is no fluid or predefined blend of CoolProp"
+NO_FLUID = "is not a fluid or predefined blend of CoolProp"
 
 
 @pytest.mark.parametrize(
@@ -273,7 +272,7 @@ NO_FLUID = "is no fluid or predefined blend of CoolProp"
         ("r407c.mix", f"{NO_FLUID}; did you mean 'R407C.mix'?"),
         (
             "R499B",
-            f"{NO_FLUID}; R4xx and R5xx are numbers of blends, and CoolProp has none of this one "
+            f"{NO_FLUID}; R4xx and R5xx are blends, and CoolProp has none of this number "
             "(write its components as fluid: [NAME, NAME], with mass_fractions)",
         ),
         (
@@ -297,7 +296,7 @@ def test_what_belongs_to_one_gas_model_is_refused_with_the_other(example):
         "gas.two_phase: equilibrium needs model: real (write that, or remove two_phase)"
     )
     assert fault_of(example, "gas.model=real", "gas.isentropic_exponent=1.1") == (
-        "gas.isentropic_exponent: belongs to model: ideal (remove it, or write model: ideal)"
+        "gas.isentropic_exponent: applies only to model: ideal (remove it, or write model: ideal)"
     )
     assert loads(example, overrides=["gas.two_phase=refuse"]).gas.model == "ideal"
 
@@ -325,18 +324,18 @@ def test_a_sweep_over_condensing_temperature_gives_its_pressures(rated):
 def test_a_sweep_over_pressures_has_no_meaning_beside_temperatures(rated, path, values, counterpart):
     assert fault_of(rated, f"sweep.operation.{path}={values}") == (
         f"sweep.operation.{path}: has no meaning where the scene states saturation temperatures "
-        f"(vary operation.{counterpart}, or state the lines anew)"
+        f"(vary operation.{counterpart}, or restate the lines)"
     )
 
 
 def test_a_sweep_over_temperatures_has_no_meaning_beside_pressures(example):
     assert fault_of(example, "sweep.operation.evaporating_temperature=[2 degC]") == (
         "sweep.operation.evaporating_temperature: has no meaning where the scene states pressures "
-        "(vary operation.suction.pressure, or state the lines anew)"
+        "(vary operation.suction.pressure, or restate the lines)"
     )
     assert fault_of(example, "sweep.operation.subcooling=[2 K]") == (
         "sweep.operation.subcooling: has no meaning where the scene states pressures "
-        "(remove this axis, or state the lines anew)"
+        "(remove this axis, or restate the lines)"
     )
 
 

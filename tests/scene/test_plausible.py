@@ -36,23 +36,23 @@ CANNOT = {
     "oil_supply.temperature=1 K": "at least 150 K and at most 700 K",
     "oil_supply.temperature=900 K": "at least 150 K and at most 700 K",
     "operation.ambient_temperature=3 K": "at least 50 K",
-    "machine.volume.max=1000 m^3": "which cannot be (a smaller volume, or a larger rotor_diameter or rotor_length",
-    "machine.volume.min=1 m^3": "times what a chamber can have of both rotors' bores, which cannot be",
-    "machine.rotor_length=20 m": "is 125 rotor diameters, which cannot be (shorter rotors",
+    "machine.volume.max=1000 m^3": "which is impossible (choose a smaller volume, or a larger rotor_diameter or",
+    "machine.volume.min=1 m^3": "times the volume that both rotors' bores offer a chamber, which is impossible",
+    "machine.rotor_length=20 m": "is 125 rotor diameters, which is impossible (choose shorter rotors",
     "machine.rotor_diameter=10000 km": "is beyond any machine (at most 1000000000 mm; is the unit right?)",
-    "machine.suction_port.area=100 m^2": "times the area of both bores and their ends, which cannot be",
+    "machine.suction_port.area=100 m^2": "times the area of both bores and their ends, which is impossible",
     "gas.isentropic_exponent=1e9": "at least 1.001 and at most 2",
     "gas.isentropic_exponent=1.0000001": "at least 1.001 and at most 2",
-    "operation.speed=1e6 rpm": "moves the rotors' tips at 8378 m/s, and no machine stands 1000 m/s (a lower speed",
+    "operation.speed=1e6 rpm": "moves the rotors' tips at 8378 m/s, and no machine withstands 1000 m/s (choose a lower",
     "operation.suction.pressure=1e-9 bar": "at least 1e-05 bar",
     "operation.discharge.pressure=1e6 bar": "at most 10000 bar",
     "oil.density=1 kg/m^3": "at least 10 kg/m^3",
     "oil.heat_capacity=1 MJ/(kg K)": "at most 20 kJ/(kg K)",
     "oil.viscosity=1e-9 mPa s": "at least 0.001 mPa s",
-    "effects.tip_leakage.gap=50 mm": "is 1.56 times the height of a lobe, which cannot be",
-    "effects.interlobe_leakage.gap=50 mm": "times the height of a lobe, which cannot be",
-    "effects.end_face_leakage.gap=50 mm": "times the height of a lobe, which cannot be",
-    "effects.blow_hole.area=1 m^2": "times the rotor diameter's square, which cannot be",
+    "effects.tip_leakage.gap=50 mm": "is 1.56 times the height of a lobe, which is impossible",
+    "effects.interlobe_leakage.gap=50 mm": "times the height of a lobe, which is impossible",
+    "effects.end_face_leakage.gap=50 mm": "times the height of a lobe, which is impossible",
+    "effects.blow_hole.area=1 m^2": "times the rotor diameter's square, which is impossible",
     "effects.tip_leakage.flow_coefficient=1000": "at most 100",
     "effects.mechanical.fraction=1000": "at most 100",
 }
@@ -73,10 +73,10 @@ HARDLY = {
     "effects.tip_leakage.gap=1.1 mm": "1.1 mm is unusual (usual: at most 1 mm)",
     "effects.tip_leakage.flow_coefficient=1.2": "1.2 is unusual (usual: at most 1)",
     "gas.isentropic_exponent=1.7": "1.7 is unusual (usual: at most 1.66667)",
-    "machine.volume.max=5 cm^3": "of both rotors' bores (usual: at least 0.03)",
+    "machine.volume.max=5 cm^3": "that both rotors' bores offer a chamber (usual: at least 0.03)",
     "machine.suction_port.area=4000 cm^2": "1.55 times the area of both bores and their ends (usual: at most 0.5)",
-    "operation.suction.temperature=200 K": "R134a of 1.23 bar is a liquid at -73.15 degC, and a gas from -21",
-    "operation.discharge.pressure=50 bar": "one machine has a pressure ratio of 40.65 (usual: at most 30)",
+    "operation.suction.temperature=200 K": "R134a of 1.23 bar is a liquid at -73.15 degC, and a gas above -21",
+    "operation.discharge.pressure=50 bar": "the pressure ratio of a single machine is 40.65 (usual: at most 30)",
 }
 
 
@@ -118,13 +118,13 @@ def rough(folder, volumes, angles=ANGLES):
 def test_a_table_of_the_swept_volume_that_keeps_some_of_it_is_warned_of(tmp_path):
     """With 600 cm³ of `volume.max` such a machine sweeps 480 cm³."""
     (warning,) = rough(tmp_path, 0.8 * SMOOTH + 1.2e-4)
-    assert warning.startswith("machine.volume.file: the smallest volume of the table is 20.00% of its largest, and ")
+    assert warning.startswith("machine.volume.file: the smallest volume of the table is 20.00% of its largest, which ")
     assert "write it as machine.volume.min" in warning
 
 
 def test_a_volume_that_goes_to_and_fro_from_row_to_row_is_warned_of(tmp_path):
     (warning,) = rough(tmp_path, TEETH)
-    assert warning.startswith("machine.volume.file: the slope of the volume jumps to and fro from row to row, at ")
+    assert warning.startswith("machine.volume.file: the slope of the volume jumps back and forth from row to row, at ")
     assert "a smoother table" in warning
 
 
@@ -132,9 +132,10 @@ def test_a_table_that_is_scaled_to_another_size_is_warned_of(tmp_path):
     """350 cm³ on a base that states 600 were simulated as 600 without a word; a rounding of 1 % is none."""
     (warning,) = rough(tmp_path, SMOOTH * (350.0 / 600.0))
     told = (
-        "machine.volume.max: 600 cm^3, to which a table that holds 350 cm^3 at most is scaled (max: 350 cm^3 keeps it)"
+        "machine.volume.max: a table whose largest volume is 350 cm^3 is scaled to 600 cm^3 (max: 350 cm^3 keeps it "
+        "as it is)"
     )
-    assert warning == f"{told}; is it meant?"
+    assert warning == f"{told}; is that intended?"
     assert rough(tmp_path, SMOOTH * 1.009) == ()
 
 
@@ -229,7 +230,7 @@ def test_a_line_of_a_real_gas_is_no_liquid(path, value, liquid, two_phase):
         return
     line = said(REAL, *changes)
     assert f"{path}: " in line
-    assert "a liquid: it is a gas from" in line
+    assert "a liquid: it is a gas above" in line
 
 
 def test_dense_fluid_below_the_critical_temperature_is_a_liquid():
@@ -243,15 +244,17 @@ def test_a_table_of_areas_in_another_unit_is_refused(tmp_path):
     (tmp_path / "area.csv").write_text(rows)
     port = f"machine.suction_port={{law: table, area: null, phi_B: null, file: {tmp_path / 'area.csv'}}}"
     line = said(CONFIGS / "paper" / "point.yaml", port)
-    assert "its largest area of 104 m² is 404 times the area of both bores and their ends, which cannot be" in line
+    assert "its largest area of 104 m² is 404 times the area of both bores and their ends, which is impossible" in line
 
 
 CYLINDER = CONFIGS / "slider_crank" / "air.yaml"
 
 
 def test_a_piston_as_fast_as_none_and_valves_wider_than_the_piston():
-    assert "moves the piston, in the mean, at 366.9 m/s" in said(CYLINDER, "operation.speed=60000 rpm")
-    assert "times the piston's area, which cannot be" in said(CYLINDER, "effects.reed_valves.suction_port_area=4 m^2")
+    assert "moves the piston at a mean speed of 366.9 m/s" in said(CYLINDER, "operation.speed=60000 rpm")
+    assert "times the piston's area, which is impossible" in said(
+        CYLINDER, "effects.reed_valves.suction_port_area=4 m^2"
+    )
     (warning,) = scene_warnings(load(CYLINDER, overrides=["effects.reed_valves.suction_port_area=400 cm^2"]))
     assert "1.27 times the piston's area (usual: at most 1)" in warning
 
@@ -259,7 +262,7 @@ def test_a_piston_as_fast_as_none_and_valves_wider_than_the_piston():
 def test_rotors_of_another_size_than_their_profile():
     b = CONFIGS / "rotors" / "b.yaml"
     line = said(b, "machine.rotor_diameter=320 mm")
-    assert "another size of machine takes all lengths of its profile with it" in line
+    assert "to change the size of a machine, scale all lengths of its profile" in line
     warnings = scene_warnings(load(b, overrides=["machine.rotor_diameter=140 mm"]))
     assert any(each.startswith("machine.profile.centre_distance: 128 mm is 0.914 rotor diameters") for each in warnings)
 
@@ -280,7 +283,7 @@ def test_a_lobe_of_the_other_hand_is_warned_of(tmp_path):
         (tmp_path / name).write_text("\n".join([head, *lines]) + "\n")
     assert scene_warnings(load(b, overrides=by_points(tmp_path / "right.csv"))) == ()
     (warning,) = scene_warnings(load(b, overrides=by_points(tmp_path / "other.csv")))
-    assert warning.startswith("machine.profile.file: the larger blow-hole is that of high pressure (128.5 mm²")
+    assert warning.startswith("machine.profile.file: the larger blow-hole is the high-pressure one (128.5 mm²")
 
 
 def test_points_of_a_profile_are_those_of_the_rotor_diameter(tmp_path):

@@ -42,7 +42,7 @@ def test_a_path_of_the_machine_can_be_swept():
         ("kind: slider_crank", "kind: spiral", "choose from: twin_screw, slider_crank"),
         ("rod_length: 90 mm", "rod_length: 19 mm", "the crank cannot turn"),
         ("effects:", "oil: {density: 900 kg/m^3, heat_capacity: 2 kJ/(kg K)}\neffects:", "no oil is injected"),
-        ("effects:\n", "effects:\n  blow_hole: {area: 1 mm^2}\n", "belongs to machine.kind: twin_screw"),
+        ("effects:\n", "effects:\n  blow_hole: {area: 1 mm^2}\n", "applies only to machine.kind: twin_screw"),
         ("effects:\n", "effects:\n  ring_leakage: {}\n", "effects.ring_leakage.gap: is missing"),
     ],
 )
@@ -61,7 +61,7 @@ def test_the_kind_cannot_be_swept():
 
 def test_valves_belong_to_a_cylinder():
     text = "machine: {rotor_diameter: 160 mm, rotor_length: 176 mm, volume: {max: 600 cm^3, phi_A: 60 deg}}\n"
-    assert "belongs to machine.kind: slider_crank" in fault(text + SCENE.partition("\n")[2])
+    assert "applies only to machine.kind: slider_crank" in fault(text + SCENE.partition("\n")[2])
 
 
 def test_it_is_explained():

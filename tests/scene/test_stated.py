@@ -176,7 +176,7 @@ def test_gauge_pressures_are_over_the_standard_atmosphere_or_what_is_stated():
     assert screwsim.loads(scene.text).operation.discharge.pressure == scene.operation.discharge.pressure
 
 
-REMOVE = "remove one of the two, null in place of a base's"
+REMOVE = "remove one of the two; null drops a base's value"
 
 
 @each_row(
@@ -185,43 +185,43 @@ REMOVE = "remove one of the two, null in place of a base's"
         (
             ROTORS,
             ["machine.rotor_diameter=160 mm"],
-            f"machine.rotor_diameter: is given beside machine.displacement, which states it, too ({REMOVE})",
+            f"machine.rotor_diameter: is given as well as machine.displacement, which states it already ({REMOVE})",
         ),
         (
             ROTORS,
             ["machine.profile.root_radius=3 mm"],
-            "machine.profile.root_radius: is given beside machine.profile.family, whose rotors follow from "
+            "machine.profile.root_radius: is given as well as machine.profile.family, whose rotors follow from "
             f"rotor_diameter ({REMOVE})",
         ),
         (
             ROTORS,
             ["machine.male_lobes=5"],
-            "machine.male_lobes: is given beside machine.profile.family: b, which has 4 (remove it)",
+            "machine.male_lobes: is given as well as machine.profile.family: b, which has 4 (remove it)",
         ),
         (
             ROTORS,
             ["machine.profile.kind=circular"],
-            "machine.profile.kind: is given beside machine.profile.family: b, which is rack (remove it)",
+            "machine.profile.kind: is given as well as machine.profile.family: b, which is rack (remove it)",
         ),
         (
             ROTORS.replace("speed: 3000", "tip_speed: 20 m/s\n  speed: 3000"),
             [],
-            f"operation.tip_speed: is given beside operation.speed, which it states, too ({REMOVE})",
+            f"operation.tip_speed: is given as well as operation.speed, which it states already ({REMOVE})",
         ),
         (
             ROTORS.replace("speed: 3000 rpm", "tip_speed: 20 m/s"),
             ["sweep.operation.speed=[1000 rpm, 2000 rpm]"],
-            "sweep.operation.speed: has no meaning beside operation.tip_speed (vary that one, or state the speed)",
+            "sweep.operation.speed: has no meaning with operation.tip_speed (vary that one, or state the speed)",
         ),
         (
             PAPER,
             ["machine.displacement={flow: 600 m^3/h, at: 2950 rpm}"],
-            f"machine.volume.max: is given beside machine.displacement, which states it, too ({REMOVE})",
+            f"machine.volume.max: is given as well as machine.displacement, which states it already ({REMOVE})",
         ),
         (
             PAPER,
             ["machine.discharge_port.opens=620 deg"],
-            "machine.discharge_port.opens: is given beside machine.built_in_volume_ratio, from which it follows "
+            "machine.discharge_port.opens: is given as well as machine.built_in_volume_ratio, from which it follows "
             f"({REMOVE})",
         ),
         (
@@ -252,10 +252,12 @@ def test_a_displacement_of_rotors_that_are_stated_by_lengths_is_refused(tmp_path
     (tmp_path / "x.yaml").write_text(
         f"base: {CONFIGS / 'rotors' / 'b.yaml'}\nmachine:\n  displacement: {{flow: 9 m^3/min, at: 2950 rpm}}\n"
     )
-    with pytest.raises(SceneError, match=r"needs machine.profile.family: the profile here states the size"):
+    with pytest.raises(SceneError, match=r"needs machine.profile.family: this profile states the size"):
         screwsim.load(tmp_path / "x.yaml")
 
 
 def test_pistons_have_no_tips():
-    with pytest.raises(SceneError, match=r"operation.tip_speed: is that of screw rotors, which a slider_crank has not"):
+    with pytest.raises(
+        SceneError, match=r"operation.tip_speed: applies only to screw rotors, which a slider_crank does not have"
+    ):
         screwsim.load(CONFIGS / "slider_crank" / "air.yaml", ["operation.tip_speed=5 m/s", "operation.speed=null"])

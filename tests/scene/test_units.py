@@ -73,7 +73,7 @@ def test_other_units_are_read_with_pint(kind, text, value):
         ("pressure", "5 barg", "'5 barg' is a gauge pressure (write the absolute pressure, e.g. '2 bar')"),
         ("pressure", "5 bar(g)", "'5 bar(g)' is a gauge pressure (write the absolute pressure, e.g. '2 bar')"),
         ("pressure", "5 psig", "'5 psig' is a gauge pressure (write the absolute pressure, e.g. '2 bar')"),
-        ("speed", "50 Hz", "'50 Hz' is ambiguous, turns or radians (write rpm, rev/s or rad/s, e.g. '3000 rpm')"),
+        ("speed", "50 Hz", "'50 Hz' is ambiguous: turns or radians (write rpm, rev/s or rad/s, e.g. '3000 rpm')"),
         ("speed", "50 m/s", "'50 m/s' is not a speed (write e.g. '3000 rpm')"),
         ("angle", "5 percent", "'5 percent' is not an angle (write e.g. '60 deg')"),
         (
@@ -86,7 +86,7 @@ def test_other_units_are_read_with_pint(kind, text, value):
         (
             "speed",
             "3000 1/min",
-            "'3000 1/min' is ambiguous, turns or radians (write rpm, rev/s or rad/s, e.g. '3000 rpm')",
+            "'3000 1/min' is ambiguous: turns or radians (write rpm, rev/s or rad/s, e.g. '3000 rpm')",
         ),
         ("displacement", "350 CFM", "'350 CFM' is not a displacement (write '350 ft^3/min')"),
         ("speed", "3000 U/min", "'3000 U/min' is not a speed (write '3000 rpm')"),
@@ -110,10 +110,10 @@ def test_traps_are_refused_with_a_remedy(kind, text, what):
     assert str(refusal.value) == what
 
 
-TWO = "that divides thousands or decimals (write"
+TWO = "that may separate thousands or decimals (write"
 DECIMALS = "if decimals are meant)"
 ONE = "has marks between its digits (write"
-ALIEN = "has a sign or digits that are not the keyboard's (write"
+ALIEN = "has a sign or digits that are not ASCII (write"
 NUMBERS = [
     # (number, what is said of it with the unit rpm)
     ("3,000", f"has a comma {TWO} '3000 rpm', or '3 rpm' {DECIMALS}"),
@@ -144,9 +144,9 @@ NUMBERS = [
     ("1/2", "is a fraction (write '0.5 rpm')"),
     ("3×10³", "is a product (write '3e3 rpm')"),
     ("3*10^-3", "is a product (write '3e-3 rpm')"),
-    ("~3000", "says more than a number (write '3000 rpm')"),
+    ("~3000", "contains more than a number (write '3000 rpm')"),
     ("3000 … 4000", "is a range (write one number: digits, and a point before decimals)"),
-    ("3000±5", "says more than one number (write one number: digits, and a point before decimals)"),
+    ("3000±5", "states more than one number (write one number: digits, and a point before decimals)"),
     ("“3000", "has typographic quotes (write '3000 rpm')"),
 ]
 

@@ -227,8 +227,8 @@ def test_a_prior_of_what_is_no_parameter_is_told_at_its_line(tmp_path):
 @pytest.mark.parametrize(
     ("group", "told"),
     [
-        (f"[{GAP}, {GAP}]", f"'{GAP}' is there twice (name it once)"),
-        (f"[{GAP}, {CAPACITY}, 1.5]", "1.5 is not a path; a group errs as one and has no coefficient"),
+        (f"[{GAP}, {GAP}]", f"'{GAP}' is listed twice (name it once)"),
+        (f"[{GAP}, {CAPACITY}, 1.5]", "1.5 is not a path; a group is fully correlated and has no coefficient"),
         (f"[{GAP}, oil.density]", "'oil.density' has no tolerance in this scene"),
     ],
 )

@@ -174,7 +174,7 @@ def test_points_that_fail_are_told_and_counted(capsys):
     assert exit_code(arguments) == 4
     told = " ".join(capsys.readouterr().out.split())
     assert "2950 failed" in told
-    assert "no motor turns beyond" in told
+    assert "no motor carries more than" in told
 
 
 @pytest.mark.parametrize(

@@ -80,7 +80,7 @@ FIVE = ", ".join(
 def test_a_grid_that_no_one_can_mean_is_a_fault_of_the_scene(sweep, cases):
     with pytest.raises(SceneError) as caught:
         scene(SCENE + f"sweep: {{{sweep}}}\n")
-    told = f"sweep: has {cases} cases, more than the 10,000,000 of one study (take fewer values, or part it)"
+    told = f"sweep: has {cases} cases, more than the 10,000,000 that one study may have (use fewer values, or split it)"
     assert len(caught.value.lines) == 1 and caught.value.lines[0].endswith(told)
 
 

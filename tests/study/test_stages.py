@@ -286,7 +286,7 @@ def test_overrides_go_to_their_stage(chain):
         ({"stages": ["low.yaml", "none.yaml"]}, "'none.yaml' is not a file"),
         ({"third": 3}, "third: is not known beside stages"),
         ({"intercooler": {"kind": "cooler"}}, "outlet_temperature: is missing"),
-        ({"intercooler": {"outlet_temperature": "300 K"}}, "outlet_temperature: belongs to kind: cooler"),
+        ({"intercooler": {"outlet_temperature": "300 K"}}, "outlet_temperature: applies only to kind: cooler"),
         ({"intercooler": {"kind": "economizer"}}, "needs operation.condensing_temperature"),
         (
             {"high": {**ECONOMIZER, **HIGH}},
@@ -378,8 +378,8 @@ def test_faults_of_overrides_are_told_with_their_stage_and_both_stages_at_once(c
     with pytest.raises(SceneError) as caught:
         read_stages(chain(), ["first.operation.speed=3,000 rpm", "second.speed=3000 rpm"])
     assert caught.value.lines == [
-        "--set first.operation.speed=3,000 rpm: first.operation.speed: '3,000 rpm' has a comma that divides thousands "
-        "or decimals (write '3000 rpm', or '3 rpm' if decimals are meant)",
+        "--set first.operation.speed=3,000 rpm: first.operation.speed: '3,000 rpm' has a comma that may separate "
+        "thousands or decimals (write '3000 rpm', or '3 rpm' if decimals are meant)",
         "--set second.speed=3000 rpm: second.speed: is not known; did you mean 'second.operation.speed'?",
     ]
     with pytest.raises(UsageError, match=r"^--set second\.operation\.speed: is not PATH=VALUE \(write e\.g\. --set s"):

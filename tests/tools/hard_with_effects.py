@@ -157,9 +157,9 @@ LIMITS = (  # parts of the messages of runs that end at a limit of the machine o
     "below the equation's lowest temperature",
     "condenses",
     "both check valves of effects.plenums stay shut",
-    "would swing beyond its mean",
-    "no net gas is delivered that could leave the separator",
-    "the oil's circuit leads to where",
+    "would swing by more than its mean",
+    "no net gas is delivered to leave the separator",
+    "the oil circuit leads to an impossible state",
 )
 KEEP = ("gas.", "numerics.closing", "machine.volume.law", "machine.male_lobes")
 SECTIONS = {"effects", "oil", "gas", "machine.volume", "machine.suction_port", "machine.discharge_port"}

@@ -38,7 +38,7 @@ def faults_of_own(scene: Scene) -> Iterator[None]:
             raise
         lines = [line.strip() for line in str(error).splitlines() if line.strip()]
         text = lines[0] if lines else ""
-        what = f"cannot be built or compiled ({type(error).__name__}: {text}); mend that module"
+        what = f"cannot be built or compiled ({type(error).__name__}: {text}); fix that module"
         raise UsageError(f"{', '.join(own)}: {what}") from error
 
 

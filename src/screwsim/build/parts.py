@@ -83,7 +83,7 @@ def _of_site(
         own_number(name, f"the guess of {part.entry.name}", guesses[part.entry.name])
     if len(guesses) < len(made):
         names = ", ".join(sorted(part.entry.name for part in made))
-        raise TypeError(f"two effects declare the same of {names} as made by the cycle")
+        raise TypeError(f"two effects declare one of {names} as found by the cycle")
     states = {part.name: part.state(site) for part in plenums}
     for name, part in effects.all(Plenum):
         for what in ("p", "T", "rho"):

@@ -168,9 +168,9 @@ def _of_oil(scene: Scene, figures: Mapping[str, Any], ratio: float) -> Iterator[
     if supply.flow is not None:
         share = _share(scene, figures, supply.temperature or 0.0)
         if share is not None:
-            what = f"with {ratio:.3g} kg of oil per kg of gas, the {'least' if share > 1.0 else 'most'} that is tried"
-            yield f"{what}, {share:.3g} times oil_supply.flow is injected (another oil_supply.flow)"
+            what = f"with {ratio:.3g} kg of oil per kg of gas, the {'least' if share > 1.0 else 'most'} ratio tried"
+            yield f"{what}, {share:.3g} times oil_supply.flow is injected (choose another oil_supply.flow)"
     elif T is not None:
         what = f"no oil flow brings the mixture to {celsius(supply.discharge_temperature or 0.0)}"
-        end = f"with {ratio:.3g} kg per kg of gas it comes to {celsius(T)}"
-        yield f"{what}: {end} (another oil_supply.discharge_temperature, or oil of another temperature)"
+        end = f"with {ratio:.3g} kg per kg of gas it reaches {celsius(T)}"
+        yield f"{what}: {end} (choose another oil_supply.discharge_temperature or oil temperature)"

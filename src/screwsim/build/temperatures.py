@@ -73,7 +73,7 @@ def _tempered(scene: Scene, near: Temperatures | None) -> Scene:
     found = filled(scene, _guessed(scene, _cooling(scene)))
     faults = temperature_faults(found)
     if faults:
-        raise Unfound(f"the first guess of the oil's temperatures leads to where {faults[0]}")
+        raise Unfound(f"the first guess of the oil temperatures is an impossible state: {faults[0]}")
     return found
 
 
@@ -133,8 +133,8 @@ def temperature_faults(scene: Scene) -> list[Fault]:
     found = [] if scene.oil is None else list(oil_faults(scene))
     T = None if scene.oil_supply is None else scene.oil_supply.temperature
     if T is not None and not COLDEST <= T <= HOTTEST:
-        what = f"{in_celsius(T)} lies outside {in_celsius(COLDEST)} to {in_celsius(HOTTEST)}, where oil can be"
-        found.append(Fault("oil_supply.temperature", f"{what} (another duty or temperature of the cooler)"))
+        what = f"{in_celsius(T)} lies outside {in_celsius(COLDEST)} to {in_celsius(HOTTEST)}, the range for oil"
+        found.append(Fault("oil_supply.temperature", f"{what} (choose another duty or temperature of the cooler)"))
     for active in _asking(scene).values():
         found += [] if active.effect.check is None else active.effect.check(active.parameters, scene)
     return found

@@ -198,9 +198,13 @@ def left_open(problem: Problem, R: Array, streams: Array, h_d: float, heat: floa
             return ""
         problem.parts.gas.port_state_of_enthalpy(problem.suction.pressure, found.enthalpy)
     except UsageError as wrong:
-        return f"gas and oil that flow back make a mixture in the suction line that cannot be: {wrong}"
+        return f"gas and oil that flow back would make an impossible mixture in the suction line: {wrong}"
     off = abs(found.enthalpy / float(R[R_SUCTION + ENTHALPY]) - 1.0)
-    return "" if off <= LEFT_OPEN else f"the suction line does not settle: its gas is {off:.1%} off what comes to it"
+    return (
+        ""
+        if off <= LEFT_OPEN
+        else f"the suction line does not settle: the enthalpy of its gas is {off:.1%} off that of what enters it"
+    )
 
 
 def mixed(problem: Problem, total: Stream, guess: float) -> Mixture:
@@ -250,7 +254,7 @@ def _root(excess: Callable[[float], float], guess: float) -> float:
     grows = at < 0.0
     while (at < 0.0) == grows and at != 0.0:
         if reach > guess:
-            raise UsageError("the suction line has no mixture of its gas and oil")
+            raise UsageError("no mixture of gas and oil is possible in the suction line")
         low, high = (high, guess + reach) if grows else (max(guess - reach, CLOSE * guess), low)
         at, reach = excess(high if grows else low), 2.0 * reach
     return brentq(excess, low, high, CLOSE * guess, CLOSE) if low < high else guess

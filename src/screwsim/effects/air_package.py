@@ -43,7 +43,7 @@ SEPARATED = ("effects.separator",)
 BEFORE = "inlet_filter", "inlet_valve"
 MOST = 0.5  # largest share of the suction pressure that filter and valve may lose at rated flow
 AIR = "air"
-NO_AIR = "ISO 1217's isentropic power is that of air, and the gas is {fluid}"
+NO_AIR = "ISO 1217 defines the isentropic power for air, and the gas is {fluid}"
 NONE_DELIVERED = "no net gas is delivered"
 IDLE = "the package is unloaded: nothing is delivered"
 UNLOADED = "unloaded"
@@ -55,7 +55,7 @@ _always = (
     Figure(
         FREE_AIR,
         "m3 s-1",
-        "flow at the package's outlet, by volume at its inlet",
+        "flow delivered at the package's outlet, as volume at inlet conditions",
         NET_FLOW,
         by_flow=True,
         shown="m3 min-1",
@@ -64,20 +64,20 @@ _always = (
     Figure("package_specific_power", "W s m-3", "input power over free air delivered", NET_FLOW, by_flow=True),
     efficiency("package_isentropic_efficiency", "isentropic power of ISO 1217 over input power", by_flow=True),
     Figure("package_discharge_pressure", "Pa", "pressure at the package's outlet"),
-    Figure("package_pressure_loss", "Pa", "what the package loses behind the machine", over("discharge_pressure")),
+    Figure("package_pressure_loss", "Pa", "pressure loss of the package after the machine", over("discharge_pressure")),
 )
 _named = (
     Figure(
         "intake_pressure_loss",
         "Pa",
-        "what filter and valve take before the machine",
+        "pressure loss of filter and valve before the machine",
         over("suction_pressure"),
         (".inlet_filter", ".inlet_valve", ".state: unloaded"),
     ),
     power_figure("fan_power", "power of the fan", needs=(".fan",)),
     Figure("package_discharge_temperature", "K", "temperature of the air at the package's outlet", needs=SEPARATED),
-    power_figure("aftercooler_duty", "heat that the aftercooler takes", needs=(".aftercooler",)),
-    power_figure("package_heat", "heat that leaves the package but with its air", needs=SEPARATED),
+    power_figure("aftercooler_duty", "heat removed by the aftercooler", needs=(".aftercooler",)),
+    power_figure("package_heat", "heat that leaves the package by other ways than its air", needs=SEPARATED),
 )
 FIGURES = (*_always, *_named)
 OF_WATER = (  # computed with the package's water balance (M361)
@@ -94,47 +94,50 @@ OF_WATER = (  # computed with the package's water balance (M361)
 
 
 def _loss() -> float:
-    return quantity("pressure_difference", "what it takes at rated_flow", ge=0.0, le=5e5, hardly=(None, 1e5))
+    return quantity("pressure_difference", "pressure loss at rated_flow", ge=0.0, le=5e5, hardly=(None, 1e5))
 
 
 @dataclass(frozen=True)
 class Loss:
-    """A part that takes pressure."""
+    """A part with a pressure loss."""
 
     pressure_loss: float = _loss()
 
 
 @dataclass(frozen=True)
 class MinimumPressureValve:
-    """A valve that opens when the pressure before it is high enough for oil to flow."""
+    """A valve that opens when the pressure upstream is high enough for oil to flow."""
 
     pressure_loss: float = _loss()
     pressure: float | None = quantity(
-        "pressure", "absolute pressure before it below which it does not let fall", None, gt=0.0, le=1e8
+        "pressure", "lowest absolute pressure that it maintains upstream", None, gt=0.0, le=1e8
     )
 
 
 @dataclass(frozen=True)
 class Aftercooler:
-    """A cooler of the delivered air, behind the minimum-pressure valve."""
+    """A cooler of the delivered air, after the minimum-pressure valve."""
 
     pressure_loss: float = _loss()
     approach: float = quantity(
-        "temperature_difference", "of the air behind it over that at the package's inlet", ge=0.0, hardly=(1.0, 30.0)
+        "temperature_difference",
+        "temperature of the air leaving it, less that at the package's inlet",
+        ge=0.0,
+        hardly=(1.0, 30.0),
     )
 
 
 @dataclass(frozen=True)
 class Unloaded:
-    """A package that runs and delivers nothing: its inlet valve all but shut, its separator blown down."""
+    """A package that runs but delivers nothing: its inlet valve is nearly shut, its separator blown down."""
 
-    intake_pressure: float = quantity("pressure", "absolute pressure behind the inlet valve", gt=0.0, le=1e8)
+    intake_pressure: float = quantity("pressure", "absolute pressure after the inlet valve", gt=0.0, le=1e8)
     separator_pressure: float = quantity("pressure", "absolute pressure to which the machine delivers", gt=0.0, le=1e8)
 
 
 @dataclass(frozen=True)
 class Fan:
-    """The fan of the coolers, at the package's terminals."""
+    """The fan of the coolers, supplied at the package's terminals."""
 
     power: float = quantity("power", "its electrical power at rated_flow", ge=0.0)
     control: str = choice("constant, or in proportion to the flow", ("constant", "flow"), "constant")
@@ -145,7 +148,7 @@ class Parameters(LosesPressure):
     """What lies around the machine; what is not named takes nothing."""
 
     rated_flow: float = quantity("volume_flow", "V_r: free air delivered at which the losses are stated", gt=0.0)
-    state: str = choice("loaded, or unloaded as the section of that name says", ("loaded", UNLOADED), "loaded")
+    state: str = choice("loaded, or unloaded as section unloaded states", ("loaded", UNLOADED), "loaded")
     unloaded: Unloaded | None = None
     inlet_filter: Loss | None = None
     inlet_valve: Loss | None = None
@@ -227,7 +230,7 @@ def _heats(parameters: Parameters, known, outlet: float, power: float) -> Given:
     found = known.found
     T, flow = found.get("separator_temperature"), found["gas_mass_flow"]
     if T is None:
-        return dict.fromkeys(OF_HEAT, "gas and oil do not part in the separator")
+        return dict.fromkeys(OF_HEAT, "the separator does not separate gas and oil")
     T_1 = found["suction_temperature"]
     h_1, h = known.enthalpy(found["suction_pressure"], T_1), known.enthalpy(found["discharge_pressure"], T)
     if parameters.state == UNLOADED:  # the gas that the machine moves is blown off at the separator's temperature
@@ -252,29 +255,29 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionChange]:
 def check(parameters: Parameters, facts) -> Faults:
     path = f"effects.{NAME}"
     if facts.machine.expands:
-        yield Fault(path, "belongs to machine.mode: compressor (remove it)")
+        yield Fault(path, "applies only to machine.mode: compressor (remove it)")
         return
     if "motor" not in facts.effects:
         what = "needs effects.motor, whose electrical power is the package's"
         yield Fault(path, f"{what} (add it, e.g. rated_power: 75 kW)")
     if parameters.aftercooler is not None and "separator" not in facts.effects:
-        yield Fault(f"{path}.aftercooler", "needs effects.separator, which tells how warm the air comes (add it)")
+        yield Fault(f"{path}.aftercooler", "needs effects.separator, which finds the temperature of the air (add it)")
     if parameters.aftercooler is not None and facts.operation.aftercooler_temperature is not None:
-        what = f"{path}.aftercooler tells already how warm the air leaves, by its approach"
+        what = f"{path}.aftercooler already states the temperature of the air, by its approach"
         yield Fault("operation.aftercooler_temperature", f"{what} (remove one of the two)")
     p_s, idle = facts.operation.suction.pressure, parameters.unloaded
     if idle is None and parameters.state == UNLOADED:
         remedy = "write e.g. {intake_pressure: 0.12 bar, separator_pressure: 2.5 bar}"
-        yield Fault(f"{path}.{UNLOADED}", f"is missing, and state asks for it ({remedy})")
+        yield Fault(f"{path}.{UNLOADED}", f"is missing, and state: unloaded needs it ({remedy})")
     if idle is not None and not idle.intake_pressure < idle.separator_pressure:
-        yield Fault(f"{path}.{UNLOADED}.separator_pressure", "lies not above intake_pressure (a higher one)")
+        yield Fault(f"{path}.{UNLOADED}.separator_pressure", "is not above intake_pressure (raise it)")
     if idle is not None and p_s is not None and idle.intake_pressure > p_s:
-        what = f"lies above the {1e-5 * p_s:.4g} bar of the inlet, and a valve only takes pressure"
-        yield Fault(f"{path}.{UNLOADED}.intake_pressure", f"{what} (a lower one)")
+        what = f"lies above the {1e-5 * p_s:.4g} bar of the inlet, and a valve can only lower the pressure"
+        yield Fault(f"{path}.{UNLOADED}.intake_pressure", f"{what} (lower it)")
     if p_s is not None and parameters.rated(*BEFORE) >= MOST * p_s:
         part = next(name for name in BEFORE if getattr(parameters, name) is not None)
-        what = f"filter and valve would take {1e-5 * parameters.rated(*BEFORE):.4g} bar of the {1e-5 * p_s:.4g} bar"
-        yield Fault(f"{path}.{part}.pressure_loss", f"{what} before them at rated_flow (less than half of it)")
+        what = f"filter and valve would lose {1e-5 * parameters.rated(*BEFORE):.4g} bar of the {1e-5 * p_s:.4g} bar"
+        yield Fault(f"{path}.{part}.pressure_loss", f"{what} before them at rated_flow (choose less than half)")
 
 
 EFFECT = Effect(

@@ -49,13 +49,15 @@ class Parameters:
     bore: float | None = quantity("length", "d: bore of the bearings (friction: simple)", None, gt=0.0)
     mean_diameter: float | None = quantity("length", "d_m: mean diameter (friction: two_term)", None, gt=0.0)
     f_0: float | None = number(
-        "f_0 of bearing and lubrication (friction: two_term)", None, ge=0.0, le=1e3, hardly=(None, 20.0)
+        "f_0, of the bearing and its lubrication (friction: two_term)", None, ge=0.0, le=1e3, hardly=(None, 20.0)
     )
-    f_1: float | None = number("f_1 of the load (friction: two_term)", None, ge=0.0, le=1.0, hardly=(None, 0.01))
+    f_1: float | None = number(
+        "f_1, of the load-dependent moment (friction: two_term)", None, ge=0.0, le=1.0, hardly=(None, 0.01)
+    )
     count: int = count("bearings of one rotor, for the load-independent moment (friction: two_term)", 4, ge=1)
     film_temperature: float | None = quantity(
         "temperature",
-        "of the lubricating oil (friction: two_term; default: as in oil_drag)",
+        "temperature of the lubricating oil (friction: two_term; default: as in oil_drag)",
         None,
         ge=150.0,
         le=700.0,
@@ -116,7 +118,7 @@ def check(parameters: Parameters, facts) -> Faults:
         elif not facts.oil.knows_viscosity:
             yield Fault("oil.viscosity", "is missing (effects.bearings.friction: two_term needs it, or oil.name)")
     elif parameters.film_temperature is not None:
-        yield Fault("effects.bearings.film_temperature", "belongs to friction: two_term (remove it)")
+        yield Fault("effects.bearings.film_temperature", "applies only to friction: two_term (remove it)")
 
 
 def _belonging(parameters: Parameters, chosen: str, word: str, names: tuple[str, ...]) -> Faults:
@@ -127,7 +129,7 @@ def _belonging(parameters: Parameters, chosen: str, word: str, names: tuple[str,
             example = _EXAMPLES.get(name, "8 kN" if name.endswith("load") else "30 cm^2")
             yield Fault(path, f"is missing ({word} needs it, e.g. {name}: {example})")
         elif word != chosen and given:
-            yield Fault(path, f"belongs to {word}, and {chosen} is chosen (remove it)")
+            yield Fault(path, f"applies only to {word}, and {chosen} is chosen (remove it)")
 
 
 EFFECT = Effect(

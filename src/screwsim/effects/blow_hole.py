@@ -34,15 +34,17 @@ SHUTTING = 40.0 * DEGREE  # angle over which the lobe closes the blow-hole at th
 class Parameters(GapParameters):
     """Area of one blow-hole and the angles of the leading chamber between which it exists."""
 
-    area: float | None = quantity("area", "area of one blow-hole (default with a profile: the profile's)", None, gt=0.0)
-    opens: float = quantity("angle", "angle of the leading chamber at which it begins", 373.0 * DEGREE, ge=0.0)
-    closes: float = quantity("angle", "angle of the leading chamber at which it ends", 693.0 * DEGREE, le=4 * pi)
+    area: float | None = quantity(
+        "area", "area of one blow-hole (default with a profile: from the profile)", None, gt=0.0
+    )
+    opens: float = quantity("angle", "angle of the leading chamber at which it opens", 373.0 * DEGREE, ge=0.0)
+    closes: float = quantity("angle", "angle of the leading chamber at which it closes", 693.0 * DEGREE, le=4 * pi)
     suction_area: float | None = quantity(
         "area", "area of the blow-hole at the suction cusp (M263; default: none) (no profile)", None, gt=0.0
     )
     suction_closes: float = quantity(
         "angle",
-        "angle of the leading chamber at which that is shut (no profile)",
+        "angle of the leading chamber at which that one closes (no profile)",
         420.0 * DEGREE,
         ge=TURN + SHUTTING,
         le=2.0 * TURN,

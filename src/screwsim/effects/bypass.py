@@ -34,11 +34,13 @@ class Parameters:
         "discharge: from the line; chamber: from a bore in the housing", ("discharge", "chamber"), "discharge"
     )
     share: float | None = number(
-        "y: share of what is sucked that comes back from the discharge line (source: discharge)", None, ge=0.0, lt=1.0
+        "y: share of the intake that is gas returned from the discharge line (source: discharge)", None, ge=0.0, lt=1.0
     )
     area: float | None = quantity("area", "area of the bore (source: chamber)", None, ge=0.0)
     opens: float | None = quantity("angle", "angle at which a chamber reaches the bore (source: chamber)", None, ge=0.0)
-    passage: float | None = quantity("angle", "from first to last contact (source: chamber)", None, gt=2.0 * RAMP)
+    passage: float | None = quantity(
+        "angle", "angle from first to last contact with the bore (source: chamber)", None, gt=2.0 * RAMP
+    )
     flow_coefficient: float = flow_coefficient("the bore (source: chamber)", 0.7)
 
 
@@ -72,12 +74,12 @@ def check(parameters: Parameters, facts) -> Faults:
                 example = f"{name}: {_EXAMPLES[name]}"
                 yield Fault(f"{path}.{name}", f"is missing (source: {source} needs it, e.g. {example})")
             elif source != parameters.source and given:
-                yield Fault(f"{path}.{name}", f"belongs to source: {source} (remove it)")
+                yield Fault(f"{path}.{name}", f"applies only to source: {source} (remove it)")
     if parameters.source == "discharge" and facts.operation.discharge.temperature is not None:
-        what = "is given, and the returned gas has the outflow's (remove it, or the bypass)"
+        what = "is given, but the returned gas has the temperature of the outflow (remove it, or the bypass)"
         yield Fault("operation.discharge.temperature", what)
     if facts.machine.expands:
-        yield Fault(path, "belongs to machine.mode: compressor (an expander's discharge is the lower pressure)")
+        yield Fault(path, "applies only to machine.mode: compressor (an expander's discharge is the lower pressure)")
 
 
 def check_geometry(parameters: Parameters, geometry) -> Faults:

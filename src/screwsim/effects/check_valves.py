@@ -62,7 +62,9 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Reading]:
 
 def check(parameters: Parameters, facts) -> Faults:
     if "reed_valves" in facts.effects:
-        yield Fault("effects.check_valves", "are simulated beside reed_valves, the same valves twice (remove one)")
+        yield Fault(
+            "effects.check_valves", "are simulated together with reed_valves, the same valves twice (remove one)"
+        )
 
 
 EFFECT = Effect(

@@ -29,8 +29,8 @@ class Parameters(PortParameters):
     """Parameters of the discharge port."""
 
     chisholm_exponent: float | None = number(
-        "n: gas takes its oil along through the port; 0.25 of orifices (Chisholm 1977), 0.5 a mixture without slip "
-        "(absent: the oil slows nothing)",
+        "n: gas carries its oil through the port; 0.25 for orifices (Chisholm 1977), 0.5 for a mixture without slip "
+        "(absent: oil does not slow the gas)",
         None,
         ge=0.0,
         le=0.5,

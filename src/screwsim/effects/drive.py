@@ -32,25 +32,25 @@ from screwsim.outputs import Figure, Trace, names_of, power_figure
 KEPT = 3  # motions remembered: those before and after a turn, and that of the turn that estimates the error
 SWING = "coupling_torque_amplitude", "twist_amplitude"  # the coupling's loss is proportional to their square
 FIGURES = (
-    Figure("mean_speed", "rad s-1", "mean over time of the rotors' speed"),
+    Figure("mean_speed", "rad s-1", "mean speed of the rotors, over time"),
     Figure("no_load_speed", "rad s-1", "speed at which the motor's torque vanishes"),
-    Figure("speed_ripple", "1", "largest less smallest speed of the rotors over the mean"),
-    Figure("motor_speed_ripple", "1", "largest less smallest speed of the motor over the mean"),
+    Figure("speed_ripple", "1", "largest minus smallest speed of the rotors, over the mean"),
+    Figure("motor_speed_ripple", "1", "largest minus smallest speed of the motor, over the mean"),
     Figure("coupling_torque_mean", "N m", "mean torque of the coupling over the rotors' angle"),
-    Figure("coupling_torque_amplitude", "N m", "half of the coupling torque's way from its lowest to its highest"),
+    Figure("coupling_torque_amplitude", "N m", "half of the coupling torque's range, from lowest to highest"),
     Figure("coupling_torque_peak", "N m", "largest magnitude of the coupling torque"),
     Figure("twist_mean", "rad", "mean twist of the coupling over the rotors' angle"),
-    Figure("twist_amplitude", "rad", "half of the twist's way from its lowest to its highest value"),
+    Figure("twist_amplitude", "rad", "half of the twist's range, from lowest to highest"),
     Figure("torsional_frequency", "Hz", "first torsional frequency of small motions about the mean twist, undamped"),
-    Figure("resonance_speed", "rad s-1", "speed at which the lobe frequency is the torsional frequency"),
-    power_figure("motor_power", "mean power that the motor gives to the coupling"),
-    Figure("coupling_loss", "W", "mean power that the damping of the coupling takes", curve=SWING),
+    Figure("resonance_speed", "rad s-1", "speed at which the lobe frequency equals the torsional frequency"),
+    power_figure("motor_power", "mean power from the motor to the coupling"),
+    Figure("coupling_loss", "W", "mean power dissipated by the coupling's damping", curve=SWING),
 )
 
 
 @dataclass(frozen=True)
 class Coupling:
-    """The spring between motor and rotors, one of the two kinds, and its damping."""
+    """The spring between motor and rotors, of one of two kinds, and its damping."""
 
     linear: LinearCoupling | None = None
     rubber_cord: RubberCordCoupling | None = None
@@ -68,12 +68,14 @@ class Coupling:
 class Parameters:
     """Inertias on the male rotor's shaft, coupling, motor, and what operation.speed means."""
 
-    motor_inertia: float = quantity("inertia", "of the motor and its half of the coupling", gt=0.0)
-    rotor_inertia: float = quantity("inertia", "of the rotors and their half, on the male shaft", gt=0.0)
+    motor_inertia: float = quantity("inertia", "inertia of the motor and its half of the coupling", gt=0.0)
+    rotor_inertia: float = quantity(
+        "inertia", "inertia of the rotors and their half of the coupling, on the male shaft", gt=0.0
+    )
     coupling: Coupling = field(kw_only=True)
     motor: Motor = field(kw_only=True)
     speed: str = choice(
-        "what operation.speed is: the mean speed that a controller holds, or the motor's no-load speed",
+        "meaning of operation.speed: the mean speed that a controller holds, or the motor's no-load speed",
         ("mean", "no_load"),
         "mean",
     )
@@ -97,22 +99,22 @@ def judged(motion: Response) -> tuple[str, tuple[str, ...], float]:
     most = float(np.max(np.abs(motion.motor_torque)))
     if not why and most > train.motor.most:
         why = (
-            f"the motor would have to give {most:.4g} N m in its ripple, and gives {train.motor.most:.4g} N m at most "
-            "(choose a larger motor, or a flatter line)"
+            f"the motor would have to give {most:.4g} N m at the peak of its ripple, and gives {train.motor.most:.4g} "
+            "N m at most (choose a larger motor, or a flatter line)"
         )
     warnings = []
     low, high = extremes(torque)
     if low * high < 0.0:
         warnings.append(
             f"the coupling torque changes its sign ({low:.4g} to {high:.4g} N m): flanks and cords would hammer, and "
-            "the drive has no play (more inertia or damping, or a speed farther from resonance)"
+            "this model of the drive has no play (choose more inertia or damping, or a speed farther from resonance)"
         )
     order = train.near_resonance(float(motion.twist.mean()), motion.mean_speed)
     if order is not None:
         at = train.resonance_speed(float(motion.twist.mean()), order) * 30.0 / math.pi
         warnings.append(
             f"resonance: lobe harmonic {order} meets the torsional frequency at {at:.5g} rpm, and the speed is "
-            f"{motion.mean_speed * 30.0 / math.pi:.5g} rpm; the amplitude hangs on the damping"
+            f"{motion.mean_speed * 30.0 / math.pi:.5g} rpm; the amplitude depends on the damping"
         )
     power, loss, load = energies(motion)
     return why, tuple(warnings), abs(power - loss - load) / max(abs(power), abs(loss), abs(load), 1e-300)

@@ -37,32 +37,34 @@ class Parameters:
     """Size of the droplets, their slip, and the gas around them."""
 
     size: str = choice(
-        "fixed: diameter is stated; else the Sauter diameter of a jet by that correlation", tuple(_OF_SIZE), STATED
+        "fixed: diameter is stated; otherwise the correlation for the Sauter diameter of a jet", tuple(_OF_SIZE), STATED
     )
     diameter: float | None = quantity(
         "length", "d: Sauter diameter of the droplets (size: fixed)", None, gt=0.0, hardly=(1e-7, 1e-2)
     )
-    orifice_diameter: float | None = quantity("length", "D: bore from which the oil jets", None, gt=0.0)
+    orifice_diameter: float | None = quantity("length", "D: diameter of the bore that the oil jet leaves", None, gt=0.0)
     jet_pressure: float | None = quantity(
-        "pressure_difference", "over that bore: u = sqrt(2 dp/rho_o)", None, gt=0.0, hardly=(None, 1e7)
+        "pressure_difference", "pressure drop across that bore: u = sqrt(2 dp/rho_o)", None, gt=0.0, hardly=(None, 1e7)
     )
     surface_tension: float | None = quantity(
-        "surface_tension", "sigma of the oil (size: varde)", None, gt=0.0, le=1.0, hardly=(5e-3, 0.1)
+        "surface_tension", "sigma: surface tension of the oil (size: varde)", None, gt=0.0, le=1.0, hardly=(5e-3, 0.1)
     )
     slip: float = number(
-        "slip between droplet and gas over the male tip speed", 0.0, ge=0.0, le=1e3, hardly=(None, 2.0)
+        "slip speed between droplet and gas, over the male tip speed", 0.0, ge=0.0, le=1e3, hardly=(None, 2.0)
     )
     reference_pressure: float | None = quantity(
-        "pressure", "at which lambda, mu, Pr of the gas are taken", None, gt=0.0
+        "pressure", "pressure at which lambda, mu, Pr of the gas are evaluated", None, gt=0.0
     )
-    reference_temperature: float | None = quantity("temperature", "at which they are taken", None, gt=0.0)
+    reference_temperature: float | None = quantity(
+        "temperature", "temperature at which they are evaluated", None, gt=0.0
+    )
     gas_conductivity: float | None = quantity(
-        "thermal_conductivity", "lambda of the gas, stated", None, gt=0.0, le=10.0, hardly=(1e-3, 1.0)
+        "thermal_conductivity", "lambda of the gas (default: from CoolProp)", None, gt=0.0, le=10.0, hardly=(1e-3, 1.0)
     )
     gas_viscosity: float | None = quantity(
-        "viscosity", "mu of the gas, stated", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4)
+        "viscosity", "mu of the gas (default: from CoolProp)", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4)
     )
-    prandtl: float | None = number("Pr of the gas, stated", None, gt=0.0, le=1e3, hardly=(0.1, 10.0))
+    prandtl: float | None = number("Pr of the gas (default: from CoolProp)", None, gt=0.0, le=1e3, hardly=(0.1, 10.0))
 
     @property
     def jets(self) -> bool:
@@ -125,7 +127,7 @@ def build(parameters: Parameters, machine) -> list[HeatRate | Reading]:
 def check(parameters: Parameters, facts) -> Faults:
     path, needed = "effects.droplets", _OF_SIZE[parameters.size]
     if "oil_heat" in facts.effects:
-        yield Fault(path, "is simulated beside effects.oil_heat, the same heat twice (remove one of the two)")
+        yield Fault(path, "is simulated together with effects.oil_heat, the same heat twice (remove one of the two)")
     for name, example in _EXAMPLES.items():
         given = getattr(parameters, name) is not None
         if name in needed and not given:
@@ -149,7 +151,7 @@ EFFECT = Effect(
     check=check,
     numbers=numbers,
     needs=frozenset({OIL}),
-    figures=(Figure("droplet_diameter", "m", "Sauter diameter of the droplets of oil"),),
+    figures=(Figure("droplet_diameter", "m", "Sauter diameter of the oil droplets"),),
     usual={ROTORS: OIL_HEAT},
     sizes=(  # the bounds are wide: very large droplets are the limit of no heat exchange
         Sized("diameter", LOBE, 1e9, (0.0, 0.3)),

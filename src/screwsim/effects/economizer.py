@@ -48,11 +48,13 @@ FIGURES = (
     Figure("economizer_pressure", "Pa", "pressure in the economizer"),
     Figure("economizer_mass_flow", "kg s-1", "net mass flow from the economizer", BESIDE, by_port=True),
     _over_each_other("economizer_flow_ratio", "1", "economizer flow over net suction flow", BESIDE_RATIO),
-    _over_each_other(DRAW, "1", "vapour that its port draws over that which the liquid makes", OF_VAPOUR, COOLED),
+    _over_each_other(
+        DRAW, "1", "vapour drawn by its port, over the vapour that the liquid gives off", OF_VAPOUR, COOLED
+    ),
     _over_each_other(
         GAIN, "1", "cooling capacity that the economizer adds, at the same suction flow", BESIDE_RATIO, COOLED
     ),
-    power_figure(HEAT_LOSS, "heat of gas pushed back that leaves the machine in the economizer"),
+    power_figure(HEAT_LOSS, "heat that gas pushed back into the economizer loses there"),
 )
 
 
@@ -64,27 +66,29 @@ class Parameters(WindowParameters, Sought):
     flow_coefficient: float = flow_coefficient("the port", 1.0)
     temperature: float | None = quantity(
         "temperature",
-        "saturation temperature in the economizer; auto: that at which its port draws what the liquid gives off (M371)",
+        "saturation temperature in the economizer; auto: the one at which its port draws as much vapour as the liquid "
+        "gives off (M371)",
         None,
         gt=0.0,
         auto=True,
     )
     pressure: float | None = quantity(
-        "pressure", "of the vapour, in place of temperature; auto: as temperature: auto", None, gt=0.0, auto=True
+        "pressure", "pressure of the vapour, in place of temperature; auto: as for temperature", None, gt=0.0, auto=True
     )
     superheat: float = quantity(
-        "temperature_difference", "of the vapour over temperature", 0.0, ge=0.0, hardly=(None, 60.0)
+        "temperature_difference", "superheat of the vapour, above temperature", 0.0, ge=0.0, hardly=(None, 60.0)
     )
     kind: str = choice(
-        "heat_exchanger: the liquid is subcooled at its pressure; flash_tank: it boils down to the economizer's",
+        "heat_exchanger: the liquid is subcooled at its own pressure; flash_tank: it flashes to the economizer's "
+        "pressure",
         (HEAT_EXCHANGER, FLASH_TANK),
         HEAT_EXCHANGER,
     )
     approach: float = quantity(
-        "temperature_difference", "of the subcooled liquid over temperature (heat_exchanger)", 5.0, ge=0.0
+        "temperature_difference", "temperature of the subcooled liquid, less temperature (heat_exchanger)", 5.0, ge=0.0
     )
     backflow: str = choice(
-        "given_away: heat of gas that is pushed back leaves the machine; evaporates: it evaporates liquid (M440)",
+        "heat of gas that is pushed back; given_away: it leaves the machine; evaporates: it evaporates liquid (M440)",
         (GIVEN_AWAY, EVAPORATES),
         GIVEN_AWAY,
     )
@@ -154,7 +158,7 @@ class Parameters(WindowParameters, Sought):
         ratio = figures.get(DRAW)
         if ratio is None:
             return ""
-        what = "at no temperature does the economizer's port draw what the liquid gives off"
+        what = "at no economizer temperature does the port draw as much vapour as the liquid gives off"
         end = f"at {celsius(x)}, the {'lowest' if lowest else 'highest'}"
         remedy = (
             "a smaller port, or one that opens later" if ratio > 1.0 else "a larger port, or one that opens earlier"
@@ -212,10 +216,10 @@ def warnings(found: Mapping[str, Any]) -> Iterator[str]:
     flow = found.get("economizer_mass_flow") or 0.0
     if flow < 0.0:
         what = f"{-flow:.3g} kg/s flow from the chambers back into the economizer, whose vapour is held at its pressure"
-        yield f"{what} (an earlier port, or a higher effects.economizer.temperature or .pressure)"
+        yield f"{what} (open the port earlier, or raise effects.economizer.temperature or .pressure)"
     ratio = found.get(DRAW) or 0.0
     if ratio > 1.0 + DRAWN_TOO_MUCH:
-        what = f"the economizer's port draws {ratio:.3g} times the vapour that the liquid makes"
+        what = f"the economizer's port draws {ratio:.3g} times the vapour that the liquid gives off"
         yield f"{what}: its pressure would fall (lower effects.economizer.temperature, or make the port smaller)"
     yield from _of_heat(found)
 
@@ -225,7 +229,10 @@ def _of_heat(found: Mapping[str, Any]) -> Iterator[str]:
     loss, power = found.get(HEAT_LOSS) or 0.0, abs(found.get("shaft_power") or 0.0)
     if loss > GIVEN_TOO_MUCH * power > 0.0:
         what = f"gas that chambers push back into the economizer loses {loss:.3g} W there, {100.0 * loss / power:.2g} %"
-        remedy = f"open the port later, or write effects.{NAME}.backflow: {EVAPORATES}, which keeps what liquid takes"
+        remedy = (
+            f"open the port later, or write effects.{NAME}.backflow: {EVAPORATES}, which keeps the heat that the "
+            "liquid takes up"
+        )
         yield f"{what} of the shaft power ({remedy})"
 
 
@@ -246,7 +253,7 @@ def check(parameters: Parameters, facts) -> Faults:
     elif T is None and p is None:
         yield Fault(f"effects.{NAME}.temperature", "is missing (write e.g. temperature: 15 degC, or pressure: 5 bar)")
     elif T is not None and p is not None:
-        yield Fault(f"effects.{NAME}.temperature", "is given beside pressure (remove one of the two)")
+        yield Fault(f"effects.{NAME}.temperature", "is given as well as pressure (remove one of the two)")
     elif limits is None:
         return
     elif parameters.boils and is_blend(fluid):
@@ -266,7 +273,7 @@ def check(parameters: Parameters, facts) -> Faults:
 
 def _of_blend(fluid: str) -> Fault:
     """Return the fault of a blend in a flash tank."""
-    what = f"the vapour that boils off {fluid}, a blend, has another composition than the blend"
+    what = f"the vapour that boils off {fluid}, a blend, has a different composition from the blend"
     return Fault(f"effects.{NAME}.kind", f"{what} (write kind: {HEAT_EXCHANGER}, or name a pure fluid)")
 
 
@@ -275,7 +282,7 @@ def _found(parameters: Parameters, facts) -> Faults:
     path, operation, fluid = f"effects.{NAME}.temperature", facts.operation, facts.gas.name
     low, high = operation.evaporating_temperature, operation.condensing_temperature
     if parameters.pressure is not None:
-        yield Fault(path, "is given beside pressure (remove one of the two)")
+        yield Fault(path, "is given as well as pressure (remove one of the two)")
     elif parameters.boils and is_blend(fluid):
         yield _of_blend(fluid)
     elif low is None or (high is None and operation.gas_cooler is None) or facts.machine.expands:
@@ -316,12 +323,12 @@ def _between(parameters: Parameters, T: float, facts, stated: str) -> Faults:
         if not min(p_s, p_d) < p < max(p_s, p_d):
             what = f"{in_celsius(T)} saturates at {in_bar(p)}, not between {in_bar(p_s)} and {in_bar(p_d)}"
     if what:
-        yield Fault(f"effects.{NAME}.{stated}", f"{what} (choose one between)")
+        yield Fault(f"effects.{NAME}.{stated}", f"{what} (choose a value between)")
 
 
 EFFECT = Effect(
     name=NAME,
-    title="vapour from an economizer, through a port into the closed chamber",
+    title="vapour from an economizer, through a port into a closed chamber",
     equations=("M12", "M13", "M100", "M101", "M102", "M371", "M440"),
     source="ours; cycle: textbook",
     parameters=Parameters,

@@ -25,10 +25,15 @@ SWING = over("gas_torque_peak_to_peak")  # scale of the errors of means that may
 SHARED = (".male_share", "machine.profile")
 WHICH = ("the", "twice the", "three times the", "four times the")
 HARMONICS = tuple(f"gas_torque_harmonic_{k}" for k in range(1, len(WHICH) + 1))
-OF_SWING = "torque of the gas, from its lowest to its highest value"
+OF_SWING = "torque of the gas, highest minus lowest value"
 OF_FEMALE = "mean torque of the gas on the female rotor itself"
 FIGURES = (
-    Figure("gas_torque_mean", "N m", "mean torque of the gas on the male rotor's shaft, the female's included", SWING),
+    Figure(
+        "gas_torque_mean",
+        "N m",
+        "mean torque of the gas on the male rotor's shaft, that of the female rotor included",
+        SWING,
+    ),
     Figure("gas_torque_peak_to_peak", "N m", OF_SWING, SWING, curve=HARMONICS),
     *(
         Figure(name, "N m", f"amplitude of the gas torque at {which} lobe frequency", SWING)
@@ -45,7 +50,7 @@ FIGURES = (
             (f".{way}_area",),
         )
         for way in FORCES
-        for what, of, by in (("", "mean", ", by the stated area"), ("_peak", "largest", ""))
+        for what, of, by in (("", "mean", ", from the stated area"), ("_peak", "largest", ""))
     ),
 )
 
@@ -55,7 +60,7 @@ class Parameters:
     """What the machine's laws do not know: the rotors' share, and the areas on which the gas presses."""
 
     male_share: float | None = number(
-        "share of the male rotor in the torque's work (rotors with a profile: known)", None, ge=0.0, le=1.0
+        "share of the male rotor in the work of the torque (known for rotors with a profile)", None, ge=0.0, le=1.0
     )
     axial_area: float | None = quantity("area", "projected axial area of one chamber", None, gt=0.0)
     radial_area: float | None = quantity("area", "projected radial area of one chamber", None, gt=0.0)
@@ -166,7 +171,7 @@ def build(parameters: Parameters, machine) -> list[Reading]:
 
 def check(parameters: Parameters, facts) -> Faults:
     if facts.machine.volume.from_rotors and parameters.male_share is not None:
-        what = "is given beside machine.volume.law: profile, which finds it by angle (remove it)"
+        what = "is given as well as machine.volume.law: profile, which finds it by angle (remove it)"
         yield Fault("effects.gas_torque.male_share", what)
 
 

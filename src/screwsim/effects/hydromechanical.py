@@ -26,7 +26,7 @@ class Parameters:
     """Factors of the two terms."""
 
     acceleration_factor: float = number(
-        "f: 1 is all that oil at rest takes to tip speed, ṁ u²; 0.5 its kinetic energy there",
+        "f: 1 is the whole power to bring oil from rest to tip speed, ṁ u²; 0.5 its kinetic energy alone",
         1.0,
         ge=0.0,
         le=1e4,

@@ -64,7 +64,7 @@ class Parameters(WindowParameters, Sought):
         hardly=(None, 5e6),
     )
     discharge_temperature: float | None = quantity(
-        "temperature", "to which a thermostatic valve lets the discharge come; finds opening (M391)", None, gt=0.0
+        "temperature", "discharge temperature kept by a thermostatic valve, in place of opening (M391)", None, gt=0.0
     )
     opening: float | None = number("share of area that the valve leaves open", None, gt=0.0, le=1.0)
 
@@ -114,10 +114,10 @@ class Parameters(WindowParameters, Sought):
             return ""
         comes, wanted = map(celsius, (T, self.discharge_temperature or 0.0))
         if lowest:
-            what = f"the valve of injected liquid stays shut: without it the discharge comes to {comes}"
-            return f"{what}, not to {wanted} (lower effects.{NAME}.discharge_temperature, or none)"
-        what = f"no injected liquid brings the discharge to {wanted}: wide open it comes to {comes}"
-        return f"{what} (a larger effects.{NAME}.area, or a bore that opens earlier)"
+            what = f"the liquid injection valve stays shut: without liquid the discharge is at {comes}"
+            return f"{what}, not at {wanted} (lower effects.{NAME}.discharge_temperature, or remove it)"
+        what = f"no flow of injected liquid brings the discharge to {wanted}: with the valve wide open it is at {comes}"
+        return f"{what} (choose a larger effects.{NAME}.area, or a bore that opens earlier)"
 
 
 def _at_discharge(figures: Mapping[str, Any]) -> float | None:
@@ -161,7 +161,7 @@ def _loss(loss: float, facts) -> Faults:
     T = constants.condensed(fluid, T_c) - (operation.subcooling or 0.0)
     boils = constants.bubble_pressure(fluid, T)
     if p_d - loss < boils:
-        most = f"liquid of {in_celsius(T)} boils in its line when it loses {in_bar(p_d - boils)}"
+        most = f"liquid of {in_celsius(T)} boils in its line once it has lost {in_bar(p_d - boils)}"
         what = f"{in_bar(loss)}: {most}"
         yield Fault(f"effects.{NAME}.pressure_loss", f"{what} (a smaller loss, or more operation.subcooling)")
 
@@ -172,12 +172,12 @@ def _thermostat(parameters: Parameters, facts) -> Faults:
     if wanted is None:
         return
     if parameters.opening is not None and not isinstance(parameters.opening, Found):
-        yield Fault(f"effects.{NAME}.opening", f"is given beside {path}, which finds it (remove one of the two)")
+        yield Fault(f"effects.{NAME}.opening", f"is given as well as {path}, which finds it (remove one of the two)")
     if wanted <= facts.operation.condensing_temperature:
         what = f"{in_celsius(wanted)} is not above condensation, {in_celsius(facts.operation.condensing_temperature)}"
-        yield Fault(path, f"{what}: liquid would be left (raise it)")
+        yield Fault(path, f"{what}: some liquid would not evaporate (raise it)")
     if facts.oil_supply is not None and facts.oil_supply.discharge_temperature is not None:
-        what = "is what oil_supply.discharge_temperature is: one of oil and liquid can keep it"
+        what = "is stated as well as oil_supply.discharge_temperature: either oil or liquid can keep it, not both"
         yield Fault(path, f"{what} (remove one of the two)")
 
 

@@ -26,10 +26,11 @@ class Parameters:
     """Share of a power."""
 
     fraction: float = number(
-        "f: mechanical loss over that power (Giuffrida: 0.265)", ge=0.0, le=100.0, hardly=(None, 0.5)
+        "f: mechanical loss over the power that key of chooses (Giuffrida: 0.265)", ge=0.0, le=100.0, hardly=(None, 0.5)
     )
     of: str = choice(
-        "indicated_power: the loss goes with it; theoretical_power: its torque stays at part load (M460)",
+        "indicated_power: the loss is proportional to it; theoretical_power: the torque of the loss stays constant at "
+        "part load (M460)",
         (INDICATED, THEORETICAL),
         INDICATED,
     )
@@ -47,7 +48,7 @@ def build(parameters: Parameters, machine) -> list[PowerLoss]:
 
 def check(parameters: Parameters, facts) -> Faults:
     if parameters.of == THEORETICAL and facts.machine.expands:
-        what = f"{THEORETICAL} is of all that a compressor displaces; an expander fills with less"
+        what = f"{THEORETICAL} counts the whole displacement of a compressor; an expander takes in less"
         yield Fault("effects.mechanical.of", f"{what} (write {INDICATED})")
 
 

@@ -42,12 +42,13 @@ FIGURES = (
     efficiency("electrical_isentropic_efficiency", "isentropic efficiency of the electrical power", by_flow=True),
     cooling_figure("electrical_cop", "1", "coefficient of performance: cooling capacity over electrical power"),
     cooling_figure(
-        "electrical_heating_cop", "1", "coefficient of performance of heating: heating capacity over electrical power"
+        "electrical_heating_cop", "1", "heating coefficient of performance: heating capacity over electrical power"
     ),
 )
-NEITHER = "shaft and electrical power are not of one sign: the motor's loss takes more than there is"
+NEITHER = "shaft power and electrical power have opposite signs: the motor's loss exceeds the power"
 BESIDE_CLASS = (
-    "is given beside efficiency_class (remove one of the two; over a base write {1}: null, with --set {0}.{1}=null)"
+    "is given as well as efficiency_class (remove one of the two; a base's value is dropped by {1}: null, or --set "
+    "{0}.{1}=null)"
 )
 OVERLOAD, BREAKDOWN = 1.25, 3.5  # times the rated power
 SUCTION, STATED = "suction_gas", "stated"
@@ -71,17 +72,18 @@ class Parameters:
         hardly=(0.3, 0.995),
     )
     efficiency_class: str = choice(
-        "in place of efficiency: of IEC 60034-30-1, 50 Hz, by rated_power and poles (M450)",
+        "class of IEC 60034-30-1 at 50 Hz, in place of efficiency; uses rated_power and poles (M450)",
         (STATED, *motor_classes.CLASSES),
         STATED,
     )
-    poles: int | None = count("2, 4 or 6, of efficiency_class (default: 4)", None)
+    poles: int | None = count("2, 4 or 6, for efficiency_class (default: 4)", None)
     constant_share: float = number("c: share of the rated loss that does not depend on the load", 0.4, ge=0.0, le=1.0)
     efficiency_file: str | None = file(
-        "CSV with columns load, efficiency (shaft power over rated power, efficiency of the motor), in place of both"
+        "CSV with columns load, efficiency (shaft power over rated power, efficiency of the motor), in place of "
+        "efficiency and efficiency_class"
     )
     cooling: str = choice(
-        "ambient: its loss leaves the package; suction_gas: what is sucked in takes it up",
+        "ambient: its loss leaves the package; suction_gas: its loss heats the gas that is sucked in",
         ("ambient", "suction_gas"),
         "ambient",
     )
@@ -125,10 +127,10 @@ def read_table(path: str) -> list[tuple[float, float]]:
     try:
         rows = [(float(load), float(efficiency)) for _, (load, efficiency) in cells]
     except ValueError:
-        raise UsageError("is no CSV file with numbers in the columns load, efficiency (write one)") from None
+        raise UsageError("is not a CSV file with numbers in the columns load, efficiency") from None
     loads = [load for load, _ in rows]
     if len(rows) < 2 or not 0.0 < loads[0] or not all(a < b < inf for a, b in pairwise(loads)):
-        raise UsageError("needs two rows or more, loads above 0 and increasing (sort them)")
+        raise UsageError("needs two rows or more, with increasing loads above 0 (sort them)")
     if not all(0.0 < efficiency <= 1.0 for _, efficiency in rows):
         raise UsageError("has an efficiency that is not above 0 and at most 1 (give shares, not percent)")
     return rows
@@ -199,8 +201,8 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
             return "", beyond
         what = f"the motor's load is {1e-3 * load:.4g} kW, {share:.3g} times effects.motor.rated_power"
         if share > BREAKDOWN:
-            return f"{what}: no motor turns beyond {BREAKDOWN:g} times (choose a larger one)", ()
-        why = f"{what}: it would not last, and its losses are beyond what M148 knows (choose a larger one)"
+            return f"{what}: no motor carries more than {BREAKDOWN:g} times its rated power (choose a larger one)", ()
+        why = f"{what}: it would not last, and its losses are outside the range of M148 (choose a larger one)"
         return "", (why, *beyond)
 
     def read(figures) -> Given:
@@ -232,18 +234,18 @@ def check(parameters: Parameters, facts) -> Faults:
     yield from _of_class(parameters)
     if parameters.inverter is not None:
         if parameters.drive_efficiency < 1.0:
-            what = "is given beside effects.motor.inverter, whose losses go by frequency and current"
+            what = "is given as well as effects.motor.inverter, whose losses go by frequency and current"
             yield Fault("effects.motor.drive_efficiency", f"{what} (remove one of the two)")
         yield from inverter.faults(parameters.inverter, "effects.motor.inverter")
     if parameters.cooling != SUCTION:
         return
     path = "effects.motor.cooling"
     if "suction_line" not in facts.effects:
-        yield Fault(path, "suction_gas needs effects.suction_line, into which the warmed gas comes (add it)")
+        yield Fault(path, "suction_gas needs effects.suction_line, which takes the warmed gas (add it)")
     if "drive" in facts.effects:
         yield Fault(path, "suction_gas cools a motor on the machine's own shaft (remove effects.drive, or cooling)")
     if facts.machine.expands:
-        yield Fault(path, "suction_gas belongs to machine.mode: compressor (remove it)")
+        yield Fault(path, "suction_gas applies only to machine.mode: compressor (remove it)")
 
 
 def _of_class(parameters: Parameters) -> Faults:
@@ -251,16 +253,20 @@ def _of_class(parameters: Parameters) -> Faults:
     path, known = "effects.motor", motor_classes
     if not parameters.is_of_class:
         if parameters.poles is not None:
-            yield Fault(f"{path}.poles", "belongs to efficiency_class (write e.g. efficiency_class: IE3, or remove it)")
+            yield Fault(
+                f"{path}.poles", "applies only to efficiency_class (write e.g. efficiency_class: IE3, or remove it)"
+            )
         return
     if parameters.poles not in (None, *known.POLES):
-        yield Fault(f"{path}.poles", f"{parameters.poles}: known are motors of 2, 4 and 6 (or write efficiency)")
+        yield Fault(
+            f"{path}.poles", f"{parameters.poles} is not covered, only 2, 4 and 6 are (choose one, or write efficiency)"
+        )
     elif not isinstance(parameters.efficiency, Derived):
         yield Fault(f"{path}.efficiency", BESIDE_CLASS.format(path, "efficiency"))
     if parameters.efficiency_file is not None:
         yield Fault(f"{path}.efficiency_file", BESIDE_CLASS.format(path, "efficiency_file"))
     if not known.SMALLEST <= parameters.rated_power <= known.LARGEST:
-        what = f"{1e-3 * parameters.rated_power:.4g} kW: classes are known from 0.75 kW to 1000 kW"
+        what = f"{1e-3 * parameters.rated_power:.4g} kW: classes cover 0.75 kW to 1000 kW"
         yield Fault(f"{path}.efficiency_class", f"{what} (write efficiency)")
 
 

@@ -37,13 +37,13 @@ class Parameters:
     )
     film_temperature: float | None = quantity(
         "temperature",
-        "T_f of the films (default: mean of injected and discharged oil)",
+        "T_f: temperature of the films (default: mean of injected and discharged oil)",
         None,
         ge=150.0,
         le=700.0,
         hardly=(210.0, 500.0),
     )
-    film_share: float = number("share of the gaps that oil fills", 1.0, ge=0.0, le=1.0)
+    film_share: float = number("share of the gaps filled by oil", 1.0, ge=0.0, le=1.0)
 
 
 def tip_drag(speed: float, diameter: float, lobes: int, length: float, land: float, gap: float) -> float:
@@ -102,7 +102,7 @@ def check(parameters: Parameters, facts) -> Faults:
     if parameters.end_gap is None and parameters.end_solidity is not None:
         yield Fault("effects.oil_drag.end_gap", "is missing (end_solidity is used with it only, e.g. 0.1 mm)")
     if facts.machine.profile is not None and parameters.female_diameter is not None:
-        what = "is given beside machine.profile.female_diameter (remove it)"
+        what = "is given as well as machine.profile.female_diameter (remove it)"
         yield Fault("effects.oil_drag.female_diameter", what)
 
 

@@ -27,7 +27,7 @@ class Parameters:
         "heat_transfer_coefficient", "coefficient alpha between droplet and gas", ge=0.0, le=1e9, hardly=(None, 1e5)
     )
     equation_12: str = choice(
-        "corrected: the oil loses what the gas gains; printed: the paper's (12), with its extra factor d",
+        "corrected: the oil loses what the gas gains; printed: eq. (12) as in the paper, with its extra factor d",
         ("corrected", "printed"),
         "corrected",
     )

@@ -43,7 +43,10 @@ class Parameters(WindowParameters):
         hardly=(None, 5e6),
     )
     pressure: float | None = quantity(
-        "pressure", "of the oil before the bore, in place of the separator's less pressure_loss", None, gt=0.0
+        "pressure",
+        "pressure of the oil before the bore, in place of separator pressure less pressure_loss",
+        None,
+        gt=0.0,
     )
     line: OilLine | None = None
 
@@ -144,15 +147,17 @@ def build(parameters: Parameters, machine) -> list[OilPort]:
 def check(parameters: Parameters, facts) -> Faults:
     yield from check_window(NAME, parameters)
     if facts.oil_supply.pumped and parameters.pressure_loss > 0.0:
-        what = "is the loss of displaced oil; with oil_supply.kind: pump the pump pays it"
+        what = "applies to displaced oil; with oil_supply.kind: pump the pump overcomes the loss"
         yield Fault(f"effects.{NAME}.pressure_loss", f"{what} (write it under effects.oil_pump)")
     if facts.oil_supply.pumped and parameters.line is not None:
-        what = "is the line of displaced oil; with oil_supply.kind: pump the pump pays its loss"
+        what = "applies to displaced oil; with oil_supply.kind: pump the pump overcomes the loss"
         yield Fault(f"effects.{NAME}.line", f"{what} (write it under effects.oil_pump)")
     elif parameters.line is not None and parameters.pressure is not None:
-        yield Fault(f"effects.{NAME}.line", "is given beside pressure, which is behind it (remove one of the two)")
+        yield Fault(
+            f"effects.{NAME}.line", "is given as well as pressure, which is that after the line (remove one of the two)"
+        )
     if not facts.oil_supply.pumped and facts.oil_supply.line is not None:
-        what = f"is that of oil which enters at one angle (write it under effects.{NAME}, whose bore it leads to)"
+        what = f"is for oil that enters at one angle (write it under effects.{NAME}, whose bore it feeds)"
         yield Fault("oil_supply.line", what)
     if parameters.pressure is not None:
         yield from _stated(parameters.pressure, parameters.pressure_loss, facts)
@@ -164,10 +169,10 @@ def _stated(p: float, loss: float, facts) -> Faults:
     """Yield the faults of a stated pressure p [Pa] before the bore, beside a pressure loss [Pa]."""
     path = f"effects.{NAME}.pressure"
     if facts.oil_supply.pumped:
-        what = "is that of displaced oil; with oil_supply.kind: pump the ratio is stated"
+        what = "applies to displaced oil; with oil_supply.kind: pump the ratio is stated"
         yield Fault(path, f"{what} (remove it, or write oil_supply.kind: displacement)")
     elif loss > 0.0:
-        yield Fault(path, "is given beside pressure_loss (remove one of the two)")
+        yield Fault(path, "is given as well as pressure_loss (remove one of the two)")
     elif (p_d := discharge_pressure(facts)) is not None and p > p_d:
         what = f"{p / 1e5:.6g} bar is above the {p_d / 1e5:.6g} bar of the separator that pushes the oil"
         yield Fault(path, f"{what} (choose a lower one, or oil_supply.kind: pump)")

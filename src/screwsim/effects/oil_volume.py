@@ -32,7 +32,7 @@ def check(parameters: Parameters, facts) -> Faults:
 
 EFFECT = Effect(
     name="oil_volume",
-    title="oil takes room in the chambers",
+    title="oil takes up volume in the chambers",
     equations=("M106", "M107", "M108", "M109", "M110", "M111"),
     source="ours",
     parameters=Parameters,

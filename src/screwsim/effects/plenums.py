@@ -38,20 +38,20 @@ LOWEST = -0.9  # lower bound of the mean's relative offset: there the line takes
 EMPTY = -0.999  # the same with a check valve, behind which a plenum may stay near suction pressure
 LOCKED = (
     "both check valves of effects.plenums stay shut: the machine delivers nothing, since its leaks take all that it "
-    "moves before the discharge plenum reaches its line's pressure; nothing passes between the lines, and how much gas "
-    "is locked between them follows from how the machine came there, not from the scene; the figures are those without "
-    "suction_valve (leave it out, or smaller leaks, a higher speed or a lower discharge pressure)"
+    "displaces before the discharge plenum reaches its line's pressure; nothing passes between the lines, and how "
+    "much gas is locked between them depends on how the machine got there, not on the scene; the figures are those "
+    "without suction_valve (leave it out, or choose smaller leaks, a higher speed or a lower discharge pressure)"
 )
 STUCK = (
     "a check valve of effects.plenums stays shut and the turns do not settle: the machine leaks more than it takes in "
-    "and delivers nothing (leave the valve out, or smaller leaks or a higher speed)"
+    "and delivers nothing (leave the valve out, or choose smaller leaks or a higher speed)"
 )
 IDLE = "a check valve of effects.plenums stays shut: against the line's pressure the machine {nothing}"
 SWINGS = (
-    "the pressure of the {to} plenum would swing beyond its mean: a chamber moves more gas than the plenum holds "
-    "(a larger effects.plenums.{to}_volume, or a higher speed)"
+    "the pressure of the {to} plenum would swing by more than its mean: a chamber displaces more gas than the plenum "
+    "holds (choose a larger effects.plenums.{to}_volume, or a higher speed)"
 )
-SHUT = "the {to} line takes all of the pressure (a wider effects.plenums.{to}_area or a smaller {to}_loss)"
+SHUT = "the {to} line takes up the whole pressure (choose a wider effects.plenums.{to}_area or a smaller {to}_loss)"
 WHICH = ("the", "twice the", "three times the", "four times the")  # of the harmonics among the figures
 
 
@@ -59,7 +59,7 @@ def _declared(to: str) -> Iterator[Figure]:
     """Yield the figures of a plenum; errors of pulsating ones are relative to the line's pressure."""
     line, needs, what = over(f"{to}_pressure", alone=True), (f".{to}_volume",), f"in the {to} plenum"
     yield Figure(f"{to}_plenum_pressure", "Pa", f"mean pressure {what}", needs=needs)
-    swing = f"pressure {what}, from its lowest to its highest value"
+    swing = f"pressure {what}, highest minus lowest value"
     yield Figure(f"{to}_pulsation_peak_to_peak", "Pa", swing, line, needs)
     for k, which in enumerate(WHICH, 1):
         amplitude = f"amplitude of the pressure {what} at {which} lobe frequency"
@@ -71,7 +71,7 @@ FIGURES = (
     Figure(
         "discharge_line_least_flow",
         "kg s-1",
-        "least mass flow from the discharge plenum into its line",
+        "lowest mass flow from the discharge plenum into its line",
         over("gas_mass_flow"),  # it passes through zero
         (".discharge_volume",),
     ),
@@ -82,10 +82,10 @@ FIGURES = (
 class Parameters:
     """Volumes, what lies behind them, and how finely the pressure is resolved."""
 
-    discharge_volume: float | None = quantity("volume", "of the discharge plenum (absent: none)", None, gt=0.0)
-    suction_volume: float | None = quantity("volume", "of the suction plenum (absent: none)", None, gt=0.0)
+    discharge_volume: float | None = quantity("volume", "volume of the discharge plenum (absent: none)", None, gt=0.0)
+    suction_volume: float | None = quantity("volume", "volume of the suction plenum (absent: none)", None, gt=0.0)
     discharge_area: float | None = quantity(
-        "area", "cross-section of the line, without reflection (absent: its flow is steady)", None, gt=0.0
+        "area", "cross-section of the discharge line, which reflects nothing (absent: its flow is steady)", None, gt=0.0
     )
     suction_area: float | None = quantity("area", "cross-section of the suction line, likewise", None, gt=0.0)
     discharge_loss: float = number(
@@ -96,7 +96,7 @@ class Parameters:
     )
     discharge_valve: Valve | None = None
     suction_valve: Valve | None = None
-    harmonics: int = count("of the lobe frequency that are followed", 8, ge=len(WHICH), le=24)
+    harmonics: int = count("number of harmonics of the lobe frequency that are followed", 8, ge=len(WHICH), le=24)
 
 
 def pulsation(line: LineFlow, before: Array, volume: float, area: float | None, frequency: float) -> Array:
@@ -304,7 +304,7 @@ def warnings(found: Mapping[str, Any]) -> Iterator[str]:
     """Yield a warning where the pulsation reverses the flow in the discharge line."""
     if (found.get("discharge_line_least_flow") or 0.0) < 0.0 < (found.get("gas_mass_flow") or 0.0):
         yield (
-            "the pulsation turns the flow in the discharge line round: a check valve would shut (name "
+            "the pulsation reverses the flow in the discharge line: a check valve would shut (name "
             "effects.plenums.discharge_valve, a larger discharge_volume or a smaller discharge_area)"
         )
 

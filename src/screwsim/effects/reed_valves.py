@@ -31,7 +31,7 @@ class Parameters:
     """Two reeds, and what they have in common."""
 
     suction_port_area: float = quantity("area", "area A of the suction valve's port", gt=0.0)
-    suction_perimeter: float = quantity("length", "perimeter of that port: the curtain's area over the lift", gt=0.0)
+    suction_perimeter: float = quantity("length", "perimeter of that port: curtain area over lift", gt=0.0)
     suction_stop: float = quantity("length", "lift of the suction reed at its stop", gt=0.0)
     suction_mass: float = quantity("mass", "equivalent mass m of the suction reed", gt=0.0)
     suction_stiffness: float = quantity("stiffness", "stiffness k of the suction reed at the port", gt=0.0)
@@ -40,13 +40,13 @@ class Parameters:
     discharge_stop: float = quantity("length", "lift of the discharge reed at its stop", gt=0.0)
     discharge_mass: float = quantity("mass", "equivalent mass m of the discharge reed", gt=0.0)
     discharge_stiffness: float = quantity("stiffness", "stiffness k of the discharge reed at the port", gt=0.0)
-    suction_preload: float = quantity("force", "force that presses the suction reed on its seat", 0.0, ge=0.0)
-    discharge_preload: float = quantity("force", "force that presses the discharge reed on its seat", 0.0, ge=0.0)
-    damping_ratio: float = number("zeta of the free reed", 0.1, ge=0.0, le=2.0)
-    seat_restitution: float = number("e: speed after over speed before an impact on the seat", 0.3, ge=0.0, lt=1.0)
-    stop_restitution: float = number("e of an impact on the stop", 0.3, ge=0.0, lt=1.0)
+    suction_preload: float = quantity("force", "force that presses the suction reed onto its seat", 0.0, ge=0.0)
+    discharge_preload: float = quantity("force", "force that presses the discharge reed onto its seat", 0.0, ge=0.0)
+    damping_ratio: float = number("zeta: damping ratio of the free reed", 0.1, ge=0.0, le=2.0)
+    seat_restitution: float = number("e: speed after an impact on the seat, over that before it", 0.3, ge=0.0, lt=1.0)
+    stop_restitution: float = number("e for an impact on the stop", 0.3, ge=0.0, lt=1.0)
     force_coefficient: float = number(
-        "c_F: force over port area times pressure difference", 1.0, gt=0.0, le=100.0, hardly=(None, 3.0)
+        "c_F: force over (port area times pressure difference)", 1.0, gt=0.0, le=100.0, hardly=(None, 3.0)
     )
     flow_coefficient: float = flow_coefficient("the valves", 0.7)
 
@@ -191,7 +191,9 @@ def build(parameters: Parameters, machine) -> list[FlowPath | ChamberState | Sto
 
 def check(parameters: Parameters, facts) -> Faults:
     if "check_valves" in facts.effects:
-        yield Fault("effects.reed_valves", "are simulated beside check_valves, the same valves twice (remove one)")
+        yield Fault(
+            "effects.reed_valves", "are simulated together with check_valves, the same valves twice (remove one)"
+        )
 
 
 EFFECT = Effect(

@@ -49,7 +49,7 @@ FIGURES = (
     Figure(
         "flash_mass_flow",
         "kg s-1",
-        "refrigerant that flashes out of the injected oil, less what it takes up",
+        "refrigerant that flashes out of the injected oil, less what the oil absorbs",
         Scale(BROUGHT, ("dissolved_gas_ratio", "oil_mass_flow"), where=OVER_TIME),
         by_held=True,
     ),
@@ -76,10 +76,13 @@ class Parameters(InSeparator):
     """Where the oil was in equilibrium with gas, and how fast it comes to equilibrium in the chamber."""
 
     flash_time: float | None = quantity(
-        "time", "in which oil in a chamber gives off gas over equilibrium (absent: at once, in the port)", None, gt=0.0
+        "time",
+        "time in which oil in a chamber gives off gas beyond equilibrium (absent: at once, in the port)",
+        None,
+        gt=0.0,
     )
     absorption_time: float | None = quantity(
-        "time", "in which it takes gas up (absent: it does not; needs flash_time)", None, gt=0.0
+        "time", "time in which it absorbs gas (absent: it does not; needs flash_time)", None, gt=0.0
     )
 
 
@@ -221,7 +224,7 @@ def build(parameters: Parameters, machine) -> list[OilGas | Plenum]:
 def check(parameters: Parameters, facts) -> list[Fault]:
     path, faults = f"effects.{NAME}", []
     if facts.gas.name != solubility.FLUID:
-        return [Fault(path, f"knows {solubility.FLUID} in POE oil only, not {facts.gas.name} (remove the effect)")]
+        return [Fault(path, f"covers {solubility.FLUID} in POE oil only, not {facts.gas.name} (remove the effect)")]
     if parameters.absorption_time is not None and parameters.flash_time is None:
         what = "has no meaning where the oil flashes at once in the port"
         faults.append(Fault(f"{path}.absorption_time", f"{what} (state flash_time, or remove it)"))
@@ -234,7 +237,7 @@ def check(parameters: Parameters, facts) -> list[Fault]:
         faults.append(Fault(f"{path}.separator_temperature", f"is missing ({remedy})"))
     for where, T in stated.items():
         if T is not None and not solubility.LOW <= T <= HIGHEST:
-            reach = f"{in_celsius(solubility.LOW)} to {in_celsius(HIGHEST)}, where solubility is known"
+            reach = f"{in_celsius(solubility.LOW)} to {in_celsius(HIGHEST)}, where the solubility is known"
             what = f"{in_celsius(T)} lies outside {reach} (choose one inside, or remove effects.{NAME})"
             faults.append(Fault(where, what))
     p_d, T = discharge_pressure(facts), parameters.separator_temperature
@@ -246,8 +249,8 @@ def check(parameters: Parameters, facts) -> list[Fault]:
     elif not faults and p_d is not None and parameters.flash_time is not None:
         held = content(p_d, T)
         if not LEAST < held < MOST:
-            what = f"oil from there holds {held:.3g} kg of gas per kg, and the rate knows {LEAST:g} to {MOST:g}"
-            faults.append(Fault(f"{path}.separator_temperature", f"{what} (state another one, or no flash_time)"))
+            what = f"oil from there holds {held:.3g} kg of gas per kg, and the rate is known from {LEAST:g} to {MOST:g}"
+            faults.append(Fault(f"{path}.separator_temperature", f"{what} (state another one, or remove flash_time)"))
     return faults
 
 

@@ -38,7 +38,7 @@ def check(parameters: Parameters, facts) -> Faults:
     if parameters.gap is None and parameters.area is None:
         yield Fault("effects.ring_leakage.gap", "is missing (write e.g. gap: 3 um, or an area)")
     if parameters.gap is not None and parameters.area is not None:
-        yield Fault("effects.ring_leakage.area", "is given beside gap (remove one of the two)")
+        yield Fault("effects.ring_leakage.area", "is given as well as gap (remove one of the two)")
 
 
 EFFECT = Effect(

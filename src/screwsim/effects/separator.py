@@ -32,16 +32,19 @@ SUPPLY = "oil_supply.temperature"
 HEATS = 1e-3  # heat from the cooler into the oil, over shaft power, above which is warned
 MEASURED, DUTY = "mixture_discharge_temperature", "oil_cooler_duty"
 LEAST = 1e-6  # heat capacity of oil over that of gas below which the oil cannot cool
-NO_OIL = "next to no oil flows, and its cooler can keep neither a duty nor a temperature (more oil, or no cooler)"
+NO_OIL = (
+    "hardly any oil flows, and its cooler can keep neither a duty nor a temperature (inject more oil, or remove the "
+    "cooler)"
+)
 FIGURES = (
-    Figure(MEASURED, "K", "temperature of gas and oil behind the discharge port, mixed"),
+    Figure(MEASURED, "K", "temperature of the mixed gas and oil after the discharge port"),
     Figure("separator_temperature", "K", "temperature of gas and oil in the separator"),
     Figure("oil_supply_temperature", "K", "temperature of the injected oil"),
-    power_figure(DUTY, "heat that the oil cooler takes"),
+    power_figure(DUTY, "heat removed by the oil cooler"),
     Figure(
         "oil_flow_volume",
         "m3 s-1",
-        "injected oil by volume",
+        "volume flow of injected oil",
         Scale(1e-7, ("gas_mass_flow",)),
         by_oil=True,
         shown="L min-1",
@@ -49,7 +52,7 @@ FIGURES = (
     Figure(
         "oil_circuit_residual",
         "1",
-        "what machine, separator and oil cooler leave open of the shaft power",
+        "residual of the energy balance of machine, separator and oil cooler, over shaft power",
         Scale(1.0, alone=True, unasked=True),
     ),
 )
@@ -57,14 +60,14 @@ FIGURES = (
 
 @dataclass(frozen=True)
 class Cooler:
-    """What the oil cooler keeps: one of its outlet's temperature, its duty, or the temperature at discharge."""
+    """What the oil cooler keeps: its outlet temperature, its duty, or the temperature at discharge."""
 
     outlet_temperature: float | None = oil_temperature(
-        "of the oil behind the cooler, in place of oil_supply.temperature"
+        "temperature of the oil after the cooler, in place of oil_supply.temperature"
     )
-    duty: float | None = quantity("power", "heat that the cooler takes from the oil", None, ge=0.0)
+    duty: float | None = quantity("power", "heat that the cooler removes from the oil", None, ge=0.0)
     discharge_temperature: float | None = oil_temperature(
-        "of the mixture at discharge, which a thermostat keeps by cooling the oil"
+        "temperature of the mixture at discharge, kept by a thermostat that cools the oil"
     )
 
     @property
@@ -128,25 +131,25 @@ def build(parameters: Parameters, machine) -> list[Separator]:
 def _idle(cooler: Cooler, found: Separated) -> str:
     T, kept = found.T_mixture, cooler.discharge_temperature or 0.0
     return (
-        f"the oil cooler's thermostat keeps {in_celsius(kept)} at discharge, and the mixture comes to {in_celsius(T)} "
-        "without any cooling; it would have to heat, and its duty is none "
-        "(a lower effects.separator.cooler.discharge_temperature)"
+        f"the oil cooler's thermostat keeps {in_celsius(kept)} at discharge, and the mixture reaches only "
+        f"{in_celsius(T)} without any cooling; it would have to heat, so its duty is 0 (lower "
+        "effects.separator.cooler.discharge_temperature)"
     )
 
 
 def check(parameters: Parameters, facts) -> Faults:
     path, stated = f"effects.{NAME}", [] if parameters.cooler is None else parameters.cooler.stated
     for name in stated[1:]:
-        what = f"is given beside {stated[0]} (state one of them, null in place of the other)"
+        what = f"is given as well as {stated[0]} (state one of them, and null for the other)"
         yield Fault(f"{path}.cooler.{name}", what)
     if stated and facts.oil_supply.temperature is not None:
-        finds = "states it, too" if stated[0] == "outlet_temperature" else "lets it follow"
-        remedy = f"remove one of the two, null in place of a base's {SUPPLY}"
-        yield Fault(f"{path}.cooler.{stated[0]}", f"is given beside {SUPPLY}, and {finds} ({remedy})")
+        finds = "it states too" if stated[0] == "outlet_temperature" else "follows from it"
+        remedy = "remove one of the two; null drops a base's value"
+        yield Fault(f"{path}.cooler.{stated[0]}", f"is given as well as {SUPPLY}, which {finds} ({remedy})")
     for name, active in facts.effects.items():
         asks = active.parameters
         if isinstance(asks, InSeparator) and asks.separator_temperature is not None:
-            what = f"is given beside effects.{NAME}, which finds it (remove it, null in place of a base's)"
+            what = f"is given as well as effects.{NAME}, which finds it (remove it; null drops a base's value)"
             yield Fault(f"effects.{name}.separator_temperature", what)
 
 
@@ -157,13 +160,13 @@ def warnings(found) -> Iterator[str]:
         T, supply = found["separator_temperature"], found["oil_supply_temperature"]
         yield (
             f"the oil comes back at {in_celsius(supply)}, warmer than the {in_celsius(T)} of the separator: its cooler "
-            f"would have to heat it with {-1e-3 * duty:.4g} kW (a lower {SUPPLY})"
+            f"would have to heat it by {-1e-3 * duty:.4g} kW (lower {SUPPLY})"
         )
 
 
 EFFECT = Effect(
     name=NAME,
-    title="gas and oil part at one temperature, and a cooler sends the oil back",
+    title="gas and oil separate at one temperature, and the oil returns through a cooler",
     equations=("M280", "M281", "M282", "M283", "M284", "M285", "M286"),
     source="energy balance; ours",
     parameters=Parameters,

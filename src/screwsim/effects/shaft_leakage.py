@@ -28,8 +28,8 @@ from screwsim.outputs import HEATED, Figure, over
 _ANNULUS = ("shaft_diameter", "clearance")
 _SEALED = {"mixture_viscosity": "mcadams", "passage": "10 mm"}
 FIGURES = (
-    Figure("shaft_leakage_gas_flow", "kg s-1", "gas that leaks from discharge to suction beside the chambers"),
-    Figure("shaft_leakage_oil_flow", "kg s-1", "oil that leaks with it", over("oil_mass_flow"), needs=HEATED),
+    Figure("shaft_leakage_gas_flow", "kg s-1", "gas that leaks from discharge to suction, past the chambers"),
+    Figure("shaft_leakage_oil_flow", "kg s-1", "oil that leaks with that gas", over("oil_mass_flow"), needs=HEATED),
 )
 
 
@@ -37,18 +37,22 @@ FIGURES = (
 class Parameters:
     """Size of the leak."""
 
-    area: float | None = quantity("area", "of all paths together, in place of a shaft's annulus", None, ge=0.0)
-    shaft_diameter: float | None = quantity("length", "of a shaft where it passes the discharge end", None, gt=0.0)
-    clearance: float | None = quantity("length", "radial, between shaft and bore", None, ge=0.0)
-    shafts: int = number("shafts of that diameter and clearance", 2, ge=1, le=4)
+    area: float | None = quantity(
+        "area", "area of all paths together, in place of the annulus of each shaft", None, ge=0.0
+    )
+    shaft_diameter: float | None = quantity(
+        "length", "diameter of a shaft where it passes the discharge end", None, gt=0.0
+    )
+    clearance: float | None = quantity("length", "radial clearance between shaft and bore", None, ge=0.0)
+    shafts: int = number("number of shafts of that diameter and clearance", 2, ge=1, le=4)
     flow_coefficient: float = flow_coefficient("the leak", 0.7)
     model: str = choice("flow model (M190)", ("nozzle", "oil_sealed"), "nozzle")
-    mixture_viscosity: str | None = choice("rule of model: oil_sealed", tuple(gap_flow.MIXTURES), None)
+    mixture_viscosity: str | None = choice("viscosity rule (model: oil_sealed)", tuple(gap_flow.MIXTURES), None)
     passage: float | None = quantity(
-        "length", "of the annulus along the shaft (model: oil_sealed)", None, gt=0.0, hardly=(1e-5, 0.5)
+        "length", "length of the annulus along the shaft (model: oil_sealed)", None, gt=0.0, hardly=(1e-5, 0.5)
     )
     gas_viscosity: float | None = quantity(
-        "viscosity", "mu of the gas (default: CoolProp's)", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4)
+        "viscosity", "mu of the gas (default: from CoolProp)", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4)
     )
 
 
@@ -75,20 +79,20 @@ def check(parameters: Parameters, facts) -> Faults:
     if parameters.area is None and len(given) < len(_ANNULUS):
         missing = next(name for name in _ANNULUS if name not in given)
         if given:
-            yield Fault(f"{path}.{missing}", f"is missing (stated together: {', '.join(_ANNULUS)})")
+            yield Fault(f"{path}.{missing}", f"is missing (these are stated together: {', '.join(_ANNULUS)})")
         else:
             yield Fault(f"{path}.area", "is missing (state it, or shaft_diameter and clearance)")
     elif parameters.area is not None and given:
-        yield Fault(f"{path}.{given[0]}", "is stated beside area (remove one of both)")
+        yield Fault(f"{path}.{given[0]}", "is stated as well as area (remove one of the two)")
     yield from _model_faults(path, parameters, facts)
     if "suction_line" not in facts.effects:
-        what = "needs effects.suction_line, to which its gas and oil come (add it)"
+        what = "needs effects.suction_line, which takes its gas and oil (add it)"
         yield Fault(path, what)
     if facts.operation.discharge.temperature is not None:
-        what = "is given, and what leaks has the outflow's (remove it, or effects.shaft_leakage)"
+        what = "is given, but what leaks has the temperature of the outflow (remove it, or effects.shaft_leakage)"
         yield Fault("operation.discharge.temperature", what)
     if facts.machine.expands:
-        yield Fault(path, "belongs to machine.mode: compressor (remove it)")
+        yield Fault(path, "applies only to machine.mode: compressor (remove it)")
 
 
 def _model_faults(path: str, parameters: Parameters, facts) -> Faults:
@@ -99,9 +103,11 @@ def _model_faults(path: str, parameters: Parameters, facts) -> Faults:
                 yield Fault(f"{path}.{extra}", "has no meaning with model: nozzle (remove it)")
         return
     if parameters.area is not None:
-        yield Fault(f"{path}.area", "has no clearance to seal (give shaft_diameter and clearance, or model: nozzle)")
+        yield Fault(
+            f"{path}.area", "has no clearance that oil could seal (give shaft_diameter and clearance, or model: nozzle)"
+        )
     elif parameters.clearance == 0.0:
-        yield Fault(f"{path}.clearance", "is nothing, and nothing is to be sealed (remove effects.shaft_leakage)")
+        yield Fault(f"{path}.clearance", "is zero, so that there is no leak to seal (remove effects.shaft_leakage)")
     for name, example in _SEALED.items():
         if getattr(parameters, name) is None:
             what = f"is missing (model: oil_sealed needs it, e.g. {name}: {example})"

@@ -42,8 +42,12 @@ class Parameters:
     flow_coefficient: float = flow_coefficient("slot and radial port", 1.0)
     radial_area: float | None = quantity("area", "S_r: area of the radial discharge port", None, ge=0.0)
     radial_opens: float | None = quantity("angle", "phi_a: angle at which it opens at full load", None, gt=0.0)
-    radial_opens_moved: float | None = quantity("angle", "phi_b: at which it opens at the travel's end", None, gt=0.0)
-    area_file: str | None = file("CSV with columns angle_deg, area_m2: the slot, in place of the three", curve=AREA)
+    radial_opens_moved: float | None = quantity(
+        "angle", "phi_b: angle at which it opens at the end of the travel", None, gt=0.0
+    )
+    area_file: str | None = file(
+        "CSV with columns angle_deg, area_m2: the slot, in place of position, slot_area and closes", curve=AREA
+    )
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath]:
@@ -82,7 +86,7 @@ def check(parameters: Parameters, facts) -> Faults:
     path = "effects.slide_valve"
     if getattr(facts.machine, "slide_valve", None) is not None:
         yield from _beside(
-            parameters, path, "machine.slide_valve, whose rotors give it", (*_SLOT, *_RADIAL, "area_file")
+            parameters, path, "machine.slide_valve, which finds it from the rotors", (*_SLOT, *_RADIAL, "area_file")
         )
         return
     if parameters.area_file is not None:
@@ -94,15 +98,15 @@ def check(parameters: Parameters, facts) -> Faults:
     given = [name for name in _RADIAL if getattr(parameters, name) is not None]
     if given and len(given) < len(_RADIAL):
         missing = next(name for name in _RADIAL if name not in given)
-        yield Fault(f"{path}.{missing}", f"is missing (stated together: {', '.join(_RADIAL)})")
+        yield Fault(f"{path}.{missing}", f"is missing (these are stated together: {', '.join(_RADIAL)})")
     if facts.machine.expands:
-        yield Fault(path, "belongs to machine.mode: compressor (remove it)")
+        yield Fault(path, "applies only to machine.mode: compressor (remove it)")
 
 
 def _beside(parameters: Parameters, path: str, what: str, names: tuple[str, ...]) -> Faults:
     for name in names:
         if getattr(parameters, name) is not None:
-            yield Fault(f"{path}.{name}", f"is given beside {what} (remove it)")
+            yield Fault(f"{path}.{name}", f"is given as well as {what} (remove it)")
 
 
 def check_geometry(parameters: Parameters, geometry) -> Faults:

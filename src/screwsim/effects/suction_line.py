@@ -22,11 +22,9 @@ from screwsim.machine.protocol import ROTORS
 from screwsim.outputs import CHANGED, HEATED, POWER, Figure, over
 
 FIGURES = (
-    Figure("returned_gas_flow", "kg s-1", "gas that comes back to the suction line", over("gas_mass_flow")),
-    Figure(
-        "returned_oil_flow", "kg s-1", "oil that comes back to the suction line", over("oil_mass_flow"), needs=HEATED
-    ),
-    Figure("returned_heat", "W", "heat that what comes back gives the gas that is sucked in", POWER),
+    Figure("returned_gas_flow", "kg s-1", "gas that returns to the suction line", over("gas_mass_flow")),
+    Figure("returned_oil_flow", "kg s-1", "oil that returns to the suction line", over("oil_mass_flow"), needs=HEATED),
+    Figure("returned_heat", "W", "heat from the returned gas and oil to the gas that is sucked in", POWER),
 )
 
 
@@ -41,13 +39,13 @@ def build(parameters: Parameters, machine) -> list[SuctionLine]:
 
 def check(parameters: Parameters, facts) -> Faults:
     if facts.oil is not None and not facts.oil.carried:
-        what = "mixes oil that comes back, which oil.transport: paper does not follow (oil.transport: carried)"
+        what = "mixes in returned oil, which oil.transport: paper does not follow (write oil.transport: carried)"
         yield Fault("effects.suction_line", what)
 
 
 EFFECT = Effect(
     name="suction_line",
-    title="what flows back to suction mixes with what is sucked in",
+    title="gas and oil that flow back to suction mix with what is sucked in",
     equations=("M270", "M271", "M272", "M273"),
     source="adiabatic mixing",
     parameters=Parameters,

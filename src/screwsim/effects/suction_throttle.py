@@ -17,7 +17,7 @@ from screwsim.outputs import CHANGED
 class Parameters:
     """Opening of the valve, as the pressure that it leaves."""
 
-    pressure_ratio: float = number("pressure behind the valve over that of the suction line (1: open)", gt=0.0, le=1.0)
+    pressure_ratio: float = number("pressure after the valve, over that of the suction line (1: open)", gt=0.0, le=1.0)
 
 
 def build(parameters: Parameters, machine) -> list[SuctionChange]:

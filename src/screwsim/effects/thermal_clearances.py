@@ -39,23 +39,48 @@ class Parameters:
     """Materials, lengths that expand, and temperatures where no other effect finds them."""
 
     reference_temperature: float = quantity(
-        "temperature", "at which the stated gaps are measured", 293.15, ge=50.0, le=1000.0, hardly=(250.0, 350.0)
+        "temperature",
+        "temperature at which the stated gaps are measured",
+        293.15,
+        ge=50.0,
+        le=1000.0,
+        hardly=(250.0, 350.0),
     )
     rotor_expansion: float = quantity(
-        "thermal_expansion", "of the rotors (steel)", 11.5e-6, ge=0.0, le=1e-3, hardly=(None, 5e-5)
+        "thermal_expansion", "thermal expansion of the rotors (steel)", 11.5e-6, ge=0.0, le=1e-3, hardly=(None, 5e-5)
     )
     housing_expansion: float = quantity(
-        "thermal_expansion", "of the housing (grey cast iron)", 10.5e-6, ge=0.0, le=1e-3, hardly=(None, 5e-5)
+        "thermal_expansion",
+        "thermal expansion of the housing (grey cast iron)",
+        10.5e-6,
+        ge=0.0,
+        le=1e-3,
+        hardly=(None, 5e-5),
     )
     axis_distance: float | None = quantity(
-        "length", "of the rotors (default: machine.profile's; with interlobe_leakage)", None, gt=0.0
+        "length",
+        "distance of the rotors' axes (with interlobe_leakage; default: machine.profile.centre_distance)",
+        None,
+        gt=0.0,
     )
-    bearing_distance: float = quantity("length", "from the thrust bearing to the discharge end face", 0.0, ge=0.0)
+    bearing_distance: float = quantity(
+        "length", "distance from the thrust bearing to the discharge end face", 0.0, ge=0.0
+    )
     rotor_temperature: float | None = quantity(
-        "temperature", f"stated (default: effects.{WALLS})", None, ge=50.0, le=2500.0, hardly=(150.0, 800.0)
+        "temperature",
+        f"fixed temperature (default: from effects.{WALLS})",
+        None,
+        ge=50.0,
+        le=2500.0,
+        hardly=(150.0, 800.0),
     )
     housing_temperature: float | None = quantity(
-        "temperature", f"stated (default: effects.{WALLS})", None, ge=50.0, le=2500.0, hardly=(150.0, 800.0)
+        "temperature",
+        f"fixed temperature (default: from effects.{WALLS})",
+        None,
+        ge=50.0,
+        le=2500.0,
+        hardly=(150.0, 800.0),
     )
 
 
@@ -93,7 +118,10 @@ def build(parameters: Parameters, machine) -> list[Made | Scaled | Reading]:
     parts: list[Made | Scaled | Reading] = []
     for effect, length in lengths(parameters, machine).items():
         name = f"{effect}_widening"
-        beyond = f"warm rotors touch: {GAPS[effect].replace('_', ' ')} closes (a wider effects.{effect}.gap, or cooler)"
+        beyond = (
+            f"warm rotors touch: {GAPS[effect].replace('_', ' ')} closes (choose a wider effects.{effect}.gap, or "
+            "cool them more)"
+        )
         parts += [Made(Entry(name), none, widening(effect, length), CLOSED, beyond), Scaled(effect, name, True)]
 
     def read(figures) -> dict[str, float | None]:
@@ -109,13 +137,15 @@ def check(parameters: Parameters, facts) -> Faults:
     for lump in LUMPS:
         given = getattr(parameters, f"{lump}_temperature") is not None
         if given and WALLS in facts.effects:
-            yield Fault(f"{path}.{lump}_temperature", f"is given beside effects.{WALLS}, which finds it (remove it)")
+            yield Fault(
+                f"{path}.{lump}_temperature", f"is given as well as effects.{WALLS}, which finds it (remove it)"
+            )
         elif not given and WALLS not in facts.effects:
             remedy = f"write e.g. {lump}_temperature: 330 K, or name effects.{WALLS}, which finds it"
             yield Fault(f"{path}.{lump}_temperature", f"is missing ({remedy})")
     profiled = facts.machine.profile is not None
     if profiled and parameters.axis_distance is not None:
-        yield Fault(f"{path}.axis_distance", "is given beside machine.profile.centre_distance (remove it)")
+        yield Fault(f"{path}.axis_distance", "is given as well as machine.profile.centre_distance (remove it)")
     if "interlobe_leakage" in facts.effects and not profiled and parameters.axis_distance is None:
         yield Fault(f"{path}.axis_distance", "is missing (effects.interlobe_leakage needs it, e.g. 120 mm)")
     if not any(name in facts.effects for name in GAPS):
@@ -124,7 +154,7 @@ def check(parameters: Parameters, facts) -> Faults:
 
 EFFECT = Effect(
     name=NAME,
-    title="gaps of warm rotors in a warm housing",
+    title="gaps between warm rotors and a warm housing",
     equations=("M180", "M181", "M182", "M183"),
     source="linear expansion",
     parameters=Parameters,

@@ -31,7 +31,7 @@ class Parameters(ClearanceParameters):
     """Clearance, and whose area eq. (19) is."""
 
     reading: str = choice(
-        "whose area eq. (19) is: all tips of a chamber (M260), or those of every interface (M19) (no profile)",
+        "what the area of eq. (19) counts: all tips of a chamber (M260), or those of each interface (M19) (no profile)",
         ("chamber", "interface"),
         "chamber",
     )

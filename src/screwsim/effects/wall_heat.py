@@ -30,7 +30,7 @@ LUMPS = ("rotor", "housing")
 FIGURES = (
     Figure("rotor_temperature", "K", "temperature of the rotors"),
     Figure("housing_temperature", "K", "temperature of the housing"),
-    power_figure("wall_heat_power", "net heat from walls to gas: what cools the walls outside, negative"),
+    power_figure("wall_heat_power", "net heat from walls to gas: external cooling of the walls, with a negative sign"),
 )
 GAS = ("gas_conductivity", "gas_viscosity")
 COLDEST = 100.0  # [K] lower bound; a lump that reaches it is cooled by more than the gas can supply
@@ -40,30 +40,48 @@ COLDEST = 100.0  # [K] lower bound; a lump that reaches it is cooled by more tha
 class Parameters:
     """The walls of one chamber, the gas that passes them, and what cools them from outside."""
 
-    rotor_area: float = quantity("area", "of both rotors that one chamber wets at its largest volume", ge=0.0)
-    housing_area: float = quantity("area", "of the housing that one chamber wets at its largest volume", ge=0.0)
+    rotor_area: float = quantity(
+        "area", "area of both rotors in contact with one chamber at its largest volume", ge=0.0
+    )
+    housing_area: float = quantity(
+        "area", "area of the housing in contact with one chamber at its largest volume", ge=0.0
+    )
     characteristic_length: float = quantity(
-        "length", "of Nu and Re: outer less inner diameter of the male rotor", gt=0.0
+        "length", "length in Nu and Re: outer minus inner diameter of the male rotor", gt=0.0
     )
     speed_ratio: float = number(
-        "speed of the gas past the walls over the male tip speed", 1.0, ge=0.0, le=1e3, hardly=(None, 10.0)
+        "speed of the gas along the walls, over the male tip speed", 1.0, ge=0.0, le=1e3, hardly=(None, 10.0)
     )
-    nusselt_factor: float = number("factor of Nu = C Re^0.8", 0.023, ge=0.0, le=1e4, hardly=(None, 1.0))
-    rotor_cooling: float = quantity("power", "heat taken from the rotors outside the chambers", 0.0, ge=0.0)
-    housing_cooling: float = quantity("power", "heat taken from the housing outside", 0.0, ge=0.0)
+    nusselt_factor: float = number("C in Nu = C Re^0.8", 0.023, ge=0.0, le=1e4, hardly=(None, 1.0))
+    rotor_cooling: float = quantity("power", "heat removed from the rotors outside the chambers", 0.0, ge=0.0)
+    housing_cooling: float = quantity("power", "heat removed from the housing at its outside", 0.0, ge=0.0)
     rotor_temperature: float | None = quantity(
-        "temperature", "stated (default: settles)", None, ge=50.0, le=2500.0, hardly=(150.0, 800.0)
+        "temperature",
+        "fixed temperature (default: found from its heat balance)",
+        None,
+        ge=50.0,
+        le=2500.0,
+        hardly=(150.0, 800.0),
     )
     housing_temperature: float | None = quantity(
-        "temperature", "stated (default: settles)", None, ge=50.0, le=2500.0, hardly=(150.0, 800.0)
+        "temperature",
+        "fixed temperature (default: found from its heat balance)",
+        None,
+        ge=50.0,
+        le=2500.0,
+        hardly=(150.0, 800.0),
     )
-    reference_pressure: float | None = quantity("pressure", "at which lambda, mu of the gas are taken", None, gt=0.0)
-    reference_temperature: float | None = quantity("temperature", "at which they are taken", None, gt=0.0)
+    reference_pressure: float | None = quantity(
+        "pressure", "pressure at which lambda, mu of the gas are evaluated", None, gt=0.0
+    )
+    reference_temperature: float | None = quantity(
+        "temperature", "temperature at which they are evaluated", None, gt=0.0
+    )
     gas_conductivity: float | None = quantity(
-        "thermal_conductivity", "lambda of the gas, stated", None, gt=0.0, le=10.0, hardly=(1e-3, 1.0)
+        "thermal_conductivity", "lambda of the gas (default: from CoolProp)", None, gt=0.0, le=10.0, hardly=(1e-3, 1.0)
     )
     gas_viscosity: float | None = quantity(
-        "viscosity", "mu of the gas, stated", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4)
+        "viscosity", "mu of the gas (default: from CoolProp)", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4)
     )
 
 
@@ -125,7 +143,10 @@ def build(parameters: Parameters, machine) -> list[Made | Wall | Reading]:
             "characteristic_length": parameters.characteristic_length,
             "nusselt_factor": parameters.nusselt_factor,
         }
-        beyond = f"the {lump} is cooled by more than the gas gives it (a smaller effects.{NAME}.{lump}_cooling)"
+        beyond = (
+            f"the {lump} loses more heat to cooling than the gas gives it (choose a smaller "
+            f"effects.{NAME}.{lump}_cooling)"
+        )
         parts += [
             Made(Entry(name), partial(first, stated), partial(settled, lump, cooling, stated), COLDEST, beyond),
             Wall(lump, conductance, values, name),
@@ -145,7 +166,7 @@ def check(parameters: Parameters, facts) -> Faults:
     for lump in LUMPS:
         cooling, stated = (getattr(parameters, f"{lump}_{what}") for what in ("cooling", "temperature"))
         if cooling > 0.0 and stated is not None:
-            yield Fault(f"{path}.{lump}_cooling", f"is given beside {lump}_temperature (remove one of the two)")
+            yield Fault(f"{path}.{lump}_cooling", f"is given as well as {lump}_temperature (remove one of the two)")
         if cooling > 0.0 and getattr(parameters, f"{lump}_area") * parameters.nusselt_factor == 0.0:
             yield Fault(f"{path}.{lump}_cooling", "cools a wall that no gas warms (remove it)")
     yield from gas_faults(path, parameters, facts.gas.name, GAS)

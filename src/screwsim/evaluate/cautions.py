@@ -40,8 +40,8 @@ def warnings(of: Evaluation) -> Iterator[str]:
         and ratio > (supply.ratio or 0) * (1 + 1e-9) + LEAST_OIL
     ):
         yield (
-            f"leaks bring more oil ({of.life.R[R_OIL_BEFORE]:.3g} kg) into the chamber than oil_supply.ratio asks "
-            f"for; nothing is injected and the ratio is {ratio:.4g}"
+            f"leaks already bring more oil ({of.life.R[R_OIL_BEFORE]:.3g} kg) into the chamber than oil_supply.ratio "
+            f"asks for; no oil is injected, and the ratio is {ratio:.4g}"
         )
     yield from _drowned(of)
     yield from _unfitted_bore(of)
@@ -55,18 +55,18 @@ def warnings(of: Evaluation) -> Iterator[str]:
     idle = [part.idle for part in parts.pulsations if part.shut is not None]
     flow, sucks = found["gas_mass_flow"], LINES[0] in plausible.lines_met(parts)  # otherwise the scene's doubts say why
     if flow == 0.0 and idle:
-        nothing = "takes nothing in" if parts.plenums else "delivers nothing"
+        nothing = "takes in nothing" if parts.plenums else "delivers nothing"
         yield idle[0].format(nothing=nothing) or f"a valve stays shut: the machine {nothing}"
     elif flow is not None and flow <= 0.0 and sucks:
         yield (
-            "no net gas is delivered; what flows in from the discharge line beyond what flowed out has "
-            "operation.discharge.temperature, or where that is not given the temperature of isentropic compression"
+            "no net gas is delivered; gas that flows in from the discharge line, beyond what flowed out, is taken at "
+            "operation.discharge.temperature, or if that is not given at the temperature of isentropic compression"
         )
     yield from next_to_nothing(problem.scene.numerics.accuracy, found)
     if flow is not None and flow < 0.0 and of.problem.suction.changed and sucks:
         yield (
-            "gas flows back to the suction line, which no throttle, filter or bypass before the machine lets: their "
-            "pressures and shares are those of gas that is sucked (smaller leaks, a higher speed, or leave them out)"
+            "gas flows back to the suction line, but throttle, filter and bypass before the machine are modelled for "
+            "inflow only (choose smaller leaks or a higher speed, or leave them out)"
         )
 
 
@@ -78,10 +78,10 @@ def next_to_nothing(accuracy: float, found: Figures) -> Iterator[str]:
     known = accuracy * LEAST_FILLING / filling
     if known > HARDLY_KNOWN:
         which = ", ".join(name for name in OVER_FLOW if found.get(name) is not None)
-        within = f"to within {known:.1g} of itself" if known < 1.0 else "not even by its size"
+        within = f"to a relative error of {known:.1g} only" if known < 1.0 else "not even to its order of magnitude"
         yield (
-            f"the machine delivers {filling:.2g} of its displacement: what is over that flow ({which}) is known "
-            f"{within}, at the accuracy of {accuracy:g} that is asked (a tighter numerics.accuracy)"
+            f"the machine delivers {filling:.2g} of its displacement: what is divided by that flow ({which}) is known "
+            f"{within}, at the stated accuracy of {accuracy:g} (choose a tighter numerics.accuracy)"
         )
 
 
@@ -130,9 +130,9 @@ def _lost_to_suction(of: Evaluation) -> Iterator[str]:
     if abs(heat) > LOST * power:
         brings = "warms" if heat > 0.0 else "cools"
         yield (
-            f"{1e-3 * abs(heat):.3g} kW, {abs(heat) / power:.0%} of the shaft power, goes with gas and oil that flow "
-            f"back into the suction line, and is not counted where it {brings} what is sucked in (name "
-            f"{' or '.join(having(SUCTION_BACK))}, which lets it come back)"
+            f"{1e-3 * abs(heat):.3g} kW, {abs(heat) / power:.0%} of the shaft power, leaves with gas and oil that "
+            f"flow back into the suction line, although in reality it {brings} the intake (name "
+            f"{' or '.join(having(SUCTION_BACK))}, which takes that into account)"
         )
 
 
@@ -152,8 +152,11 @@ def _drowned(of: Evaluation) -> Iterator[str]:
     share = ratio * trapped / oil.density / of.life.volume(opens)
     if not share < 1.0:
         when = "inlet closes" if geometry.expands else "discharge port opens"
-        what = f"the oil would fill {share:.0%} of the chamber when the {when}; oil takes no room in this model"
-        yield f"{what} (lower oil_supply.ratio, or take the result as a limit)"
+        what = (
+            f"the oil would fill {share:.0%} of the chamber when the {when}; oil takes up no volume in this scene's "
+            "model"
+        )
+        yield f"{what} (lower oil_supply.ratio, or treat the result as a limit)"
 
 
 def _unfitted_bore(of: Evaluation) -> Iterator[str]:
@@ -167,7 +170,7 @@ def _unfitted_bore(of: Evaluation) -> Iterator[str]:
     reynolds = bore["diameter"] * math.sqrt(2.0 * drop * bore["density"]) / bore["viscosity"]
     why = outside_fit(bore["length"] / bore["diameter"], reynolds)
     if why:
-        yield f"the formula of the oil's flow is stretched beyond its range: {why}"
+        yield f"the formula for the oil flow is used outside its range: {why}"
 
 
 def _open_to_suction(of: Evaluation) -> Iterator[str]:
@@ -184,15 +187,14 @@ def _open_to_suction(of: Evaluation) -> Iterator[str]:
         if opens < ends - OPEN_TO_SUCTION:
             yield (
                 f"effects.{name}: its port opens at {math.degrees(opens):.4g} deg, before suction ends at "
-                f"{math.degrees(ends):.4g} deg: what it lets in takes the place of gas that would be sucked (open it "
-                "later)"
+                f"{math.degrees(ends):.4g} deg: what it lets in displaces suction gas (open it later)"
             )
 
 
 def inaccurate(wanted: float, error: Figures) -> tuple[str, ...]:
     """Return a warning where an estimated error exceeds the wanted accuracy, or none could be estimated."""
     if error and all(size is None for size in error.values()):
-        return ("the errors could not be estimated: the finer solution did not reach its end",)
+        return ("the errors could not be estimated: the finer solution failed",)
     name, size = worst(error)
     if size <= wanted:
         return ()

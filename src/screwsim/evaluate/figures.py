@@ -30,9 +30,9 @@ NONE_LEAVES = "nothing flows out to the discharge line"
 NO_REASON = "this cycle has none"
 WHY_NONE = {
     "discharge_temperature": NONE_LEAVES,
-    "built_in_volume_ratio": "the machine has no discharge port whose opening ends it",
+    "built_in_volume_ratio": "the machine has no discharge port whose opening marks the end of it",
     "oil_flow_ratio": "no net gas is delivered",
-    "oil_discharge_temperature": "next to no oil flows out to the discharge line",
+    "oil_discharge_temperature": "hardly any oil flows out to the discharge line",
 }
 
 

@@ -28,9 +28,10 @@ AFTERCOOLER = "aftercooler_condensate_flow"
 PACKAGE_VAPOUR, PACKAGE_DEW = "package_vapour_flow", "package_dew_point"
 DRY = "there is no water in dry air"
 NO_DEW = (
-    f"water would condense below {in_celsius(DRIEST)} or above {in_celsius(water.T_MOST)}, where it is not followed"
+    f"water would condense below {in_celsius(DRIEST)} or above {in_celsius(water.T_MOST)}, where condensation is not "
+    "modelled"
 )
-BLOWN_OFF = "the package delivers nothing: what the machine moves is blown off"
+BLOWN_OFF = "the package delivers nothing: it blows off all that the machine delivers"
 NOTHING_OUT = "nothing flows out to the discharge line"
 
 
@@ -143,8 +144,8 @@ def warnings(
     safe, flow = found["lowest_safe_oil_temperature"], found.get("condensate_flow")
     if T is not None and T < safe:
         oil = problem.parts.oil is not None
-        at = f"gas and oil part at {celsius(T)}" if oil else f"the gas leaves at {celsius(T)}"
-        remedy = f"keep them at {celsius(safe)} or above by warmer oil" if oil else "drier or warmer air"
+        at = f"gas and oil separate at {celsius(T)}" if oil else f"the gas leaves at {celsius(T)}"
+        remedy = f"keep them at {celsius(safe)} or above with warmer oil" if oil else "use drier or warmer air"
         if flow:
             what = f"{at}, below the pressure dew point of {celsius(dew)}: {HOUR * flow:.3g} kg/h of water condense"
         else:
@@ -152,11 +153,16 @@ def warnings(
         yield f"{what} ({remedy})"
     T_2 = None if T is None else cooled_to(problem, T)
     if T_2 is not None and T_2 < water.T_TRIPLE and found.get(AFTERCOOLER):
-        yield f"water condenses in the aftercooler at {celsius(T_2)}, and is taken as liquid, no ice (a warmer outlet)"
+        yield (
+            f"water condenses in the aftercooler at {celsius(T_2)}, and is modelled as liquid, not ice (choose a "
+            "warmer outlet)"
+        )
     share = found["chamber_condensate_share"]
     if share > WET:
-        remedy = "among its oil (warmer oil)" if problem.parts.oil is not None else "(drier or warmer air)"
+        remedy = "mixed into its oil (use warmer oil)" if problem.parts.oil is not None else "(use drier or warmer air)"
         yield f"up to {share:.0%} of the water in a chamber is liquid {remedy}"
         ice = chamber_share(problem, gas, life, water.T_TRIPLE)
         if ice > WET:
-            yield f"up to {ice:.0%} of the water in a chamber condenses below 0 degC, and is taken as liquid, no ice"
+            yield (
+                f"up to {ice:.0%} of the water in a chamber condenses below 0 degC, and is modelled as liquid, not ice"
+            )

@@ -91,7 +91,7 @@ def _message(effect: str, what: str, unit: str, point: Point, value: float) -> s
     states = f", T = {in_celsius(point.y[S_T])}, p = {in_bar(point.p)}" if point.m else ""
     shown = f"{value:.6g} {unit}".rstrip()
     where = f"at {math.degrees(point.phi):.2f} deg{states}"
-    return f"effects.{effect}: its {what} is {shown} {where}, which cannot be; mend that module"
+    return f"effects.{effect}: its {what} is {shown} {where}, which is impossible; fix that module"
 
 
 def _declared(parts: Parts, own: set[str]) -> Iterator[str]:
@@ -102,10 +102,10 @@ def _declared(parts: Parts, own: set[str]) -> Iterator[str]:
         numbers = {"flow_coefficient": path.flow_coefficient, **path.values}
         for what, value in numbers.items():
             if not math.isfinite(value) or (what == "flow_coefficient" and value < 0.0):
-                yield f"effects.{name}: its {what} is {value:.6g}, which cannot be; mend that module"
+                yield f"effects.{name}: its {what} is {value:.6g}, which is impossible; fix that module"
         breakpoints = [at for at in (*path.breakpoints, *path.own_breakpoints) if not math.isfinite(at)]
         if breakpoints:
-            yield f"effects.{name}: its breakpoint at {breakpoints[0]:.6g} rad cannot be; mend that module"
+            yield f"effects.{name}: its breakpoint at {breakpoints[0]:.6g} rad is impossible; fix that module"
 
 
 def _along(life: Trajectory) -> tuple[Array, Array]:

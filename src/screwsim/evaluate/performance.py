@@ -21,7 +21,7 @@ from screwsim.model.slots import OF_GAS
 from screwsim.numerics.at_once import changed
 from screwsim.scene.lines import Lines
 
-WET = "what is sucked in is wet"
+WET = "the intake is wet"
 Array = np.ndarray
 
 
@@ -59,7 +59,7 @@ def _ideal_works(gas: Gas, lines: Lines, inlet: Inlet) -> tuple[tuple[float | No
     ideal = gas.ideal_isothermal_work(*ends)
     if lines.quality is not None:
         isentropic = gas.isentropic_work_of_enthalpy(lines.p_s, lines.p_d, inlet.enthalpy)
-        return (None, ideal, isentropic), "what is sucked in is wet"
+        return (None, ideal, isentropic), "the intake is wet"
     return (gas.isothermal_work(*ends), ideal, gas.isentropic_work(*ends)), gas.isothermal_obstacle(*ends)
 
 
@@ -126,7 +126,7 @@ def valued(given: Given, effect: str, why: str = "", finite: bool = True) -> tup
         if finite:
             own_number(effect, f"its figure {name}", 0.0 if value is None else value)
     reasons = {name: value if isinstance(value, str) else why for name, value in given.items()}
-    none = f"effects.{effect} finds none in this cycle"
+    none = f"effects.{effect} finds no value in this cycle"
     return found, {name: reasons[name] or none for name, value in found.items() if value is None}
 
 
@@ -159,10 +159,10 @@ def judged(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tuple
 
 
 NO_MEANING = {
-    "isothermal_efficiency": "it is a figure of compression",
-    "ideal_isothermal_efficiency": "it is a figure of compression",
+    "isothermal_efficiency": "it applies to compression only",
+    "ideal_isothermal_efficiency": "it applies to compression only",
     "volumetric_efficiency": "an expander is filled at the pressure of its inlet: see filling_factor",
-    "specific_power": "an expander takes no power",
+    "specific_power": "an expander consumes no power",
     "peak_pressure": "an expander's pressure is highest at its inlet",
 }
 
@@ -183,13 +183,15 @@ def figures_of_expander(
         reasons |= dict.fromkeys(("isentropic_efficiency", "filling_factor"), "no net gas flows through the expander")
         return changed, reasons
     if filled is None:
-        reasons["filling_factor"] = "the machine has no port whose closing ends the filling (machine.discharge_port)"
+        reasons["filling_factor"] = (
+            "the machine has no port whose closing ends the filling (name machine.discharge_port)"
+        )
     else:
         changed["filling_factor"] = flow / filled
     if shaft < 0.0:
         changed["isentropic_efficiency"] = shaft / (flow * isentropic_work)
     else:
-        reasons["isentropic_efficiency"] = "the shaft gives no power: losses take more than the gas gives"
+        reasons["isentropic_efficiency"] = "the shaft gives no power: the losses exceed what the gas gives"
     return changed, reasons
 
 

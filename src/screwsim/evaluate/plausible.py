@@ -24,7 +24,7 @@ RAM = 0.05  # overfilling of a chamber, relative to its volume, that gas in moti
 BACK = 0.5  # of the displacement: leakage beyond the delivered flow above which gaps are implausible
 HOT = 700.0  # [K], more than oil, seals and rotors endure
 BURST = 20.0  # times the higher line's pressure
-NO_MACHINE = "and no machine does so (check its effects)"
+NO_MACHINE = "so that it is impossible (check its effects)"
 
 
 class Doubt(NamedTuple):
@@ -66,11 +66,13 @@ def _isothermal(told: Told) -> Iterator[Doubt]:
     if oil is not None and oil.temperature < T_s and told.parts.all(HeatRate):
         yield Doubt(
             f"{words}: the oil comes in at {in_celsius(oil.temperature)}, colder than the suction gas of "
-            f"{in_celsius(T_s)}, and the figure's ideal is isothermal at the gas's temperature; "
-            "what cooled the oil is not counted"
+            f"{in_celsius(T_s)}, while the ideal of that figure is isothermal at the gas's temperature; the cooling "
+            "of the oil is not counted"
         )
     elif told.parts.all(Wall) or any(plenum.evaporates for _, plenum in told.parts.all(Plenum)):
-        yield Doubt(f"{words}: that takes walls, or liquid that evaporates, colder than the suction gas; is it meant?")
+        yield Doubt(
+            f"{words}: that requires walls, or evaporating liquid, colder than the suction gas; is that intended?"
+        )
     else:
         what = f"{words}: nothing in the scene is colder than the suction gas, {NO_MACHINE}"
         yield Doubt(what, "isothermal_efficiency")
@@ -82,9 +84,9 @@ def _isentropic(told: Told) -> Iterator[Doubt]:
     if eta is None:
         return
     words = f"the isentropic efficiency of {eta:.4g} is above 1"
-    ideal = "the gas while it is compressed, and the figure's ideal is without cooling"
+    ideal = "the gas during compression, while the ideal of that figure has no cooling"
     if told.expands:
-        yield Doubt(f"{words}: no expander gives more than that (check its effects)", "isentropic_efficiency")
+        yield Doubt(f"{words}: no expander gives more than the ideal one (check its effects)", "isentropic_efficiency")
     elif told.parts.all(HeatRate):
         yield Doubt(f"{words}: oil cools {ideal}")
     elif told.parts.all(Wall) or any(plenum.evaporates for _, plenum in told.parts.all(Plenum)):
@@ -100,13 +102,13 @@ def _volumetric(told: Told) -> Iterator[Doubt]:
         return
     if filled is not None:
         yield Doubt(
-            f"the volumetric efficiency of {filled:.4g} is above 1: the chambers take in more than they hold of the "
-            "suction line's gas; colder oil, or gas in motion, can do so by a few percent"
+            f"the volumetric efficiency of {filled:.4g} is above 1: the chambers take in more gas than fills them at "
+            "the state of the suction line; colder oil, or the inertia of the gas, can add a few percent"
         )
     elif found is not None and found < -BACK:
         yield Doubt(
-            f"the volumetric efficiency is {found:.4g}: through leaks more flows back than the rotors displace; gaps "
-            "and areas that wide are none of a machine (check gaps and speed)",
+            f"the volumetric efficiency is {found:.4g}: more flows back through leaks than the rotors displace; no "
+            "machine has gaps or areas so wide (check gaps and speed)",
             "volumetric_efficiency",
         )
 
@@ -115,7 +117,7 @@ def _driven(told: Told) -> Iterator[Doubt]:
     """Yield a doubt about a compressor that delivers gas and gives power."""
     power, filled = told.found.get("shaft_power"), told.found.get("volumetric_efficiency")
     if not (told.expands or power is None or filled is None or power > 0.0 or filled < DELIVERED):
-        what = f"the shaft power is {power:.4g} W: no compressor that delivers gas gives power (check its effects)"
+        what = f"the shaft power is {power:.4g} W: no compressor that delivers gas produces power (check its effects)"
         yield Doubt(what, "shaft_power")
 
 
@@ -125,8 +127,8 @@ def _carnot(told: Told) -> Iterator[Doubt]:
     T_e, T_c = operation.evaporating_temperature, operation.condensing_temperature
     if not (cop is None or T_e is None or T_c is None or T_c <= T_e or cop <= T_e / (T_c - T_e)):
         yield Doubt(
-            f"the COP of {cop:.4g} is above Carnot's {T_e / (T_c - T_e):.4g} between both temperatures: subcooling or "
-            "oil takes away heat that no figure counts (check operation.subcooling and oil_supply.temperature)",
+            f"the COP of {cop:.4g} is above Carnot's {T_e / (T_c - T_e):.4g} between the two temperatures: subcooling "
+            "or oil removes heat that no figure counts (check operation.subcooling and oil_supply.temperature)",
             "cop",
         )
 
@@ -135,8 +137,8 @@ def _hot(told: Told) -> Iterator[Doubt]:
     """Yield a doubt about a discharge temperature that no machine endures."""
     T = told.found.get("discharge_temperature")
     if not (T is None or T <= HOT or told.expands):
-        words = f"the gas leaves at {in_celsius(T)}, and a machine stands no {in_celsius(HOT)}"
-        yield Doubt(f"{words} (more or cooler oil, a lower pressure ratio)", "discharge_temperature")
+        words = f"the gas leaves at {in_celsius(T)}, and no machine withstands {in_celsius(HOT)}"
+        yield Doubt(f"{words} (use more or cooler oil, or a lower pressure ratio)", "discharge_temperature")
 
 
 def _burst(told: Told) -> Iterator[Doubt]:
@@ -144,7 +146,7 @@ def _burst(told: Told) -> Iterator[Doubt]:
     peak, line = told.found.get("peak_pressure"), max(told.lines.p_s, told.lines.p_d)
     if not (peak is None or peak <= BURST * line):
         what = f"the chamber reaches {in_bar(peak)}, {peak / line:.3g} times the higher line's pressure"
-        yield Doubt(f"{what}, which no housing stands (an earlier or wider discharge port)", "peak_pressure")
+        yield Doubt(f"{what}, which no housing withstands (open the discharge port earlier or wider)", "peak_pressure")
 
 
 DOUBTS = (_isothermal, _isentropic, _volumetric, _driven, _carnot, _hot, _burst)
@@ -171,6 +173,6 @@ def shut_ways(scene: Scene, parts: Parts) -> tuple[str, ...]:
         named = [name for name, effect in catalogue().items() if role in effect.roles and effect.fits(kind)]
         remedy = f"name {' or '.join(f'effects.{name}' for name in named) or 'an effect that opens one'}"
         given = [f"machine.{name}" for name in named if getattr(scene.machine, name, None) is not None]
-        beside = f"; {given[0]} is given, but only an effect that is named is simulated" if given else ""
+        beside = f"; {given[0]} is given, but only named effects are simulated" if given else ""
         found.append(f"no port or valve leads {way} the chambers ({remedy}{beside})")
     return tuple(found)

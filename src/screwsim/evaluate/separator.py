@@ -38,7 +38,7 @@ from screwsim.model.slots import (
 )
 from screwsim.model.trajectory import Array, Trajectory
 
-NONE_LEFT = "no net gas is delivered that could leave the separator"
+NONE_LEFT = "no net gas is delivered to leave the separator"
 
 
 class Circuit(NamedTuple):
@@ -79,7 +79,7 @@ def circuit_of(
     try:
         parted = part.balance(outflow, supply_open) if part is not None else separated(outflow)
     except UsageError as error:
-        return f"gas and oil do not part in the separator: {error}"
+        return f"the separator does not separate gas and oil: {error}"
     used = asking[0].separator_temperature if asking and separator_open else None
     change = 0.0 if used is None else parted.T_separator - used
     power = abs(problem.rate * float(q[Q_WORK]) + lift + sum(losses.values()))

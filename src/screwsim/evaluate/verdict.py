@@ -59,8 +59,8 @@ def _remedied(problem: Problem, found: Outside, life: Trajectory) -> str:
     hot = found.limit in (Limit.HOT, Limit.PRESSED) and problem.parts.geometry.expands
     if hot and float(life.ends[0][-1]) > problem.lines.T_s:
         return (
-            f"{found.what}: what the outlet does not let out is compressed again; use a wider machine.suction_port, "
-            f"through which an expander's gas leaves{_larger(problem)}, or a lower speed"
+            f"{found.what}: gas that does not get out through the outlet is recompressed; use a wider "
+            f"machine.suction_port, through which an expander's gas leaves{_larger(problem)}, or a lower speed"
         )
     return f"{found.what}; {REMEDIES[found.limit](problem)}"
 
@@ -104,7 +104,7 @@ def beyond_its_mean(problem: Problem, life: Trajectory) -> str:
         angles = np.linspace(0.0, problem.parts.geometry.pitch, PHASES, endpoint=False)
         pulses = np.array([life.module.line_pulse(line, angle, life.composition.P) for angle in angles])
         if np.min(1.0 + pulses[:, 1] / (1.0 + pulses[:, 0])) < LOWEST:
-            return part.swings or f"the pressure of the {part.to} line would swing beyond its mean"
+            return part.swings or f"the pressure of the {part.to} line would swing by more than its mean"
     return ""
 
 
@@ -126,21 +126,21 @@ def unclosed(of: Evaluation, cycle: CycleSolution) -> str:
         instead = way_of(cycle).instead
         return f"try {f'{instead}, or ' if instead else ''}a tighter numerics.accuracy"
     if cycle.change < UNSETTLED:
-        return "no further try closed it either: the accuracy may be too fine (a larger numerics.accuracy)"
+        return "no fallback closed it either: the wanted accuracy may be too fine (choose a larger numerics.accuracy)"
     hottest = of.life.ends[0].max()
     if hottest < HOT:
-        return "no further try closed it either: its turns do not settle (smaller leaks, or another speed)"
+        return "no fallback closed it either: its turns do not settle (choose smaller leaks, or another speed)"
     return (
-        f"no further try closed it either: its turns do not settle, with gas at up to {hottest:.2g} "
-        "K; gas that all but cannot get out heats, empties and fills the chambers anew without end (a wider discharge "
-        "port, smaller leaks or a lower speed)"
+        f"no fallback closed it either: its turns do not settle, with gas at up to {hottest:.2g} K; gas that can "
+        "hardly get out heats up, and the chambers empty and refill endlessly (choose a wider discharge port, "
+        "smaller leaks or a lower speed)"
     )
 
 
 def _restless(problem: Problem, cycle: CycleSolution) -> str:
     """Return what to do about reeds that hardly come to rest."""
     remedies = dict.fromkeys(part.remedy for _, part in problem.parts.all(Stops) if part.remedy)
-    what = "impacts of its reeds in a turn; reeds that lose so little at an impact bounce on and on"
+    what = "impacts of its reeds in one turn; reeds that lose so little at an impact keep bouncing"
     return f"{cycle.impacts} {what}" + (f" ({'; '.join(remedies)})" if remedies else "")
 
 
@@ -149,8 +149,9 @@ def failure(problem: Problem, cycle: CycleSolution) -> str:
     turn = TURN / problem.parts.omega
     if turn > STANDING:
         return (
-            f"the integration stopped at {math.degrees(cycle.angle):.2f} deg: the machine all but stands, a turn takes "
-            f"{turn / STANDING:.3g} days, and its gas is at rest long before (a higher operation.speed)"
+            f"the integration stopped at {math.degrees(cycle.angle):.2f} deg: the machine almost stands still: a turn "
+            f"takes {turn / STANDING:.3g} days, and its gas comes to rest long before that (choose a higher "
+            "operation.speed)"
         )
     states = zip(problem.composition.states, cycle.y, strict=False)
     y = ", ".join(f"{name} = {value:.6g}" for name, value in states)
@@ -158,7 +159,7 @@ def failure(problem: Problem, cycle: CycleSolution) -> str:
     if lock:
         return lock
     if cycle.impacts > MOST_IMPACTS:
-        return f"the turn was left at {math.degrees(cycle.angle):.2f} deg after {_restless(problem, cycle)}"
+        return f"the turn was given up at {math.degrees(cycle.angle):.2f} deg after {_restless(problem, cycle)}"
     n, gas = len(problem.composition.states), problem.parts.gas
     for i, (T, rho) in enumerate(zip(cycle.y[S_T::n], cycle.y[S_RHO::n], strict=True)):  # each of all chambers
         reason = gas.why_outside(float(T), float(rho))
@@ -173,8 +174,8 @@ def failure(problem: Problem, cycle: CycleSolution) -> str:
     if densest > NO_MATTER:
         pulsates = ", wider openings between plenum and line" if problem.parts.pulsations else ""
         return (
-            f"closing found no way to a cycle: its last try went astray, to a density of {densest:.1e} kg/m3; what the "
-            f"machine displaces may not get through its openings (a lower speed, wider ports{pulsates})"
+            f"no closed cycle was found: the last attempt diverged, to a density of {densest:.1e} kg/m3; the openings "
+            f"may be too small for what the machine displaces (choose a lower speed, wider ports{pulsates})"
         )
     return (
         f"the integration stopped at {math.degrees(cycle.angle):.2f} deg ({y}); "
@@ -223,5 +224,5 @@ def of_circuit(of: Evaluation) -> tuple[str, float]:
         return "", 0.0
     if isinstance(circuit, str):
         found = any(open_temperatures(of.problem.scene))
-        return (f"the oil's temperatures cannot be found: {circuit}" if found else ""), 0.0
+        return (f"the temperatures of the oil cannot be found: {circuit}" if found else ""), 0.0
     return circuit.parted.why, circuit.open

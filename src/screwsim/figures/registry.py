@@ -65,7 +65,7 @@ class Performance(Figures):
         if name in self or name.startswith("__") or name == "about":
             return super().__getattr__(name)
         if name in self.about:
-            raise AttributeError(f"no figure {name!r} here: the case failed (its message says why)")
+            raise AttributeError(f"no figure {name!r} here: the case failed (see its message)")
         if needs := needs_of(name):
             raise AttributeError(f"no figure {name!r} here: it needs {needs}")
         return super().__getattr__(name)
@@ -209,11 +209,11 @@ def _given(scene: Scene, parts: Parts) -> Iterator[tuple[str, Figure]]:
             about = own.get(figure) or known().get(figure)
             if about is None:
                 remedy = f"write figures=(Figure({figure!r}, unit, meaning),) in its EFFECT"
-                raise UsageError(f"effects.{name}: nobody declares its figure {figure} ({remedy})")
+                raise UsageError(f"effects.{name}: its figure {figure} is declared nowhere ({remedy})")
             first, before = whose.setdefault(figure, (name, about))
             if before != about or PERFORMANCE.get(figure, about) != about:
                 whom = "the program" if figure in PERFORMANCE else f"effects.{first}"
-                raise UsageError(f"effects.{name}: {whom} has another figure {figure} (give its own another name)")
+                raise UsageError(f"effects.{name}: {whom} has a different figure {figure} (rename its own)")
             if _is_met(about.needs, scene, parts, active.parameters):
                 yield figure, about
 
@@ -223,7 +223,7 @@ def borrowed(name: str, effect: Effect, given: Iterable[str]) -> dict[str, Figur
     own = {each.name for each in effect.figures}
     nobody = next((figure for figure in given if figure not in own and figure not in known()), None)
     if nobody is not None:
-        raise Impossible(name, f"nobody declares its figure {nobody} (EFFECT.figures)")
+        raise Impossible(name, f"its figure {nobody} is declared nowhere (EFFECT.figures)")
     return {figure: known()[figure] for figure in given if figure not in own}
 
 

@@ -36,7 +36,7 @@ class BlendBorder:
     def _theta(self, T: float) -> float:
         """Return θ of saturated liquid at T [K]; the vapour's is its negative. Raises UsageError."""
         if not self.lines.T_low <= T < self.lines.T_c:
-            reach = f"it has from {in_celsius(self.lines.T_low)} to {in_celsius(self.lines.T_c)}"
+            reach = f"it has one from {in_celsius(self.lines.T_low)} to {in_celsius(self.lines.T_c)}"
             raise UsageError(f"gas.fluid: {self.known.name} has no saturation at {in_celsius(T)} ({reach})")
         return float(np.sqrt(1.0 - T / self.lines.T_c))
 
@@ -73,7 +73,9 @@ class BlendBorder:
         above = table(side * places) >= wanted  # from cold to warm
         if above[0] or not above.any():
             low, high = (float(np.exp(table(side * places[i : i + 1])[0])) for i in (0, SEEN - 1))
-            what = f"{self.known.name} has no saturation at {in_bar(p)} (it has from {in_bar(low)} to {in_bar(high)})"
+            what = (
+                f"{self.known.name} has no saturation at {in_bar(p)} (it has one from {in_bar(low)} to {in_bar(high)})"
+            )
             raise UsageError(f"gas.fluid: {what}")
         first = int(np.argmax(above))
         theta: Any = brentq(

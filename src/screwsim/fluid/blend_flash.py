@@ -218,7 +218,7 @@ def _solve(fluid: str) -> dict[str, Any]:
         except ValueError:
             continue
         return {"edges": found.edges.tolist(), "border": found.border.tolist(), "c": found.c.tolist()}
-    raise UsageError(f"gas.two_phase: {known.name}: its two phases in equilibrium are not found ({INSTEAD})")
+    raise UsageError(f"gas.two_phase: {known.name}: no equilibrium of its two phases is found ({INSTEAD})")
 
 
 @lru_cache(maxsize=16)

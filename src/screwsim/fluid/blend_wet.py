@@ -35,7 +35,7 @@ class BlendWet:
         low, high = self.border.bubble_temperature(p), self.border.dew_temperature(p)
         if low < self.edges[0] or high >= self.edges[-1]:
             two = f"has two phases from {in_celsius(low)} to {in_celsius(high)}"
-            reach = f"these are followed from {in_celsius(self.edges[0])} to {in_celsius(self.edges[-1])} only"
+            reach = f"it is followed only from {in_celsius(self.edges[0])} to {in_celsius(self.edges[-1])}"
             raise UsageError(f"gas.two_phase: {self.border.known.name} at {in_bar(p)} {two}, and {reach}")
         return low, high
 

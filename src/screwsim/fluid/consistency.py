@@ -22,7 +22,7 @@ def inconsistency(gas: Gas, p_s: float, T_s: float, p_d: float) -> str:
     """Return in words how a gas contradicts itself between two lines [Pa, K]; empty where it does not."""
     for what, found, wanted, scale in _pairs(gas, p_s, T_s, p_d):
         if not abs(found - wanted) <= SLACK * max(abs(wanted), scale):
-            return f"{what} is {found:.6g}, where {wanted:.6g} belongs to its other functions"
+            return f"{what} is {found:.6g}, and its other functions give {wanted:.6g}"
     return ""
 
 

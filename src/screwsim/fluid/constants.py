@@ -299,7 +299,7 @@ def enthalpy(fluid: str, p: float, T: float) -> float:
         dense = p >= known.p_critical and _blend(fluid) is None
         return _single_phase(fluid, p, T, "iphase_supercritical_liquid") if dense else liquid_enthalpy(fluid, p, T)
     if p > dew_pressure(fluid, T):
-        what = f"{fluid} at {in_bar(p)}, {in_celsius(T)} is wet, between its bubble and its dew point"
+        what = f"{fluid} at {in_bar(p)}, {in_celsius(T)} is wet: it lies between bubble and dew point"
         raise UsageError(f"gas.fluid: {what}")
     return vapour_enthalpy(fluid, p, T)
 
@@ -327,7 +327,7 @@ def transport(fluid: str, p: float, T: float) -> tuple[float, float, float]:
     """
     mixed = _blend(fluid)
     if mixed is not None:
-        raise UsageError(f"CoolProp has no transport properties of blends, as {fluid} is one")
+        raise UsageError(f"CoolProp has no transport properties of blends such as {fluid}")
 
     def question() -> list[float]:
         state, coolprop = _abstract_state(fluid)

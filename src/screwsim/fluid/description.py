@@ -152,8 +152,8 @@ def _ask_blend(fluid: str, made: Composition) -> dict[str, Any]:
 
 
 PSEUDO_PURE = (
-    "{} is a mixture described as if it were pure: its two phases differ in composition; use two_phase: refuse, or a "
-    "pure fluid, or the blend itself (such as R410A.mix)"
+    "{} is a mixture described as if it were pure, although its two phases differ in composition; use two_phase: "
+    "refuse, or a pure fluid, or the blend itself (such as R410A.mix)"
 )
 
 

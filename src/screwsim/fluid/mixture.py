@@ -46,7 +46,9 @@ def departure_terms(name: str) -> list[Product]:
     """Return the terms of a departure function by its name (M313). Raises UsageError for an unknown name."""
     found = _departures().get(name)
     if found is None:
-        raise UsageError(f"gas.fluid: the departure function {name} of this CoolProp is not known here; {REMEDY}")
+        raise UsageError(
+            f"gas.fluid: this version of CoolProp uses the departure function {name}, which is not known here; {REMEDY}"
+        )
     n, d, t = (found[key] for key in "ndt")
     powers = len(n) if found["type"] == "Exponential" else int(found["Npower"])
     orders = found.get("l", [0] * powers)

@@ -136,7 +136,7 @@ class MoistAir:
         T, rho = self._compiled("at_pressure", p, wanted, entropy, T_LOW, T_HIGH, self.R)
         if not rho > 0.0:
             what = f"s = {wanted:.6g} J/(kg K)" if entropy else f"h = {wanted:.6g} J/kg"
-            raise Unfound(f"moist air at {in_bar(p)}, {what} is below what the equation covers; use warmer gas or oil")
+            raise Unfound(f"moist air at {in_bar(p)}, {what} is below the range of the equation; use warmer gas or oil")
         return T, rho
 
     def temperature(self, p: float, h: float) -> float:

@@ -51,7 +51,7 @@ def blend(name: str) -> str | None:
     if "&" in name or "/" in name:
         return "write a blend of your own as fluid: [NAME, NAME], with mass_fractions or mole_fractions"
     if re.fullmatch(r"r[45][0-9]{2}[a-z]?", wanted):
-        what = "R4xx and R5xx are numbers of blends, and CoolProp has none of this one"
+        what = "R4xx and R5xx are blends, and CoolProp has none of this number"
         return f"{what} (write its components as fluid: [NAME, NAME], with mass_fractions)"
     return None
 

@@ -21,11 +21,11 @@ def outside_fit(slenderness: float, reynolds: float) -> str:
     """Return in what respect a bore lies outside the range of M30, with the remedy; empty inside."""
     low, high = FITTED_SLENDERNESS
     if not low * (1.0 - _EDGE) <= slenderness <= high * (1.0 + _EDGE):
-        what = f"the bore is {slenderness:.3g} diameters long, fitted are {low:g} to {high:g}"
-        return f"{what} (another oil_supply.orifice_length)"
+        what = f"the bore is {slenderness:.3g} diameters long, and the fit covers {low:g} to {high:g}"
+        return f"{what} (choose another oil_supply.orifice_length)"
     if 0.0 < reynolds < LEAST_REYNOLDS:
-        what = f"the bore's Reynolds number is {reynolds:.2g}, fitted is above {LEAST_REYNOLDS:g}"
-        return f"{what} (a wider oil_supply.orifice_diameter, or a thinner oil)"
+        what = f"the bore's Reynolds number is {reynolds:.2g}, and the fit starts at {LEAST_REYNOLDS:g}"
+        return f"{what} (choose a wider oil_supply.orifice_diameter, or a thinner oil)"
     return ""
 
 

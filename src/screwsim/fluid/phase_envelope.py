@@ -250,7 +250,8 @@ def _followed(known: Description) -> Envelope:
     log_z_m, T_m = _highest(log_z, T)
     if T_low > LEAST_SPAN * T_m:
         what = (
-            f"it has two phases below {in_celsius(T_m)} only, and its components' equations end at {in_celsius(T_low)}"
+            f"it has two phases only below {in_celsius(T_m)}, and the equations of its components end at "
+            f"{in_celsius(T_low)}"
         )
         raise UsageError(f"gas.fluid: {known.name}: {what}; {REMEDY}")
     theta = np.sign(log_z - log_z_m) * np.sqrt(np.maximum(1.0 - T / T_m, 0.0))
@@ -264,4 +265,4 @@ envelope = Remembered(_followed)  # takes a second for three components, and ser
 
 
 def _untraced(known: Description) -> UsageError:
-    return UsageError(f"gas.fluid: {known.name}: its dew and bubble lines are not found; {REMEDY}")
+    return UsageError(f"gas.fluid: {known.name}: its dew and bubble lines cannot be found; {REMEDY}")

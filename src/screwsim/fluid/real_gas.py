@@ -167,7 +167,7 @@ class RealGas:
         """Return density [kg/m³] of the vapour at p [Pa], T [K]. Raises Unfound for a liquid."""
         found = saturation(self.fluid)
         if p > self.saturation_pressure(T) * (1.0 + AT_SATURATION):
-            what = "is liquid, or wet: it condenses from" if self.known.glides else "is liquid: it boils at"
+            what = "is liquid, or wet: it condenses below" if self.known.glides else "is liquid: it boils at"
             raise Unfound(
                 f"{self.known.name} at {in_bar(p)}, {in_celsius(T)} {what} "
                 f"{in_celsius(self.saturation_temperature(p) or found.T_c)}; "
@@ -181,7 +181,7 @@ class RealGas:
         if not rho > 0.0:
             what = f"s = {wanted:.6g} J/(kg K)" if entropy else f"h = {wanted:.6g} J/kg"
             raise Unfound(
-                f"{self.known.name} at {in_bar(p)}, {what} is below what the equation covers; use warmer gas or oil"
+                f"{self.known.name} at {in_bar(p)}, {what} is below the range of the equation; use warmer gas or oil"
             )
         return T, rho
 
@@ -223,7 +223,7 @@ class RealGas:
         """
         T, rho = self._at(p, h, False)
         if T >= saturation(self.fluid).T_c or rho < self._kernels["liquid"](T) * (1.0 - LIQUID):
-            raise UsageError(f"{self.known.name} at {in_bar(p)}, h = {h:.6g} J/kg is no liquid; give a colder state")
+            raise UsageError(f"{self.known.name} at {in_bar(p)}, h = {h:.6g} J/kg is not a liquid; give a colder state")
         return self._reservoir(p, T, rho)
 
     def _reservoir(self, p: float, T: float, rho: float) -> Reservoir:
@@ -240,7 +240,7 @@ class RealGas:
         below = self.known.glides and not self.equilibrium and T < saturation(self.fluid).T_c
         vapour, liquid = (self._kernels[what](T) for what in ("vapour", "liquid")) if below else (rho, rho)
         if vapour * (1.0 + AT_SATURATION) < rho < liquid * (1.0 - LIQUID):
-            what = f"{self.known.name} at {in_bar(p)}, s = {s:.6g} J/(kg K), where an isentrope ends, is wet"
+            what = f"{self.known.name} at {in_bar(p)}, s = {s:.6g} J/(kg K), at the end of an isentrope, is wet"
             raise Unfound(f"{what}; use warmer gas in the suction line, or gas.two_phase: equilibrium")
         return T, rho, float(self._kernels["state"](T, rho)[1])
 

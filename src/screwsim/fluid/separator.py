@@ -11,8 +11,8 @@ NEAR = 1e-12  # relative accuracy of the gas's enthalpy
 MOST = 60  # most iterations for it
 WET = 1e-6  # relative distance from saturation within which the gas counts as condensing
 CONDENSES = (
-    "gas condenses in the separator: gas and oil mix to {T}, which is saturation at discharge pressure "
-    "(warmer oil, less of it, or a smaller duty of the cooler)"
+    "gas condenses in the separator: gas and oil mix at {T}, which is the saturation temperature at discharge "
+    "pressure (use warmer oil, less oil, or a smaller cooler duty)"
 )
 
 

@@ -19,22 +19,22 @@ def oil_temperature(doc: str) -> Any:
 
 @dataclass(frozen=True)
 class GasSettings:
-    """The working gas: a pure fluid, a predefined blend, or one of one's own of stated composition."""
+    """The working gas: a pure fluid, a predefined blend, or a blend of your own with its composition."""
 
     fluid: str | tuple[str, ...] = fluid(
         "a pure fluid or a predefined blend of CoolProp (R454B, R407C.mix), or a list of a blend's components", "R134a"
     )
     mass_fractions: tuple[float, ...] | None = numbers(
-        "of the components in fluid: [NAME, NAME], in their order", None, gt=0.0, lt=1.0
+        "mass fractions of the components of fluid: [NAME, NAME], in that order", None, gt=0.0, lt=1.0
     )
     mole_fractions: tuple[float, ...] | None = numbers(
-        "of the components, in place of mass_fractions", None, gt=0.0, lt=1.0
+        "mole fractions of the components, in place of mass_fractions", None, gt=0.0, lt=1.0
     )
     model: str = choice(
         "equation of state; real: the fluid's full Helmholtz equation", ("ideal", "real"), "ideal", own="GAS"
     )
     two_phase: str = choice(
-        "a real gas that condenses: refuse it, or follow both phases in equilibrium", (REFUSE, EQUILIBRIUM), REFUSE
+        "for a real gas that condenses: refuse it, or follow both phases in equilibrium", (REFUSE, EQUILIBRIUM), REFUSE
     )
     isentropic_exponent: float | None = number(
         "k of the ideal gas (default: cp0/(cp0 - R) at suction temperature; always c_v = R/(k - 1))",
@@ -44,14 +44,14 @@ class GasSettings:
         hardly=(1.01, 5.0 / 3.0),
     )
     relative_humidity: float | None = number(
-        "of air in the suction line, at its pressure and temperature (M320): vapour in the gas, which may condense",
+        "relative humidity of the air in the suction line (M320): its vapour is part of the gas and may condense",
         None,
         ge=0.0,
         le=1.0,
     )
     dew_point_margin: float | None = quantity(
         "temperature_difference",
-        "above the pressure dew point, of the lowest safe oil temperature (default: 5 K; with relative_humidity)",
+        "margin of the lowest safe oil temperature above the pressure dew point (default: 5 K; with relative_humidity)",
         None,
         ge=0.0,
         hardly=(0.0, 30.0),
@@ -80,10 +80,10 @@ class OilProperties(NamedTuple):
 
 @dataclass(frozen=True)
 class OilSettings:
-    """The oil: constant properties, or a stored oil by its name, and how it travels with leaking gas."""
+    """The oil: constant properties or the name of a stored oil, and how it travels with leaking gas."""
 
     name: str | None = choice(
-        "a stored oil: density, heat capacity and viscosity by temperature (M140), instead of numbers",
+        "a stored oil, with density, heat capacity and viscosity over temperature (M140), instead of numbers",
         tuple(OILS),
         None,
     )
@@ -95,7 +95,8 @@ class OilSettings:
         "viscosity", "dynamic viscosity (for losses and the injection orifice)", None, ge=1e-6, hardly=(2e-4, 20.0)
     )
     transport: str = choice(
-        "paper: ratio d constant after 360 deg; carried: oil mass is a state from 0 deg, leaks carry the donor's ratio",
+        "paper: the ratio d is constant after 360 deg; carried: oil mass is a state from 0 deg, and leaks carry the "
+        "upstream chamber's ratio",
         ("paper", CARRIED),
         CARRIED,
     )
@@ -120,9 +121,9 @@ class OilSettings:
 
 @dataclass(frozen=True)
 class OilLine:
-    """What pipe, filter and cooler lose at one flow; at another one it goes with its square."""
+    """Pressure loss of pipe, filter and cooler at one flow; it is proportional to the square of the flow."""
 
     pressure_loss: float = quantity(
-        "pressure_difference", "pressure loss of pipe, filter and cooler at that flow", ge=0.0, hardly=(None, 5e6)
+        "pressure_difference", "pressure loss of pipe, filter and cooler at flow", ge=0.0, hardly=(None, 5e6)
     )
-    flow: float = quantity("volume_flow", "flow of oil through the line at which it loses that", gt=0.0)
+    flow: float = quantity("volume_flow", "oil flow through the line for which pressure_loss is stated", gt=0.0)

@@ -188,8 +188,8 @@ IDEAL: dict[str, Callable[[Ideal, Contribution], None]] = {
 
 def _refuse(fluid: str, kind: str) -> UsageError:
     return UsageError(
-        f"gas.fluid: {fluid}: its equation has the term {kind}, which gas.model: real does not know; "
-        "use gas.model: ideal, or a fluid such as R134a, Ammonia, CarbonDioxide"
+        f"gas.fluid: {fluid}: its equation has the term {kind}, which gas.model: real does not support; use "
+        "gas.model: ideal, or a fluid such as R134a, Ammonia, CarbonDioxide"
     )
 
 

@@ -74,7 +74,7 @@ def _flag(given: Any) -> bool:
 
 def instance(kind: type, remedy: str) -> Kind:
     """Return the kind of the instances of a class; `remedy` says what to pass."""
-    return Kind(lambda given: isinstance(given, kind), f"no {kind.__name__} (pass {remedy})")
+    return Kind(lambda given: isinstance(given, kind), f"not a {kind.__name__} (pass {remedy})")
 
 
 def whole(least: int, words: str) -> Kind:
@@ -85,10 +85,10 @@ def whole(least: int, words: str) -> Kind:
 def ends_of(path: str, given: Any) -> tuple[float, float]:
     """Return the two ends of a range; raise UsageError unless they are two numbers, the lower one first."""
     if not isinstance(given, Iterable) or isinstance(given, str | bytes | Mapping):
-        raise UsageError(f"{path}: {shown(given)} is no range (pass two numbers [SI], the lower one first)")
+        raise UsageError(f"{path}: {shown(given)} is not a range (pass two numbers [SI], the lower one first)")
     ends = tuple(given)
     if len(ends) != 2 or not all(map(_number, ends)) or not ends[0] < ends[1]:
-        raise UsageError(f"{path}: {shown(given)} is no range (pass two numbers [SI], the lower one first)")
+        raise UsageError(f"{path}: {shown(given)} is not a range (pass two numbers [SI], the lower one first)")
     return float(ends[0]), float(ends[1])
 
 
@@ -134,19 +134,19 @@ def _progress(given: Any) -> bool:
 
 JOBS = Kind(
     lambda given: given is None or (_whole(given) and given >= 1),
-    "no number of workers (pass 1 or more, or None for all cores)",
+    "not a number of workers (pass 1 or more, or None for all cores)",
 )
-SEED = whole(0, "no seed (pass a whole number from 0 on)")
+SEED = whole(0, "not a seed (pass a whole number, 0 or more)")
 FLAG = Kind(_flag, "neither True nor False")
 REAL = Kind(_real, "no number")  # NaN passes: the function reports it itself
 NUMBER = Kind(_number, "no number")
-QUANTITY = Kind(lambda given: _number(given) or _text(given), "neither a number nor a text as '3000 rpm'")
+QUANTITY = Kind(lambda given: _number(given) or _text(given), "neither a number nor a text such as '3000 rpm'")
 TEXT = Kind(lambda given: isinstance(given, str), "no text")
 TEXTS = Kind(_texts, "neither a text nor a list of texts")
-FILE = Kind(_file, "no path of a file")
-CALLED = Kind(callable, "nothing that can be called")
-PROGRESS = Kind(_progress, "no progress (pass True, False or None)")
-NUMBERS = Kind(_numbers, "neither a text as '140, 163 mm' nor a list of numbers")
+FILE = Kind(_file, "not the path of a file")
+CALLED = Kind(callable, "not a function")
+PROGRESS = Kind(_progress, "not a setting of progress (pass True, False or None)")
+NUMBERS = Kind(_numbers, "neither a text such as '140, 163 mm' nor a list of numbers")
 MAPPING = Kind(lambda given: isinstance(given, Mapping), "no dict")
 # arguments that mean the same in every function
 USUAL: dict[str, Kind] = {"figure": TEXT, "jobs": JOBS, "output": FILE, "progress": PROGRESS, "seed": SEED}

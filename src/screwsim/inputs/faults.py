@@ -29,7 +29,7 @@ class SceneError(Exception):
 
     def __init__(self, lines: list[str]) -> None:
         more = len(lines) - MOST_TOLD
-        told = [*lines[:MOST_TOLD], f"… and {more} more fault{'s' * (more > 1)} (mend these first)"]
+        told = [*lines[:MOST_TOLD], f"… and {more} more fault{'s' * (more > 1)} (fix these first)"]
         super().__init__("\n".join(told if more > 0 else lines))
         self.lines = lines
 
@@ -42,7 +42,7 @@ class Impossible(UsageError):
     """Report, in one line, that a user's effect returned an impossible value: the case has failed."""
 
     def __init__(self, effect: str, what: str) -> None:
-        super().__init__(f"effects.{effect}: {what}, which cannot be; mend that module")
+        super().__init__(f"effects.{effect}: {what}, which is impossible; fix that module")
 
 
 class Unfound(Impossible):

@@ -98,7 +98,7 @@ def sheet_of(text: str) -> Sheet:
     head = _row(*lines[0])
     divided = next((name for mark, name in _OTHER.items() if len(head.cells) == 1 and mark in head.text), None)
     if divided is not None:
-        raise BadSheet(f"is divided by {divided} (save it with commas, and points before decimals)", head.line)
+        raise BadSheet(f"is separated by {divided} (save it with commas between cells and decimal points)", head.line)
     body = [_row(number, line) for number, line in lines[1:]]
     for name in head.cells:
         if name and head.cells.count(name) > 1:
@@ -116,7 +116,7 @@ def _row(number: int, line: str) -> Row:
         (cells,) = csv.reader([line], strict=True)
     except csv.Error as error:
         why = "holds a cell that is too long" if "field limit" in str(error) else f"is not CSV: {error}"
-        raise BadSheet(f"{why} (separate cells by commas; a quote that opens a cell closes it, too)", number) from None
+        raise BadSheet(f"{why} (separate cells by commas; close each quote that opens a cell)", number) from None
     if len(cells) > MOST_CELLS:
         raise BadSheet(f"has {len(cells)} cells (at most {MOST_CELLS} are allowed)", number)
     return Row(number, line, tuple(cell.strip() for cell in cells))
@@ -132,8 +132,8 @@ def _check_remark(number: int, line: str, head: Row) -> None:
     except BadSheet:
         return
     if count == len(head.cells):
-        what = f"begins with {REMARK} and has the cells of a row"
-        remedy = f"put its name into double quotes, or a blank behind {REMARK} where the row is left out"
+        what = f"begins with {REMARK}, but has as many cells as a row"
+        remedy = f"put its name in double quotes, or a space after {REMARK} if the row is to be left out"
         raise BadSheet(f"{what} ({remedy})", number)
 
 
@@ -141,9 +141,10 @@ def _check_count(row: Row, wanted: int) -> None:
     count = len(row.cells)
     if count == wanted:
         return
-    remedy = "write decimal points, no decimal commas" if count > wanted else "fill the row"
+    remedy = "write decimal points, not decimal commas" if count > wanted else "fill the row"
     raise BadSheet(
-        f"has {count} cell{'s' * (count != 1)}, the first line {wanted} ({remedy}: one cell a column)", row.line
+        f"has {count} cell{'s' * (count != 1)}, but the first line has {wanted} ({remedy}: one cell per column)",
+        row.line,
     )
 
 

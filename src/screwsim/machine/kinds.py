@@ -57,7 +57,7 @@ def offering(needs: frozenset[str]) -> str:
 def twin_screw(machine: MachineSettings) -> TwinScrew:
     """Return a machine as a `TwinScrew`; raise TypeError for any other kind."""
     if not isinstance(machine, TwinScrew):
-        raise TypeError(f"a {TWIN_SCREW} is asked for, not a {machine.kind}")
+        raise TypeError(f"a {TWIN_SCREW} is needed here, not a {machine.kind}")
     return machine
 
 
@@ -75,15 +75,15 @@ def _check_own(machine: MachineSettings) -> list[Fault]:
         wrong = "" if found else _impossible(kind.geometry(machine), kind.offers)
     except Exception as error:  # noqa: BLE001 - a module of the user's may raise anything
         text = " ".join(f"{type(error).__name__}: {error}".split())
-        return [Fault("machine.kind", f"{machine.kind} fails ({text}); mend that module")]
-    return [Fault("machine.kind", f"{machine.kind}: {wrong}; mend that module")] if wrong else found
+        return [Fault("machine.kind", f"{machine.kind} fails ({text}); fix that module")]
+    return [Fault("machine.kind", f"{machine.kind}: {wrong}; fix that module")] if wrong else found
 
 
 def _impossible(geometry: MachineGeometry, offers: frozenset[str]) -> str:
     """Return in words what is impossible about a geometry; empty where nothing is."""
     moves = geometry.settings.surface_speed(1.0)
     if not (isinstance(moves, int | float) and math.isfinite(moves) and moves >= 0.0):
-        return f"its surface_speed is {moves!r} m/s at 1 rad/s, which cannot be"
+        return f"its surface_speed is {moves!r} m/s at 1 rad/s, which is impossible"
     ports = (("suction", geometry.suction_law), ("discharge", geometry.discharge_law)) if PORTS in offers else ()
     gaps = [(gap, each) for gap in GAPS if gap in offers for each in geometry.interfaces(gap) or ()]
     wrong = (_volume(geometry), *(_port(geometry, *port) for port in ports), *(_gap(geometry, *gap) for gap in gaps))
@@ -107,7 +107,7 @@ def _gap(geometry: MachineGeometry, name: str, gap: Interface) -> str:
     """Return what is impossible about a gap: the chamber that it leads to, its angles, its lengths."""
     chambers, angles, lengths = geometry.life / geometry.pitch, gap.table.angle, gap.table.value
     if not (_whole(gap.offset) and 1 <= gap.offset <= chambers):
-        return f"its {name} leads {gap.offset} pitches ahead, of {chambers:g} in a life"
+        return f"its {name} leads to a chamber {gap.offset} pitches ahead, and a life has {chambers:g} pitches"
     if not np.all(np.diff(angles) > 0.0):
         first = float(angles[1:][np.argmin(np.diff(angles) > 0.0)])
         return f"the angles of its {name} do not increase, at {_degrees(first)}"
@@ -119,7 +119,9 @@ def _below_nothing(what: str, unit: str, angles: Array, values: Array) -> str:
     if not len(wrong):
         return ""
     at = int(wrong[0])
-    return f"the {what} is {values[at]:.6g} {unit} at {_degrees(float(angles[at]))}, which cannot be".replace("  ", " ")
+    return f"the {what} is {values[at]:.6g} {unit} at {_degrees(float(angles[at]))}, which is impossible".replace(
+        "  ", " "
+    )
 
 
 def _angles(life: float) -> Array:
@@ -130,7 +132,7 @@ def _volume(geometry: MachineGeometry) -> str:
     """Return what is impossible about a geometry's angles, its volume, or the slope of its volume."""
     life, pitch, at = geometry.life, geometry.pitch, geometry.injection_angle
     if not (0.0 < pitch <= life and _whole(life / pitch)):
-        return f"its life of {_degrees(life)} is no whole number of pitches of {_degrees(pitch)}"
+        return f"its life of {_degrees(life)} is not a whole number of pitches of {_degrees(pitch)}"
     alone = geometry.chambers == 1
     if not (0.0 < at < life if alone else at <= life - pitch + ROUNDING and at > 0.0 and _whole(at / pitch)):
         where = "inside its life" if alone else f"a whole number of pitches of {_degrees(pitch)} inside its life"
@@ -143,11 +145,11 @@ def _volume(geometry: MachineGeometry) -> str:
     V, slope = law.along(ends)[0], law.along(nodes.ravel())[1].reshape(nodes.shape)
     for phi, value in zip(ends.tolist(), V.tolist(), strict=True):
         if not (math.isfinite(value) and value > 0.0):
-            return f"its volume is {value:.6g} m³ at {_degrees(phi)}, which cannot be"
+            return f"its volume is {value:.6g} m³ at {_degrees(phi)}, which is impossible"
     off = np.abs(V[0] + np.concatenate([[0.0], np.cumsum(half * slope.sum(axis=1))]) - V)
     if not off.max() <= SLACK * V.max():
         first = float(ends[np.argmax(off > SLACK * V.max())])
-        return f"its volume_slope is not the slope of its volume up to {_degrees(first)}"
+        return f"its volume_slope does not match the slope of its volume up to {_degrees(first)}"
     if abs(V[-1] - V[0]) > SLACK * V.max():
         return f"its volume ends at {V[-1]:.6g} m³ and begins at {V[0]:.6g} m³"
     swept = float(V.max() - V.min())

@@ -26,8 +26,8 @@ BIRTH = math.radians(20.0)  # angle over which a path opens whose length is not 
 BEFORE_CLOSING = np.radians((2.0, 0.5, 0.1))  # steps end there: error control misses the layer before a port closes
 AFTER_OPENING = np.radians((2.0, 5.0, 10.0, 20.0))  # and there, next to a chamber whose pressure jumps as it opens
 
-_NO_SUCTION = "machine.profile.wrap_angle: leaves the suction port no opening (choose another)"
-_SHUT = "machine.built_in_volume_ratio: {:.4g} leaves the discharge port no opening (choose a smaller ratio)"
+_NO_SUCTION = "machine.profile.wrap_angle: leaves no opening for the suction port (choose another)"
+_SHUT = "machine.built_in_volume_ratio: {:.4g} leaves no opening for the discharge port (choose a smaller ratio)"
 
 # the paths of each kind of gap: those of one group with the same offset form one interface
 PATHS = {

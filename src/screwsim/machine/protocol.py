@@ -243,7 +243,7 @@ class Size:
     what: str  # the scale, in words
     most: float
     usual: tuple[float, float]
-    remedy: str = "a smaller one; is the unit right?"
+    remedy: str = "choose a smaller one; is the unit right?"
 
 
 @dataclass(frozen=True)

@@ -30,10 +30,13 @@ class VolumeLaw(ByLaw):
         "CSV with columns angle_deg, volume_m3 (swept part, scaled to max; law: table)", curve=VOLUME
     )
     life: float | None = quantity(
-        "angle", "angle of a chamber's life, whole lobe pitches (law: table; default: 720 deg)", None, gt=0.0
+        "angle", "angle of a chamber's life, a multiple of the lobe pitch (law: table; default: 720 deg)", None, gt=0.0
     )
     injection_angle: float | None = quantity(
-        "angle", "angle at which oil is injected, whole lobe pitches (law: table; default: 360 deg)", None, gt=0.0
+        "angle",
+        "angle at which oil is injected, a multiple of the lobe pitch (law: table; default: 360 deg)",
+        None,
+        gt=0.0,
     )
 
     @property
@@ -64,7 +67,7 @@ class DischargePort(ByLaw):
     area: float | None = quantity("area", "largest area (law: paper)", None, gt=0.0)
     opens: float | None = quantity(
         "angle",
-        "angle phi_dis at which the port opens, inside (360 deg, 720 deg) (with machine.built_in_volume_ratio: found)",
+        "angle phi_dis at which the port opens, inside (360 deg, 720 deg) (found with machine.built_in_volume_ratio)",
         None,
     )
     phi_C: float | None = quantity(
@@ -78,10 +81,10 @@ class DischargePort(ByLaw):
 
 @dataclass(frozen=True)
 class Displacement:
-    """The size of a machine as catalogues state it: the volume that it displaces at a speed of their own."""
+    """The size of a machine as catalogues state it: the volume flow that it displaces at a stated speed."""
 
-    flow: float = quantity("displacement", "displaced volume a time, of all chambers", gt=0.0, hardly=(1e-3, 10.0))
-    at: float = quantity("speed", "speed of the male rotor at which that is (catalogues: 2950 rpm)", gt=0.0)
+    flow: float = quantity("displacement", "displaced volume per time, of all chambers", gt=0.0, hardly=(1e-3, 10.0))
+    at: float = quantity("speed", "speed of the male rotor for that flow (catalogues: 2950 rpm)", gt=0.0)
 
     @property
     def volume(self) -> float:
@@ -95,8 +98,8 @@ class TwinScrew(MachineSettings):
 
     kind: str = choice("kind of machine", ("twin_screw",), "twin_screw")
     mode: str = choice("compressor, or expander (discharge below suction pressure)", (COMPRESSOR, EXPANDER), COMPRESSOR)
-    male_lobes: int = count("number of male lobes z1 (a family's are its own)", DerivedCount(4), ge=1, le=12)
-    female_lobes: int = count("number of female lobes z2 (a family's are its own)", DerivedCount(6), ge=1, le=14)
+    male_lobes: int = count("number of male lobes z1 (with a family: the family's)", DerivedCount(4), ge=1, le=12)
+    female_lobes: int = count("number of female lobes z2 (with a family: the family's)", DerivedCount(6), ge=1, le=14)
     rotor_diameter: float = quantity(
         "length", "outer diameter of the male rotor", None, gt=0.0, hardly=(0.02, 1.5), otherwise=("displacement",)
     )
@@ -105,14 +108,14 @@ class TwinScrew(MachineSettings):
     )
     displacement: Displacement | None = None
     built_in_volume_ratio: float | None = number(
-        "largest chamber volume over that at which the discharge port opens; moves the port, a table's, too",
+        "largest chamber volume over that at which the discharge port opens; moves the port, also one from a table",
         None,
         gt=1.0,
         hardly=(None, 12.0),
     )
     axial_volume_ratio: float | None = number(
-        "to which the axial discharge port is cut, where a slide's stop moves the radial one alone to "
-        "built_in_volume_ratio (law: profile; default: both together)",
+        "volume ratio to which the axial discharge port is cut, where built_in_volume_ratio is that of the radial "
+        "port at a slide's stop (law: profile; default: the same for both)",
         None,
         gt=1.0,
         hardly=(None, 12.0),
@@ -188,7 +191,7 @@ def _law(name: str, law: VolumeLaw | SuctionPort | DischargePort) -> Iterator[Fa
     if law.from_file and law.file is None:
         yield Fault(f"{path}.file", "is missing (law: table needs a CSV file)")
     if not law.from_file and law.file is not None:
-        yield Fault(f"{path}.file", "belongs to law: table (write `law: table`, or remove the file)")
+        yield Fault(f"{path}.file", "applies only to law: table (write `law: table`, or remove the file)")
     if isinstance(law, VolumeLaw):
         if not law.from_rotors and law.max is None:
             yield Fault(f"{path}.max", "is missing (write e.g. max: 500 cm^3; swept volume of one chamber)")
@@ -196,7 +199,7 @@ def _law(name: str, law: VolumeLaw | SuctionPort | DischargePort) -> Iterator[Fa
         yield Fault(f"{path}.area", "is missing (law: paper needs it)")
     for field in ("max", "phi_A", "area", "phi_B", "opens", "phi_C") if law.from_rotors else ():
         if getattr(law, field, None) is not None:
-            yield Fault(f"{path}.{field}", "belongs to another law: profile finds it from the rotors (remove it)")
+            yield Fault(f"{path}.{field}", "applies only to other laws: profile finds it from the rotors (remove it)")
 
 
 def _life(machine: TwinScrew) -> Iterator[Fault]:
@@ -205,21 +208,21 @@ def _life(machine: TwinScrew) -> Iterator[Fault]:
     for field in ("life", "injection_angle"):
         angle, what = getattr(volume, field), ""
         if angle is not None and not volume.from_file:
-            what = f"belongs to law: table; law: {volume.law} knows it (remove it)"
+            what = f"applies only to law: table; law: {volume.law} fixes it (remove it)"
         elif angle is not None and abs(angle / pitch - round(angle / pitch)) > 1e-9:
             step = f"{math.degrees(pitch):.6g} deg"
-            what = f"{math.degrees(angle):.6g} deg is no whole number of lobe pitches of {step}"
+            what = f"{math.degrees(angle):.6g} deg is not a whole number of lobe pitches of {step}"
         if what:
             good = False
             yield Fault(f"machine.volume.{field}", what)
     life, injection = volume.life or LIFE, volume.injection_angle or TURN
     if good and injection > life - pitch + 1e-9:
-        what = "leaves no pitch of the life (choose a smaller angle, or a longer life)"
+        what = "leaves no lobe pitch before the end of the life (choose a smaller angle, or a longer life)"
         yield Fault("machine.volume.injection_angle", what)
     for name in ("suction_port", "discharge_port"):
         law = getattr(machine, name)
         if law is not None and law.by_formula and (volume.from_rotors or machine.counts_otherwise):
-            what = "paper counts a life of 720 deg, which volume has not (write law: table or law: profile)"
+            what = "paper is for a chamber life of 720 deg, and volume has another (write law: table or law: profile)"
             yield Fault(f"machine.{name}.law", what)
         if law is not None and law.from_rotors and not volume.from_rotors:
-            yield Fault(f"machine.{name}.law", "profile needs machine.volume.law: profile (write that, too)")
+            yield Fault(f"machine.{name}.law", "profile needs machine.volume.law: profile (write that as well)")

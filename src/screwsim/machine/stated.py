@@ -148,14 +148,14 @@ def stated_faults(machine: TwinScrew) -> Iterator[Fault]:
     by_family = machine.profile is not None and machine.profile.family is not None and machine.volume.from_rotors
     if own(machine.rotor_diameter) is None and not (by_family and machine.displacement is not None):
         what = "is missing (write rotor_diameter: … mm; outer diameter of the male rotor"
-        only = "; displacement states volume.max alone here)" if machine.displacement is not None else ")"
+        only = "; here displacement gives volume.max only)" if machine.displacement is not None else ")"
         yield Fault("machine.rotor_diameter", what + only)
     if own(machine.rotor_length) is None and not by_family:
         yield Fault("machine.rotor_length", "is missing (write rotor_length: … mm; length of the rotors)")
     if _opened_by_ratio(machine):
         yield from _of_ratio(machine)
     if machine.axial_volume_ratio is not None and not machine.volume.from_rotors:
-        what = "belongs to law: profile, whose discharge port has two parts (remove it)"
+        what = "applies only to law: profile, whose discharge port has two parts (remove it)"
         yield Fault("machine.axial_volume_ratio", what)
     if machine.slide_valve is not None:
         yield from _of_slide(machine)
@@ -165,20 +165,20 @@ def _of_slide(machine: TwinScrew) -> Iterator[Fault]:
     port, path = machine.discharge_port, "machine.slide_valve"
     if not machine.volume.from_rotors or port is None or not port.from_rotors:
         what = "needs rotors: machine.volume.law and machine.discharge_port.law: profile"
-        yield Fault(path, f"{what} (write these; under other laws effects.slide_valve states its own angles)")
+        yield Fault(path, f"{what} (write these; under other laws effects.slide_valve states the angles itself)")
     elif machine.expands:
-        yield Fault(path, "belongs to machine.mode: compressor (remove it)")
+        yield Fault(path, "applies only to machine.mode: compressor (remove it)")
 
 
 def _of_family(machine: TwinScrew) -> Iterator[Fault]:
     profile = machine.profile
     if profile is None or profile.family is None:
         return
-    family, beside = FAMILIES[profile.family], "is given beside machine.profile.family"
+    family, beside = FAMILIES[profile.family], "is given as well as machine.profile.family"
     for name in LENGTHS:
         if own(getattr(profile, name)) is not None:
             what = f"{beside}, whose rotors follow from rotor_diameter"
-            yield Fault(f"machine.profile.{name}", f"{what} (remove one of the two, null in place of a base's)")
+            yield Fault(f"machine.profile.{name}", f"{what} (remove one of the two; null drops a base's value)")
     if own(profile.kind) not in (None, family.kind):
         yield Fault("machine.profile.kind", f"{beside}: {profile.family}, which is {family.kind} (remove it)")
     for name in ("male_lobes", "female_lobes"):
@@ -190,15 +190,15 @@ def _of_family(machine: TwinScrew) -> Iterator[Fault]:
 def _of_displacement(machine: TwinScrew) -> Iterator[Fault]:
     if machine.displacement is None:
         return
-    path, remedy = "machine.displacement", "remove one of the two, null in place of a base's"
+    path, remedy = "machine.displacement", "remove one of the two; null drops a base's value"
     if not machine.volume.from_rotors:
         if own(machine.volume.max) is not None:
-            yield Fault("machine.volume.max", f"is given beside {path}, which states it, too ({remedy})")
+            yield Fault("machine.volume.max", f"is given as well as {path}, which states it already ({remedy})")
     elif machine.profile is None or machine.profile.family is None:
-        what = "needs machine.profile.family: the profile here states the size of its rotors by lengths"
+        what = "needs machine.profile.family: this profile states the size of its rotors by lengths"
         yield Fault(path, f"{what} (write family: b, or remove it)")
     elif own(machine.rotor_diameter) is not None:
-        yield Fault("machine.rotor_diameter", f"is given beside {path}, which states it, too ({remedy})")
+        yield Fault("machine.rotor_diameter", f"is given as well as {path}, which states it already ({remedy})")
 
 
 def _of_ratio(machine: TwinScrew) -> Iterator[Fault]:
@@ -211,8 +211,8 @@ def _of_ratio(machine: TwinScrew) -> Iterator[Fault]:
         return
     for name in ("opens", "phi_C"):
         if own(getattr(port, name)) is not None:
-            what = f"is given beside {PATH}, from which it follows"
-            yield Fault(f"machine.discharge_port.{name}", f"{what} (remove one of the two, null in place of a base's)")
+            what = f"is given as well as {PATH}, from which it follows"
+            yield Fault(f"machine.discharge_port.{name}", f"{what} (remove one of the two; null drops a base's value)")
     law, ratio = machine.volume, machine.built_in_volume_ratio or 0.0
     known = law.phi_A is not None and 0.0 < law.phi_A <= TURN if law.by_formula else law.file is not None
     if known and (law.max or machine.displacement is not None):

@@ -37,19 +37,19 @@ def _line(machine: TwinScrew) -> float:
 
 
 _diameter = attrgetter("rotor_diameter")
-_HOLDS = "of what a chamber can have of both rotors' bores"
+_HOLDS = "of the volume that both rotors' bores offer a chamber"
 _WALL = "of the area of both bores and their ends"
 _D = "rotor diameters"
 _ANY = 0.0
 _SIZES = (
-    Size("machine.rotor_length", _diameter, _D, 30.0, (0.4, 4.0), "shorter rotors, or a larger rotor_diameter"),
+    Size("machine.rotor_length", _diameter, _D, 30.0, (0.4, 4.0), "choose shorter rotors, or a larger rotor_diameter"),
     Size(
         "machine.volume.max",
         _a_turn,
         _HOLDS,
         2.0,  # a female rotor larger than the male leaves more volume
         (0.03, 0.6),
-        "a smaller volume, or a larger rotor_diameter or rotor_length; is the unit right?",
+        "choose a smaller volume, or a larger rotor_diameter or rotor_length; is the unit right?",
     ),
     Size("machine.volume.min", _a_turn, _HOLDS, 1.0, (_ANY, 0.1)),
     Size("machine.profile.centre_distance", _diameter, _D, 5.0, (0.7, 0.9)),

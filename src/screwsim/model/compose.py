@@ -134,7 +134,7 @@ def _network(parts: Parts) -> Network:
     heated = bool(parts.all(HeatRate)) or ported or parts.oil_room
     carried = heated and oil is not None and oil.carried
     if not carried and (ported or parts.oil_room):
-        raise TypeError("oil that enters through ports or takes room needs oil, and oil.transport: carried")
+        raise TypeError("oil that enters through ports or takes up volume needs oil, and oil.transport: carried")
     if not carried and any(parts.films):
         raise TypeError("oil that leaks as a film needs a temperature of the oil, and oil.transport: carried")
     own = [part for _, part in parts.all(ChamberState)]

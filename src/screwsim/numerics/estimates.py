@@ -18,7 +18,7 @@ TOGETHER, LIVES, AGAIN = "chambers together", "finer lives", "closed again"
 ERRORS = {
     ESTIMATE: Estimated(
         (TOGETHER, LIVES, AGAIN),
-        "the numerical error of each figure, and closing again until it is within the accuracy",
+        "the numerical error of each figure is estimated, and the cycle closed again until it is within the accuracy",
     ),
-    NONE: Estimated((), "faster"),
+    NONE: Estimated((), "no estimate, which is faster"),
 }

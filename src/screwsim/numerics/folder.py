@@ -41,11 +41,11 @@ def cache_folder() -> Path | None:
     chosen = os.environ.get(CHOSEN)
     folder = Path(chosen) if chosen else _usual()
     if folder is None:
-        return _private(f"no home folder is known, so nothing that is compiled stays (set HOME, or {REMEDY})")
+        return _private(f"no home folder is known, so compiled code is not kept (set HOME, or {REMEDY})")
     flaw = _made(folder) or _flaw(folder)
     if flaw:
         remedy = f"remove it, or {REMEDY}" if flaw == SHARED else REMEDY
-        return _private(f"{folder}: {flaw}, so nothing that is compiled stays ({remedy})")
+        return _private(f"{folder}: {flaw}, so compiled code is not kept ({remedy})")
     if not chosen:
         _close(folder)
     return folder
@@ -67,7 +67,7 @@ def _made(folder: Path) -> str:
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     except FileExistsError:
-        return "is no folder"
+        return "is not a folder"
     except (OSError, ValueError) as error:
         return f"cannot be made: {_reason(error)}"
     return ""

@@ -22,24 +22,24 @@ class Closing(NamedTuple):
 WAVEFORMS, TOGETHER = "histories", "coupled"  # as scenes and results call them
 AUTO = "auto"
 CLOSINGS = {
-    AUTO: Closing((WAVEFORMS, TOGETHER), "turn by turn as long as that costs no more than all chambers at once would"),
-    WAVEFORMS: Closing((WAVEFORMS,), "one chamber, its neighbours read from its own last life", fallbacks=False),
+    AUTO: Closing((WAVEFORMS, TOGETHER), "turn by turn, as long as that costs no more than all chambers at once"),
+    WAVEFORMS: Closing((WAVEFORMS,), "one chamber, with neighbours read from its own previous life", fallbacks=False),
     TOGETHER: Closing((TOGETHER,), "all chambers alive at once"),
 }
 
 
 @dataclass(frozen=True)
 class NumericsSettings:
-    """Wanted accuracy, integrator and the way in which the cycle is closed."""
+    """Wanted accuracy, integrator and the method by which the cycle is closed."""
 
     accuracy: float = number("wanted relative accuracy of the performance figures", 3e-4, gt=1e-12, lt=0.1)
     integrator: str = choice(
         "rodas4, or one of scipy's as an independent check", tuple(INTEGRATORS), DEFAULT, own="INTEGRATOR"
     )
-    closing: str = choice(
-        "auto: histories as long as they cost no more than coupled chambers would", tuple(CLOSINGS), AUTO
+    closing: str = choice("auto: histories, as long as that costs no more than coupled chambers", tuple(CLOSINGS), AUTO)
+    rtol: float | None = number(
+        "relative tolerance of a step (for experts; default: from accuracy)", None, gt=1e-14, lt=0.1
     )
-    rtol: float | None = number("relative tolerance of a step (expert; default: from accuracy)", None, gt=1e-14, lt=0.1)
     error: str = choice("; ".join(f"{name}: {each.text}" for name, each in ERRORS.items()), tuple(ERRORS), ESTIMATE)
 
     @property

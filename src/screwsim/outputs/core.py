@@ -17,11 +17,11 @@ from screwsim.outputs.declared import (
 UNASKED = Scale(unasked=True)
 
 _STAGES = (  # figures of two stages in series
-    Figure("intermediate_pressure", "Pa", "pressure between both stages, of the first one's discharge line"),
-    Figure("second_suction_temperature", "K", "temperature of what the second stage sucks"),
-    Figure("intercooler_heat", "W", "heat taken from the gas between both stages", over("shaft_power")),
-    Figure("vapour_mass_flow", "kg s-1", "vapour of the flash tank that mixes in between both stages"),
-    Figure("gas_mass_flow", "kg s-1", "net mass flow that the first stage sucks"),
+    Figure("intermediate_pressure", "Pa", "pressure between the stages, in the first one's discharge line"),
+    Figure("second_suction_temperature", "K", "suction temperature of the second stage"),
+    Figure("intercooler_heat", "W", "heat removed from the gas between the stages", over("shaft_power")),
+    Figure("vapour_mass_flow", "kg s-1", "vapour from the flash tank that mixes in between the stages"),
+    Figure("gas_mass_flow", "kg s-1", "net mass flow into the first stage"),
     Figure("first_shaft_power", "W", "shaft power of the first stage"),
     Figure("second_shaft_power", "W", "shaft power of the second stage"),
     Figure("shaft_power", "W", "shaft power of both stages"),
@@ -30,26 +30,32 @@ _STAGES = (  # figures of two stages in series
     Figure(
         "first_oil_cooler_duty",
         "W",
-        "heat that the oil cooler of the first stage takes, its supply as stated",
+        "heat removed by the oil cooler of the first stage, with oil supplied as stated",
         over("shaft_power"),
     ),
     Figure(
         "second_oil_cooler_duty",
         "W",
-        "heat that the oil cooler of the second stage takes, its supply as stated",
+        "heat removed by the oil cooler of the second stage, with oil supplied as stated",
         over("shaft_power"),
     ),
     Figure("first_pressure_ratio", "1", "pressure ratio of the first stage"),
     Figure("second_pressure_ratio", "1", "pressure ratio of the second stage"),
     Figure("discharge_temperature", "K", "flow-weighted mean gas temperature at discharge of the second stage"),
-    efficiency("isothermal_efficiency", "isothermal efficiency of the whole"),
-    efficiency("ideal_isothermal_efficiency", "isothermal efficiency of the whole, with an ideal gas's work"),
-    efficiency("isentropic_efficiency", "isentropic efficiency of the whole, without cooling between the stages"),
-    Figure("cooling_capacity", "W", "cooling capacity of the whole"),
-    Figure("cop", "1", "coefficient of performance of the whole"),
-    Figure("heating_capacity", "W", "heating capacity of the whole, without the oil coolers'"),
-    Figure("heating_cop", "1", "coefficient of performance of heating of the whole"),
-    Figure("flow_mismatch", "1", "what comes to the second stage against what it takes, relative difference", UNASKED),
+    efficiency("isothermal_efficiency", "isothermal efficiency of both stages together"),
+    efficiency(
+        "ideal_isothermal_efficiency", "isothermal efficiency of both stages together, with the work of an ideal gas"
+    ),
+    efficiency(
+        "isentropic_efficiency", "isentropic efficiency of both stages together, whose ideal has no cooling in between"
+    ),
+    Figure("cooling_capacity", "W", "cooling capacity of both stages together"),
+    Figure("cop", "1", "coefficient of performance of both stages together"),
+    Figure("heating_capacity", "W", "heating capacity of both stages together, without that of the oil coolers"),
+    Figure("heating_cop", "1", "heating coefficient of performance of both stages together"),
+    Figure(
+        "flow_mismatch", "1", "relative difference between the flow into the second stage and what it takes in", UNASKED
+    ),
 )
 STAGES = {figure.name: figure for figure in _STAGES}
 # conditions that call for a figure of the core, beside keys of a scene (`figures.called_for`)
@@ -60,7 +66,7 @@ HUMID = ("gas.relative_humidity",)
 HEATED = ("an effect that gives the oil a temperature",)
 CHANGED = ("an effect with a SuctionChange",)
 WALLED = ("an effect with a Wall",)
-HELD = ("an effect by which the oil gives its gas off over time",)
+HELD = ("an effect by which the oil gives off its gas over time",)
 SUBCRITICAL = ("gas.model: real with suction gas below its critical temperature",)
 GLIDING = (f"{SUBCRITICAL[0]}, a blend",)
 AFTERCOOLED = ("operation.aftercooler_temperature", "with gas.relative_humidity, an effect with an aftercooler")
@@ -86,7 +92,7 @@ _CORE = (
     _oiled(
         "oil_ratio",
         "1",
-        "oil to gas mass ratio in the chamber at 360 degrees (rotors: where suction closes; oil_injection: its end)",
+        "oil-to-gas mass ratio in the chamber at 360 degrees (rotors: where suction closes; oil_injection: at its end)",
         Scale(LEAST_OIL),
     ),
     _oiled(
@@ -98,13 +104,15 @@ _CORE = (
         by_oil=True,
     ),
     power_figure("indicated_power", "indicated power"),
-    power_figure("oil_lift_power", "power that lifts the oil to discharge, beside the indicated power", needs=OILED),
+    power_figure(
+        "oil_lift_power", "power to raise the oil to discharge pressure, in addition to indicated power", needs=OILED
+    ),
     power_figure("shaft_power", "shaft power"),
     Figure("shaft_torque", "N m", "mean torque at the shaft: shaft power over speed", Scale(times="ideal")),
     Figure("discharge_temperature", "K", "flow-weighted mean gas temperature at discharge"),
     Figure("oil_discharge_temperature", "K", "flow-weighted mean oil temperature at discharge", needs=HEATED),
     Figure("peak_pressure", "Pa", "highest chamber pressure up to the widest opening of the discharge port"),
-    Figure("work_per_cycle", "J", "work on the gas of one chamber per cycle, minus the integral of p dV"),
+    Figure("work_per_cycle", "J", "work on the gas of one chamber per cycle: minus the integral of p dV"),
     Figure("trapped_mass", "kg", "gas mass in a chamber at 360 degrees (rotors: where suction closes)"),
     _oiled(
         "injection_pressure",
@@ -115,7 +123,7 @@ _CORE = (
     Figure("suction_temperature", "K", "temperature of the suction line"),
     Figure("discharge_pressure", "Pa", "pressure of the discharge line, in a package before its separator element"),
     Figure("pressure_ratio", "1", "pressure of the discharge line over that of the suction line (expander: inverse)"),
-    Figure("displacement", "m3", "swept volume of all chambers in a revolution of the male rotor or the crank"),
+    Figure("displacement", "m3", "swept volume of all chambers per revolution of the male rotor or the crank"),
     Figure("displacement_flow", "m3 s-1", "displacement times speed"),
     Figure(
         "built_in_volume_ratio",
@@ -131,12 +139,12 @@ _CORE = (
     cooling_figure(
         "heating_capacity",
         "W",
-        "heating capacity: heat that the gas gives off in the condenser or gas cooler, without the oil cooler's",
+        "heating capacity: heat that the gas gives off in the condenser or gas cooler, without that of the oil cooler",
     ),
-    cooling_figure("heating_cop", "1", "coefficient of performance of heating: heating capacity over shaft power"),
+    cooling_figure("heating_cop", "1", "heating coefficient of performance: heating capacity over shaft power"),
     _cooled("volumetric_cooling_capacity", "J m-3", "cooling capacity over the volume flow of suction gas"),
-    _changed("intake_pressure", "Pa", "pressure of what the machine sucks, behind filter, valve, throttle and bypass"),
-    _changed("intake_temperature", "K", "temperature of what the machine sucks, with all that is mixed in"),
+    _changed("intake_pressure", "Pa", "intake pressure of the machine, after filter, valve, throttle and bypass"),
+    _changed("intake_temperature", "K", "intake temperature of the machine, after mixing with all that returns"),
     _saturating("evaporating_temperature", "K", "saturation temperature at suction pressure; of a blend its dew point"),
     _saturating(
         "condensing_temperature", "K", "saturation temperature at discharge pressure; of a blend its dew point"
@@ -150,17 +158,21 @@ _CORE = (
         "mean gas temperature at discharge above the dew point there",
         over("discharge_temperature", alone=True),
     ),
-    _humid("humidity_ratio", "1", "water vapour per dry air in the suction line"),
+    _humid("humidity_ratio", "1", "water vapour per dry air in the suction line, by mass"),
     _humid("pressure_dew_point", "K", "dew point of the delivered air at discharge pressure"),
-    _humid("lowest_safe_oil_temperature", "K", "pressure dew point and gas.dew_point_margin: of gas and oil, at least"),
-    _water("water_flow", "kg s-1", "water that the net gas flow brings", NET_FLOW, by_flow=True),
+    _humid(
+        "lowest_safe_oil_temperature",
+        "K",
+        "lowest temperature of gas and oil that keeps gas.dew_point_margin above the pressure dew point",
+    ),
+    _water("water_flow", "kg s-1", "water vapour in the net gas flow from the suction line", NET_FLOW, by_flow=True),
     _water(
         "condensate_flow",
         "kg s-1",
-        "water that condenses where gas and oil have mixed, in the separator (dry machine: at discharge temperature)",
+        "water that condenses in the separator, where gas and oil have mixed (dry machine: at discharge temperature)",
         CONDENSED,
     ),
-    _water("vapour_flow", "kg s-1", "water that leaves as vapour behind the separator", CONDENSED),
+    _water("vapour_flow", "kg s-1", "water that leaves the separator as vapour", CONDENSED),
     Figure(
         "aftercooler_condensate_flow",
         "kg s-1",
@@ -178,21 +190,21 @@ _CORE = (
     _humid(
         "water_residual",
         "1",
-        "water that comes less what leaves as vapour and condensate, over what comes",
+        "water that enters less what leaves as vapour and condensate, over what enters",
         Scale(1.0, alone=True, unasked=True),
     ),
-    power_figure("output_power", "power that an expander gives at its shaft", needs=EXPANDED),
+    power_figure("output_power", "shaft power of an expander", needs=EXPANDED),
     Figure(
         "filling_factor",
         "1",
-        "net gas flow of an expander over that which fills its chambers at the inlet's closing",
+        "net gas flow of an expander, over the flow that would fill its chambers when the inlet closes",
         needs=EXPANDED,
     ),
     Figure("wall_heat", "W", "net heat from walls into the gas", POWER, WALLED),
     Figure(
         "discharge_dissolved_gas_ratio",
         "1",
-        "refrigerant dissolved in oil that leaves to discharge, per oil",
+        "refrigerant dissolved in the oil that leaves to discharge, per oil",
         needs=HELD,
     ),
 )

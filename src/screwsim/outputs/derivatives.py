@@ -67,7 +67,7 @@ class Derivatives(Mapping[tuple[str, str], float]):
         """All results: the derivatives, the numbers themselves, and the method for each."""
         if self._find is None:
             raise KeyError(
-                "this result does not know its scene (screwsim.sensitivities(scene) finds derivatives; a result of "
+                "this result is not linked to its scene (screwsim.sensitivities(scene) finds derivatives; a result of "
                 "screwsim.simulate has them)"
             )
         return self._find()
@@ -107,7 +107,7 @@ class Derivatives(Mapping[tuple[str, str], float]):
 
     def __repr__(self) -> str:
         if self._find is None:
-            return "Derivatives: none (of a result that does not know its scene)"
+            return "Derivatives: none (the result is not linked to its scene)"
         found = self.found
         figures = [name for name in SHOWN if name in found.derivatives] or list(found.derivatives)[:3]
         size = f"{len(found.derivatives)} figures by {len(found.values)} numbers"
@@ -136,7 +136,7 @@ class Derivatives(Mapping[tuple[str, str], float]):
     def _key(self, key: tuple[str, str]) -> tuple[str, str]:
         """Return figure and full path; raise KeyError that says what exists."""
         if not isinstance(key, tuple) or len(key) != 2:
-            raise KeyError(f'{key!r} is no figure with a path (write ["shaft_power", "operation.speed"])')
+            raise KeyError(f'{key!r} is not a figure with a path (write ["shaft_power", "operation.speed"])')
         figure, path = key
         found = self.found
         if not found.derivatives:

@@ -10,29 +10,33 @@ STATUSES = OK, NOT_CLOSED, FAILED = "ok", "not_closed", "failed"  # stored in HD
 BALANCE = {
     "mass": Variable("1", "relative residual of the gas mass balance"),
     "energy": Variable("1", "relative residual of the energy balance"),
-    "entropy": Variable("1", "relative residual of the entropy balance: of the ledger, over shaft power and losses"),
+    "entropy": Variable(
+        "1", "relative residual of the entropy balance: that of the ledger, over shaft power and losses"
+    ),
     "oil_mass": Variable("1", "relative residual of the oil mass balance (oil.transport: carried)"),
     "oil_residue": Variable(
-        "W", "heat taken up by the oil beyond what injected oil carries to discharge (oil.transport: paper)"
+        "W", "heat taken up by the oil, beyond what the injected oil carries to discharge (oil.transport: paper)"
     ),
-    "drive": Variable("1", "relative residual of the drive's powers: motor, coupling, shaft"),
-    "bound": Variable("1", "bound on the residuals of mass, energy and entropy"),
+    "drive": Variable("1", "relative residual of the power balance of the drive: motor, coupling, shaft"),
+    "bound": Variable("1", "bound for the residuals of mass, energy and entropy"),
 }
 
 NUMERICS = {
     "rtol": Variable("1", "relative tolerance of a step"),
-    "turns": Variable("1", "chamber lives integrated until closed (coupled chambers: pitches over chambers alive)"),
+    "turns": Variable(
+        "1", "chamber lives integrated until the cycle closed (coupled chambers: pitches over number of chambers)"
+    ),
     "steps": Variable("1", "accepted integration steps"),
     "rhs_evaluations": Variable(
         "1",
-        "evaluations of the right-hand side of one chamber until the cycle closed, those for Jacobians included "
-        "(the error estimate's are not)",
+        "evaluations of the right-hand side of one chamber until the cycle closed, including those for Jacobians, "
+        "without those for the error estimate",
     ),
-    "jacobians": Variable("1", "Jacobians of one chamber"),
-    "wall_time": Variable("s", "time of the solution alone, compiled and warm"),
-    "estimating_time": Variable("s", "time of estimating the errors, on top of the solution"),
+    "jacobians": Variable("1", "Jacobian evaluations of one chamber"),
+    "wall_time": Variable("s", "time of the solution alone, with compiled code loaded"),
+    "estimating_time": Variable("s", "time to estimate the errors, in addition"),
 }
-NUMERICS_TEXT = {"integrator": "integrator", "closing": "way in which the cycle was closed"}
+NUMERICS_TEXT = {"integrator": "integrator", "closing": "method by which the cycle was closed"}
 
 CYCLE = {
     "angle": Variable("degree", "angle of the male rotor, or of the crank"),
@@ -53,7 +57,7 @@ LEDGER = {
     "gas_exergy_rise": Variable("W", "exergy rise of the delivered gas from suction to discharge state"),
     "oil_exergy_rise": Variable("W", "exergy rise of the oil from its supply to discharge"),
     "exergy_destroyed": Variable("W", "exergy destroyed by all effects together"),
-    "residue": Variable("W", "shaft power less exergy rises and exergy destroyed: numerical"),
+    "residue": Variable("W", "shaft power less exergy rises and exergy destroyed: the numerical residue"),
     "relative_residue": Variable("1", "residue of the ledger over shaft power"),
 }
 LEDGER_ENTRY = {  # quantities of each effect, named `<quantity>_<effect>`
@@ -74,7 +78,7 @@ KNOCK_OUT = {  # figures without an effect; their changes are added below
     )
 }
 KNOCK_OUT |= {
-    f"change_of_{name}": each._replace(long_name=f"{each.long_name}, less that with it")
+    f"change_of_{name}": each._replace(long_name=f"{each.long_name}, minus that with it")
     for name, each in KNOCK_OUT.items()
 }
 

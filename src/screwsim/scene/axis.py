@@ -23,7 +23,7 @@ LONGEST_AXIS = 100_000  # values; more is taken for a typing error
 SPACING = Leaf("choice", "spacing of the values", "linear", {"options": ("linear", "log")})
 _COUNT = Leaf("count", "number of values", dataclasses.MISSING, {"ge": 1, "le": LONGEST_AXIS})
 _WORD = Leaf("word", "a word", None, {})
-OF_WORDS = {"choice": "is a choice: write a list of its words", "fluid": "is a fluid: write a list of names"}
+OF_WORDS = {"choice": "is a choice: write a list of its options", "fluid": "is a fluid: write a list of names"}
 _RANGE = "write {from: …, to: …, count: …}"
 _COLUMN = "write {file: x.csv, column: …}"
 
@@ -41,7 +41,7 @@ def read_axis(leaf: Leaf, node: Node, path: str, problems: list[Problem], distin
         return ()
     if any(isinstance(value, Found) for value in values):
         problems.append(
-            Problem(node.place, path, f"lists {AUTO}, which is no value (write values, or a scene of its own)")
+            Problem(node.place, path, f"lists {AUTO}, which is not a value (write values, or a separate scene)")
         )
         return ()
     good = [value for value in values if value is not None]
@@ -58,7 +58,7 @@ def _item(leaf: Leaf, node: Node, path: str, problems: list[Problem]) -> Any:
     """Return one value of a list, or None after its fault was added."""
     if isinstance(node.value, str) and tolerance_sign(node.value):
         remedy = (
-            f"write it behind the value of {path.removeprefix('sweep.')}, from which every value of the sweep has it"
+            f"write it after the value of {path.removeprefix('sweep.')}; it then applies to every value of the sweep"
         )
         problems.append(Problem(node.place, path, f"{shown(node.value)} has a tolerance of its own ({remedy})"))
         return None

@@ -59,13 +59,15 @@ def _dry(scene: Scene) -> Iterator[Fault]:
     for name in ("oil", "oil_supply") if OIL not in kind.offers else ():
         if getattr(scene, name) is not None:
             fitting = offering(frozenset({OIL}))
-            yield Fault(name, f"belongs to machine.kind: {fitting}; no oil is injected into {kind.chamber} (remove it)")
+            yield Fault(
+                name, f"applies only to machine.kind: {fitting}; no oil is injected into {kind.chamber} (remove it)"
+            )
 
 
 def _expander(scene: Scene) -> Iterator[Fault]:
     """Yield faults of what cannot be combined with an expander; called once the lines are known to be those of one."""
     if scene.machine.expands and scene.oil_supply is not None:
-        why = "oil is injected where compression begins, at the end of an expansion"
+        why = "oil is injected where compression begins, which is the end of an expansion"
         yield Fault("oil_supply", f"needs machine.mode: compressor ({why}; remove it with the effects that need oil)")
 
 
@@ -77,8 +79,8 @@ def oil_faults(scene: Scene) -> Iterator[Fault]:
     for field, example in (("density", "980 kg/m^3"), ("heat_capacity", "2.0 kJ/(kg K)"), ("viscosity", "")):
         value, path = getattr(oil, field), f"oil.{field}"
         if oil.name is not None and value is not None:
-            what = "is given beside oil.name, which knows it"
-            yield Fault(path, f"{what} (remove one of the two, null in place of a base's)")
+            what = "is given as well as oil.name, which defines it"
+            yield Fault(path, f"{what} (remove one of the two; null drops a base's value)")
         elif oil.name is None and value is None and example:
             remedy = f"write e.g. {field}: {example}, or the name of a stored oil, e.g. oil.name: POE_68"
             yield Fault(path, f"is missing ({remedy})")
@@ -87,7 +89,9 @@ def oil_faults(scene: Scene) -> Iterator[Fault]:
         if not stored.low <= supply.temperature <= stored.high:
             what = f"lies outside the range of {oil.name}, {in_celsius(stored.low)} to {in_celsius(stored.high)}"
             what = f"{in_celsius(supply.temperature)} {what}"
-            yield Fault("oil_supply.temperature", f"{what} (choose one inside, or state the oil by numbers)")
+            yield Fault(
+                "oil_supply.temperature", f"{what} (choose one inside, or state the properties of the oil as numbers)"
+            )
 
 
 def _oil_supply(scene: Scene) -> Iterator[Fault]:
@@ -119,15 +123,15 @@ def _pump(scene: Scene) -> Iterator[Fault]:
         beside = "oil_supply.ratio" if supply.ratio is not None and not isinstance(supply.ratio, Found) else ""
         beside = beside or ("oil_supply.discharge_temperature" if supply.discharge_temperature is not None else "")
         if beside:
-            what = f"is given beside {beside} (remove one of the two, null in place of a base's)"
+            what = f"is given as well as {beside} (remove one of the two; null drops a base's value)"
             yield Fault("oil_supply.flow", what)
     for name in ("orifice_diameter", "orifice_length"):
         if getattr(supply, name) is not None:
-            yield Fault(f"oil_supply.{name}", "belongs to kind: displacement (remove it, or change the kind)")
+            yield Fault(f"oil_supply.{name}", "applies only to kind: displacement (remove it, or change the kind)")
     if supply.orifice_count != 1.0:
-        yield Fault("oil_supply.orifice_count", "belongs to kind: displacement (remove it, or change the kind)")
+        yield Fault("oil_supply.orifice_count", "applies only to kind: displacement (remove it, or change the kind)")
     if supply.line is not None:
-        what = "is the line of displaced oil; with kind: pump the pump pays its loss"
+        what = "applies to displaced oil; with kind: pump the pump overcomes the loss"
         yield Fault("oil_supply.line", f"{what} (write it under {having(PUMPS)[0]})")
 
 
@@ -137,14 +141,14 @@ def _sought(scene: Scene) -> Iterator[Fault]:
     assert supply is not None and supply.discharge_temperature is not None
     cooling = _cooling(scene)
     if supply.ratio is not None and not isinstance(supply.ratio, Found):
-        yield Fault("oil_supply.ratio", f"is given beside {path}, which finds it (remove one of the two)")
+        yield Fault("oil_supply.ratio", f"is given as well as {path}, which finds it (remove one of the two)")
     if cooling is None:
-        yield Fault(path, f"needs effects.{stating(CoolsOil)}, in which gas and oil have one temperature (name it)")
+        yield Fault(path, f"needs effects.{stating(CoolsOil)}, where gas and oil have one temperature (name it)")
         return
     name, parameters = cooling
     cold = parameters.outlet or supply.temperature
     if cold is None or isinstance(supply.temperature, Found):
-        what = "needs oil of a stated temperature (write oil_supply.temperature, or"
+        what = "needs oil at a stated temperature (write oil_supply.temperature, or"
         if cold is None:
             yield Fault(path, f"{what} effects.{name}.{parameters.outlet_key}: 50 degC)")
     elif cold >= supply.discharge_temperature:
@@ -156,19 +160,23 @@ def _displacement(scene: Scene) -> Iterator[Fault]:
     supply = scene.oil_supply
     assert supply is not None
     if supply.discharge_temperature is not None:
-        what = "belongs to kind: pump, whose ratio it finds; displaced oil follows from its bore (remove it)"
+        what = "applies only to kind: pump, whose ratio it finds; displaced oil follows from its bore (remove it)"
         yield Fault("oil_supply.discharge_temperature", what)
     if supply.ratio is not None:
-        yield Fault("oil_supply.ratio", "belongs to kind: pump; displacement finds it from the orifice (remove it)")
+        yield Fault(
+            "oil_supply.ratio", "applies only to kind: pump; displacement finds it from the orifice (remove it)"
+        )
     if supply.flow is not None:
-        yield Fault("oil_supply.flow", "belongs to kind: pump; displaced oil follows from its bore (remove it)")
+        yield Fault("oil_supply.flow", "applies only to kind: pump; displaced oil follows from its bore (remove it)")
     if supply.from_sump:
-        yield Fault("oil_supply.source", "belongs to kind: pump; displacement draws from the separator (remove it)")
+        yield Fault(
+            "oil_supply.source", "applies only to kind: pump; displacement draws from the separator (remove it)"
+        )
     if supply.orifice_diameter is None:
         yield Fault("oil_supply.orifice_diameter", "is missing (kind: displacement needs it, e.g. 3 mm)")
     elif supply.orifice_length is not None and supply.orifice_length >= NO_FLOW * supply.orifice_diameter:
         length = supply.orifice_length / supply.orifice_diameter
-        what = f"is {length:.3g} diameters: no formula holds for so long a bore"
+        what = f"is {length:.3g} diameters: no formula covers so long a bore"
         low, high = FITTED_SLENDERNESS
         yield Fault("oil_supply.orifice_length", f"{what} (choose {low:g} to {high:g} diameters)")
     if scene.oil is not None and not scene.oil.knows_viscosity:
@@ -182,11 +190,13 @@ def _effects(scene: Scene) -> Iterator[Fault]:
         path = f"effects.{name}"
         if not active.effect.fits(kind):
             fitting = offering(active.effect.needs)
-            fitting = f"belongs to machine.kind: {fitting}" if fitting else f"is for no {scene.machine.kind}"
+            fitting = f"applies only to machine.kind: {fitting}" if fitting else f"is not for a {scene.machine.kind}"
             yield Fault(path, f"{fitting} (remove the effect, or change the machine)")
             continue
         if active.effect.needs_oil and lacking:
-            yield Fault(path, f"needs {' and '.join(lacking)}, absent here (write that, or remove the effect)")
+            yield Fault(
+                path, f"needs {' and '.join(lacking)}, which this scene lacks (write that, or remove the effect)"
+            )
         elif active.effect.check is not None:
             yield from active.effect.check(active.parameters, scene)
 
@@ -227,7 +237,10 @@ def _curve_fault(name: str, column: str, scene: Scene) -> str | None:
     if column == VOLUME and not max(values) > 0.0:
         return f"{shown}: the volume is zero everywhere (write the volume of a chamber [m3] over its angle)"
     if column == VOLUME and abs(values[0] - values[-1]) > 1e-6 * max(values):
-        return f"{shown}: the volume must end as it begins (what is left at 720 deg is what the chamber starts with)"
+        return (
+            f"{shown}: the volume must end as it begins (the volume left at 720 deg is the one that the chamber "
+            "starts with)"
+        )
     if column == AREA and angles[-1] <= IN_RADIANS:
         return f"{shown}: has no angle above {math.degrees(float(angles[-1])):.6g} deg (are the angles in degrees?)"
     beyond = area_fault(scene, float(max(values))) if column == AREA else None

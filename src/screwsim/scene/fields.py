@@ -165,7 +165,7 @@ def sweep_leaf(path: str, parameters: Mapping[str, type], known: Iterable[str] =
     if below:
         raise Refused(f"is a section, not a value (write e.g. {below[0]})")
     options = [name for name, item in leaves.items() if varies(name, item)]
-    raise Refused(unknown(path, options, "a dotted path as in the scene"))
+    raise Refused(unknown(path, options, "a dotted path of the scene"))
 
 
 def unknown(name: str, options: Iterable[str], otherwise: str = "", paths: Iterable[str] = ()) -> str:
@@ -194,8 +194,8 @@ def unknown(name: str, options: Iterable[str], otherwise: str = "", paths: Itera
 def stray(name: str, options: Iterable[str], paths: Iterable[str] = ()) -> str:
     """Return what is wrong with an unknown key of a mapping in a file; `paths` are those of the whole scene."""
     if name[:1].isdigit():
-        return "is no name (in { } and [ ] a comma begins another entry: write decimals with a point)"
+        return "is not a name (in { } and [ ] a comma begins another entry; write decimals with a point)"
     if "." in name and name in paths:
         above, _, last = name.rpartition(".")
-        return f"is a path, which --set and sweep take (write {last} under {above.replace('.', ', under ')}: here)"
+        return f"is a path, which only --set and sweep take (here write {last} under {above.replace('.', ', under ')})"
     return unknown(name, options, paths=paths)

@@ -10,7 +10,7 @@ class Fixed(dict[K, V], Generic[K, V]):
     """A dict that cannot be changed; any attempt raises TypeError with the remedy."""
 
     def _refuse(self, *_: Any, **__: Any) -> NoReturn:
-        raise TypeError("a scene does not change: with_ and without make another one")
+        raise TypeError("a scene cannot be changed: with_ and without return a new one")
 
     __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = _refuse
     setdefault = update = _refuse  # pyright: ignore[reportAssignmentType] - of more forms than one

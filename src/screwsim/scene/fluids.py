@@ -20,9 +20,9 @@ AFTERCOOLER = "operation.aftercooler_temperature"
 AIR = "air"
 P_MOST = 1e7  # [Pa] highest pressure of the lines: beyond it third virial coefficients matter (M324)
 SUM = 1e-6  # tolerance on the sum of fractions
-_PURE = "is no fluid or predefined blend of CoolProp"
+_PURE = "is not a fluid or predefined blend of CoolProp"
 _LEAVES = {name: item for name, item in section_of(GasSettings).fields.items() if isinstance(item, Leaf)}
-_AS_LISTED = "write NAME, or of a blend {fluid: [NAME, NAME], mass_fractions: [0.7, 0.3]}"
+_AS_LISTED = "write NAME, or for a blend {fluid: [NAME, NAME], mass_fractions: [0.7, 0.3]}"
 _FRACTIONS = ("mass_fractions", "mole_fractions")
 
 
@@ -63,10 +63,8 @@ def _stated(gas: GasSettings) -> Iterator[Fault]:
         return
     for name in _FRACTIONS:
         if getattr(gas, name) is not None:
-            what = "belongs to the components of a blend of your own"
-            yield Fault(
-                f"gas.{name}", f"{what} (write fluid: [NAME, NAME], or remove it, with null where a base gives it)"
-            )
+            what = "applies only to the components of a blend of your own"
+            yield Fault(f"gas.{name}", f"{what} (write fluid: [NAME, NAME], or remove it; null drops a base's value)")
     own = stated(gas.fluid)
     if own is not None:
         by_mass, by_mole = (None, own.fractions) if own.by_mole else (own.fractions, None)
@@ -76,7 +74,7 @@ def _stated(gas: GasSettings) -> Iterator[Fault]:
 
 def _own_blend(gas: GasSettings, fluids: tuple[str, ...]) -> Iterator[Fault]:
     if len(fluids) < 2:
-        yield Fault("gas.fluid", "lists less than two components (write fluid: NAME for a pure fluid)")
+        yield Fault("gas.fluid", "lists fewer than two components (write fluid: NAME for a pure fluid)")
         return
     for place, name in enumerate(fluids):
         what = _component(name) if name not in fluids[:place] else f"component {name!r} is listed twice (remove one)"
@@ -86,7 +84,7 @@ def _own_blend(gas: GasSettings, fluids: tuple[str, ...]) -> Iterator[Fault]:
     if not given:
         yield Fault("gas.mass_fractions", f"is missing (write one number for each of {', '.join(fluids)})")
     elif len(given) > 1:
-        yield Fault("gas.mole_fractions", "is given beside mass_fractions (remove one of the two)")
+        yield Fault("gas.mole_fractions", "is given as well as mass_fractions (remove one of the two)")
     else:
         yield from _fractions(f"gas.{given[0]}", getattr(gas, given[0]), fluids)
 
@@ -98,10 +96,10 @@ def _fractions(path: str, fractions: tuple[float, ...], fluids: tuple[str, ...])
         yield Fault(path, f"{what} (write one for each of {', '.join(fluids)})")
     elif not all(x > 0.0 for x in fractions):
         absent = ", ".join(fluid for fluid, x in zip(fluids, fractions, strict=True) if not x > 0.0)
-        yield Fault(path, f"has nothing of {absent} (leave out what is not there)")
+        yield Fault(path, f"has a share of 0 for {absent} (leave that component out)")
     elif abs(total - 1.0) > SUM:
         scaled = ", ".join(f"{x / total:.6g}" for x in fractions)
-        yield Fault(path, f"add up to {total:.7g}, not to 1 (if only their ratios are meant: [{scaled}])")
+        yield Fault(path, f"add up to {total:.7g}, not to 1 (if they are ratios, write [{scaled}])")
 
 
 def _component(name: str) -> str | None:
@@ -134,13 +132,13 @@ def humidity_faults(gas: GasSettings, aftercooler: float | None) -> Iterator[Fau
                 yield Fault(path, f"needs {HUMIDITY} (write e.g. relative_humidity: 0.6 there, or remove this)")
         return
     if gas.name.lower() != AIR:
-        what = f"belongs to air, and the gas is {gas.name}"
-        yield Fault(HUMIDITY, f"{what} (remove it, null in place of a base's, or write fluid: air)")
+        what = f"applies only to air, and the gas is {gas.name}"
+        yield Fault(HUMIDITY, f"{what} (remove it, or write fluid: air; null drops a base's value)")
     elif "." in gas.model:
-        what = "needs gas.model: ideal or real, whose air is known to be dry air"
+        what = "needs gas.model: ideal or real, which treat air as dry air"
         yield Fault(HUMIDITY, f"{what} (write one of them, or remove this)")
     elif gas.equilibrium:
-        what = "belongs to a pure fluid; water of moist air condenses in equilibrium by itself"
+        what = "applies only to a pure fluid; the water of moist air always condenses in equilibrium"
         yield Fault("gas.two_phase", f"{what} (remove it, or write refuse)")
 
 
@@ -151,13 +149,13 @@ def line_faults(gas: GasSettings, lines: Lines) -> Iterator[Fault]:
     if lines.T_s >= water.T_MOST or lines.p_s <= water.saturation(lines.T_s)[0]:
         p, T = (readable_quantity(KINDS[name], x) for name, x in (("pressure", lines.p_s), ("temperature", lines.T_s)))
         what = f"has no meaning at {p} and {T}, where water boils"
-        yield Fault(HUMIDITY, f"{what} (a lower operation.suction.temperature, or a higher pressure)")
+        yield Fault(HUMIDITY, f"{what} (choose a lower operation.suction.temperature, or a higher pressure)")
         return
     told = readable_quantity(KINDS["pressure"], max(lines.p_s, lines.p_d))
     vapour = gas.relative_humidity * water.saturation(lines.T_s)[0] * max(lines.p_d / lines.p_s, 1.0)
     if vapour >= water.saturation(water.T_MOST)[0]:
         what = f"brings so much water that it condenses above {in_celsius(water.T_MOST)} at {told}"
-        yield Fault(HUMIDITY, f"{what}, where it is not followed (drier or colder air, or a lower pressure)")
+        yield Fault(HUMIDITY, f"{what}, where that is not modelled (choose drier or colder air, or a lower pressure)")
     elif max(lines.p_s, lines.p_d) > P_MOST:
         most = f"{1e-5 * P_MOST:g} bar"
-        yield Fault(HUMIDITY, f"is followed up to {most}, not at {told} (remove it, or lower the pressure)")
+        yield Fault(HUMIDITY, f"is modelled up to {most}, not at {told} (remove it, or lower the pressure)")

@@ -26,7 +26,7 @@ def scene_of(given: Any) -> Scene:
         return loads(given)
     if isinstance(given, str | os.PathLike | Mapping):
         return load(given)
-    raise UsageError(f"{type(given).__name__} is no scene (pass {_TAKES})")
+    raise UsageError(f"{type(given).__name__} is not a scene (pass {_TAKES})")
 
 
 def _is_text(given: str) -> bool:

@@ -24,7 +24,7 @@ def too_many(cases: int) -> str:
     if cases <= MOST_CASES:
         return ""
     shown = f"{cases:,}" if cases < 10**15 else f"{cases:.0e}" if cases < 10**300 else "far too many"
-    return f"has {shown} cases, more than the {MOST_CASES:,} of one study (take fewer values, or part it)"
+    return f"has {shown} cases, more than the {MOST_CASES:,} that one study may have (use fewer values, or split it)"
 
 
 class Dimension(NamedTuple):

@@ -49,7 +49,7 @@ def _lines(operation: Operation, fluid: str) -> Lines:
         T_s = _superheated(T_e, operation.superheat)
         return Lines(p_s, _wet(fluid, p_s, T_s, suction.quality), p_d, suction.quality)
     if suction.pressure is None or p_d is None:
-        raise ValueError("the scene states no pressures; ask cross_check first")
+        raise ValueError("the scene states no pressures; call cross_check first")
     T_s = suction.temperature
     if T_s is None:
         T_s = _superheated(constants.saturation_temperature(fluid, suction.pressure), suction.superheat)

@@ -34,7 +34,9 @@ from screwsim.scene.yaml_tree import Node, Place, Problem, compose, merge, one_l
 OVERRIDE = 1_000_000  # rank of the first override, above those of all files
 SET = "--set "  # prefix of an override in messages
 MOST_BASES = 32  # longest chain of bases
-FILE_OR_DICT = Kind(lambda given: isinstance(given, Mapping) or FILE.holds(given), "no path of a file, and no dict")
+FILE_OR_DICT = Kind(
+    lambda given: isinstance(given, Mapping) or FILE.holds(given), "neither the path of a file nor a dict"
+)
 
 
 @takes(path=FILE_OR_DICT, stage=TEXT)
@@ -115,7 +117,8 @@ def _read_file(
         what = f"cannot be read: {error} (name an existing scene file, saved as UTF-8)"
         if error.hdf5:
             what = (
-                f"is a file of results, not a scene (screwsim scene {name} -o again.yaml writes the one that it holds)"
+                f"is a file of results, not a scene (screwsim scene {name} -o again.yaml writes the scene that it "
+                "contains)"
             )
         elif at is None and os.path.isfile(f"{name}.yaml"):
             what = f"cannot be read: {error} (there is {name}.yaml)"
@@ -187,7 +190,7 @@ def _override(root: Node, override: str, place: Place, problems: list[Problem], 
         example = f"{told}operation.speed='1000 rpm'"
         raise UsageError(f"{told}{one_line(override)}: is not PATH=VALUE (write e.g. {example})")
     if path == "base":
-        raise UsageError(f"{told}base=…: a base belongs into the file (write it there, or name the other scene)")
+        raise UsageError(f"{told}base=…: a base must be stated in the file (write it there, or name the other scene)")
     place = replace(place, source=f"{told}{override}")
     node = _override_value(text, place, path, problems)
     if node is None:
@@ -195,7 +198,7 @@ def _override(root: Node, override: str, place: Place, problems: list[Problem], 
     keys = _keys(root, path, node)
     if node.value == {} and (there := _at(root, keys)) is not None and isinstance(there.value, dict) and there.value:
         out = "off" if path.startswith("effects.") else "null"
-        what = f"{{}} changes nothing, as it merges into what is there (write {out} to take that out)"
+        what = f"{{}} changes nothing, as it is merged into what is there (write {out} to remove that)"
         problems.append(Problem(place, path, what))
     for name in reversed(keys):
         node = Node({name: node}, place, place)
@@ -260,7 +263,7 @@ def _remove(root: Node, without: Iterable[str]) -> Node:
 def _not_active(name: str, named: list[str]) -> str:
     active = ", ".join(named) or "none"
     if "," in name and all(part.strip() in named for part in name.split(",")):
-        return f"is one effect at a time (write {' '.join(f'--without {part.strip()}' for part in name.split(','))})"
+        return f"takes one effect at a time (write {' '.join(f'--without {part.strip()}' for part in name.split(','))})"
     near = nearest(name.removeprefix("effects."), named)
     hint = f"; did you mean '{near}'?" if near else ""
     return f"that effect is not active in this scene{hint} (active: {active})"

@@ -36,7 +36,7 @@ def read_model_error(block: Node | None, problems: list[Problem]) -> str:
         return node.value
     near = nearest(node.value, known) if isinstance(node.value, str) else None
     hint = f"did you mean '{near}'? " if near else ""
-    what = f"{shown(node.value)} is no validation that states an error of the model ({hint}known: {', '.join(known)})"
+    what = f"{shown(node.value)} is not a validation that states a model error ({hint}known: {', '.join(known)})"
     problems.append(Problem(node.place, f"{BLOCK}.{MODEL}", what))
     return ""
 

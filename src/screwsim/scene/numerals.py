@@ -49,7 +49,7 @@ def odd_number(text: str, unit: str = "") -> Odd | None:
             return found
     if plain == text:
         return None
-    return Odd("has a sign or digits that are not the keyboard's", _with_unit(plain, "", unit))
+    return Odd("has a sign or digits that are not ASCII", _with_unit(plain, "", unit))
 
 
 def told(odd: Odd, quote: str = "'") -> str:
@@ -78,7 +78,7 @@ def _with_unit(number: str, rest: str, unit: str) -> tuple[str, ...]:
 
 def _sign(text: str, unit: str) -> Odd | None:
     match = re.fullmatch(r"([+-])\s+([0-9.].*)", text, re.DOTALL)
-    return None if match is None else Odd("has a blank behind its sign", _with_unit(match[1] + match[2], "", unit))
+    return None if match is None else Odd("has a space after its sign", _with_unit(match[1] + match[2], "", unit))
 
 
 def _fraction(text: str, unit: str) -> Odd | None:
@@ -102,12 +102,12 @@ def _range(text: str, unit: str) -> Odd | None:
     match = _RANGE.fullmatch(text)
     if match is None:
         return None
-    return Odd("says more than one number" if match[1] in ("±", "+/-") else "is a range", ())
+    return Odd("states more than one number" if match[1] in ("±", "+/-") else "is a range", ())
 
 
 def _about(text: str, unit: str) -> Odd | None:
     match = _ABOUT.fullmatch(text)
-    return None if match is None else Odd("says more than a number", _with_unit(match[1], "", unit))
+    return None if match is None else Odd("contains more than a number", _with_unit(match[1], "", unit))
 
 
 def _grouped(text: str, unit: str) -> Odd | None:
@@ -120,7 +120,9 @@ def _grouped(text: str, unit: str) -> Odd | None:
     last = re.findall(r"[^0-9]", body)[-1]
     lead = "write" if rest.strip() or not unit else "write e.g."  # the unit is a guess
     if len(found) == 2:
-        return Odd(f"has a {'comma' if last == ',' else 'dot'} that divides thousands or decimals", tuple(found), lead)
+        return Odd(
+            f"has a {'comma' if last == ',' else 'dot'} that may separate thousands or decimals", tuple(found), lead
+        )
     if not found:
         return Odd("is not one number")
     if re.fullmatch(r"[0-9]+,[0-9]+", body) and "." in found[0]:

@@ -54,7 +54,7 @@ def _gas(scene: Scene) -> Iterator[Fault]:
     yield from humidity_faults(gas, scene.operation.aftercooler_temperature)
     model = find_gas_model(gas.model)
     if model.finds_exponent and gas.isentropic_exponent is not None:
-        yield Fault("gas.isentropic_exponent", "belongs to model: ideal (remove it, or write model: ideal)")
+        yield Fault("gas.isentropic_exponent", "applies only to model: ideal (remove it, or write model: ideal)")
     if gas.equilibrium and not model.phases:
         yield Fault("gas.two_phase", "equilibrium needs model: real (write that, or remove two_phase)")
     elif gas.equilibrium and gas.relative_humidity is None and constants.limits(gas.name) is not None:
@@ -70,15 +70,17 @@ def _one_way(scene: Scene) -> Iterator[Fault]:
     temperatures, pressures = _given(scene, TEMPERATURES), _given(scene, PRESSURES)
     if temperatures and pressures:
         for path in pressures:
-            what = f"is given beside {temperatures[0]} (state the lines by pressures or by saturation temperatures; "
-            yield Fault(path, f"{what}remove one of the two, with null where a base gives it)")
+            what = (
+                f"is given as well as {temperatures[0]} (state the lines by pressures or by saturation temperatures; "
+            )
+            yield Fault(path, f"{what}remove one of the two; null drops a base's value)")
     elif temperatures:
         yield from _temperatures_complete(scene)
     elif pressures:
         yield from _pressures_complete(scene)
     else:
         ways = "suction and discharge, or evaporating_temperature, condensing_temperature and superheat"
-        yield Fault("operation", f"states neither line (write {ways})")
+        yield Fault("operation", f"states neither suction nor discharge (write {ways})")
 
 
 def _temperatures_complete(scene: Scene) -> Iterator[Fault]:
@@ -94,16 +96,16 @@ def _temperatures_complete(scene: Scene) -> Iterator[Fault]:
     if operation.superheat is None and operation.suction.quality is None:
         yield Fault(SUPERHEAT, "is missing (write e.g. superheat: 10 K; the state of the suction gas)")
     if operation.superheat is not None and operation.suction.quality is not None:
-        yield Fault(QUALITY, "is given beside operation.superheat (remove one of the two)")
+        yield Fault(QUALITY, "is given as well as operation.superheat (remove one of the two)")
 
 
 def _instead_of_a_condenser(scene: Scene) -> Iterator[Fault]:
     """Yield faults of what cannot be combined with a gas cooler."""
     for path in _given(scene, (CONDENSING, SUBCOOLING)):
-        what = "is given beside operation.gas_cooler, which states pressure and temperature itself"
-        yield Fault(path, f"{what} (remove one of the two, with null where a base gives it)")
+        what = "is given as well as operation.gas_cooler, which states pressure and temperature itself"
+        yield Fault(path, f"{what} (remove one of the two; null drops a base's value)")
     if scene.machine.expands:
-        yield Fault(GAS_COOLER, "belongs to machine.mode: compressor (state the lines by pressures, or remove it)")
+        yield Fault(GAS_COOLER, "applies only to machine.mode: compressor (state the lines by pressures, or remove it)")
 
 
 def _pressures_complete(scene: Scene) -> Iterator[Fault]:
@@ -115,7 +117,7 @@ def _pressures_complete(scene: Scene) -> Iterator[Fault]:
     if not states:
         yield Fault(T_S, "is missing (give temperature or superheat)")
     for name in states[1:]:
-        yield Fault(f"operation.suction.{name}", f"is given beside {states[0]} (remove one of the two)")
+        yield Fault(f"operation.suction.{name}", f"is given as well as {states[0]} (remove one of the two)")
 
 
 def _axes(scene: Scene) -> Iterator[Fault]:
@@ -129,10 +131,10 @@ def _axes(scene: Scene) -> Iterator[Fault]:
     for path in (path for path in scene.sweep if path in other):
         if path in (CONDENSING, SUBCOOLING) and scene.operation.gas_cooler is not None:
             remedy = f"vary {GAS_COOLER_P} or {GAS_COOLER_T}"
-            yield Fault(f"sweep.{path}", f"has no meaning beside operation.gas_cooler ({remedy})")
+            yield Fault(f"sweep.{path}", f"has no meaning with operation.gas_cooler ({remedy})")
             continue
         remedy = f"vary {COUNTERPART[path]}, or" if path in COUNTERPART else "remove this axis, or"
-        yield Fault(f"sweep.{path}", f"has no meaning where the scene states {stated} ({remedy} state the lines anew)")
+        yield Fault(f"sweep.{path}", f"has no meaning where the scene states {stated} ({remedy} restate the lines)")
 
 
 def _states(scene: Scene) -> list[Fault]:
@@ -177,8 +179,8 @@ def _liquid(scene: Scene, path: str, p: float, T: float | None) -> Iterator[Faul
     if T is None or boiling is None:
         return
     what = f"{in_celsius(T)} makes {scene.gas.name} of {readable_quantity(KINDS['pressure'], p)} a liquid"
-    wet = "" if path == T_D else "; of wet gas give quality in its place, with gas.two_phase: equilibrium"
-    yield Fault(path, f"{what}: it is a gas from {in_celsius(boiling)} on (raise it, or lower the pressure{wet})")
+    wet = "" if path == T_D else "; for wet gas give quality instead, with gas.two_phase: equilibrium"
+    yield Fault(path, f"{what}: it is a gas above {in_celsius(boiling)} (raise it, or lower the pressure{wet})")
 
 
 def _order(scene: Scene, p_s: float, p_d: float, path: str) -> Iterator[Fault]:
@@ -210,7 +212,7 @@ def _temperatures(scene: Scene, limits: Limits) -> Iterator[Fault]:
         what = f"{fluid} freezes at {in_celsius(limits.T_triple)} (choose a smaller one)"
         yield Fault(SUBCOOLING, f"makes liquid of {in_celsius(T_liquid)}; {what}")
     elif not scene.machine.expands and operation.subcooling and T_liquid < T_e < T_c:
-        what = f"colder than the evaporator of {in_celsius(T_e)}, and nothing of the plant cools it so far"
+        what = f"colder than the evaporator of {in_celsius(T_e)}, and nothing in the plant can cool it so far"
         yield Fault(SUBCOOLING, f"makes liquid of {in_celsius(T_liquid)}: {what} (choose a smaller one)")
     compressor, shown = not scene.machine.expands, f"the evaporating temperature {in_celsius(T_e)}"
     if T_c == T_e:
@@ -234,9 +236,9 @@ def _gas_cooler(scene: Scene, limits: Limits) -> Iterator[Fault]:
     T, p_s = cooler.outlet_temperature, constants.dew_pressure(fluid, T_e)
     p, low = (readable_quantity(KINDS["pressure"], each) for each in (cooler.pressure, p_s))
     if cooler.pressure <= p_s:
-        yield Fault(GAS_COOLER_P, f"{p} is not above the pressure of evaporation, {low} (raise it)")
+        yield Fault(GAS_COOLER_P, f"{p} is not above the evaporating pressure, {low} (raise it)")
     if T < T_e:
-        what = f"colder than the evaporator of {in_celsius(T_e)}, and nothing of the plant cools it so far"
+        what = f"colder than the evaporator of {in_celsius(T_e)}, and nothing in the plant can cool it so far"
         yield Fault(GAS_COOLER_T, f"{in_celsius(T)} is {what} (raise it)")
     elif T > limits.T_max:
         yield Fault(GAS_COOLER_T, f"the equation of state of {fluid} ends at {in_celsius(limits.T_max)} (lower it)")
@@ -253,7 +255,7 @@ def _too_hot(scene: Scene, limits: Limits, T_e: float) -> Iterator[Fault]:
 def _no_cooling(scene: Scene, effect: float | None) -> Iterator[Fault]:
     """Yield a fault for a gas cooler after which the fluid has more enthalpy than the suction gas."""
     if scene.operation.gas_cooler is not None and effect is not None and effect <= 0.0:
-        what = f"leaves no cooling: behind it {scene.gas.name} has {-effect / 1e3:.4g} kJ/kg more than the suction gas"
+        what = f"leaves no cooling: after it {scene.gas.name} has {-effect / 1e3:.4g} kJ/kg more than the suction gas"
         yield Fault(GAS_COOLER_T, f"{what} (lower it, or raise operation.gas_cooler.pressure)")
 
 
@@ -262,7 +264,7 @@ def _outside(path: str, T: float, fluid: str, limits: Limits) -> Iterator[Fault]
         what = f"is not below the critical temperature of {fluid}, {in_celsius(limits.T_critical)}"
         above = "state the lines by pressures"
         if path == CONDENSING:
-            above = "write operation.gas_cooler: {pressure: …, outlet_temperature: …} in its place"
+            above = "write operation.gas_cooler: {pressure: …, outlet_temperature: …} instead"
         yield Fault(path, f"{in_celsius(T)} {what} (lower it, or {above})")
     elif T < limits.T_triple:
         what = f"is below the triple point of {fluid}, {in_celsius(limits.T_triple)}"

@@ -35,7 +35,7 @@ from screwsim.scene.sizes import size_warnings
 from screwsim.scene.types import ActiveEffect, Scene
 from screwsim.scene.units import readable_quantity
 
-MEANT = "is it meant?"
+MEANT = "is that intended?"
 LEFT = 1e-3  # share of the largest volume that a table's smallest may have: the displacement is off by as much
 OTHER_HAND = 1.5  # ratio of a lobe's blow-hole areas from which it looks mirrored: asymmetric profiles have 0.1
 USUAL_RATIO = 30.0  # usual pressure ratio in one machine, higher over lower, at the most
@@ -108,21 +108,24 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
     ratio = max(at.p_d / at.p_s, at.p_s / at.p_d)
     if ratio > USUAL_RATIO:
         path = next((each for each in (P_D, GAS_COOLER_P) if value_at(scene, each) is not None), CONDENSING)
-        yield path, f"one machine has a pressure ratio of {ratio:.4g} (usual: at most {USUAL_RATIO:g})"
+        yield path, f"the pressure ratio of a single machine is {ratio:.4g} (usual: at most {USUAL_RATIO:g})"
     cooler = scene.operation.gas_cooler
     if cooler is not None and cooler.pressure < _critical(scene):
         T = constants.saturation_temperature(scene.gas.name, cooler.pressure)
         if cooler.outlet_temperature > T:
             here, dew = map(in_celsius, (cooler.outlet_temperature, T))
-            what = f"{scene.gas.name} leaves it as a gas, of {here}: it condenses below the critical pressure, at {dew}"
-            yield f"{GAS_COOLER}.outlet_temperature", f"{what} (a colder one, or a higher pressure)"
+            what = f"{scene.gas.name} leaves it as a gas at {here}: it condenses below the critical pressure, at {dew}"
+            yield f"{GAS_COOLER}.outlet_temperature", f"{what} (choose a colder one, or a higher pressure)"
     if find_gas_model(scene.gas.model).blind:
         boiling = constants.liquid_below(scene.gas.name, at.p_s, at.T_s)
         if boiling is not None:
             p = readable_quantity(KINDS["pressure"], at.p_s)
             here, until = map(in_celsius, (at.T_s, boiling))
-            what = f"{scene.gas.name} of {p} is a liquid at {here}, and a gas from {until} on"
-            yield T_S, f"{what}; gas.model: ideal takes it as a gas (warmer gas, or gas.model: real, which refuses it)"
+            what = f"{scene.gas.name} of {p} is a liquid at {here}, and a gas above {until}"
+            yield (
+                T_S,
+                f"{what}; gas.model: ideal treats it as a gas (use warmer gas, or gas.model: real, which refuses it)",
+            )
 
 
 def _volume(scene: Scene) -> Iterator[tuple[str, str]]:
@@ -139,8 +142,11 @@ def _left(volumes: np.ndarray) -> Iterator[tuple[str, str]]:
     """Yield a warning where the swept volume of a table never reaches zero: its largest counts as displacement."""
     share = float(np.min(volumes) / np.max(volumes))
     if share > LEFT:
-        what = f"the smallest volume of the table is {share:.2%} of its largest, and that is swept only where it is 0"
-        yield "machine.volume.file", f"{what} (take it out of all rows, and write it as machine.volume.min)"
+        what = (
+            f"the smallest volume of the table is {share:.2%} of its largest, which is the swept volume only if the "
+            "smallest is 0"
+        )
+        yield "machine.volume.file", f"{what} (subtract it from all rows, and write it as machine.volume.min)"
 
 
 def _of_scale(law: VolumeLaw, largest: float) -> Iterator[tuple[str, str]]:
@@ -148,7 +154,10 @@ def _of_scale(law: VolumeLaw, largest: float) -> Iterator[tuple[str, str]]:
     if law.max is None or abs(law.max - largest) <= SCALED * largest or is_derived(law.max):
         return
     held, stated = (readable_quantity(KINDS["volume"], round(each, 12)) for each in (largest, law.max))
-    yield "machine.volume.max", f"{stated}, to which a table that holds {held} at most is scaled (max: {held} keeps it)"
+    yield (
+        "machine.volume.max",
+        f"a table whose largest volume is {held} is scaled to {stated} (max: {held} keeps it as it is)",
+    )
 
 
 @Remembered
@@ -156,8 +165,8 @@ def _of_table(angles: np.ndarray, volumes: np.ndarray) -> tuple[tuple[str, str],
     share, at = to_and_fro(angles, volumes)
     if share <= ROUGH:
         return ()
-    what = f"the slope of the volume jumps to and fro from row to row, at {math.degrees(at):.4g} deg by {share:.0%}"
-    return (("machine.volume.file", f"{what} of the largest (a smoother table, more digits, or fewer rows)"),)
+    what = f"the slope of the volume jumps back and forth from row to row, at {math.degrees(at):.4g} deg by {share:.0%}"
+    return (("machine.volume.file", f"{what} of the largest (use a smoother table, more digits, or fewer rows)"),)
 
 
 def _profile(scene: Scene) -> Iterator[tuple[str, str]]:
@@ -177,8 +186,8 @@ def _hand(machine: TwinScrew) -> Iterator[tuple[str, str]]:
         high, low = rotors.blow_hole.area(rotors.h), rotors.suction_blow_hole.area(rotors.h)
         if high > OTHER_HAND * low:
             holes = f"{1e6 * high:.4g} mm² at the high-pressure cusp, {1e6 * low:.4g} mm² at the suction cusp"
-            what = f"the larger blow-hole is that of high pressure ({holes}), as with a lobe of the other hand"
-            yield "machine.profile.file", f"{what} (turn the signs of its y if so)"
+            what = f"the larger blow-hole is the high-pressure one ({holes}), as for a lobe of the opposite hand"
+            yield "machine.profile.file", f"{what} (reverse the sign of its y if so)"
 
 
 def _critical(scene: Scene) -> float:
@@ -198,7 +207,7 @@ def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
         if supply.temperature < T:
             cold, warm = map(in_celsius, (supply.temperature, T))
             what = f"{scene.gas.name} condenses on it at the discharge pressure, {1e-5 * p_d:.4g} bar, below {warm}"
-            yield "oil_supply.temperature", f"the oil comes with {cold}; {what} (warmer oil)"
+            yield "oil_supply.temperature", f"the oil enters at {cold}; {what} (use warmer oil)"
 
 
 @Remembered

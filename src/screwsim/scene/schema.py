@@ -57,13 +57,13 @@ def schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12). Required keys are required only in a scene without a base."""
     section = scene_section()
     effects = {name: section_of(effect.parameters) for name, effect in catalogue().items()}
-    base = "another scene's file, whose paths this one changes"
+    base = "file of another scene, of which this one changes some paths"
     properties: dict[str, Any] = {"base": {"type": ["string", "null"], "description": base}}
     properties |= _section(section)["properties"]
     properties["machine"] = _machine()
     properties["effects"] = {
         "type": ["object", "null"],
-        "description": "an effect that is named is simulated, one that is not named is not",
+        "description": "effects named here are simulated, all others are not",
         "properties": {
             name: {**_section(part), **OFF, "description": catalogue()[name].title} for name, part in effects.items()
         },
@@ -72,8 +72,11 @@ def schema() -> dict[str, Any]:
     }
     properties["sweep"] = _sweep()
     groups = {"type": "array", "items": {"type": "array", "items": {"type": "string"}, "minItems": 2}}
-    together = "groups of paths whose values, which have tolerances, err together"
-    named = {"enum": [*stored(), None], "description": "validation whose error of the model is told beside the others"}
+    together = "groups of paths whose tolerances are fully correlated"
+    named = {
+        "enum": [*stored(), None],
+        "description": "validation whose model error is reported with the other uncertainties",
+    }
     keys = {TOGETHER: {**groups, "description": together}, MODEL: named}
     properties[BLOCK] = mapping(keys, (), "", ["object", "null"])
     return {
@@ -196,18 +199,18 @@ def _sweep() -> dict[str, Any]:
     axes = {path: _axis_of(leaf) for path, leaf in leaves.items()}
     over = {path: _span_of(leaf) for path, leaf in leaves.items()}
     group = _paths(axes, "axes of equal length")
-    zipped = {"description": "groups of axes whose values are taken side by side", "items": group, "minItems": 1}
+    zipped = {"description": "groups of axes whose values are combined one by one", "items": group, "minItems": 1}
     properties = {
         "kind": {"enum": list(SAMPLES)},
         "count": {"type": "integer", "minimum": 1, "maximum": LARGEST_SAMPLE},
         "seed": {"type": "integer", "minimum": 0, "default": 0},
-        "over": _paths(over, "what varies, and how far"),
+        "over": _paths(over, "paths that vary, and their ranges"),
     }
     designs = {
         "zip": {"type": ["array", "null"], **zipped},
-        "sample": mapping(properties, (), "points drawn at random, one dimension of the sweep", ["object", "null"]),
+        "sample": mapping(properties, (), "points drawn at random; one dimension of the sweep", ["object", "null"]),
     }
-    about = "the grid is the product of all axes; a key is a whole dotted path"
+    about = "the grid is the product of all axes; a key is a complete dotted path"
     return {**_paths({**axes, **designs}, about), "type": ["object", "null"]}
 
 

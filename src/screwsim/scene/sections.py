@@ -135,7 +135,7 @@ def find_kind(name: str) -> None:
     _, section = imported(name, lambda: _declared(find_machine(name), "settings"))
     lacking = [each for each in ("kind", "mode") if each not in section.fields]
     if lacking:
-        raise Refused(f"has no setting {', '.join(lacking)}; mend that module")
+        raise Refused(f"lacks the setting {', '.join(lacking)}; fix that module")
 
 
 def _declared(found: Any, part: str) -> tuple[Any, Section]:

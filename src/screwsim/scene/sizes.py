@@ -68,7 +68,10 @@ def size_faults(scene: Scene) -> Iterator[Fault]:
         yield from faults
     fast, known = _fast(scene)
     if fast > known.most:
-        what = f"{_words(scene, fast, known)}, and no machine stands {known.most:g} m/s (a lower speed; {known.why})"
+        what = (
+            f"{_words(scene, fast, known)}, and no machine withstands {known.most:g} m/s (choose a lower speed; "
+            f"{known.why})"
+        )
         yield Fault("operation.speed", what)
 
 
@@ -78,7 +81,7 @@ def area_fault(scene: Scene, largest: float) -> str | None:
     if size is None or largest <= size.most * size.of(scene.machine):
         return None
     what = f"its largest area of {largest:.4g} m² is {_times(largest / size.of(scene.machine), size.what)}"
-    return f"{what}, which cannot be (write m^2; is the unit right?)"
+    return f"{what}, which is impossible (areas are in m^2; is the unit right?)"
 
 
 def size_warnings(scene: Scene) -> Iterator[tuple[str, str]]:
@@ -136,7 +139,7 @@ def _beyond(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[Fault]:
     """Yield faults of the sizes that do not fit into the machine."""
     for size, share in _shares(scene, sizes):
         if share > size.most:
-            what = f"{_shown(scene, size.path)} is {_times(share, size.what)}, which cannot be"
+            what = f"{_shown(scene, size.path)} is {_times(share, size.what)}, which is impossible"
             yield Fault(size.path, f"{what} ({size.remedy})")
 
 

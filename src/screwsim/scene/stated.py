@@ -47,9 +47,11 @@ def _of_speed(scene: Scene) -> Iterator[Fault]:
             yield Fault(SPEED, "is missing (write speed: … rpm; speed of the male rotor, or of the crank)")
         return
     if not turns:
-        yield Fault(TIP_SPEED, f"is that of screw rotors, which a {scene.machine.kind} has not (write speed: … rpm)")
+        yield Fault(
+            TIP_SPEED, f"applies only to screw rotors, which a {scene.machine.kind} does not have (write speed: … rpm)"
+        )
     elif operation.speed is not None and not is_derived(operation.speed):
-        remedy = "remove one of the two, null in place of a base's"
-        yield Fault(TIP_SPEED, f"is given beside {SPEED}, which it states, too ({remedy})")
+        remedy = "remove one of the two; null drops a base's value"
+        yield Fault(TIP_SPEED, f"is given as well as {SPEED}, which it states already ({remedy})")
     if SPEED in scene.sweep:
-        yield Fault(f"sweep.{SPEED}", f"has no meaning beside {TIP_SPEED} (vary that one, or state the speed)")
+        yield Fault(f"sweep.{SPEED}", f"has no meaning with {TIP_SPEED} (vary that one, or state the speed)")

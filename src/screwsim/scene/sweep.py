@@ -170,7 +170,7 @@ def _span(leaf: Leaf, node: Node, path: str, problems: list[Problem]) -> tuple[A
         return ()
     first, last, spacing = given["from"], given["to"], given["spacing"]
     if not first < last:
-        problems.append(Problem(node.place, path, "from is not below to (exchange them)"))
+        problems.append(Problem(node.place, path, "from is not below to (swap them)"))
     elif spacing == "log" and not first > 0.0:
         problems.append(Problem(node.place, path, "log spacing needs ends above zero (choose another from)"))
     return (spacing, first, last)

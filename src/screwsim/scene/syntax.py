@@ -4,22 +4,22 @@ import re
 
 from ruamel.yaml.error import MarkedYAMLError
 
-_ANY = "mend the indentation, brackets or quotes here"
-_LINE = "write NAME: value, a blank behind the colon, and as far in as its neighbours; look one line up, too"
-_ONE = "a scene is one document: remove the line of --- or ... and what is behind it"
+_ANY = "fix the indentation, brackets or quotes here"
+_LINE = "write NAME: value, with a space after the colon and indented like its neighbours; also check the line above"
+_ONE = "a scene is one document: remove the line with --- or ... and all that follows it"
 _REMEDIES = (  # pattern in the parser's message, and the remedy
     (r"cannot start any token", "write the text in quotes"),
     (r"mapping values are not allowed|could not find expected ':'|expected <block end>", _LINE),
     (
         r"sequence entries are not allowed",
-        "a list begins on a line of its own, or stands in [ ]; a minus sign has no blank behind it",
+        "a list begins on its own line, or is in [ ]; a minus sign has no space after it",
     ),
     (r"another document", _ONE),
-    (r"expected '<document start>'", "from first to last a scene is lines NAME: value"),
-    (r"expected the node content", "a value lacks here: write it, or remove the comma"),
+    (r"expected '<document start>'", "a scene consists of lines NAME: value only"),
+    (r"expected the node content", "a value is missing here: write it, or remove the comma"),
     (r"undefined alias", "write the value out, or quote a text that begins with *"),
 )
-_BLANKS = {"\t": "a tab", "\u00a0": "a no-break space", "\u202f": "a no-break space", "\u3000": "a wide blank"}
+_BLANKS = {"\t": "a tab", "\u00a0": "a no-break space", "\u202f": "a no-break space", "\u3000": "a wide space"}
 
 
 def not_yaml(error: MarkedYAMLError, text: str) -> str:
@@ -42,7 +42,7 @@ def _blank(error: MarkedYAMLError, text: str) -> str | None:
         line = lines[number] if 0 <= number < len(lines) else ""
         found = next((name for letter, name in _BLANKS.items() if letter in line), None)
         if found is not None:
-            return f"line {number + 1} has {found}: write blanks in its place"
+            return f"line {number + 1} has {found}: replace it by spaces"
     return None
 
 
@@ -56,5 +56,5 @@ def _opened(error: MarkedYAMLError) -> str | None:
         return f"close the quote that opens {place}"
     if "flow" in words:
         bracket, close = ("{", "}") if "mapping" in words else ("[", "]")
-        return f"close the {bracket} that opens {place} with {close}, and have commas between what is inside"
+        return f"close the {bracket} that opens {place} with {close}, and separate what is inside by commas"
     return None

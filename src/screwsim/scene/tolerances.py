@@ -87,9 +87,9 @@ def read_tolerances(
         leaf = leaves.get(path)
         try:
             if leaf is None or (leaf.dimension is None and leaf.kind != "number"):
-                raise Refused("has a tolerance, which only quantities and numbers have (write the value alone)")
+                raise Refused("has a tolerance, which only quantities and numbers may have (write the value alone)")
             if path.startswith(NO_INPUTS):
-                raise Refused("has a tolerance, which only what describes the machine and its operation has")
+                raise Refused("has a tolerance, which only values that describe the machine and its operation may have")
             value = float(value_at(scene, path))
             tolerance = _factor(leaf, each, value) if each.factor else _half(leaf, each, value)
             _check_ends(leaf, tolerance, value, "its")
@@ -105,7 +105,7 @@ def _check_ends(leaf: Leaf, tolerance: Tolerance, value: float, whose: str) -> N
     for end in tolerance.ends(value):
         if not within(leaf, end):
             reach = f"{whose} 95 % interval reaches {text_of(leaf, float(f'{end:.4g}'))}, which is out of range"
-            raise Refused(f"{reach} (it must be {limits_text(leaf)}; write a smaller one, or a factor, as ×/÷ 1.5)")
+            raise Refused(f"{reach} (it must be {limits_text(leaf)}; write a smaller one, or a factor such as ×/÷ 1.5)")
 
 
 def _check_sweep(leaf: Leaf, tolerance: Tolerance, values: Sequence[Any]) -> None:
@@ -114,7 +114,7 @@ def _check_sweep(leaf: Leaf, tolerance: Tolerance, values: Sequence[Any]) -> Non
         own = tolerance.around(float(value))
         if not own.size > 0.0 or (tolerance.factor and value <= 0.0):
             raise Refused(
-                f"has a tolerance, of which {text_of(leaf, value)} of the sweep has none (write ± with a unit)"
+                f"has a tolerance that is 0 at the value {text_of(leaf, value)} of the sweep (write ± with a unit)"
             )
         _check_ends(leaf, own, float(value), f"at {text_of(leaf, value)} of the sweep its")
 
@@ -123,7 +123,7 @@ def _factor(leaf: Leaf, given: Given, value: float) -> Tolerance:
     if not _BARE.fullmatch(given.text) or not float(given.text) > 1.0 or not math.isfinite(float(given.text)):
         raise Refused(f"the tolerance {shown(given.text)} is not a factor above 1 (write e.g. ×/÷ 2)")
     if value <= 0.0 or leaf.kind in ("temperature", "angle"):
-        raise Refused("a factor is for what is above nothing by nature, as lengths are (write ±)")
+        raise Refused("a factor is only for quantities that are positive by nature, such as lengths (write ±)")
     return Tolerance(float(given.text), factor=True)
 
 
@@ -132,7 +132,7 @@ def _half(leaf: Leaf, given: Given, value: float) -> Tolerance:
     text, share = given.text, _SHARE.fullmatch(given.text)
     if share is not None:
         if leaf.kind == "temperature":
-            raise Refused(f"the tolerance {shown(text)} is a share of a temperature (write kelvin, e.g. ± 2 K)")
+            raise Refused(f"the tolerance {shown(text)} is a share of a temperature (write it in kelvin, e.g. ± 2 K)")
         half = 0.01 * float(share[1]) * abs(value)
     elif leaf.dimension is None:
         if not _BARE.fullmatch(text):
@@ -148,7 +148,7 @@ def _half(leaf: Leaf, given: Given, value: float) -> Tolerance:
         except Refused as refusal:
             raise Refused(f"the tolerance {refusal}") from None
     if not half > 0.0:
-        raise Refused(f"the tolerance {shown(text)} is {'negative' if half < 0.0 else 'nothing'} (write its size)")
+        raise Refused(f"the tolerance {shown(text)} is {'negative' if half < 0.0 else 'zero'} (write its size)")
     return Tolerance(half, percent=None if share is None else float(share[1]))
 
 
@@ -159,7 +159,7 @@ def _together(
     if block is None or block.value is None:
         return ()
     if not isinstance(block.value, dict) or not set(block.value) <= {TOGETHER, MODEL}:
-        what = f"is not the groups that err together (write {TOGETHER}: [[PATH, PATH], …], or {MODEL}: NAME)"
+        what = f"does not list correlated groups (write {TOGETHER}: [[PATH, PATH], …], or {MODEL}: NAME)"
         problems.append(Problem(block.place, BLOCK, what))
         return ()
     groups, seen = [], set()
@@ -177,11 +177,15 @@ def _together(
             if _is_left_out(node.value, scene):
                 continue
             if not isinstance(node.value, str):
-                why = "; a group errs as one and has no coefficient" if isinstance(node.value, int | float) else ""
+                why = (
+                    "; a group is fully correlated and has no coefficient"
+                    if isinstance(node.value, int | float)
+                    else ""
+                )
                 what = f"{shown(node.value)} is not a path{why} (write [[PATH, PATH], …])"
                 problems.append(Problem(node.place, f"{BLOCK}.{TOGETHER}", what))
                 continue
-            twice = "is there twice (name it once)" if node.value in names else "is in two groups (name it in one)"
+            twice = "is listed twice (name it once)" if node.value in names else "is in two groups (name it in one)"
             why = twice if node.value in seen else ""
             if not why and node.value not in known:
                 near = nearest(node.value, list(known))

@@ -15,8 +15,8 @@ from screwsim.numerics.settings import NumericsSettings
 from screwsim.outputs.display import About, Brief
 
 NO_SUPERHEAT = (
-    "0 K is saturated vapour; wet gas is stated by operation.suction.quality in its place, "
-    "with gas.model: real and gas.two_phase: equilibrium"
+    "0 K is saturated vapour; for wet gas state operation.suction.quality instead, with gas.model: real and "
+    "gas.two_phase: equilibrium"
 )
 
 
@@ -26,13 +26,13 @@ COVERAGE = 2.0  # standard uncertainties in a tolerance: 95 % of a normal distri
 
 @dataclass(frozen=True)
 class SuctionState:
-    """The state of the suction line; the pressure here, or operation.evaporating_temperature."""
+    """The state of the suction line; its pressure is stated here or by operation.evaporating_temperature."""
 
     pressure: float | None = quantity("pressure", "absolute pressure p_s", None, ge=1.0, le=1e9, hardly=(1e3, 1e7))
     temperature: float | None = quantity("temperature", "temperature T_s", None, gt=0.0, le=2500.0, hardly=(4.0, 700.0))
     superheat: float | None = quantity(
         "temperature_difference",
-        "superheat over saturation, instead of temperature",
+        "superheat above saturation, instead of temperature",
         None,
         ge=0.0,
         hardly=(None, 150.0),
@@ -49,12 +49,12 @@ class SuctionState:
 
 @dataclass(frozen=True)
 class DischargeState:
-    """The state of the discharge line; the pressure here, or operation.condensing_temperature."""
+    """The state of the discharge line; its pressure is stated here or by operation.condensing_temperature."""
 
     pressure: float | None = quantity("pressure", "absolute pressure p_d", None, ge=1.0, le=1e9, hardly=(1e3, 4e7))
     temperature: float | None = quantity(
         "temperature",
-        "temperature of what flows back through the port (default: that of the outflow, iterated)",
+        "temperature of gas that flows back through the port (default: that of the outflow, iterated)",
         None,
         gt=0.0,
         le=2500.0,
@@ -64,12 +64,12 @@ class DischargeState:
 
 @dataclass(frozen=True)
 class GasCooler:
-    """A gas cooler in place of a condenser: above the critical pressure nothing condenses, two numbers state it."""
+    """A gas cooler in place of a condenser: above the critical pressure nothing condenses, so two numbers state it."""
 
     pressure: float = quantity("pressure", "absolute pressure p_d in the gas cooler", ge=1.0, le=1e9, hardly=(1e3, 2e7))
     outlet_temperature: float = quantity(
         "temperature",
-        "of the fluid behind the gas cooler, for the cooling capacity",
+        "temperature of the fluid after the gas cooler, for the cooling capacity",
         gt=0.0,
         le=2500.0,
         hardly=(200.0, 400.0),
@@ -78,15 +78,15 @@ class GasCooler:
 
 @dataclass(frozen=True)
 class Operation:
-    """Speed, the surroundings, and the states of both lines: as pressures, or by saturation temperatures."""
+    """Speed, surroundings and the states of both lines, by pressures or by saturation temperatures."""
 
     speed: float = quantity("speed", "speed of the male rotor, or of the crank", None, gt=0.0, otherwise=("tip_speed",))
     tip_speed: float | None = quantity(
-        "velocity", "of the male rotor's tips, in place of speed (twin_screw)", None, gt=0.0, hardly=(None, 150.0)
+        "velocity", "speed of the male rotor's tips, in place of speed (twin_screw)", None, gt=0.0, hardly=(None, 150.0)
     )
     ambient_temperature: float = quantity(
         "temperature",
-        "temperature T_0 of the surroundings, to which the ledger refers",
+        "temperature T_0 of the surroundings, reference of the ledger",
         298.15,
         ge=50.0,
         le=1000.0,
@@ -94,7 +94,8 @@ class Operation:
     )
     ambient_pressure: float = quantity(
         "pressure",
-        "pressure of the surroundings, over which gauge pressures are, as bar(g) (the default: standard atmosphere)",
+        "pressure of the surroundings, reference of gauge pressures such as bar(g) (the default is the standard "
+        "atmosphere)",
         STANDARD_ATMOSPHERE,
         ge=1e3,
         le=2e5,
@@ -110,7 +111,8 @@ class Operation:
     )
     superheat: float | None = quantity(
         "temperature_difference",
-        "of the suction gas over evaporating_temperature (needed with it, but for wet suction: suction.quality)",
+        "superheat of the suction gas above evaporating_temperature, which needs it (or suction.quality, for wet "
+        "suction)",
         None,
         ge=0.0,
         hardly=(None, 150.0),
@@ -118,15 +120,15 @@ class Operation:
     )
     subcooling: float | None = quantity(
         "temperature_difference",
-        "of the liquid under condensing_temperature, for the cooling capacity (default: 0 K)",
+        "subcooling of the liquid below condensing_temperature, for the cooling capacity (default: 0 K)",
         None,
         ge=0.0,
         hardly=(None, 60.0),
     )
     aftercooler_temperature: float | None = quantity(
         "temperature",
-        "to which an aftercooler brings the delivered air, whose water condenses there (with gas.relative_humidity; "
-        "that of a package: effects.air_package.aftercooler)",
+        "temperature of the delivered air after an aftercooler, in which its water condenses (with "
+        "gas.relative_humidity; for a package: effects.air_package.aftercooler)",
         None,
         ge=273.16,
         le=700.0,
@@ -143,14 +145,17 @@ class OilSupply:
     """How the oil gets into the chamber at 360°."""
 
     kind: str = choice(
-        "pump: the ratio is given; displacement: the separator pushes it through an orifice", (PUMP, "displacement")
+        "pump: the ratio is given; displacement: separator pressure pushes the oil through an orifice",
+        (PUMP, "displacement"),
     )
-    ratio: float | None = number("d: oil to gas in the chamber at 360 deg (pump)", None, ge=0.0, hardly=(None, 100.0))
+    ratio: float | None = number(
+        "d: oil-to-gas mass ratio in the chamber at 360 deg (pump)", None, ge=0.0, hardly=(None, 100.0)
+    )
     discharge_temperature: float | None = oil_temperature(
-        "of gas and oil behind the discharge port: the oil that brings them there is found (M370), in place of ratio"
+        "temperature of gas and oil after the discharge port, for which the oil flow is found (M370), in place of ratio"
     )
     flow: float | None = quantity(
-        "volume_flow", "of the oil that the pump displaces, e.g. 60 L/min, in place of ratio (M393)", None, gt=0.0
+        "volume_flow", "volume flow of the oil pump, e.g. 60 L/min, in place of ratio (M393)", None, gt=0.0
     )
     temperature: float | None = oil_temperature("temperature of the injected oil (absent: effects.separator finds it)")
     source: str = choice(
@@ -177,10 +182,10 @@ CYCLE, ALL = "cycle", "all"  # values of `output.keep` and `.derivatives`
 
 @dataclass(frozen=True)
 class Output:
-    """What a sweep stores of each point; derivatives are stored of a run, too."""
+    """What a sweep stores of each point; derivatives are stored for a run as well."""
 
-    keep: str = choice("performance figures only, or the cycle traces too", ("performance", CYCLE), "performance")
-    derivatives: str = choice("of each point, by none or by all numbers of the scene", ("none", ALL), "none")
+    keep: str = choice("performance figures only, or the cycle traces as well", ("performance", CYCLE), "performance")
+    derivatives: str = choice("derivatives of each point by none or by all numbers of the scene", ("none", ALL), "none")
 
     @property
     def keeps_cycle(self) -> bool:

@@ -193,7 +193,7 @@ def refuse_traps(kind: Kind, unit: str, shown: str) -> None:
             raise Refused(f"{shown} is a gauge pressure, not a difference (write e.g. '{kind.example}')")
         raise Refused(f"{shown} is a gauge pressure (write the absolute pressure, e.g. '{kind.example}')")
     if kind.name == "speed" and unit.lower() in ("hz", "khz", "1/s", "s^-1", "1/min", "min^-1"):
-        raise Refused(f"{shown} is ambiguous, turns or radians (write rpm, rev/s or rad/s, e.g. '{kind.example}')")
+        raise Refused(f"{shown} is ambiguous: turns or radians (write rpm, rev/s or rad/s, e.g. '{kind.example}')")
     if kind.name == "temperature" and unit.startswith("delta_"):
         raise Refused(f"{shown} is a difference, not a temperature (write e.g. '{kind.example}' or '12 degC')")
     offset = tidy_unit(unit) in _CELSIUS | {"degF", "fahrenheit"}

@@ -114,9 +114,9 @@ def imported(name: str, look: Callable[[], Any]) -> Any:
     except ModuleNotFoundError as error:
         raise Refused(f"cannot be imported ({error}); tried PYTHONPATH and the working folder (is it there?)") from None
     except ImportError as error:
-        raise Refused(f"cannot be imported ({error}); mend that module") from None
+        raise Refused(f"cannot be imported ({error}); fix that module") from None
     except Exception as error:  # noqa: BLE001 - a user's module may raise anything
-        raise Refused(f"fails on import ({type(error).__name__}: {error}); mend that module") from None
+        raise Refused(f"fails on import ({type(error).__name__}: {error}); fix that module") from None
 
 
 # functions that find a user-defined choice, by the variable that its module must define
@@ -148,7 +148,7 @@ def _word(leaf: Leaf, raw: Any, folder: str) -> str:
 def _names(leaf: Leaf, raw: Any, folder: str) -> str | tuple[str, ...]:
     if isinstance(raw, dict):
         what = f"{shown(raw)} is not a fluid outside a sweep"
-        raise Refused(f"{what} (write fluid: NAME, or of a blend fluid: [NAME, NAME], and mass_fractions beside it)")
+        raise Refused(f"{what} (write fluid: NAME, or for a blend fluid: [NAME, NAME] and mass_fractions)")
     if not isinstance(raw, list):
         return _word(leaf, raw, folder)
     return tuple(_word(leaf, node.value, folder) for node in raw)

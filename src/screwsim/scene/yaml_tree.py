@@ -103,7 +103,7 @@ def compose(text: str, start: Place, problems: list[Problem], path: str = "") ->
     except ReaderError as error:
         before = text[: error.position]
         place = start.at(before.count("\n") + 1, len(before.rpartition("\n")[2]) + 1)
-        what = f"is not YAML: it holds the control character U+{ord(text[error.position]):04X}"
+        what = f"is not YAML: it contains the control character U+{ord(text[error.position]):04X}"
         problems.append(Problem(place, path, f"{what} (remove it, or save the file as plain text in UTF-8)"))
         return None
     except YAMLError as error:
@@ -200,7 +200,7 @@ class _Converter:
         tag = str(node.tag)
         if tag.removeprefix(_CORE) not in _KNOWN:
             shown = tag.replace(_CORE, "!!")
-            what = f"has the tag {shown[:40]}, which a scene does not have (remove it)"
+            what = f"has the tag {shown[:40]}, which a scene cannot have (remove it)"
             self.problems.append(Problem(self.place(node), path, what))
         if isinstance(node, ScalarNode):
             text = self.text(node, path)
@@ -217,7 +217,7 @@ class _Converter:
             ("\0" in text, "a null character"),
         ):
             if fault:
-                self.problems.append(Problem(self.place(node), path, f"holds {what} (remove it)"))
+                self.problems.append(Problem(self.place(node), path, f"contains {what} (remove it)"))
                 return ""
         return text
 
@@ -232,7 +232,7 @@ class _Converter:
             elif key.tag.endswith(":merge"):
                 what = "merge keys are not supported (write the keys out, or use base:)"
             elif name in seen:
-                what = f"is there twice, first in line {seen[name].line} (remove one)"
+                what = f"appears twice, first in line {seen[name].line} (remove one)"
             if what is not None:
                 self.problems.append(Problem(place, join(path, name), what))
                 continue

@@ -44,7 +44,7 @@ def warnings(of: Evaluation, machinery: Machinery, accurate: Accurate) -> Iterat
         machinery.put(beside.trajectory)
         start = Start(beside.y.copy(), Hope(beside.seen, beside.change))
         other = relax(problem, machinery, replace(problem.wanted, rtol=FINER * problem.wanted.rtol), start, last=False)
-        begun = "from where turns of one chamber after the other stood"
+        begun = "from the state that the turns of single chambers had reached"
     elif _asked(problem, machinery.evaluations_of(accurate.counts)):
         other = relax(problem, machinery, accurate.wanted, Start(begin(problem, machinery, DRY)), last=False)
         begun = ""
@@ -60,11 +60,11 @@ def warnings(of: Evaluation, machinery: Machinery, accurate: Accurate) -> Iterat
     name = next(name for name in SHOWN if figures.get(name) is not None and found.get(name) is not None)
     here, there = (SHOWN[name].format(each[name]) for each in (figures, found))
     if begun:
-        why = f"closed {begun} it stays at {there}, not at {here}"
+        why = f"closed {begun}, it stays at {there}, not at {here}"
     else:
-        why = f"begun with little oil in its chambers it stays at {there}, not at {here}, as its gaps then pass gas "
-        why += "where they passed oil"
-    yield f"the machine has another cycle: {why}; which one it runs on depends on how it came there"
+        why = f"started with little oil in its chambers, it stays at {there}, not at {here}, as its gaps then pass gas "
+        why += "instead of oil"
+    yield f"the machine has another cycle: {why}; which one it runs on depends on how it got there"
 
 
 def stood_beside(problem: Problem, cycle: CycleSolution) -> CycleSolution | None:

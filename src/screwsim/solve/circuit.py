@@ -134,7 +134,7 @@ class Search:
             scene = filled(scene, self.series.temperatures)
             faults = temperature_faults(scene)
             if faults:
-                self.why = f"the oil's circuit leads to where {faults[0]}"
+                self.why = f"the oil circuit leads to an impossible state: {faults[0]}"
                 return None
         lost, others = (2 if scene.losses is not None else 0), x[2:].tolist()
         if len(others) > lost:
@@ -143,7 +143,9 @@ class Search:
         if lost:
             before, behind = (KPA * each for each in others[:lost])
             if not before < ALL * problem.lines.p_s:
-                self.why = "what the package loses before the machine leaves nothing to suck (smaller losses)"
+                self.why = (
+                    "the pressure losses before the machine use up the whole suction pressure (choose smaller losses)"
+                )
                 return None
             self.series.losses = PressureLosses(max(before, 0.0), behind)
             scene = replace(scene, losses=self.series.losses)

@@ -72,21 +72,21 @@ def warnings(problem: Problem, machinery: Machinery, cycle: CycleSolution, rtol:
     """Return a warning where the machine does not stay on its cycle, else nothing."""
     if cycle.closed and cycle.growth > GROWS:
         return (
-            f"the machine does not stay on this cycle: a small change grows to {cycle.growth:.3g} times itself over a "
-            "pitch, so that its own course leads away (larger ports or smaller gaps let the gas out)",
+            f"the machine does not stay on this cycle: a small change grows {cycle.growth:.3g}-fold over a pitch, so "
+            "that it drifts away (larger ports or smaller gaps let the gas out)",
         )
     if not cycle.closed:
         return ()
     growth = led_away(problem, machinery, cycle, rtol)
     if growth > AWAY:
         return (
-            f"the machine does not stay on this cycle: a small change of its lines grows to {growth:.3g} times itself "
-            f"in {GO_ON} lives of a chamber, so that its own course leads away, to another cycle or to none (another "
-            "numerics.closing may find that one; smaller gaps and leaks bring less back)",
+            f"the machine does not stay on this cycle: a small change of its lines grows {growth:.3g}-fold in {GO_ON} "
+            "lives of a chamber, so that it drifts away, to another cycle or to none (another numerics.closing may "
+            "find that other cycle; smaller gaps and leaks reduce the backflow)",
         )
     if strayed(problem, machinery, cycle, rtol) <= STRAYED:
         return ()
     return (
-        "the machine does not stay on this cycle: its own turns stray from it, and there may be others (lighter reeds, "
-        "stiffer springs or a smaller restitution)",
+        "the machine does not stay on this cycle: its turns drift away from it, and there may be other cycles (choose "
+        "lighter reeds, stiffer springs or a smaller restitution)",
     )

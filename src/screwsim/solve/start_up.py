@@ -89,7 +89,7 @@ def start_up(scene: Scene, creep: float = CREEP, longest: float = LONGEST) -> St
         return StartUp(cycle.status, UNCLOSED)
     if creep >= steady.mean_speed:
         target = _rpm(steady.mean_speed)
-        raise UsageError(f"the start creeps at {_rpm(creep)}, the steady speed is {target} (creep slower)")
+        raise UsageError(f"the start creeps at {_rpm(creep)}, the steady speed is {target} (choose a slower creep)")
     found = Run(of, machinery, steady, creep, longest).run()
     leases.give_back(machinery)
     return found
@@ -104,7 +104,7 @@ def steadily(scene: Scene, creep: float) -> Problem:
     if part is None:
         raise UsageError("the scene has no drive to start (name drive under effects)")
     if problem.parts.geometry.expands:
-        raise UsageError("a start-up is that of a compressor, and the scene's machine is an expander")
+        raise UsageError("only a compressor has a start-up, and the scene's machine is an expander")
     if not math.isfinite(part.train(1.0).motor.most):
         raise UsageError("a start needs the motor's limit (give effects.drive.motor.torque_limit)")
     if not creep > 0.0:
@@ -224,8 +224,10 @@ class Run:
                 status = OK if unsettled == 0 else NOT_CLOSED
                 return self._ended(status, "" if unsettled == 0 else f"{unsettled} pitches did not settle")
             if m.time[-1] > self.longest:
-                text = f"after {m.time[-1]:.4g} s the speed is {_rpm(mean)}, and {_rpm(target)} would be steady"
-                return self._ended(FAILED, f"{text} (a larger motor, a smaller load, or a longer time: --longest)")
+                text = f"after {m.time[-1]:.4g} s the speed is {_rpm(mean)}, not yet the steady {_rpm(target)}"
+                return self._ended(
+                    FAILED, f"{text} (choose a larger motor, a smaller load, or a longer time with --longest)"
+                )
         return self._ended(FAILED, f"the speed is not steady after {MOST_PITCHES} lobe pitches")
 
     def _broken(self, motion: Motion) -> str:
@@ -239,9 +241,9 @@ class Run:
         load = float(np.mean(step.gas_torque)) + step.loss_torque
         at_rest = self.train.motor.limited_torque(0.0, self.steady.no_load_speed)
         return (
-            f"the motor cannot start the machine: the rotors stop after {step.motion.time[-1]:.4g} s under "
-            f"{load:.4g} N m in the mean, and the motor gives {at_rest:.4g} N m at rest (a larger motor, or a start "
-            "without load: a lower operation.discharge.pressure)"
+            f"the motor cannot start the machine: the rotors stop after {step.motion.time[-1]:.4g} s under {load:.4g} "
+            f"N m on average, and the motor gives {at_rest:.4g} N m at rest (choose a larger motor, or start without "
+            "load, at a lower operation.discharge.pressure)"
         )
 
     def _ended(self, status: str, message: str) -> StartUp:

@@ -131,7 +131,7 @@ def test_a_stiffening_coupling_has_a_frequency_that_rises_with_the_load():
 @pytest.mark.parametrize(
     ("change", "load", "words"),
     [
-        ({"motor": Motor(law="line", slope=50.0, torque_limit=100.0)}, LOAD, "stalls: the rotors ask for 120 N m"),
+        ({"motor": Motor(law="line", slope=50.0, torque_limit=100.0)}, LOAD, "stalls: the rotors need 120 N m"),
         ({"holds_mean": False, "motor": Motor(law="line", slope=0.1)}, LOAD, "leaves a speed of"),
         ({"coupling": RubberCordCoupling(cords=1, breaking_strain=0.1)}, LOAD, "the coupling carries"),
         ({"damping": 0.0, "motor": Motor(law="line", slope=1e-3)}, MEAN + 3.0 * PULSATION, "no steady motion"),

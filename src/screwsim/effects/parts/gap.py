@@ -18,7 +18,7 @@ from screwsim.numerics.spline import features, read_curve, table_value
 
 GAP_FLOW_COEFFICIENT = 0.7  # model.md, contract: default of gaps
 BIRTH = 20.0 * pi / 180.0  # angle over which a gap opens that would already be open at its trailing chamber's birth
-COUNTS_720 = "has a formula that counts a life of 720 deg, which the volume's table has not"
+COUNTS_720 = "has a formula for a chamber life of 720 deg, and the volume's table has another"
 
 
 def flow_coefficient(of: str, default: float) -> Any:
@@ -49,21 +49,21 @@ class ClearanceParameters(GapParameters):
         gt=0.0,
         hardly=(1e-5, 0.1),
     )
-    friction_fit: str | None = choice("fit of model: nozzle_friction", tuple(gap_flow.FITS), None)
-    mixture_viscosity: str | None = choice("rule of model: oil_sealed", tuple(gap_flow.MIXTURES), None)
+    friction_fit: str | None = choice("friction fit (model: nozzle_friction)", tuple(gap_flow.FITS), None)
+    mixture_viscosity: str | None = choice("viscosity rule (model: oil_sealed)", tuple(gap_flow.MIXTURES), None)
     filled_from: float | None = number(
-        "model: oil_film: oil per gas of the upstream chamber from which oil fills the gap", None, gt=0.0
+        "oil per gas in the upstream chamber above which oil fills the gap (model: oil_film)", None, gt=0.0
     )
     wall_speed: float | None = number(
-        "model: oil_film: speed at which the housing slides over the gap and drags oil along, over that of the male "
-        "rotor's tips; 0: drags none (default: the rotors')",
+        "speed at which the housing slides over the gap and drags oil along, over the male tip speed; 0: drags none; "
+        "default: that of the rotors (model: oil_film)",
         None,
         ge=0.0,
         le=10.0,
         hardly=(None, 1.0),
     )
     gas_viscosity: float | None = quantity(
-        "viscosity", "mu of the gas (default: CoolProp's)", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4)
+        "viscosity", "mu of the gas (default: from CoolProp)", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4)
     )
 
 
@@ -153,7 +153,7 @@ def check_gap(
     elif size and given is None and built_in and not profiled:
         yield Fault(f"{path}.{size}", f"is missing (write e.g. {size}: {example}; {what})")
     elif size == "length" and given is not None and profiled:
-        yield Fault(f"{path}.length", f"is given beside {profiled}, which finds it by angle (remove it)")
+        yield Fault(f"{path}.length", f"is given as well as {profiled}, which finds it by angle (remove it)")
     if isinstance(parameters, ClearanceParameters):
         yield from gap_flow.faults(name, parameters, facts)
 
@@ -161,7 +161,7 @@ def check_gap(
 def check_formula(path: str, facts) -> Iterator[Fault]:
     """Yield why a size that only the formula uses has no meaning: with a profile, or with a table of another life."""
     if facts.machine.finds_gaps:
-        yield Fault(path, f"is given beside {facts.machine.finds_gaps}, which finds it by angle (remove it)")
+        yield Fault(path, f"is given as well as {facts.machine.finds_gaps}, which finds it by angle (remove it)")
     elif facts.machine.counts_otherwise:
         yield Fault(path, f"{COUNTS_720} (remove it)")
 

@@ -52,7 +52,7 @@ def _sealed(parameters: Any, slides: float | None) -> Resistance:
 
 
 def _film(parameters: Any, slides: float | None) -> Resistance:
-    title = f"full of oil from {parameters.filled_from:g} kg per kg of gas on: viscous film (M250-M252)"
+    title = f"full of oil from {parameters.filled_from:g} kg per kg of gas upwards: viscous film (M250-M252)"
     stated = parameters.wall_speed
     wall = 0.0 if slides is None else slides if stated is None else stated
     values = {**_size(parameters), "filled_from": parameters.filled_from, "wall_speed": wall}
@@ -125,7 +125,7 @@ def faults(name: str, parameters: Any, facts: Any) -> Iterator[Fault]:
             yield Fault(f"{path}.{each.key}", f"has no meaning with model: {word} (remove it)")
     if parameters.wall_speed is not None:
         if name == "interlobe_leakage":
-            yield Fault(f"{path}.wall_speed", "has no meaning here: no wall of the housing bounds that gap (remove it)")
+            yield Fault(f"{path}.wall_speed", "has no meaning here: no housing wall bounds that gap (remove it)")
         elif not model.walls:
             yield Fault(f"{path}.wall_speed", f"has no meaning with model: {word} (remove it)")
     if model.gas:

@@ -30,12 +30,12 @@ def gas_faults(path: str, parameters, fluid: str, names: Sequence[str] = GAS) ->
     stated, state = ([name for name in some if getattr(parameters, name) is not None] for some in (names, STATE))
     if stated and len(stated) < len(names):
         missing = next(name for name in names if name not in stated)
-        yield Fault(f"{path}.{missing}", f"is missing (stated together: {', '.join(names)})")
+        yield Fault(f"{path}.{missing}", f"is missing (these are stated together: {', '.join(names)})")
     elif stated and state:
-        yield Fault(f"{path}.{state[0]}", "is given beside the gas's own numbers (remove it)")
+        yield Fault(f"{path}.{state[0]}", "is given as well as the gas's own numbers (remove it)")
     elif len(state) == 1:
         missing = next(name for name in STATE if name not in state)
-        yield Fault(f"{path}.{missing}", f"is missing (stated together: {', '.join(STATE)})")
+        yield Fault(f"{path}.{missing}", f"is missing (these are stated together: {', '.join(STATE)})")
     elif not stated:
         try:
             transport(fluid, parameters.reference_pressure or 1e4, parameters.reference_temperature or 400.0)

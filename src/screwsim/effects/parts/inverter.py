@@ -35,21 +35,28 @@ WEAK = 1.02  # speed over the rated one above which the field would be weakened
 
 @dataclass(frozen=True)
 class Inverter:
-    """An inverter, by what its maker states."""
+    """An inverter, by what its manufacturer states."""
 
     rated_speed: float = quantity(
-        "speed", "of the male rotor, where the motor turns at its rated frequency and gives its rated torque", gt=0.0
+        "speed",
+        "speed of the male rotor at which the motor runs at its rated frequency and gives its rated torque",
+        gt=0.0,
     )
     loss: float | None = quantity(
         "power", "its loss at 90 % of the rated frequency and the rated current (IEC 61800-9-2)", None, ge=0.0
     )
-    standing_share: float = number("c_0: share of that loss without current", 0.3, ge=0.0, le=1.0)
-    current_share: float = number("c_1: share of that loss that goes with the current alone", 0.4, ge=0.0, le=1.0)
+    standing_share: float = number("c_0: share of that loss that remains without current", 0.3, ge=0.0, le=1.0)
+    current_share: float = number("c_1: share of that loss proportional to the current alone", 0.4, ge=0.0, le=1.0)
     points_file: str | None = file(
-        "CSV with columns speed, current (shares of the rated ones), loss (W): the maker's points in place of the three"
+        "CSV with columns speed, current (shares of the rated ones), loss (W): the manufacturer's points, in place of "
+        "these three"
     )
     harmonic_loss: float = number(
-        "r: what the motor loses more than on the mains, over its loss there", 0.15, ge=0.0, le=2.0, hardly=(None, 0.5)
+        "r: additional loss of the motor on the inverter, over its loss on the mains",
+        0.15,
+        ge=0.0,
+        le=2.0,
+        hardly=(None, 0.5),
     )
 
 
@@ -94,9 +101,11 @@ def read_points(path: str) -> list[tuple[float, float, float]]:
     try:
         rows = [(float(speed), float(current), float(loss)) for _, (speed, current, loss) in cells]
     except ValueError:
-        raise UsageError(f"has a cell without a number in the columns {', '.join(COLUMNS)} (write one)") from None
+        raise UsageError(f"has a cell that is not a number in the columns {', '.join(COLUMNS)} (write one)") from None
     if not all(0.0 <= f <= 2.0 and 0.0 <= i <= 2.0 and isfinite(w) and w > 0.0 for f, i, w in rows):
-        raise UsageError("has a speed or current beyond 0 and 2, or a loss not above 0 (shares, not percent; W)")
+        raise UsageError(
+            "has a speed or current outside 0 to 2, or a loss not above 0 (give shares, not percent, and W)"
+        )
     return rows
 
 
@@ -108,12 +117,12 @@ def fitted(rows: list[tuple[float, float, float]]) -> tuple[float, float, float,
     f, i, loss = np.array(rows).reshape(-1, 3).T
     terms = np.stack([np.ones_like(i), i, i * i, i * f], axis=1)
     if len(rows) < FEWEST or np.linalg.matrix_rank(terms) < terms.shape[1]:
-        what = f"needs {FEWEST} points or more, three currents and two speeds among them"
+        what = f"needs at least {FEWEST} points, with three currents and two speeds among them"
         raise UsageError(f"{what} (write all eight of IEC 61800-9-2)")
     found = np.linalg.lstsq(terms, loss, rcond=None)[0]
     left = float(np.max(np.abs(terms @ found - loss)))
     if left > POOR * float(loss.max()):
-        raise UsageError(f"has points up to {left:.3g} W off the law of M432 (check their speeds and currents)")
+        raise UsageError(f"has points up to {left:.3g} W away from the law of M432 (check their speeds and currents)")
     standing, current, square, power = found.tolist()
     _check_course((standing, current, square, power), POOR * float(loss.max()))
     return standing, current, square, power
@@ -125,9 +134,9 @@ def _check_course(terms: tuple[float, float, float, float], slack: float) -> Non
         course = [inverter_loss(terms, Turning(speed, current)) for current in np.linspace(0.0, 1.0, 21)]
         highest = np.maximum.accumulate(course)
         if min(course) <= 0.0 or float(np.max(highest - course)) > slack:
-            what = f"tells of {course[0]:.4g} W without current and {min(course):.4g} W at the least"
+            what = f"implies {course[0]:.4g} W without current and {min(course):.4g} W at the least"
             raise UsageError(
-                f"{what}, at {speed:g} times the rated speed: too narrow to tell the loss elsewhere "
+                f"{what}, at {speed:g} times the rated speed: too narrow to find the loss elsewhere "
                 "(write all eight of IEC 61800-9-2)"
             )
 
@@ -137,14 +146,18 @@ def told(inverter: Inverter, at: Turning) -> tuple[str, ...]:
     if at.speed <= WEAK:
         return ()
     what = f"the motor turns at {at.speed:.3g} times effects.motor.inverter.rated_speed"
-    return (f"{what}, where its field is weakened: its losses are beyond what M433 knows (a higher rated_speed)",)
+    return (
+        f"{what}, where its field is weakened: its losses are outside the range of M433 (choose a higher rated_speed)",
+    )
 
 
 def faults(inverter: Inverter, path: str) -> Faults:
     """Yield keys that an inverter lacks, or that state the same twice."""
     if inverter.points_file is not None:
         if inverter.loss is not None:
-            yield Fault(f"{path}.loss", f"is given beside {path}.points_file, which has it (remove one of the two)")
+            yield Fault(
+                f"{path}.loss", f"is given as well as {path}.points_file, which contains it (remove one of the two)"
+            )
         try:
             fitted(read_points(inverter.points_file))
         except UsageError as error:
@@ -152,4 +165,6 @@ def faults(inverter: Inverter, path: str) -> Faults:
     elif inverter.loss is None:
         yield Fault(f"{path}.loss", "is missing (write e.g. loss: 2.3 kW, or points_file: points.csv)")
     if inverter.standing_share + inverter.current_share > 1.0:
-        yield Fault(f"{path}.current_share", "is more than standing_share leaves of the loss (both at most 1 together)")
+        yield Fault(
+            f"{path}.current_share", "exceeds the rest of the loss after standing_share (their sum may be 1 at most)"
+        )

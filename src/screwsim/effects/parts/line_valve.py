@@ -38,8 +38,12 @@ LEAST_ACROSS = 0.002  # least pressure that counts as driving them, over the ple
 class Valve:
     """A check valve of a line."""
 
-    area: float | None = quantity("area", "that is free when fully open (absent: wide)", None, gt=0.0)
-    pressure: float = quantity("pressure_difference", "that opens it, and holds it open", 0.0, ge=0.0)
+    area: float | None = quantity(
+        "area", "free area of the fully open valve (absent: it does not restrict)", None, gt=0.0
+    )
+    pressure: float = quantity(
+        "pressure_difference", "pressure difference that opens it and holds it open", 0.0, ge=0.0
+    )
 
     def drop(self, flow: Array, rho: float) -> tuple[Array, Array]:
         """Return the pressure drop [Pa] of an open valve at flows [kg/s], and its derivative by the flow (M220)."""

@@ -66,7 +66,7 @@ class InSeparator:
     """Parameters of an effect that needs the separator's temperature: as stated, or found by effects.separator."""
 
     separator_temperature: float | None = oil_temperature(
-        "of oil and gas in the separator (absent: effects.separator finds it)"
+        "temperature of oil and gas in the separator (absent: effects.separator finds it)"
     )
 
 

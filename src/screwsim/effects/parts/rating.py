@@ -62,7 +62,7 @@ def outside_scope(flow: float, gauge: float) -> str:
     The regulation also covers packages beyond these flows whose motor has 10 to 200 hp, which is not checked here.
     """
     if not GAUGE[0] <= gauge <= GAUGE[1]:
-        return f"{gauge / PSI:.0f} psi over the inlet's pressure lie outside 75 to 200 psi"
+        return f"{gauge / PSI:.0f} psi above the inlet pressure is outside 75 to 200 psi"
     if not FLOW[0] <= flow <= FLOW[1]:
-        return f"{flow / CFM:.0f} cfm lie outside 35 to 1250 cfm"
+        return f"{flow / CFM:.0f} cfm is outside 35 to 1250 cfm"
     return ""

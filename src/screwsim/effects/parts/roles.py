@@ -3,8 +3,8 @@
 Roles that call for figures are declared beside those (`outputs.core`).
 """
 
-WAY_IN = "a way between the suction line and the chambers"
-WAY_OUT = "a way between the chambers and the discharge line"
-SUCTION_BACK = "what flows back to suction comes in again"
-PUMPS = "what pumping the oil costs"
-SLIDES = "where a slide stands"
+WAY_IN = "a path between the suction line and the chambers"
+WAY_OUT = "a path between the chambers and the discharge line"
+SUCTION_BACK = "what flows back to suction is taken in again"
+PUMPS = "power to pump the oil"
+SLIDES = "position of a slide"

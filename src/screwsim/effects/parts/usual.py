@@ -20,8 +20,8 @@ LEAK = Usual("a leak")  # each leak is asked for by itself
 OIL_HEAT = Usual("heat between gas and oil", oiled=True)
 OIL_FRICTION = Usual("power lost in the oil", oiled=True)
 FRICTION = Usual("friction of bearings and seals")
-SUCTION_RETURN = Usual("what flows back into the suction line")
-SEPARATOR = Usual("separator and cooler of the oil", oiled=True)
+SUCTION_RETURN = Usual("flow back into the suction line")
+SEPARATOR = Usual("oil separator and cooler", oiled=True)
 DRIVE = Usual("the motor")
 WALLS = Usual("heat of the walls")
 USUAL = (OIL_HEAT, OIL_FRICTION, FRICTION, SUCTION_RETURN, SEPARATOR, DRIVE, WALLS)  # in the order of messages

@@ -13,8 +13,8 @@ from screwsim.outputs import names_of, power_figure
 
 SIDES = {SUCTION: 1.0, DISCHARGE: -1.0}  # sign of the pressure difference into the chamber that opens a valve
 VALVE_LOSSES = (
-    power_figure("suction_valve_power", "power that cylinder pressure below the suction line costs"),
-    power_figure("discharge_valve_power", "power that cylinder pressure above the discharge line costs"),
+    power_figure("suction_valve_power", "power lost because cylinder pressure is below that of the suction line"),
+    power_figure("discharge_valve_power", "power lost because cylinder pressure is above that of the discharge line"),
 )
 
 

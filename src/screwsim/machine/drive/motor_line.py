@@ -22,13 +22,17 @@ BELONGS = {LINE: (*NEEDED[LINE], "torque_limit"), INDUCTION: NEEDED[INDUCTION]}
 
 @dataclass(frozen=True)
 class Motor:
-    """The law of the motor's torque and its numbers."""
+    """The torque law of the motor and its numbers."""
 
-    law: str = choice("line: slope, and a limit; induction: Kloss's law", (LINE, INDUCTION))
-    slope: float | None = quantity("torsional_damping", "torque by which the speed falls below no load", None, gt=0.0)
-    torque_limit: float | None = quantity("torque", "most that the motor gives (line)", None, gt=0.0)
-    breakdown_torque: float | None = quantity("torque", "M_k: most that the motor gives (induction)", None, gt=0.0)
-    breakdown_slip: float | None = number("s_k: slip at which it does (induction)", None, gt=0.0, lt=1.0)
+    law: str = choice("line: a slope and a limit; induction: Kloss's law", (LINE, INDUCTION))
+    slope: float | None = quantity(
+        "torsional_damping", "slope of torque over the drop of speed below no load", None, gt=0.0
+    )
+    torque_limit: float | None = quantity("torque", "largest torque of the motor (law: line)", None, gt=0.0)
+    breakdown_torque: float | None = quantity(
+        "torque", "M_k: largest torque of the motor (law: induction)", None, gt=0.0
+    )
+    breakdown_slip: float | None = number("s_k: slip at that torque (law: induction)", None, gt=0.0, lt=1.0)
 
     @property
     def is_line(self) -> bool:
@@ -95,7 +99,7 @@ def check_motor(motor: Motor, path: str) -> list[Fault]:
     ]
     others = {name for law, names in BELONGS.items() if law != motor.law for name in names}
     return faults + [
-        Fault(f"{path}.{name}", f"belongs to the other law, and {motor.law} is chosen (remove it)")
+        Fault(f"{path}.{name}", f"applies only to the other law, and {motor.law} is chosen (remove it)")
         for name in sorted(others - set(BELONGS[motor.law]))
         if getattr(motor, name) is not None
     ]

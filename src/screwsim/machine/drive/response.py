@@ -85,7 +85,7 @@ def respond(train: Train, load: Array, omega: float) -> Response:
     mean = float(torque.mean())
     if abs(mean) >= train.motor.most:
         raise NoMotion(
-            f"the motor stalls: the rotors ask for {mean:.4g} N m in the mean, and it gives {train.motor.most:.4g} N m "
+            f"the motor stalls: the rotors need {mean:.4g} N m on average, and it gives {train.motor.most:.4g} N m "
             "at most (choose a larger motor)"
         )
     try:
@@ -95,7 +95,7 @@ def respond(train: Train, load: Array, omega: float) -> Response:
     start = omega if train.holds_mean else train.motor.speed(train.speed, mean)
     if not start > 0.0:
         raise NoMotion(
-            f"the motor stalls: a torque of {mean:.4g} N m on its line leaves a speed of {start:.4g} rad/s (choose a "
+            f"the motor stalls: with a torque of {mean:.4g} N m its line leaves a speed of {start:.4g} rad/s (choose a "
             "steeper line)"
         )
     no_load = train.motor.no_load_speed(start, mean) if train.holds_mean else train.speed
@@ -121,8 +121,8 @@ def _raised(train: Train, x: Array, torque: Array, omega: float) -> Array:
             lowest = float(x[:POINTS].min() / x[:POINTS].mean())
             raise NoMotion(
                 f"the drive has no steady motion: at {share:.0%} of the torque's pulsation its speed falls to "
-                f"{lowest:.0%} of the mean, and with more no motion that repeats every lobe pitch was found (more "
-                "inertia, more damping, or a speed farther from resonance)"
+                f"{lowest:.0%} of the mean, and at a larger share no motion was found that repeats every lobe pitch "
+                "(choose more inertia, more damping, or a speed farther from resonance)"
             )
     return x
 

@@ -109,16 +109,16 @@ def energy(theta, cords, r_A, r_B, lean_plus, lean_minus, E, b):
 class RubberCordCoupling:
     """A coupling of rubber-cord discs; the defaults are those of the source (polyamide cord 23KNTS, model N-327)."""
 
-    inner_radius: float = quantity("length", "r_A, where the cords leave the inner half", 0.200, gt=0.0)
-    outer_radius: float = quantity("length", "r_B, where the cords reach the outer half", 0.280, gt=0.0)
-    layers: int = count("k, layers of cords of one direction in a disc", 5, ge=1)
-    cords: int = count("N, cords of a layer", 944, ge=1)
-    discs: int = count("discs side by side", 2, ge=1)
-    lean_plus: float = quantity("angle", "β of the cords stretched by Θ > 0", math.radians(30.8), gt=0.0)
-    lean_minus: float = quantity("angle", "β of the cords stretched by Θ < 0", math.radians(30.8), gt=0.0)
-    cord_stiffness: float = number("E of P = E ε (1 + b ε) [N]", 303.6, gt=0.0)
-    cord_stiffening: float = number("b of P = E ε (1 + b ε)", 6.684, ge=0.0)
-    breaking_strain: float | None = number("ε_B at which a cord breaks", None, gt=0.0)
+    inner_radius: float = quantity("length", "r_A: radius at which the cords leave the inner half", 0.200, gt=0.0)
+    outer_radius: float = quantity("length", "r_B: radius at which the cords reach the outer half", 0.280, gt=0.0)
+    layers: int = count("k: number of cord layers of one direction in a disc", 5, ge=1)
+    cords: int = count("N: number of cords in a layer", 944, ge=1)
+    discs: int = count("number of discs side by side", 2, ge=1)
+    lean_plus: float = quantity("angle", "β: lean of the cords stretched by Θ > 0", math.radians(30.8), gt=0.0)
+    lean_minus: float = quantity("angle", "β: lean of the cords stretched by Θ < 0", math.radians(30.8), gt=0.0)
+    cord_stiffness: float = number("E in P = E ε (1 + b ε) [N]", 303.6, gt=0.0)
+    cord_stiffening: float = number("b in P = E ε (1 + b ε)", 6.684, ge=0.0)
+    breaking_strain: float | None = number("ε_B: strain at which a cord breaks", None, gt=0.0)
 
     def numbers(self) -> tuple[float, ...]:
         """Return the arguments of `torque`, `stiffness` and `energy` after the twist."""
@@ -165,7 +165,9 @@ class RubberCordCoupling:
         far = self.strength_twist(direction)
         if abs(self.torque(far)) < abs(moment):
             limit = abs(self.torque(far))
-            raise UsageError(f"the coupling carries {limit:.6g} N m, not {abs(moment):.6g} N m (choose more discs)")
+            raise UsageError(
+                f"the coupling carries at most {limit:.6g} N m, not {abs(moment):.6g} N m (choose more discs)"
+            )
         return root_scalar(lambda theta: self.torque(theta) - moment, bracket=(0.0, far), xtol=1e-14).root
 
     def strength_twist(self, direction: int = 1) -> float:

@@ -22,8 +22,8 @@ MOST_STOPS = 40  # most standstills in one pitch
 LONGEST_HOLD = 20.0  # [s] longest standstill
 MOST_RATES = 300_000  # most evaluations over a pitch; more means that inertias and coupling do not match
 TOO_FAST = (
-    "the drive moves too fast for its coupling to be followed over a pitch (a larger motor_inertia or rotor_inertia, "
-    "or a softer, less damped coupling)"
+    "the drive moves too fast for its coupling to be followed over a pitch (choose a larger motor_inertia or "
+    "rotor_inertia, or a softer, less damped coupling)"
 )
 
 

@@ -77,7 +77,7 @@ class Train:
 class LinearCoupling:
     """M = c Θ up to a twist at which the coupling fails."""
 
-    spring: float = quantity("torsional_stiffness", "torque over twist", gt=0.0)
+    spring: float = quantity("torsional_stiffness", "stiffness: torque over twist", gt=0.0)
     largest_twist: float | None = quantity("angle", "twist at which the coupling fails", None, gt=0.0)
 
     def torque(self, theta: float) -> float:

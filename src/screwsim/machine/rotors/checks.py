@@ -16,7 +16,7 @@ PATH = "machine.profile"
 THIN = 0.01  # thickness over centre distance below which a lobe is refused
 SEEN = 2e-4  # step along a curve over the outer radius (10 µm at 50 mm)
 OTHER_SIZE = 2e-3  # relative error of the outer radius allowed to points, whose tip may be cut or rounded
-SCALED = "another size of machine takes all lengths of its profile with it"
+SCALED = "to change the size of a machine, scale all lengths of its profile"
 NEAR = 1e-2  # search radius for touching points, over the centre distance
 DEEP = 1e-4  # interference over centre distance above which is refused (8 µm at 80 mm; closed forms: 1e-7)
 DEEPER = 3.0  # further interference allowed to measured points, over their tolerance
@@ -32,10 +32,10 @@ def check_pair(pair: Pair) -> list[Fault]:
     elif pair.addendum <= 0.0 or pair.dedendum < 0.0:
         what = "a tip lies inside its pitch circle (choose a smaller one"
     elif R1 >= A or R2 >= A:
-        what = "it lies inside a rotor, no shaft is left (choose a larger one"
+        what = "it lies inside a rotor and leaves no shaft (choose a larger one"
     if not what:
         return []
-    sizes = f"{1e3 * A:.6g} mm beside rotors of {2e3 * R1:.6g} mm and {2e3 * R2:.6g} mm"
+    sizes = f"{1e3 * A:.6g} mm with rotors of {2e3 * R1:.6g} mm and {2e3 * R2:.6g} mm"
     return [Fault(f"{PATH}.centre_distance", f"{sizes}: {what}; {SCALED})")]
 
 
@@ -56,7 +56,11 @@ def check_profile(pair: Pair, chain: Chain, interference: bool = True, tolerance
     faults, female_turn, points = [], -2.0 * math.pi / pair.female_lobes, tolerance is not None
     for name, curve, turn in (("male", chain.male(), pair.pitch), ("female", chain.female(pair), female_turn)):
         if reversals(*curve):
-            remedy = OF_POINTS if points else "choose a larger female_tip_radius, 1.25 hf is safe"
+            remedy = (
+                OF_POINTS
+                if points
+                else "choose a larger female_tip_radius; 1.25 times the female lobe's height is safe"
+            )
             faults.append(Fault(PATH, f"the {name} flank turns back: undercut ({remedy})"))
         elif crosses_itself(*curve, turn):
             remedy = OF_POINTS if points else "choose larger tip radii or fewer lobes"
@@ -67,7 +71,7 @@ def check_profile(pair: Pair, chain: Chain, interference: bool = True, tolerance
     if interference:
         depth, most = mesh(pair, chain)[1], DEEP * pair.centre_distance + DEEPER * (tolerance or 0.0)
         if depth > most:
-            what = f"the rotors cut into each other by {depth * 1e3:.3g} mm, {most * 1e3:.2g} mm may be"
+            what = f"the rotors cut into each other by {depth * 1e3:.3g} mm, and {most * 1e3:.2g} mm is the limit"
             faults.append(Fault(PATH, f"{what} ({OF_POINTS if points else 'choose a smaller male_tip_radius'})"))
     return faults
 
@@ -76,7 +80,7 @@ def check_blow_holes(*areas: float) -> list[Fault]:
     """Return the fault of blow-holes [m²] without an area, where the end of contact at the tip was not found."""
     if min(areas) > 0.0:
         return []
-    what = f"a blow-hole would have an area of {min(areas) * 1e6:.3g} mm²: the tip's contact is lost in noise"
+    what = f"a blow-hole would have an area of {min(areas) * 1e6:.3g} mm²: the contact at the tip is lost in noise"
     return [Fault(PATH, f"{what} ({OF_POINTS})")]
 
 

@@ -133,7 +133,7 @@ def join(pair: Pair, segments: list[Segment], points: int, lead: int, trail: int
     flat = pair.pitch - (last - first)
     if flat < 0.0:
         raise UsageError(
-            f"machine.profile: the lobe is {-flat * pair.r1 * 1e3:.3g} mm wider than the pitch on the pitch circle "
+            f"machine.profile: the lobe is {-flat * pair.r1 * 1e3:.3g} mm wider than the pitch, on the pitch circle "
             "(choose a smaller flank_radius or pressure_angle, fewer lobes, or a larger centre_distance)"
         )
     root = pair.r1 - pair.dedendum

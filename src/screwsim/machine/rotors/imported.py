@@ -62,7 +62,7 @@ def _curve(x: Array, y: Array, smoothing: float) -> Segment:
     worst = int(np.argmax(turn))
     if turn[worst] > CORNER:
         raise UsageError(
-            f"machine.profile.file: the curve turns {math.degrees(turn[worst]):.0f} deg at its point {worst + 2} "
+            f"machine.profile.file: the curve turns by {math.degrees(turn[worst]):.0f} deg at its point {worst + 2} "
             "(give more points there, round the corner, or set machine.profile.tolerance)"
         )
     inner = (chord[:-1] * step[1:] + chord[1:] * step[:-1]) / (step[1:] + step[:-1])
@@ -91,7 +91,7 @@ def from_male(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
     if abs(reach[worst]) > 1.0 + 1e-9:
         raise UsageError(
             f"machine.profile.file: the normal at x = {x[worst] * 1e3:.3f} mm, y = {y[worst] * 1e3:.3f} mm misses the "
-            "pitch circle: no contact there (undercut, or noise: set machine.profile.tolerance, or change "
+            "pitch circle, so that there is no contact (undercut, or noise: set machine.profile.tolerance, or change "
             "the curve or the centre_distance)"
         )
     psi = angle - np.arccos(np.clip(reach, -1.0, 1.0))

@@ -37,7 +37,7 @@ class Faired:
     def words(self, points: int) -> str:
         """Return in words how the curve lies to a number of points."""
         away = f"{self.farthest * 1e6:.2g} um at most, {self.rms * 1e6:.2g} um RMS"
-        return f"{len(self.x)} of {points} points; the faired curve passes by them by {away}"
+        return f"{len(self.x)} of {points} points; the faired curve misses them by {away}"
 
 
 def faired(x: Array, y: Array, tolerance: float, pitch_radius: float) -> Faired:

@@ -160,7 +160,9 @@ def make_rotors(
     pair = Pair(male_lobes, female_lobes, profile.centre_distance, 0.5 * male_diameter, 0.5 * profile.female_diameter)
     _refuse(check_settings(profile) + check_pair(pair))
     if profile.wrap_angle > TURN:
-        _refuse([Fault("machine.profile.wrap_angle", "is above 360 deg: chambers would meet themselves (choose less)")])
+        _refuse(
+            [Fault("machine.profile.wrap_angle", "is above 360 deg: chambers would overlap themselves (choose less)")]
+        )
     chain = _checked_chain(pair, replace(profile, wrap_angle=1.0), check, _stamp(profile.file))
     rotors = _rotors(pair, chain, length, profile.wrap_angle)
     if check and profile.measured:

@@ -70,7 +70,8 @@ class Profile:
     """A profile of a rotor pair; the male outer diameter and the lobes are the machine's."""
 
     family: str | None = choice(
-        "rotors by a name (docs/reference/rotors.md): kind, lobes, wrap and, by rotor_diameter, all lengths follow",
+        "named rotors (docs/reference/rotors.md), from which kind, lobes, wrap and, with rotor_diameter, all lengths "
+        "follow",
         tuple(FAMILIES),
         None,
     )
@@ -85,22 +86,25 @@ class Profile:
     )
     wrap_angle: float = quantity(
         "angle",
-        "angle by which the male rotor is twisted over its length (a family's may be replaced)",
+        "angle by which the male rotor is twisted over its length (overrides that of a family)",
         None,
         gt=0.0,
         otherwise=("family",),
     )
-    male_tip_radius: float | None = quantity("length", "r3, tip of the male lobe (kind: rack)", None, gt=0.0)
-    female_tip_radius: float | None = quantity("length", "r4, tip of the female lobe (circular, rack)", None, gt=0.0)
-    flank_radius: float | None = quantity("length", "rho, arc of the rack at the male tip (kind: rack)", None, gt=0.0)
+    male_tip_radius: float | None = quantity("length", "r3: tip of the male lobe (kind: rack)", None, gt=0.0)
+    female_tip_radius: float | None = quantity("length", "r4: tip of the female lobe (circular, rack)", None, gt=0.0)
+    flank_radius: float | None = quantity("length", "rho: arc of the rack at the male tip (kind: rack)", None, gt=0.0)
     pressure_angle: float | None = quantity(
-        "angle", "alpha, between the rack's straight line and its height (kind: rack)", None, gt=0.0
+        "angle", "alpha: between the rack's straight line and its height (kind: rack)", None, gt=0.0
     )
-    root_radius: float | None = quantity("length", "r5, arc of the rack at its root (kind: rack)", None, gt=0.0)
+    root_radius: float | None = quantity("length", "r5: arc of the rack at its root (kind: rack)", None, gt=0.0)
     file: str | None = file("CSV with columns x_mm, y_mm of one lobe, from root to root (kind: points)")
-    curve: str = choice("what the points are: the male lobe, or the rack", ("male", "rack"), "male")
+    curve: str = choice("what the points describe: the male lobe, or the rack", ("male", "rack"), "male")
     tolerance: float = quantity(
-        "length", "how far the fairest curve may pass by measured points (3 to 5 times their noise)", 0.0, ge=0.0
+        "length",
+        "largest distance between the faired curve and measured points (3 to 5 times their noise)",
+        0.0,
+        ge=0.0,
     )
     smoothing: float = quantity("length", "length over which the tangent of the points is averaged", 0.0, ge=0.0)
 
@@ -112,19 +116,19 @@ class Profile:
 
 @dataclass(frozen=True)
 class SlideValve:
-    """A slide valve in the cusp of the bores, by its geometry (law: profile)."""
+    """A slide valve in the cusp of the bores, stated by its geometry (law: profile)."""
 
     position: float = number("x: 0 is full load, 1 the end of the travel", 0.0, ge=0.0, le=1.0)
-    travel: float = quantity("length", "way of the slide from full load to its end", gt=0.0)
+    travel: float = quantity("length", "travel of the slide from full load to its end", gt=0.0)
     length: float | None = quantity(
         "length",
-        "from its end at the stop to the edge of the radial port at the cusp (default: it begins at the rotors' inlet "
-        "end)",
+        "length from the end at the stop to the edge of the radial port at the cusp (default: starts at the rotors' "
+        "inlet end)",
         None,
         gt=0.0,
     )
-    male_span: float = quantity("angle", "of the male bore that the slide is, from the cusp back", gt=0.0)
-    female_span: float = quantity("angle", "of the female bore that the slide is, from the cusp back", gt=0.0)
+    male_span: float = quantity("angle", "part of the male bore that the slide forms, from the cusp back", gt=0.0)
+    female_span: float = quantity("angle", "part of the female bore that the slide forms, from the cusp back", gt=0.0)
 
 
 def check_settings(profile: Profile) -> list[Fault]:
@@ -143,4 +147,4 @@ def unread(profile: Profile) -> Iterator[tuple[str, str]]:
         value = getattr(profile, name)
         if name not in _READS[profile.kind] and value not in (None, defaults[name]):
             kinds = " and ".join(kind for kind, names in _READS.items() if name in names)
-            yield f"machine.profile.{name}", f"belongs to kind: {kinds}, and kind: {profile.kind} does not read it"
+            yield f"machine.profile.{name}", f"applies only to kind: {kinds}, and kind: {profile.kind} does not read it"

@@ -54,7 +54,7 @@ def slid(rotors: Rotors, slide: SlideValve, opens: float, face_opens: float) -> 
     _refuse_spans(rotors, slide, opens)
     if stop / h + last >= opens:
         least = 1e3 * (apex - h * (opens - last))
-        what = f"{1e3 * (slide.length or 0.0):.4g} mm lets the slot reach the chamber whose radial port is open"
+        what = f"{1e3 * (slide.length or 0.0):.4g} mm lets the slot reach a chamber whose radial port is open"
         raise UsageError(f"{PATH}.length: {what} (choose more than {least:.4g} mm)")
     longest = h * (face_opens - last) - stop
     if slide.travel >= longest:

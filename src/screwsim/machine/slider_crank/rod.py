@@ -56,10 +56,10 @@ def fundamental(q: Array | float, z: Array | float) -> Fundamental:
 class FlexibleRod:
     """Sizes of a flexible rod of rectangular section and of its crank."""
 
-    width: float = quantity("length", "b, along the crank's axis", gt=0.0)
-    thickness: float = quantity("length", "h, in the plane of bending", gt=0.0)
-    flexible: float = quantity("length", "l, from the piston to the head", gt=0.0)
-    length: float = quantity("length", "L, from the piston to the crank pin", gt=0.0)
+    width: float = quantity("length", "b: along the crank's axis", gt=0.0)
+    thickness: float = quantity("length", "h: in the plane of bending", gt=0.0)
+    flexible: float = quantity("length", "l: from the piston to the head", gt=0.0)
+    length: float = quantity("length", "L: from the piston to the crank pin", gt=0.0)
     crank_radius: float = quantity("length", "r", gt=0.0)
     modulus: float = quantity("pressure", "E of its material", gt=0.0)
 
@@ -98,7 +98,7 @@ def check_rod(rod: FlexibleRod, compression: float = 0.0) -> list[Fault]:
     if rod.flexible > rod.length:
         return [Fault("rod.flexible", "is longer than the whole rod (choose at most rod.length)")]
     bearable = buckling_load(rod)
-    large = "is above 0.15 of the rod: deflections are not small (choose a longer rod)"
+    large = "is above 0.15 of the rod: the deflection is not small (choose a longer rod)"
     buckles = f"lets the rod buckle at {bearable:.6g} N, below the load of {compression:.6g} N"
     faults = [Fault("rod.crank_radius", large)] if rod.crank_radius > 0.15 * rod.length else []
     if compression >= bearable:

@@ -18,10 +18,10 @@ from screwsim.machine.slider_crank.rod import Array, Bending
 class SchmidtLoad:
     """Pressure of an isothermal Stirling cycle on a piston, with the mean pressure behind it."""
 
-    bore: float = quantity("length", "d of the piston", gt=0.0)
+    bore: float = quantity("length", "d: diameter of the piston", gt=0.0)
     p_min: float = quantity("pressure", "lowest pressure of the cycle", gt=0.0)
-    delta: float = number("δ, how far the pressure swings", gt=0.0, lt=1.0)
-    theta: float = quantity("angle", "θ, phase of the pressure")
+    delta: float = number("δ: relative swing of the pressure", gt=0.0, lt=1.0)
+    theta: float = quantity("angle", "θ: phase of the pressure")
 
     def pressure(self, alpha: Array) -> Array:
         """Return the pressure [Pa] (S18)."""
@@ -61,7 +61,7 @@ class Fatigue:
 
     limit: float = quantity("pressure", "fatigue limit in alternating bending, polished", 600e6, gt=0.0)
     concentration: float = number("notch, surface and size together, over the stress amplitude", 1.5, ge=1.0)
-    sensitivity: float = number("ψ, weight of a mean tension", 0.2, ge=0.0)
+    sensitivity: float = number("ψ: weight of a mean tension", 0.2, ge=0.0)
 
 
 class Safety(NamedTuple):

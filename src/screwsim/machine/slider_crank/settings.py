@@ -19,7 +19,7 @@ class SliderCrank(MachineSettings):
     crank_radius: float = quantity("length", "radius r of the crank", gt=0.0)
     rod_length: float = quantity("length", "length l of the connecting rod, between its pins", gt=0.0)
     offset: float = quantity("length", "offset e of the cylinder's axis from the crankshaft's", 0.0)
-    clearance: float = quantity("volume", "volume left at the top dead centre", gt=0.0)
+    clearance: float = quantity("volume", "volume left at top dead centre", gt=0.0)
 
     @property
     def piston_area(self) -> float:
@@ -78,6 +78,6 @@ def check_slider_crank(machine: SliderCrank) -> list[Fault]:
     if rod <= r:
         what = f"{1e3 * rod:.6g} mm is not longer than the crank's radius of {1e3 * r:.6g} mm: the crank cannot turn"
         return [Fault("machine.rod_length", f"{what} (choose a longer rod; 3 to 6 radii are usual)")]
-    what = f"{1e3 * e:.6g} mm and the crank's radius of {1e3 * r:.6g} mm together reach as far as the rod of "
+    what = f"{1e3 * e:.6g} mm and the crank's radius of {1e3 * r:.6g} mm together are not below the rod length of "
     remedy = f"choose an offset below {1e3 * (rod - r):.6g} mm, or a longer rod"
     return [Fault("machine.offset", f"{what}{1e3 * rod:.6g} mm: the crank cannot turn ({remedy})")]
