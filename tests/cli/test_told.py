@@ -43,7 +43,7 @@ IDLE = "effects.liquid_injection={opens: 480 deg, closes: 560 deg, area: 20 mm^2
         (
             (LATE, "numerics.accuracy=0.01"),  # the words are those of any accuracy, in a quarter of the time
             "warning: at no economizer temperature does the port draw as much vapour as the liquid gives off: at 39.5 "
-            "degC, the highest, it draws 0 times as much (a larger port, or one that opens earlier)",
+            "degC, the highest, it draws 0 times that (a larger port, or one that opens earlier)",
         ),
         (HOT, "warning: no oil flow brings the mixture to 326.9 degC: with "),
         (
@@ -76,7 +76,7 @@ def test_a_machine_with_a_part_of_its_leaks_says_so_in_a_line_and_what_is_not_si
         (
             B,
             "operation.tip_speed=20 m/s",
-            "operation.tip_speed: is given as well as operation.speed, which states it already",
+            "operation.tip_speed: is given as well as operation.speed, which it states already",
         ),
         (
             B,
@@ -86,7 +86,7 @@ def test_a_machine_with_a_part_of_its_leaks_says_so_in_a_line_and_what_is_not_si
         (
             B,
             "machine.rotor_diameter=300 mm",
-            "it lies inside a rotor and leaves no shaft (choose a larger one; another",
+            "it lies inside a rotor and leaves no shaft (choose a larger one; to change",
         ),
         (B, "machine.built_in_volume_ratio=40", "40 leaves no opening for the discharge port (choose a smaller ratio)"),
         (B, "operation.condensing_temperature=1 degC", "operation.condensing_temperature: "),

@@ -171,7 +171,7 @@ def test_a_gas_that_condenses_behind_the_aftercooler_has_no_temperature_there_an
         ([f"{PACKAGE}.rated_flow=18"], f"{PACKAGE}.rated_flow", "20 m^3/min"),
         ([f"{PACKAGE}.inlet_filter.pressure_loss=0.6 bar"], f"{PACKAGE}.inlet_filter.pressure_loss", "less than half"),
         ([f"{PACKAGE}.state=unloaded", f"{PACKAGE}.unloaded=null"], f"{PACKAGE}.unloaded", "intake_pressure: 0.12 bar"),
-        ([f"{PACKAGE}.unloaded.intake_pressure=1.2 bar"], f"{PACKAGE}.unloaded.intake_pressure", "only takes"),
+        ([f"{PACKAGE}.unloaded.intake_pressure=1.2 bar"], f"{PACKAGE}.unloaded.intake_pressure", "only lower"),
         ([f"{PACKAGE}.unloaded.separator_pressure=0.1 bar"], f"{PACKAGE}.unloaded.separator_pressure", "above"),
         (
             [f"{PACKAGE}.seperator_element={{pressure_loss: 1 bar}}"],

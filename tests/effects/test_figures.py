@@ -293,7 +293,9 @@ def test_a_figure_of_ones_own_cannot_have_the_name_of_another(own, tmp_path):
     (path,) = tmp_path.glob("own_figures_*/share.py")
     path.write_text(OWN.replace("lost_share", "shaft_power"))
     scene = own()
-    with pytest.raises(UsageError, match=r"^effects\.\S+share: the program has a different figure shaft_power \(give"):
+    with pytest.raises(
+        UsageError, match=r"^effects\.\S+share: the program has a different figure shaft_power \(rename"
+    ):
         called(scene)
 
 

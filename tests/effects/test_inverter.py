@@ -81,7 +81,7 @@ def test_a_makers_points_are_met(tmp_path):
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
-        ("0.9,1,3000\n0.9,0.5,2000\n", "needs 5 points or more"),
+        ("0.9,1,3000\n0.9,0.5,2000\n", "needs at least 5 points"),
         (
             "".join(f"0.9,{i},{1000 * i}\n" for i in (0.2, 0.4, 0.6, 0.8, 1)),
             "needs at least 5 points, with three currents",
@@ -114,7 +114,7 @@ def test_points_too_narrow_to_tell_the_loss_elsewhere_are_refused(tmp_path):
         ("{rated_speed: 2950 rpm}", "inverter.loss: is missing"),
         (
             "{rated_speed: 2950 rpm, loss: 3 kW, points_file: none.csv}",
-            "given beside effects.motor.inverter.points_file",
+            "given as well as effects.motor.inverter.points_file",
         ),
         ("{rated_speed: 2950 rpm, points_file: none.csv}", "inverter.points_file: cannot be read"),
         (
@@ -130,7 +130,7 @@ def test_what_an_inverter_lacks_or_has_twice_is_refused(more, message):
 
 def test_an_inverter_beside_a_constant_efficiency_is_refused():
     sets = ["effects.motor.inverter={rated_speed: 2950 rpm, loss: 3 kW}", "effects.motor.drive_efficiency=0.97"]
-    with pytest.raises(SceneError, match=r"given beside effects\.motor\.inverter"):
+    with pytest.raises(SceneError, match=r"given as well as effects\.motor\.inverter"):
         screwsim.load(POINT, sets)
 
 

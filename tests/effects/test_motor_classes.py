@@ -85,7 +85,7 @@ def test_a_class_is_the_efficiency_that_it_states_whatever_the_rated_power_becom
     [
         (
             "efficiency_class: IE3, efficiency: 0.95",
-            r"motor\.efficiency: is given as well as .* with --set effects\.motor\.efficiency=null\)",
+            r"motor\.efficiency: is given as well as .* or --set effects\.motor\.efficiency=null\)",
         ),
         ("efficiency_class: IE3, poles: 8", r"motor\.poles: 8 is not covered, only 2, 4 and 6 are"),
         ("poles: 2", r"motor\.poles: applies only to efficiency_class"),

@@ -47,7 +47,7 @@ WRONG = {
     "no power": ({"power": "none"}, "its power bearing_power [W] is None"),
     "text for a power": ({"power": "text"}, "its power bearing_power [W] is 'ten'"),
     "power that the oil loses": ({"kept": -5}, "what the oil keeps of bearing_power [W] is -5"),
-    "what the cycle makes of nothing": ({"made": "nan"}, "what the cycle makes of wrong_temperature is nan"),
+    "what the cycle makes of nothing": ({"made": "nan"}, "the cycle's value of wrong_temperature is nan"),
     "a figure that is none": ({"figure": "nan"}, "its figure economizer_mass_flow is nan"),
     "a plenum of no pressure": ({"pressure": "nan"}, "p of its plenum vessel is nan"),
 }

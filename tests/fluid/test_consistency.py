@@ -71,7 +71,7 @@ def test_an_entropy_of_another_sign_is_told():
 PLAIN = {
     "density": ("density", 1.01, "p of its kernel `state`, with its density("),
     "enthalpy": ("enthalpy", 1.01, "its enthalpy [J/kg] at"),
-    "isentropic_work": ("isentropic_work", 1.1, "its entropy [J/(kg K)] behind isentropic_work is "),
+    "isentropic_work": ("isentropic_work", 1.1, "its entropy [J/(kg K)] after isentropic_work is "),
     "isothermal_work": ("isothermal_work", 1.01, "its isothermal_work [J/kg] is "),
 }
 

@@ -357,7 +357,7 @@ def test_a_start_that_takes_too_long_says_how_far_it_came():
     [
         ({}, 1.0, "the scene has no drive"),
         ({**DRIVEN, "effects.drive.motor": {"law": "line", "slope": "30 N m s/rad"}}, 1.0, "needs the motor's limit"),
-        (DRIVEN, 400.0, "creep slower"),
+        (DRIVEN, 400.0, "slower creep"),
         (DRIVEN, 0.0, "creeping speed above 0"),
     ],
 )

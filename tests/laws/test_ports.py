@@ -195,7 +195,11 @@ def test_oil_at_a_stated_pressure_is_that_of_the_line_that_leaves_it():
         ({**ECONOMIZER, "effects.economizer.closes": "800 deg"}, "effects.economizer.closes", "720 deg"),
         ({**ECONOMIZER, "effects.economizer.temperature": "400 K"}, "effects.economizer.temperature", "101.06"),
         ({**ECONOMIZER, "effects.economizer.temperature": "330 K"}, "effects.economizer.temperature", "between"),
-        ({**ECONOMIZER, "effects.economizer.pressure": "4 bar"}, "effects.economizer.temperature", "beside pressure"),
+        (
+            {**ECONOMIZER, "effects.economizer.pressure": "4 bar"},
+            "effects.economizer.temperature",
+            "as well as pressure",
+        ),
         ({**AT_PRESSURE, "effects.economizer.pressure": DROP}, "effects.economizer.temperature", "is missing"),
         ({**AT_PRESSURE, "effects.economizer.pressure": "50 bar"}, "effects.economizer.pressure", "40.59 bar"),
         ({**AT_PRESSURE, "effects.economizer.pressure": "13 bar"}, "effects.economizer.pressure", "between"),
@@ -203,10 +207,10 @@ def test_oil_at_a_stated_pressure_is_that_of_the_line_that_leaves_it():
         (
             {**OIL_PORT, "effects.oil_injection.pressure": "9 bar", "effects.oil_injection.pressure_loss": "1 bar"},
             "effects.oil_injection.pressure",
-            "beside pressure_loss",
+            "as well as pressure_loss",
         ),
         ({**PUMPED_PORT, "effects.oil_injection.pressure": "9 bar"}, "effects.oil_injection.pressure", "displaced oil"),
-        ({**ECONOMIZER, "gas.fluid": "nothing"}, "gas.fluid", "no fluid"),
+        ({**ECONOMIZER, "gas.fluid": "nothing"}, "gas.fluid", "not a fluid"),
         (
             {"effects.liquid_injection": {"opens": "380 deg", "closes": "480 deg", "area": "4 mm^2"}},
             "effects.liquid_injection",

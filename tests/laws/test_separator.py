@@ -323,7 +323,7 @@ FAILS = {
         cooled({"duty": "2 MW"}),
         "the oil circuit leads to an impossible state: oil_supply.temperature: ",
     ),
-    "no oil": (cooled({"duty": "10 kW"}, {"oil_supply.ratio": 0}), "next to no oil flows"),
+    "no oil": (cooled({"duty": "10 kW"}, {"oil_supply.ratio": 0}), "hardly any oil flows"),
     "solubility unknown": (
         cooled(None, {**SOLUBLE, SOLUBILITY: {}}),
         "the oil circuit leads to an impossible state: effects.refr",

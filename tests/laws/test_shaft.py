@@ -234,7 +234,7 @@ def test_colder_films_drag_more():
         ({"effects.bearings.load": "stated"}, "effects.bearings.radial_load: is missing (stated needs it"),
         (
             {"effects.bearings.radial_load": "8 kN"},
-            "effects.bearings.radial_load: belongs to stated, and gas is chosen",
+            "effects.bearings.radial_load: applies only to stated, and gas is chosen",
         ),
         ({"effects.bearings.friction": "two_term"}, "effects.bearings.f_0: is missing (two_term needs it"),
         ({"oil.name": "POE_ACD100FY"}, "oil.density: is given as well as oil.name"),

@@ -106,7 +106,7 @@ def test_an_oil_flow_beside_another_statement_or_out_of_reach_is_told():
     (told,) = [
         each
         for each in run({"oil_supply.ratio": DROP, "oil_supply.flow": "0.05 L/min"}).warnings
-        if each.startswith("with 0.02 kg of oil per kg of gas, the least that is tried, ")
+        if each.startswith("with 0.02 kg of oil per kg of gas, the least ratio tried, ")
     ]
     assert told.endswith("times oil_supply.flow is injected (choose another oil_supply.flow)")
 
@@ -180,7 +180,7 @@ def test_auto_is_kept_in_the_scene_and_told():
         ),
         (
             {**OIL, "effects.separator": DROP},
-            r"oil_supply\.discharge_temperature: needs effects\.separator, in which gas and oil have one temperature",
+            r"oil_supply\.discharge_temperature: needs effects\.separator, where gas and oil have one temperature",
         ),
         (
             {**OIL, "oil_supply.temperature": DROP},

@@ -95,7 +95,7 @@ def test_a_valve_that_cannot_keep_the_temperature_says_where_it_stands(inject):
     )
     assert len(shut.warnings) == 1
     assert shut.warnings[0].startswith(
-        "the liquid injection valve stays shut: without liquid the discharge is at 66.9 degC, not to 90.0 degC"
+        "the liquid injection valve stays shut: without liquid the discharge is at 66.9 degC, not at 90.0 degC"
     )
     assert shut.performance.liquid_injection_flow_ratio < 1e-5
 

@@ -286,7 +286,7 @@ def test_overrides_go_to_their_stage(chain):
         ({"stages": ["low.yaml", "none.yaml"]}, "'none.yaml' is not a file"),
         ({"third": 3}, "third: is not known beside stages"),
         ({"intercooler": {"kind": "cooler"}}, "outlet_temperature: is missing"),
-        ({"intercooler": {"outlet_temperature": "300 K"}}, "outlet_temperature: applies only to kind: cooler"),
+        ({"intercooler": {"outlet_temperature": "300 K"}}, "outlet_temperature: belongs to kind: cooler"),
         ({"intercooler": {"kind": "economizer"}}, "needs operation.condensing_temperature"),
         (
             {"high": {**ECONOMIZER, **HIGH}},

@@ -141,7 +141,7 @@ def turn_of(problem: Problem, life: Trajectory, q: Array, into: IntoLines | None
     for name, part in parts.all(Made):
         found = part.image(turn)
         if np.isfinite(q[Q_WORK]):
-            own_number(name, f"what the cycle makes of {part.entry.name}", found)
+            own_number(name, f"the cycle's value of {part.entry.name}", found)
         made[part.entry.name] = max(float(found), part.least)
     return turn
 

@@ -95,7 +95,7 @@ def check(parameters: Parameters, facts) -> Faults:
 
 EFFECT = Effect(
     name="blow_hole",
-    title="opening at the housing cusp, to the chamber behind",
+    title="opening at the housing cusp, to the trailing chamber",
     equations=("M12", "M13", "M21", "M263"),
     source="ours, window from the geometry of a 4/6 profile",
     parameters=Parameters,

@@ -65,7 +65,7 @@ def code(scene: Scene) -> str:
         composition = compose(build_parts(scene))
         if composition.chambers == 1:
             return composition.text
-        between = "\n\n# all chambers together, compiled where they are asked for\n\n"
+        between = "\n\n# all chambers together, compiled when they are needed\n\n"
         return composition.text + between + composition.together()
 
 
@@ -133,7 +133,9 @@ def _screws(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     yield from _otherwise(machine, parts)
     if parts.geometry.expands:
         yield row(
-            "", "the machine below runs backwards: its laws at one life less the angle, its lines exchanged (M150)"
+            "",
+            "the machine below runs backwards: its laws are taken at one life minus the angle, and its lines are "
+            "swapped (M150)",
         )
     laws = {"volume": machine.volume, "suction_port": machine.suction_port, "discharge_port": machine.discharge_port}
     numbers = {"volume": "M16", "suction_port": "M17", "discharge_port": "M18"}
@@ -154,7 +156,7 @@ def _otherwise(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     port, ratio = machine.discharge_port, machine.built_in_volume_ratio
     if ratio is not None and port is not None and port.from_file:
         opens = math.degrees(parts.geometry.discharge_law().opens or 0.0)
-        what = f"to which the table of the discharge port is moved: opens {opens:.5g} deg (M394)"
+        what = f"which shifts the table of the discharge port: opens {opens:.5g} deg (M394)"
         yield row("volume ratio", f"{ratio:g}, {what}")
     elif ratio is not None and not machine.volume.from_rotors:
         yield row("volume ratio", f"{ratio:g}, from which the discharge port's angles follow (M16)")
@@ -224,7 +226,7 @@ def _about(active: ActiveEffect, built: Any, dissolves: bool, given: list[str]) 
     added += [f"state {HELD_GAS}" for part in built if isinstance(part, base.OilGas) and dissolves]
     added += [f"plenum {part.name}" for part in built if isinstance(part, base.Plenum)]
     added += [f"figure {name}" for name in given]
-    added += ["another state of what is sucked in" for part in built if isinstance(part, base.SuctionChange)]
+    added += ["changed intake state" for part in built if isinstance(part, base.SuctionChange)]
     added += [
         "speed, motor speed and twist over the pitch, closed with the chambers"
         for part in built
@@ -234,7 +236,7 @@ def _about(active: ActiveEffect, built: Any, dissolves: bool, given: list[str]) 
     added += [f"heat between gas and {part.name}" for part in built if isinstance(part, base.Wall)]
     waves = {name for part in built if isinstance(part, base.Pulsation) for name in part.harmonics}
     added += [
-        f"{_words(part.entry.name)}, made by the cycle"
+        f"{_words(part.entry.name)}, found with the cycle"
         for part in built
         if isinstance(part, base.Made) and part.entry.name not in waves
     ]
@@ -261,7 +263,7 @@ def _chamber(parts: Parts, model: Composition, axis: str) -> Iterator[str]:
     yield row("states", f"{states}; {BALANCES}")
     if geometry.chambers == 1:
         yield row("life", f"{math.degrees(geometry.life):g} deg of the crank, from top dead centre; one chamber")
-        yield row("trapped mass", f"at the bottom dead centre, {math.degrees(geometry.injection_angle):.6g} deg")
+        yield row("trapped mass", f"at bottom dead centre, {math.degrees(geometry.injection_angle):.6g} deg")
         return
     yield row("life", f"{math.degrees(geometry.life):g} deg of the {axis}")
     pitch = math.degrees(geometry.pitch)
@@ -284,16 +286,16 @@ def _paths(parts: Parts) -> Iterator[str]:
                 pitches = "lobe pitch" if path.offset == 1 else "lobe pitches"
                 ends = f"chamber - chamber {path.offset} {pitches} ahead"
             held = ", ".join(["", *filter(None, [path.law_title, path.resistance and path.resistance.title])])
-            held += ", open as its valve is" if path.opening is not None else ""
+            held += ", opened by its valve" if path.opening is not None else ""
             yield row(name, f"{ends}, flow coefficient {path.flow_coefficient:g}{held}")
     yield row("every path", "nozzle flow in both directions, choking included (M12, M13)")
     if parts.geometry.chambers > 1:
-        yield row("ahead of the last", "lies the discharge line; behind the first one there is no gap")
+        yield row("ahead of the last", "the discharge line; behind the first one there is no gap")
 
 
 def _numerics(scene: Scene) -> Iterator[str]:
     numerics, wanted = scene.numerics, wanted_of(scene.numerics, regularisation(scene))
-    yield row("accuracy", f"{numerics.accuracy:g} wanted of the performance figures; bound of the balances")
+    yield row("accuracy", f"{numerics.accuracy:g} for the performance figures; bound for the balances")
     origin = "given" if numerics.rtol is not None else "from the accuracy"
     histories = f", of histories {wanted.of_histories * wanted.rtol:.3g}" if wanted.of_histories < 1.0 else ""
     yield row("integrator", f"{numerics.integrator}, rtol {wanted.rtol:.3g}{histories} ({origin})")
@@ -307,8 +309,8 @@ def _size(model: Composition) -> Iterator[str]:
     n = len(model.states)
     yield row("one chamber", f"{n} states, {len(model.plenum_paths) + len(model.gap_paths)} flow paths")
     if model.made:
-        beside = f"{len(model.made)} numbers of effects beside the discharge line (docs/explanation/closing.md)"
-        yield row("the cycle makes", beside)
+        beside = f"{len(model.made)} numbers of effects besides the discharge line (docs/explanation/closing.md)"
+        yield row("found with cycle", beside)
     yield row("coupled", f"{n} states x {model.chambers} chambers = {n * model.chambers}")
     yield row("breakpoints", f"{len(model.breakpoints)} angles of one life where a law is not smooth; steps end there")
 
@@ -321,6 +323,6 @@ def _sweep(scene: Scene) -> Iterator[str]:
             yield row(f"{dimension.name}", f"{kinds}{words}") if words else f"  {dimension.name}: {kinds}"
             continue
         sample = dimension.joint.sample
-        how = f"{sample.kind.replace('_', ' ')}, seed {sample.seed}" if sample else "side by side"
+        how = f"{sample.kind.replace('_', ' ')}, seed {sample.seed}" if sample else "one by one"
         yield f"  {dimension.name}: {kinds} ({how}) of"
         yield from (f"    {path}" for path in dimension.paths)

@@ -16,8 +16,8 @@ from screwsim.scene.types import Scene
 from screwsim.scene.units import Gauge, readable_quantity
 
 TRANSPORT = {
-    "paper": "paper: the ratio d stays constant after {at} (M9); oil appears and vanishes with leaking gas",
-    "carried": "carried: oil mass is a state, leaks carry the donor's oil (M8, M9)",
+    "paper": "paper: the ratio d stays constant after {at} (M9); leaking gas makes oil appear and vanish",
+    "carried": "carried: oil mass is a state, leaks carry the oil of the upstream chamber (M8, M9)",
 }
 
 
@@ -45,7 +45,9 @@ def gas_rows(scene: Scene, parts: Parts) -> Iterator[str]:
     yield row("suction line", f"{in_bar(at.p_s)}{dew}, {in_celsius(at.T_s)}")
     T_d = operation.discharge.temperature
     back = "mean temperature of the outflow (M27)" if T_d is None else readable_quantity(KINDS["temperature"], T_d)
-    yield row("surroundings", f"{in_celsius(operation.ambient_temperature)}, to which the ledger's exergy refers (M59)")
+    yield row(
+        "surroundings", f"{in_celsius(operation.ambient_temperature)}, the reference of exergy in the ledger (M59)"
+    )
     back = f"what flows back has {'the ' if T_d is None else ''}{back}"
     yield row("discharge line", f"{in_bar(at.p_d)}{bubble}; {back}")
     if package_of(scene) is not None:
@@ -80,7 +82,7 @@ def oil_rows(scene: Scene, parts: Parts) -> Iterator[str]:
     at = f"{math.degrees(parts.geometry.injection_angle):g} deg"
     if port is not None:
         at = f"a port up to {math.degrees(port.closes):g} deg"
-    behind = "" if supply.line is None else ", behind its line (M392)"
+    behind = "" if supply.line is None else ", after its line (M392)"
     equation = f"its ratio d at {at} is given" if supply.pumped else f"the orifice decides (M30){behind}"
     equation = equation if supply.discharge_temperature is None else f"its ratio d at {at} is found (M370)"
     equation = equation if supply.flow is None else f"its ratio d at {at} is found (M393)"
@@ -91,7 +93,9 @@ def oil_rows(scene: Scene, parts: Parts) -> Iterator[str]:
         found = "is found with the cycle (M284)" if open_temperatures(scene)[0] else outlet
         yield row("temperature", found)
     if parts.oil_room:
-        yield row("room", "the oil takes room in the chambers (M106); the indicated work lifts it to discharge")
+        yield row(
+            "room", "the oil takes up volume in the chambers (M106); the indicated work raises it to discharge pressure"
+        )
     heated = any("T_oil" in active.effect.states for active in scene.effects.values())
     text = TRANSPORT.get(oil.transport, oil.transport).format(at=at)
-    yield row("transport", text if heated else "oil exchanges no heat and is no part of the balances (no oil_heat)")
+    yield row("transport", text if heated else "oil exchanges no heat and is not part of the balances (no oil_heat)")

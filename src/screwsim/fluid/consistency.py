@@ -30,7 +30,7 @@ def _pairs(gas: Gas, p_s: float, T_s: float, p_d: float) -> Iterator[Pair]:
     yield from _state(gas, p_s, T_s)
     T_d = gas.temperature(p_d, gas.enthalpy(p_s, T_s) + gas.isentropic_work(p_s, p_d, T_s))
     h, s = gas.enthalpy(p_s, T_s), gas.entropy(p_s, T_s)
-    yield "its entropy [J/(kg K)] behind isentropic_work", gas.entropy(p_d, T_d), s, gas.c_p
+    yield "its entropy [J/(kg K)] after isentropic_work", gas.entropy(p_d, T_d), s, gas.c_p
     work = gas.isentropic_work(p_s, p_d, T_s)
     yield "its isentropic_work_of_enthalpy [J/kg]", gas.isentropic_work_of_enthalpy(p_s, p_d, h), work, 0.0
     if gas.isothermal_obstacle(p_s, p_d, T_s) is None:

@@ -24,7 +24,7 @@ def outside_fit(slenderness: float, reynolds: float) -> str:
         what = f"the bore is {slenderness:.3g} diameters long, and the fit covers {low:g} to {high:g}"
         return f"{what} (choose another oil_supply.orifice_length)"
     if 0.0 < reynolds < LEAST_REYNOLDS:
-        what = f"the bore's Reynolds number is {reynolds:.2g}, and the fit starts at {LEAST_REYNOLDS:g}"
+        what = f"the bore's Reynolds number is {reynolds:.2g}, and the fit covers those above {LEAST_REYNOLDS:g}"
         return f"{what} (choose a wider oil_supply.orifice_diameter, or a thinner oil)"
     return ""
 

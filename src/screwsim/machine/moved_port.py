@@ -46,7 +46,7 @@ def moved(angles: Array, areas: Array, opens: float | None, ratio: float) -> tup
     widest = int(np.argmax(areas))
     before = np.flatnonzero(shut(areas)[:widest])
     if not len(before):
-        what = "cannot be kept: the table of machine.discharge_port is open from its first row on, so that nothing says"
+        what = "cannot be met: the table of machine.discharge_port is open from its first row, so that it does not show"
         raise UsageError(f"{PATH}: {what} where it opens (begin its file with a row of area 0, or remove this)")
     behind = np.flatnonzero(shut(areas)[widest:])
     end = float(angles[widest + behind[0]] if len(behind) else angles[-1])

@@ -127,8 +127,10 @@ class SlideValve:
         None,
         gt=0.0,
     )
-    male_span: float = quantity("angle", "part of the male bore that the slide forms, from the cusp back", gt=0.0)
-    female_span: float = quantity("angle", "part of the female bore that the slide forms, from the cusp back", gt=0.0)
+    male_span: float = quantity("angle", "angle of the male bore that the slide forms, counted from the cusp", gt=0.0)
+    female_span: float = quantity(
+        "angle", "angle of the female bore that the slide forms, counted from the cusp", gt=0.0
+    )
 
 
 def check_settings(profile: Profile) -> list[Fault]:
