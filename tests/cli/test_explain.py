@@ -161,7 +161,7 @@ def test_a_name_that_is_no_effect_is_told_with_what_is_meant(command, folder):
             "--parameters",
             "ring_leakage",
         ): "--parameters ring_leakage: is no effect of a twin_screw (screwsim explain lists those that it can have)",
-        ("small.yaml", "tip_leakage"): "tip_leakage: names an effect, which belongs to --parameters (write screwsim "
+        ("small.yaml", "tip_leakage"): "tip_leakage: is an effect, which only --parameters takes (write screwsim "
         "explain small.yaml --parameters tip_leakage)",
     }
     for arguments, told in asked.items():

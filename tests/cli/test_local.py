@@ -25,7 +25,7 @@ def test_what_gauge_pressures_were_read_over_is_left_out_with_the_reason(folder,
     document = json.loads(answer.out)
     assert "operation.discharge.pressure" in document["derivatives"]["shaft_power"]
     assert "operation.ambient_pressure" not in document["derivatives"]["shaft_power"]
-    assert document["left_out"]["operation.ambient_pressure"] == "gauge pressures were read over it"
+    assert document["left_out"]["operation.ambient_pressure"] == "gauge pressures were read relative to it"
 
 
 def test_local_sensitivities_are_shown_in_percent_and_in_words(folder, command):

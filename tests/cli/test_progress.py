@@ -51,7 +51,7 @@ def lines(shown: str) -> list[str]:
 def test_ctrl_c_ends_with_130_and_the_next_run_resumes(folder):
     code, shown = in_terminal(*COMMAND, "--jobs", "2", interrupt_after=3)
     assert code == 130
-    assert "interrupted; the sweep resumes when it is started again" in lines(shown)
+    assert "interrupted; the same command resumes the sweep" in lines(shown)
     assert "Traceback" not in shown
     assert not Path("grid.h5").exists()
     code, shown = in_terminal(*COMMAND, "--jobs", "2")

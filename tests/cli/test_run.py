@@ -229,7 +229,7 @@ def test_short_of_what_fails_says_why_and_fits_the_screen(folder, command):
     answer = command("run", "oiled.yaml", "--short", "--set", "operation.speed=20 rpm")
     lines = answer.out.splitlines()
     assert len(lines) <= 24 and max(map(len, lines)) <= 80
-    assert lines[0].startswith("small: no machine runs so, volumetric efficiency -")
+    assert lines[0].startswith("small: physically impossible: volumetric efficiency -")
     assert lines[1] == "with operation.speed=20 rpm"
     assert any(line.startswith("warning: ") for line in lines)
 

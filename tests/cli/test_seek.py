@@ -121,7 +121,7 @@ def test_optimize_without_a_result_within_the_bounds_ends_with_4(sought, command
             ("--maximize", "eta_iso", "--maximize", "gas_mass_flow", "--best", "b.yaml"),
             "--best b.yaml: of several aims",
         ),
-        (("--best", "b.h5"), "--best b.h5: a scene is written, which ends in .yaml (write --best b.yaml)"),
+        (("--best", "b.h5"), "--best b.h5: a scene file must end in .yaml (write --best b.yaml)"),
         (("-o", "out.csv"), "-o out.csv: results are written as HDF5"),
     ],
 )

@@ -129,7 +129,7 @@ def test_settings_of_a_sample_are_changed_from_outside(example):
         ),
         (
             "{sample: {kind: sobol, count: 4, over: {oil_supply.ratio: {from: 2, to: 1}}}}",
-            "sweep.sample.over.oil_supply.ratio: from is not below to (exchange them)",
+            "sweep.sample.over.oil_supply.ratio: from is not below to (swap them)",
         ),
         (
             "{sample: {kind: sobol, count: 4, over: {oil_supply.ratio: {from: 0, to: 1, spacing: log}}}}",

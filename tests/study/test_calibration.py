@@ -106,7 +106,7 @@ def test_a_parameter_alone_that_does_nothing_is_said_to(tmp_path):
     idle = FIT.partition("parameters:")[0] + "parameters:\n  operation.ambient_temperature: {from: 280 K, to: 300 K}\n"
     found = calibrate(read_fit(write_fit(tmp_path, idle)), jobs=1, simulate=plane)
     (combination,) = found.certainty.open
-    assert combination.says == "the data say next to nothing about operation.ambient_temperature"
+    assert combination.says == "the data hardly constrain operation.ambient_temperature"
 
 
 def test_told_apart_parameters_raise_no_warning(fit):

@@ -267,13 +267,13 @@ def test_a_wrong_address_ends_the_program(where, tmp_path):
     command = [sys.executable, "-m", "screwsim", "sweep", "scene.yaml", "-o", "out.h5", "--scheduler", where]
     done = subprocess.run(command, env=environment(), cwd=tmp_path, capture_output=True, text=True, timeout=120)
     assert done.returncode == 2 and len(done.stderr.splitlines()) == 1
-    assert done.stderr.startswith(f"{where}: no scheduler can be reached: ")
+    assert done.stderr.startswith(f"{where}: cannot reach a scheduler: ")
 
 
 def test_what_answers_but_is_no_scheduler_is_given_up():
     with socket.create_server(("127.0.0.1", 0)) as silent:
         where = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
-        with pytest.raises(UsageError, match="no scheduler can be reached: no answer"), Cluster(where, patience=0.5):
+        with pytest.raises(UsageError, match="cannot reach a scheduler: no answer"), Cluster(where, patience=0.5):
             pass
 
 
@@ -283,9 +283,9 @@ def test_what_answers_but_is_no_scheduler_is_given_up():
         ("five.json", "five.json: is no scheduler file (give tcp://"),
         ("nowhere.json", "nowhere.json: is neither an address nor a file (give tcp://HOST:PORT, or the file that"),
         ("empty.json", "empty.json: is no scheduler file (give tcp://"),
-        ("tcp://127.0.0.1:9", "tcp://127.0.0.1:9: no scheduler can be reached: "),
-        ("127.0.0.1:9", "127.0.0.1:9: no scheduler can be reached: "),
-        ("smoke://signal", "smoke://signal: no scheduler can be reached: "),
+        ("tcp://127.0.0.1:9", "tcp://127.0.0.1:9: cannot reach a scheduler: "),
+        ("127.0.0.1:9", "127.0.0.1:9: cannot reach a scheduler: "),
+        ("smoke://signal", "smoke://signal: cannot reach a scheduler: "),
     ],
 )
 def test_a_wrong_scheduler_is_told_in_one_line(where, told, tmp_path, monkeypatch):

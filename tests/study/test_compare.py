@@ -63,7 +63,7 @@ def test_points_that_failed_in_both_are_not_equal(tmp_path, capsys):
     assert (found.common, found.compared, found.equal, found.figures) == (1, 0, False, ())
     print_comparison(*failed, found)
     told = capsys.readouterr().out
-    assert "none of them is ok in both files: no figure is compared" in told and "equal" not in told
+    assert "none of them is ok in both files, so no figure is compared" in told and "equal" not in told
     assert comparison_document(*failed, found)["points"]["compared"] == 0
 
 

@@ -172,7 +172,7 @@ def old_file(output: Path) -> None:
 def test_a_file_without_an_identity_is_read_but_not_resumed(tmp_path):
     old_file(tmp_path / "out.h5")
     assert open_results(tmp_path / "out.h5").performance["shaft_power"].shape == (3, 40)
-    with pytest.raises(UsageError, match=r"of a screwsim 0\.1\.0 that did not note what code and files they are of"):
+    with pytest.raises(UsageError, match=r"from a screwsim 0\.1\.0 that did not record its code and input files"):
         run_sweep(grid_scene(), tmp_path / "out.h5", jobs=1, simulate=forbidden)
     assert run_sweep(grid_scene(), tmp_path / "out.h5", jobs=1, restart=True, simulate=fake_simulate).reused == 0
 
@@ -184,7 +184,7 @@ def test_parts_without_an_identity_are_not_resumed(tmp_path):
     manifest = output.with_name("out.h5.parts") / "sweep.json"
     about = json.loads(manifest.read_text())
     manifest.write_text(json.dumps({"scene_sha256": about["scene_sha256"], "fingerprint": "", "version": "0.1.0"}))
-    with pytest.raises(UsageError, match=r"out\.h5\.parts: .* that did not note what code and files they are of"):
+    with pytest.raises(UsageError, match=r"out\.h5\.parts: .* that did not record its code and input files"):
         run_sweep(grid_scene(), output, jobs=1, simulate=forbidden)
 
 

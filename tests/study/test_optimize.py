@@ -346,8 +346,8 @@ def test_bounds_hold_at_every_operating_point(chilled):
     [
         ("weight, operation.condensing_temperature [bar]\n1, 20", "line 2: operation.condensing_temperature: '20 bar'"),
         ("weight, operation.condensing_temprature [degC]\n1, 20", "line 1: operation.condensing_temprature: is not"),
-        ("weight, load\n1, 0.5", "its first point is not of load 1 (write the full load first)"),
-        ("weight, energy\n1, 1", "has weight and energy (keep one: both weigh the points)"),
+        ("weight, load\n1, 0.5", "its first point does not have load 1 (write full load first)"),
+        ("weight, energy\n1, 1", "has both weight and energy (keep one: each weights the points)"),
         ("weight\n-1", "line 2: weight '-1' is no number of at least 0"),
         ("weight\n0", "all weights are zero"),
         ("weight", "has 0 points"),

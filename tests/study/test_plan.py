@@ -161,7 +161,7 @@ def test_points_at_which_nothing_is_delivered_are_told_and_not_weighed(tmp_path,
     assert found.status == "ok" and found.idle == ("1000 rpm",)
     assert "1000 rpm" not in {step.point.name for step in found.steps}
     print_plan(found)
-    assert "not weighed, as nothing is delivered there: 1000 rpm" in capsys.readouterr().out
+    assert "not considered because nothing is delivered there: 1000 rpm" in capsys.readouterr().out
     none = plan(fit, every[:1], count=1, jobs=1, simulate=delivers_from_2000_rpm)
     assert none.status == "failed" and none.message.startswith("at no candidate anything is delivered")
 
@@ -209,7 +209,7 @@ def test_the_command_prints_the_points_and_writes_them_to_be_filled_in(tmp_path,
     shown = capsys.readouterr().out
     assert max(len(line) for line in shown.splitlines() if line != str(out)) <= 80
     assert "1  1000 rpm" in shown or "1  5000 rpm" in shown
-    assert "known beforehand by their bounds alone: gap, heat_capacity" in shown
+    assert "constrained so far by their bounds only: gap, heat_capacity" in shown
     heads, *rows = out.read_text(encoding="utf-8").splitlines()
     assert heads == "name,operation.speed [rpm],shaft_power [W],shaft_power_uncertainty [W]" and len(rows) == 2
     fit = read_fit(file, fixed=False)

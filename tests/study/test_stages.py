@@ -265,7 +265,7 @@ def test_a_cooler_that_leaves_a_liquid_is_told_of_by_its_name(tmp_path):
     found = run_stages(read_stages(path))
     assert found.status == "failed"
     assert "the cooler leaves a liquid at -25 degC and" in found.message
-    assert "(a higher intercooler.outlet_temperature)" in found.message
+    assert "(choose a higher intercooler.outlet_temperature)" in found.message
 
 
 def test_overrides_go_to_their_stage(chain):
@@ -290,7 +290,7 @@ def test_overrides_go_to_their_stage(chain):
         ({"intercooler": {"kind": "economizer"}}, "needs operation.condensing_temperature"),
         (
             {"high": {**ECONOMIZER, **HIGH}},
-            "the second scene names economizer, which draws gas that no balance between the stages knows",
+            "the second scene names economizer, which draws gas that the balance between the stages does not include",
         ),
     ],
 )
@@ -370,7 +370,7 @@ def test_a_sweep_of_a_stage_is_said_to_be_left_aside(chain, capsys, monkeypatch)
     assert exit_code(["run", path]) == 4
     assert capsys.readouterr().err == (
         f"{path}: the first scene's sweep of 2 cases is left aside, and the point without it is taken "
-        "(stages are not swept: run them once a value, with --set)\n"
+        "(a two-stage file is not swept: run it once per value, with --set)\n"
     )
 
 

@@ -328,7 +328,7 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
         (["booster", "--slide"], "--slide: is of refrigeration and heat_pump, which it unloads"),
         (["heat_pump", "--variable-speed"], "--variable-speed: is of air, whose sheet it is of"),
         (["booster", "--flow", "7 m^3/min"], "--flow: is of an air package's sheet (write screwsim new air"),
-        (["refrigeration", "-o", "x.json"], "-o x.json: a scene is written, which ends in .yaml (write -o x.yaml)"),
+        (["refrigeration", "-o", "x.json"], "-o x.json: a scene file must end in .yaml (write -o x.yaml)"),
         (["refrigeration", "-o", "x.fit.yaml"], "-o x.fit.yaml: ends as a fit or a plant of two stages does"),
     ],
 )
@@ -476,7 +476,7 @@ def test_a_file_that_is_there_is_not_overwritten(tmp_path, capsys, monkeypatch):
     assert capsys.readouterr().out == "mine.yaml\n"
     text = Path("mine.yaml").read_text()
     assert cli.exit_code(["new", "air", "-o", "mine.yaml"]) == 2
-    told = "-o mine.yaml: is there already, and is not overwritten (choose another name, or remove it)\n"
+    told = "-o mine.yaml: already exists and is not overwritten (choose another name, or remove it)\n"
     assert capsys.readouterr().err == told
     assert Path("mine.yaml").read_text() == text
     assert cli.exit_code(["new", "refrigeration"]) == 0
