@@ -97,7 +97,7 @@ def test_a_point_without_a_solution_ends_with_4(fitted, command):
     (fitted / "points.csv").write_text(POINTS.replace("third,check,3000", "third,fit,6000"), encoding="utf-8")
     answer = command("calibrate", "small.fit.yaml", "--jobs", "1")
     assert answer.code == 4
-    assert "no solution at third: failed: pressure left the range" in answer.out
+    assert "third has no solution: failed: pressure left the range" in answer.out
 
 
 def test_a_bad_fit_is_one_line_and_3(fitted, command):

@@ -75,7 +75,9 @@ def test_a_plan_does_not_replace_what_was_measured(tmp_path, capsys):
     planned.write_text(f"{head}\n{','.join(filled)}\n", encoding="utf-8")
     capsys.readouterr()
     assert exit_code([*asked, "-o", str(planned)]) == 2
-    assert f"{planned}: holds measured figures, which would be overwritten (choose another -o)" in capsys.readouterr().err
+    assert (
+        f"{planned}: holds measured figures, which would be overwritten (choose another -o)" in capsys.readouterr().err
+    )
     assert "9850" in planned.read_text(encoding="utf-8")
 
 

@@ -105,8 +105,8 @@ def test_a_sweep_that_is_not_run_is_said_in_one_line(folder, command):
     answer = command("run", "swept.yaml", "--json")
     assert answer.code == 0
     assert answer.err == (
-        "swept.yaml: its sweep of 2 cases is left aside, and the point without it is taken "
-        "(screwsim sweep swept.yaml simulates the sweep)\n"
+        "swept.yaml: its sweep of 2 cases is ignored, and the scene's own point is used (screwsim sweep swept.yaml "
+        "simulates the sweep)\n"
     )
     assert command("run", "small.yaml", "--json").err == ""
 

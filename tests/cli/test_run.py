@@ -151,7 +151,7 @@ def test_sweep_over_condensing_temperature_has_its_axis_and_resumes(folder, comm
     assert list(results.axes["operation.condensing_temperature"]) == [303.15, 318.15]
     cop, p_d = results.performance["cop"], results.performance["discharge_pressure"]
     assert cop[0] > cop[1] > 1.0 and p_d[0] < p_d[1]
-    assert "(2 of an earlier run)" in command("sweep", "rated.yaml", *changes).out
+    assert "(2 from an earlier run)" in command("sweep", "rated.yaml", *changes).out
     other = command("sweep", "rated.yaml", *changes, "--set", "operation.subcooling=5 K")
     assert other.code == 2  # another scene's file
 
@@ -169,7 +169,7 @@ def test_sweep_lists_what_failed_and_ends_with_4(folder, command):
     assert "below the suction pressure" in failure["message"]
     text = command("sweep", "small.yaml", "--set", grid, "-o", "grid.h5")
     assert text.code == 4
-    assert "2 cases: 1 ok, 1 failed (2 of an earlier run)" in text.out
+    assert "2 cases: 1 ok, 1 failed (2 from an earlier run)" in text.out
 
 
 def test_schema_is_one_document(command):
@@ -269,7 +269,7 @@ def test_groups_follow_what_effects_say_that_they_are():
 @pytest.mark.parametrize(
     ("group", "words"),
     [
-        ("leak", "leak is no group and no effect of this scene (did you mean 'leaks'?)"),
+        ("leak", "leak is neither a group nor an effect of this scene (did you mean 'leaks'?)"),
         ("tip_leakage,blow_hole", "blow_hole is no group and no effect of this scene"),
         ("walls", "the scene simulates nothing that belongs to walls"),
         (",", "names nothing (write e.g. --together leaks)"),

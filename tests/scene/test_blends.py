@@ -101,7 +101,7 @@ def test_a_blend_by_mole_is_another():
         ),
         (
             ("effects.economizer={area: 2 cm^2, opens: 1 rad, closes: 2 rad, temperature: 288 K, kind: flash_tank}",),
-            "effects.economizer.kind: the vapour that boils off R454B, a blend, has another composition than the blend "
+            "effects.economizer.kind: vapour boiling off R454B, a blend, differs from it in composition "
             "(write kind: heat_exchanger, or name a pure fluid)",
         ),
     ],

@@ -42,7 +42,7 @@ def test_a_demand_above_full_flow_is_told_and_counts_what_is_given():
     shares = year(package, PROFILE)
     assert shares[0].given == FULL
     table = year_table(package, shares)
-    assert table.note.startswith("during 100 h less is given than asked for, 12.00 m³/min")
+    assert table.note.startswith("during 100 h it delivers less than demanded, 12.00 m³/min")
     assert table.rows[-1][0] == "all" and table.rows[-1][1] == "1610"
 
 

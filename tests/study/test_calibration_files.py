@@ -109,7 +109,7 @@ def test_a_fault_of_the_fit_is_located(old, new, line, tmp_path):
         ("3.1,0.1", "3.1", "points.csv:3:1: data: has 4 cells, the first line 5"),
         ("b,fit", "a,fit", "points.csv:4:1: name: 'a' is there twice"),
         ("a,fit", "a,no", "points.csv:3:3: use: 'no' is not known"),
-        ("shaft_power [kW],", "shaft_power [kN],", "points.csv:2:32: shaft_power: unit 'kN' is none of its units"),
+        ("shaft_power [kW],", "shaft_power [kN],", "points.csv:2:32: shaft_power: unit 'kN' is not one of its units"),
         (
             "shaft_power [kW],",
             "shaft_pwer [kW],",
@@ -151,7 +151,9 @@ def test_a_temperature_in_celsius_under_kelvin_is_told(reading, line, tmp_path):
 def test_too_few_data_are_told(tmp_path):
     points = "\n".join(POINTS.splitlines()[:3]) + "\n"
     (line,) = faults(tmp_path, points=points)
-    assert line.startswith("small.fit.yaml:4:1: parameters: 1 measured figures and 0 priors cannot fix 2 parameters")
+    assert line.startswith(
+        "small.fit.yaml:4:1: parameters: 1 measured figures and 0 priors cannot determine 2 parameters"
+    )
 
 
 def test_priors_alone_are_no_data(tmp_path):
@@ -159,7 +161,7 @@ def test_priors_alone_are_no_data(tmp_path):
     fit = fit.replace("  oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K), start: 1.5 kJ/(kg K)}\n", "")
     points = POINTS.splitlines()[1] + "\na,fit,1000,,\n"
     (line,) = faults(tmp_path, fit, points)
-    assert "0 measured figures and 1 priors cannot fix 1 parameters" in line
+    assert "0 measured figures and 1 priors cannot determine 1 parameters" in line
 
 
 def test_conditions_that_do_not_fit_are_located(tmp_path):
@@ -232,8 +234,8 @@ def test_pressures_of_gauges_are_over_the_ambient_one_and_units_those_of_scenes(
             "points.csv:1:68: discharge_pressure_uncertainty: unit 'psig' has a zero of its",
         ),
         ("_uncertainty [K]", "_uncertainty [degF]", "unit 'degF' has a zero of its own, and this is an uncertainty"),
-        ("loss [bar]", "loss [barg]", "unit 'barg' has a zero of its own, and this is a difference (write [Pa])"),
-        ("[psig]", "[pond]", "discharge_pressure: unit 'pond' is none of its units"),
+        ("loss [bar]", "loss [barg]", "unit 'barg' has an offset zero, and this is a difference (write [Pa])"),
+        ("[psig]", "[pond]", "discharge_pressure: unit 'pond' is not one of its units"),
         ("a,9,130", 'a,9,"130,5"', "discharge_pressure: '130,5' has a decimal comma"),
         ("145,1,", "145,-1,", "points.csv:3:11: discharge_pressure: -1 is out of range"),
     ],

@@ -71,7 +71,7 @@ def test_what_is_compared_is_told_where_some_points_failed(grid, capsys):
     found = compare(grid, grid)
     assert found.compared == 24  # 3 of 30 failed, 3 did not close
     print_comparison(grid, grid, found)
-    assert "ok in both files are 24: figures of the others are not compared" in capsys.readouterr().out
+    assert "24 are ok in both files; figures of the others are not compared" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("share", "beyond"), [(3.9, 0), (4.1, 24)])

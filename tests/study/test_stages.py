@@ -275,7 +275,7 @@ def test_overrides_go_to_their_stage(chain):
     with pytest.raises(UsageError, match=r"begins with neither first\. nor second\."):
         read_stages(chain(), ["operation.speed=1500 rpm"])
     for path in ("intercooler.kind=none", "stages=[]", "title=x"):
-        with pytest.raises(UsageError, match=r"is of the file of both stages \(write it there\)"):
+        with pytest.raises(UsageError, match=r"belongs to the two-stage file \(write it there\)"):
             read_stages(chain(), [path])
 
 
@@ -369,8 +369,8 @@ def test_a_sweep_of_a_stage_is_said_to_be_left_aside(chain, capsys, monkeypatch)
     path = str(chain(low={"sweep": {"operation.speed": ["1000 rpm", "2000 rpm"]}}))
     assert exit_code(["run", path]) == 4
     assert capsys.readouterr().err == (
-        f"{path}: the first scene's sweep of 2 cases is left aside, and the point without it is taken "
-        "(a two-stage file is not swept: run it once per value, with --set)\n"
+        f"{path}: the first scene's sweep of 2 cases is ignored, and the scene's own point is used (a two-stage file "
+        f"is not swept: run it once per value, with --set)\n"
     )
 
 
@@ -387,5 +387,5 @@ def test_faults_of_overrides_are_told_with_their_stage_and_both_stages_at_once(c
     with pytest.raises(UsageError, match=r"\(write e\.g\. --set first\.operation\.speed=1500 rpm\)$"):
         read_stages(chain(), ["operation.speed=1500 rpm"])
     for path in ("intercooler.kind=none", "stages=[]", "title=x"):
-        with pytest.raises(UsageError, match=r"is of the file of both stages \(write it there\)"):
+        with pytest.raises(UsageError, match=r"belongs to the two-stage file \(write it there\)"):
             read_stages(chain(), [path])

@@ -140,7 +140,7 @@ def _missed(rated: Rating) -> str:
         return ""
     named = ", ".join(f"{ratio:.3g}" for ratio in sorted(missed))
     why = missed[min(missed)].splitlines()[0]
-    return f"; some {named} were not solved everywhere, so a better one may be missed ({why})"
+    return f"; not all points were solved at {named}, so a better one may be missed ({why})"
 
 
 def drawing(
