@@ -130,7 +130,7 @@ def test_a_scene_that_no_calibration_wrote_is_kept(fitted, command):
     (fitted / "scene.yaml").write_text("base: small.yaml\n")
     answer = command("calibrate", "small.fit.yaml", "-o", ".", "--jobs", "1")
     assert answer.code == 2
-    assert "scene.yaml: is there, and not of the kind that would be written" in answer.err
+    assert "scene.yaml: already exists, and is not a file of this kind" in answer.err
     assert (fitted / "scene.yaml").read_text() == "base: small.yaml\n"
     assert command("calibrate", "small.fit.yaml", "-o", "out", "--jobs", "1").code == 0
     assert command("calibrate", "small.fit.yaml", "-o", "out", "--jobs", "1").code == 0  # over its own

@@ -180,7 +180,7 @@ def test_schema_is_one_document(command):
 
 def test_a_run_replaces_no_file_but_a_run_s(folder, command):
     scene = (folder / "small.yaml").read_text()
-    told = "is there, and not of the kind that would be written (choose another -o, or remove it)"
+    told = "already exists, and is not a file of this kind (choose another -o, or remove it)"
     assert command("run", "small.yaml", "-o", "small.yaml") == (2, "", f"small.yaml: {told}\n")
     assert (folder / "small.yaml").read_text() == scene
     assert command("run", "small.yaml", "-o", "one.h5").code == 0
@@ -270,8 +270,8 @@ def test_groups_follow_what_effects_say_that_they_are():
     ("group", "words"),
     [
         ("leak", "leak is neither a group nor an effect of this scene (did you mean 'leaks'?)"),
-        ("tip_leakage,blow_hole", "blow_hole is no group and no effect of this scene"),
-        ("walls", "the scene simulates nothing that belongs to walls"),
+        ("tip_leakage,blow_hole", "blow_hole is neither a group nor an effect of this scene"),
+        ("walls", "the scene simulates no effect of group walls"),
         (",", "names nothing (write e.g. --together leaks)"),
     ],
 )

@@ -68,8 +68,8 @@ def test_radau_finds_the_same():
 def test_explain_tells_of_them():
     text = str(explain(make(wall())))
     assert "heat between gas and wall" in " ".join(text.split())
-    assert "wall temperature, made by the cycle" in " ".join(text.split())
-    assert "2 numbers of effects beside the discharge line" in " ".join(text.split())
+    assert "wall temperature, found with the cycle" in " ".join(text.split())
+    assert "2 values of effects, besides the discharge line" in " ".join(text.split())
 
 
 def test_without_them_the_text_knows_none():

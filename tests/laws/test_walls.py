@@ -120,7 +120,7 @@ def test_explain_and_the_scenes_text_tell_of_it():
     scene = make(WALLS)
     text = " ".join(str(explain(scene)).split())
     assert "heat between gas and rotor" in text
-    assert "housing temperature, made by the cycle" in text
+    assert "housing temperature, found with the cycle" in text
     assert loads(scene.text).text == scene.text
 
 

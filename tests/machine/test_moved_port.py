@@ -136,7 +136,7 @@ def test_explain_says_where_the_moved_port_opens(tables):
     scene = tabled(tables, "machine.built_in_volume_ratio=4")
     opens = math.degrees(geometry(scene).discharge_opens)
     told = " ".join(str(explain(scene)).split())
-    assert f"volume ratio 4, to which the table of the discharge port is moved: opens {opens:.5g} deg (M394)" in told
+    assert f"volume ratio 4, to which the table of the discharge port is shifted: opens {opens:.5g} deg (M394)" in told
 
 
 def test_a_sweep_over_the_ratio_moves_the_table_each_time(tables):

@@ -157,7 +157,8 @@ def test_a_worker_with_other_sources_is_refused_by_its_name_whenever_it_comes(
             join()
             with Client(json.loads(file.read_text())["address"], set_as_default=False) as client:
                 client.wait_for_workers(2, timeout=60.0)
-        told = r"worker tcp://127\.0\.0\.1:\d+ has other sources of screwsim 0\.1\.0 \(install and put there what"
+        told = r"worker tcp://127\.0\.0\.1:\d+ has different sources of screwsim 0\.1\.0 \(install the same versions "
+        r"and files"
         with pytest.raises(UsageError, match=told) as caught:
             run_sweep(grid_scene(), output, scheduler=str(file), simulate_many=crawling)
         assert "\n" not in str(caught.value)
@@ -254,7 +255,7 @@ def test_a_scheduler_without_workers_is_told(started, tmp_path):
     )  # fmt: skip
     try:
         wait_for_scheduler(file)
-        with pytest.raises(UsageError, match=r"no worker came within 0\.5 s \(start some"), Cluster(str(file), 0.5):
+        with pytest.raises(UsageError, match=r"no worker appeared within 0\.5 s \(start some"), Cluster(str(file), 0.5):
             pass
     finally:
         program.terminate()

@@ -145,7 +145,7 @@ def test_an_axis_that_the_other_file_has_not_is_refused(grid, tmp_path):
     other = swept(
         tmp_path / "b.h5", "sweep: {effects.blow_hole.area: [5 mm^2]}\n", scene=SCENE + "  blow_hole: {area: 5 mm^2}\n"
     )
-    with pytest.raises(UsageError, match=r"has no effects\.blow_hole\.area, over which the other file was swept"):
+    with pytest.raises(UsageError, match=r"has no effects\.blow_hole\.area, over which the other file is swept"):
         compare(grid, other)
 
 
@@ -156,5 +156,5 @@ def test_choices_are_matched_by_their_words(tmp_path):
 
 
 def test_a_negative_tolerance_is_refused(grid):
-    with pytest.raises(UsageError, match="--tolerance -1: is no relative tolerance"):
+    with pytest.raises(UsageError, match="--tolerance -1: is not a relative tolerance"):
         compare(grid, grid, -1.0)

@@ -262,7 +262,7 @@ def test_the_file_holds_all_cases_and_what_was_aimed_at(tmp_path):
     assert results.performance["gas_mass_flow"][ok] == pytest.approx(found.aims[ok, 0])
     data = results.to_xarray(None)
     assert data.optimum_front.sum() == 1 and data.optimum_aim_gas_mass_flow.dims == ("evaluation",)
-    with pytest.raises(UsageError, match="is there already"):
+    with pytest.raises(UsageError, match="already exists"):
         optimize(scene(), [RATIO], ["gas_mass_flow"], simulate=choosing, jobs=1, output=file)
 
 
@@ -270,7 +270,7 @@ def test_parts_of_another_question_are_refused(tmp_path):
     asked = question(scene(), [RATIO, SPEED], ["gas_mass_flow"], evaluations=60)
     with pytest.raises(KeyboardInterrupt):
         run(asked, tmp_path / "out.h5", simulate=Interrupted(), jobs=1)
-    with pytest.raises(UsageError, match="holds another optimisation's evaluations"):
+    with pytest.raises(UsageError, match="holds evaluations of another optimisation"):
         run(replace(asked, seed=2), tmp_path / "out.h5", simulate=choosing, jobs=1)
     assert run(replace(asked, seed=2), tmp_path / "out.h5", simulate=choosing, jobs=1, restart=True).reused == 0
 
@@ -367,12 +367,15 @@ def test_bad_points_are_refused_at_their_line(chilled, tmp_path, rows, message):
         ({"maximize": ["effciency"]}, "--maximize effciency: is not known"),
         (
             {"maximize": ["cop", "shaft_power"], "minimize": ["shaft_power"]},
-            "--maximize cop: is not called for in this",
+            "--maximize cop: is not a figure of this",
         ),
-        ({"maximize": ["shaft_power"], "minimize": ["shaft_power"]}, "--maximize, --minimize: shaft_power is an aim"),
+        (
+            {"maximize": ["shaft_power"], "minimize": ["shaft_power"]},
+            "--maximize, --minimize: shaft_power is given twice as an aim",
+        ),
         ({"subject_to": ["shaft_power=9 kW"]}, "--subject-to shaft_power=9 kW: is not FIGURE<VALUE or FIGURE>VALUE"),
         ({"evaluations": 0}, "--evaluations 0: is no number of evaluations"),
-        ({"over": "IPVL"}, "--over IPVL: is neither a file nor a seasonal figure (there are IPLV, IPLV-water"),
+        ({"over": "IPVL"}, "--over IPVL: is neither a CSV file nor a seasonal figure (known: IPLV, IPLV-water"),
         ({"over": "SEPR"}, "--over SEPR: needs operation.evaporating_temperature and"),
         ({"vary": ["operation.speed"]}, "--vary operation.speed: has no range (write operation.speed=LOW..HIGH"),
     ],
@@ -391,7 +394,7 @@ def test_an_approach_of_nothing_is_refused(chilled):
 
 
 def test_a_path_of_the_points_is_not_varied(chilled):
-    with pytest.raises(UsageError, match="is set by the operating points of --over"):
+    with pytest.raises(UsageError, match="is also set by the operating points of --over"):
         question(chilled, ["operation.condensing_temperature=30 degC..50 degC"], ["cop"], over="SEPR")
 
 

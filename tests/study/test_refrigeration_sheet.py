@@ -83,7 +83,7 @@ def test_a_heat_pumps_sheet_has_what_its_condenser_gives_beside_the_rest(rated, 
     ]
     assert 0.0 < own.electrical_heating_cop - own.electrical_cop < 1.0
     (line,) = (text for name, text in both.lines if name == "heating")
-    assert line.startswith(f"{1e-3 * own.heating_capacity:.1f} kW in the condenser")
+    assert line.startswith(f"{1e-3 * own.heating_capacity:.1f} kW from the condenser")
     assert sheet.document["points"] == both.document["points"]  # programs get it in any case
 
 
@@ -225,7 +225,7 @@ def test_ranges_are_those_of_the_scene_or_of_steps_around_its_point():
         ("control/point", ["--limit", "discharge_temprature<90 degC"], "did you mean 'discharge_temperature'?"),
         ("control/point", ["--limit", "discharge_temperature<90"], "90 has no unit (write one of K"),
         ("control/point", ["--limit", "cop>much"], "'much' is not a number with a unit (write a number with one of"),
-        ("control/point", ["--limit", "water_flow<1"], "is not called for in this scene"),
+        ("control/point", ["--limit", "water_flow<1"], "is not a figure of this scene"),
         ("control/point", ["--evaporating", "5 degC"], "5 degC: is not LOW..HIGH (write e.g. --evaporating '-10"),
         ("control/point", ["--condensing", "50 degC..40 degC"], "is empty (LOW must be below HIGH)"),
         ("r134a/envelope", [], "the scene varies oil_supply.ratio otherwise"),

@@ -141,7 +141,7 @@ def test_a_goal_below_the_smallest_size_takes_it_and_one_above_the_largest_none(
         ([RANGE], ["gas_mass_flow=1 kW"], "--for gas_mass_flow=1 kW: gas_mass_flow has no unit 'kW' (write one of kg"),
         ([RANGE], ["gas_mass_flow=1"], "--for gas_mass_flow=1: gas_mass_flow 1 has no unit (write one of kg/s"),
         ([RANGE], ["gas_mass_flow"], "--for gas_mass_flow: is not FIGURE=VALUE (write e.g. --for 'cooling_capacity="),
-        ([RANGE], [], "nothing is sought (write --for FIGURE=VALUE"),
+        ([RANGE], [], "no goal is given (write --for FIGURE=VALUE"),
         ([], ["gas_mass_flow=1 kg/s"], "nothing varies (write one or more --vary"),
         (["operation.sped"], ["gas_mass_flow=1 kg/s"], "operation.sped: is not known; did you mean 'operation.speed'?"),
         (["machine.male_lobes=3..5"], ["gas_mass_flow=1 kg/s"], "machine.male_lobes: is a whole number"),

@@ -272,7 +272,7 @@ def test_overrides_go_to_their_stage(chain):
     changed = read_stages(chain(), ["second.operation.speed=1500 rpm", "first.oil_supply.ratio=2"])
     assert changed.second.operation.speed == pytest.approx(1500 * 3.141592653589793 / 30)
     assert changed.first.oil_supply.ratio == 2
-    with pytest.raises(UsageError, match=r"begins with neither first\. nor second\."):
+    with pytest.raises(UsageError, match=r"starts with neither first\. nor second\."):
         read_stages(chain(), ["operation.speed=1500 rpm"])
     for path in ("intercooler.kind=none", "stages=[]", "title=x"):
         with pytest.raises(UsageError, match=r"belongs to the two-stage file \(write it there\)"):
@@ -284,7 +284,7 @@ def test_overrides_go_to_their_stage(chain):
     [
         ({"stages": ["low.yaml"]}, "not the files of two scenes"),
         ({"stages": ["low.yaml", "none.yaml"]}, "'none.yaml' is not a file"),
-        ({"third": 3}, "third: is not known beside stages"),
+        ({"third": 3}, "third: is not known in a two-stage file"),
         ({"intercooler": {"kind": "cooler"}}, "outlet_temperature: is missing"),
         ({"intercooler": {"outlet_temperature": "300 K"}}, "outlet_temperature: belongs to kind: cooler"),
         ({"intercooler": {"kind": "economizer"}}, "needs operation.condensing_temperature"),
@@ -319,8 +319,8 @@ def test_explain_tells_of_what_lies_between_and_of_both_stages(chain, capsys):
     assert exit_code(["explain", path, "--set", "second.operation.speed=1234 rpm"]) == 0
     text = " ".join(capsys.readouterr().out.split())
     assert text.startswith("a plant Two stages, 1.5 bar to 12 bar.")
-    assert "A cooler leaves the gas at 290 K" in text
-    assert "pressure drop of 0.1 bar" in text
+    assert "A cooler cools the gas to 290 K" in text
+    assert "pressure drop between both lines is 0.1 bar" in text
     assert text.index("The first stage") < text.index("The second stage") < text.index("1234 rpm")
     assert exit_code(["explain", path, "--without", "oil_heat"]) == 2
 

@@ -89,7 +89,7 @@ def test_parts_that_another_process_took_are_told_with_the_remedy(long, tmp_path
     try:
         parts.write(0, table.rows(slice(0, 200)))
         with pytest.raises(
-            UsageError, match=r"out\.h5\.parts: cases from 200 onwards are gone: it was moved.*run this once more"
+            UsageError, match=r"out\.h5\.parts: cases from 200 onwards are gone: it was moved.*run this again"
         ):
             parts.all(len(table))
         parts.folder.rename(tmp_path / "elsewhere")

@@ -217,7 +217,7 @@ def test_results_of_another_commit_towards_a_release_resume_while_the_sources_ar
     monkeypatch.setattr("screwsim.__version__", "9.8.0")  # released of these sources
     assert run_sweep(grid_scene(), output, jobs=1, simulate=forbidden).reused > there
     monkeypatch.setattr("screwsim.numerics.sources.of_package", lambda: "others")  # of the same version
-    with pytest.raises(UsageError, match=r"but of other sources of screwsim 9\.8\.0; "):
+    with pytest.raises(UsageError, match=r"but from different sources of screwsim 9\.8\.0; "):
         run_sweep(grid_scene(), output, jobs=1, simulate=forbidden)
 
 

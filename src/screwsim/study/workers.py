@@ -25,7 +25,7 @@ from screwsim.numerics.folder import handed_on, take_over
 CHUNK_SECONDS = 1.0  # [s] of work that a crash may cost per worker; writing a part costs some ms
 _FIRST = 1  # [blocks] per chunk until the time per case is known
 LOST = "the scheduler, or its connection, was lost (start it again; the sweep resumes)"
-DIED = "the worker died (run this case alone, with `screwsim run --set …`)"
+DIED = "worker died (run this case alone, with `screwsim run --set …`)"
 TICK = 0.25  # [s] between two looks at the workers
 RARELY = 20_000, 20, 20  # thresholds of a worker's garbage collector: a case leaves a few hundred objects
 GRACE = 1.0  # [s] that a pool has to notice the death of a worker

@@ -76,7 +76,7 @@ def kept(output: Path, asked: Question, restart: bool) -> Iterator[Parts]:
 def _refuse_existing(output: Path, restart: bool) -> None:
     attributes = read_attributes(output)  # raises for a file that is not a results file
     if not str(attributes.get("history", "")).endswith(f" {COMMAND}"):
-        raise UsageError(f"{output}: does not hold results of an optimization (choose another -o, or remove it)")
+        raise UsageError(f"{output}: does not hold results of an optimisation (choose another -o, or remove it)")
     if restart:
         return
     raise UsageError(f"{output}: already exists (choose another -o, or --restart to replace it)")
@@ -89,11 +89,11 @@ def _refuse_others(parts: Parts, own: dict[str, Any]) -> None:
     found = stored.get("identity")
     found = found if isinstance(found, dict) else unpacked(found) or {}
     if found.get(QUESTION) != own["identity"][QUESTION] or stored.get("scene_sha256") != own["scene_sha256"]:
-        raise UsageError(f"{parts.folder}: holds evaluations of another optimization (choose another -o, or --restart)")
+        raise UsageError(f"{parts.folder}: holds evaluations of another optimisation (choose another -o, or --restart)")
     what = differences(found, own["identity"])
     if what:
         raise UsageError(
-            f"{parts.folder}: holds evaluations of this optimization, but {what} (--restart computes them again)"
+            f"{parts.folder}: holds evaluations of this optimisation, but {what} (--restart computes them again)"
         )
 
 
