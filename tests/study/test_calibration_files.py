@@ -103,11 +103,11 @@ def test_a_fault_of_the_fit_is_located(old, new, line, tmp_path):
         (",", ";", "points.csv:2:1: data: is divided by semicolons (save it with commas, and points before decimals)"),
         ("1000,3.1", '"1,000",3.1', "points.csv:3:7: operation.speed: '1,000' has a comma that divides"),
         ("3.1,0.1", "3.1,0", "points.csv:3:16: shaft_power: 0 is out of range"),
-        ("3.1,0.1", "3.1,1e-300", "points.csv:3:1: shaft_power: its uncertainty is 3e-301 of the value, which no meas"),
-        ("3.1,0.1", "3.1,1e300", "points.csv:3:1: shaft_power: its uncertainty is 3e+299 of the value, which tells no"),
+        ("3.1,0.1", "3.1,1e-300", "points.csv:3:1: shaft_power: its uncertainty is 3e-301 of the value, smaller than"),
+        ("3.1,0.1", "3.1,1e300", "points.csv:3:1: shaft_power: its uncertainty is 3e+299 of the value, too large to be"),
         ("3.1,0.1", "3.1,", "points.csv:3:1: shaft_power: needs both a value and an uncertainty, or neither"),
         ("3.1,0.1", "3.1", "points.csv:3:1: data: has 4 cells, the first line 5"),
-        ("b,fit", "a,fit", "points.csv:4:1: name: 'a' is there twice"),
+        ("b,fit", "a,fit", "points.csv:4:1: name: 'a' appears twice"),
         ("a,fit", "a,no", "points.csv:3:3: use: 'no' is not known"),
         ("shaft_power [kW],", "shaft_power [kN],", "points.csv:2:32: shaft_power: unit 'kN' is not one of its units"),
         (
@@ -116,7 +116,7 @@ def test_a_fault_of_the_fit_is_located(old, new, line, tmp_path):
             "points.csv:2:32: shaft_pwer: is not known; did you mean 'shaft_power'?",
         ),
         ("[rpm]", "", "points.csv:3:7: operation.speed: '1000' has no unit"),
-        (",shaft_power_uncertainty [kW]", ",oil_ratio", "points.csv:2:32: shaft_power: has no column shaft_power_unc"),
+        (",shaft_power_uncertainty [kW]", ",oil_ratio", "points.csv:2:32: shaft_power: needs a column shaft_power_unc"),
         ("operation.speed [rpm]", "oil.heat_capacity", "points.csv:2:10: oil.heat_capacity: is a parameter of the fit"),
     ],
 )
