@@ -27,7 +27,7 @@ def test_json_is_one_document_also_from_results(command, folder):
     found = json.loads(answer.out)
     assert answer.code == 0 and found["files"] == ["x.fmu"]
     assert [one["name"] for one in found["inputs"]] == ["speed"] and found["error"] is None
-    assert found["error_is"] == "not known, as no axis has five values"
+    assert found["error_is"] == "unknown, as no axis has five values"
 
 
 def test_an_error_that_is_not_met_is_told_with_exit_code_4(command, folder):

@@ -27,7 +27,7 @@ def files(folder):
 
 
 RESULTS = "results are HDF5, so the name must end in .h5, .hdf5, .hdf, .nc, .nc4"
-FILES = "several files are written, into a folder"
+FILES = "several files are written, so name a folder"
 
 
 @pytest.mark.parametrize(

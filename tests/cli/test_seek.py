@@ -98,7 +98,7 @@ def test_optimize_says_the_best_and_writes_it(sought, command):
 def test_optimize_prints_a_front_and_one_document(sought, command):
     arguments = ("optimize", "oiled.yaml", *SPEED, *RATIO, "--maximize", "eta_iso", "--maximize", "gas_mass_flow")
     found = command(*arguments, "--evaluations", "120", "--jobs", "1")
-    assert found.code == 0 and "evaluations that no other betters in all aims" in found.out
+    assert found.code == 0 and "evaluations that no other beats in all aims" in found.out
     document = json.loads(command(*arguments, "--evaluations", "120", "--jobs", "1", "--json").out)
     first = document["front"][0]["aims"]
     assert f"{100.0 * first['isothermal_efficiency']:.5g} %" in found.out

@@ -104,7 +104,11 @@ def test_a_fault_of_the_fit_is_located(old, new, line, tmp_path):
         ("1000,3.1", '"1,000",3.1', "points.csv:3:7: operation.speed: '1,000' has a comma that divides"),
         ("3.1,0.1", "3.1,0", "points.csv:3:16: shaft_power: 0 is out of range"),
         ("3.1,0.1", "3.1,1e-300", "points.csv:3:1: shaft_power: its uncertainty is 3e-301 of the value, smaller than"),
-        ("3.1,0.1", "3.1,1e300", "points.csv:3:1: shaft_power: its uncertainty is 3e+299 of the value, too large to be"),
+        (
+            "3.1,0.1",
+            "3.1,1e300",
+            "points.csv:3:1: shaft_power: its uncertainty is 3e+299 of the value, too large to be",
+        ),
         ("3.1,0.1", "3.1,", "points.csv:3:1: shaft_power: needs both a value and an uncertainty, or neither"),
         ("3.1,0.1", "3.1", "points.csv:3:1: data: has 4 cells, the first line 5"),
         ("b,fit", "a,fit", "points.csv:4:1: name: 'a' appears twice"),
