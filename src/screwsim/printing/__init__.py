@@ -144,12 +144,12 @@ def _ledger(ledger: Mapping[str, Any]) -> Any:
         cells[0], cells[1] = f"{factor * exergy:.4g}", share
         table.add_row(name.replace("_", " "), *cells)
 
-    row("all, given by the gas" if given else "all, at the shaft", whole, {})
+    row("total given by the gas" if given else "total at the shaft", whole, {})
     row(*(("power at the shaft", -shaft) if given else ("exergy rise of the gas", gas)), {})
     row("exergy rise of the oil", ledger["oil_exergy_rise"], {})
     for name, entry in sorted_entries(ledger):
         row(name, entry["exergy_destroyed"], entry)
-    row("residue", ledger["residue"], {})
+    row("residual", ledger["residue"], {})
     table.caption = f"W/K: entropy generated; exergy at {engineering_temperature(ledger['ambient_temperature'])}"
     if any(entry["exergy_destroyed"] < -SEEN * abs(whole) for _, entry in sorted_entries(ledger)):
         table.caption += "\nbelow zero: recovers exergy that other entries count as lost (M54, M286)"

@@ -93,7 +93,7 @@ def _draw(ledger: Mapping[str, float], title: str) -> Any:
     what = "the shaft power" if ledger["shaft_power"] > 0.0 else "the exergy given by the gas"
     ambient = f"what is left of {what}, exergy at {TEMPERATURE.of(ledger['ambient_temperature']):.2f} °C"
     green = "green: recovers what other entries count as lost" if any(bar.colour == _GAIN for bar in bars) else ""
-    note(figure, title, ambient, f"residue {100.0 * ledger['residue'] / whole:.1g} %".replace("-", "−"), green)
+    note(figure, title, ambient, f"residual {100.0 * ledger['residue'] / whole:.1g} %".replace("-", "−"), green)
     return figure
 
 

@@ -257,7 +257,7 @@ def booster(asked: Asked) -> str:
     leaves = _booster_leaves(fluid, duty, taken_at(LEAVES) / c_p, dew)
     taken = taken_at(leaves)
     if taken > DRAGGED * duty.work:
-        what = f"with films of oil it takes {taken / duty.work:.0f} times the work that the gas needs"
+        what = f"with oil films it takes {taken / duty.work:.0f} times the work that the gas needs"
         raise UsageError(f"--speed {sizes.rpm(speed)}: {what} (choose a lower speed, or pressures farther apart)")
     warmed = WARMED if dew is None else min(WARMED, leaves - dew - OIL_OVER_DEW)
     left = taken - c_p * (leaves - duty.T)

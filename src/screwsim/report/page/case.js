@@ -112,7 +112,7 @@ function balanceWords() {
   const found = ["mass", "energy", "entropy", "oil_mass"].filter((name) => data.balance[name] && Number.isFinite(data.balance[name][picked]));
   if (!found.length) return "";
   const bound = data.balance.bound ? ` (bound ${small(data.balance.bound[picked])})` : "";
-  return `Residues of this case: ${found.map((name) => `${name.replace("_", " ")} ${small(data.balance[name][picked])}`).join(", ")}${bound}.`;
+  return `Residuals of this case: ${found.map((name) => `${name.replace("_", " ")} ${small(data.balance[name][picked])}`).join(", ")}${bound}.`;
 }
 
 function drawCycle() {
@@ -129,7 +129,7 @@ function drawCycle() {
 function tracesWords() {
   const { cycle } = data;
   const off = (name) => `${general(cycle.off[name], 2)} ${cycle.traces[name].unit.replace("°C", "K")}`;
-  return `${cycle.angle.length} of ${cycle.points} angles are kept in this page; straight lines between them deviate by at most `
+  return `${cycle.angle.length} of ${cycle.points} angles are kept on this page; straight lines between them deviate by at most `
     + `${off("pressure")} and ${off("gas_temperature")} in any case. The file has all.`;
 }
 
@@ -330,14 +330,14 @@ function fillLedger(ledger, factor, unit) {
   top.append(head);
   const body = document.createElement("tbody");
   const ends = ledger.shaft_power > 0
-    ? [["all, at the shaft", ledger.shaft_power], ["exergy rise of the gas", ledger.gas_exergy_rise]]
-    : [["all, given by the gas", -ledger.gas_exergy_rise], ["power at the shaft", -ledger.shaft_power]];
+    ? [["total at the shaft", ledger.shaft_power], ["exergy rise of the gas", ledger.gas_exergy_rise]]
+    : [["total given by the gas", -ledger.gas_exergy_rise], ["power at the shaft", -ledger.shaft_power]];
   body.append(
     ...line(...ends[0], {}, true),
     ...line(...ends[1], {}),
     ...line("exergy rise of the oil", ledger.oil_exergy_rise, {}),
     ...ledger.entries.flatMap((entry) => line(entry.words, entry.exergy_destroyed, entry)),
-    ...line("residue", ledger.residue, {}),
+    ...line("residual", ledger.residue, {}),
   );
   document.getElementById("ledger").replaceChildren(top, body);
 }
