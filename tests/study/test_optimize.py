@@ -129,7 +129,7 @@ def test_bounds_that_nothing_meets_are_said_with_the_nearest():
     bound = ["shaft_power<0.5 W"]
     found = optimize(scene(), [RATIO, SPEED], ["gas_mass_flow"], subject_to=bound, simulate=choosing, jobs=1)
     assert (found.status, len(found.front)) == ("none", 0)
-    assert "for shaft_power<0.5 W the nearest is 1" in found.message
+    assert "shaft_power<0.5 W was required, and the nearest is 1" in found.message
 
 
 def test_where_all_fails_the_reason_is_told():
@@ -348,7 +348,7 @@ def test_bounds_hold_at_every_operating_point(chilled):
         ("weight, operation.condensing_temprature [degC]\n1, 20", "line 1: operation.condensing_temprature: is not"),
         ("weight, load\n1, 0.5", "its first point does not have load 1 (write full load first)"),
         ("weight, energy\n1, 1", "has both weight and energy (keep one: each weights the points)"),
-        ("weight\n-1", "line 2: weight '-1' is no number of at least 0"),
+        ("weight\n-1", "line 2: weight '-1' is not a number of at least 0"),
         ("weight\n0", "all weights are zero"),
         ("weight", "has 0 points"),
     ],
@@ -374,7 +374,7 @@ def test_bad_points_are_refused_at_their_line(chilled, tmp_path, rows, message):
             "--maximize, --minimize: shaft_power is given twice as an aim",
         ),
         ({"subject_to": ["shaft_power=9 kW"]}, "--subject-to shaft_power=9 kW: is not FIGURE<VALUE or FIGURE>VALUE"),
-        ({"evaluations": 0}, "--evaluations 0: is no number of evaluations"),
+        ({"evaluations": 0}, "--evaluations 0: is not a number of evaluations"),
         ({"over": "IPVL"}, "--over IPVL: is neither a CSV file nor a seasonal figure (known: IPLV, IPLV-water"),
         ({"over": "SEPR"}, "--over SEPR: needs operation.evaporating_temperature and"),
         ({"vary": ["operation.speed"]}, "--vary operation.speed: has no range (write operation.speed=LOW..HIGH"),
