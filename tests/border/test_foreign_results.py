@@ -104,7 +104,7 @@ def test_values_packed_by_a_program_that_would_be_loaded_are_refused(swept):
 @pytest.mark.parametrize(
     ("name", "kind", "what"),
     [
-        ("performance/message", "S1", "/performance/message is no text"),
+        ("performance/message", "S1", "/performance/message is not text"),
         ("inputs/operation_speed", "f8", r"/inputs/operation_speed states \d+ bytes and has 0"),
         ("cycle/pressure", "f8", "does not match the axes"),
     ],

@@ -281,9 +281,9 @@ def test_what_answers_but_is_no_scheduler_is_given_up():
 @pytest.mark.parametrize(
     ("where", "told"),
     [
-        ("five.json", "five.json: is no scheduler file (give tcp://"),
+        ("five.json", "five.json: is not a scheduler file (give tcp://"),
         ("nowhere.json", "nowhere.json: is neither an address nor a file (give tcp://HOST:PORT, or the file that"),
-        ("empty.json", "empty.json: is no scheduler file (give tcp://"),
+        ("empty.json", "empty.json: is not a scheduler file (give tcp://"),
         ("tcp://127.0.0.1:9", "tcp://127.0.0.1:9: cannot reach a scheduler: "),
         ("127.0.0.1:9", "127.0.0.1:9: cannot reach a scheduler: "),
         ("smoke://signal", "smoke://signal: cannot reach a scheduler: "),

@@ -136,7 +136,7 @@ def test_where_all_fails_the_reason_is_told():
     one = with_values(scene(), {"operation.speed": 2000.0 * RPM})
     found = optimize(one, ["oil_supply.ratio=0.1..10"], ["eta_iso"], simulate=gappy, jobs=1)
     assert found.status == "none" and found.failed == len(found.places)
-    assert found.message.startswith("all 13 evaluations failed, 13 of them so: failed: pressure left the range")
+    assert found.message.startswith("all 13 evaluations failed, 13 of them with: failed: pressure left the range")
 
 
 def test_a_front_of_two_aims_lies_on_the_true_one_and_beats_random_samples():

@@ -517,7 +517,10 @@ def test_gauge_pressures_of_a_condition_are_over_what_the_scene_states():
 
 def test_a_blend_of_which_no_transport_is_known_says_whose_it_has():
     text = new_scene("refrigeration", asked_of("R454B", None, None, None, None, None))
-    assert "# CoolProp has no transport properties of R454B: these, and the gaps' viscosity, are of R134a" in text
+    assert (
+        "# CoolProp has no transport properties of R454B: these values and the viscosity in the gaps are those of R134a"
+        in text
+    )
     scene = screwsim.loads(text)
     viscosities = {scene.effects[name].parameters.gas_viscosity for name in ("tip_leakage", "droplets")}
     assert len(viscosities) == 1 and 1.0e-5 < viscosities.pop() < 1.5e-5  # Pa s of a vapour

@@ -65,7 +65,7 @@ def code(scene: Scene) -> str:
         composition = compose(build_parts(scene))
         if composition.chambers == 1:
             return composition.text
-        between = "\n\n# all chambers together, compiled where they are asked for\n\n"
+        between = "\n\n# all chambers together, compiled only when needed\n\n"
         return composition.text + between + composition.together()
 
 

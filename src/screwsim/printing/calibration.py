@@ -193,7 +193,7 @@ def _points(found: Calibration) -> list[str]:
 def _quality(found: Calibration) -> Iterator[str]:
     if found.chi_squared is None:
         return
-    per = f", {found.chi_squared / found.freedom:.3g} a degree of freedom" if found.freedom > 0 else ""
+    per = f", {found.chi_squared / found.freedom:.3g} per degree of freedom" if found.freedom > 0 else ""
     yield f"chi squared {found.chi_squared:.4g} with {found.freedom} degrees of freedom{per}"
     if found.scale > 1.0:
         chance = by_chance(found.chi_squared, found.freedom)
@@ -203,7 +203,7 @@ def _quality(found: Calibration) -> Iterator[str]:
             f"cases{doubt}; standard errors are multiplied by {found.scale:.3g}"
         )
     ends = f"{len(found.as_good)} of {len(found.starts)} starts"
-    yield f"as good: the {ends} that end within {found.margin:.3g} of the best chi squared (68 % of the joint region)"
+    yield f"as good: {ends}, which end within {found.margin:.3g} of the best chi squared (68 % of the joint region)"
 
 
 def _warnings(found: Calibration) -> Iterator[str]:

@@ -81,4 +81,4 @@ def shortfall(table: Table, remedy: str) -> str:
     """Return why a map is not as accurate as requested; empty if it is."""
     if table.met:
         return ""
-    return f"the error {table.error:.2g} is above the {table.wanted:g} asked for ({remedy})"
+    return f"the error {table.error:.2g} is above the {table.wanted:g} requested ({remedy})"

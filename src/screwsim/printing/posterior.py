@@ -87,7 +87,7 @@ def print_posterior(fit: Calibration, found: Posterior) -> None:
     say("\n".join(plain_table(["posterior", "median", f"{LEVEL:.0%} interval", "of prior"], rows, 1)))
     say()
     rows = [[shown_name(each.name), *_width(found, each.name)] for each in found.discrepancies]
-    say("\n".join(plain_table(["what the model cannot follow", "median", f"up to ({(1 + LEVEL) / 2:.0%})"], rows, 1)))
+    say("\n".join(plain_table(["model discrepancy", "median", f"up to ({(1 + LEVEL) / 2:.0%})"], rows, 1)))
     say()
     rows = [_row(each) for each in found.predicted]
     say("\n".join(plain_table(["point", "figure", "measured", f"predicted, {LEVEL:.0%}", ""], rows, 2)))

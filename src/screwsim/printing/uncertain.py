@@ -92,7 +92,7 @@ def model_lines(model: Mapping[str, Any]) -> list[str]:
     lines[0] += f"; without {', '.join(missing)}, which the source does not state" if missing else ""
     lines[0] += f". {model['citation']}"
     out = model["outside"]
-    inside = "this scene lies within what was validated"
+    inside = "this scene lies within the validated range"
     lines.append(f"warning: outside the validated range, so the error may differ: {'; '.join(out)}" if out else inside)
     return lines
 

@@ -31,7 +31,7 @@ RATIOS = (2.2, 2.6, 3.2, 4.0)  # built-in volume ratios whose angles are listed 
 _SHOWN = {"m^2": (1e6, "mm²"), "m^3": (1e6, "cm³"), "rad": (DEG, "°"), "m": (1e3, "mm"), "1": (1.0, "")}
 _TABLE_NOTE = """\
 # Written by `screwsim rotors`: the machine as tables, in place of its profile. A table of an effect holds one path, so
-# of the contact line that to the chamber z1 pitches behind is here, and the end face is not.
+# the contact line to the chamber z1 pitches behind is included, and the end face is not.
 """
 
 

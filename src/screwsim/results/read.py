@@ -201,7 +201,7 @@ def _own_length(group: Any, coordinate: str | None) -> tuple[int, ...]:
         return ()
     found = stored.shape(stored.member(group, coordinate))
     if len(found) != 1 or not found[0]:
-        raise Odd(f"is not a results file: {group.name}/{coordinate} is no coordinate")
+        raise Odd(f"is not a results file: {group.name}/{coordinate} is not a coordinate")
     return found
 
 
@@ -265,7 +265,7 @@ def _about(data: Any) -> Variable:
 
 def _axis(data: Any) -> Axis:
     if len(stored.shape(data)) != 1 or not stored.is_numbers(data):
-        raise Odd(f"is not a results file: {data.name} is no coordinate")
+        raise Odd(f"is not a results file: {data.name} is not a coordinate")
     values = labels_of(data) if stored.has_attribute(data, "labels") else stored.values(data)
     if not len(values) or (values.dtype.kind == "f" and not np.all(np.abs(values) < _LARGEST)):
         raise Odd(f"is not a results file: {data.name} has values that no coordinate has")

@@ -170,7 +170,7 @@ def text_attribute(item: Any, name: str) -> str:
     """Return an attribute that is a text; raise Odd for any other."""
     value = attribute(item, name)
     if not isinstance(value, str):
-        raise Odd(f"is not a results file: {item.name}@{name} is no text")
+        raise Odd(f"is not a results file: {item.name}@{name} is not text")
     return value
 
 
@@ -235,7 +235,7 @@ def values(data: Any, index: Any = ()) -> np.ndarray:
 def characters(data: Any) -> str:
     """Return the text of a variable of single characters."""
     if is_numbers(data) or len(shape(data)) != 1 or shape(data)[0] > MOST_TEXTS:
-        raise Odd(f"is not a results file: {data.name} is no text")
+        raise Odd(f"is not a results file: {data.name} is not text")
     found = values(data)
     with _told(data):
         return found.tobytes().decode().rstrip("\0")

@@ -130,4 +130,4 @@ def _address(where: str) -> str:
             return found
         raise ValueError
     except (Unreadable, ValueError, RecursionError, KeyError, TypeError):
-        raise UsageError(f"{where}: is no scheduler file ({_REMEDY})") from None
+        raise UsageError(f"{where}: is not a scheduler file ({_REMEDY})") from None

@@ -162,7 +162,7 @@ def _speeds(asked: Asked, rated: float, speed: float) -> dict[str, str]:
         }
     inverter = {"share": f"{100.0 * INVERTER:g}", "loss": f"{INVERTER * rated:.3g} kW", "speed": sizes.rpm(speed)}
     points = ", ".join(f"{share * speed * 30.0 / math.pi:.0f} rpm" for share in SPEEDS)
-    told = "# The points of its data sheet, from all of its speed to a third."
+    told = "# The points of its data sheet, from full speed to a third of it."
     return {
         "driven": texts.filled("variable_speed", {**motor, **inverter}),
         "valve": "",

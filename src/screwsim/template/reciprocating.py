@@ -39,7 +39,7 @@ def reciprocating(asked: Asked) -> str:
 def _wall(fluid: str, T: float) -> str:
     """Return the line on the heat between gas and wall [K]; for a blend, why there is none."""
     if is_mixture(fluid):
-        return f"  # No cylinder_heat: CoolProp has no transport properties of blends, as {fluid} is one.\n"
+        return f"  # No cylinder_heat: CoolProp has no transport properties of blends such as {fluid}.\n"
     told = "between the temperatures of inflow and outflow"
     return f"  cylinder_heat: {{wall_temperature: {T:.0f} K}}    # {told}\n"
 

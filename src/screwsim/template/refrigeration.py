@@ -274,7 +274,8 @@ def _transport(fluid: str, duty: Duty) -> dict[str, str]:
     if found is None:
         return {"transport": f"    reference_pressure: {1e-5 * p:.2g} bar\n    reference_temperature: {T:.0f} K\n"}
     told = (
-        f"    # CoolProp has no transport properties of {fluid}: these, and the gaps' viscosity, are of {STANDS_IN}\n"
+        f"    # CoolProp has no transport properties of {fluid}: these values and the viscosity in the gaps are those "
+        f"of {STANDS_IN}\n"
     )
     conductivity, viscosity, prandtl = found
     lines = (
@@ -341,4 +342,4 @@ def _oil(duty: Duty, oil: str, built_in: float | None, leaky: float) -> tuple[fl
     needed = max(left / WARMED, more / (leaves - duty.T_c - OVER_DEW)) / OILS[oil].heat_capacity_at(leaves)
     ratio = max(1.0, math.ceil(2.0 * needed) / 2.0)
     kept = f"cooler: {{discharge_temperature: {leaves - ZERO_CELSIUS:.0f} degC}}"
-    return ratio, f"separator: {{{kept}}}    # a thermostat keeps the temperature of what leaves"
+    return ratio, f"separator: {{{kept}}}    # # a thermostat holds the discharge temperature"

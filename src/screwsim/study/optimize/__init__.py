@@ -225,7 +225,7 @@ def _why_none(record: Record, solved: np.ndarray, excess: np.ndarray) -> str:
     """Return why no evaluation is feasible."""
     if not solved.any():
         reason, count = record.reasons.most_common(1)[0]
-        return f"all {len(record)} evaluations failed, {count} of them so: {reason}"
+        return f"all {len(record)} evaluations failed, {count} of them with: {reason}"
     least = np.nanmin(excess[solved], axis=0)
     bounds = zip(record.asked.bounds, least, strict=True)
     worst = max(bounds, key=lambda pair: pair[1] / max(abs(pair[0].value), 1e-12))

@@ -195,7 +195,7 @@ class _Chain:
                 raise _Stop("failed", f"{what} (choose kind: cooler, or a larger or faster second stage)") from None
             h_g, h_f = (constants.wet_enthalpy(fluid, p, quality) for quality in (1.0, 0.0))
             if not h_f < h_c < h_g:
-                raise _Stop("failed", f"the condenser's liquid makes no vapour at {p / 1e5:.4g} bar")
+                raise _Stop("failed", f"the liquid from the condenser forms no vapour at {p / 1e5:.4g} bar")
             y = (h_c - h_f) / (h_g - h_c)
             h = (self.gas.enthalpy(p, T_d) + y * self.gas.vapour(p, T_e).h) / (1.0 + y)
             return y, self.gas.temperature(out, h)
@@ -361,7 +361,7 @@ def run_stages(chain: Chain) -> ChainResult:
     bound = max(scene.numerics.accuracy for scene in pair.scenes)
     status, message = "ok", ""
     if found.flow_mismatch > bound:
-        status, message = "not_closed", f"the flows of the two stages differ by {found.flow_mismatch:.2g} of themselves"
+        status, message = "not_closed", f"the flows of the two stages differ by {found.flow_mismatch:.2g} (relative)"
     error, warnings = solving.errors(pair)
     return ChainResult(
         status, message, pair.results, pair.scenes, found, notes, error, warnings or inaccurate(bound, error)
