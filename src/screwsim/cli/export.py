@@ -253,7 +253,7 @@ def loads(
     output: Annotated[Path, option("DIR", "Folder for curves, spectra and surfaces.", "-o", show_default=False)],
     steps: Annotated[int, option("N", "Time steps per revolution on the surfaces.", min=1)] = 48,
     bearings: Annotated[
-        Text, option("A,B", "Distances of the bearings from the rotor ends, suction side first, e.g. '40 mm,60 mm'.")
+        Text, option("A,B", "Distances of the bearings beyond the rotor ends, suction side first, e.g. '40 mm,60 mm'.")
     ] = None,
     shafts: Annotated[
         Text, option("A,B", "Shaft diameters at the end faces, male rotor first, e.g. '60 mm,50 mm'.")

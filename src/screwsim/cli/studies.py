@@ -25,7 +25,7 @@ RPM = math.pi / 30.0
 
 def optimum(
     scene_file: SceneFile,
-    path: Annotated[str, option("PATH", "What is varied.")] = "oil_supply.ratio",
+    path: Annotated[str, option("PATH", "Path to vary.")] = "oil_supply.ratio",
     figure: Annotated[
         Text, option("NAME", "Figure to maximize (default: an efficiency that suits the gas).", "--figure")
     ] = None,
