@@ -158,7 +158,7 @@ def test_studies_take_what_is_at_hand(monkeypatch, tmp_path):
     assert (best.status, best.place) == ("ok", "upper border")
     with pytest.raises(screwsim.UsageError, match="Dataset is not a results file"):
         screwsim.performance_map(type("Dataset", (), {})())
-    with pytest.raises(screwsim.UsageError, match="int is no fit"):
+    with pytest.raises(screwsim.UsageError, match="int is not a fit"):
         screwsim.calibrate(3)
 
 

@@ -89,7 +89,7 @@ def test_a_strange_argument_is_told_in_one_line(name, argument, tmp_path, monkey
         ("datasheet", {"output": "sheet.txt"}, "a data sheet is an HTML page or a PDF"),
         ("plan", {"ranges": {"operation.speed": 3}}, r"ranges\['operation.speed'\]: 3 is not a pair"),
         ("find", {"vary": {"oil_supply.ratio": (3, 1)}}, r"oil_supply.ratio: \(3, 1\) is no range"),
-        ("find", {"goals": {"discharge_temperature": None}}, "goal discharge_temperature: None is no number"),
+        ("find", {"goals": {"discharge_temperature": None}}, "goal discharge_temperature: None is neither a number"),
         ("find", {"goals": {"discharge_temperature": "hot"}}, "goal discharge_temperature"),
         ("optimize", {"vary": {"oil_supply.ratio": 3}}, "oil_supply.ratio: 3 is no range"),
         ("optimize", {"evaluations": 3.5}, "evaluations: 3.5 is no number of evaluations"),

@@ -109,7 +109,7 @@ def test_optimize_without_a_result_within_the_bounds_ends_with_4(sought, command
     found = command("optimize", "oiled.yaml", *SPEED, "--subject-to", "shaft_power<1 kW", "--jobs", "1")
     assert found.code == 4
     told = " ".join(found.out.split())
-    assert "no evaluation is within the bounds: for shaft_power<1 kW the nearest is 3.3333 kW" in told
+    assert "no evaluation is within the bounds: shaft_power<1 kW was required, and the nearest is 3.3333 kW" in told
 
 
 @pytest.mark.parametrize(

@@ -167,7 +167,7 @@ def test_points_at_which_nothing_is_delivered_are_told_and_not_weighed(tmp_path,
 
 
 @pytest.mark.parametrize(
-    ("own", "told"), [("1e300", "tells nothing"), ("1e-300", "smaller than any measurement achieves")]
+    ("own", "told"), [("1e300", "too large to be of use"), ("1e-300", "smaller than any measurement achieves")]
 )
 def test_a_candidate_whose_uncertainty_is_none_is_told(own, told, tmp_path):
     fit = fit_of(tmp_path)

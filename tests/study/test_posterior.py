@@ -258,7 +258,7 @@ def test_points_that_cannot_be_predicted_are_told_where_they_are(tmp_path, monke
         screwsim.posterior(file, predict=new)
     with pytest.raises(UsageError, match=r"nothing\.csv: is not a file"):
         screwsim.posterior(file, predict=tmp_path / "nothing.csv")
-    with pytest.raises(UsageError, match="int is no fit"):
+    with pytest.raises(UsageError, match="int is not a fit"):
         screwsim.posterior(3)
 
 

@@ -194,7 +194,7 @@ def test_points_that_fail_are_told_and_counted(capsys):
     ranges = ["--evaporating", "0 degC..5 degC", "--condensing", "40 degC..45 degC", "--jobs", "1"]
     assert exit_code(["datasheet", str(CONTROL), *ranges, "--set", "effects.motor.rated_power=10 kW"]) == 4
     told = " ".join(capsys.readouterr().out.split())
-    assert "no motor turns beyond" in told and "(alike at" in told and "Part load" not in told
+    assert "no motor turns beyond" in told and "(the same at" in told and "Part load" not in told
 
 
 def test_the_envelope_of_points_is_interpolated_between_them():

@@ -118,7 +118,7 @@ def _fault(error: Exception, arguments: Sequence[str]) -> int:
         return complain(told.getvalue().rstrip(), USAGE)
     if isinstance(error, OSError) and error.errno in FULL:
         where = error.filename or "a file"
-        remedy = "free some space, or write it elsewhere"
+        remedy = "make room, or write it elsewhere"
         return complain(f"{where}: cannot be written: {os.strerror(error.errno)} ({remedy})", USAGE)
     if isinstance(error, OSError) and error.filename and error.errno in NO_PLACE:
         remedy = "name another place, or change its permissions"

@@ -130,7 +130,7 @@ def cannot_write(path: Path, error: OSError) -> str:
     """Return one line on why `path` cannot be written, with the remedy."""
     reason = os.strerror(error.errno) if error.errno else str(error).splitlines()[0]
     return (
-        f"{path}: cannot be written: {reason} (free space or change permissions there, or choose another place with -o)"
+        f"{path}: cannot be written: {reason} (make room or change permissions there, or choose another place with -o)"
     )
 
 
