@@ -100,7 +100,7 @@ def told(found: Optimum, lines: Lines, jobs: int) -> None:
     lines.line()
     usage = resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN)
     seconds = time.monotonic() - lines.began
-    print(f"{len(found.places)} evaluations, {found.reused} of them of an earlier run, {found.failed} failed")
+    print(f"{len(found.places)} evaluations, {found.reused} of them from an earlier run, {found.failed} failed")
     if lines.new:
         each = 1e3 * sum(one.ru_utime + one.ru_stime for one in usage) / lines.new
         print(f"{lines.new / seconds:.2f} a second on {jobs} workers, {each:.0f} ms of processor time each")

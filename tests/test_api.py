@@ -156,9 +156,9 @@ def test_studies_take_what_is_at_hand(monkeypatch, tmp_path):
     monkeypatch.setattr("screwsim.study.optimum.simulator", lambda warm=None: made)
     (best,) = screwsim.optimum(GIVEN, "operation.speed", "shaft_power", low="1000 rpm", high="2000 rpm", jobs=1)
     assert (best.status, best.place) == ("ok", "upper border")
-    with pytest.raises(screwsim.UsageError, match="Dataset is no file of results"):
+    with pytest.raises(screwsim.UsageError, match="Dataset is not a results file"):
         screwsim.performance_map(type("Dataset", (), {})())
-    with pytest.raises(screwsim.UsageError, match="int is no fit"):
+    with pytest.raises(screwsim.UsageError, match="int is not a fit"):
         screwsim.calibrate(3)
 
 
@@ -176,7 +176,11 @@ def test_one_text_is_taken_as_a_list_of_one():
 def test_a_range_that_is_no_pair_is_told():
     fit = POINT.parents[1] / "calibration" / "leakage.fit.yaml"
     for ends in (("1000 rpm",), "1000 rpm"):
-        with pytest.raises(UsageError, match=r"ranges\['operation.speed'\]: .* is no pair \(pass e.g. \('1000 rpm', "):
+        with pytest.raises(
+            UsageError,
+            match=r"ranges\['operation.speed'\]: .* is not a pair \(pass e.g. \('1000 "
+            r"rpm', ",
+        ):
             screwsim.plan(fit, ranges={"operation.speed": ends})
 
 

@@ -185,8 +185,8 @@ def diagnose(
 @takes(
     candidates=FILE,
     ranges=MAPPING,
-    levels=whole(2, "no number of values (pass 2 or more)"),
-    count=whole(1, "no number of points (pass 1 or more)"),
+    levels=whole(2, "too few values (pass 2 or more)"),
+    count=whole(1, "too few points (pass 1 or more)"),
     scene=FILE,
     data=FILE,
 )
@@ -211,7 +211,7 @@ def plan(
     asked = _read(fit, scene, data, fixed=False)
     for path, ends in (ranges or {}).items():
         if isinstance(ends, str | bytes | Mapping) or not isinstance(ends, Collection) or len(ends) != 2:
-            raise UsageError(f"ranges[{path!r}]: {ends!r} is no pair (pass e.g. ('1000 rpm', '4000 rpm'))")
+            raise UsageError(f"ranges[{path!r}]: {ends!r} is not a pair (pass e.g. ('1000 rpm', '4000 rpm'))")
     texts = [f"{path}={low}..{high}" for path, (low, high) in (ranges or {}).items()]
     points = candidates_of(asked, candidates, texts, levels)
     return _plan(asked, points, count=count, jobs=jobs, progress=shown("plan", progress))
@@ -220,11 +220,11 @@ def plan(
 def _read(fit: Any, scene: Any = None, data: Any = None, fixed: bool = True) -> Fit:
     """Return a fit, given or read from a file with other files substituted; raise UsageError with what to pass."""
     if not isinstance(fit, Fit | str | os.PathLike):
-        raise UsageError(f"{type(fit).__name__} is no fit (pass the path of a FIT.yaml)")
+        raise UsageError(f"{type(fit).__name__} is not a fit (pass the path of a FIT.yaml)")
     if not isinstance(fit, Fit):
         return read_fit(fit, scene=scene, data=data, fixed=fixed)
     if scene is not None or data is not None:
-        raise UsageError("scene and data replace files of a fit's file (pass its path, not a Fit)")
+        raise UsageError("scene and data replace entries of a fit file (pass its path, not a Fit)")
     return fit
 
 
@@ -235,7 +235,7 @@ def results_of(given: Any) -> Results:
     if isinstance(given, str | os.PathLike):
         return open_results(os.fspath(given))
     what = "an xarray.Dataset" if type(given).__name__ == "Dataset" else type(given).__name__
-    raise UsageError(f"{what} is no file of results (pass the path of one, written by screwsim.run_sweep)")
+    raise UsageError(f"{what} is not a results file (pass the path of one, written by screwsim.run_sweep)")
 
 
 __all__ = [

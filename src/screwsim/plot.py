@@ -63,7 +63,7 @@ def curves(results: Results | str | os.PathLike[str], figure: str | None = None,
     found = _results(results)
     layout = families.layout_of(found)
     if layout is None:
-        raise UsageError(f"{found.path}: has no axis of numbers to draw over (sweep a path)")
+        raise UsageError(f"{found.path}: has no numeric axis to draw over (sweep a path)")
     name = _figure(found, figure)
     _, constant, chosen = next(families.slices(found, layout))
     drawn = families.family(found, layout, chosen, None, name)
@@ -90,7 +90,7 @@ def contours(results: Results | str | os.PathLike[str], figure: str | None = Non
     found = _results(results)
     layout = families.layout_of(found, by_fluid=False)
     if layout is None or layout.curves is None:
-        raise UsageError(f"{found.path}: has no two axes of numbers (sweep two paths)")
+        raise UsageError(f"{found.path}: has fewer than two numeric axes (sweep two paths)")
     name = _figure(found, figure)
     _, constant, chosen = next(families.slices(found, layout))
     axes = _axes(ax)
@@ -121,13 +121,13 @@ def _trace(result: CycleLike) -> Trace:
     """Return the cycle of a result, or of a file's best case."""
     if isinstance(result, Result):
         if "angle" not in result.cycle:
-            why = f"the case {result.told}" if result.status == "failed" else "simulate(scene, trace=True) keeps it"
+            why = f"the case {result.told}" if result.status == "failed" else "use simulate(scene, trace=True)"
             raise UsageError(f"the result has no cycle to draw ({why})")
         return trace_of(result)
     found = _results(result)
     trace = chosen_trace(found)
     if trace is None:
-        raise UsageError(f"{found.path}: keeps no cycle (screwsim run does; a sweep with output.keep: cycle)")
+        raise UsageError(f"{found.path}: holds no cycle (run stores one; a sweep does with output.keep: cycle)")
     return trace
 
 

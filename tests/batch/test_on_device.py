@@ -84,7 +84,7 @@ def test_what_a_device_lacks_is_told(simulation, monkeypatch):
     program = read("def f(x):\n    return math.tan(x)\n")
     monkeypatch.setattr(simulation, "turns", lambda *_asked: DeviceLibrary(program).entry("f", (FLOAT,), "f"))
     with pytest.raises(
-        UsageError, match=r"do not run on a GPU: f: a GPU has no math\.tan.*; leave it to the processor"
+        UsageError, match=r"cannot be solved on a GPU: f: a GPU has no math\.tan.*; leave it to the processor"
     ):
         simulate_courses([[scene] for scene in _scenes(POINT)], gpu=True)
 
@@ -94,7 +94,7 @@ def test_a_device_without_room_is_told_with_how_many_points_to_ask_for(simulatio
         raise MemoryError
 
     monkeypatch.setattr(simulation, "room", full)
-    with pytest.raises(UsageError, match=r"no room for 3 points at once; ask for fewer \(.* in_flight=1\)"):
+    with pytest.raises(UsageError, match=r"no memory for 3 points at once; use fewer \(.* in_flight=1\)"):
         simulate_courses([[scene] for scene in _scenes(POINT)], gpu=True)
 
 

@@ -97,16 +97,16 @@ def test_values_packed_by_a_program_that_would_be_loaded_are_refused(swept):
         h5py.h5d.create(file["performance"].id, b"status", h5py.h5t.NATIVE_INT8, space, how)
         for key in ("units", "long_name"):
             file["performance/status"].attrs[key] = old[key]
-    with pytest.raises(UsageError, match=r"packs /performance/status in a way that results never are"):
+    with pytest.raises(UsageError, match=r"packs /performance/status in a way that results never use"):
         open_results(swept).status  # noqa: B018
 
 
 @pytest.mark.parametrize(
     ("name", "kind", "what"),
     [
-        ("performance/message", "S1", "/performance/message is no text"),
+        ("performance/message", "S1", "/performance/message is not text"),
         ("inputs/operation_speed", "f8", r"/inputs/operation_speed states \d+ bytes and has 0"),
-        ("cycle/pressure", "f8", "does not go with the axes"),
+        ("cycle/pressure", "f8", "does not match the axes"),
     ],
 )
 @pytest.mark.parametrize("packed", [True, False])

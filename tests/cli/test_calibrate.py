@@ -97,7 +97,7 @@ def test_a_point_without_a_solution_ends_with_4(fitted, command):
     (fitted / "points.csv").write_text(POINTS.replace("third,check,3000", "third,fit,6000"), encoding="utf-8")
     answer = command("calibrate", "small.fit.yaml", "--jobs", "1")
     assert answer.code == 4
-    assert "no solution at third: failed: pressure left the range" in answer.out
+    assert "third has no solution: failed: pressure left the range" in answer.out
 
 
 def test_a_bad_fit_is_one_line_and_3(fitted, command):
@@ -130,7 +130,7 @@ def test_a_scene_that_no_calibration_wrote_is_kept(fitted, command):
     (fitted / "scene.yaml").write_text("base: small.yaml\n")
     answer = command("calibrate", "small.fit.yaml", "-o", ".", "--jobs", "1")
     assert answer.code == 2
-    assert "scene.yaml: is there, and not of the kind that would be written" in answer.err
+    assert "scene.yaml: already exists, and is not a file of this kind" in answer.err
     assert (fitted / "scene.yaml").read_text() == "base: small.yaml\n"
     assert command("calibrate", "small.fit.yaml", "-o", "out", "--jobs", "1").code == 0
     assert command("calibrate", "small.fit.yaml", "-o", "out", "--jobs", "1").code == 0  # over its own

@@ -90,7 +90,7 @@ def test_override_is_checked_like_the_file(folder, command):
         ),
         (
             ("sweep", "small.yaml"),
-            "small.yaml: has no sweep (write a block sweep:, or --set 'sweep.operation.speed=[1000 rpm, 3000 rpm]'; "
+            "small.yaml: has no sweep (add a sweep: block, or --set 'sweep.operation.speed=[1000 rpm, 3000 rpm]'; "
             "one point is simulated by screwsim run)\n",
         ),
         (
@@ -100,7 +100,7 @@ def test_override_is_checked_like_the_file(folder, command):
         ),
         (
             ("sweep", "swept.yaml", "--scheduler", "s.json", "--jobs", "2"),
-            "--jobs belongs to this machine; a --scheduler has workers of its own (remove one of the two)\n",
+            "--jobs counts workers on this machine; a --scheduler has its own (remove one of the two)\n",
         ),
     ],
 )
@@ -149,7 +149,7 @@ def test_debugging_shows_the_traceback(folder, command, monkeypatch):
 
 @pytest.mark.parametrize(
     ("verb", "scene", "hint"),
-    [("sweep", "swept.yaml", "; the sweep resumes when it is started again"), ("explain", "small.yaml", "")],
+    [("sweep", "swept.yaml", "; the same command resumes the sweep"), ("explain", "small.yaml", "")],
 )
 def test_interrupt_has_its_own_code(folder, command, monkeypatch, verb, scene, hint):
     def interrupt(*_: object) -> None:

@@ -120,7 +120,7 @@ def test_parameters_tell_every_key_also_of_effects_left_out(command, folder):
         (
             "oil_supply.ratio",
             "oil_supply (not in this scene)",
-            "ratio d: oil-to-gas mass ratio in the chamber at 360 deg (pump); unit:",
+            "ratio d: oil to gas in the chamber at 360 deg (pump); unit:",
         ),
         (
             "effects.economizer.area",
@@ -160,8 +160,8 @@ def test_a_name_that_is_no_effect_is_told_with_what_is_meant(command, folder):
             "small.yaml",
             "--parameters",
             "ring_leakage",
-        ): "--parameters ring_leakage: is not an effect of a twin_screw (screwsim explain lists those that it can have)",
-        ("small.yaml", "tip_leakage"): "tip_leakage: names an effect, which belongs to --parameters (write screwsim "
+        ): "--parameters ring_leakage: is not an effect of a twin_screw (screwsim explain lists the possible ones)",
+        ("small.yaml", "tip_leakage"): "tip_leakage: is an effect, which only --parameters takes (write screwsim "
         "explain small.yaml --parameters tip_leakage)",
     }
     for arguments, told in asked.items():
@@ -182,7 +182,7 @@ def test_gauge_pressure_displacement_and_tip_speed_are_told_as_stated(folder):
     changes = ["operation.discharge.pressure=11 bar(g)", "operation.speed=null", "operation.tip_speed=25 m/s"]
     changes += ["machine.volume.max=null", "machine.displacement={flow: 600 m^3/h, at: 2950 rpm}"]
     words = " ".join(str(explain(screwsim.load("small.yaml", changes))).split())
-    assert "discharge line 12.0132 bar (11 bar(g) over 1.01325 bar of the surroundings)" in words
+    assert "discharge line 12.0132 bar (11 bar(g) above ambient 1.01325 bar)" in words
     assert "speed 2984.155183 rpm (tips at 25 m/s)" in words
     assert "displacement 600 m³/h at 2950 rpm, from which the chambers' volume follows" in words
     assert "max 847.458 cm³ (follows)" in words

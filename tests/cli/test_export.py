@@ -27,7 +27,7 @@ def test_json_is_one_document_also_from_results(command, folder):
     found = json.loads(answer.out)
     assert answer.code == 0 and found["files"] == ["x.fmu"]
     assert [one["name"] for one in found["inputs"]] == ["speed"] and found["error"] is None
-    assert found["error_is"] == "not known, as no axis has five values"
+    assert found["error_is"] == "unknown, as no axis has five values"
 
 
 def test_an_error_that_is_not_met_is_told_with_exit_code_4(command, folder):
@@ -41,11 +41,14 @@ def test_an_error_that_is_not_met_is_told_with_exit_code_4(command, folder):
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (("fmu", "small.yaml", "-o", "x.zip", "--over", SPEED), "has no ending that tells its format"),
+        (("fmu", "small.yaml", "-o", "x.zip", "--over", SPEED), "needs an ending that states its format"),
         (("fmu", "small.yaml", "-o", "x.fmu"), "there is nothing to map over"),
         (("fmu", "small.yaml", "-o", "x.fmu", "--over", SPEED, "--fmi", "1"), "'1' is not one of '2', '3'"),
         (("fmuu", "small.yaml"), "did you mean 'fmu'?"),
-        (("fmu", "small.yaml", "-o", "small.fmu", "--over", SPEED), "small.fmu: is there, and not of the kind"),
+        (
+            ("fmu", "small.yaml", "-o", "small.fmu", "--over", SPEED),
+            "small.fmu: already exists, and is not a file of this kind",
+        ),
     ],
 )
 def test_what_makes_no_sense_is_one_line_and_exit_code_2(command, folder, arguments, says):
@@ -102,7 +105,7 @@ def test_texts_are_written_from_results(command, both, kind, name):
     again = command("export", kind, "x.h5", "-o", f"new/{name}", "--json")
     assert json.loads(again.out)["files"] == [f"new/{name}"] and Path("new", name).read_text() == text
     other = command("export", kind, "x.h5", "-o", "x.pdf")
-    assert other.code == 2 and "has no ending that tells its format" in other.err
+    assert other.code == 2 and "needs an ending that states its format" in other.err
 
 
 def test_loads_of_a_machine_without_profile_are_its_flows(command, folder):

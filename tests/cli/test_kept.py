@@ -22,7 +22,7 @@ STUDIES = {
     "sensitivity --local": ["sensitivity", POINT, "--local", "oil_supply.ratio", *ROUGH],
     "find": ["find", POINT, *FOUND, "--jobs", "1", *ROUGH],
 }
-OTHERS = "is there, and not of the kind that would be written (choose another -o, or remove it)"
+OTHERS = "already exists, and is not a file of this kind (choose another -o, or remove it)"
 
 
 @pytest.mark.parametrize("study", STUDIES)
@@ -75,7 +75,9 @@ def test_a_plan_does_not_replace_what_was_measured(tmp_path, capsys):
     planned.write_text(f"{head}\n{','.join(filled)}\n", encoding="utf-8")
     capsys.readouterr()
     assert exit_code([*asked, "-o", str(planned)]) == 2
-    assert f"{planned}: has measured figures, which would be lost (choose another -o)" in capsys.readouterr().err
+    assert (
+        f"{planned}: holds measured figures, which would be overwritten (choose another -o)" in capsys.readouterr().err
+    )
     assert "9850" in planned.read_text(encoding="utf-8")
 
 
@@ -129,7 +131,7 @@ def test_an_export_replaces_its_own_file_and_no_other(kind, swept, tmp_path, cap
     assert mine.read_bytes() == before
     for _ in range(2):  # 4: the map of four values an axis does not know its error
         assert exit_code(["export", command, swept, *more, "-o", str(own)]) in (0, 4)
-    assert own.stat().st_size > 0 and "is there, and not" not in capsys.readouterr().err
+    assert own.stat().st_size > 0 and "already exists, and is not" not in capsys.readouterr().err
 
 
 def test_documents_of_one_export_are_not_taken_for_those_of_another(swept, tmp_path, capsys):
@@ -138,7 +140,7 @@ def test_documents_of_one_export_are_not_taken_for_those_of_another(swept, tmp_p
         for command, code in ((first, 0), (second, 2)):
             kind = ["map"] if command == "map" else ["export", command]
             assert exit_code([*kind, swept, "-o", str(file)]) == code
-    assert capsys.readouterr().err.count("is there, and not") == 6
+    assert capsys.readouterr().err.count("already exists, and is not") == 6
 
 
 ROTORS = str(CONFIGS / "rotors" / "a.yaml")

@@ -25,7 +25,7 @@ def test_what_gauge_pressures_were_read_over_is_left_out_with_the_reason(folder,
     document = json.loads(answer.out)
     assert "operation.discharge.pressure" in document["derivatives"]["shaft_power"]
     assert "operation.ambient_pressure" not in document["derivatives"]["shaft_power"]
-    assert document["left_out"]["operation.ambient_pressure"] == "gauge pressures were read over it"
+    assert document["left_out"]["operation.ambient_pressure"] == "gauge pressures were read relative to it"
 
 
 def test_local_sensitivities_are_shown_in_percent_and_in_words(folder, command):
@@ -67,9 +67,9 @@ def test_local_sensitivities_are_stored_with_the_results_of_the_point(folder, co
     [
         (("--local", "operation.spede"), "did you mean 'operation.speed'?"),
         (("--local", "machine.male_lobes"), "is a whole number, not a continuous quantity"),
-        (("--local", "--path", "oil_supply.ratio=1..2"), "--local has no ranges"),
-        (("oil_supply.ratio",), "a path without a range"),
-        (("--local", "--figure", "cop"), "is not called for in this scene"),
+        (("--local", "--path", "oil_supply.ratio=1..2"), "--local takes no ranges"),
+        (("oil_supply.ratio",), "has no range"),
+        (("--local", "--figure", "cop"), "is not a figure of this scene"),
     ],
 )
 def test_local_sensitivities_of_what_there_is_not_are_refused_in_one_line(folder, command, rest, told):

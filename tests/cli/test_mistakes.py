@@ -26,8 +26,8 @@ def files(folder):
     return folder
 
 
-RESULTS = "results are written as HDF5, which ends in .h5, .hdf5, .hdf, .nc, .nc4"
-FILES = "several files are written, into a folder"
+RESULTS = "results are HDF5, so the name must end in .h5, .hdf5, .hdf, .nc, .nc4"
+FILES = "several files are written, so name a folder"
 
 
 @pytest.mark.parametrize(
@@ -43,16 +43,16 @@ FILES = "several files are written, into a folder"
         (("sweep", "swept.yaml", "-o", "."), "-o .: is a folder (name a file in it, e.g. -o out.h5)"),
         (
             ("report", "out.h5", "-o", "page.pdf"),
-            "-o page.pdf: a page is written, which ends in .html or .htm (write -o page.html)",
+            "-o page.pdf: a page is written, so the name must end in .html or .htm (write -o page.html)",
         ),
-        (("plot", "out.h5", "-o", "a.png"), f"-o a.png: {FILES} (write e.g. -o a)"),
-        (("plot", "out.h5", "-o", "out.h5"), f"-o out.h5: {FILES} (write e.g. -o out)"),
-        (("rotors", "small.yaml", "-o", "a.html"), f"-o a.html: {FILES} (write e.g. -o a)"),
-        (("accuracy", "small.yaml", "-o", "a.csv"), f"-o a.csv: {FILES} (write e.g. -o a)"),
-        (("calibrate", "x.fit.yaml", "-o", "a.yaml"), f"-o a.yaml: {FILES} (write e.g. -o a)"),
-        (("tolerance", "small.yaml", "-o", "a.png"), f"-o a.png: {FILES} (write e.g. -o a)"),
-        (("startup", "small.yaml", "-o", "a.csv"), f"-o a.csv: {FILES} (write e.g. -o a)"),
-        (("validate", "-o", "a.json"), f"-o a.json: {FILES} (write e.g. -o a)"),
+        (("plot", "out.h5", "-o", "a.png"), f"-o a.png: {FILES} (e.g. -o a)"),
+        (("plot", "out.h5", "-o", "out.h5"), f"-o out.h5: {FILES} (e.g. -o out)"),
+        (("rotors", "small.yaml", "-o", "a.html"), f"-o a.html: {FILES} (e.g. -o a)"),
+        (("accuracy", "small.yaml", "-o", "a.csv"), f"-o a.csv: {FILES} (e.g. -o a)"),
+        (("calibrate", "x.fit.yaml", "-o", "a.yaml"), f"-o a.yaml: {FILES} (e.g. -o a)"),
+        (("tolerance", "small.yaml", "-o", "a.png"), f"-o a.png: {FILES} (e.g. -o a)"),
+        (("startup", "small.yaml", "-o", "a.csv"), f"-o a.csv: {FILES} (e.g. -o a)"),
+        (("validate", "-o", "a.json"), f"-o a.json: {FILES} (e.g. -o a)"),
     ],
 )
 def test_a_name_of_another_kind_of_file_is_refused(files, command, arguments, told):
@@ -99,7 +99,7 @@ def test_a_source_is_no_file(files, command):
     answer = command("validate", "x.fit.yaml", "--folder", "validation")
     assert answer.code == 2
     assert answer.err == (
-        "x.fit.yaml: is a file, and sources are named without one (screwsim run x.fit.yaml simulates a scene, "
+        "x.fit.yaml: is a file, but a source is named, not a file (screwsim run x.fit.yaml simulates a scene, "
         "screwsim calibrate x.fit.yaml fits one; known: small)\n"
     )
 
@@ -108,8 +108,8 @@ def test_a_sweep_that_is_not_run_is_said_in_one_line(folder, command):
     answer = command("run", "swept.yaml", "--json")
     assert answer.code == 0
     assert answer.err == (
-        "swept.yaml: its sweep of 2 cases is left aside, and the point without it is taken "
-        "(screwsim sweep swept.yaml simulates the sweep)\n"
+        "swept.yaml: its sweep of 2 cases is ignored, and the scene's own point is used (screwsim sweep swept.yaml "
+        "simulates the sweep)\n"
     )
     assert command("run", "small.yaml", "--json").err == ""
 
@@ -119,17 +119,17 @@ def test_a_sweep_that_is_not_run_is_said_in_one_line(folder, command):
     [
         (
             ("run", "small.yaml", "--set", "operation.suction.temperature=-10", "C"),
-            "Error: Got unexpected extra argument(s) (C): a value with blanks needs quotes "
+            "Error: Got unexpected extra argument(s) (C): a value with spaces needs quotes "
             "(write --set 'operation.suction.temperature=-10 C')",
         ),
         (
             ("run", "--set", "operation.speed=1000", "rpm", "small.yaml"),
-            "Error: Got unexpected extra argument(s) (small.yaml): a value with blanks needs quotes "
+            "Error: Got unexpected extra argument(s) (small.yaml): a value with spaces needs quotes "
             "(write --set 'operation.speed=1000 rpm')",
         ),
         (
             ("optimum", "oiled.yaml", "--from=-10", "degC"),
-            "Error: Got unexpected extra argument(s) (degC): a value with blanks needs quotes "
+            "Error: Got unexpected extra argument(s) (degC): a value with spaces needs quotes "
             "(write --from '-10 degC')",
         ),
         (
@@ -144,12 +144,12 @@ def test_a_sweep_that_is_not_run_is_said_in_one_line(folder, command):
         (("swep", "small.yaml"), "Error: No such command 'swep': did you mean 'sweep'?"),
         (
             ("small.yaml",),
-            "Error: No such command 'small.yaml': the command comes first (write screwsim run small.yaml)",
+            "Error: No such command 'small.yaml': the command must come first (write screwsim run small.yaml)",
         ),
-        (("out.h5",), "Error: No such command 'out.h5': the command comes first (write screwsim report out.h5)"),
+        (("out.h5",), "Error: No such command 'out.h5': the command must come first (write screwsim report out.h5)"),
         (
             ("export", "out.h5"),
-            "Error: No such command 'out.h5': the command comes first (write screwsim export fmu out.h5)",
+            "Error: No such command 'out.h5': the command must come first (write screwsim export fmu out.h5)",
         ),
     ],
 )
@@ -212,7 +212,7 @@ def test_a_figure_that_the_scene_cannot_have_is_told_before_anything_is_solved(f
     answer = command("optimum", "oiled.yaml", "--figure", "COP")
     assert answer.code == 2
     assert answer.err.startswith(
-        "--figure COP: is not called for in this scene: it needs operation.condensing_temperature and machine.mode: "
+        "--figure COP: is not a figure of this scene: it needs operation.condensing_temperature and machine.mode: "
         "compressor or operation.gas_cooler (use one of isothermal_efficiency, "
     )
 

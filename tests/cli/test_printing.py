@@ -108,7 +108,7 @@ def test_figures_of_two_stages_stand_beside_their_errors(capsys):
 
 def test_a_machine_through_which_more_flows_back_says_so_in_its_first_line(capsys):
     lines = printed(Result("ok", performance=Figures(FEW, volumetric_efficiency=-0.0321)), capsys)
-    assert lines[1] == "status: ok; the volumetric efficiency is -0.0321: more flows back than is"
+    assert lines[1] == "status: ok; the volumetric efficiency is -0.0321: more gas flows back than is"
     assert "more flows back" not in "\n".join(printed(Result("ok", performance=Figures(FEW)), capsys))
 
 

@@ -51,13 +51,13 @@ def lines(shown: str) -> list[str]:
 def test_ctrl_c_ends_with_130_and_the_next_run_resumes(folder):
     code, shown = in_terminal(*COMMAND, "--jobs", "2", interrupt_after=3)
     assert code == 130
-    assert "interrupted; the sweep resumes when it is started again" in lines(shown)
+    assert "interrupted; the same command resumes the sweep" in lines(shown)
     assert "Traceback" not in shown
     assert not Path("grid.h5").exists()
     code, shown = in_terminal(*COMMAND, "--jobs", "2")
     assert code == 0
     [told] = [line for line in lines(shown) if "of an earlier run" in line]
-    reused = re.search(r"400 cases: 400 ok \((\d+) of an earlier run\)", told)
+    reused = re.search(r"400 cases: 400 ok \((\d+) from an earlier run\)", told)
     assert reused is not None
     assert 3 * 16 <= int(reused[1]) < 400
 

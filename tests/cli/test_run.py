@@ -151,7 +151,7 @@ def test_sweep_over_condensing_temperature_has_its_axis_and_resumes(folder, comm
     assert list(results.axes["operation.condensing_temperature"]) == [303.15, 318.15]
     cop, p_d = results.performance["cop"], results.performance["discharge_pressure"]
     assert cop[0] > cop[1] > 1.0 and p_d[0] < p_d[1]
-    assert "(2 of an earlier run)" in command("sweep", "rated.yaml", *changes).out
+    assert "(2 from an earlier run)" in command("sweep", "rated.yaml", *changes).out
     other = command("sweep", "rated.yaml", *changes, "--set", "operation.subcooling=5 K")
     assert other.code == 2  # another scene's file
 
@@ -169,7 +169,7 @@ def test_sweep_lists_what_failed_and_ends_with_4(folder, command):
     assert "below the suction pressure" in failure["message"]
     text = command("sweep", "small.yaml", "--set", grid, "-o", "grid.h5")
     assert text.code == 4
-    assert "2 cases: 1 ok, 1 failed (2 of an earlier run)" in text.out
+    assert "2 cases: 1 ok, 1 failed (2 from an earlier run)" in text.out
 
 
 def test_schema_is_one_document(command):
@@ -180,7 +180,7 @@ def test_schema_is_one_document(command):
 
 def test_a_run_replaces_no_file_but_a_run_s(folder, command):
     scene = (folder / "small.yaml").read_text()
-    told = "is there, and not of the kind that would be written (choose another -o, or remove it)"
+    told = "already exists, and is not a file of this kind (choose another -o, or remove it)"
     assert command("run", "small.yaml", "-o", "small.yaml") == (2, "", f"small.yaml: {told}\n")
     assert (folder / "small.yaml").read_text() == scene
     assert command("run", "small.yaml", "-o", "one.h5").code == 0
@@ -229,7 +229,7 @@ def test_short_of_what_fails_says_why_and_fits_the_screen(folder, command):
     answer = command("run", "oiled.yaml", "--short", "--set", "operation.speed=20 rpm")
     lines = answer.out.splitlines()
     assert len(lines) <= 24 and max(map(len, lines)) <= 80
-    assert lines[0].startswith("small: no machine runs so, volumetric efficiency -")
+    assert lines[0].startswith("small: physically impossible: volumetric efficiency -")
     assert lines[1] == "with operation.speed=20 rpm"
     assert any(line.startswith("warning: ") for line in lines)
 
@@ -269,9 +269,9 @@ def test_groups_follow_what_effects_say_that_they_are():
 @pytest.mark.parametrize(
     ("group", "words"),
     [
-        ("leak", "leak is no group and no effect of this scene (did you mean 'leaks'?)"),
-        ("tip_leakage,blow_hole", "blow_hole is no group and no effect of this scene"),
-        ("walls", "the scene simulates nothing that belongs to walls"),
+        ("leak", "leak is neither a group nor an effect of this scene (did you mean 'leaks'?)"),
+        ("tip_leakage,blow_hole", "blow_hole is neither a group nor an effect of this scene"),
+        ("walls", "the scene simulates no effect of group walls"),
         (",", "names nothing (write e.g. --together leaks)"),
     ],
 )

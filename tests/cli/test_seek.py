@@ -76,12 +76,12 @@ def test_find_gives_a_sweep_a_row_a_point(sought, command):
     assert "6: 8 of 8 solutions: failed: pressure left the range" in " ".join(found.out.split())
     assert len((sought / "rows.csv").read_text().splitlines()) == 4
     refused = command(*arguments, "-o", "found.yaml")
-    assert refused.code == 2 and "the sweep gives several answers" in refused.err
+    assert refused.code == 2 and "the sweep gives one answer per row" in refused.err
 
 
 def test_find_does_not_replace_a_scene_of_ones_own(sought, command):
     found = command("find", "oiled.yaml", *SPEED, "--for", "gas_mass_flow=1 kg/s", "-o", "oiled.yaml")
-    assert found.code == 2 and "is there, and not of the kind that would be written" in found.err
+    assert found.code == 2 and "already exists, and is not a file of this kind" in found.err
 
 
 def test_optimize_says_the_best_and_writes_it(sought, command):
@@ -98,7 +98,7 @@ def test_optimize_says_the_best_and_writes_it(sought, command):
 def test_optimize_prints_a_front_and_one_document(sought, command):
     arguments = ("optimize", "oiled.yaml", *SPEED, *RATIO, "--maximize", "eta_iso", "--maximize", "gas_mass_flow")
     found = command(*arguments, "--evaluations", "120", "--jobs", "1")
-    assert found.code == 0 and "evaluations that no other betters in all aims" in found.out
+    assert found.code == 0 and "evaluations that no other beats in all aims" in found.out
     document = json.loads(command(*arguments, "--evaluations", "120", "--jobs", "1", "--json").out)
     first = document["front"][0]["aims"]
     assert f"{100.0 * first['isothermal_efficiency']:.5g} %" in found.out
@@ -109,7 +109,7 @@ def test_optimize_without_a_result_within_the_bounds_ends_with_4(sought, command
     found = command("optimize", "oiled.yaml", *SPEED, "--subject-to", "shaft_power<1 kW", "--jobs", "1")
     assert found.code == 4
     told = " ".join(found.out.split())
-    assert "no evaluation is within the bounds: for shaft_power<1 kW the nearest is 3.3333 kW" in told
+    assert "no evaluation is within the bounds: shaft_power<1 kW was required, and the nearest is 3.3333 kW" in told
 
 
 @pytest.mark.parametrize(
@@ -119,10 +119,10 @@ def test_optimize_without_a_result_within_the_bounds_ends_with_4(sought, command
         (("--print-points",), "--print-points: needs --over NAME, e.g. --over SEPR"),
         (
             ("--maximize", "eta_iso", "--maximize", "gas_mass_flow", "--best", "b.yaml"),
-            "--best b.yaml: of several aims",
+            "--best b.yaml: several aims",
         ),
-        (("--best", "b.h5"), "--best b.h5: a scene is written, which ends in .yaml (write --best b.yaml)"),
-        (("-o", "out.csv"), "-o out.csv: results are written as HDF5"),
+        (("--best", "b.h5"), "--best b.h5: a scene file must end in .yaml (write --best b.yaml)"),
+        (("-o", "out.csv"), "-o out.csv: results are HDF5"),
     ],
 )
 def test_optimize_refuses_what_makes_no_sense(sought, command, arguments, message):

@@ -108,7 +108,7 @@ def test_the_optimum_is_told_and_written(studied, command):
 @pytest.mark.parametrize(("name", "rest"), [("optimum", ("--jobs", "1")), ("sensitivity", COMMANDS["sensitivity"][2:])])
 def test_the_efficiency_of_a_real_gas_is_the_isentropic_one_and_stderr_says_so(name, rest, studied, command):
     real = command(name, "oiled.yaml", *rest, "--set", "gas={model: real, isentropic_exponent: null}")
-    assert real.err.startswith(f"{name}: isentropic_efficiency is taken: a real gas may have no isothermal one")
+    assert real.err.startswith(f"{name}: isentropic_efficiency is used, because a real gas may have no isothermal one")
     assert len(real.err.splitlines()) == 1
     assert command(name, "oiled.yaml", *rest).err == ""
     asked = ("--set", "gas={model: real, isentropic_exponent: null}", "--figure", "shaft_power")
@@ -148,7 +148,7 @@ def test_a_trial_that_fails_is_told_and_an_answer_that_is_missing_ends_with_its_
 def test_a_border_is_said_with_its_remedy(studied, command):
     answer = command(*COMMANDS["optimum"], "--from", "2", "--to", "5")
     assert answer.code == 0
-    assert "2000 rpm: at the lower border of the range, a better one may lie beyond: widen" in answer.out
+    assert "2000 rpm: at the lower border of the range; a better value may lie beyond, so widen" in answer.out
 
 
 def test_maps_are_written_as_csv_and_json(studied, command):
@@ -175,7 +175,7 @@ def test_indices_are_written(studied, command):
     ("arguments", "message"),
     [
         (("optimum", "small.yaml"), "oil_supply.ratio: the section oil_supply is not in this scene (write it first)"),
-        (("optimum", "oiled.yaml", "-o", "out.txt"), "-o out.txt: has no ending that tells its format"),
+        (("optimum", "oiled.yaml", "-o", "out.txt"), "-o out.txt: needs an ending that states its format"),
         (("map", "both.h5"), "both.h5: has no axis operation.evaporating_temperature and operation.condensing"),
         (("map", "nowhere.h5"), "nowhere.h5: there is no such file"),
         (("sensitivity", "oiled.yaml"), "nothing varies (write one or more --path PATH=LOW..HIGH)"),

@@ -185,7 +185,7 @@ def test_cases_are_pinned_compared_and_shown_again(seen):
     seen.page.click("#pin")
     rows = seen.page.locator("#pins tbody tr")
     assert [rows.nth(i).locator("td").nth(1).inner_text() for i in range(2)] == [
-        "as the scene says",
+        "as in the scene",
         "speed 2000 rpm",
     ]
     seen.page.select_option("#compared", "1")

@@ -108,7 +108,7 @@ def test_a_port_that_is_taken_is_a_wrong_use(capsys):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         assert exit_code(["explore", PAPER, "--no-browser", "--port", str(port)]) == 2
-    assert f"--port {port}: cannot be listened on" in capsys.readouterr().err
+    assert f"--port {port}: cannot listen there" in capsys.readouterr().err
 
 
 def test_an_address_that_is_none_of_this_machine_is_a_wrong_use(capsys):

@@ -147,5 +147,5 @@ def test_a_shaft_as_thick_as_the_root_is_told():
     one = compressed(laid_of("b"))
     with pytest.raises(UsageError, match=r"--shafts: 100 mm is not less than 96 mm, the male rotor's diameter"):
         loads_of(one, SPANS, (0.1, 0.05))
-    with pytest.raises(UsageError, match=r"--shafts -1 mm,2 mm: a diameter is not negative"):
+    with pytest.raises(UsageError, match=r"--shafts -1 mm,2 mm: a diameter cannot be negative"):
         spans_of("-1 mm,2 mm", "--shafts")

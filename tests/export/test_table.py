@@ -74,7 +74,9 @@ def test_points_that_do_not_close_among_nodes_that_do_are_told():
 
     table = made(0.5, simulate=holed)
     assert table.not_ok == made(0.5).not_ok  # those of the corner: the hole lies between the nodes
-    told = re.search(r"\(at (\d+) more no cycle closed, though it did at all nodes around\)", table.error_in_words)
+    told = re.search(
+        r"\(at (\d+) more no cycle closed, although it did at all surrounding nodes\)", table.error_in_words
+    )
     assert told is not None
     assert int(told[1]) + table.checked <= 32
     assert "no cycle closed" not in made(0.5).error_in_words
@@ -85,14 +87,14 @@ def test_variables_of_a_map_have_names_of_their_own(tmp_path):
     with pytest.raises(UsageError, match=r"figure discharge_pressure is the name of an input.*\(name other figures"):
         tabulate(POINT, inputs, read_outputs(POINT, ["discharge_pressure"]), 0.01, jobs=1, simulate=curve)
     twice = [*inputs, replace(inputs[0], path="operation.other")]
-    with pytest.raises(UsageError, match=r"are both called discharge_pressure outside \(vary one of them\)"):
+    with pytest.raises(UsageError, match=r"would both be called discharge_pressure in the export \(vary one of them\)"):
         tabulate(POINT, twice, read_outputs(POINT), 0.01, jobs=1, simulate=curve)
 
 
 def test_a_sweep_of_one_value_is_no_map(tmp_path):
     scene = POINT.with_({"sweep.operation.speed": ["2000 rpm"]})
     run_sweep(scene, tmp_path / "x.h5", jobs=1, simulate=curve)
-    with pytest.raises(UsageError, match=r"varies nothing: each axis has one value \(export a sweep over more\)"):
+    with pytest.raises(UsageError, match=r"varies nothing, as each axis has one value \(export a sweep over more\)"):
         table_of(open_results(tmp_path / "x.h5"))
 
 
@@ -102,7 +104,7 @@ def test_what_is_not_met_within_the_cases_is_said():
 
 
 def test_nothing_closed_is_no_map():
-    with pytest.raises(UsageError, match=r"no map: of 25 points 0 closed \(always\)"):
+    with pytest.raises(UsageError, match=r"no map: none of 25 points closed \(always\)"):
         made(1e-3, simulate=lambda scene: Result("failed", "always"))
 
 
@@ -124,7 +126,7 @@ def test_a_file_of_a_sweep_is_a_map(tmp_path):
     table = table_of(open_results(tmp_path / "x.h5"))
     at = [[230.0, 5e5], [314.159, 10e5]]
     found, inside = table(at)
-    assert inside.all() and table.wanted is None and "left out in turn" in table.how
+    assert inside.all() and table.wanted is None and "is left out" in table.how
     for row, (n, p) in zip(found, at, strict=True):
         assert row[0] == pytest.approx(n / 300.0 * (1.0 - 0.1 * p / 1e6), rel=1e-6)
     assert 0.0 < table.error < 0.05
@@ -149,7 +151,7 @@ def test_ranges_that_make_no_sense_are_refused(over, says):
 def test_a_map_cannot_be_better_than_its_cycles(tmp_path):
     path = tmp_path / "x.yaml"
     path.write_text(scene_text(POINT))
-    with pytest.raises(UsageError, match="a map cannot be better"):
+    with pytest.raises(UsageError, match="a map cannot be more accurate"):
         map_of(str(path), [SPEED], wanted=1e-5)
 
 

@@ -98,7 +98,7 @@ def test_a_map_has_the_superheat_that_its_own_axis_gives_it(found):
     within = replace(swept, maps=found.maps, within=frozenset({SUPERHEAT}))
     with pytest.raises(UsageError, match=r"operation\.superheat varies together with a temperature.*own\)"):
         energyplus.energyplus_objects(within, "screw")
-    with pytest.raises(UsageError, match=r"is of wet gas.*\(export en12900\)"):
+    with pytest.raises(UsageError, match=r"is for wet gas.*\(use export en12900\)"):
         energyplus.energyplus_objects(replace(found, conditions={QUALITY: 0.95}), "screw")
 
 
@@ -161,7 +161,7 @@ def test_heating_has_coefficients_beside_those_of_the_standard(swept_map):
 def test_modelica_has_the_nodes_and_the_polynomials(swept_map):
     table = table_of(swept_map)
     text = modelica.package(table, "Screw")
-    assert "error not known, as no axis has five values" in text and "nan" not in text
+    assert "error unknown, as no axis has five values" in text and "nan" not in text
     assert text.count("(") == text.count(")") and text.count("[") == text.count("]")
     opened = re.findall(r"^ *(?:package|model|function) (\w+)", text, re.M)
     assert sorted(opened) == sorted(re.findall(r"^ *end (\w+);", text, re.M))
@@ -199,7 +199,7 @@ def test_a_table_has_a_row_a_node(swept_map):
     text = csv_table(table_of(swept_map))
     rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
     assert len(rows) == 16 and {row["closed"] for row in rows} == {"1"}
-    assert text.startswith("# R134a, compressor map; SI units; error between the nodes not known, as no axis has five")
+    assert text.startswith("# R134a, compressor map; SI units; error between the nodes unknown, as no axis has five")
     power = swept_map.performance["shaft_power"]
     assert [float(row["shaft_power [W]"]) for row in rows] == pytest.approx(power.ravel().tolist())
 
@@ -226,7 +226,7 @@ def test_polynomials_of_fluids_side_by_side_are_refused_in_a_line(swept_blend, t
     scene = swept_blend.scene_yaml
     fluids = {"sweep.gas.fluid": ["R454B", "R134a"]}
     run_sweep(loads(scene, "blend.yaml").with_(fluids), tmp_path / "fluids.h5", jobs=1)
-    with pytest.raises(UsageError, match=r"fluids.h5: has an axis of words \(export a sweep of one of them\)"):
+    with pytest.raises(UsageError, match=r"fluids.h5: has a non-numeric axis \(export a sweep of one of its values\)"):
         polynomials(open_results(tmp_path / "fluids.h5"), ("shaft_power",))
 
 

@@ -69,7 +69,7 @@ def test_explain_tells_of_them():
     text = str(explain(make(wall())))
     assert "heat between gas and wall" in " ".join(text.split())
     assert "wall temperature, found with the cycle" in " ".join(text.split())
-    assert "2 numbers of effects besides the discharge line" in " ".join(text.split())
+    assert "2 values of effects, besides the discharge line" in " ".join(text.split())
 
 
 def test_without_them_the_text_knows_none():

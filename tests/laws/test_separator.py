@@ -365,7 +365,7 @@ def test_the_volume_of_the_oil_is_shown_in_litres_a_minute():
 
 @pytest.mark.parametrize(
     ("case", "words"),
-    [("duty", "is found with the cycle (M284)"), ("outlet", "is that of the cooler's outlet (M283)"), (None, "")],
+    [("duty", "found with the cycle (M284)"), ("outlet", "that of the cooler's outlet (M283)"), (None, "")],
 )
 def test_explain_says_where_the_temperature_of_the_oil_comes_from(case, words):
     text = " ".join(str(explain(make(CARRIED if case is None else COOLED[case]))).split())

@@ -199,7 +199,7 @@ def test_entropy_of_all_is_the_integral_of_that_of_each():
 
 def test_explain_names_state_times_and_equations():
     text = " ".join(str(explain(make(SOLUBLE_RATE))).replace("\u00a0", " ").split())
-    assert "w_gas gas dissolved in the oil, per oil" in text
+    assert "w_gas dissolved gas per mass of oil" in text
     assert "state w_gas, plenum oil_gas" in text
     assert "M230, M231, M232, M233" in text
     assert "flash_time 5 ms, absorption_time 50 ms" in text

@@ -179,7 +179,7 @@ def test_the_flow_follows_the_volume_that_is_closed_in():
 
 def test_explain_tells_what_the_slide_closes_in():
     text = explain(load(ROTORS / "b.yaml", [slide(0.5), "effects.slide_valve={}"]))
-    assert "closes in 63.9 % of the volume" in " ".join(str(text).split())
+    assert "traps 63.9 % of the volume" in " ".join(str(text).split())
 
 
 @each_row(

@@ -262,10 +262,10 @@ def test_an_expander_has_its_ledger(window, pages):
     with Seen(window, pages["expander"][1]) as seen:
         assert seen.complaints == []
         rows = seen.page.locator("#ledger tbody tr").all_inner_texts()
-        assert rows[0].split("\t")[:3] == ["all, given by the gas", "3.141", "100.00"]
+        assert rows[0].split("\t")[:3] == ["total given by the gas", "3.141", "100.00"]
         assert rows[1].split("\t")[:3] == ["power at the shaft", "2.2", "70.04"]
         words = seen.page.evaluate("document.getElementById('waterfall').data[0].y")
-        assert (words[0], words[-1]) == ("exergy that the gas gives", "power at the shaft")
+        assert (words[0], words[-1]) == ("exergy given by the gas", "power at the shaft")
 
 
 def test_a_case_that_warns_says_of_what(window, pages):

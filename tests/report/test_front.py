@@ -91,7 +91,7 @@ def test_the_page_of_several_aims_shows_a_front_in_order(files):
     numbers = [int(line[-1]) for line in found.rows]
     aim = results.optimum["aim_gas_mass_flow"][numbers]
     assert len(numbers) == 12 and np.all(results.optimum["front"][numbers] == 1) and np.all(np.diff(aim) >= 0.0)
-    assert f"12 of the {int(results.optimum['front'].sum())} evaluations that no other betters in all aims" in words
+    assert f"12 of the {int(results.optimum['front'].sum())} evaluations that no other beats in all aims" in words
 
 
 def test_no_evaluation_within_the_bounds_is_told(tmp_path):

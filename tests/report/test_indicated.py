@@ -38,8 +38,8 @@ def test_pressures_are_read_in_the_unit_of_their_column_with_the_mark_of_excel(t
         ("angle_deg,p\n1,2\n", r"needs the columns angle_deg and one pressure \(found: angle_deg, p; write"),
         ("angle_deg,pressure_bar,pressure_Pa\n1,2,3\n", "needs the columns angle_deg and one pressure"),
         ("angle_deg,pressure_bar\n", "has no points"),
-        ("angle_deg,pressure_bar\n1,x\n", "line 2: 1, x are no angle and pressure"),
-        ("angle_deg,pressure_bar\n1,-0.1\n", "line 2: -0.1 bar is no absolute pressure"),
+        ("angle_deg,pressure_bar\n1,x\n", "line 2: 1, x are not an angle and a pressure"),
+        ("angle_deg,pressure_bar\n1,-0.1\n", "line 2: -0.1 bar is not an absolute pressure"),
         ("angle_deg,pressure_bar\nnan,1\n", "line 2"),
         ("angle_deg,pressure_bar\n1,5,2\n", "write decimal points, not decimal commas"),
     ],
@@ -52,7 +52,7 @@ def test_what_cannot_be_read_is_told_in_one_line(tmp_path, text, what):
 def test_what_is_said_is_the_difference_at_the_points():
     points = Indicated(np.array([100.0, 300.0]), np.array([2.0e5, 3.7e5]))  # the cycle has 2 and 4 bar there
     assert told(points, TRACE) == (
-        "computed less measured at 2 points: mean +0.15 bar, root mean square 0.212 bar, largest +0.3 bar at 300 deg"
+        "computed minus measured at 2 points: mean +0.15 bar, root mean square 0.212 bar, largest +0.3 bar at 300 deg"
     )
 
 

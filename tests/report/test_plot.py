@@ -95,7 +95,7 @@ def test_settings_of_the_caller_stay(closed, axes):
     ("draw", "given", "says"),
     [
         (plot.pv, 3, "int cannot be drawn (pass a Result"),
-        (plot.pv, Result("ok"), "the result has no cycle to draw (simulate(scene, trace=True) keeps it)"),
+        (plot.pv, Result("ok"), "the result has no cycle to draw (use simulate(scene, trace=True))"),
         (plot.pv, Result("failed", "gone"), "the result has no cycle to draw (the case failed: gone)"),
     ],
 )

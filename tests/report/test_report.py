@@ -336,7 +336,7 @@ def test_many_curves_get_lighter_and_lighter():
 
 def test_the_ledger_of_an_expander_leads_from_the_gas_to_the_shaft():
     bars = ledger.steps(expanding_ledger())
-    assert (bars[0].words, bars[-1].words) == ("exergy that the gas gives", "power at the shaft")
+    assert (bars[0].words, bars[-1].words) == ("exergy given by the gas", "power at the shaft")
     assert all(bar.total for bar in (bars[0], bars[-1])) and bars[0].power > 0.0 < bars[-1].power
     assert bars[0].power - sum(bar.power for bar in bars[1:-1]) == pytest.approx(
         bars[-1].power, abs=3.2
@@ -425,7 +425,7 @@ def note_of(figure) -> str:
 @pytest.mark.parametrize(("entry", "told"), [(-500.0, True), (500.0, False)])
 def test_a_bar_that_gives_back_is_explained_by_its_colour(entry, told):
     found = {**LEDGER, "exergy_destroyed_oil_supply": entry}
-    assert ("green: gives back what others count as lost" in note_of(ledger._draw(found, "x"))) == told
+    assert ("green: recovers what other entries count as lost" in note_of(ledger._draw(found, "x"))) == told
 
 
 def test_cases_left_out_are_counted(of_kind):

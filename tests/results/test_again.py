@@ -22,5 +22,5 @@ def test_the_scene_of_a_file_is_simulated_again_to_the_same_digits(tmp_path):
 def test_tables_that_a_scene_needs_are_named_with_their_hashes(tmp_path):
     attributes = {"scene_sha256": "0" * 64, "screwsim_identity": '{"file V.csv": "24be", "CoolProp": "8"}'}
     told = scene_text(SimpleNamespace(path=tmp_path / "a.h5", attributes=attributes, scene_yaml="title: x\n"))
-    assert "# It needs beside it, as they were (first digits of their SHA-256): V.csv (24be)\n" in told
+    assert "# It needs these files next to it, unchanged (first digits of their SHA-256): V.csv (24be)\n" in told
     assert told.endswith("\ntitle: x\n")

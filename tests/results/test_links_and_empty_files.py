@@ -76,7 +76,7 @@ def test_an_empty_file_is_replaced(command, tmp_path):
 def test_a_file_with_one_byte_is_kept(tmp_path):
     mine = tmp_path / "mine.h5"
     mine.write_bytes(b"\x89")
-    with pytest.raises(UsageError, match="not of the kind that would be written"):
+    with pytest.raises(UsageError, match="is not a file of this kind"):
         keep_others(mine, HDF5)
 
 
@@ -92,7 +92,7 @@ def test_an_optimisation_that_begins_anew_replaces_an_optimisation_only(what, tm
     before = output.read_bytes()
     capsys.readouterr()
     assert exit_code(["optimize", POINT, *WANTED, *ROUGH, "--jobs", "1", "--restart", "-o", str(output)]) == 2
-    told = "another program" if what == "foreign" else "holds no optimisation's results (choose another -o"
+    told = "another program" if what == "foreign" else "does not hold results of an optimisation (choose another -o"
     assert told in capsys.readouterr().err
     assert output.read_bytes() == before
     own = tmp_path / "own.h5"

@@ -98,7 +98,7 @@ def test_kinds_beyond_the_first_are_counted(tmp_path, capsys):
     print_sweep(sweep_document(whole, run_sweep(whole, tmp_path / "out.h5", jobs=1, simulate=many_kinds)), whole)
     out = capsys.readouterr().out
     assert out.count("warning in 3 cases") == MOST_WARNINGS
-    assert f"… and {10 - MOST_WARNINGS} other kinds of warnings, in the file" in out
+    assert f"… and {10 - MOST_WARNINGS} other kinds of warnings (see the file)" in out
 
 
 def alike(case: Scene) -> Result:

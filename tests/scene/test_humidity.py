@@ -88,5 +88,5 @@ def test_no_stage_of_two_may_have_humid_air(tmp_path):
         (tmp_path / f"{name}.yaml").write_text(f"base: {CONFIG}\n", encoding="utf-8")
     plant = tmp_path / "plant.stages.yaml"
     plant.write_text("stages: [low.yaml, high.yaml]\nintercooler: {kind: cooler, outlet_temperature: 35 degC}\n")
-    with pytest.raises(SceneError, match="nothing follows the water that the gas loses between the stages"):
+    with pytest.raises(SceneError, match="the water that condenses between the stages is not modelled"):
         read_stages(plant)

@@ -34,7 +34,7 @@ def test_one_of_variable_speed_follows_the_flow_and_stops_below_its_lowest():
     package = rated(point(FULL, 80e3), point(0.15, 56e3), point(LEAST, 40e3))
     shares = year(package, PROFILE)
     assert [each.power for each in shares] == pytest.approx([80e3, 56e3, 20e3, 0.0])
-    assert "it stops and starts" in year_table(package, shares).note
+    assert "it starts and stops" in year_table(package, shares).note
 
 
 def test_a_demand_above_full_flow_is_told_and_counts_what_is_given():
@@ -42,7 +42,7 @@ def test_a_demand_above_full_flow_is_told_and_counts_what_is_given():
     shares = year(package, PROFILE)
     assert shares[0].given == FULL
     table = year_table(package, shares)
-    assert table.note.startswith("during 100 h less is given than asked for, 12.00 m³/min")
+    assert table.note.startswith("during 100 h it delivers less than demanded, 12.00 m³/min")
     assert table.rows[-1][0] == "all" and table.rows[-1][1] == "1610"
 
 
@@ -55,10 +55,10 @@ def test_parts_of_hours_are_shown_as_they_are_asked_for():
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("flow, hours\n8, 100", "is no table of flows with a unit and hours"),
-        ("flow [m^3/min], hours", "is no table of flows with a unit and hours"),
+        ("flow, hours\n8, 100", "is not a table of flows (with unit) and hours"),
+        ("flow [m^3/min], hours", "is not a table of flows (with unit) and hours"),
         ("flow [m3/mn], hours\n8, 100", "line 2: flow: '8 m3/mn' is not a volume flow"),
-        ("flow [m^3/min], hours\n8, 1e5", "line 2: hours '1e5' is no number from 0 to 8760"),
+        ("flow [m^3/min], hours\n8, 1e5", "line 2: hours '1e5' is not a number from 0 to 8760"),
         ("flow [m^3/min], hours\n-8, 10", "line 2: a flow of -8 is below 0"),
         ("flow [m^3/min], hours\n8, 8000\n7, 8000", "has 16000 hours in all"),
     ],

@@ -96,7 +96,7 @@ def test_droplet_radius_and_heat_transfer_are_said_not_to_be_told_apart():
     found = calibrate(replace(fit, starts=1, parameters=only), jobs=1)
     (combination,) = found.certainty.open
     assert set(combination.paths) == {each.path for each in only}
-    assert "the data fix their quotient alone" in combination.says
+    assert "the data fix only their quotient" in combination.says
 
 
 def test_exact_slopes_are_those_of_differences_and_take_fewer_solutions():

@@ -94,37 +94,33 @@ def test_a_fault_of_the_fit_is_located(old, new, line, tmp_path):
     [
         ("3.1,0.1", "x,0.1", "points.csv:3:12: shaft_power: 'x' is not a number"),
         ("3.1,0.1", '"3,1",0.1', "points.csv:3:12: shaft_power: '3,1' has a decimal comma (write a point, e.g. 3.1)"),
-        (
-            "3.1,0.1",
-            '"3,100",0.1',
-            "points.csv:3:12: shaft_power: '3,100' has a comma that may separate thousands or dec",
-        ),
+        ("3.1,0.1", '"3,100",0.1', "points.csv:3:12: shaft_power: '3,100' has a comma that divides thousands or dec"),
         (
             "operation.speed [rpm]",
             "operation.speed (rpm)",
             "points.csv:2:10: operation.speed (rpm): is not known (a unit stands in square brackets: operation.speed [",
         ),
-        (
-            ",",
-            ";",
-            "points.csv:2:1: data: is separated by semicolons (save it with commas between cells and decimal points)",
-        ),
-        ("1000,3.1", '"1,000",3.1', "points.csv:3:7: operation.speed: '1,000' has a comma that may separate"),
+        (",", ";", "points.csv:2:1: data: is divided by semicolons (save it with commas, and points before decimals)"),
+        ("1000,3.1", '"1,000",3.1', "points.csv:3:7: operation.speed: '1,000' has a comma that divides"),
         ("3.1,0.1", "3.1,0", "points.csv:3:16: shaft_power: 0 is out of range"),
-        ("3.1,0.1", "3.1,1e-300", "points.csv:3:1: shaft_power: its uncertainty is 3e-301 of the value, which no meas"),
-        ("3.1,0.1", "3.1,1e300", "points.csv:3:1: shaft_power: its uncertainty is 3e+299 of the value, which tells no"),
-        ("3.1,0.1", "3.1,", "points.csv:3:1: shaft_power: needs a value and an uncertainty, or neither"),
-        ("3.1,0.1", "3.1", "points.csv:3:1: data: has 4 cells, but the first line has 5"),
-        ("b,fit", "a,fit", "points.csv:4:1: name: 'a' is there twice"),
+        ("3.1,0.1", "3.1,1e-300", "points.csv:3:1: shaft_power: its uncertainty is 3e-301 of the value, smaller than"),
+        (
+            "3.1,0.1",
+            "3.1,1e300",
+            "points.csv:3:1: shaft_power: its uncertainty is 3e+299 of the value, too large to be",
+        ),
+        ("3.1,0.1", "3.1,", "points.csv:3:1: shaft_power: needs both a value and an uncertainty, or neither"),
+        ("3.1,0.1", "3.1", "points.csv:3:1: data: has 4 cells, the first line 5"),
+        ("b,fit", "a,fit", "points.csv:4:1: name: 'a' appears twice"),
         ("a,fit", "a,no", "points.csv:3:3: use: 'no' is not known"),
-        ("shaft_power [kW],", "shaft_power [kN],", "points.csv:2:32: shaft_power: unit 'kN' is none of its units"),
+        ("shaft_power [kW],", "shaft_power [kN],", "points.csv:2:32: shaft_power: unit 'kN' is not one of its units"),
         (
             "shaft_power [kW],",
             "shaft_pwer [kW],",
             "points.csv:2:32: shaft_pwer: is not known; did you mean 'shaft_power'?",
         ),
         ("[rpm]", "", "points.csv:3:7: operation.speed: '1000' has no unit"),
-        (",shaft_power_uncertainty [kW]", ",oil_ratio", "points.csv:2:32: shaft_power: has no column shaft_power_unc"),
+        (",shaft_power_uncertainty [kW]", ",oil_ratio", "points.csv:2:32: shaft_power: needs a column shaft_power_unc"),
         ("operation.speed [rpm]", "oil.heat_capacity", "points.csv:2:10: oil.heat_capacity: is a parameter of the fit"),
     ],
 )
@@ -159,7 +155,9 @@ def test_a_temperature_in_celsius_under_kelvin_is_told(reading, line, tmp_path):
 def test_too_few_data_are_told(tmp_path):
     points = "\n".join(POINTS.splitlines()[:3]) + "\n"
     (line,) = faults(tmp_path, points=points)
-    assert line.startswith("small.fit.yaml:4:1: parameters: 1 measured figures and 0 priors cannot fix 2 parameters")
+    assert line.startswith(
+        "small.fit.yaml:4:1: parameters: 1 measured figures and 0 priors cannot determine 2 parameters"
+    )
 
 
 def test_priors_alone_are_no_data(tmp_path):
@@ -167,7 +165,7 @@ def test_priors_alone_are_no_data(tmp_path):
     fit = fit.replace("  oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K), start: 1.5 kJ/(kg K)}\n", "")
     points = POINTS.splitlines()[1] + "\na,fit,1000,,\n"
     (line,) = faults(tmp_path, fit, points)
-    assert "0 measured figures and 1 priors cannot fix 1 parameters" in line
+    assert "0 measured figures and 1 priors cannot determine 1 parameters" in line
 
 
 def test_conditions_that_do_not_fit_are_located(tmp_path):
@@ -237,11 +235,11 @@ def test_pressures_of_gauges_are_over_the_ambient_one_and_units_those_of_scenes(
         (
             "_uncertainty [psi]",
             "_uncertainty [psig]",
-            "points.csv:1:68: discharge_pressure_uncertainty: unit 'psig' has a zero of its",
+            "points.csv:1:68: discharge_pressure_uncertainty: unit 'psig' has an offset zero",
         ),
-        ("_uncertainty [K]", "_uncertainty [degF]", "unit 'degF' has a zero of its own, and this is an uncertainty"),
-        ("loss [bar]", "loss [barg]", "unit 'barg' has a zero of its own, and this is a difference (write [Pa])"),
-        ("[psig]", "[pond]", "discharge_pressure: unit 'pond' is none of its units"),
+        ("_uncertainty [K]", "_uncertainty [degF]", "unit 'degF' has an offset zero, and this is an uncertainty"),
+        ("loss [bar]", "loss [barg]", "unit 'barg' has an offset zero, and this is a difference (write [Pa])"),
+        ("[psig]", "[pond]", "discharge_pressure: unit 'pond' is not one of its units"),
         ("a,9,130", 'a,9,"130,5"', "discharge_pressure: '130,5' has a decimal comma"),
         ("145,1,", "145,-1,", "points.csv:3:11: discharge_pressure: -1 is out of range"),
     ],

@@ -157,7 +157,8 @@ def test_a_worker_with_other_sources_is_refused_by_its_name_whenever_it_comes(
             join()
             with Client(json.loads(file.read_text())["address"], set_as_default=False) as client:
                 client.wait_for_workers(2, timeout=60.0)
-        told = r"worker tcp://127\.0\.0\.1:\d+ has other sources of screwsim 0\.1\.0 \(install and put there what"
+        told = r"worker tcp://127\.0\.0\.1:\d+ has different sources of screwsim 0\.1\.0 \(install the same versions "
+        r"and files"
         with pytest.raises(UsageError, match=told) as caught:
             run_sweep(grid_scene(), output, scheduler=str(file), simulate_many=crawling)
         assert "\n" not in str(caught.value)
@@ -254,7 +255,7 @@ def test_a_scheduler_without_workers_is_told(started, tmp_path):
     )  # fmt: skip
     try:
         wait_for_scheduler(file)
-        with pytest.raises(UsageError, match=r"no worker came within 0\.5 s \(start some"), Cluster(str(file), 0.5):
+        with pytest.raises(UsageError, match=r"no worker appeared within 0\.5 s \(start some"), Cluster(str(file), 0.5):
             pass
     finally:
         program.terminate()
@@ -267,25 +268,25 @@ def test_a_wrong_address_ends_the_program(where, tmp_path):
     command = [sys.executable, "-m", "screwsim", "sweep", "scene.yaml", "-o", "out.h5", "--scheduler", where]
     done = subprocess.run(command, env=environment(), cwd=tmp_path, capture_output=True, text=True, timeout=120)
     assert done.returncode == 2 and len(done.stderr.splitlines()) == 1
-    assert done.stderr.startswith(f"{where}: no scheduler can be reached: ")
+    assert done.stderr.startswith(f"{where}: cannot reach a scheduler: ")
 
 
 def test_what_answers_but_is_no_scheduler_is_given_up():
     with socket.create_server(("127.0.0.1", 0)) as silent:
         where = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
-        with pytest.raises(UsageError, match="no scheduler can be reached: no answer"), Cluster(where, patience=0.5):
+        with pytest.raises(UsageError, match="cannot reach a scheduler: no answer"), Cluster(where, patience=0.5):
             pass
 
 
 @pytest.mark.parametrize(
     ("where", "told"),
     [
-        ("five.json", "five.json: is no scheduler file (give tcp://"),
+        ("five.json", "five.json: is not a scheduler file (give tcp://"),
         ("nowhere.json", "nowhere.json: is neither an address nor a file (give tcp://HOST:PORT, or the file that"),
-        ("empty.json", "empty.json: is no scheduler file (give tcp://"),
-        ("tcp://127.0.0.1:9", "tcp://127.0.0.1:9: no scheduler can be reached: "),
-        ("127.0.0.1:9", "127.0.0.1:9: no scheduler can be reached: "),
-        ("smoke://signal", "smoke://signal: no scheduler can be reached: "),
+        ("empty.json", "empty.json: is not a scheduler file (give tcp://"),
+        ("tcp://127.0.0.1:9", "tcp://127.0.0.1:9: cannot reach a scheduler: "),
+        ("127.0.0.1:9", "127.0.0.1:9: cannot reach a scheduler: "),
+        ("smoke://signal", "smoke://signal: cannot reach a scheduler: "),
     ],
 )
 def test_a_wrong_scheduler_is_told_in_one_line(where, told, tmp_path, monkeypatch):

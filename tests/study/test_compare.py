@@ -63,7 +63,7 @@ def test_points_that_failed_in_both_are_not_equal(tmp_path, capsys):
     assert (found.common, found.compared, found.equal, found.figures) == (1, 0, False, ())
     print_comparison(*failed, found)
     told = capsys.readouterr().out
-    assert "none of them is ok in both files: no figure is compared" in told and "equal" not in told
+    assert "none of them is ok in both files, so no figure is compared" in told and "equal" not in told
     assert comparison_document(*failed, found)["points"]["compared"] == 0
 
 
@@ -71,7 +71,7 @@ def test_what_is_compared_is_told_where_some_points_failed(grid, capsys):
     found = compare(grid, grid)
     assert found.compared == 24  # 3 of 30 failed, 3 did not close
     print_comparison(grid, grid, found)
-    assert "ok in both files are 24: figures of the others are not compared" in capsys.readouterr().out
+    assert "24 are ok in both files; figures of the others are not compared" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("share", "beyond"), [(3.9, 0), (4.1, 24)])
@@ -145,7 +145,7 @@ def test_an_axis_that_the_other_file_has_not_is_refused(grid, tmp_path):
     other = swept(
         tmp_path / "b.h5", "sweep: {effects.blow_hole.area: [5 mm^2]}\n", scene=SCENE + "  blow_hole: {area: 5 mm^2}\n"
     )
-    with pytest.raises(UsageError, match=r"has no effects\.blow_hole\.area, over which the other file was swept"):
+    with pytest.raises(UsageError, match=r"has no effects\.blow_hole\.area, over which the other file is swept"):
         compare(grid, other)
 
 
@@ -156,5 +156,5 @@ def test_choices_are_matched_by_their_words(tmp_path):
 
 
 def test_a_negative_tolerance_is_refused(grid):
-    with pytest.raises(UsageError, match="--tolerance -1: is no relative tolerance"):
+    with pytest.raises(UsageError, match="--tolerance -1: is not a relative tolerance"):
         compare(grid, grid, -1.0)

@@ -165,8 +165,8 @@ def test_its_json_is_pure_and_in_si(capsys):
 
 def test_another_inlet_than_the_usual_is_noted():
     scene, of = rated("fixed_speed_7", "operation.suction.pressure=0.9 bar")
-    assert any("another inlet" in note for note in air_sheet(scene, of).notes)
-    assert not any("another inlet" in note for note in air_sheet(*rated("fixed_speed_7")).notes)
+    assert any("an inlet other than" in note for note in air_sheet(scene, of).notes)
+    assert not any("an inlet other than" in note for note in air_sheet(*rated("fixed_speed_7")).notes)
 
 
 def test_points_that_fail_are_told_and_counted(capsys):

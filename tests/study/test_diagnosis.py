@@ -446,9 +446,9 @@ def test_the_command_tells_what_changed(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("rest", "text", "code", "told"),
     [
-        (("--unchanged", "2"), points(), 2, "--unchanged 2: is no probability"),
-        (("--pairs", "-1"), points(), 2, "--pairs -1: are no odds of two changes at once against one (write e.g. 0.1"),
-        (("--pairs", "inf"), points(), 2, "--pairs inf: are no odds"),
+        (("--unchanged", "2"), points(), 2, "--unchanged 2: is not a probability"),
+        (("--pairs", "-1"), points(), 2, "--pairs -1: is not the odds of two changes against one (write e.g. 0.1"),
+        (("--pairs", "inf"), points(), 2, "--pairs inf: is not the odds"),
         (("--data", "none.csv"), points(), 2, "--data none.csv: is not a file"),
         (("--scene", "none.yaml"), points(), 2, "--scene none.yaml: is not a file"),
         ((), HEAD + "a,fit,1000,x,0.1\n", 3, "points.csv:2:12: shaft_power: 'x' is not a number"),

@@ -135,7 +135,7 @@ def test_a_file_counts_by_its_content_alone(tmp_path):
     ("where", "what", "told"),
     [
         ("screwsim.results.identity._library", lambda name: "7.2", r"CoolProp \S+ wrote it, this is 7\.2, llvmlite"),
-        ("screwsim.numerics.sources.of_package", lambda: "other", r"of other sources of screwsim 0\.1\.0;"),
+        ("screwsim.numerics.sources.of_package", lambda: "other", r"from different sources of screwsim 0\.1\.0;"),
     ],
 )
 def test_other_libraries_and_other_sources_are_refused_until_a_restart(where, what, told, tmp_path, monkeypatch):
@@ -172,7 +172,7 @@ def old_file(output: Path) -> None:
 def test_a_file_without_an_identity_is_read_but_not_resumed(tmp_path):
     old_file(tmp_path / "out.h5")
     assert open_results(tmp_path / "out.h5").performance["shaft_power"].shape == (3, 40)
-    with pytest.raises(UsageError, match=r"of a screwsim 0\.1\.0 that did not note what code and files they are of"):
+    with pytest.raises(UsageError, match=r"from a screwsim 0\.1\.0 that did not record its code and input files"):
         run_sweep(grid_scene(), tmp_path / "out.h5", jobs=1, simulate=forbidden)
     assert run_sweep(grid_scene(), tmp_path / "out.h5", jobs=1, restart=True, simulate=fake_simulate).reused == 0
 
@@ -184,7 +184,7 @@ def test_parts_without_an_identity_are_not_resumed(tmp_path):
     manifest = output.with_name("out.h5.parts") / "sweep.json"
     about = json.loads(manifest.read_text())
     manifest.write_text(json.dumps({"scene_sha256": about["scene_sha256"], "fingerprint": "", "version": "0.1.0"}))
-    with pytest.raises(UsageError, match=r"out\.h5\.parts: .* that did not note what code and files they are of"):
+    with pytest.raises(UsageError, match=r"out\.h5\.parts: .* that did not record its code and input files"):
         run_sweep(grid_scene(), output, jobs=1, simulate=forbidden)
 
 
@@ -243,7 +243,7 @@ class Edits:
 def test_a_file_that_changes_while_the_sweep_runs_ends_it_and_no_case_of_after_is_kept(jobs, tmp_path):
     file, output = with_area(tmp_path), tmp_path / "out.h5"
     swept = loads(AREA_SCENE + "output: {keep: performance}\n", folder=str(tmp_path))
-    with pytest.raises(UsageError, match=r"has another area\.csv: it was changed while the sweep ran") as caught:
+    with pytest.raises(UsageError, match=r"has another area\.csv: it was changed during the sweep") as caught:
         run_sweep(swept, output, jobs=jobs, simulate=fake_simulate, progress=Edits(file, 1))
     assert "\n" not in str(caught.value) and not output.exists()
     with pytest.raises(UsageError, match=r"area\.csv has changed since"):
@@ -258,7 +258,7 @@ def test_a_worker_that_starts_after_a_file_changed_here_is_not_to_blame(tmp_path
     monkeypatch.setattr("screwsim.study.workers.start_method", lambda: "spawn")
     edits = Edits(file, 1)
     monkeypatch.setattr(edits, "start", lambda *_: edits.advance(0, 0))  # before any worker is there
-    with pytest.raises(UsageError, match=r"this machine has another area\.csv: it was changed while the sweep ran"):
+    with pytest.raises(UsageError, match=r"this machine has another area\.csv: it was changed during the sweep"):
         run_sweep(swept, tmp_path / "out.h5", jobs=2, simulate=fake_simulate, progress=edits)
 
 

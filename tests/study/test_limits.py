@@ -120,7 +120,8 @@ def test_a_file_that_comes_to_the_output_meanwhile_stays_and_nothing_is_lost(lin
     output = tmp_path / "out.h5"
     if not links:
         monkeypatch.setattr(atomic.os, "link", no_links)
-    told = r"out\.h5: another file came there meanwhile, and stays; all cases are finished, in .*out\.h5\.parts \(move"
+    told = r"out\.h5: another file was put there meanwhile, and is kept; all cases are finished, in .*out\.h5\.parts "
+    r"\(move"
     with pytest.raises(UsageError, match=told) as caught:
         mine = Puts(lambda: output.write_text("my thesis"))
         run_sweep(grid_scene(), output, jobs=1, simulate_many=chained, progress=mine)
@@ -146,7 +147,7 @@ def test_a_restart_replaces_its_own_old_file_and_no_other(tmp_path):
         (tmp_path / "other").write_text("my thesis")
         os.replace(tmp_path / "other", output)
 
-    with pytest.raises(UsageError, match="another file came there meanwhile"):
+    with pytest.raises(UsageError, match="another file was put there meanwhile"):
         run_sweep(grid_scene(), output, jobs=1, restart=True, simulate=fake_simulate, progress=Puts(replaced))
     assert output.read_text() == "my thesis"
 

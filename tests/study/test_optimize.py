@@ -129,14 +129,14 @@ def test_bounds_that_nothing_meets_are_said_with_the_nearest():
     bound = ["shaft_power<0.5 W"]
     found = optimize(scene(), [RATIO, SPEED], ["gas_mass_flow"], subject_to=bound, simulate=choosing, jobs=1)
     assert (found.status, len(found.front)) == ("none", 0)
-    assert "for shaft_power<0.5 W the nearest is 1" in found.message
+    assert "shaft_power<0.5 W was required, and the nearest is 1" in found.message
 
 
 def test_where_all_fails_the_reason_is_told():
     one = with_values(scene(), {"operation.speed": 2000.0 * RPM})
     found = optimize(one, ["oil_supply.ratio=0.1..10"], ["eta_iso"], simulate=gappy, jobs=1)
     assert found.status == "none" and found.failed == len(found.places)
-    assert found.message.startswith("all 13 evaluations failed, 13 of them so: failed: pressure left the range")
+    assert found.message.startswith("all 13 evaluations failed, 13 of them with: failed: pressure left the range")
 
 
 def test_a_front_of_two_aims_lies_on_the_true_one_and_beats_random_samples():
@@ -262,7 +262,7 @@ def test_the_file_holds_all_cases_and_what_was_aimed_at(tmp_path):
     assert results.performance["gas_mass_flow"][ok] == pytest.approx(found.aims[ok, 0])
     data = results.to_xarray(None)
     assert data.optimum_front.sum() == 1 and data.optimum_aim_gas_mass_flow.dims == ("evaluation",)
-    with pytest.raises(UsageError, match="is there already"):
+    with pytest.raises(UsageError, match="already exists"):
         optimize(scene(), [RATIO], ["gas_mass_flow"], simulate=choosing, jobs=1, output=file)
 
 
@@ -270,7 +270,7 @@ def test_parts_of_another_question_are_refused(tmp_path):
     asked = question(scene(), [RATIO, SPEED], ["gas_mass_flow"], evaluations=60)
     with pytest.raises(KeyboardInterrupt):
         run(asked, tmp_path / "out.h5", simulate=Interrupted(), jobs=1)
-    with pytest.raises(UsageError, match="holds another optimisation's evaluations"):
+    with pytest.raises(UsageError, match="holds evaluations of another optimisation"):
         run(replace(asked, seed=2), tmp_path / "out.h5", simulate=choosing, jobs=1)
     assert run(replace(asked, seed=2), tmp_path / "out.h5", simulate=choosing, jobs=1, restart=True).reused == 0
 
@@ -346,9 +346,9 @@ def test_bounds_hold_at_every_operating_point(chilled):
     [
         ("weight, operation.condensing_temperature [bar]\n1, 20", "line 2: operation.condensing_temperature: '20 bar'"),
         ("weight, operation.condensing_temprature [degC]\n1, 20", "line 1: operation.condensing_temprature: is not"),
-        ("weight, load\n1, 0.5", "its first point is not of load 1 (write the full load first)"),
-        ("weight, energy\n1, 1", "has weight and energy (keep one: both weigh the points)"),
-        ("weight\n-1", "line 2: weight '-1' is no number of at least 0"),
+        ("weight, load\n1, 0.5", "its first point does not have load 1 (write full load first)"),
+        ("weight, energy\n1, 1", "has both weight and energy (keep one: each weights the points)"),
+        ("weight\n-1", "line 2: weight '-1' is not a number of at least 0"),
         ("weight\n0", "all weights are zero"),
         ("weight", "has 0 points"),
     ],
@@ -367,12 +367,15 @@ def test_bad_points_are_refused_at_their_line(chilled, tmp_path, rows, message):
         ({"maximize": ["effciency"]}, "--maximize effciency: is not known"),
         (
             {"maximize": ["cop", "shaft_power"], "minimize": ["shaft_power"]},
-            "--maximize cop: is not called for in this",
+            "--maximize cop: is not a figure of this",
         ),
-        ({"maximize": ["shaft_power"], "minimize": ["shaft_power"]}, "--maximize, --minimize: shaft_power is an aim"),
+        (
+            {"maximize": ["shaft_power"], "minimize": ["shaft_power"]},
+            "--maximize, --minimize: shaft_power is given twice as an aim",
+        ),
         ({"subject_to": ["shaft_power=9 kW"]}, "--subject-to shaft_power=9 kW: is not FIGURE<VALUE or FIGURE>VALUE"),
-        ({"evaluations": 0}, "--evaluations 0: is no number of evaluations"),
-        ({"over": "IPVL"}, "--over IPVL: is neither a file nor a seasonal figure (there are IPLV, IPLV-water"),
+        ({"evaluations": 0}, "--evaluations 0: is not a number of evaluations"),
+        ({"over": "IPVL"}, "--over IPVL: is neither a CSV file nor a seasonal figure (known: IPLV, IPLV-water"),
         ({"over": "SEPR"}, "--over SEPR: needs operation.evaporating_temperature and"),
         ({"vary": ["operation.speed"]}, "--vary operation.speed: has no range (write operation.speed=LOW..HIGH"),
     ],
@@ -391,7 +394,7 @@ def test_an_approach_of_nothing_is_refused(chilled):
 
 
 def test_a_path_of_the_points_is_not_varied(chilled):
-    with pytest.raises(UsageError, match="is set by the operating points of --over"):
+    with pytest.raises(UsageError, match="is also set by the operating points of --over"):
         question(chilled, ["operation.condensing_temperature=30 degC..50 degC"], ["cop"], over="SEPR")
 
 

@@ -108,7 +108,7 @@ def test_a_left_out_point_is_predicted_by_the_others(tmp_path):
         (("[0 degC, 5 degC]", AXES[1]), "8 of 8 points are ok and have all figures; ten coefficients need 10 or more"),
         (("[-5 degC, 0 degC, 5 degC]", AXES[1]), "has 3 evaporating temperatures that are ok; a cubic needs 4"),
         ((AXES[0], "[30 degC, 40 degC, 45 degC]"), "has 3 condensing temperatures that are ok; a cubic needs 4"),
-        (("[270 K, 270.0001 K, 270.0002 K, 280 K]", AXES[1]), "points do not tell the ten coefficients apart"),
+        (("[270 K, 270.0001 K, 270.0002 K, 280 K]", AXES[1]), "points do not determine the ten coefficients"),
     ],
 )
 def test_points_that_do_not_suffice_are_refused(axes, message, tmp_path):
@@ -180,7 +180,7 @@ def test_another_axis_chooses_the_map(tmp_path):
     assert two["gas_mass_flow"] == pytest.approx(2.0 * one["gas_mass_flow"], rel=1e-9)
     with pytest.raises(UsageError, match=r"2 maps fit \(name speed; there are maps at operation.speed = 104.7"):
         evaluate_map(results, 273.15, 313.15, NO_CAPACITY)
-    with pytest.raises(UsageError, match=r"no map is there \(there are maps at"):
+    with pytest.raises(UsageError, match=r"there is no map for it \(there are maps at"):
         evaluate_map(results, 273.15, 313.15, NO_CAPACITY, speed=100.0)
 
 
@@ -188,7 +188,7 @@ def test_another_axis_chooses_the_map(tmp_path):
     ("text", "words"),
     [
         ("evaporating_temperature=10 degC, condensing_temperature=50 degC", "lies outside the envelope"),
-        ("evaporating_temperature=2 degC", "says nothing of condensing_temperature"),
+        ("evaporating_temperature=2 degC", "does not state condensing_temperature"),
         ("evaporating_temperature=2", "'2' has no unit (write e.g. '285 K')"),
         ("cold", "is not NAME=VALUE, NAME=VALUE (write e.g. --at"),
         ("evaporating_temperature=2 degC, evaporating_temperature=3 degC", "is given twice (remove one)"),

@@ -161,12 +161,14 @@ def test_points_at_which_nothing_is_delivered_are_told_and_not_weighed(tmp_path,
     assert found.status == "ok" and found.idle == ("1000 rpm",)
     assert "1000 rpm" not in {step.point.name for step in found.steps}
     print_plan(found)
-    assert "not weighed, as nothing is delivered there: 1000 rpm" in capsys.readouterr().out
+    assert "not considered because nothing is delivered there: 1000 rpm" in capsys.readouterr().out
     none = plan(fit, every[:1], count=1, jobs=1, simulate=delivers_from_2000_rpm)
-    assert none.status == "failed" and none.message.startswith("at no candidate anything is delivered")
+    assert none.status == "failed" and none.message.startswith("no candidate delivers anything")
 
 
-@pytest.mark.parametrize(("own", "told"), [("1e300", "tells nothing"), ("1e-300", "no measurement is sure of")])
+@pytest.mark.parametrize(
+    ("own", "told"), [("1e300", "too large to be of use"), ("1e-300", "smaller than any measurement achieves")]
+)
 def test_a_candidate_whose_uncertainty_is_none_is_told(own, told, tmp_path):
     fit = fit_of(tmp_path)
     (tmp_path / "grid.csv").write_text(f"operation.speed [rpm],shaft_power_uncertainty [kW]\n3000,{own}\n", "utf-8")
@@ -209,7 +211,7 @@ def test_the_command_prints_the_points_and_writes_them_to_be_filled_in(tmp_path,
     shown = capsys.readouterr().out
     assert max(len(line) for line in shown.splitlines() if line != str(out)) <= 80
     assert "1  1000 rpm" in shown or "1  5000 rpm" in shown
-    assert "known beforehand by their bounds alone: gap, heat_capacity" in shown
+    assert "constrained so far by their bounds only: gap, heat_capacity" in shown
     heads, *rows = out.read_text(encoding="utf-8").splitlines()
     assert heads == "name,operation.speed [rpm],shaft_power [W],shaft_power_uncertainty [W]" and len(rows) == 2
     fit = read_fit(file, fixed=False)
@@ -224,12 +226,12 @@ def test_the_command_prints_the_points_and_writes_them_to_be_filled_in(tmp_path,
 @pytest.mark.parametrize(
     ("rest", "code", "told"),
     [
-        ((), 2, "candidates are stated once"),
-        (("--path", SPEEDS, "--candidates", "grid.csv"), 2, "candidates are stated once"),
+        ((), 2, "candidates come from one place"),
+        (("--path", SPEEDS, "--candidates", "grid.csv"), 2, "candidates come from one place"),
         (("--path", SPEEDS, "--count", "9"), 2, "--count 9: of 4 candidates 1 to 4"),
-        (("--path", SPEEDS, "--levels", "1"), 2, "--levels 1: a range has at least its two ends"),
+        (("--path", SPEEDS, "--levels", "1"), 2, "--levels 1: a range has at least two values, its ends"),
         (("--path", SPEEDS, "--levels", "4000"), 2, "makes 4000 candidates, more than 2000"),
-        (("--levels", "3", "--candidates", "grid.csv"), 2, "--levels 3: is of ranges"),
+        (("--levels", "3", "--candidates", "grid.csv"), 2, "--levels 3: applies to ranges only"),
         (("--path", "operation.speed=1000 rpm"), 2, "is not PATH=LOW..HIGH"),
         (("--path", f"{GAP}=10 um..20 um"), 2, "is a parameter of the fit"),
         (("--path", "operation.speed=-1 rpm..20 rpm"), 2, "operation.speed"),

@@ -86,7 +86,7 @@ def test_polynomials_that_bend_the_posterior_are_said(tmp_path):
     rows = [f"p{i},fit,{1e3 * x:.6f},{y:.9f},0.3" for i, (x, y) in enumerate(zip(n, power, strict=True))]
     _, wide = sampled(tmp_path, HEAD + "\n".join(rows) + "\n", fit=fit, most_steps=2000)
     assert wide.off < TOLERABLE
-    assert "the polynomials may shift what is told by up to" in wide.message and wide.status == "not converged"
+    assert "the polynomials may shift the results by up to" in wide.message and wide.status == "not converged"
 
 
 def test_a_tight_prior_is_the_posterior(tmp_path):
@@ -121,7 +121,7 @@ def test_a_prior_counts(tmp_path):
 
 def test_a_fit_without_a_solution_has_no_posterior(tmp_path):
     _, wide = sampled(tmp_path, points(3, 4, 0, 0.0), hopeless)
-    assert wide.status == "failed" and "there is no fit to begin with" in wide.message
+    assert wide.status == "failed" and "there is no fit to start from" in wide.message
 
 
 def test_chains_that_disagree_have_not_settled():
@@ -258,7 +258,7 @@ def test_points_that_cannot_be_predicted_are_told_where_they_are(tmp_path, monke
         screwsim.posterior(file, predict=new)
     with pytest.raises(UsageError, match=r"nothing\.csv: is not a file"):
         screwsim.posterior(file, predict=tmp_path / "nothing.csv")
-    with pytest.raises(UsageError, match="int is no fit"):
+    with pytest.raises(UsageError, match="int is not a fit"):
         screwsim.posterior(3)
 
 

@@ -83,7 +83,7 @@ def test_a_heat_pumps_sheet_has_what_its_condenser_gives_beside_the_rest(rated, 
     ]
     assert 0.0 < own.electrical_heating_cop - own.electrical_cop < 1.0
     (line,) = (text for name, text in both.lines if name == "heating")
-    assert line.startswith(f"{1e-3 * own.heating_capacity:.1f} kW in the condenser")
+    assert line.startswith(f"{1e-3 * own.heating_capacity:.1f} kW from the condenser")
     assert sheet.document["points"] == both.document["points"]  # programs get it in any case
 
 
@@ -162,7 +162,7 @@ def test_limits_are_marked_and_warnings_reach_the_sheet(sheet):
     assert "beyond a limit" in power.note
     assert "discharge temperature < 72 °C (--limit)" in dict(sheet.lines)["limits"]
     alike = list(told([("a", ["3 K too warm", "odd"]), ("b", ["5 K too warm"]), ("c", ["3 K too warm"])]))
-    assert alike == ["a: 3 K too warm (alike at 2 more points)", "a: odd"]
+    assert alike == ["a: 3 K too warm (the same at 2 more points)", "a: odd"]
     assert list(told([("a", ["same"]), ("b", ["same"])])) == ["same"]
 
 
@@ -194,7 +194,7 @@ def test_points_that_fail_are_told_and_counted(capsys):
     ranges = ["--evaporating", "0 degC..5 degC", "--condensing", "40 degC..45 degC", "--jobs", "1"]
     assert exit_code(["datasheet", str(CONTROL), *ranges, "--set", "effects.motor.rated_power=10 kW"]) == 4
     told = " ".join(capsys.readouterr().out.split())
-    assert "no motor carries more than" in told and "(alike at" in told and "Part load" not in told
+    assert "no motor carries more than" in told and "(the same at" in told and "Part load" not in told
 
 
 def test_the_envelope_of_points_is_interpolated_between_them():
@@ -224,8 +224,8 @@ def test_ranges_are_those_of_the_scene_or_of_steps_around_its_point():
         ("control/point", ["--limit", "discharge_temperature"], "is not FIGURE<VALUE or FIGURE>VALUE (write"),
         ("control/point", ["--limit", "discharge_temprature<90 degC"], "did you mean 'discharge_temperature'?"),
         ("control/point", ["--limit", "discharge_temperature<90"], "90 has no unit (write one of K"),
-        ("control/point", ["--limit", "cop>much"], "'much' is no number with a unit (write a number with one of"),
-        ("control/point", ["--limit", "water_flow<1"], "is not called for in this scene"),
+        ("control/point", ["--limit", "cop>much"], "'much' is not a number with a unit (write a number with one of"),
+        ("control/point", ["--limit", "water_flow<1"], "is not a figure of this scene"),
         ("control/point", ["--evaporating", "5 degC"], "5 degC: is not LOW..HIGH (write e.g. --evaporating '-10"),
         ("control/point", ["--condensing", "50 degC..40 degC"], "is empty (LOW must be below HIGH)"),
         ("r134a/envelope", [], "the scene varies oil_supply.ratio otherwise"),
@@ -288,7 +288,9 @@ def test_a_ratio_that_the_machine_cannot_have_is_told_and_its_own_is_among_those
         assert step.missed == dict.fromkeys(ratios(scene)[:2], "failed: too narrow")
     rated = SimpleNamespace(asked=SimpleNamespace(ratios=ratios(scene)), loads=[found])
     told = part_load_note(rated, "its flow", "COP")
-    assert told.endswith("; not everywhere at 1.8, 2.25, so that a better one may be missed (failed: too narrow)")
+    assert told.endswith(
+        "; not all points were solved at 1.8, 2.25, so a better one may be missed (failed: too narrow)"
+    )
 
 
 @pytest.mark.parametrize("condensing", [30, 45])

@@ -117,7 +117,7 @@ def test_wrong_ranges_are_refused_in_one_line(texts, message):
 def test_one_input_alone_takes_fewer_samples_and_what_is_ahead_is_told():
     assert (usual_samples(1), usual_samples(4)) == (32, 256)
     assert cost_told(4, 256).startswith("1536 solutions, 256 samples × (4 inputs + 2) (--samples")
-    assert cost_told(1, 32).startswith("96 solutions, 32 samples × (1 input + 2); one input alone")
+    assert cost_told(1, 32).startswith("96 solutions, 32 samples × (1 input + 2); a single input")
     assert study(ishigami, ("oil_supply.ratio=1..6",), BOTH[:1]).solutions == 96
 
 

@@ -178,7 +178,7 @@ def test_a_second_page_is_told_and_numbered(tmp_path, capsys):
     wide = ["--evaporating", "-30 degC..10 degC", "--condensing", "20 degC..60 degC", "--jobs", "1"]
     exit_code(["datasheet", str(CONFIGS / "control" / "point.yaml"), *wide, "-o", str(file)])
     told = capsys.readouterr().out.splitlines()[-1]
-    assert told == f"{file} (2 pages: one does not hold so much in type of 6.5 pt; ask for fewer points)"
+    assert told == f"{file} (2 pages: one page cannot hold that much in type of 6.5 pt; ask for fewer points)"
     assert count_of(file) == (2, {(210, 297)})
 
 

@@ -265,17 +265,17 @@ def test_a_cooler_that_leaves_a_liquid_is_told_of_by_its_name(tmp_path):
     found = run_stages(read_stages(path))
     assert found.status == "failed"
     assert "the cooler leaves a liquid at -25 degC and" in found.message
-    assert "(a higher intercooler.outlet_temperature)" in found.message
+    assert "(choose a higher intercooler.outlet_temperature)" in found.message
 
 
 def test_overrides_go_to_their_stage(chain):
     changed = read_stages(chain(), ["second.operation.speed=1500 rpm", "first.oil_supply.ratio=2"])
     assert changed.second.operation.speed == pytest.approx(1500 * 3.141592653589793 / 30)
     assert changed.first.oil_supply.ratio == 2
-    with pytest.raises(UsageError, match=r"begins with neither first\. nor second\."):
+    with pytest.raises(UsageError, match=r"starts with neither first\. nor second\."):
         read_stages(chain(), ["operation.speed=1500 rpm"])
     for path in ("intercooler.kind=none", "stages=[]", "title=x"):
-        with pytest.raises(UsageError, match=r"is of the file of both stages \(write it there\)"):
+        with pytest.raises(UsageError, match=r"belongs to the two-stage file \(write it there\)"):
             read_stages(chain(), [path])
 
 
@@ -284,13 +284,13 @@ def test_overrides_go_to_their_stage(chain):
     [
         ({"stages": ["low.yaml"]}, "not the files of two scenes"),
         ({"stages": ["low.yaml", "none.yaml"]}, "'none.yaml' is not a file"),
-        ({"third": 3}, "third: is not known beside stages"),
+        ({"third": 3}, "third: is not known in a two-stage file"),
         ({"intercooler": {"kind": "cooler"}}, "outlet_temperature: is missing"),
         ({"intercooler": {"outlet_temperature": "300 K"}}, "outlet_temperature: belongs to kind: cooler"),
         ({"intercooler": {"kind": "economizer"}}, "needs operation.condensing_temperature"),
         (
             {"high": {**ECONOMIZER, **HIGH}},
-            "the second scene names economizer, which draws gas that no balance between the stages knows",
+            "the second scene names economizer, which draws gas that the balance between the stages does not include",
         ),
     ],
 )
@@ -319,8 +319,8 @@ def test_explain_tells_of_what_lies_between_and_of_both_stages(chain, capsys):
     assert exit_code(["explain", path, "--set", "second.operation.speed=1234 rpm"]) == 0
     text = " ".join(capsys.readouterr().out.split())
     assert text.startswith("a plant Two stages, 1.5 bar to 12 bar.")
-    assert "A cooler leaves the gas at 290 K" in text
-    assert "pressure drop of 0.1 bar" in text
+    assert "A cooler cools the gas to 290 K" in text
+    assert "pressure drop between both lines is 0.1 bar" in text
     assert text.index("The first stage") < text.index("The second stage") < text.index("1234 rpm")
     assert exit_code(["explain", path, "--without", "oil_heat"]) == 2
 
@@ -369,8 +369,8 @@ def test_a_sweep_of_a_stage_is_said_to_be_left_aside(chain, capsys, monkeypatch)
     path = str(chain(low={"sweep": {"operation.speed": ["1000 rpm", "2000 rpm"]}}))
     assert exit_code(["run", path]) == 4
     assert capsys.readouterr().err == (
-        f"{path}: the first scene's sweep of 2 cases is left aside, and the point without it is taken "
-        "(stages are not swept: run them once a value, with --set)\n"
+        f"{path}: the first scene's sweep of 2 cases is ignored, and the scene's own point is used (a two-stage file "
+        f"is not swept: run it once per value, with --set)\n"
     )
 
 
@@ -387,5 +387,5 @@ def test_faults_of_overrides_are_told_with_their_stage_and_both_stages_at_once(c
     with pytest.raises(UsageError, match=r"\(write e\.g\. --set first\.operation\.speed=1500 rpm\)$"):
         read_stages(chain(), ["operation.speed=1500 rpm"])
     for path in ("intercooler.kind=none", "stages=[]", "title=x"):
-        with pytest.raises(UsageError, match=r"is of the file of both stages \(write it there\)"):
+        with pytest.raises(UsageError, match=r"belongs to the two-stage file \(write it there\)"):
             read_stages(chain(), [path])

@@ -89,13 +89,13 @@ def test_parts_that_another_process_took_are_told_with_the_remedy(long, tmp_path
     try:
         parts.write(0, table.rows(slice(0, 200)))
         with pytest.raises(
-            UsageError, match=r"out\.h5\.parts: cases from 200 on are gone: it was moved.*run this once more"
+            UsageError, match=r"out\.h5\.parts: cases from 200 onwards are gone: it was moved.*run this again"
         ):
             parts.all(len(table))
         parts.folder.rename(tmp_path / "elsewhere")
         with pytest.raises(UsageError, match=r"out\.h5\.parts: is gone: .*another sweep of the same file removed it"):
             parts.write(200, table.rows(slice(200, 400)))
-        with pytest.raises(UsageError, match="cases from 0 on are gone"):
+        with pytest.raises(UsageError, match="cases from 0 onwards are gone"):
             parts.all(len(table))
     finally:
         parts.close()

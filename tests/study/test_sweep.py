@@ -217,7 +217,7 @@ def test_results_of_another_commit_towards_a_release_resume_while_the_sources_ar
     monkeypatch.setattr("screwsim.__version__", "9.8.0")  # released of these sources
     assert run_sweep(grid_scene(), output, jobs=1, simulate=forbidden).reused > there
     monkeypatch.setattr("screwsim.numerics.sources.of_package", lambda: "others")  # of the same version
-    with pytest.raises(UsageError, match=r"but of other sources of screwsim 9\.8\.0; "):
+    with pytest.raises(UsageError, match=r"but from different sources of screwsim 9\.8\.0; "):
         run_sweep(grid_scene(), output, jobs=1, simulate=forbidden)
 
 
@@ -260,7 +260,7 @@ def test_two_sweeps_at_once_into_one_file_are_refused(tmp_path):
 
 def test_a_place_that_cannot_be_written_is_told_in_one_line(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(UsageError, match=r"cannot be written: .* \(make room or rights") as caught:
+    with pytest.raises(UsageError, match=r"cannot be written: .* \(make room or change permissions") as caught:
         run_sweep(grid_scene(), tmp_path / "file" / "out.h5", jobs=1, simulate=forbidden)
     assert "\n" not in str(caught.value)
 

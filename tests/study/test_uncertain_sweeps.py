@@ -124,7 +124,7 @@ def test_an_input_without_a_derivative_is_told_and_in_no_figure(paper_point, mon
     lost = screwsim.study.uncertain.replace(lost, spreads={}, left_out={GAP: "not closed"})
     monkeypatch.setattr("screwsim.study.uncertain.uncertainty", lambda *given, **more: lost)
     found = with_uncertainty(scene, result)
-    assert found.warnings[-1] == f"the tolerance of {GAP} is in no uncertainty: not closed"
+    assert found.warnings[-1] == f"the tolerance of {GAP} is not included in the uncertainties: not closed"
     assert found.uncertainty["figures"] == {}
 
 
@@ -138,6 +138,6 @@ def test_a_data_sheet_says_how_sure_its_own_point_is(paper_point, monkeypatch):
     power = screwsim.simulate(scene, trace=False).performance.shaft_power
     assert f"shaft power ± {100.0 * half / power:.2g} %" in told["uncertain"]
     assert "isentropic efficiency -2.7 … +2.9 points" in told["model"]
-    assert told["model"].endswith("this scene is another: speed 1000 rpm (2950 rpm)")
+    assert told["model"].endswith("this scene lies outside: speed 1000 rpm (2950 rpm)")
     assert sheet.document["uncertainty"]["figures"]["displacement_flow"]["contributors"][0]["share"] == 1.0
     assert sheet_of(screwsim.load(paper_point)) == empty

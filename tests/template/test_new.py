@@ -214,13 +214,13 @@ def test_the_first_lines_say_what_lambda_and_eta_rest_on():
         text = new_scene(kind, asked_of(fluid, None, None, None, None, condition))
         return " ".join(text.partition("title:")[0].replace("#", "").split())
 
-    assert "over five refrigerants, this one among them" in head("refrigeration", "Propane")
+    assert "over five refrigerants including this one" in head("refrigeration", "Propane")
     for told in (head("refrigeration", "Ammonia", "-10/35 degC"), head("booster")):
-        assert "rest on the laws and on what was fitted there" in told
+        assert "rest on the laws and on that fit" in told
         assert "no measured or rated" in told
-        assert "was at hand to hold them against" in told
+        assert "was available for comparison" in told
     assert "72 to 77 %" in head("expander")
-    assert "53 % of a twin screw of 2 kW" in head("expander")
+    assert "53 % (a twin screw of 2 kW)" in head("expander")
     for kind in ("refrigeration", "booster", "expander"):
         assert "screwsim validate templates" in head(kind)
 
@@ -250,16 +250,19 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
     [
         (
             ["refrigration"],
-            "refrigration: is no kind of new scene; did you mean 'refrigeration'? (there are: refrigeration, "
+            "refrigration: is not a kind of new scene; did you mean 'refrigeration'? (known: refrigeration, "
             "heat_pump, air, booster, expander, reciprocating)",
         ),
         ([], "KIND: is missing (there are: refrigeration, heat_pump, air, booster, expander, reciprocating; write"),
-        (["refrigeration", "--fluid", "r-134A"], "--fluid r-134A: is no fluid or blend of CoolProp; did you mean"),
+        (["refrigeration", "--fluid", "r-134A"], "--fluid r-134A: is not a fluid or blend of CoolProp; did you mean"),
         (
             ["refrigeration", "--fluid", "nope"],
-            "--fluid nope: is no fluid or blend of CoolProp (write one of its names",
+            "--fluid nope: is not a fluid or blend of CoolProp (write one of its names",
         ),
-        (["air", "--fluid", "R134a"], "--fluid R134a: an air package is of air (write screwsim new booster for a gas)"),
+        (
+            ["air", "--fluid", "R134a"],
+            "--fluid R134a: an air package compresses air (write screwsim new booster for a gas)",
+        ),
         (
             ["refrigeration", "--condition", "0/120 degC"],
             "--condition 0/120 degC: R134a saturates between -103.3 and 101.1 degC",
@@ -267,27 +270,34 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
         (["refrigeration", "--condition", "0/40"], "--condition 0/40: has no unit"),
         (
             ["refrigeration", "--condition", "40/0 degC"],
-            "--condition 40/0 degC: evaporates above condensing (write LOW/HIGH, e.g. '0/40 degC')",
+            "--condition 40/0 degC: evaporates above the condensing temperature (write LOW/HIGH, e.g. '0/40 degC')",
         ),
-        (["air", "--condition", "5"], "--condition 5: is no pair of pressures (write e.g. --condition '0 bar(g)/7.5"),
-        (["air", "--condition", "9/2 bar"], "--condition 9/2 bar: the suction is first, below discharge"),
-        (["expander", "--condition", "2/9 bar"], "--condition 2/9 bar: an expander's inlet is first, above its outlet"),
-        (["expander", "--oil", "POE_68"], "--oil: an expander here is dry (remove it)"),
+        (
+            ["air", "--condition", "5"],
+            "--condition 5: is not a pair of pressures (write e.g. --condition '0 bar(g)/7.5",
+        ),
+        (["air", "--condition", "9/2 bar"], "--condition 9/2 bar: suction comes first, below discharge"),
+        (
+            ["expander", "--condition", "2/9 bar"],
+            "--condition 2/9 bar: an expander's inlet comes first, above its outlet",
+        ),
+        (["expander", "--oil", "POE_68"], "--oil: expanders are dry here (remove it)"),
         (
             ["air", "--diameter", "204 mm", "--displacement", "9 m^3/min"],
-            "--diameter: is given beside --displacement, which states it, too (remove one of the two)",
+            "--diameter: is given together with --displacement, which also states it (remove one of the two)",
         ),
-        (["air", "--diameter", "2 m"], "--diameter 2 m: screws are cut from 50 mm to 550 mm (choose one within)"),
-        (["reciprocating", "--diameter", "60 mm"], "--diameter: is of rotors; a bore follows from --displacement"),
+        (["air", "--diameter", "2 m"], "--diameter 2 m: screws are made from 50 mm to 550 mm (choose one within)"),
+        (["reciprocating", "--diameter", "60 mm"], "--diameter: is for rotors; the bore follows from --displacement"),
         (["refrigeration", "--displacement", "600"], "--displacement 600: '600' has no unit"),
-        (["refrigeration", "--displacement", "-6 m^3/h"], "--displacement -6 m^3/h: is not above nothing"),
+        (["refrigeration", "--displacement", "-6 m^3/h"], "--displacement -6 m^3/h: is not above zero"),
         (
             ["refrigeration", "--displacement", "1e6 m^3/h"],
-            "--displacement 1e+06 m^3/h at 2950 rpm: would take rotors of 2220 mm; screws are cut from 50 mm to 550 mm "
+            "--displacement 1e+06 m^3/h at 2950 rpm: would take rotors of 2220 mm; screws are made from 50 mm to 550 "
+            "mm "
             "(choose 11 m^3/h to 15000 m^3/h, or another --speed)",
         ),
-        (["refrigeration", "--vi", "0.9"], "--vi 0.9: a built-in volume ratio lies above 1 and at most at 12"),
-        (["refrigeration", "--oil", "POE68"], "--oil POE68: is no stored oil; did you mean 'POE_68'?"),
+        (["refrigeration", "--vi", "0.9"], "--vi 0.9: a built-in volume ratio is above 1 and at most 12"),
+        (["refrigeration", "--oil", "POE68"], "--oil POE68: is not a stored oil; did you mean 'POE_68'?"),
         (["reciprocating", "--vi", "3"], "--vi: a cylinder has no built-in volume ratio"),
         (
             ["reciprocating", "--displacement", "600 m^3/h", "--speed", "2950 rpm"],
@@ -295,41 +305,51 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
         ),
         (["air", "--flow", "7.5"], "--flow 7.5: '7.5' has no unit"),
         (["air", "--flow", "7.5 bar"], "--flow 7.5 bar: '7.5 bar' is not a volume flow"),
-        (["air", "--motor", "0 kW"], "--motor 0 kW: is not above nothing"),
-        (["air", "--flow", "7 m^3/min", "--displacement", "500 m^3/h"], "--flow: is given beside --displacement"),
-        (["air", "--flow", "7 m^3/min", "--diameter", "180 mm"], "--flow: is given beside --diameter"),
-        (["refrigeration", "--capacity", "3 kW", "--diameter", "180 mm"], "--capacity: is given beside --diameter"),
-        (["air", "--capacity", "300 kW"], "--capacity: is of refrigeration and heat_pump"),
-        (["booster", "--motor", "75 kW"], "--motor: is of refrigeration, heat_pump and air (remove it"),
-        (["chiller"], "chiller: is no kind of new scene; did you mean 'refrigeration'?"),
-        (["air", "--pressure", "8 bar", "--condition", "1/8 bar"], "--pressure: is given beside --condition"),
-        (["air", "--pressure", "0.5 bar"], "--pressure 0.5 bar: is not above the surroundings' 1 bar"),
+        (["air", "--motor", "0 kW"], "--motor 0 kW: is not above zero"),
+        (
+            ["air", "--flow", "7 m^3/min", "--displacement", "500 m^3/h"],
+            "--flow: is given together with --displacement",
+        ),
+        (["air", "--flow", "7 m^3/min", "--diameter", "180 mm"], "--flow: is given together with --diameter"),
+        (
+            ["refrigeration", "--capacity", "3 kW", "--diameter", "180 mm"],
+            "--capacity: is given together with --diameter",
+        ),
+        (["air", "--capacity", "300 kW"], "--capacity: is for refrigeration and heat_pump"),
+        (["booster", "--motor", "75 kW"], "--motor: is for refrigeration, heat_pump and air (remove it"),
+        (["chiller"], "chiller: is not a kind of new scene; did you mean 'refrigeration'?"),
+        (["air", "--pressure", "8 bar", "--condition", "1/8 bar"], "--pressure: is given together with --condition"),
+        (["air", "--pressure", "0.5 bar"], "--pressure 0.5 bar: is not above the ambient 1 bar"),
         (["air", "--flow", "9000 m^3/min"], "--flow: a displacement of 600000 m^3/h at 2950 rpm: would take rotors"),
         (
             ["refrigeration", "--fluid", "R744"],
-            "--condition 0/40 degC, which is taken where none is stated: R744 saturates between -56.6 and 31.0 degC "
+            "--condition 0/40 degC, which is the default: R744 saturates between -56.6 and 31.0 degC "
             "(write e.g. --condition '-12.8/13.5 degC')",
         ),
         (
             ["refrigeration", "--economizer", "--condition", "0/5 degC"],
-            "--economizer: the liquid, 2.5 degC, is not warmer than the 5 degC to which it could be cooled (a "
+            "--economizer: the liquid, 2.5 degC, is not warmer than the 5 degC to which it could be cooled (choose a "
             "--condition whose ends are farther apart, or no --economizer)",
         ),
-        (["air", "--economizer"], "--economizer: is of refrigeration and heat_pump"),
-        (["booster", "--fluid", "Ethylene"], "--fluid Ethylene: CoolProp has no viscosity of it, which its gaps need"),
+        (["air", "--economizer"], "--economizer: is for refrigeration and heat_pump"),
+        (["booster", "--fluid", "Ethylene"], "--fluid Ethylene: CoolProp has no viscosity of it, which the gaps need"),
         (
             ["booster", "--fluid", "Hydrogen", "--condition", "1/1.8 bar, 10 degC", "--speed", "6000 rpm"],
-            "--speed 6000 rpm: with films of oil it takes 7 times the work that the gas needs (slower, or pressures",
+            "--speed 6000 rpm: with oil films it takes 7 times the work that the gas needs (choose a lower speed, or "
+            "pressures",
         ),
         (
             ["booster", "--fluid", "R290", "--condition", "20/42 bar, 60 degC"],
-            "--condition: R290 of 42 bar condenses below 96 °C, about as warm as it leaves",
+            "--condition: R290 of 42 bar condenses below 96 °C, close to its outlet temperature",
         ),
-        (["booster", "--slide"], "--slide: is of refrigeration and heat_pump, which it unloads"),
-        (["heat_pump", "--variable-speed"], "--variable-speed: is of air, whose sheet it is of"),
-        (["booster", "--flow", "7 m^3/min"], "--flow: is of an air package's sheet (write screwsim new air"),
-        (["refrigeration", "-o", "x.json"], "-o x.json: a scene is written, which ends in .yaml (write -o x.yaml)"),
-        (["refrigeration", "-o", "x.fit.yaml"], "-o x.fit.yaml: ends as a fit or a plant of two stages does"),
+        (["booster", "--slide"], "--slide: is for refrigeration and heat_pump, which it unloads"),
+        (["heat_pump", "--variable-speed"], "--variable-speed: is for air, from whose data sheet it comes"),
+        (
+            ["booster", "--flow", "7 m^3/min"],
+            "--flow: is from the data sheet of an air package (write screwsim new air",
+        ),
+        (["refrigeration", "-o", "x.json"], "-o x.json: a scene file must end in .yaml (write -o x.yaml)"),
+        (["refrigeration", "-o", "x.fit.yaml"], "-o x.fit.yaml: is named like a fit or a two-stage file"),
     ],
 )
 def test_what_cannot_be_is_told_in_one_line(arguments, told, capsys, tmp_path, monkeypatch):
@@ -392,7 +412,7 @@ def test_a_motor_alone_is_loaded_in_full_and_what_hardly_fits_it_is_told(capsys)
     asked = asked_of(*[None] * 6, motor="22 kW", free_air="7.5 m^3/min")
     lines = list(sized_told(asked, sized("air", asked)))
     assert "(207 % of a motor of 22 kW)" in lines[0] or "(206 % of a motor of 22 kW)" in lines[0]
-    assert lines[1].startswith("the motor gets more than sheets have it carry")
+    assert lines[1].startswith("the motor carries more than data sheets show")
     assert lines[-1].startswith("warning: the motor's load is")
 
 
@@ -400,7 +420,12 @@ def test_a_motor_alone_is_loaded_in_full_and_what_hardly_fits_it_is_told(capsys)
     ("stated", "figure", "wanted", "told"),
     [
         ({"capacity": "300 kW"}, "cooling_capacity", 300e3, "# Made for 300 kW of cooling: its size"),
-        ({"motor": "55 kW"}, "shaft_power", 55e3, "# Made for 55 kW at the shaft, its motor's full load: its size"),
+        (
+            {"motor": "55 kW"},
+            "shaft_power",
+            55e3,
+            "# Made for 55 kW at the shaft, the full load of its motor: its size",
+        ),
     ],
 )
 def test_a_refrigeration_machine_is_sized_by_what_it_cools_or_by_its_motor(stated, figure, wanted, told):
@@ -417,7 +442,7 @@ def test_large_packages_at_a_high_speed_are_told_of_and_a_lower_one_is_better():
     fast, slow = (asked_of(*[None] * 3, speed, None, None, motor="250 kW") for speed in (None, "1800 rpm"))
     found = [sized("air", asked) for asked in (fast, slow)]
     told = [list(sized_told(asked, each)) for asked, each in zip((fast, slow), found, strict=True)]
-    assert told[0][1].startswith("tips run at 48 m/s") and not any(line.startswith("tips") for line in told[1])
+    assert told[0][1].startswith("rotor tips run at 48 m/s") and not any(line.startswith("tips") for line in told[1])
     powers = [each.result.performance.package_specific_power for each in found]
     assert powers[1] == pytest.approx(0.951 * powers[0], rel=5e-3)
 
@@ -458,7 +483,7 @@ def test_an_economizer_cools_more_and_better_than_without():
 
 def test_no_room_for_an_economizers_port_is_told():
     with pytest.raises(
-        UsageError, match=r"^--economizer: suction ends at 450 deg and discharge begins at .*--vi states"
+        UsageError, match=r"^--economizer: suction ends at 450 deg and discharge begins at .*choose a larger"
     ):
         new_scene("refrigeration", asked_of(None, None, 1.05, None, None, None, economizer=True))
 
@@ -476,7 +501,7 @@ def test_a_file_that_is_there_is_not_overwritten(tmp_path, capsys, monkeypatch):
     assert capsys.readouterr().out == "mine.yaml\n"
     text = Path("mine.yaml").read_text()
     assert cli.exit_code(["new", "air", "-o", "mine.yaml"]) == 2
-    told = "-o mine.yaml: is there already, and is not overwritten (choose another name, or remove it)\n"
+    told = "-o mine.yaml: already exists and is not overwritten (choose another name, or remove it)\n"
     assert capsys.readouterr().err == told
     assert Path("mine.yaml").read_text() == text
     assert cli.exit_code(["new", "refrigeration"]) == 0
@@ -492,7 +517,10 @@ def test_gauge_pressures_of_a_condition_are_over_what_the_scene_states():
 
 def test_a_blend_of_which_no_transport_is_known_says_whose_it_has():
     text = new_scene("refrigeration", asked_of("R454B", None, None, None, None, None))
-    assert "# CoolProp has no transport properties of R454B: these, and the gaps' viscosity, are of R134a" in text
+    assert (
+        "# CoolProp has no transport properties of R454B: these values and the viscosity in the gaps are those of R134a"
+        in text
+    )
     scene = screwsim.loads(text)
     viscosities = {scene.effects[name].parameters.gas_viscosity for name in ("tip_leakage", "droplets")}
     assert len(viscosities) == 1 and 1.0e-5 < viscosities.pop() < 1.5e-5  # Pa s of a vapour

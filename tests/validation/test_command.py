@@ -138,7 +138,7 @@ def test_programs_of_a_folder_that_is_named_are_run(trap, capsys):
 
 
 def test_a_folder_without_sources_is_refused(tmp_path):
-    with pytest.raises(UsageError, match="holds no source"):
+    with pytest.raises(UsageError, match="holds no sources"):
         folder_of(tmp_path)
 
 

@@ -19,7 +19,7 @@ from screwsim.inputs.faults import UsageError
 Array = np.ndarray
 THREADS = 32  # of a block: points take different paths, so one warp per multiprocessor is fastest
 NEEDS = "points on a GPU need the package cuda-bindings (pip install 'screwsim[gpu]')"
-NO_DEVICE = "points on a GPU need one that NVIDIA's driver finds ({}); leave them to the processor's lanes"
+NO_DEVICE = "points on a GPU need one that NVIDIA's driver finds ({}); otherwise use --batch"
 
 
 class DeviceError(RuntimeError):

@@ -25,7 +25,7 @@ from screwsim.numerics.rodas import TOO_MANY_STEPS
 Array = np.ndarray
 STEPS = 512  # steps of a turn for which the device has room, at first ...
 MOST_STEPS = 8192  # ... and at most
-NO_ROOM = "the GPU has no room for {} points at once; ask for fewer (screwsim.batch.together with in_flight={})"
+NO_ROOM = "the GPU has no memory for {} points at once; use fewer (screwsim.batch.together with in_flight={})"
 CONTEXT = Kind(
     "c",
     tuple(array(INTEGER if name in WHOLE else FLOAT, AXES.get(name, 1)) for name in ChamberContext._fields),

@@ -110,7 +110,7 @@ def _told_of_device() -> Iterator[None]:
     try:
         yield
     except (CannotCompile, DeviceError) as why:
-        raise UsageError(f"this scene's turns do not run on a GPU: {why}; leave it to the processor") from None
+        raise UsageError(f"this scene cannot be solved on a GPU: {why}; leave it to the processor") from None
 
 
 _nothing = nullcontext()

@@ -32,7 +32,7 @@ app = typer.Typer(
     name="screwsim",
     help="Simulate oil-flooded twin-screw compressors, chamber by chamber.",
     epilog="Exit codes: 0 ok, 1 internal error, 2 usage, 3 bad scene, 4 some cases failed or did not close, "
-    "130 interrupted. A reader of the output that leaves early (| head) changes none of them.",
+    "130 interrupted. A pipe that closes early (| head) changes none of them.",
     add_completion=False,
     suggest_commands=False,  # mistakes.explain suggests commands that are safe to follow
     no_args_is_help=True,
@@ -96,9 +96,9 @@ def exit_code(arguments: Sequence[str]) -> int:
     except Exception as error:  # noqa: BLE001 - whatever it is, the user gets one line
         outcome = INTERRUPTED if process.interrupted() else _fault(error, arguments)
     if process.interrupted() or outcome == INTERRUPTED:  # other code may have swallowed the exception
-        resumes = "; the sweep resumes when it is started again" if "sweep" in arguments[:1] else ""
+        resumes = "; the same command resumes the sweep" if "sweep" in arguments[:1] else ""
         if "optimize" in arguments[:1] and "-o" in arguments:
-            resumes = "; the same command goes on where it stopped"
+            resumes = "; the same command continues where it stopped"
         return complain(f"interrupted{resumes}", INTERRUPTED)
     return outcome if isinstance(outcome, int) else OK
 
@@ -118,10 +118,10 @@ def _fault(error: Exception, arguments: Sequence[str]) -> int:
         return complain(told.getvalue().rstrip(), USAGE)
     if isinstance(error, OSError) and error.errno in FULL:
         where = error.filename or "a file"
-        remedy = "make room, or send it elsewhere"
+        remedy = "make room, or write it elsewhere"
         return complain(f"{where}: cannot be written: {os.strerror(error.errno)} ({remedy})", USAGE)
     if isinstance(error, OSError) and error.filename and error.errno in NO_PLACE:
-        remedy = "name another place, or give rights to what lies there"
+        remedy = "name another place, or change its permissions"
         return complain(f"{error.filename}: cannot be reached: {os.strerror(error.errno)} ({remedy})", USAGE)
     return _internal(error)
 
@@ -138,7 +138,7 @@ def _internal(error: Exception) -> int:
     if os.environ.get("SCREWSIM_DEBUG") == "1":
         traceback.print_exc()
     text = " ".join(f"{type(error).__name__}: {error}".split())
-    remedy = "this is a fault of screwsim, please report it with the scene (SCREWSIM_DEBUG=1 prints the traceback)"
+    remedy = "this is a bug in screwsim; please report it with the scene (SCREWSIM_DEBUG=1 prints the traceback)"
     return complain(f"internal error: {text}\n{remedy}", INTERNAL)
 
 

@@ -9,32 +9,33 @@ from screwsim.screen import say
 
 def datasheet(
     scene_file: SceneFile,
-    output: Annotated[File, option("OUT.html|.pdf", "Write the sheet as a page, or as PDF.", "-o")] = None,
+    output: Annotated[File, option("OUT.html|.pdf", "Write the sheet as an HTML page or a PDF.", "-o")] = None,
     evaporating: Annotated[
-        Text, option("LOW..HIGH", "Evaporating temperatures of a refrigeration machine's table.")
+        Text, option("LOW..HIGH", "Evaporating temperatures of the table (refrigeration machine).")
     ] = None,
-    condensing: Annotated[
-        Text, option("LOW..HIGH", "Its condensing temperatures, or pressures of its gas cooler.")
-    ] = None,
+    condensing: Annotated[Text, option("LOW..HIGH", "Its condensing temperatures, or gas-cooler pressures.")] = None,
     suction: Annotated[
-        Text, option("LOW..HIGH", "Suction pressures of a gas compressor's table; an expander's inlet.")
+        Text, option("LOW..HIGH", "Suction pressures of the table (gas compressor), or inlet pressures of an expander.")
     ] = None,
-    discharge: Annotated[Text, option("LOW..HIGH", "Its discharge pressures; an expander's outlet.")] = None,
+    discharge: Annotated[
+        Text, option("LOW..HIGH", "Its discharge pressures, or outlet pressures of an expander.")
+    ] = None,
     limits: Annotated[
-        Texts, option("FIGURE<VALUE", "A limit, e.g. 'discharge_temperature<110 degC'; repeat it.", "--limit")
+        Texts, option("FIGURE<VALUE", "A limit, e.g. 'discharge_temperature<110 degC'; repeatable.", "--limit")
     ] = None,
     heating: Annotated[
-        bool, switch("--heating", "Also tables of the heating capacity and its COP, of a heat pump.")
+        bool, switch("--heating", "Add tables of heating capacity and heating COP (heat pump).")
     ] = False,
     profile: Annotated[
-        str | None, option("LOADS.csv", "Flows and hours of an air package: its energy over them.", "--profile")
+        str | None,
+        option("LOADS.csv", "Flows and hours of an air package; adds its energy use over them.", "--profile"),
     ] = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
-    """Rate a machine over the states of its lines, at part load, by limits; an air package by ISO 1217."""
+    """Rate a machine over its operating states, at part load and within limits; an air package by ISO 1217."""
     scene = loaded(scene_file, overrides, without)
     if output is not None:
         from screwsim.report.datasheet import check_sheet

@@ -22,23 +22,24 @@ if TYPE_CHECKING:
     from screwsim.study.progress import Progress
 
 app = typer.Typer(
-    help="Write what other tools read: FMU, maps for system simulation, loads of the rotors.",
+    help="Write files for other tools: FMU, maps for system simulation, rotor loads.",
     no_args_is_help=True,
     suggest_commands=False,
     rich_markup_mode=None,
 )
 
-Source = Annotated[str, argument("SCENE|OUT.h5", "A scene, which is simulated, or a sweep's file.")]
+Source = Annotated[str, argument("SCENE|OUT.h5", "A scene to simulate, or the results file of a sweep.")]
 Over = Annotated[
-    Texts, option("PATH=LOW..HIGH", "What the map is over (default: the scene's sweep); repeat it.", "--over")
+    Texts,
+    option("PATH=LOW..HIGH", "An input of the map and its range (default: the scene's sweep); repeatable.", "--over"),
 ]
 Named = Annotated[
-    Texts, option("NAME", "What it gives (default: flow, power, discharge temperature, capacity).", "--figure")
+    Texts, option("NAME", "An output of the map (default: flow, power, discharge temperature, capacity).", "--figure")
 ]
-Wanted = Annotated[
-    float | None, option("E", "Relative error of the map that is asked for (default: 0.005).", "--error")
+Wanted = Annotated[float | None, option("E", "Largest relative error allowed in the map (default: 0.005).", "--error")]
+Most = Annotated[
+    int | None, option("N", "Largest number of grid points to simulate (default: 5000).", "--most-cases", min=2)
 ]
-Most = Annotated[int | None, option("N", "Cases of the grid at most (default: 5000).", "--most-cases", min=2)]
 RANGES = "narrow the ranges, or allow more --most-cases"
 
 
@@ -73,13 +74,15 @@ def ended(table: Table, files: list[str], as_json: bool) -> int:
 @app.command()
 def fmu(
     source: Source,
-    output: Annotated[Path, option("OUT.fmu", "Where the unit goes.", "-o", show_default=False)],
+    output: Annotated[Path, option("OUT.fmu", "File to write the FMU to.", "-o", show_default=False)],
     over: Over = None,
     figures: Named = None,
     wanted: Wanted = None,
     most: Most = None,
-    version: Annotated[Literal["2", "3"], option("2|3", "Version of FMI.", "--fmi")] = "2",
-    sources_only: Annotated[bool, switch("--sources-only", "Do not compile: C for whoever imports it.")] = False,
+    version: Annotated[Literal["2", "3"], option("2|3", "FMI version.", "--fmi")] = "2",
+    sources_only: Annotated[
+        bool, switch("--sources-only", "Do not compile; ship C sources for the importing tool.")
+    ] = False,
     kind: Annotated[
         Literal["table", "polynomial"],
         option("table|polynomial", "C1 table, or AHRI 540 polynomials of both saturation temperatures.", "--map"),
@@ -112,7 +115,7 @@ def fmu(
 @app.command()
 def modelica(
     source: Source,
-    output: Annotated[Path, option("OUT.mo", "Where the package goes.", "-o", show_default=False)],
+    output: Annotated[Path, option("OUT.mo", "File to write the package to.", "-o", show_default=False)],
     over: Over = None,
     figures: Named = None,
     wanted: Wanted = None,
@@ -122,7 +125,7 @@ def modelica(
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
-    """Write a Modelica package of a map of two inputs: tables of the standard library, and polynomials."""
+    """Write a Modelica package of a map with two inputs: standard-library tables, and polynomials."""
     options.check_target(output, ".mo")
     from screwsim.export.modelica import WRITTEN, identifier, package
     from screwsim.export.source import map_of
@@ -133,14 +136,14 @@ def modelica(
     name = identifier(output.stem)
     written = [_written(output, package(table, name))]
     if name != output.stem:
-        say(f"{output}: holds package {name}; a tool that finds packages by their files wants {name}.mo", err=True)
+        say(f"{output}: holds package {name}; tools that look packages up by file name expect {name}.mo", err=True)
     return ended(table, written, as_json)
 
 
 @app.command("csv")
 def comma_separated(
     source: Source,
-    output: Annotated[Path, option("OUT.csv", "Where the table goes.", "-o", show_default=False)],
+    output: Annotated[Path, option("OUT.csv", "File to write the table to.", "-o", show_default=False)],
     over: Over = None,
     figures: Named = None,
     wanted: Wanted = None,
@@ -150,7 +153,7 @@ def comma_separated(
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
-    """Write the nodes of a map as a table, SI units."""
+    """Write the nodes of a map as a table in SI units."""
     options.check_target(output, ".csv")
     from screwsim.export.csv_table import BETWEEN, csv_table
     from screwsim.export.source import map_of
@@ -164,14 +167,14 @@ def comma_separated(
 @app.command()
 def tespy(
     source: Source,
-    output: Annotated[Path, option("OUT.json", "Where the attributes go.", "-o", show_default=False)],
+    output: Annotated[Path, option("OUT.json", "File to write the attributes to.", "-o", show_default=False)],
     over: Over = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
-    """Write what TESPy's PolynomialCompressor is set to: polynomials of its efficiencies, one a speed."""
+    """Write the attributes of TESPy's PolynomialCompressor: efficiency polynomials, one per speed."""
     options.check_target(output, ".json")
     from screwsim.export.polynomials import swept
     from screwsim.export.tespy import FIGURES, tespy_document
@@ -182,22 +185,22 @@ def tespy(
         document = tespy_document(results)
     rows = [(each["at"], [each["largest_error"][name] for name in FIGURES]) for each in document["maps"]]
     if any(sum(each["dissipation_ratio_range"]) < 0.0 for each in document["maps"]):
-        why = "heat that comes to the gas, as from a motor, is none to TESPy: its discharge temperature is too low"
-        typer.echo(f"export: {why} (dissipation_ratio_range says by which share of the power)", err=True)
+        why = "TESPy ignores heat added to the gas, e.g. by a motor, so its discharge temperature is too low"
+        typer.echo(f"export: {why} (dissipation_ratio_range: as a share of the power)", err=True)
     return _finished(document, FIGURES, rows, [_written(output, document)], as_json)
 
 
 @app.command()
 def energyplus(
     source: Source,
-    output: Annotated[Path, option("OUT.idf|.epJSON", "Where the objects go.", "-o", show_default=False)],
+    output: Annotated[Path, option("OUT.idf|.epJSON", "File to write the objects to.", "-o", show_default=False)],
     over: Over = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
-    """Write curves for EnergyPlus: bicubic ones with their Refrigeration:Compressor, and biquadratic ones."""
+    """Write EnergyPlus curves: bicubic ones with their Refrigeration:Compressor, and biquadratic ones."""
     options.check_target(output, ".idf", ".epjson")
     from screwsim.export import energyplus as made_for
     from screwsim.export.polynomials import document, polynomials, rated, swept
@@ -221,7 +224,9 @@ def energyplus(
 @app.command()
 def en12900(
     source: Source,
-    output: Annotated[Path, option("OUT.csv|.json", "Where coefficients and tables go.", "-o", show_default=False)],
+    output: Annotated[
+        Path, option("OUT.csv|.json", "File to write coefficients and tables to.", "-o", show_default=False)
+    ],
     over: Over = None,
     ip: Annotated[bool, switch("--ip", "AHRI 540 in inch-pound units: degF, Btu/h, lb/h.")] = False,
     overrides: Overrides = None,
@@ -244,20 +249,20 @@ def en12900(
 
 @app.command()
 def loads(
-    source: Annotated[str, argument("SCENE|OUT.h5", "A scene, or the file of a run.")],
-    output: Annotated[Path, option("DIR", "The folder for curves, spectra, surfaces.", "-o", show_default=False)],
-    steps: Annotated[int, option("N", "Steps of a turn on the surfaces.", min=1)] = 48,
+    source: Annotated[str, argument("SCENE|OUT.h5", "A scene, or the results file of a run.")],
+    output: Annotated[Path, option("DIR", "Folder for curves, spectra and surfaces.", "-o", show_default=False)],
+    steps: Annotated[int, option("N", "Time steps per revolution on the surfaces.", min=1)] = 48,
     bearings: Annotated[
-        Text, option("A,B", "How far outside of the rotors' ends bearings lie, suction first, e.g. '40 mm,60 mm'.")
+        Text, option("A,B", "Distances of the bearings beyond the rotor ends, suction side first, e.g. '40 mm,60 mm'.")
     ] = None,
     shafts: Annotated[
-        Text, option("A,B", "Diameters of the shafts in the end faces, male first, e.g. '60 mm,50 mm'.")
+        Text, option("A,B", "Shaft diameters at the end faces, male rotor first, e.g. '60 mm,50 mm'.")
     ] = None,
     overrides: Overrides = None,
     without: Without = None,
     as_json: AsJson = False,
 ) -> int:
-    """Write loads and sound: forces on rotors and bearings, flows of both lines, spectra, rotor surfaces."""
+    """Write loads and noise sources: forces on rotors and bearings, flows in both lines, spectra, rotor surfaces."""
     options.check_drawer(output)
     from screwsim.export.loads import document, keep_other_loads, loads, write_loads
     from screwsim.export.source import run_of, spans_of

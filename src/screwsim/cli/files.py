@@ -14,11 +14,11 @@ from screwsim.screen import say
 
 def rotors(
     scene_file: SceneFile,
-    folder: Annotated[File, option("DIR", "Where figures, page, profiles and tables go.", "-o")] = None,
+    folder: Annotated[File, option("DIR", "Folder for figures, page, profiles and tables.", "-o")] = None,
     overrides: Overrides = None,
     as_json: AsJson = False,
 ) -> None:
-    """Say what the rotor profile of a scene gives, and draw it."""
+    """Print and draw the rotor geometry that follows from a scene's profile."""
     options.check_drawer(folder)
     scene = options.base_point(options.loaded(scene_file, overrides, None), scene_file)
     from screwsim.printing import print_json
@@ -37,10 +37,10 @@ def rotors(
 
 def plot(
     results_file: ResultsFile,
-    folder: Annotated[Text, option("DIR", "Where the figures go.", "-o")] = None,
+    folder: Annotated[Text, option("DIR", "Folder for the figures.", "-o")] = None,
     measured: Annotated[
         File,
-        option("POINTS.csv", "Pressures measured in a chamber (angle_deg, pressure_bar), beside the computed ones."),
+        option("POINTS.csv", "Measured chamber pressures (angle_deg, pressure_bar) to draw with the computed ones."),
     ] = None,
 ) -> None:
     """Draw the figures of a results file."""
@@ -59,7 +59,7 @@ def plot(
     points, trace = read_indicated(measured), chosen_trace(open_results(results_file))
     if trace is None:
         raise UsageError(
-            f"{results_file}: keeps no cycle to compare (screwsim run does; a sweep with output.keep: cycle)"
+            f"{results_file}: holds no cycle to compare (run stores one; a sweep does with output.keep: cycle)"
         )
     check_angles(points, trace)
     for path in drawn(results_file, folder, points):
@@ -69,26 +69,26 @@ def plot(
 
 def scene(
     results_file: ResultsFile,
-    output: Annotated[File, option("SCENE.yaml", "Where it goes (default: the screen).", "-o")] = None,
+    output: Annotated[File, option("SCENE.yaml", "File to write it to (default: the screen).", "-o")] = None,
 ) -> None:
-    """Write the scene that a results file holds, to simulate it again."""
+    """Write the scene stored in a results file, to simulate it again."""
     options.check_target(output, ".yaml", ".yml")
     from screwsim.results import open_results
     from screwsim.results.again import scene_text
     from screwsim.results.atomic import write_text
 
     if output is not None and output.exists():
-        raise UsageError(f"-o {output}: is there already, and is not overwritten (choose another name, or remove it)")
+        raise UsageError(f"-o {output}: already exists and is not overwritten (choose another name, or remove it)")
     text = scene_text(open_results(results_file))
     say(text.rstrip("\n") if output is None else write_text(output, text))
 
 
 def report(
     results_file: ResultsFile,
-    output: Annotated[Text, option("OUT.html", "Where the page goes (default: beside the file).", "-o")] = None,
-    other: Annotated[Text, option("OTHER.h5", "The paper's other sweep: claims need both.", "--with")] = None,
+    output: Annotated[Text, option("OUT.html", "File to write the page to (default: next to OUT.h5).", "-o")] = None,
+    other: Annotated[Text, option("OTHER.h5", "The paper's other sweep; its claims need both.", "--with")] = None,
 ) -> None:
-    """Make one page of a results file: figures, cycles, checks, scene; it opens in any browser, offline."""
+    """Make one HTML page of a results file: figures, cycles, checks, scene; it opens offline in any browser."""
     if output is not None:
         options.check_page(Path(output))
     from screwsim.report.page import report as made
@@ -102,13 +102,13 @@ def validate(
     names: Annotated[Texts, argument("[NAME]...", "Sources (default: all).")] = None,
     folder: Annotated[
         File,
-        option("DIR", "Where the sources lie, programs that are run (default: those of the package that is running)."),
+        option("DIR", "Folder of the reference programs to run (default: those of this package)."),
     ] = None,
-    output: Annotated[File, option("DIR", "Write validation.json and a figure a source.", "-o")] = None,
+    output: Annotated[File, option("DIR", "Folder for validation.json and a figure per source.", "-o")] = None,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
-    """Hold what is computed against each published reference. A verdict that fails is a finding: exit code 0."""
+    """Compare computed results with published references. A failed comparison still exits with 0."""
     options.check_drawer(output)
     from screwsim.printing import print_json, write_json
     from screwsim.report.validation import draw
@@ -137,8 +137,8 @@ def validate(
 
 
 def schema(
-    fit: Annotated[bool, switch("--fit", "That of a fit (screwsim calibrate) instead.")] = False,
-    stages: Annotated[bool, switch("--stages", "That of two stages in a row instead.")] = False,
+    fit: Annotated[bool, switch("--fit", "Schema of a fit (screwsim calibrate) instead.")] = False,
+    stages: Annotated[bool, switch("--stages", "Schema of a two-stage file instead.")] = False,
 ) -> None:
     """Print the JSON Schema of a scene."""
     from screwsim.printing import print_json
@@ -163,11 +163,11 @@ def explore(
     without: Without = None,
     port: Port = None,
     host: Annotated[
-        str, option("ADDRESS", "Address to listen on; any but the loopback one asks for a token.", "--host")
+        str, option("ADDRESS", "Address to listen on; any but loopback requires a token.", "--host")
     ] = "127.0.0.1",
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")] = True,
 ) -> None:
-    """Show a scene as a live page in the browser: sliders, rotors that turn, p–V that follows; Ctrl-C ends it."""
+    """Open a scene as a live page in the browser: sliders, turning rotors, p–V diagram; Ctrl-C ends it."""
     from screwsim.explore import check_extra
 
     check_extra()

@@ -9,21 +9,21 @@ from screwsim.screen import say
 
 FitFile = Annotated[str, argument("FIT", "Machine, parameters and points: a fit's YAML file.")]
 OtherScene = Annotated[
-    File, option("SCENE", "The machine, in place of the fit's own: e.g. scene.yaml of a calibration.", "--scene")
+    File, option("SCENE", "Machine to use instead of the fit's own, e.g. scene.yaml of a calibration.", "--scene")
 ]
-OtherData = Annotated[File, option("POINTS.csv", "Measured points in place of those of the fit.", "--data")]
+OtherData = Annotated[File, option("POINTS.csv", "Measured points to use instead of the fit's own.", "--data")]
 
 
 def diagnose(
     fit_file: FitFile,
     scene: OtherScene = None,
     data: OtherData = None,
-    unchanged: Annotated[float, option("P", "How probable it is beforehand that nothing changed.")] = 0.5,
-    pairs: Annotated[float, option("ODDS", "Odds beforehand of two changes at once against one; 0: one alone.")] = 0.1,
+    unchanged: Annotated[float, option("P", "Prior probability that nothing has changed.")] = 0.5,
+    pairs: Annotated[float, option("ODDS", "Prior odds of two changes against one; 0: single changes only.")] = 0.1,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
-    """Tell from new measured points which parameters of a machine have changed, one or two, and how probably."""
+    """Find from new measurements which one or two parameters of a machine have changed, with probabilities."""
     from screwsim.printing.diagnosis import diagnosis_document, print_diagnosis
     from screwsim.study.calibration import read_fit
     from screwsim.study.calibration.diagnosis import diagnose as diagnosed
@@ -36,21 +36,24 @@ def diagnose(
 
 def plan(
     fit_file: FitFile,
-    candidates: Annotated[
-        File, option("GRID.csv", "The operating points that could be measured.", "--candidates")
-    ] = None,
+    candidates: Annotated[File, option("GRID.csv", "Operating points that could be measured.", "--candidates")] = None,
     paths: Annotated[
-        Texts, option("PATH=LOW..HIGH", "Or: all combinations of values of such ranges; repeat it.", "--path")
+        Texts,
+        option(
+            "PATH=LOW..HIGH",
+            "Or a range of a condition; all combinations of the ranges are candidates; repeatable.",
+            "--path",
+        ),
     ] = None,
-    levels: Annotated[int | None, option("N", "Values of each range (default 4).")] = None,
-    count: Annotated[int, option("N", "How many points are chosen.")] = 3,
-    output: Annotated[File, option("NEXT.csv", "Write them as data of a fit, to be filled in.", "-o")] = None,
+    levels: Annotated[int | None, option("N", "Values per range (default 4).")] = None,
+    count: Annotated[int, option("N", "Number of points to choose.")] = 3,
+    output: Annotated[File, option("NEXT.csv", "Write them as a data file for a fit, to be filled in.", "-o")] = None,
     scene: OtherScene = None,
     data: OtherData = None,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
-    """Choose the operating points that would tell most about the parameters of a fit, beside its own."""
+    """Choose further operating points whose measurement would fix the parameters of a fit best."""
     check_target(output, ".csv")
     from screwsim.printing.plan import keep_measured, plan_document, print_plan, write_plan
     from screwsim.study.calibration import read_fit
@@ -58,7 +61,7 @@ def plan(
     from screwsim.study.calibration.plan import plan as planned
 
     if levels is not None and not paths:
-        raise UsageError(f"--levels {levels}: is of ranges (write --path PATH=LOW..HIGH)")
+        raise UsageError(f"--levels {levels}: applies to ranges only (write --path PATH=LOW..HIGH)")
     if output is not None:
         keep_measured(output)
     fit = read_fit(fit_file, scene=scene, data=data, fixed=False)

@@ -34,7 +34,7 @@ def _command(name: str, commands: list[str]) -> str:
     if re.search(r"\.(ya?ml|h5)$", name):
         usual = "report" if name.endswith("h5") else "run"
         verb = usual if usual in commands else f"export {commands[0]}"
-        return f"No such command '{name}': the command comes first (write screwsim {verb} {shlex.quote(name)})"
+        return f"No such command '{name}': the command must come first (write screwsim {verb} {shlex.quote(name)})"
     return f"No such command '{name}' (there are: {', '.join(commands)})"
 
 
@@ -49,7 +49,7 @@ def _quoted(arguments: Sequence[str]) -> str | None:
                 words.append(arguments[first])
                 first += 1
             if len(words) > 1:
-                return f"a value with blanks needs quotes (write {name} {shlex.quote(' '.join(words))})"
+                return f"a value with spaces needs quotes (write {name} {shlex.quote(' '.join(words))})"
     return None
 
 

@@ -10,48 +10,48 @@ from screwsim.screen import say
 
 def new(
     kind: Annotated[
-        Text, argument("KIND", "refrigeration, heat_pump, air, booster (sucks at pressure), expander or reciprocating.")
+        Text,
+        argument("KIND", "refrigeration, heat_pump, air, booster (suction above ambient), expander or reciprocating."),
     ] = None,
-    fluid: Annotated[Text, option("NAME", "What is compressed (default: the kind's).")] = None,
+    fluid: Annotated[Text, option("NAME", "Working fluid (default: that of the kind).")] = None,
     displacement: Annotated[
-        Text, option("FLOW", "Displaced volume at the speed, e.g. '600 m^3/h' (default: the kind's).")
+        Text, option("FLOW", "Swept volume flow at the speed, e.g. '600 m^3/h' (default: that of the kind).")
     ] = None,
-    diameter: Annotated[Text, option("LENGTH", "Of the male rotor, in place of --displacement, e.g. '204 mm'.")] = None,
-    vi: Annotated[float | None, option("RATIO", "Built-in volume ratio (default: what the pressures ask for).")] = None,
-    speed: Annotated[Text, option("SPEED", "Of the male rotor, or the crank (default: 2950 rpm).")] = None,
+    diameter: Annotated[
+        Text, option("LENGTH", "Male rotor diameter, instead of --displacement, e.g. '204 mm'.")
+    ] = None,
+    vi: Annotated[float | None, option("RATIO", "Built-in volume ratio (default: by the pressure ratio).")] = None,
+    speed: Annotated[Text, option("SPEED", "Speed of the male rotor or crank (default: 2950 rpm).")] = None,
     oil: Annotated[Text, option("NAME", "A stored oil, e.g. POE_68, mineral_46 (default: the fluid's).")] = None,
     condition: Annotated[
         Text,
         option(
             "LOW/HIGH",
-            "Both lines, e.g. '0/40 degC, 10 K' (superheat), '1 bar/7.5 bar(g)', '20/7 bar, 100 degC' (inlet).",
+            "Operating condition, e.g. '0/40 degC, 10 K' (superheat), '1 bar/7.5 bar(g)', '20/7 bar, 100 degC' "
+            "(inlet).",
         ),
     ] = None,
     motor: Annotated[
-        Text, option("POWER", "Rated power of the motor; without another size one is sought that loads it in full.")
+        Text, option("POWER", "Rated motor power; if no other size is given, one is sought that loads it fully.")
     ] = None,
     capacity: Annotated[
         Text,
-        option("POWER", "What a refrigeration machine cools, a heat pump heats, e.g. '300 kW': its size is sought."),
+        option("POWER", "Cooling capacity, or heating capacity of a heat pump, e.g. '300 kW'; the size is sought."),
     ] = None,
     flow: Annotated[
-        Text, option("FLOW", "Free air that a package delivers, e.g. '7.5 m^3/min': its size is sought.")
+        Text, option("FLOW", "Free air delivery of an air package, e.g. '7.5 m^3/min'; the size is sought.")
     ] = None,
     pressure: Annotated[
-        Text, option("PRESSURE", "At an air package's outlet, in place of --condition, e.g. '7.5 bar(g)'.")
+        Text, option("PRESSURE", "Outlet pressure of an air package, instead of --condition, e.g. '7.5 bar(g)'.")
     ] = None,
-    economizer: Annotated[
-        bool, switch("--economizer", "With an economizer's port, of refrigeration and heat_pump.")
-    ] = False,
-    slide: Annotated[
-        bool, switch("--slide", "With a slide valve for part load, of refrigeration and heat_pump.")
-    ] = False,
+    economizer: Annotated[bool, switch("--economizer", "Add an economizer port (refrigeration, heat_pump).")] = False,
+    slide: Annotated[bool, switch("--slide", "Add a slide valve for part load (refrigeration, heat_pump).")] = False,
     variable_speed: Annotated[
-        bool, switch("--variable-speed", "An air package with an inverter, and the speeds of its sheet.")
+        bool, switch("--variable-speed", "Air package with an inverter, swept over the speeds of its sheet.")
     ] = False,
-    output: Annotated[File, option("SCENE.yaml", "Where it goes (default: the screen).", "-o")] = None,
+    output: Annotated[File, option("SCENE.yaml", "File to write it to (default: the screen).", "-o")] = None,
 ) -> None:
-    """Write a complete, commented scene of a realistic machine: leaks, oil, losses, scaled with its size."""
+    """Write a complete, commented scene of a realistic machine, with leaks, oil and losses scaled to its size."""
     if output is not None:
         _free(output)
     from screwsim.results.atomic import write_text
@@ -104,8 +104,8 @@ def _free(output: Path) -> None:
     """Raise UsageError unless a scene can be written there without replacing anything."""
     if output.suffix.lower() not in (".yaml", ".yml"):
         good = output.with_suffix(".yaml")
-        raise UsageError(f"-o {output}: a scene is written, which ends in .yaml (write -o {good})")
+        raise UsageError(f"-o {output}: a scene file must end in .yaml (write -o {good})")
     if output.name.endswith((".fit.yaml", ".stages.yaml")):
-        raise UsageError(f"-o {output}: ends as a fit or a plant of two stages does (write another name)")
+        raise UsageError(f"-o {output}: is named like a fit or a two-stage file (choose another name)")
     if output.exists():
-        raise UsageError(f"-o {output}: is there already, and is not overwritten (choose another name, or remove it)")
+        raise UsageError(f"-o {output}: already exists and is not overwritten (choose another name, or remove it)")

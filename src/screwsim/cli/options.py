@@ -64,7 +64,7 @@ def check_results(output: Path) -> None:
         good = output.with_suffix(RESULTS[0])
         also = "; screwsim report makes a page of it" if output.suffix.lower() in PAGES else ""
         raise UsageError(
-            f"-o {output}: results are written as HDF5, which ends in {', '.join(RESULTS)} (write -o {good}{also})"
+            f"-o {output}: results are HDF5, so the name must end in {', '.join(RESULTS)} (write -o {good}{also})"
         )
     if output.is_dir():
         raise UsageError(f"-o {output}: is a folder (name a file in it, e.g. -o {output / 'out.h5'})")
@@ -73,7 +73,7 @@ def check_results(output: Path) -> None:
 def check_target(output: Path | None, *endings: str) -> None:
     """Raise UsageError unless the file name has one of the endings."""
     if output is not None and output.suffix.lower() not in endings:
-        raise UsageError(f"-o {output}: has no ending that tells its format (write one of {', '.join(endings)})")
+        raise UsageError(f"-o {output}: needs an ending that states its format (one of {', '.join(endings)})")
 
 
 def check_columns(output: Path | None, title: str, *names: str) -> None:
@@ -92,14 +92,16 @@ def check_page(output: Path) -> None:
     keep_without(output, PAGE)
     if output.suffix.lower() not in PAGES:
         good = output.with_suffix(PAGES[0])
-        raise UsageError(f"-o {output}: a page is written, which ends in {' or '.join(PAGES)} (write -o {good})")
+        raise UsageError(
+            f"-o {output}: a page is written, so the name must end in {' or '.join(PAGES)} (write -o {good})"
+        )
 
 
 def check_drawer(folder: Path | None) -> None:
     """Raise UsageError where a folder's name is that of a file, by its ending or because a file is there."""
     if folder is not None and (folder.suffix.lower() in FILES or folder.is_file()):
         good = folder.with_suffix("") if folder.suffix else folder.with_name(f"{folder.name}_files")
-        raise UsageError(f"-o {folder}: several files are written, into a folder (write e.g. -o {good})")
+        raise UsageError(f"-o {folder}: several files are written, so name a folder (e.g. -o {good})")
 
 
 def check_place(output: Path) -> None:
@@ -131,7 +133,7 @@ def say_left_aside(scene: Scene, whose: str, remedy: str) -> None:
     count = case_count(scene)
     if scene.sweep:
         cases = f"{count} case{'s' if count != 1 else ''}"
-        typer.echo(f"{whose} sweep of {cases} is left aside, and the point without it is taken ({remedy})", err=True)
+        typer.echo(f"{whose} sweep of {cases} is ignored, and the scene's own point is used ({remedy})", err=True)
 
 
 def complain(text: str, code: int) -> int:

@@ -20,31 +20,33 @@ if TYPE_CHECKING:
 
 def run(
     scene_file: SceneFile,
-    output: Annotated[File, option("OUT.h5", "Write the result, with traces.", "-o")] = None,
+    output: Annotated[File, option("OUT.h5", "Write the result, including traces.", "-o")] = None,
     overrides: Overrides = None,
     without: Without = None,
-    knock_out: Annotated[
-        bool, switch("--knock-out", "Leave each effect out in turn, and say what that changes.")
-    ] = False,
+    knock_out: Annotated[bool, switch("--knock-out", "Leave out each effect in turn and report what changes.")] = False,
     together: Annotated[
-        Texts, option("GROUP", "Leave out at once: leaks, oil, friction, walls, or effects with commas; repeat it.")
+        Texts,
+        option(
+            "GROUP",
+            "Leave out together: leaks, oil, friction, walls, or a comma-separated list of effects; repeatable.",
+        ),
     ] = None,
     measured: Annotated[
         Texts,
         option(
-            "FIGURE=VALUE", "Judge by what was measured, e.g. 'shaft_power=132 kW ± 2 kW'; repeat it.", "--measured"
+            "FIGURE=VALUE", "Compare with a measured value, e.g. 'shaft_power=132 kW ± 2 kW'; repeatable.", "--measured"
         ),
     ] = None,
-    short: Annotated[bool, switch("--short", "Print the ten figures that are read first, on one screen.")] = False,
+    short: Annotated[bool, switch("--short", "Print only the ten main figures, on one screen.")] = False,
     as_json: AsJson = False,
 ) -> int:
-    """Simulate one operating point, or two stages in a row (a file with stages: [first.yaml, second.yaml])."""
+    """Simulate one operating point, or two stages in series (a file with stages: [first.yaml, second.yaml])."""
     from screwsim.study.stages import is_stages
 
     if short and (as_json or knock_out or together):
         table = "--knock-out" if knock_out else "--together"
-        whole, other = ("prints everything", "--json") if as_json else ("asks for a table of its own", table)
-        raise UsageError(f"--short: is for a look at the figures, and {other} {whole} (remove one of the two)")
+        whole, other = ("prints everything", "--json") if as_json else ("prints a table of its own", table)
+        raise UsageError(f"--short: prints the main figures only, but {other} {whole} (remove one of the two)")
     if is_stages(scene_file):
         other = "--short" if short else "--measured" if measured else "--together" if together else ""
         if other:
@@ -133,10 +135,10 @@ def _run_stages(
         options.check_place(place)
     for name, scene in (("first", chain.first), ("second", chain.second)):
         options.say_left_aside(
-            scene, f"{file}: the {name} scene's", "stages are not swept: run them once a value, with --set"
+            scene, f"{file}: the {name} scene's", "a two-stage file is not swept: run it once per value, with --set"
         )
         if scene.uncertain or scene.model_error:
-            told = "tolerances are left aside (screwsim run of that scene tells what they make)"
+            told = "tolerances are ignored (screwsim run of that scene shows their effect)"
             say(f"{file}: the {name} scene's {told}", err=True)
     found = run_stages(chain)
     if places and found.scenes:
@@ -154,31 +156,29 @@ def _run_stages(
 
 def sweep(
     scene_file: SceneFile,
-    output: Annotated[File, option("OUT.h5", "Where the results go (default: results/SCENE.h5).", "-o")] = None,
+    output: Annotated[File, option("OUT.h5", "File to write the results to (default: results/SCENE.h5).", "-o")] = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
     scheduler: Annotated[Text, option("ADDRESS|FILE", "Compute on a dask scheduler's workers instead.")] = None,
     case_limit: Annotated[
         float | None,
-        option("SECONDS", "Give up a case after that time (default: 300; with --jobs 1: never).", min=0.001),
+        option("SECONDS", "Time limit per case (default: 300; with --jobs 1: none).", min=0.001),
     ] = None,
-    restart: Annotated[bool, switch("--restart", "Compute again what is there.")] = False,
-    batch: Annotated[
-        bool, switch("--batch", "Solve points side by side, in the lanes of each core: for many points.")
-    ] = False,
+    restart: Annotated[bool, switch("--restart", "Discard stored results and start over.")] = False,
+    batch: Annotated[bool, switch("--batch", "Solve many points at once in the SIMD lanes of each core.")] = False,
     gpu: Annotated[
-        bool, switch("--gpu", "The same on an NVIDIA GPU that all workers share: for thousands of points.")
+        bool, switch("--gpu", "The same on an NVIDIA GPU shared by all workers, for thousands of points.")
     ] = False,
     as_json: AsJson = False,
 ) -> int:
-    """Simulate the grid of a scene, or resume it."""
+    """Simulate all cases of a scene's sweep, or resume it."""
     if scheduler is not None and jobs is not None:
-        raise UsageError("--jobs belongs to this machine; a --scheduler has workers of its own (remove one of the two)")
+        raise UsageError("--jobs counts workers on this machine; a --scheduler has its own (remove one of the two)")
     scene = loaded(scene_file, overrides, without)
     if not scene.sweep:
         raise UsageError(
-            f"{scene_file}: has no sweep (write a block sweep:, or --set 'sweep.operation.speed=[1000 rpm, 3000 rpm]'; "
+            f"{scene_file}: has no sweep (add a sweep: block, or --set 'sweep.operation.speed=[1000 rpm, 3000 rpm]'; "
             "one point is simulated by screwsim run)"
         )
     from screwsim.printing import print_json, print_sweep, sweep_document
@@ -196,22 +196,22 @@ def sweep(
 
 def explain(
     scene_file: SceneFile,
-    names: Annotated[Texts, argument("[EFFECT]...", "With --parameters: of these effects or sections.")] = None,
+    names: Annotated[Texts, argument("[EFFECT]...", "With --parameters: effects or sections to list.")] = None,
     overrides: Overrides = None,
     without: Without = None,
-    code: Annotated[bool, switch("--code", "Print the text that is compiled for the scene.")] = False,
+    code: Annotated[bool, switch("--code", "Print the code that is compiled for the scene.")] = False,
     parameters: Annotated[
-        bool, switch("--parameters", "Say of every key its unit, default, range and meaning.")
+        bool, switch("--parameters", "List every key with its unit, default, range and meaning.")
     ] = False,
 ) -> None:
-    """Say what is simulated, and what is left out: of a scene, or of two stages in a row."""
+    """List what is simulated and what is left out, for a scene or two stages in series."""
     from screwsim.study.stages import explain_stages, is_stages, read_stages
 
     if names and not parameters:
-        what = "names an effect, which belongs to --parameters"
+        what = "is an effect, which only --parameters takes"
         raise UsageError(f"{names[0]}: {what} (write screwsim explain {scene_file} --parameters {names[0]})")
     if parameters and code:
-        raise UsageError("--parameters and --code are two answers (ask for one of the two)")
+        raise UsageError("--parameters and --code exclude each other (remove one of the two)")
     if is_stages(scene_file):
         if without or code or parameters:
             option = "--without" if without else "--code" if code else "--parameters"
@@ -231,16 +231,16 @@ def explain(
 
 def accuracy(
     scene_file: SceneFile,
-    folder: Annotated[File, option("DIR", "Where table, data and figure go (default: nowhere).", "-o")] = None,
+    folder: Annotated[File, option("DIR", "Folder for table, data and figure (default: not written).", "-o")] = None,
     overrides: Overrides = None,
     without: Without = None,
-    quick: Annotated[bool, switch("--quick", "Try less: seconds instead of minutes.")] = False,
+    quick: Annotated[bool, switch("--quick", "A shorter study: seconds instead of minutes.")] = False,
 ) -> int:
-    """Say what accuracy costs in time: integrators, gases, numerical choices, effects, size."""
+    """Measure how computing time grows with accuracy: integrators, gases, numerical choices, effects, size."""
     from screwsim.study.stages import is_stages
 
     if is_stages(scene_file):
-        raise UsageError(f"{scene_file}: describes two stages, and accuracy is of one scene (name that of a stage)")
+        raise UsageError(f"{scene_file}: describes two stages, and accuracy needs one scene (name that of one stage)")
     scene = base_point(loaded(scene_file, overrides, without), scene_file)
     options.check_drawer(folder)
     from screwsim.printing import accuracy_drawing

@@ -18,23 +18,23 @@ if TYPE_CHECKING:
 def find(
     scene_file: SceneFile,
     vary: Annotated[
-        Texts, option("PATH[=LOW..HIGH]", "What is varied, e.g. operation.speed; repeat it.", "--vary")
+        Texts, option("PATH[=LOW..HIGH]", "Path to vary, e.g. operation.speed; repeatable.", "--vary")
     ] = None,
     goals: Annotated[
-        Texts, option("FIGURE=VALUE", "What is wanted, e.g. 'cooling_capacity=500 kW'; repeat it.", "--for")
+        Texts, option("FIGURE=VALUE", "Target, e.g. 'cooling_capacity=500 kW'; repeatable.", "--for")
     ] = None,
     catalogue: Annotated[
-        Text, option("SIZES", "Sizes that there are, e.g. '140,163,204 mm': the next one up.", "--catalogue")
+        Text, option("SIZES", "Available sizes, e.g. '140,163,204 mm'; the next larger one is chosen.", "--catalogue")
     ] = None,
     output: Annotated[
-        File, option("FOUND.yaml", "Write the scene found (the rows of a sweep: .csv, .h5).", "-o")
+        File, option("FOUND.yaml", "Write the scene found (for a sweep, its rows as .csv or .h5).", "-o")
     ] = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
-    """Find the values of paths at which figures are what you want: a speed for a capacity, a size for a duty."""
+    """Find values of paths that give wanted figures: a speed for a capacity, a size for a duty."""
     scene = loaded(scene_file, overrides, without)
     from screwsim.printing.find import find_document, print_find, write_find
     from screwsim.scene import case_count
@@ -50,7 +50,7 @@ def find(
         options.check_columns(output, "goal seek", "solutions", "failed_solutions", "status", "message")
     if output is not None and not table:
         if several:
-            raise UsageError(f"-o {output}: the sweep gives several answers, a row each (write -o FOUND.csv or .h5)")
+            raise UsageError(f"-o {output}: the sweep gives one answer per row (write -o FOUND.csv or .h5)")
         check_scene_file(output)
     rows = find_each(scene, asked, jobs=jobs, progress=bar("find"))
     show(as_json, find_document, print_find, scene, asked, rows)
@@ -68,30 +68,37 @@ def find(
 def optimize(
     scene_file: SceneFile,
     vary: Annotated[
-        Texts, option("PATH=LOW..HIGH", "What is varied, e.g. oil_supply.ratio=0.3..3; repeat it.", "--vary")
+        Texts,
+        option("PATH=LOW..HIGH", "Path to vary and its range, e.g. oil_supply.ratio=0.3..3; repeatable.", "--vary"),
     ] = None,
-    maximize: Annotated[Texts, option("FIGURE", "What is to be highest; repeat it.", "--maximize")] = None,
-    minimize: Annotated[Texts, option("FIGURE", "What is to be lowest; repeat it.", "--minimize")] = None,
+    maximize: Annotated[Texts, option("FIGURE", "Figure to maximize; repeatable.", "--maximize")] = None,
+    minimize: Annotated[Texts, option("FIGURE", "Figure to minimize; repeatable.", "--minimize")] = None,
     subject_to: Annotated[
-        Texts, option("FIGURE<VALUE", "A bound, e.g. 'discharge_temperature<90 degC'; repeat it.", "--subject-to")
+        Texts,
+        option("FIGURE<VALUE", "Bound on a figure, e.g. 'discharge_temperature<90 degC'; repeatable.", "--subject-to"),
     ] = None,
     over: Annotated[
-        Text, option("POINTS.csv|NAME", "Weighted over points: a file, IPLV, ESEER, SEER, SEPR, or …-water.", "--over")
+        Text,
+        option("POINTS.csv|NAME", "Weighted operating points: a file, IPLV, ESEER, SEER, SEPR, or …-water.", "--over"),
     ] = None,
     print_points: Annotated[
-        bool, switch("--print-points", "Print the points of --over as CSV, to be changed, and end.")
+        bool, switch("--print-points", "Print the points of --over as editable CSV, and exit.")
     ] = False,
-    output: Annotated[File, option("OUT.h5", "Keep all evaluations; an interrupted run goes on.", "-o")] = None,
-    best: Annotated[File, option("BEST.yaml", "Write the best scene (of one aim).", "--best")] = None,
-    evaluations: Annotated[int | None, option("N", "Sets of values at most (default: 100 a path).", min=1)] = None,
-    seed: Annotated[int, option("N", "Seed of the search.", min=0)] = 1,
+    output: Annotated[
+        File, option("OUT.h5", "Store all evaluations, so that an interrupted run can resume.", "-o")
+    ] = None,
+    best: Annotated[File, option("BEST.yaml", "Write the best scene (single aim only).", "--best")] = None,
+    evaluations: Annotated[
+        int | None, option("N", "Largest number of evaluations (default: 100 per path).", min=1)
+    ] = None,
+    seed: Annotated[int, option("N", "Random seed of the search.", min=0)] = 1,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
-    restart: Annotated[bool, switch("--restart", "Compute again what is there.")] = False,
+    restart: Annotated[bool, switch("--restart", "Discard stored results and start over.")] = False,
     as_json: AsJson = False,
 ) -> int:
-    """Find the values of paths at which figures are best: one aim or several, within bounds, over operating points."""
+    """Find values of paths that make figures best: one or several aims, within bounds, over operating points."""
     scene = loaded(scene_file, overrides, without)
     from screwsim.printing.optimize import optimize_document, print_optimize
     from screwsim.study.optimize import question, run, spans_of
@@ -111,8 +118,8 @@ def optimize(
         options.check_results(output)
     if best is not None:
         if len(asked.aims) > 1:
-            remedy = "take one of the front: --json has its values"
-            raise UsageError(f"--best {best}: of several aims there is no best ({remedy})")
+            remedy = "pick a point of the front: --json lists their values"
+            raise UsageError(f"--best {best}: several aims have no single best ({remedy})")
         check_scene_file(best, "--best")
     found = run(asked, output, jobs=jobs, restart=restart, progress=bar("optimize"))
     show(as_json, optimize_document, print_optimize, found)

@@ -25,20 +25,20 @@ RPM = math.pi / 30.0
 
 def optimum(
     scene_file: SceneFile,
-    path: Annotated[str, option("PATH", "What is varied.")] = "oil_supply.ratio",
+    path: Annotated[str, option("PATH", "Path to vary.")] = "oil_supply.ratio",
     figure: Annotated[
-        Text, option("NAME", "What is to be highest (default: an efficiency, by the gas).", "--figure")
+        Text, option("NAME", "Figure to maximize (default: an efficiency that suits the gas).", "--figure")
     ] = None,
-    minimum: Annotated[bool, switch("--minimum", "Look for the lowest instead.")] = False,
-    first: Annotated[Text, option("VALUE", "Where the range begins.", "--from")] = None,
-    last: Annotated[Text, option("VALUE", "Where the range ends.", "--to")] = None,
+    minimum: Annotated[bool, switch("--minimum", "Minimize it instead.")] = False,
+    first: Annotated[Text, option("VALUE", "Lower end of the range.", "--from")] = None,
+    last: Annotated[Text, option("VALUE", "Upper end of the range.", "--to")] = None,
     output: Annotated[File, option("OUT.csv|.h5", "Write the table.", "-o")] = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
-    """Find the best value of one path, for each point of the sweep's other axes."""
+    """Find the best value of one path at each point of the sweep's other axes."""
     scene = loaded(scene_file, overrides, without)
     from screwsim.printing.optimum import optimum_document, print_optimum, write_optimum
     from screwsim.study.inputs import told_efficiency
@@ -57,23 +57,23 @@ def optimum(
 
 
 def performance_map(
-    results_file: Annotated[str, argument("OUT.h5", "Results of a sweep.")],
+    results_file: Annotated[str, argument("OUT.h5", "Results file of a sweep.")],
     figures: Annotated[
         Texts,
-        option("NAME", "What is fitted (default: electrical or shaft power, mass flow, cooling capacity).", "--figure"),
+        option("NAME", "Figure to fit (default: electrical or shaft power, mass flow, cooling capacity).", "--figure"),
     ] = None,
     points: Annotated[
         Texts,
         option(
             "NAME=VALUE,…",
-            "Evaluate the map there, e.g. 'evaporating_temperature=0 degC, condensing_temperature=40 degC'; repeat it.",
+            "Evaluate the map at e.g. 'evaporating_temperature=0 degC, condensing_temperature=40 degC'; repeatable.",
             "--at",
         ),
     ] = None,
     output: Annotated[File, option("OUT.csv|.json", "Write the map.", "-o")] = None,
     as_json: AsJson = False,
 ) -> int:
-    """Fit the ten coefficients of AHRI 540 and EN 12900 to a sweep over both temperatures, or evaluate them."""
+    """Fit the ten AHRI 540 / EN 12900 coefficients to a sweep over both temperatures, or evaluate them."""
     from screwsim.printing.performance_map import (
         keep_other_maps,
         map_document,
@@ -103,36 +103,37 @@ def performance_map(
 
 def sensitivity(
     scene_file: SceneFile,
-    places: Annotated[Texts, argument("[PATH]…", "With --local: by which numbers (default: all).")] = None,
+    places: Annotated[Texts, argument("[PATH]…", "With --local: inputs to differentiate by (default: all).")] = None,
     local: Annotated[bool, switch("--local", "Derivatives at the point itself, instead of indices.")] = False,
     check_sobol: Annotated[
-        int | None, option("N", "Hold the linear uncertainty by the scene's tolerances against N samples.")
+        int | None, option("N", "Check the linear uncertainty from the scene's tolerances against N samples.")
     ] = None,
     paths: Annotated[
-        Texts, option("PATH=LOW..HIGH", "What varies, e.g. oil_supply.ratio=0.5..2; repeat it.", "--path")
+        Texts,
+        option("PATH=LOW..HIGH", "Path to vary and its range, e.g. oil_supply.ratio=0.5..2; repeatable.", "--path"),
     ] = None,
     figures: Annotated[
-        Texts, option("NAME", "Of what (default: efficiency, mass flow; --local: all).", "--figure")
+        Texts, option("NAME", "Figure to study (default: efficiency and mass flow; --local: all).", "--figure")
     ] = None,
     samples: Annotated[
         int | None,
-        option("N", "Base samples, a power of two (default: 256; 32 of one path); solutions are N (paths + 2)."),
+        option("N", "Base samples, a power of two (default: 256; 32 for one path); takes N (paths + 2) solutions."),
     ] = None,
-    seed: Annotated[int, option("N", "Seed of samples and confidence intervals.", min=0)] = 1,
+    seed: Annotated[int, option("N", "Random seed of the samples and confidence intervals.", min=0)] = 1,
     output: Annotated[File, option("OUT.csv|.h5", "Write the indices.", "-o")] = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
-    """Tell which inputs a figure depends on: Sobol indices over ranges, or with --local derivatives at the point."""
+    """Rank the inputs that a figure depends on: Sobol indices over ranges, or derivatives at the point (--local)."""
     scene = options.base_point(loaded(scene_file, overrides, without), scene_file)
     if check_sobol is not None:
         return _checked(scene, check_sobol, jobs, as_json)
     if local:
         return _local(scene, (places or (), paths or ()), figures or (), output, jobs, as_json)
     if places:
-        raise UsageError(f"{places[0]}: a path without a range (write --path PATH=LOW..HIGH, or add --local)")
+        raise UsageError(f"{places[0]}: has no range (write --path PATH=LOW..HIGH, or add --local)")
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
     from screwsim.printing.tables import wrapped
     from screwsim.study.inputs import told_efficiency
@@ -188,7 +189,7 @@ def _local(
 
     places, ranges = asked
     if ranges:
-        raise UsageError(f"--path {ranges[0]}: --local has no ranges (name the path alone, without --path)")
+        raise UsageError(f"--path {ranges[0]}: --local takes no ranges (name the path alone, without --path)")
     if output is not None and output.suffix.lower() == ".h5":
         options.check_place(output)
     else:
@@ -203,12 +204,16 @@ def _local(
 
 def compare(
     first: Annotated[str, argument("A.h5", "Results of run or sweep.")],
-    second: Annotated[str, argument("B.h5", "What they are compared with.")],
-    tolerance: Annotated[float, option("T", "Relative difference that counts as none, beside numerical error.")] = 0.0,
-    folder: Annotated[File, option("DIR", "Write all common points as a table, and figures of both.", "-o")] = None,
+    second: Annotated[str, argument("B.h5", "Results file to compare it with.")],
+    tolerance: Annotated[
+        float, option("T", "Relative difference to ignore, in addition to the numerical error.")
+    ] = 0.0,
+    folder: Annotated[
+        File, option("DIR", "Folder for a table of all common points and figures of both files.", "-o")
+    ] = None,
     as_json: AsJson = False,
 ) -> int:
-    """Tell what differs between two results files. A difference is a finding: exit code 0."""
+    """Compare two results files. A difference still exits with 0."""
     options.check_drawer(folder)
     from screwsim.printing.compare import comparison_document, print_comparison, write_comparison
     from screwsim.results import open_results
@@ -223,19 +228,19 @@ def compare(
 
 
 def calibrate(
-    fit_file: Annotated[str, argument("FIT", "What is fitted to what, a YAML file.")],
-    folder: Annotated[File, option("DIR", "Write scene.yaml, fit.json and the residual figure.", "-o")] = None,
+    fit_file: Annotated[str, argument("FIT", "Fit file (YAML): scene, measured points and parameters.")],
+    folder: Annotated[File, option("DIR", "Folder for scene.yaml, fit.json and the residual figure.", "-o")] = None,
     posterior: Annotated[
-        bool, switch("--posterior", "Say with what probability the points tell what (extra `posterior`).")
+        bool, switch("--posterior", "Also sample the posterior of the parameters (extra `posterior`).")
     ] = False,
     predict: Annotated[
         File,
-        option("POINTS.csv", "Say what would be measured at other points, with intervals (does --posterior, too)."),
+        option("POINTS.csv", "Predict other points, with intervals (implies --posterior)."),
     ] = None,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
-    """Fit parameters of a scene to measured points, and say how far the data fix them."""
+    """Fit parameters of a scene to measured points, and report how well the data fix them."""
     options.check_drawer(folder)
     from screwsim.printing import print_json
     from screwsim.printing.calibration import calibration_document, check_folder, print_calibration, write_calibration
@@ -279,20 +284,20 @@ def calibrate(
 
 def tolerance(
     scene_file: SceneFile,
-    grade: Annotated[int, option("IT", "ISO 286 grade of crank, rod and offset.")] = 10,
+    grade: Annotated[int, option("IT", "ISO 286 tolerance grade of crank, rod and offset.")] = 10,
     crank_grade: Annotated[int | None, option("IT", "Grade of the crank alone.")] = None,
     rod_grade: Annotated[int | None, option("IT", "Grade of the rod alone.")] = None,
     offset_grade: Annotated[int | None, option("IT", "Grade of the offset alone.")] = None,
     bore_grade: Annotated[int | None, option("IT", "Grade of the bore (default: exact).")] = None,
-    count: Annotated[int, option("N", "Machines that are drawn.")] = 64,
-    seed: Annotated[int, option("N", "Seed of the random numbers.", min=0)] = 1,
+    count: Annotated[int, option("N", "Number of machines to draw.")] = 64,
+    seed: Annotated[int, option("N", "Random seed.", min=0)] = 1,
     folder: Annotated[File, option("DIR", "Write the figures.", "-o")] = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
-    """Say what errors of a slider-crank's lengths do to its motion and, by Monte Carlo, to the compressor."""
+    """Find how length errors of a slider-crank change its motion and, by Monte Carlo, the compressor."""
     options.check_drawer(folder)
     scene = options.base_point(loaded(scene_file, overrides, without), scene_file)
     from screwsim.printing.tolerance import print_tolerance, tolerance_document
@@ -314,9 +319,9 @@ def tolerance(
 
 def startup(
     scene_file: SceneFile,
-    folder: Annotated[File, option("DIR", "Where traces and figure go.", "-o")] = None,
-    creep: Annotated[float, option("RPM", "Speed at which the start begins.", min=0.1)] = 30.0,
-    longest: Annotated[float, option("SECONDS", "Give up after so long.", min=0.01)] = 10.0,
+    folder: Annotated[File, option("DIR", "Folder for traces and figure.", "-o")] = None,
+    creep: Annotated[float, option("RPM", "Speed at the start.", min=0.1)] = 30.0,
+    longest: Annotated[float, option("SECONDS", "Simulated time after which to give up.", min=0.01)] = 10.0,
     overrides: Overrides = None,
     without: Without = None,
     as_json: AsJson = False,

@@ -217,7 +217,7 @@ def _closed(pitch: Pitch, nearly: float, linear: Linear | None, own: Kept) -> tu
         last = tamed(response.of(0).nodes + of_unknowns.weighted(change).nodes, last)
         Y = stepped(pitch, Y, last)
         pitch.meet(entries.coordinates(met) + change, met)
-    raise NotClosed(f"the collocated cycle leaves {size:.1g} open")
+    raise NotClosed(f"the collocated cycle leaves a residual of {size:.1g} open")
 
 
 def linearised(cycle: Closed, changes: Sequence[Change], injected: Sources) -> Linearised:

@@ -69,7 +69,7 @@ class Directions:
         except UsageError:
             problem, by = shifted(-step), -step
         if problem.composition.text != self.cycle.pitch.machinery.composition.text:
-            raise Structural("decides on the structure of the model")
+            raise Structural("decides the structure of the model")
         problem.__dict__["called"] = (
             self.cycle.pitch.problem.called
         )  # the structure is the same, so are the figures called for

@@ -39,7 +39,7 @@ STEP = 2e-7  # relative shift of a number, for differences
 AROUND = 100.0  # [K, kPa], the size that unknowns of the surroundings are shifted relative to
 LEFT = 1e-5  # [K, kPa], largest admissible residual of the surroundings of the collocated cycle ...
 TIMES = 3  # ... unless so many Newton steps were made
-ONE_CHAMBER = "one chamber at a time is integrated, whose valves and seats have events of their own"
+ONE_CHAMBER = "chambers are integrated one at a time, with valve and seat events of their own"
 DRIVEN = "the speed follows from the drive"
 SOUGHT = "the oil flow, an economizer or a valve is found with the cycle"
 

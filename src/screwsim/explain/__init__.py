@@ -38,7 +38,7 @@ STATE_MEANINGS = {
     "rho": "gas density [kg/m³], gas mass over volume",
     "T_oil": "oil temperature [K]",
     "x_oil": "oil mass over gas mass",
-    "w_gas": "gas dissolved in the oil, per oil",
+    "w_gas": "dissolved gas per mass of oil",
 }
 __all__ = ["WIDTH", "Explanation", "code", "explain"]
 BALANCES = "balances of mass and energy M1, M2; work M7"
@@ -65,7 +65,7 @@ def code(scene: Scene) -> str:
         composition = compose(build_parts(scene))
         if composition.chambers == 1:
             return composition.text
-        between = "\n\n# all chambers together, compiled when they are needed\n\n"
+        between = "\n\n# all chambers together, compiled only when needed\n\n"
         return composition.text + between + composition.together()
 
 
@@ -79,7 +79,7 @@ def explain(scene: Scene) -> Explanation:
     sections = [
         ("Machine", _machine(scene, parts)),
         (f"Active effects ({_counted(scene, left_out)})", _effects(scene, parts)),
-        ("Left out: no term, no state, no computing time", _left_out(left_out)),
+        ("Left out: adds no term, no state and no computing time", _left_out(left_out)),
         ("Chamber", _chamber(parts, model, "male rotor" if ROTORS in kind.offers else "shaft")),
         ("Flow paths", _paths(parts)),
         ("Gas", gas_rows(scene, parts)),
@@ -133,9 +133,7 @@ def _screws(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     yield from _otherwise(machine, parts)
     if parts.geometry.expands:
         yield row(
-            "",
-            "the machine below runs backwards: its laws are taken at one life minus the angle, and its lines are "
-            "swapped (M150)",
+            "", "the machine below runs backwards: its laws at one life minus the angle, its lines swapped (M150)"
         )
     laws = {"volume": machine.volume, "suction_port": machine.suction_port, "discharge_port": machine.discharge_port}
     numbers = {"volume": "M16", "suction_port": "M17", "discharge_port": "M18"}
@@ -156,7 +154,7 @@ def _otherwise(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     port, ratio = machine.discharge_port, machine.built_in_volume_ratio
     if ratio is not None and port is not None and port.from_file:
         opens = math.degrees(parts.geometry.discharge_law().opens or 0.0)
-        what = f"which shifts the table of the discharge port: opens {opens:.5g} deg (M394)"
+        what = f"to which the table of the discharge port is shifted: opens {opens:.5g} deg (M394)"
         yield row("volume ratio", f"{ratio:g}, {what}")
     elif ratio is not None and not machine.volume.from_rotors:
         yield row("volume ratio", f"{ratio:g}, from which the discharge port's angles follow (M16)")
@@ -186,9 +184,9 @@ def _slide(slide: Any, laid: Laid) -> str:
     """Return the position of a slide valve, and its effect on a chamber."""
     told = parameters_text(slide, skip=())
     if not laid.moved:
-        return f"{told}; at full load, its slot is shut"
+        return f"{told}; at full load, with its slot shut"
     share, ratio = closed_in(laid.rotors, laid.curves)
-    return f"{told}; closes in {100.0 * share:.3g} % of the volume, at a volume ratio of {ratio:.3g}"
+    return f"{told}; traps {100.0 * share:.3g} % of the volume, at a volume ratio of {ratio:.3g}"
 
 
 def _sections(values: Any, under: str = "") -> Iterator[str]:
@@ -208,7 +206,7 @@ def _effects(scene: Scene, parts: Parts) -> Iterator[str]:
         given = [each.name for each in active.effect.figures if each.name in called]
         yield from (row("", text) for text in _about(active, parts.effects[name], parts.dissolves, given))
     if not scene.effects:
-        yield row("none", "a closed chamber: its gas is compressed and expands again")
+        yield row("none", "a closed chamber, whose gas is compressed and expands again")
     told = leaks_told(scene)
     if told:
         yield row("leaks", told.removeprefix("leaks "))
@@ -226,7 +224,7 @@ def _about(active: ActiveEffect, built: Any, dissolves: bool, given: list[str]) 
     added += [f"state {HELD_GAS}" for part in built if isinstance(part, base.OilGas) and dissolves]
     added += [f"plenum {part.name}" for part in built if isinstance(part, base.Plenum)]
     added += [f"figure {name}" for name in given]
-    added += ["changed intake state" for part in built if isinstance(part, base.SuctionChange)]
+    added += ["a changed state of the suction gas" for part in built if isinstance(part, base.SuctionChange)]
     added += [
         "speed, motor speed and twist over the pitch, closed with the chambers"
         for part in built
@@ -263,7 +261,7 @@ def _chamber(parts: Parts, model: Composition, axis: str) -> Iterator[str]:
     yield row("states", f"{states}; {BALANCES}")
     if geometry.chambers == 1:
         yield row("life", f"{math.degrees(geometry.life):g} deg of the crank, from top dead centre; one chamber")
-        yield row("trapped mass", f"at bottom dead centre, {math.degrees(geometry.injection_angle):.6g} deg")
+        yield row("trapped mass", f"at the bottom dead centre, {math.degrees(geometry.injection_angle):.6g} deg")
         return
     yield row("life", f"{math.degrees(geometry.life):g} deg of the {axis}")
     pitch = math.degrees(geometry.pitch)
@@ -286,16 +284,18 @@ def _paths(parts: Parts) -> Iterator[str]:
                 pitches = "lobe pitch" if path.offset == 1 else "lobe pitches"
                 ends = f"chamber - chamber {path.offset} {pitches} ahead"
             held = ", ".join(["", *filter(None, [path.law_title, path.resistance and path.resistance.title])])
-            held += ", opened by its valve" if path.opening is not None else ""
+            held += ", open as its valve is" if path.opening is not None else ""
             yield row(name, f"{ends}, flow coefficient {path.flow_coefficient:g}{held}")
     yield row("every path", "nozzle flow in both directions, choking included (M12, M13)")
     if parts.geometry.chambers > 1:
-        yield row("ahead of the last", "the discharge line; behind the first one there is no gap")
+        yield row("ahead of the last", "chamber lies the discharge line; behind the first one there is no gap")
 
 
 def _numerics(scene: Scene) -> Iterator[str]:
     numerics, wanted = scene.numerics, wanted_of(scene.numerics, regularisation(scene))
-    yield row("accuracy", f"{numerics.accuracy:g} for the performance figures; bound for the balances")
+    yield row(
+        "accuracy", f"{numerics.accuracy:g} requested for the performance figures; also the bound of the balances"
+    )
     origin = "given" if numerics.rtol is not None else "from the accuracy"
     histories = f", of histories {wanted.of_histories * wanted.rtol:.3g}" if wanted.of_histories < 1.0 else ""
     yield row("integrator", f"{numerics.integrator}, rtol {wanted.rtol:.3g}{histories} ({origin})")
@@ -309,7 +309,7 @@ def _size(model: Composition) -> Iterator[str]:
     n = len(model.states)
     yield row("one chamber", f"{n} states, {len(model.plenum_paths) + len(model.gap_paths)} flow paths")
     if model.made:
-        beside = f"{len(model.made)} numbers of effects besides the discharge line (docs/explanation/closing.md)"
+        beside = f"{len(model.made)} values of effects, besides the discharge line (docs/explanation/closing.md)"
         yield row("found with cycle", beside)
     yield row("coupled", f"{n} states x {model.chambers} chambers = {n * model.chambers}")
     yield row("breakpoints", f"{len(model.breakpoints)} angles of one life where a law is not smooth; steps end there")
@@ -323,6 +323,6 @@ def _sweep(scene: Scene) -> Iterator[str]:
             yield row(f"{dimension.name}", f"{kinds}{words}") if words else f"  {dimension.name}: {kinds}"
             continue
         sample = dimension.joint.sample
-        how = f"{sample.kind.replace('_', ' ')}, seed {sample.seed}" if sample else "one by one"
+        how = f"{sample.kind.replace('_', ' ')}, seed {sample.seed}" if sample else "side by side"
         yield f"  {dimension.name}: {kinds} ({how}) of"
         yield from (f"    {path}" for path in dimension.paths)

@@ -17,7 +17,7 @@ from screwsim.scene.units import Gauge, readable_quantity
 
 TRANSPORT = {
     "paper": "paper: the ratio d stays constant after {at} (M9); leaking gas makes oil appear and vanish",
-    "carried": "carried: oil mass is a state, leaks carry the oil of the upstream chamber (M8, M9)",
+    "carried": "carried: oil mass is a state, and leaks carry oil from the donor chamber (M8, M9)",
 }
 
 
@@ -33,8 +33,8 @@ def gas_rows(scene: Scene, parts: Parts) -> Iterator[str]:
     at, operation = lines(scene), scene.operation
     if isinstance(gas, MoistAir):
         humid = f"relative humidity {scene.gas.relative_humidity:g} of the suction line"
-        yield row("water", f"{gas.humidity_ratio:.5g} per dry air ({humid}, M320)")
-        where = "discharge pressure" if package_of(scene) is None else "the outlet's pressure, of what is sucked"
+        yield row("water", f"{gas.humidity_ratio:.5g} per mass of dry air ({humid}, M320)")
+        where = "discharge pressure" if package_of(scene) is None else "the outlet's pressure, for the intake air"
         water_dew = gas.dew_point(at.p_d)
         told = f"below {in_celsius(DRIEST)}" if water_dew is None else in_celsius(water_dew)
         yield row("dew point", f"{told} at {where} (M327)")
@@ -46,25 +46,27 @@ def gas_rows(scene: Scene, parts: Parts) -> Iterator[str]:
     T_d = operation.discharge.temperature
     back = "mean temperature of the outflow (M27)" if T_d is None else readable_quantity(KINDS["temperature"], T_d)
     yield row(
-        "surroundings", f"{in_celsius(operation.ambient_temperature)}, the reference of exergy in the ledger (M59)"
+        "surroundings", f"{in_celsius(operation.ambient_temperature)}, the reference of the ledger's exergy (M59)"
     )
-    back = f"what flows back has {'the ' if T_d is None else ''}{back}"
+    back = f"backflow has {'the ' if T_d is None else ''}{back}"
     yield row("discharge line", f"{in_bar(at.p_d)}{bubble}; {back}")
     if package_of(scene) is not None:
-        yield row("package", "both are its lines; what it loses to the machine is found with the cycle (M341-M343)")
+        yield row(
+            "package", "both lines are the package's; its losses up to the machine are found with the cycle (M341-M343)"
+        )
     if operation.condensing_temperature is not None:
         subcooling = readable_quantity(KINDS["temperature_difference"], operation.subcooling or 0.0)
         yield row("cooling", f"liquid subcooled by {subcooling}; enthalpies of the real fluid (M43)")
     cooler = operation.gas_cooler
     if cooler is not None:
         T = readable_quantity(KINDS["temperature"], cooler.outlet_temperature)
-        yield row("cooling", f"the gas cooler leaves it at {T}; enthalpies of the real fluid (M330)")
+        yield row("cooling", f"leaves the gas cooler at {T}; enthalpies of the real fluid (M330)")
 
 
 def _over(scene: Scene, p: float | None) -> str:
     """Return the remark on a pressure that was stated as a gauge pressure."""
     ambient = readable_quantity(KINDS["pressure"], scene.operation.ambient_pressure)
-    return f" ({p.written} over {ambient} of the surroundings)" if isinstance(p, Gauge) else ""
+    return f" ({p.written} above ambient {ambient})" if isinstance(p, Gauge) else ""
 
 
 def _stated(T: float | None, point: str) -> str:
@@ -83,19 +85,19 @@ def oil_rows(scene: Scene, parts: Parts) -> Iterator[str]:
     if port is not None:
         at = f"a port up to {math.degrees(port.closes):g} deg"
     behind = "" if supply.line is None else ", after its line (M392)"
-    equation = f"its ratio d at {at} is given" if supply.pumped else f"the orifice decides (M30){behind}"
+    equation = f"its ratio d at {at} is given" if supply.pumped else f"set by the orifice (M30){behind}"
     equation = equation if supply.discharge_temperature is None else f"its ratio d at {at} is found (M370)"
     equation = equation if supply.flow is None else f"its ratio d at {at} is found (M393)"
     foreign = ("kind", "orifice_count") if supply.pumped else ("kind", "source")
     yield row("supply", f"{supply.kind}: {equation}; {parameters_text(supply, skip=foreign)}")
     if supply.temperature is None:
-        outlet = "is that of the cooler's outlet (M283)"
-        found = "is found with the cycle (M284)" if open_temperatures(scene)[0] else outlet
+        outlet = "that of the cooler's outlet (M283)"
+        found = "found with the cycle (M284)" if open_temperatures(scene)[0] else outlet
         yield row("temperature", found)
     if parts.oil_room:
         yield row(
-            "room", "the oil takes up volume in the chambers (M106); the indicated work raises it to discharge pressure"
+            "room", "the oil displaces gas in the chambers (M106); the indicated work raises it to discharge pressure"
         )
     heated = any("T_oil" in active.effect.states for active in scene.effects.values())
     text = TRANSPORT.get(oil.transport, oil.transport).format(at=at)
-    yield row("transport", text if heated else "oil exchanges no heat and is not part of the balances (no oil_heat)")
+    yield row("transport", text if heated else "oil exchanges no heat and is not in the balances (no oil_heat)")

@@ -45,7 +45,7 @@ def _part(scene: Scene, name: str, known: dict[str, Effect], kind: str) -> Itera
         return
     if name not in known and name in catalogue():
         raise UsageError(
-            f"--parameters {name}: is not an effect of a {kind} (screwsim explain lists those that it can have)"
+            f"--parameters {name}: is not an effect of a {kind} (screwsim explain lists the possible ones)"
         )
     if name not in known and "." not in name:
         raise UsageError(f"--parameters {name}: {unknown(name, [*SECTIONS, *known])}")

@@ -48,14 +48,14 @@ class Changes:
 def read_changes(raw: Any) -> Changes:
     """Return the changes sent by a page ({set: {path: value}, effects: {name: true}}); raise Refused."""
     if not isinstance(raw, dict) or not raw.keys() <= {"set", "effects"}:
-        raise Refused("the settings are no mapping of set and effects (reload the page)")
+        raise Refused("the settings are not a mapping of set and effects (reload the page)")
     values, effects = raw.get("set", {}), raw.get("effects", {})
     if not isinstance(values, dict) or not isinstance(effects, dict) or len(values) + len(effects) > MOST:
-        raise Refused(f"set and effects are no mappings, or hold more than {MOST} changes (reload the page)")
+        raise Refused(f"set and effects are not mappings, or hold more than {MOST} changes (reload the page)")
     if not all(isinstance(each, bool) for each in effects.values()):
         raise Refused("an effect is neither on nor off: true or false (reload the page)")
     if not all(map(str.isprintable, (*values, *effects))):  # half a character could not even be reported
-        raise Refused("a name in the settings is none that can be printed (reload the page)")
+        raise Refused("a name in the settings has unprintable characters (reload the page)")
     return Changes(values, effects)
 
 
@@ -78,7 +78,7 @@ def active(scene: Scene, effects: Mapping[str, bool]) -> dict[str, Effect]:
     known = possible(scene)
     for name in effects:
         if name not in known:
-            raise Refused(f"effects.{name[:LONGEST]}: a page switches the effects of this machine, and no other module")
+            raise Refused(f"effects.{name[:LONGEST]}: a page can switch the effects of this machine only")
     return {name: effect for name, effect in known.items() if effects.get(name, name in scene.effects)}
 
 
@@ -114,11 +114,11 @@ def _tolerance(scene: Scene, leaves: Mapping[str, Leaf], path: str, raw: Any) ->
 def _value(leaf: Leaf | None, path: str, raw: Any) -> str:
     """Return a value as YAML text; raise Refused."""
     if leaf is None:
-        raise Refused(f"{path[:LONGEST]}: a page changes numbers, choices and effects of the scene, and nothing else")
+        raise Refused(f"{path[:LONGEST]}: a page can change numbers, choices and effects of the scene only")
     if raw is None:
         return "null"
     if isinstance(raw, str) and len(raw) > LONGEST:
-        raise Refused(f"{path}: has more than {LONGEST} letters")
+        raise Refused(f"{path}: has more than {LONGEST} characters")
     if leaf.kind == "choice" and raw not in leaf.limits["options"]:
         raise Refused(f"{path}: {shown(raw)} is not an option (choose from: {', '.join(leaf.limits['options'])})")
     try:

@@ -111,7 +111,7 @@ class Worker:
         if solving > most or compiling > self.patience.compiling:
             seconds = max(solving, compiling)
             what = "compilation" if compiling > self.patience.compiling else "solution"
-            raise Dead(f"the {what} was given up after {seconds:.0f} s (change the settings, or go back)")
+            raise Dead(f"the {what} was stopped after {seconds:.0f} s (change the settings, or undo)")
 
     def too_large(self) -> bool:
         """Tell whether the process uses more memory than a page should."""
@@ -123,11 +123,11 @@ class Worker:
 
 def _how_it_ended(process: Any) -> str:
     if process is None:
-        return "before it began"
+        return "before it started"
     process.join(1.0)
     code = process.exitcode
     if code is None:
-        return "without a word"
+        return "for an unknown reason"
     return f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
 
 

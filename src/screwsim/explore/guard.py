@@ -37,15 +37,15 @@ class Rules:
         headers = found
         host, origin = headers.get("host", ""), headers.get("origin")
         if self.names and host not in self.names:
-            return 403, "called by a name that is not its own (open the address that screwsim explore printed)"
+            return 403, "called under another host name (open the address that screwsim explore printed)"
         if origin is not None and origin not in (f"http://{host}", f"https://{host}"):
             return 403, "asked by another page"
         if headers.get("sec-fetch-site", "none") not in SAFE and not _is_navigation(scope, headers):
             return 403, "asked by another page"
         if scope["type"] == "websocket" and origin is None and "sec-fetch-site" in headers:
-            return 403, "asked by a page without an origin"
+            return 403, "requested by a page without an origin"
         if self.token and not hmac.compare_digest(_token(scope).encode(), self.token.encode()):
-            return 403, "the token is missing or wrong (open the whole address that screwsim explore printed)"
+            return 403, "the token is missing or wrong (open the full address that screwsim explore printed)"
         length = headers.get("content-length", "0")
         if not length.isdigit() or int(length) > LARGEST:
             return 413, f"the body is larger than {LARGEST} bytes"

@@ -68,9 +68,9 @@ class Page:
         try:
             asked = json.loads(text)
         except (ValueError, RecursionError):
-            raise Wrong("a message is no JSON") from None
+            raise Wrong("a message is not JSON") from None
         if not isinstance(asked, dict):
-            raise Wrong("a message is no mapping")
+            raise Wrong("a message is not a mapping")
         if asked.get("kind") == "point":
             number, machine = asked.get("number"), asked.get("machine", "")
             if type(number) is not int or number != self._asked + 1 or not isinstance(machine, str):
@@ -83,7 +83,7 @@ class Page:
             self._aside = Job("slopes", asked.get("changes"), {"lane": "slopes", "id": asked["id"]})
             self._aside_awake.set()
         else:
-            raise Wrong("a message has no kind that is known")
+            raise Wrong("a message is of no known kind")
         self._awake.set()
 
     def _take_points(self, lane: str, asked: dict[str, Any]) -> None:
@@ -91,10 +91,10 @@ class Page:
         points, changes, name = asked.get("points"), asked.get("changes"), asked.get("id")
         values = changes.get("set", {}) if isinstance(changes, dict) else None
         if not isinstance(points, list) or len(points) > MOST_POINTS or type(name) is not int:
-            raise Wrong("points are no list, or too many")
+            raise Wrong("points are not a list, or too many")
         pairs = (isinstance(each, list) and len(each) == 2 and isinstance(each[0], str) for each in points)
         if not isinstance(changes, dict) or not isinstance(values, dict) or not all(pairs):
-            raise Wrong("points are no [path, value] beside settings")
+            raise Wrong("points are not pairs [path, value] for the settings")
         self._lanes[lane].clear()
         for index, (path, value) in enumerate(points):
             changed = {**changes, "set": {**values, path: value}}

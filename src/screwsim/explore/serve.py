@@ -100,7 +100,7 @@ def _bound(host: str, port: int | None) -> socket.socket:
             reason = os.strerror(number_of) if number_of else str(error)
             if number == wanted[-1]:
                 raise UsageError(
-                    f"--host {host} --port {number}: cannot be listened on: {reason} (choose another --port, or none)"
+                    f"--host {host} --port {number}: cannot listen there: {reason} (choose another --port, or omit it)"
                 ) from None
         else:
             return bound
@@ -235,7 +235,7 @@ async def _read(socket: WebSocket, page: Page) -> None:
             try:
                 text = await socket.receive_text()
             except KeyError:
-                raise Wrong("a message is no text") from None
+                raise Wrong("a message is not text") from None
             page.take(text)
             if wait := pace.wait():
                 await asyncio.sleep(wait)
@@ -249,7 +249,7 @@ async def _made(desk: Desk, request: Request) -> Response:
     try:
         changes = _changes((await request.body()).decode(), request.headers.get("content-type", ""))
     except (ValueError, RecursionError):
-        return PlainTextResponse("the settings are no JSON\n", 400, HEADERS)
+        return PlainTextResponse("the settings are not JSON\n", 400, HEADERS)
     except ClientDisconnect:
         return PlainTextResponse("the body is too large\n", 413, HEADERS)
     async with desk.files:

@@ -115,7 +115,7 @@ def answered(named: tuple[str, tuple[str, ...]], job: Job) -> bytes:
     except (Refused, UsageError) as error:
         return answer.refused(str(error), job.tag)
     except MemoryError:
-        return answer.refused("the solution asks for too much memory (change the settings)", job.tag)
+        return answer.refused("the solution needs too much memory (change the settings)", job.tag)
     except Exception as error:  # noqa: BLE001 - the page reports it and continues
         text = " ".join(f"{type(error).__name__}: {error}".split())
         return answer.refused(f"internal error: {text}; please report it with these settings", job.tag)

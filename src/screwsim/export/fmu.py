@@ -24,7 +24,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.results.atomic import OTHERS, check_target_kind, replacing
 
 ERROR, VALID = "error_estimate", "valid"
-_ERROR_MEANS = "largest relative error of the map at points inside; 1 outside, where nothing is known"
+_ERROR_MEANS = "largest relative error of the map at points inside; 1 outside, where it is unknown"
 _VALID_MEANS = "inside the ranges, among points whose cycles closed"
 _BITS = {"x86_64": "x86_64", "amd64": "x86_64", "arm64": "aarch64", "aarch64": "aarch64"}
 _SYSTEMS = {"linux": ("linux", "so"), "darwin": ("darwin", "dylib"), "win32": ("windows", "dll")}
@@ -89,8 +89,8 @@ def compiler() -> str:
     found = next((shutil.which(name) for name in (wanted, "cc", "gcc", "clang") if name and shutil.which(name)), None)
     if found is None:
         raise UsageError(
-            "no C compiler is found (install one, name one in the variable CC, or write --sources-only: "
-            "the unit then holds C for whoever imports it)"
+            "no C compiler is found (install one, name one in the variable CC, or write --sources-only: the unit then "
+            "ships C for the importing tool)"
         )
     return found
 
@@ -108,7 +108,7 @@ def compile_shared(sources: dict[str, str], names: tuple[str, ...], ending: str)
         )
         if done.returncode:
             said = next((line for line in done.stderr.splitlines() if "error" in line), done.stderr.strip()[:200])
-            raise UsageError(f"{command} cannot compile the map: {said} (try another compiler by the variable CC)")
+            raise UsageError(f"{command} cannot compile the map: {said} (name another compiler in the variable CC)")
         return Path(folder, target).read_bytes()
 
 
@@ -292,8 +292,8 @@ def page(table: Table, name: str) -> str:
 <html lang="en"><head><meta charset="utf-8"><title>{escape(name)}</title></head><body>
 <h1>{escape(table.title or name)}</h1>
 <p>A map with continuous gradients, in SI units. Errors are relative ({escape(table.how)}; of temperatures, over
-100 K; of other figures, over their size or a tenth of their largest). Outside of the ranges, and among points without
-a closed cycle, <code>{VALID}</code> is false, and what is given is the value at the border.</p>
+100 K; of other figures, over their size or a tenth of their largest). Outside the ranges, and among points without
+a closed cycle, <code>{VALID}</code> is false, and the outputs are the values at the border.</p>
 <table>{inputs}{outputs}
 <tr><td>{ERROR}</td><td>1</td><td>{_ERROR_MEANS}</td></tr><tr><td>{VALID}</td><td>Boolean</td><td>{_VALID_MEANS}</td></tr>
 </table></body></html>

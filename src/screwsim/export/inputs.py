@@ -90,7 +90,7 @@ def read_inputs(scene: Scene, over: Sequence[str]) -> tuple[Input, ...]:
         if not axes:
             raise UsageError(
                 "there is nothing to map over: the scene has no sweep over numbers (write e.g. "
-                "--over 'operation.speed=1500 rpm..4500 rpm', and once more for each other path)"
+                "--over 'operation.speed=1500 rpm..4500 rpm', repeated for each further path)"
             )
         for path in axes:
             check_continuous(scene, path)
@@ -143,7 +143,7 @@ def check_names(inputs: Sequence[Input], outputs: Sequence[Output]) -> None:
     paths: dict[str, str] = {}
     for one in inputs:
         if one.name in paths:
-            what = f"{paths[one.name]} and {one.path} are both called {one.name} outside"
+            what = f"{paths[one.name]} and {one.path} would both be called {one.name} in the export"
             raise UsageError(f"no map: {what} (vary one of them)")
         paths[one.name] = one.path
     for each in outputs:
@@ -210,7 +210,7 @@ def exponents(units: str) -> dict[str, int]:
     for text, sign in ((above, 1), (below, -1)):
         for name, power in _PART.findall(text):
             if name not in _DERIVED:
-                raise ValueError(f"{units}: {name} is no unit of the SI")
+                raise ValueError(f"{units}: {name} is not an SI unit")
             for base, exponent in _DERIVED[name].items():
                 found[base] = found.get(base, 0) + sign * exponent * int(power or 1)
     return {name: power for name, power in found.items() if power}

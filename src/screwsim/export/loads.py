@@ -81,7 +81,7 @@ def flows_of(scene: Scene, result: Result) -> tuple[Array, dict[str, Array]]:
             found[f"{line}_mass_flow"] = sign * flow.sum(axis=1)
             found[f"{line}_volume_flow"] = found[f"{line}_mass_flow"] / densities[line]
     if not found:
-        raise UsageError("the cycle has no flow through a port (name effects.suction_port and effects.discharge_port)")
+        raise UsageError("the cycle has no flow through a port (add effects.suction_port and effects.discharge_port)")
     return angle, found
 
 

@@ -29,7 +29,7 @@ def package(table: Table, name: str) -> str:
             f"package {name} {words}",
             "  extends Modelica.Icons.Package;",
             _tables(table),
-            '  package Polynomials "The same figures as cubics of both inputs"',
+            '  package Polynomials "The same figures as cubic polynomials of both inputs"',
             "    extends Modelica.Icons.Package;",
             *(_function(table, i) for i in range(len(table.outputs))),
             "  end Polynomials;",

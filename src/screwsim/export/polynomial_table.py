@@ -50,7 +50,9 @@ def check_inputs(inputs: Sequence[Input]) -> None:
     missing = [path for path in (EVAPORATING, CONDENSING) if path not in paths]
     if missing:
         absent = " and no ".join(missing)
-        raise UsageError(f"no polynomials: the map is over no {absent}, of which they are (name ranges by --over)")
+        raise UsageError(
+            f"no polynomials: they need {absent}, over which the map does not run (name ranges with --over)"
+        )
 
 
 def _grid(table: Grid, temperatures: Sequence[int]) -> Grid:
@@ -96,8 +98,8 @@ def _fitted(
         found[index], _, rank, _ = np.linalg.lstsq(design[inside], values[inside])
         if rank < len(TERMS):
             raise UsageError(
-                f"no polynomials: of {len(S)} points at one value of the other inputs {int(inside.sum())} lie among "
-                "closed ones (narrow the ranges)"
+                f"no polynomials: of {len(S)} points at one value of the other inputs only {int(inside.sum())} lie "
+                f"among closed ones (narrow the ranges)"
             )
     return found
 

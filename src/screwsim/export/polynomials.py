@@ -50,14 +50,14 @@ class Polynomials:
         Raise UsageError for a path that varies within the map, as it has no single value.
         """
         if path in self.within:
-            what = f"{path} varies together with a temperature, and what is written takes one value of it"
+            what = f"{path} varies together with a temperature, but the export takes one value of it"
             raise UsageError(f"{what} (vary it on an axis of its own)")
         return float(one.values.get(path, self.conditions.get(path, 0.0)))
 
     def superheat(self, one: PerformanceMap) -> float:
         """Return the superheat [K] of the suction gas in a map; raise UsageError where that gas is wet."""
         if QUALITY in self.conditions or QUALITY in one.values or QUALITY in self.within:
-            raise UsageError(f"{QUALITY} is of wet gas, and what is written takes a superheat (export en12900)")
+            raise UsageError(f"{QUALITY} is for wet gas, but the export takes a superheat (use export en12900)")
         return self.condition(one, SUPERHEAT)
 
 
@@ -90,7 +90,7 @@ def swept(
     missing = [path for path in (EVAPORATING, CONDENSING) if path not in scene.sweep]
     if missing:
         raise UsageError(
-            f"{source}: is swept over no {' and no '.join(missing)}, of which these polynomials are (write e.g. "
+            f"{source}: is swept over no {' and no '.join(missing)}, which these polynomials need (write e.g. "
             f"--over '{EVAPORATING}=-10 degC..10 degC' --over '{CONDENSING}=30 degC..50 degC')"
         )
     if told is not None:
@@ -104,7 +104,7 @@ def swept(
 def polynomials(results: Results, figures: Sequence[str]) -> Polynomials:
     """Return the polynomials of some figures; raise UsageError where there can be none."""
     if any(axis.values.dtype.kind != "f" for axis in results.axis_list):
-        raise UsageError(f"{results.path}: has an axis of words (export a sweep of one of them)")
+        raise UsageError(f"{results.path}: has a non-numeric axis (export a sweep of one of its values)")
     maps = tuple(one for one in performance_maps(results, figures) if not one.message)
     axes = {axis.path: axis.units for axis in results.axis_list if axis.path in maps[0].values}
     units = {name: results.figure(name).units for name in maps[0].fits}

@@ -77,7 +77,7 @@ def check_shafts(rotors: Rotors, shafts: tuple[float, float]) -> None:
         if 0.5 * shaft >= root:
             raise UsageError(
                 f"--shafts: {1e3 * shaft:.4g} mm is not less than {2e3 * root:.4g} mm, the {name} rotor's diameter "
-                "at the roots (write that of the shaft where it leaves the end face)"
+                "at the roots (write the shaft diameter at the end face)"
             )
 
 
@@ -106,7 +106,7 @@ def _tangent(chain: Chain, one: int, two: int) -> float:
     dx, dy = x[two] - x[one], y[two] - y[one]
     along, across = np.cos(angle) * dx - np.sin(angle) * dy, np.sin(angle) * dx + np.cos(angle) * dy
     if abs(across) > STEEPEST * abs(along):
-        raise UsageError("the flanks of this profile lie along the pitch circle, and transmit no torque there")
+        raise UsageError("the flanks of this profile lie along the pitch circle, so they transmit no torque there")
     return float(abs(across / along))
 
 

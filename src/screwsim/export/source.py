@@ -64,7 +64,9 @@ def map_of(
     asked = WANTED if wanted is None else wanted
     if not scene.numerics.accuracy < asked < 1.0:
         what = f"is not between the scene's numerics.accuracy {scene.numerics.accuracy:g} and 1"
-        raise UsageError(f"--error {asked:g}: {what} (a map cannot be better than what it is made from)")
+        raise UsageError(
+            f"--error {asked:g}: {what} (a map cannot be more accurate than the solutions it is made from)"
+        )
     inputs, outputs = read_inputs(scene, over or ()), read_outputs(scene, figures or ())
     if told is not None:
         told(scene, inputs)
@@ -82,7 +84,7 @@ def run_of(source: str, overrides: Sequence[str] = (), without: Sequence[str] = 
         raise UsageError(f"{source}: holds results, which --set and --without cannot change (name their scene instead)")
     results = open_results(source)
     if results.shape or "angle" not in results.cycle:
-        raise UsageError(f"{source}: holds no cycle of one run (write it with screwsim run -o, or name the scene)")
+        raise UsageError(f"{source}: holds no cycle of one run (write one with screwsim run -o, or name the scene)")
     try:
         scene = loads(results.scene_yaml, source, str(Path(source).resolve().parent))
     except SceneError as error:
@@ -104,6 +106,6 @@ def spans_of(text: str | None, option: str = "--bearings") -> tuple[float, float
         said = why if isinstance(why, Refused) else f"{len(parts)} lengths"
         raise UsageError(f"{option} {text}: {said} (write two with units, e.g. '40 mm,60 mm')") from None
     if min(one, two) < 0.0:
-        why = "a bearing lies outside of the rotor" if option == "--bearings" else "a diameter is not negative"
+        why = "a bearing lies outside the rotor" if option == "--bearings" else "a diameter cannot be negative"
         raise UsageError(f"{option} {text}: {why} (write lengths of 0 and more)")
     return one, two

@@ -116,7 +116,7 @@ def tabulate(
         values, sound = known
         if not sound.any():
             why = solve.why or "choose other ranges"
-            raise UsageError(f"no map: of {sound.size} points 0 closed ({why})")
+            raise UsageError(f"no map: none of {sound.size} points closed ({why})")
         table = _table(scene, inputs, outputs, nodes, values, sound, wanted)
         errors, checked, open_ = _errors(table, points, at_points, sound_points)
         if checked and max(errors) <= SAFE * wanted:
@@ -129,10 +129,10 @@ def tabulate(
         known = _inserted(solve, inputs, nodes, axis, finer, known)
         nodes[axis] = finer
     if not checked:
-        why = f"no point drawn lies among closed ones: {int(sound.sum())} of {sound.size} nodes closed ({solve.why})"
+        why = f"no test point lies among closed ones: {int(sound.sum())} of {sound.size} nodes closed ({solve.why})"
         raise UsageError(f"no map: {why}")
-    how = f"largest at {checked} points drawn inside and simulated for it"
-    how += f" (at {open_} more no cycle closed, though it did at all nodes around)" if open_ else ""
+    how = f"largest at {checked} random points inside, simulated as a check"
+    how += f" (at {open_} more no cycle closed, although it did at all surrounding nodes)" if open_ else ""
     return replace(table, errors=tuple(errors), checked=checked, how=how, cases=solve.cases)
 
 
@@ -140,13 +140,13 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> Table:
     """Return the map in a sweep's results file, over all its axes; raise UsageError where there is none."""
     if not results.axis_list or any(axis.joined for axis in results.axis_list):
         raise UsageError(
-            f"{results.path}: holds no grid (a map needs a sweep over one axis or more, none of them joined)"
+            f"{results.path}: holds no grid (a map needs a sweep over one or more axes, none of them joined)"
         )
     axes = [axis for axis in results.axis_list if len(axis.values) > 1]
     if not axes:
-        raise UsageError(f"{results.path}: varies nothing: each axis has one value (export a sweep over more)")
+        raise UsageError(f"{results.path}: varies nothing, as each axis has one value (export a sweep over more)")
     if any(axis.values.dtype.kind != "f" for axis in axes):
-        raise UsageError(f"{results.path}: has an axis of words (export a sweep of one of them)")
+        raise UsageError(f"{results.path}: has a non-numeric axis (export a sweep of one of its values)")
     inputs, orders = [], []
     for axis in axes:
         values = np.asarray(axis.values, float)
@@ -163,15 +163,15 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> Table:
     values = np.stack(columns, axis=-1)
     sound = (results.status.reshape(shape)[np.ix_(*orders)] == "ok") & np.isfinite(values).all(axis=-1)
     if not sound.any():
-        raise UsageError(f"{results.path}: no case of it closed")
+        raise UsageError(f"{results.path}: none of its cases closed")
     nodes = [
         one.coordinate(np.asarray(axis.values, float)[order])
         for one, axis, order in zip(inputs, axes, orders, strict=True)
     ]
     table = _table(None, inputs, outputs, nodes, values, sound, None)
     errors, checked = _left_out(nodes, values, sound, outputs)
-    how = f"largest at {checked} nodes left out in turn, every second one of an axis: of a table twice as coarse"
-    how = how if checked else "not known, as no axis has five values"
+    how = f"largest at {checked} nodes when every second one of an axis is left out: for a table twice as coarse"
+    how = how if checked else "unknown, as no axis has five values"
     title, yaml = one_line(results.attributes["title"]), results.scene_yaml
     return replace(table, title=title, scene_yaml=yaml, errors=errors, checked=checked, how=how, cases=sound.size)
 

@@ -38,7 +38,7 @@ def tespy_document(results: Results) -> dict[str, Any]:
     found = polynomials(results, FIGURES)
     if found.condensing == "dew":
         what = f"is of the blend {found.fluid}, whose condensing temperature is that of its dew point"
-        theirs = "TESPy's compressor reckons with that of the bubble point (export en12900 or csv)"
+        theirs = "TESPy's compressor uses that of the bubble point (use export en12900 or csv)"
         raise UsageError(f"{results.path}: {what}; {theirs}")
     return document(found) | {
         "for": "tespy.components.PolynomialCompressor: set_attr(**attributes), then frequency as given or another",
@@ -84,7 +84,7 @@ def _one(values: np.ndarray, results: Results, name: str) -> float:
     """Return the common value of all cases of a map; raise UsageError where they differ."""
     value = float(np.mean(values))
     if np.ptp(values) > SAME * value:
-        what = f"{name} varies together with a temperature, and TESPy's compressor has one"
+        what = f"{name} varies together with a temperature, but TESPy's compressor takes a single one"
         raise UsageError(f"{results.path}: {what} (vary it on an axis of its own)")
     return value
 

@@ -97,7 +97,7 @@ def no_machine(result: Result) -> str:
         " ".join((shown_name(name), *engineering(declared(name, result.performance), result.performance[name]))).strip()
         for name in names
     )
-    return f"no machine runs so, {told}" if told else ""
+    return f"physically impossible: {told}" if told else ""
 
 
 def _ended(result: Result) -> str:
@@ -106,7 +106,7 @@ def _ended(result: Result) -> str:
     warned = f", with {count} {'warning' if count == 1 else 'warnings'}" if count else ""
     filled = result.performance.get("volumetric_efficiency")
     back = (
-        f"; the volumetric efficiency is {filled:.4g}: more flows back than is sucked in"
+        f"; the volumetric efficiency is {filled:.4g}: more gas flows back than is drawn in"
         if (filled or 0.0) < 0.0
         else ""
     )
@@ -144,15 +144,15 @@ def _ledger(ledger: Mapping[str, Any]) -> Any:
         cells[0], cells[1] = f"{factor * exergy:.4g}", share
         table.add_row(name.replace("_", " "), *cells)
 
-    row("all, given by the gas" if given else "all, at the shaft", whole, {})
+    row("total given by the gas" if given else "total at the shaft", whole, {})
     row(*(("power at the shaft", -shaft) if given else ("exergy rise of the gas", gas)), {})
     row("exergy rise of the oil", ledger["oil_exergy_rise"], {})
     for name, entry in sorted_entries(ledger):
         row(name, entry["exergy_destroyed"], entry)
-    row("residue", ledger["residue"], {})
+    row("residual", ledger["residue"], {})
     table.caption = f"W/K: entropy generated; exergy at {engineering_temperature(ledger['ambient_temperature'])}"
     if any(entry["exergy_destroyed"] < -SEEN * abs(whole) for _, entry in sorted_entries(ledger)):
-        table.caption += "\nbelow zero: gives back what other entries count as lost (M54, M286)"
+        table.caption += "\nbelow zero: recovers exergy that other entries count as lost (M54, M286)"
     table.caption_justify = "left"
     return table
 
@@ -212,7 +212,7 @@ def _account(result: Result) -> Iterable[str]:
         yield text
     yield _numerics(result.numerics)
     if result.performance and not result.error:
-        yield "error: not estimated, the finer solution for it did not close"
+        yield "error: not estimated, because the finer solution it needs did not close"
 
 
 def _numerics(numerics: Mapping[str, Any]) -> str:
@@ -277,7 +277,7 @@ def print_sweep(document: Mapping[str, Any], scene: Scene) -> None:
         return ", ".join(f"{path} = {shown_value(scene, path, value)}" for path, value in values.items())
 
     counts = f"{document['cases']} cases: {_counts(document)}"
-    counts += f" ({document['reused']} of an earlier run)" if document["reused"] else ""
+    counts += f" ({document['reused']} from an earlier run)" if document["reused"] else ""
     say(document["path"])
     alike: dict[tuple[str, str], list[str]] = {}
     for failure in document["failures"]:
@@ -287,16 +287,16 @@ def print_sweep(document: Mapping[str, Any], scene: Scene) -> None:
         say(wrapped(printable(f"{status} at {place}{others_too}: {message}")))
     more = document["cases"] - document["ok"] - len(document["failures"])
     if more:
-        say(f"… and {more} more, in the file")
+        say(f"… and {more} more (see the file)")
     for kind in document["warnings"][:MOST_WARNINGS]:
         first = f"first at {where(kind['values'])}" if kind["cases"] > 1 else f"at {where(kind['values'])}"
         cases = "1 case" if kind["cases"] == 1 else f"{kind['cases']} cases"
         say(wrapped(printable(f"warning in {cases}, {first}: {kind['warning']}")))
     more = len(document["warnings"]) - MOST_WARNINGS
     if more > 0:
-        say(f"… and {more} other kinds of warnings, in the file")
+        say(f"… and {more} other kinds of warnings (see the file)")
     if "uncertainty" in document:
-        say(wrapped(printable(f"uncertain by the inputs alone: {ranges_text(document['uncertainty'])}")))
+        say(wrapped(printable(f"uncertainty from the inputs alone: {ranges_text(document['uncertainty'])}")))
     say(f"{counts}, {document['seconds']:.1f} s")
 
 

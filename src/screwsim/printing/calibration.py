@@ -24,7 +24,7 @@ from screwsim.study.calibration.solve import Calibration, Compared
 from screwsim.study.inputs import in_customary, shown_number, shown_value
 
 SCENE, DOCUMENT, FIGURE = "scene.yaml", "fit.json", "residuals"
-_ABOUT_TOLERANCES = f"{TOLERANCE}: half of a 95 % interval, twice a standard deviation (prior: none leaves it out)"
+_ABOUT_TOLERANCES = f"{TOLERANCE}: taken as half of a 95 % interval, two standard deviations (prior: none omits it)"
 
 
 def calibration_document(found: Calibration) -> dict[str, Any]:
@@ -128,7 +128,7 @@ def print_calibration(found: Calibration) -> None:
         say(wrapped(_ABOUT_TOLERANCES))
     for group in found.fit.together:
         paths = ", ".join(found.fit.parameters[i].path for i in group)
-        say(wrapped(f"too large or too small together, as the scene's uncertainty.correlated says: {paths}"))
+        say(wrapped(f"too large or too small together, by the scene's uncertainty.correlated: {paths}"))
     say()
     say("\n".join(_points(found)))
     say()
@@ -186,30 +186,30 @@ def _points(found: Calibration) -> list[str]:
         rows.append([*head, measured, f"{factor * each.measured.uncertainty:.2g}", ours, unit, residual])
     lines = plain_table(["point", "figure", "measured", "±", "fitted", "", "residual /±"], rows, 2)
     if not all(each.point.fitted for each in found.compared):
-        lines.append("* not fitted: predicted")
+        lines.append("* not fitted, only predicted")
     return lines
 
 
 def _quality(found: Calibration) -> Iterator[str]:
     if found.chi_squared is None:
         return
-    per = f", {found.chi_squared / found.freedom:.3g} a degree of freedom" if found.freedom > 0 else ""
+    per = f", {found.chi_squared / found.freedom:.3g} per degree of freedom" if found.freedom > 0 else ""
     yield f"chi squared {found.chi_squared:.4g} with {found.freedom} degrees of freedom{per}"
     if found.scale > 1.0:
         chance = by_chance(found.chi_squared, found.freedom)
-        doubt = "; model or uncertainties do not fit the data" if chance < CHANCE else ""
+        doubt = "; the model or the uncertainties do not suit the data" if chance < CHANCE else ""
         yield (
-            f"the residuals exceed the stated uncertainties, which chance makes in {chance:.1g} of all cases{doubt}; "
-            f"standard errors are those times {found.scale:.3g}"
+            f"the residuals exceed the stated uncertainties, which chance alone does in {chance:.1g} of all "
+            f"cases{doubt}; standard errors are multiplied by {found.scale:.3g}"
         )
     ends = f"{len(found.as_good)} of {len(found.starts)} starts"
-    yield f"as good: the {ends} that end within {found.margin:.3g} of the best chi squared (68 % of the joint region)"
+    yield f"as good: {ends}, which end within {found.margin:.3g} of the best chi squared (68 % of the joint region)"
 
 
 def _warnings(found: Calibration) -> Iterator[str]:
     known = found.certainty
     for name, reason in found.reasons.items():
-        yield f"no solution at {name}: {reason}"
+        yield f"{name} has no solution: {reason}"
     for count, text in kinds_of(found.warnings.values()):
         first = next(name for name, texts in found.warnings.items() if text in texts)
         others = f" and {count - 1} other point{'s' * (count > 2)}" if count > 1 else ""
@@ -220,13 +220,13 @@ def _warnings(found: Calibration) -> Iterator[str]:
         if border:
             bound = parameter.low if border == "lower" else parameter.high
             shown = shown_value(found.fit.scene, parameter.path, bound, 4)
-            yield f"warning: {parameter.path} is at its {border} bound, {shown}: a better fit may lie beyond"
+            yield f"warning: {parameter.path} is at its {border} bound, {shown}; a better fit may lie beyond it"
     for each in known.open:
         yield f"warning: {each.says} (a standard error along it is {each.span:.2g} of the bounds' distance)"
     if any(not each.strength >= WEAK for each in known.open):
         yield (
-            f"a combination is not fixed below {WEAK:g} of the largest singular value of the scaled slopes; two "
-            f"parameters are not told apart above |r| = {CORRELATED:g} (fix one, add data, or state a prior)"
+            f"a combination is not determined if its singular value (scaled slopes) is below {WEAK:g} of the largest; "
+            f"two parameters are not distinguished if |r| is above {CORRELATED:g} (fix one, add data, or state a prior)"
         )
     yield from _correlations(found)
 

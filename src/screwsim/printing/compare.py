@@ -46,8 +46,8 @@ def print_comparison(a: Results, b: Results, found: Comparison) -> None:
         points += f", {count} only in {name}" if count else ""
     say(points)
     if found.compared < found.common:
-        some = f"ok in both files are {found.compared}: figures of the others are not compared"
-        say(wrapped(some if found.compared else "none of them is ok in both files: no figure is compared"))
+        some = f"{found.compared} are ok in both files; figures of the others are not compared"
+        say(wrapped(some if found.compared else "none of them is ok in both files, so no figure is compared"))
     if found.scene:
         say()
         rows = [[path, one or "-", other or "-"] for path, (one, other) in found.scene.items()]
@@ -70,8 +70,11 @@ def _print_figures(a: Results, b: Results, found: Comparison) -> None:
     heads = ["", "A", "B", "", "change", "error", "differ"]
     say("\n".join(plain_table(heads, [_cells(a, b, each) for each in found.figures], 1)))
     many = any(each.at for each in found.figures) and found.common > 1
-    text = "change and error (both estimates together; up to twice that is none) are relative to A, of temperatures K"
-    say(wrapped(f"{text}; of the point with the largest change over what is allowed" if many else text))
+    text = (
+        "change and error are relative to A, in K for temperatures; error: both estimates together, twice which "
+        "counts as no change"
+    )
+    say(wrapped(f"{text}; the point shown has the largest change relative to what is allowed" if many else text))
     places: dict[str, list[str]] = {}
     for each in found.figures:
         if many and each.beyond and each.at:
@@ -124,7 +127,7 @@ def write_comparison(a: Results, b: Results, folder: Path) -> list[str]:
         columns[f"status_{side}"] = Column(status.tolist(), "", f"status in {side.upper()}")
     for name, (one, other, error) in common.figures.items():
         about = (a if name in a.performance else b).figure(name)
-        named = {"a": (one, "in A"), "b": (other, "in B"), "error": (error, "estimated errors of both, together")}
+        named = {"a": (one, "in A"), "b": (other, "in B"), "error": (error, "estimated errors of both files, combined")}
         for end, (column, words) in named.items():
             columns[f"{name}_{end}"] = Column(_cells_of(column), about.units, f"{about.long_name}, {words}")
     table = folder / TABLE

@@ -118,7 +118,7 @@ def _told(found: Diagnosis) -> Iterator[str]:
         for end, bound in (("lower", parameter.low), ("upper", parameter.high)):
             if abs(change.value - bound) <= BORDER * (parameter.high - parameter.low):
                 at = shown_value(found.fit.scene, change.path, bound, 4)
-                yield f"warning: {change.path} is at its {end} bound, {at}: it may have changed by more"
+                yield f"warning: {change.path} is at its {end} bound, {at}; it may have changed by more"
     others = [each for each in found.hypotheses[1:] if each.probability > TOLD]
     if others:
         yield f"then {'; '.join(_short(found, each) for each in others[:MOST_TOLD])}"
@@ -130,27 +130,27 @@ def _told(found: Diagnosis) -> Iterator[str]:
         hidden = [each.probability for each in two if each.probability <= LIKELY]
         shown = f", of which {len(hidden)} are not shown: {_probability(sum(hidden))} together" if hidden else ""
         count = "1 pair of changes was" if len(two) == 1 else f"{len(two)} pairs of changes were"
-        yield f"{count} weighed{shown}; two changes at once are beforehand {found.odds:g} times as probable as one"
+        yield f"{count} considered{shown}; two changes at once are a priori {found.odds:g} times as probable as one"
     for each in found.hypotheses:
         if each.also and each.probability > LIKELY and each.path not in found.untold:
             per, unit = unit_of_change(found.fit.scene, each.path, each.changes[0].value)
             values = ", ".join(f"{per * value:.4g} {unit}".strip() for value in each.also)
-            yield f"{each.path} = {values} fits nearly as well as the best of its values"
+            yield f"{each.path} = {values} fits nearly as well as its best value"
     for each in found.alike:
         yield (
-            f"not told apart: {each.first} and {each.second}: their changes make the same of all points together, "
-            f"within {each.off:.2g} uncertainties (screwsim plan says which points would tell)"
+            f"indistinguishable: {each.first} and {each.second}: their changes affect all points alike, within "
+            f"{each.off:.2g} uncertainties (screwsim plan finds points that separate them)"
         )
     for path in found.untold:
-        yield f"warning: the points say next to nothing about {path}: any value between its bounds fits as well"
+        yield f"warning: the points hardly constrain {path}: any value within its bounds fits as well"
     if found.chance is not None and found.chance < CHANCE:
         several = "more than two" if two else "several"
         yield (
-            f"warning: the best misfit is {best.misfit:.4g} of {best.freedom} degrees of freedom, which chance makes "
-            f"in {found.chance:.1g} of all cases: {several} have changed, or something else, or the uncertainties are "
-            "too small"
+            f"warning: the best misfit is {best.misfit:.4g} of {best.freedom} degrees of freedom, which chance alone "
+            f"produces in {found.chance:.1g} of all cases: {several} have changed, something else did, or the "
+            f"uncertainties are too small"
         )
-    beside = f"; {', '.join(found.inputs)} known as tolerances and priors say" if found.inputs else ""
+    beside = f"; {', '.join(found.inputs)} known to within their tolerances and priors" if found.inputs else ""
     yield f"misfit: chi squared at the best estimate of each{beside}"
     if any(each.linear for each in found.hypotheses):
-        yield "* by the slopes of the unchanged machine alone (hardly probable, or without another solution)"
+        yield "* from the slopes of the unchanged machine only (improbable, or no other solution was found)"

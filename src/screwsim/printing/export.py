@@ -37,7 +37,7 @@ def print_map(table: Table, files: Sequence[str]) -> None:
     rows = [[each.name, plain(each.units), _percent(error)] for each, error in errors]
     say("\n".join(plain_table(["output", "unit", "error"], rows, 1)))
     say(wrapped(f"errors: {table.how}; of temperatures, over 100 K"))
-    open_nodes = f"; {table.not_ok} nodes without a closed cycle, flagged" if table.not_ok else ""
+    open_nodes = f"; {table.not_ok} nodes without a closed cycle, which are flagged" if table.not_ok else ""
     say(wrapped(f"{table.cases} cases{open_nodes}"))
     for file in files:
         say(file)
@@ -81,4 +81,4 @@ def shortfall(table: Table, remedy: str) -> str:
     """Return why a map is not as accurate as requested; empty if it is."""
     if table.met:
         return ""
-    return f"the error {table.error:.2g} is above the {table.wanted:g} asked for ({remedy})"
+    return f"the error {table.error:.2g} is above the {table.wanted:g} requested ({remedy})"

@@ -166,7 +166,7 @@ def write_find(path: Path, scene: Scene, asked: Question, rows: Sequence[Found])
         units, doc = axis_label(span.path, scene)[1], leaf_of(scene, span.path).doc
         columns[span.path] = Column([row.values.get(span.path) for row in rows], units, f"found {doc}")
         wide = [row.uncertainties.get(span.path) for row in rows]
-        columns[f"{span.path}_uncertainty"] = Column(wide, units, "what the figures' numerical errors make of it")
+        columns[f"{span.path}_uncertainty"] = Column(wide, units, "uncertainty from the figures' numerical errors")
     for goal in asked.goals:
         about = declared(goal.figure)
         columns[goal.figure] = Column([row.figures.get(goal.figure) for row in rows], about.units, about.long_name)
@@ -176,9 +176,11 @@ def write_find(path: Path, scene: Scene, asked: Question, rows: Sequence[Found])
         values = [None if row.size is None else row.size.value for row in rows]
         columns["size"] = Column(values, axis_label(asked.spans[0].path, scene)[1], "next size of the catalogue")
         gives = [None if row.size is None else row.size.figure for row in rows]
-        columns["size_figure"] = Column(gives, declared(asked.goals[0].figure).units, "what that size gives")
+        columns["size_figure"] = Column(gives, declared(asked.goals[0].figure).units, "figure at that size")
     columns["solutions"] = Column([row.solutions for row in rows], "1", "number of solutions")
-    columns["failed_solutions"] = Column([row.failed for row in rows], "1", "number of those without the figures")
+    columns["failed_solutions"] = Column([row.failed for row in rows], "1", "number of solutions without the figures")
     columns["status"] = Column([row.status for row in rows], "", "ok, none (in the ranges), or failed")
-    columns["message"] = Column([row.message for row in rows], "", "how near the search came, why solutions failed")
+    columns["message"] = Column(
+        [row.message for row in rows], "", "how close the search came, and why solutions failed"
+    )
     write_columns(path, "goal seek", columns)

@@ -15,4 +15,4 @@ def print_title(fit: Fit) -> None:
 def print_left_out(reasons: Mapping[str, str]) -> None:
     """Print the points without a solution, and the reasons."""
     for name, reason in reasons.items():
-        say(wrapped(f"left out, no solution at {name}: {reason}"))
+        say(wrapped(f"left out: {name} has no solution: {reason}"))

@@ -53,8 +53,8 @@ def _parts(scene: Scene, result: Result, row: Compared) -> str:
     """Return the three uncertainties of the scene's own figure, separately."""
     factor, unit, _ = read_in(declared(row.figure, result.performance), row.value)
     unit = {"%": "points", "°C": "K"}.get(unit, unit)
-    inputs = f"inputs ± {factor * COVERAGE * row.inputs:.2g}" if scene.uncertain else "inputs not told"
-    model = "model not told"
+    inputs = f"inputs ± {factor * COVERAGE * row.inputs:.2g}" if scene.uncertain else "inputs not stated"
+    model = "model not stated"
     if row.model is not None:
         model = "model " + " … ".join(f"{factor * end:+.2g}" for end in row.model)
     return f"ours: numerical ± {factor * COVERAGE * row.numerical:.1g}, {inputs}, {model} {unit}".rstrip()
@@ -71,17 +71,20 @@ def _verdict(scene: Scene, found: Comparison) -> Iterator[str]:
         yield f"agree: no difference beyond {AGREES:g} sigma"
     if bare:
         names = ", ".join(shown_name(row.figure) for row in bare)
-        yield f"no sigma of {names}: state how well it was measured, half of the 95 % interval ('132 kW ± 2 kW')"
+        yield (
+            f"no sigma for {names}: state the uncertainty of the measurement as half of the 95 % interval ('132 kW "
+            f"± 2 kW')"
+        )
     if far or not bare:
         yield (
-            "sigma: difference over the standard uncertainties of measurement, inputs and numerics; each ± is two "
-            "of them"
+            "sigma: difference over the combined standard uncertainty of measurement, inputs and numerics; each ± is "
+            "two standard uncertainties"
         )
     missing = [] if scene.uncertain else ["tolerances of inputs (gap: 27 um ± 5 um)"]
     if any(row.model is None for row in found.rows):
-        missing.append("a validation that knows the model's error (uncertainty: {model: NAME})")
+        missing.append("a validation that gives the model's error (uncertainty: {model: NAME})")
     if missing:
-        yield f"not told is what the scene does not state: {', '.join(missing)}"
+        yield f"not stated in the scene: {', '.join(missing)}"
 
 
 def _print_explanations(scene: Scene, found: Comparison) -> None:
@@ -98,10 +101,10 @@ def _print_explanations(scene: Scene, found: Comparison) -> None:
     say("\n".join(plain_table(heads, rows, 1)))
     more = len(found.explanations) - MOST
     lines = [f"and {more} more number{'s' if more > 1 else ''} (--json)"] if more > 0 else []
-    lines.append("by derivatives; try one with --set PATH=VALUE")
+    lines.append("estimated from derivatives; check one with --set PATH=VALUE")
     if several:
         by = "their standard uncertainties" if found.weighted else "what was measured"
-        lines.append(f"leaves: of the differences over {by}, in squares")
+        lines.append(f"leaves: share of the squared differences over {by} that remains")
     say(wrapped("; ".join(lines)))
 
 

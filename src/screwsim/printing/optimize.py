@@ -112,9 +112,9 @@ def _print_best(found: Optimum) -> None:
         say("\n".join(_points(found)))
     for path, reach in found.reach.items():
         if reach.border:
-            say(wrapped(f"{path} lies at the {reach.border} of its range, a better one may lie beyond: widen it"))
+            say(wrapped(f"{path} lies at the {reach.border} of its range; a better value may lie beyond, so widen it"))
         if reach.idle:
-            say(wrapped(f"{path} does next to nothing: over all of its range values as good were found"))
+            say(wrapped(f"{path} has hardly any effect: equally good values were found over all of its range"))
     for place, height in found.others:
         where = shown_value(asked.scene, asked.spans[0].path, place, 4)
         say(wrapped(f"another local optimum at {where}: {figure_text(aim.figure, height)}"))
@@ -154,8 +154,8 @@ def _print_front(found: Optimum) -> None:
     say("\n".join(plain_table(heads, [_front_cells(found, int(front[i])) for i in picked])))
     some = f"{len(picked)} of the {len(front)}" if len(picked) < len(front) else f"the {len(front)}"
     many = "s" if len(front) > 1 else ""
-    error = "error: the larger of the aims, relative"
-    say(wrapped(f"{some} evaluation{many} that no other betters in all aims; {error}"))
+    error = "error: relative, the largest of the aims"
+    say(wrapped(f"{some} evaluation{many} that no other beats in all aims; {error}"))
 
 
 def spread(aims: np.ndarray, most: int) -> np.ndarray:
@@ -179,7 +179,7 @@ def _front_cells(found: Optimum, row: int) -> list[str]:
 
 def _counts(found: Optimum) -> Iterator[str]:
     words = [f"{len(found.places)} evaluations"]
-    words += [f"{found.reused} of them of an earlier run"] if found.reused else []
+    words += [f"{found.reused} of them from an earlier run"] if found.reused else []
     words += [f"{found.outside} outside the bounds"] if found.outside else []
     words += [f"{found.failed} failed"] if found.failed else []
     yield ", ".join(words) + f", seed {found.asked.seed}"

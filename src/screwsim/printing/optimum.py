@@ -47,7 +47,7 @@ def print_optimum(scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
         say()
     tell(notes)
     if any(row.value is not None for row in rows):
-        say(wrapped("as good: the figure is within its estimated error of the best there"))
+        say(wrapped("as good: range in which the figure is within its estimated error of the best"))
 
 
 def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> list[str]:
@@ -73,9 +73,9 @@ def _notes(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> It
     where = f"{where}: " if where else ""
     if row.place in ("lower border", "upper border"):
         option = "--from" if row.place == "lower border" else "--to"
-        yield f"{where}at the {row.place} of the range, a better one may lie beyond: widen it ({option})"
+        yield f"{where}at the {row.place} of the range; a better value may lie beyond, so widen it ({option})"
     if row.place == "anywhere":
-        yield f"{where}{asked.path} does next to nothing: over all of its range values as good were found"
+        yield f"{where}{asked.path} has hardly any effect: equally good values were found over all of its range"
     for value, figure in row.others:
         shown = figure_text(asked.figure, figure)
         yield f"{where}another local optimum at {shown_value(scene, asked.path, value, 4)}: {shown}"
@@ -95,18 +95,18 @@ def write_optimum(path: Path, scene: Scene, asked: Question, rows: Sequence[Best
     about = declared(asked.figure)
     meanings = {
         "value": (asked.path, units, f"best {doc}"),
-        "low": (f"{asked.path}_low", units, "from here on as good within the error"),
-        "high": (f"{asked.path}_high", units, "up to here as good within the error"),
+        "low": (f"{asked.path}_low", units, "lower end of the values as good within the error"),
+        "high": (f"{asked.path}_high", units, "upper end of the values as good within the error"),
         "figure": (asked.figure, about.units, about.long_name),
         "error": (f"{asked.figure}_error", about.units, "its estimated numerical error, absolute"),
-        "accuracy": ("accuracy", "1", "accuracy asked of the last solutions"),
+        "accuracy": ("accuracy", "1", "accuracy requested of the last solutions"),
         "solutions": ("solutions", "1", "number of solutions"),
-        "failed": ("failed_solutions", "1", "number of those that failed or did not close"),
+        "failed": ("failed_solutions", "1", "number of solutions that failed or did not close"),
         "status": ("status", "", "ok or failed"),
-        "place": ("place", "", "inside the range, or at which border"),
+        "place": ("place", "", "inside the range, or the border it lies at"),
         "message": ("message", "", "why solutions failed"),
     }
     for name, (column, unit, meaning) in meanings.items():
         columns[column] = Column([getattr(row, name) for row in rows], unit, meaning)
-    columns["warnings"] = Column(["; ".join(row.warnings) for row in rows], "", "what the best solution warns of")
+    columns["warnings"] = Column(["; ".join(row.warnings) for row in rows], "", "warnings of the best solution")
     write_columns(path, f"optimum of {asked.path}", columns)

@@ -40,9 +40,9 @@ def print_maps(results: Results, maps: Sequence[PerformanceMap]) -> None:
     say_title(results.attributes["title"])
     say(wrapped(FORMULA))
     say(wrapped("S evaporating, D condensing temperature in °C; X in the unit of its column"))
-    say(wrapped("left-out error: the largest at a point of the fit to the others"))
+    say(wrapped("left-out error: the largest error at a point of the fit to all others"))
     if any(ELECTRICAL in each.fits for each in maps) and not any(SHAFT in each.fits for each in maps):
-        say(wrapped("power: what the motor draws (--figure shaft_power for that at its shaft)"))
+        say(wrapped("power: electrical power (--figure shaft_power for the power at the shaft)"))
     for each in maps:
         say()
         if each.values:
@@ -80,7 +80,7 @@ def _print_map(results: Results, one: PerformanceMap) -> None:
     corners = ", ".join(f"({S:g}, {D:g})" for S, D in one.envelope)
     left = f", {one.not_ok} more are not ok" if one.not_ok else ""
     say(wrapped(f"{one.points} points{left}; condition of the fit {one.condition:.2g}"))
-    say(wrapped(f"envelope (S, D): {corners} °C; the map says nothing outside it"))
+    say(wrapped(f"envelope (S, D): {corners} °C; the map is not valid outside it"))
 
 
 def points_document(results: Results, points: Sequence[MapPoint]) -> dict[str, Any]:

@@ -83,14 +83,14 @@ def _told(found: Plan) -> Iterator[str]:
     first = found.steps[0].point
     if first.name == point_name(found.fit.scene, first.values):
         yield f"points: {', '.join(first.values)}"
-    yield "gain: by how much the logarithm of the volume that the parameters may fill becomes less"
+    yield "gain: decrease of the logarithm of the volume of possible parameter values"
     if found.even:
         names = found.fit.short_names()
-        yield f"known beforehand by their bounds alone: {', '.join(names[path] for path in found.even)}"
+        yield f"constrained so far by their bounds only: {', '.join(names[path] for path in found.even)}"
     if found.idle:
-        yield f"not weighed, as nothing is delivered there: {'; '.join(found.idle)}"
+        yield f"not considered because nothing is delivered there: {'; '.join(found.idle)}"
     if found.inputs:
-        yield f"not known exactly, and not asked for: {', '.join(found.inputs)}"
+        yield f"not known exactly, and not determined: {', '.join(found.inputs)}"
 
 
 def keep_measured(path: Path) -> None:
@@ -104,7 +104,7 @@ def keep_measured(path: Path) -> None:
         with path.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
             rows = list(csv.reader(stream))[1:]
         if any(row[number].strip() for row in rows for number in figures if number < len(row)):
-            raise UsageError(f"{path}: has measured figures, which would be lost (choose another -o)")
+            raise UsageError(f"{path}: holds measured figures, which would be overwritten (choose another -o)")
 
 
 def write_plan(path: Path, found: Plan) -> str:

@@ -28,10 +28,10 @@ _PARTS = {
     "median": "median of what would be measured",
     "low": f"lower end of the {LEVEL:.0%} interval",
     "high": f"upper end of the {LEVEL:.0%} interval",
-    "parameters": "standard deviation by what the parameters may be",
-    "discrepancy": "standard deviation by what the model cannot follow",
-    "measuring": "standard deviation by measuring",
-    "polynomials": "standard deviation by polynomials in place of the model",
+    "parameters": "standard deviation from the parameters",
+    "discrepancy": "standard deviation from the model's discrepancy",
+    "measuring": "standard deviation from the measurement",
+    "polynomials": "standard deviation from the polynomials that replace the model",
     "measured": "measured value",
 }
 
@@ -87,7 +87,7 @@ def print_posterior(fit: Calibration, found: Posterior) -> None:
     say("\n".join(plain_table(["posterior", "median", f"{LEVEL:.0%} interval", "of prior"], rows, 1)))
     say()
     rows = [[shown_name(each.name), *_width(found, each.name)] for each in found.discrepancies]
-    say("\n".join(plain_table(["what the model cannot follow", "median", f"up to ({(1 + LEVEL) / 2:.0%})"], rows, 1)))
+    say("\n".join(plain_table(["model discrepancy", "median", f"up to ({(1 + LEVEL) / 2:.0%})"], rows, 1)))
     say()
     rows = [_row(each) for each in found.predicted]
     say("\n".join(plain_table(["point", "figure", "measured", f"predicted, {LEVEL:.0%}", ""], rows, 2)))
@@ -171,7 +171,10 @@ def _notes(found: Posterior) -> Iterator[str]:
         yield f"* not fitted: {sum(each.inside for each in checked)} of {len(checked)} inside"
     untold = [each.name for each in found.parameters if (each.of_prior or 0.0) > UNTOLD]
     if untold:
-        yield f"the points do not tell {', '.join(untold)}: as wide as before (of prior: width over that of the prior)"
+        yield (
+            f"the points do not constrain {', '.join(untold)}: as wide as the prior (of prior: width over that of "
+            f"the prior)"
+        )
     off = "" if found.off is None else f"; polynomials off by at most {found.off:.2g} uncertainties at draws solved"
     yield (
         f"{found.steps} steps, R-hat {found.r_hat:.3f}, autocorrelation {found.autocorrelation:.0f} steps, "

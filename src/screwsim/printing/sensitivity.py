@@ -74,7 +74,7 @@ def print_sensitivity(scene: Scene, found: Sensitivity) -> None:
     if any(shares.indices for shares in found.shares):
         say()
         text = f"shares of the variance, ± half the {CONFIDENCE:.0%} confidence interval; total less first order: "
-        say(wrapped(text + "what an input does together with others"))
+        say(wrapped(text + "the effect of an input jointly with others"))
 
 
 def _head(shares: Shares) -> str:
@@ -88,7 +88,7 @@ def _head(shares: Shares) -> str:
     deviation = f"{factor * shares.deviation:.2g} {'points' if unit == '%' else unit}".rstrip()
     text = f"{name}: mean {mean}, standard deviation {deviation}"
     if shares.noise is not None and shares.noise > NOISY:
-        text += f"; numerical errors may make {shares.noise:.0%} of the variance (tighten numerics.accuracy)"
+        text += f"; numerical errors may cause {shares.noise:.0%} of the variance (tighten numerics.accuracy)"
     return text
 
 
@@ -143,7 +143,7 @@ def print_local(scene: Scene, found: Sensitivities, chosen: Sequence[str] = ()) 
     say("change of a figure, in percent per percent of a number")
     say("\n".join(plain_table(["", "value", *map(shown_name, figures)], rows, 1)))
     if len(felt) > MOST:
-        say(wrapped(f"and {len(felt) - MOST} more that count for less (--json has them all)"))
+        say(wrapped(f"and {len(felt) - MOST} more with less effect (--json lists all)"))
     if idle := len(found.values) - len(felt):
         say(wrapped(f"{idle} of {len(found.values)} numbers change none of these figures"))
     say()
@@ -157,7 +157,7 @@ def _print_methods(found: Sensitivities) -> None:
     for why in dict.fromkeys(found.why.values()):
         paths = [path for path, each in found.why.items() if each == why]
         which = "all" if len(paths) == len(found.values) else ", ".join(paths)
-        say(wrapped(f"* {which}: differences of closed cycles, as {why}"))
+        say(wrapped(f"* {which}: from differences of closed cycles, because {why}"))
     if found.left_out:
         by_why: dict[str, list[str]] = {}
         for path, why in found.left_out.items():
@@ -213,7 +213,9 @@ def write_local(path: Path, scene: Scene, found: Sensitivities) -> None:
         "path": Column([number for _, number, _ in rows], "", "number of the scene"),
         "value": Column([performance[figure] for figure, _, _ in rows], "1", "the figure, SI unit"),
         "number": Column([found.values[number] for _, number, _ in rows], "1", "the number, SI unit"),
-        "derivative": Column([slope for _, _, slope in rows], "1", "figure by number, SI unit over SI unit"),
+        "derivative": Column(
+            [slope for _, _, slope in rows], "1", "derivative of the figure by the number, SI unit over SI unit"
+        ),
         "relative": Column([found.relative(figure, number) for figure, number, _ in rows], "1", "percent per percent"),
         "method": Column([found.method[number] for _, number, _ in rows], "", "exact, quick, or differences"),
     }

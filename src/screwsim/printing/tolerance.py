@@ -42,7 +42,7 @@ def print_tolerance(scene: Scene, found: Tolerances) -> None:
     say("\n".join(_spreads(found)))
     say(wrapped("sd: standard deviation over the nominal value; last columns: share of the variance (r²)"))
     if found.hits:
-        say(wrapped(f"{found.hits} of {found.count} machines: the piston reaches the head (not simulated)"))
+        say(wrapped(f"{found.hits} of {found.count} machines: the piston hits the head (not simulated)"))
     if found.failed:
         say(wrapped(f"{found.failed} of {found.count} machines: {found.message}"))
 

@@ -55,7 +55,7 @@ def print_uncertainty(result: Result) -> None:
                 say(textwrap.indent(wrapped(f"  {text}"), "  "))
     if found:
         told = f"inputs: half of the 95 % interval (coverage factor {COVERAGE:g}), linear, by their tolerances alone"
-        other = "" if model else "; the model's own error is another (screwsim validate)"
+        other = "" if model else "; the model's own error comes on top (screwsim validate)"
         say(wrapped(f"{told}; shares are those of the variance{other}"))
     tell(model_lines(model))
 
@@ -85,15 +85,15 @@ def model_lines(model: Mapping[str, Any]) -> list[str]:
         return []
     figures = model["figures"]
     if not figures:
-        return [f"model: {model['of']} states no error of a figure that this scene has"]
+        return [f"model: {model['of']} states no error for any figure of this scene"]
     points = max(each["points"] for each in figures.values())
     missing = list(dict.fromkeys(word for each in figures.values() for word in each["not_stated"]))
-    lines = [f"model: ours less theirs at the {points} points of {model['of']} that nothing was fitted to, E ± 2 u_val"]
-    lines[0] += f"; without {', '.join(missing)}, which nobody states" if missing else ""
+    lines = [f"model: ours less theirs at the {points} points of {model['of']} not used in any fit, E ± 2 u_val"]
+    lines[0] += f"; without {', '.join(missing)}, which the source does not state" if missing else ""
     lines[0] += f". {model['citation']}"
     out = model["outside"]
-    inside = "this scene lies within what was validated"
-    lines.append(f"warning: validated elsewhere, so that the error may be another: {'; '.join(out)}" if out else inside)
+    inside = "this scene lies within the validated range"
+    lines.append(f"warning: outside the validated range, so the error may differ: {'; '.join(out)}" if out else inside)
     return lines
 
 
@@ -105,7 +105,7 @@ def print_check(found: Uncertainty) -> None:
     """Print the results of a Sobol sample beside the linear uncertainties, and warn where the latter are wrong."""
     say()
     if found.message:
-        say(wrapped(f"the sample tells nothing: {found.message}"))
+        say(wrapped(f"no conclusion from the sample: {found.message}"))
         return
     rows, wrong = [], []
     for name, sampled in found.sampled.items():
@@ -117,12 +117,12 @@ def print_check(found: Uncertainty) -> None:
         shown = [f"{factor * value:.5g}", f"{factor * sampled.mean:.5g}", *(f"± {factor * each:.2g}" for each in two)]
         rows.append([shown_name(name), *shown, unit])
         if sampled.wrong:
-            wrong.append(f"warning: linear is wrong for {shown_name(name)}: {sampled.wrong}")
+            wrong.append(f"warning: the linear estimate is wrong for {shown_name(name)}: {sampled.wrong}")
     say("\n".join(plain_table(["", "value", "mean", "linear", "sampled", "unit"], rows, 1)))
     say(wrapped(f"{found.samples} samples (Sobol's sequence) of the inputs within their tolerances"))
     tell(wrong)
     if rows and not wrong:
-        say("linear is right for all of these figures")
+        say("the linear estimate holds for all of these figures")
 
 
 def check_document(found: Uncertainty) -> dict[str, Any]:
@@ -164,8 +164,8 @@ def ranges_text(found: Mapping[str, Any]) -> str:
         reach = f"± {low}" if low == high else f"± {low} to {high}"
         parts.append(f"{shown_name(name)} {reach} {unit}".strip())
     if not parts:
-        return "none of the usual figures (all are in the file, group uncertainty)"
+        return "none of the usual figures (all are in group uncertainty of the file)"
     shares = next(found["figures"][name]["shares"] for name in TOLD if name in found["figures"])
     path, share = max(shares.items(), key=lambda item: item[1])
-    most = f"{path.replace('effects.', '')} makes {share:.0%} of the first's variance"
+    most = f"{path.replace('effects.', '')} causes {share:.0%} of the first one's variance"
     return f"{'; '.join(parts)} (95 %, linear; {most}; all in the file)"

@@ -40,7 +40,7 @@ def _why(results: Results) -> str:
         first = str(results.messages.ravel()[0]).splitlines()
         return f"all cases failed (the first: {first[0] if first else 'no message'})"
     if not results.axis_list:
-        return "no cycle (make it with `screwsim run`)"
+        return "no cycle (write it with `screwsim run -o`)"
     if any(axis.joined for axis in results.axis_list):
-        return "its paths vary together, and none of them in numbers (read it with xarray, or sweep one path)"
-    return "no axis with two values or more, and no cycle (sweep a path, or write output.keep: cycle)"
+        return "its paths vary together, and none of them is numeric (read it with xarray, or sweep one path)"
+    return "no axis with two or more values, and no cycle (sweep a path, or write output.keep: cycle)"

@@ -43,7 +43,7 @@ def _figure(panels: Mapping[str, Sequence[Left]], names: Sequence[str]) -> Any:
             plain_ticks(axes.xaxis)
     some = any(not fitted for left in panels.values() for _, fitted, _, _ in left)
     told = "filled: in the fit; open: predicted" if some else ""
-    note(figure, "fitted less measured, with the measurement's standard uncertainty", told)
+    note(figure, "fitted minus measured, with the standard uncertainty of the measurement", told)
     return figure
 
 
@@ -91,7 +91,7 @@ def _pairs(parameters: Sequence[Drawn], level: float) -> Any:
     note(
         figure,
         f"posterior; dashed: {level:.0%} interval",
-        f"lines of pairs: hold {inside} of the samples" * (count > 1),
+        f"lines in pairs plots: enclose {inside} of the samples" * (count > 1),
     )
     return figure
 

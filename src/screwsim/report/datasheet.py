@@ -28,7 +28,7 @@ def check_sheet(output: Path) -> None:
     mark = {".pdf": PDF, ".html": PAGE, ".htm": PAGE}.get(output.suffix.lower())
     if mark is None:
         good = " or ".join(str(output.with_suffix(ending)) for ending in (".html", ".pdf"))
-        raise UsageError(f"-o {output}: a sheet is a page or a PDF (write -o {good})")
+        raise UsageError(f"-o {output}: a data sheet is an HTML page or a PDF (write -o {good})")
     keep_without(output, mark)
 
 

@@ -42,7 +42,9 @@ def write_pdf(sheet: Any, output: Path) -> str:
                 book.savefig(page)
     if len(pages) == 1:
         return str(output)
-    return f"{output} ({len(pages)} pages: one does not hold so much in type of {LEAST:g} pt; ask for fewer points)"
+    return (
+        f"{output} ({len(pages)} pages: one page cannot hold that much in type of {LEAST:g} pt; ask for fewer points)"
+    )
 
 
 def pages_of(sheet: Any) -> list[Any]:

@@ -204,7 +204,7 @@ def curves_heading(results: Results, layout: Layout) -> tuple[str, str]:
         return "", ""
     axis = results.axis_list[layout.curves]
     words = shown_axis(axis).quantity if is_numeric(axis) else axis.path.split(".")[-1]
-    return (words, "") if "$" in words or len(words) <= _SHORT_HEADING else ("", f"at the curves: {words}")
+    return (words, "") if "$" in words or len(words) <= _SHORT_HEADING else ("", f"along the curves: {words}")
 
 
 def optimum(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:

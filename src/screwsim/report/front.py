@@ -48,7 +48,7 @@ def _remarks(results: Results) -> tuple[str, str]:
     count = len(results.optimum["front"])
     feasible = int(np.count_nonzero(results.optimum["feasible"] == 1))
     front = int(np.count_nonzero(results.optimum["front"] == 1))
-    best = f"dark: {front} that no other betters" if front > 1 else "dark: the best"
+    best = f"dark: {front} that no other beats" if front > 1 else "dark: the best"
     return best, f"{feasible} of {count} evaluations within the bounds" + (", × outside" if _outside(results) else "")
 
 

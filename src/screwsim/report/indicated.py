@@ -38,7 +38,7 @@ def read_indicated(path: str | os.PathLike[str]) -> Indicated:
     unit = named[0].removeprefix("pressure_")
     rows = sheet.columns("angle_deg", named[0])
     if not rows:
-        raise UsageError(f"{where}: has no points below its line of names (a row a point)")
+        raise UsageError(f"{where}: has no points below its header (one row per point)")
     return Indicated(*map(np.array, zip(*(_point(where, line, cells, unit) for line, cells in rows), strict=True)))
 
 
@@ -46,9 +46,11 @@ def _point(where: str, line: int, cells: tuple[str, ...], unit: str) -> tuple[fl
     try:
         angle, pressure = float(cells[0]), parse_quantity(KINDS["pressure"], f"{cells[1]} {unit}")
     except (Refused, ValueError):
-        raise UsageError(f"{where}: line {line}: {', '.join(cells)} are no angle and pressure (numbers)") from None
+        raise UsageError(f"{where}: line {line}: {', '.join(cells)} are not an angle and a pressure") from None
     if not (np.isfinite(angle) and pressure > 0.0):
-        raise UsageError(f"{where}: line {line}: {cells[1]} {unit} is no absolute pressure (add the ambient one)")
+        raise UsageError(
+            f"{where}: line {line}: {cells[1]} {unit} is not an absolute pressure (add the ambient pressure)"
+        )
     return angle, pressure
 
 
@@ -60,7 +62,7 @@ def check_angles(points: Indicated, trace: Trace) -> None:
         what = (
             f"{len(out)} of the measured angles, as {out[0]:g} deg, lie outside the cycle's {first:g} to {last:g} deg"
         )
-        raise UsageError(f"{what} (count them from where the chamber begins to grow; docs/how-to/indicator.md)")
+        raise UsageError(f"{what} (count angles from where the chamber starts to grow; docs/how-to/indicator.md)")
 
 
 def told(points: Indicated, trace: Trace) -> str:
@@ -68,7 +70,7 @@ def told(points: Indicated, trace: Trace) -> str:
     off = (np.interp(points.angle, trace.angle, trace.values["pressure"]) - points.pressure) * PRESSURE.factor
     worst = int(np.argmax(np.abs(off)))
     return (
-        f"computed less measured at {len(off)} points: mean {off.mean():+.3g} bar, root mean square "
+        f"computed minus measured at {len(off)} points: mean {off.mean():+.3g} bar, root mean square "
         f"{np.sqrt(np.mean(off**2)):.3g} bar, largest {off[worst]:+.3g} bar at {points.angle[worst]:g} deg"
     )
 

@@ -47,7 +47,7 @@ def steps(ledger: Mapping[str, float]) -> list[Step]:
     whole, shaft, gas = spent(ledger), ledger["shaft_power"], ledger["gas_exergy_rise"]
     ends = (Step("shaft power", shaft, _SHAFT, True), Step("exergy rise of the gas", gas, _GAS, True))
     if shaft <= 0.0:
-        ends = (Step("exergy that the gas gives", -gas, _GAS, True), Step("power at the shaft", -shaft, _SHAFT, True))
+        ends = (Step("exergy given by the gas", -gas, _GAS, True), Step("power at the shaft", -shaft, _SHAFT, True))
     losses = {name: entry["exergy_destroyed"] for name, entry in ledger_entries(ledger).items()}
     losses = {name: power for name, power in losses.items() if np.isfinite(power)}
     large = {name: power for name, power in losses.items() if abs(power) >= _LEAST * whole}
@@ -90,10 +90,10 @@ def _draw(ledger: Mapping[str, float], title: str) -> Any:
     axes.set_xlim(min(0.0, 1.05 * factor * min(bar.power for bar in bars if bar.total)), 1.02 * whole * factor)
     plain_ticks(axes.xaxis)
     axes.set_xlabel(f"exergy ({unit})")
-    what = "the shaft power" if ledger["shaft_power"] > 0.0 else "the exergy that the gas gives"
+    what = "the shaft power" if ledger["shaft_power"] > 0.0 else "the exergy given by the gas"
     ambient = f"what is left of {what}, exergy at {TEMPERATURE.of(ledger['ambient_temperature']):.2f} °C"
-    green = "green: gives back what others count as lost" if any(bar.colour == _GAIN for bar in bars) else ""
-    note(figure, title, ambient, f"residue {100.0 * ledger['residue'] / whole:.1g} %".replace("-", "−"), green)
+    green = "green: recovers what other entries count as lost" if any(bar.colour == _GAIN for bar in bars) else ""
+    note(figure, title, ambient, f"residual {100.0 * ledger['residue'] / whole:.1g} %".replace("-", "−"), green)
     return figure
 
 

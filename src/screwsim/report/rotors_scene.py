@@ -31,7 +31,7 @@ RATIOS = (2.2, 2.6, 3.2, 4.0)  # built-in volume ratios whose angles are listed 
 _SHOWN = {"m^2": (1e6, "mm²"), "m^3": (1e6, "cm³"), "rad": (DEG, "°"), "m": (1e3, "mm"), "1": (1.0, "")}
 _TABLE_NOTE = """\
 # Written by `screwsim rotors`: the machine as tables, in place of its profile. A table of an effect holds one path, so
-# of the contact line that to the chamber z1 pitches behind is here, and the end face is not.
+# the contact line to the chamber z1 pitches behind is included, and the end face is not.
 """
 
 
@@ -54,14 +54,18 @@ def coefficients(scene: Scene) -> dict[str, tuple[float, str, str]]:
     rotors, own = laid.rotors, laid.rotors.coefficients()
     ratio = float(twin_screw(scene.machine).built_in_volume_ratio or 0.0)
     longest = {path.name: float(path.curve.value.max()) for path in laid.curves.paths}
-    own["male_tip_length"] = (longest["male_tip"], "m", "longest part of a male tip that seals on the bore at once")
-    own["female_tip_length"] = (longest["female_tip"], "m", "the same of a female tip")
+    own["male_tip_length"] = (longest["male_tip"], "m", "longest part of a male tip that seals on the bore at any time")
+    own["female_tip_length"] = (longest["female_tip"], "m", "the same for a female tip")
     for rotor, width in zip(("male", "female"), leakage.mean_widths(rotors.pair, rotors.chain), strict=True):
         meaning = f"mean thickness of a {rotor} lobe on the end face: `passage` of that leak"
         own[f"{rotor}_lobe_thickness"] = (width, "m", meaning)
-    own["sealing_line_length"] = (_longest_line(laid), "m", "longest contact line of a chamber, over the tip included")
+    own["sealing_line_length"] = (
+        _longest_line(laid),
+        "m",
+        "longest contact line of a chamber, including the part over the tip",
+    )
     over = longest["sealing_line_over_tip"]
-    own["sealing_line_over_tip"] = (over, "m", "of it over the male tip: `tip_length` of interlobe_leakage")
+    own["sealing_line_over_tip"] = (over, "m", "its part over the male tip: `tip_length` of interlobe_leakage")
     for wanted in dict.fromkeys((ratio, *RATIOS)):
         try:
             angle = rotors.discharge_angle(wanted) - rotors.start
@@ -70,10 +74,14 @@ def coefficients(scene: Scene) -> dict[str, tuple[float, str, str]]:
         own[f"opens_at_{wanted:g}"] = (angle, "rad", f"of a chamber's life: the port opens for Vi = {wanted:g}")
     if laid.slot is not None:
         share, volume_ratio = closed_in(rotors, laid.curves)
-        own["slide_volume_share"] = (share, "1", "of the largest volume: closed in, the slide at its position")
+        own["slide_volume_share"] = (
+            share,
+            "1",
+            "share of the largest volume that is trapped, with the slide at its position",
+        )
         own["slide_volume_ratio"] = (volume_ratio, "1", "from there to the opening of the discharge port")
     axis = {
-        "scene_life": (laid.life, "whole pitches, as the scene counts them"),
+        "scene_life": (laid.life, "in whole pitches, as the scene counts them"),
         "scene_birth": (laid.born, "the chamber is born; idle before"),
         "scene_closing": (laid.injection, "suction closes, oil is injected"),
         "scene_opening": (laid.opens, f"the discharge port opens (Vi = {ratio:g})"),

@@ -127,7 +127,7 @@ def law_figure(nominal: Links) -> Any:
     solid.set_title("(a) d$x$/d$α$; plane: 5 % of it", y=0.97)
     flat = figure.add_axes((0.6, 0.15, 0.37, 0.72))
     _contours(flat, right, alpha, nominal)
-    flat.set(title="(b) the same, over the law", ylabel="error of the crank (%)")
+    flat.set(title="(b) the same, relative to the law", ylabel="error of the crank (%)")
     return figure
 
 

@@ -19,5 +19,5 @@ def scene_text(results: Results) -> str:
     }
     if tables:
         beside = ", ".join(f"{name} ({digest})" for name, digest in tables.items())
-        lines.append(f"# It needs beside it, as they were (first digits of their SHA-256): {beside}")
+        lines.append(f"# It needs these files next to it, unchanged (first digits of their SHA-256): {beside}")
     return "\n".join(lines) + "\n" + results.scene_yaml

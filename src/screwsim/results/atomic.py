@@ -12,7 +12,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import irregular
 
 HDF5 = b"\x89HDF\r\n\x1a\n"  # first bytes of an HDF5 file
-OTHERS = "{}: is there, and not of the kind that would be written (choose another -o, or remove it)"
+OTHERS = "{}: already exists, and is not a file of this kind (choose another -o, or remove it)"
 
 
 def _sync(path: Path) -> None:
@@ -129,7 +129,9 @@ def refused(path: Path) -> Iterator[None]:
 def cannot_write(path: Path, error: OSError) -> str:
     """Return one line on why `path` cannot be written, with the remedy."""
     reason = os.strerror(error.errno) if error.errno else str(error).splitlines()[0]
-    return f"{path}: cannot be written: {reason} (make room or rights there, or choose another place with -o)"
+    return (
+        f"{path}: cannot be written: {reason} (make room or change permissions there, or choose another place with -o)"
+    )
 
 
 def make_folder(folder: Path) -> None:

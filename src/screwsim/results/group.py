@@ -118,7 +118,7 @@ def _in_range(data: Any, count: int, first: int = 0) -> np.ndarray:
     """Return a variable of indices of words; raise Odd if any is outside `first` to `count` - 1 (`first` = 0 or -1)."""
     values = stored.values(data)
     if values.dtype.kind not in "iu" or (values.size and not first <= values.min() <= values.max() < count):
-        raise Odd(f"is damaged: {data.name} has numbers of texts that are not there")
+        raise Odd(f"is damaged: {data.name} refers to texts that are missing")
     return values
 
 

@@ -81,7 +81,7 @@ def changed_values(stored: Mapping[str, str], wanted: Mapping[str, str]) -> str:
 
 
 def _few(told: list[str]) -> str:
-    more = f", and {len(told) - _TOLD} more things differ" if len(told) > _TOLD else ""
+    more = f", and {len(told) - _TOLD} more differences" if len(told) > _TOLD else ""
     return ", ".join(told[:_TOLD]) + more
 
 
@@ -96,7 +96,7 @@ def disagreement(found: Identity, wanted: Identity) -> str:
         if label != name:
             told.append(f"lacks {label}" if here == _NONE else f"has another {label}")
         elif name == _SOURCES:
-            told.append(f"has other sources of screwsim {wanted.get('screwsim')}")
+            told.append(f"has different sources of screwsim {wanted.get('screwsim')}")
         else:
             told.append(f"has {name} {here}, not {now}")
     return _few(told)
@@ -112,9 +112,9 @@ def _differences(stored: Identity, wanted: Identity) -> Iterator[str]:
             yield f"{label} {_change(before, now)}"
         elif name == _SOURCES:
             if stored.get("screwsim") == wanted.get("screwsim"):
-                yield f"of other sources of screwsim {wanted.get('screwsim')}"
+                yield f"from different sources of screwsim {wanted.get('screwsim')}"
         elif name == "screwsim":
-            yield f"of screwsim {before}, this is {now}"
+            yield f"from screwsim {before}, this is {now}"
         elif name in LIBRARIES:
             yield f"{name} {before} wrote it, this is {now}"
         else:
@@ -122,7 +122,7 @@ def _differences(stored: Identity, wanted: Identity) -> Iterator[str]:
 
 
 def _change(before: str, now: str) -> str:
-    return "was not there" if before == _NONE else "is not there any more" if now == _NONE else "has changed since"
+    return "did not exist" if before == _NONE else "no longer exists" if now == _NONE else "has changed since"
 
 
 def _content(path: str) -> str:

@@ -39,10 +39,10 @@ def write_optimum(layout: Layout, found: Evaluated) -> None:
         told = Variable(found.units[name], f"estimated numerical error of {name.replace('_', ' ')}, absolute")
         layout.variable(group, ERROR + name, found.errors[name], (EVALUATION,), number_attributes(told))
     for name, values in found.excess.items():
-        told = Variable(found.units[name], f"by how much {name} breaks its bound; negative within")
+        told = Variable(found.units[name], f"by how much {name} exceeds its bound; negative inside")
         layout.variable(group, EXCESS + name, values, (EVALUATION,), number_attributes(told))
     for name, values, says in (
-        ("feasible", found.feasible, "1: it has results, and is within all bounds"),
+        ("feasible", found.feasible, "1: it has results and satisfies all bounds"),
         ("front", found.front, "1: feasible, and no other is better in all aims"),
     ):
         layout.variable(group, name, values.astype(np.int8), (EVALUATION,), {"units": "1", "long_name": says})

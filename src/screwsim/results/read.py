@@ -201,7 +201,7 @@ def _own_length(group: Any, coordinate: str | None) -> tuple[int, ...]:
         return ()
     found = stored.shape(stored.member(group, coordinate))
     if len(found) != 1 or not found[0]:
-        raise Odd(f"is not a results file: {group.name}/{coordinate} is no coordinate")
+        raise Odd(f"is not a results file: {group.name}/{coordinate} is not a coordinate")
     return found
 
 
@@ -225,7 +225,7 @@ class _Shapes:
         else:
             fits = found == (*self.axes, *self.own)
         if not fits:
-            raise Odd(f"is not a results file: {data.name} has the shape {found}, which does not go with the axes")
+            raise Odd(f"is not a results file: {data.name} has the shape {found}, which does not match the axes")
 
 
 def _axes(group: Any) -> tuple[Axis, ...]:
@@ -239,10 +239,10 @@ def _axes(group: Any) -> tuple[Axis, ...]:
     )
     for axis in found:
         if any(len(inner.values) != len(axis.values) for inner in axis.joined):
-            raise Odd(f"is not a results file: what varies along {axis.path} has other lengths")
+            raise Odd(f"is not a results file: what varies along {axis.path} differs in length")
     names = [inner.name for axis in found for inner in (axis, *axis.joined)]
     if len(set(names)) != len(coordinates):
-        raise Odd(f"is not a results file: the coordinates of {group.name} do not make axes")
+        raise Odd(f"is not a results file: the coordinates of {group.name} do not form axes")
     return found
 
 
@@ -265,10 +265,10 @@ def _about(data: Any) -> Variable:
 
 def _axis(data: Any) -> Axis:
     if len(stored.shape(data)) != 1 or not stored.is_numbers(data):
-        raise Odd(f"is not a results file: {data.name} is no coordinate")
+        raise Odd(f"is not a results file: {data.name} is not a coordinate")
     values = labels_of(data) if stored.has_attribute(data, "labels") else stored.values(data)
     if not len(values) or (values.dtype.kind == "f" and not np.all(np.abs(values) < _LARGEST)):
-        raise Odd(f"is not a results file: {data.name} has values that are none of a coordinate")
+        raise Odd(f"is not a results file: {data.name} has values that no coordinate has")
     axis = Axis(stored.text_attribute(data, "path"), values, *_about(data))
     if axis.name != data.name.rpartition("/")[2]:
         raise Odd(f"is not a results file: {data.name} is the coordinate of another path")
@@ -282,7 +282,7 @@ def _root(path: Path, file: Any) -> dict[str, Any]:
     attributes = stored.attributes(file)
     schema = attributes.get("screwsim_schema")
     if not isinstance(schema, int | np.integer):
-        raise Odd("is not a results file: its schema is no whole number")
+        raise Odd("is not a results file: its schema is not a whole number")
     if schema > SCHEMA:
         source = attributes.get("source", "a newer screwsim")
         raise UsageError(f"{path}: was written by {source} in schema {schema}, newer than {SCHEMA} (update screwsim)")

@@ -11,7 +11,7 @@ DERIVATIVES, NUMBER = "derivatives", "number"  # names of the group and its dime
 UNITS = "number_units"
 IS_EXACT = {
     "units": "1",
-    "long_name": "0: differences of closed cycles; 1: exact derivatives; 2: quick ones, good to 1e-3 mostly",
+    "long_name": "0: differences of closed cycles; 1: exact derivatives; 2: quick ones, mostly accurate to 1e-3",
 }
 
 

@@ -42,7 +42,7 @@ def opened(path: Path) -> Iterator[Any]:
     except OSError as error:
         raise UsageError(f"{path}: is damaged or cut short (write it again, or {REMEDY})") from error
     except MemoryError as error:
-        raise UsageError(f"{path}: needs more memory than there is (read a part of it with xarray)") from error
+        raise UsageError(f"{path}: needs more memory than is available (read part of it with xarray)") from error
 
 
 def _open(path: Path) -> Any:
@@ -60,7 +60,9 @@ def _open(path: Path) -> Any:
             raise UsageError(f"{path}: is not an HDF5 file ({REMEDY})")
         return h5py.File(path, "r")
     except (OSError, RuntimeError, ValueError) as error:  # ValueError: a null character in the name
-        why = "may not be read" if isinstance(error, PermissionError) else "is damaged or cut short"
+        why = (
+            "cannot be read for lack of permission" if isinstance(error, PermissionError) else "is damaged or cut short"
+        )
         raise UsageError(f"{path}: {why} (write it again, or {REMEDY})") from error
 
 
@@ -168,7 +170,7 @@ def text_attribute(item: Any, name: str) -> str:
     """Return an attribute that is a text; raise Odd for any other."""
     value = attribute(item, name)
     if not isinstance(value, str):
-        raise Odd(f"is not a results file: {item.name}@{name} is no text")
+        raise Odd(f"is not a results file: {item.name}@{name} is not text")
     return value
 
 
@@ -226,14 +228,14 @@ def values(data: Any, index: Any = ()) -> np.ndarray:
     with _told(data):
         found = np.asarray(data[index])
     if found.dtype.kind == "f" and np.any(np.isfinite(found) & (np.abs(found) > _LARGEST)):
-        raise Odd(f"is damaged: {data.name} has numbers that no result is")
+        raise Odd(f"is damaged: {data.name} has values that no result can have")
     return found
 
 
 def characters(data: Any) -> str:
     """Return the text of a variable of single characters."""
     if is_numbers(data) or len(shape(data)) != 1 or shape(data)[0] > MOST_TEXTS:
-        raise Odd(f"is not a results file: {data.name} is no text")
+        raise Odd(f"is not a results file: {data.name} is not text")
     found = values(data)
     with _told(data):
         return found.tobytes().decode().rstrip("\0")
@@ -253,7 +255,7 @@ def _check_storage(data: Any) -> None:
     if elsewhere or layout == h5py.h5d.VIRTUAL:
         raise Odd(f"keeps the values of {data.name} in other files, which are not read")
     if filters - _FILTERS:
-        raise Odd(f"packs {data.name} in a way that results never are")
+        raise Odd(f"packs {data.name} in a way that results never use")
     dense = _DENSEST if 1 in filters else 1
     if stored > whole + _SLACK or size > dense * stored + (_SLACK if dense > 1 else 0):
         raise Odd(f"is damaged: {data.name} states {size} bytes and has {stored}")

@@ -281,7 +281,7 @@ def same_angles(angle: np.ndarray, other: np.ndarray) -> None:
     """Raise UsageError unless both grids agree (to 1e-9 degree): the traces of a sweep share one coordinate."""
     if angle.shape != other.shape or not np.allclose(angle, other, rtol=0.0, atol=1e-9):
         lives = f"{angle[-1]:g} and {other[-1]:g} deg"
-        what = f"chambers live {lives} in these cases, and their traces share no angles"
+        what = f"chambers live {lives} in these cases, so their traces share no angles"
         raise UsageError(f"output.keep: {what} (write output.keep: performance)")
 
 

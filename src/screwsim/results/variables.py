@@ -18,8 +18,8 @@ from screwsim.scene.types import Scene
 
 _CASE_TEXTS = {
     "message": "why the case failed or did not close, and the remedy",
-    "warnings": "warnings, one a line",
-    "notes": "why a figure of a simulated effect has no value, one a line",
+    "warnings": "warnings, one per line",
+    "notes": "why a figure of a simulated effect has no value, one per line",
 }
 
 UNCERTAINTY, CONTRIBUTIONS, CONTRIBUTOR = "uncertainty", "contributions", "contributor"  # groups, and their dimension
@@ -158,7 +158,7 @@ class Plan:
     def _changes(self) -> Iterator[Column]:
         """Create the change of these figures by each input, over the inputs."""
         group, labels = self._group(CONTRIBUTIONS), self.names.inputs
-        about = flag_attributes(labels, "input with a tolerance, or those that err together")
+        about = flag_attributes(labels, "input with a tolerance, or inputs that err together")
         numbers = np.arange(len(labels), dtype=flag_type(len(labels)))
         self.layout.coordinate(group, CONTRIBUTOR, numbers, about | {"labels": "\n".join(labels)})
         shape, dimensions = (*self.shape, len(labels)), (*self._dimensions, CONTRIBUTOR)

@@ -143,8 +143,8 @@ class Draft:
             atomic.put_beside_none(self._temporary, self._path, self._before)
         except FileExistsError:
             raise UsageError(
-                f"{self._path}: another file came there meanwhile, and stays; all cases are finished, in "
-                f"{self._folder} (move that file away and start the sweep again: it only writes its own)"
+                f"{self._path}: another file was put there meanwhile, and is kept; all cases are finished, in "
+                f"{self._folder} (move that file away and start the sweep again, which then only writes its file)"
             ) from None
 
     def _lay_out(self, names: Names) -> Plan:
@@ -217,7 +217,7 @@ def write_knock_out(layout: Layout, costs: Sequence[Figures]) -> None:
         layout.variable(group, name, values, (EFFECT,), number_attributes(variable))
     messages = [text_lines(cost.message) for cost in costs]
     words = sorted(set(messages))
-    data = layout.texts(group, "message", words, shape, (EFFECT,), "why there are no figures, or what to doubt")
+    data = layout.texts(group, "message", words, shape, (EFFECT,), "why there are no figures, or what is doubtful")
     data.write([words.index(message) for message in messages])
 
 

@@ -12,7 +12,7 @@ from screwsim.results.schema import named_files
 from screwsim.scene.types import Scene
 
 Wanted = Mapping[str, Any]  # of plain types: a worker of another version must be able to read it
-REMEDY = "install and put there what runs here, and start it again; the sweep resumes"
+REMEDY = "install the same versions and files there as here, and start it again; the sweep resumes"
 
 
 def wanted_of(scene: Scene) -> Wanted:
@@ -64,7 +64,7 @@ class Watch:
         what = disagreement(file_identity(self._files), self._began)
         if what:
             raise UsageError(
-                f"this machine {what}: it was changed while the sweep ran, and its cases must not mix (put it back "
-                "and start the sweep again, which resumes it, or begin anew with --restart)"
+                f"this machine {what}: it was changed during the sweep, whose cases must not mix (undo the change and "
+                f"start the sweep again to resume it, or start over with --restart)"
             )
         self._stamps = stamps

@@ -38,8 +38,8 @@ class Cluster:
             try:
                 self._client.wait_for_workers(1, timeout=self._patience)
             except TimeoutError:
-                remedy = "start some with `dask worker`, and look at their logs"
-                raise UsageError(f"{self._where}: no worker came within {self._patience:g} s ({remedy})") from None
+                remedy = "start some with `dask worker`, and check their logs"
+                raise UsageError(f"{self._where}: no worker appeared within {self._patience:g} s ({remedy})") from None
             self.workers()
         except BaseException:
             self._client.close()
@@ -81,7 +81,7 @@ def _words(answer: Any) -> str:
     if isinstance(answer, OSError):
         return ""
     if isinstance(answer, BaseException):
-        return f"has no screwsim, or another one: {' '.join(str(answer).split())}"
+        return f"has no screwsim, or a different one: {' '.join(str(answer).split())}"
     return answer
 
 
@@ -101,7 +101,7 @@ def _connect(where: str, patience: float) -> Any:
         return Client(address, timeout=patience, set_as_default=False)
     except (ImportError, OSError, OverflowError, RuntimeError, TypeError, ValueError) as error:
         reason = str(error).splitlines()[0] if str(error) else "no answer"
-        raise UsageError(f"{where}: no scheduler can be reached: {reason} ({_REMEDY})") from None
+        raise UsageError(f"{where}: cannot reach a scheduler: {reason} ({_REMEDY})") from None
 
 
 async def _reach(address: str, patience: float) -> None:
@@ -130,4 +130,4 @@ def _address(where: str) -> str:
             return found
         raise ValueError
     except (Unreadable, ValueError, RecursionError, KeyError, TypeError):
-        raise UsageError(f"{where}: is no scheduler file ({_REMEDY})") from None
+        raise UsageError(f"{where}: is not a scheduler file ({_REMEDY})") from None

@@ -79,7 +79,7 @@ class Comparison(Brief):
         counts = ", ".join(f"{count} {what}" for what, count in (points | {"only in B": self.only_b}).items())
         notes = [f"points: {counts}"]
         notes += [f"scenes differ by {', '.join(self.scene)}"] if self.scene else []
-        notes += [f"status of {self.status_changes} points is another"] if self.status_changes else []
+        notes += [f"the status of {self.status_changes} points differs"] if self.status_changes else []
         rows = [_cells(each) for each in self.figures]
         columns = ("figure [SI]", "A", "B", "error of both", "differ")
         return About(f"Comparison: {'equal' if self.equal else 'different'} within errors", notes, columns, rows)
@@ -98,7 +98,7 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
     relative to the larger value. Raise UsageError when no point is common.
     """
     if not 0.0 <= tolerance < math.inf:
-        raise UsageError(f"--tolerance {tolerance:g}: is no relative tolerance (write e.g. 1e-6)")
+        raise UsageError(f"--tolerance {tolerance:g}: is not a relative tolerance (write e.g. 1e-6)")
     flat_a, flat_b = (_scene_values(each) for each in (a, b))
     paths = list(dict.fromkeys([*a.varied, *b.varied]))
     in_a, in_b, at = _common(a, b, paths, flat_a, flat_b)
@@ -171,7 +171,7 @@ def _common(
     _, in_a, in_b = np.intersect1d(codes_a, codes_b, return_indices=True)
     if not len(in_a):
         raise UsageError(
-            f"{a.path} and {b.path} have no point in common: {', '.join(paths)} differ (sweep common values of them)"
+            f"{a.path} and {b.path} have no point in common: {', '.join(paths)} differ (sweep over common values)"
         )
     order = np.argsort(in_a)
     in_a, in_b = in_a[order], in_b[order]
@@ -185,7 +185,9 @@ def _column(results: Results, path: str, flat: Mapping[str, str]) -> Array:
     name = variable_name(path)
     value: Any = results.inputs[name] if name in results.inputs else flat.get(path)
     if value is None or (isinstance(value, np.ndarray) and np.isnan(value)):
-        raise UsageError(f"{results.path}: has no {path}, over which the other file was swept (compare files of it)")
+        raise UsageError(
+            f"{results.path}: has no {path}, over which the other file is swept (compare files that both have it)"
+        )
     return np.full(math.prod(results.shape), value)
 
 

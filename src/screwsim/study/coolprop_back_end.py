@@ -77,7 +77,7 @@ def machinery_with_coolprop(scene: Scene) -> Machinery:
     Raises ValueError for an ideal gas or moist air.
     """
     if not can_be_asked(scene):
-        raise ValueError("gas.model: only a real gas can be asked of CoolProp, and no moist air")
+        raise ValueError("gas.model: CoolProp provides real gases only, and no moist air here")
     problem = problem_of(scene)
     gas, text = problem.parts.gas, problem.composition.text
     kernel = gas.state if gas.phased_state is None else gas.phased_state[1]

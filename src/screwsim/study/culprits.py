@@ -13,7 +13,7 @@ from screwsim.study.cases import Block
 from screwsim.study.workers import DIED, TICK, Chunks, Guard, Lost, Work, drain, stop, submit, worker_died
 
 _HUNG = "ran longer than {:g} s and was ended (allow more with --case-limit, or run this case alone)"
-_UNEXPLAINED = "worker died over the block of this case, {} times, but over none of its cases alone"
+_UNEXPLAINED = "worker died {} times on the block of this case, but on none of its cases alone"
 _TRIES = 3  # of a block whose worker dies although no case alone kills it: something else may have killed it
 
 
@@ -36,7 +36,7 @@ class _Alone:
         try:
             self._start().submit(os.getpid).result()
         except BrokenExecutor as error:
-            raise RuntimeError("worker processes cannot start (use one job: --jobs 1)") from error
+            raise RuntimeError("worker processes cannot start (use a single job: --jobs 1)") from error
         return self
 
     def __exit__(self, kind: Any, *error: object) -> None:

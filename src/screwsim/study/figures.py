@@ -49,7 +49,7 @@ def figure_of(scene: Scene, text: str, option: str = "--figure") -> str:
     here = figures_of(scene)
     name = figure_named(text, here, option=option)
     if name not in here:
-        what = f"is not called for in this scene: it needs {needs_of(name)}"
+        what = f"is not a figure of this scene: it needs {needs_of(name)}"
         raise UsageError(f"{option} {text}: {what} (use one of {', '.join(here)})")
     return name
 

@@ -42,7 +42,7 @@ def read_goals(scene: Scene, texts: Iterable[str]) -> tuple[Goal, ...]:
         found.append(Goal(figure, value))
     _refuse_twice("--for", [goal.figure for goal in found])
     if not found:
-        raise UsageError("nothing is sought (write --for FIGURE=VALUE, e.g. --for 'cooling_capacity=500 kW')")
+        raise UsageError("no goal is given (write --for FIGURE=VALUE, e.g. --for 'cooling_capacity=500 kW')")
     return tuple(found)
 
 
@@ -74,7 +74,7 @@ def read_figure(figure: str, text: str, where: str) -> float:
         odd = odd_number(text)
         listed = ", ".join(unit for unit in units if unit not in ("", "1"))
         remedy = f"write a number with one of {listed}" if listed else "write a number"
-        what = told(odd, "") if odd else f"is no number with a unit ({remedy})"
+        what = told(odd, "") if odd else f"is not a number with a unit ({remedy})"
         raise UsageError(f"{where}: {text!r} {what}")
     number, unit = float(match[1]), match[2].strip().replace("°C", CELSIUS).replace("³", "^3").replace("µ", "u")
     celsius = declared(figure).units == "K"  # a difference of temperatures has no Celsius form

@@ -19,7 +19,7 @@ def check_continuous(scene: Scene, path: str) -> None:
     """Raise UsageError unless the input at a path is continuous."""
     what = STEPS.get(leaf_of(scene, path).kind)
     if what is not None:
-        raise UsageError(f"{path}: is {what}, not a continuous quantity (vary it by the scene's sweep: block)")
+        raise UsageError(f"{path}: is {what}, not a continuous quantity (vary it in the scene's sweep: block)")
 
 
 ISOTHERMAL, ISENTROPIC = "isothermal_efficiency", "isentropic_efficiency"
@@ -36,8 +36,8 @@ def told_efficiency(scene: Scene) -> str:
     if usual_efficiency(scene) == ISOTHERMAL:
         return ""
     return (
-        f"{ISENTROPIC} is taken: a real gas may have no isothermal one, as where it condenses on the way "
-        "(--figure chooses another)"
+        f"{ISENTROPIC} is used, because a real gas may have no isothermal one, e.g. where it would condense (choose "
+        f"another with --figure)"
     )
 
 

@@ -55,14 +55,14 @@ def _group(scene: Scene, text: str) -> Left:
             known = (*GROUPS, *scene.effects)
             near = nearest(word, known)
             hint = f"did you mean '{near}'?" if near else f"groups are {', '.join(GROUPS)}"
-            raise UsageError(f"--together {text}: {word} is no group and no effect of this scene ({hint})")
+            raise UsageError(f"--together {text}: {word} is neither a group nor an effect of this scene ({hint})")
         own = [
             name
             for name, active in scene.effects.items()
             if any(offer in offers and what in GROUPS[word] for offer, what in active.effect.usual.items())
         ]
         if not own:
-            raise UsageError(f"--together {text}: the scene simulates nothing that belongs to {word} (remove it)")
+            raise UsageError(f"--together {text}: the scene simulates no effect of group {word} (remove it)")
         names += own
     if not names:
         raise UsageError(f"--together {text}: names nothing (write e.g. --together leaks)")
@@ -118,7 +118,7 @@ def _without(scene: Scene, left: Left, result: Result) -> Figures:
         value, full = other.performance.get(each), result.performance[each]
         found |= {each: value, f"change_of_{each}": None if value is None or full is None else value - full}
     if after is None:
-        doubts.insert(0, "no net gas is delivered without it")
+        doubts.insert(0, "without it no net gas is delivered")
     elif before is not None:
         found |= {"specific_work": after, "change_of_specific_work": after - before}
     return Figures(found, message="; ".join(doubts))

@@ -37,7 +37,7 @@ STEP = 5e-3  # relative step of a number for differences of closed cycles ...
 ANGLE = math.radians(0.5)  # ... at most, for an angle: half a percent of a port's opening angle is three degrees ...
 ACCURACY = 1e-6  # ... accuracy of these cycles, unless the scene's is finer
 APART = ("numerics.", "output.")  # sections whose numbers do not describe the machine
-READ_OVER = "gauge pressures were read over it"
+READ_OVER = "gauge pressures were read relative to it"
 KINDS = {**STEPS, "numbers": "a list of numbers", "file": "a file"}
 
 
@@ -119,7 +119,7 @@ def sensitivities(
     """
     scene = scene_of(scene)
     if result is not None and (other := _other_scene(scene, result)):
-        raise UsageError(f"result: is of another scene: {other} (pass that of this scene, or none)")
+        raise UsageError(f"result: belongs to another scene: {other} (pass that of this scene, or none)")
     every, left_out = numeric_paths(scene)
     left_out |= dict.fromkeys(FIXED & every.keys(), READ_OVER)
     every = {path: value for path, value in every.items() if path not in FIXED}

@@ -75,7 +75,7 @@ def at(maps: Sequence[PerformanceMap], asked: Mapping[str, Any]) -> MapPoint:
     if not one.inside(S, D):
         corners = ", ".join(f"({s:g}, {d:g})" for s, d in one.envelope)
         what = f"({S:.6g}, {D:.6g}) °C lies outside the envelope {corners} °C, where the polynomial says nothing"
-        raise UsageError(f"{what} (a point inside, or a sweep that reaches there)")
+        raise UsageError(f"{what} (choose a point inside, or a sweep that reaches it)")
     found = {figure: float(one.evaluate(figure, S, D)) for figure in one.fits}
     return MapPoint(T_e, T_c, one.values, found)
 
@@ -94,7 +94,7 @@ def _choose(maps: Sequence[PerformanceMap], fitting: Sequence[PerformanceMap]) -
     which = f"there are maps at {'; '.join(there)} in SI units"
     if fitting:
         return f"{len(fitting)} maps fit (name {' and '.join(path.rpartition('.')[2] for path in paths)}; {which})"
-    return f"no map is there ({which})"
+    return f"there is no map for it ({which})"
 
 
 def _digits(value: Any) -> str:
@@ -125,7 +125,7 @@ def _read(results: Results, text: str) -> dict[str, Any]:
         asked[path] = _value(path, value)
     missing = [path for path in (EVAPORATING, CONDENSING) if path not in asked]
     if missing:
-        raise UsageError(f"says nothing of {missing[0].rpartition('.')[2]} (write e.g. {EXAMPLE})")
+        raise UsageError(f"does not state {missing[0].rpartition('.')[2]} (write e.g. {EXAMPLE})")
     return asked
 
 

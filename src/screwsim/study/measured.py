@@ -137,7 +137,7 @@ def _read(scene: Scene, text: str) -> Measured:
         value = f"{value} {unit}"  # 132 ± 2 kW
     number = read_figure(figure, value, where)
     if not math.isfinite(number):
-        raise UsageError(f"{where}: {value} is no number that can be measured")
+        raise UsageError(f"{where}: {value} is not a value that can be measured")
     return Measured(figure, number, _standard(figure, number, value, behind[0], where) if behind else None)
 
 
@@ -157,7 +157,7 @@ def _standard(figure: str, number: float, value: str, text: str, where: str) -> 
     if _unit(text) in ("degC", "°C"):
         raise UsageError(f"{where}: an uncertainty is a difference (write kelvin, e.g. ± 2 K)")
     if unit == "%" and declared(figure).units == "K":
-        raise UsageError(f"{where}: a share of a temperature depends on its zero (write kelvin, e.g. ± 2 K)")
+        raise UsageError(f"{where}: a percentage of a temperature depends on its zero (write kelvin, e.g. ± 2 K)")
     if unit == "%" and own != "%":
         share = re.fullmatch(rf"({NUMBER})\s*%", text)
         size = 0.01 * float(share[1]) * abs(number) if share else math.nan
@@ -171,7 +171,7 @@ def _standard(figure: str, number: float, value: str, text: str, where: str) -> 
 def compare_measured(scene: Scene, result: Result, measured: Sequence[Measured]) -> Comparison:
     """Return measured figures beside those of a result, and which numbers could explain the differences."""
     if not result.performance:
-        return Comparison((), why=f"nothing to compare, the point has no figures: {result.told}")
+        return Comparison((), why=f"nothing to compare, as the point has no figures: {result.told}")
     values, reasons = result.performance, result.notes
     rows = tuple(_compared(result, each) for each in measured if values.get(each.figure) is not None)
     lacking = [each.figure for each in measured if values.get(each.figure) is None]
@@ -184,7 +184,7 @@ def compare_measured(scene: Scene, result: Result, measured: Sequence[Measured])
     try:
         found = sensitivities(scene, None, [row.figure for row in rows], result=result, fine=False, progress=False)
     except UsageError as error:
-        return Comparison(rows, none, weighted=weighted, why=f"what would explain it is not known: {error}")
+        return Comparison(rows, none, weighted=weighted, why=f"no explanation can be computed: {error}")
     return Comparison(rows, none, explanations(scene, found, rows, weighted), weighted)
 
 

@@ -88,7 +88,7 @@ def _figures(about: Any) -> tuple[Figure, ...]:
     found = tuple(Figure(**each | typed) for each, typed in zip(about["about"], more, strict=True))
     texts = (text for each in found for text in (each.name, each.units, each.long_name, *each.needs))
     if not all(isinstance(text, str) for text in texts):
-        raise TypeError("a part has a figure without a name")
+        raise TypeError("a part file has a figure without a name")
     return found
 
 

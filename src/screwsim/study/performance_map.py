@@ -142,7 +142,7 @@ def _map(results: Results, figures: Sequence[str], values: Mapping[str, Any], ca
     design = Design(S, D)
     if design.condition > WORST_CONDITION:
         message = (
-            f"the {len(S)} points do not tell the ten coefficients apart (condition {design.condition:.1e}; spread "
+            f"the {len(S)} points do not determine the ten coefficients (condition {design.condition:.1e}; spread "
             "them over both temperatures, not along a line)"
         )
         return PerformanceMap(values, message, len(S), not_ok, design.condition)

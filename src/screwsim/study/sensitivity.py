@@ -117,8 +117,8 @@ def cost_told(inputs: int, samples: int) -> str:
     count, many = samples * (inputs + 2), f"{inputs} input{'s' * (inputs > 1)}"
     told = f"{count} solutions, {samples} samples × ({many} + 2)"
     if inputs == 1:
-        return f"{told}; one input alone makes all of the variance: mean and deviation are what this tells"
-    return f"{told} (--samples: a quarter of them doubles the widths of the intervals, four times as many halve them)"
+        return f"{told}; a single input causes all of the variance, so only mean and deviation are informative"
+    return f"{told} (--samples: a quarter of them doubles the interval widths, four times as many halve them)"
 
 
 def sensitivity(

@@ -76,7 +76,7 @@ class Parts:
         except (BlockingIOError, PermissionError):
             self._lock.close()
             raise UsageError(
-                f"{self.output}: another {self.study} is writing it (wait for it, or choose another -o)"
+                f"{self.output}: another {self.study} is writing it (wait until it ends, or choose another -o)"
             ) from None
         except (ImportError, OSError):
             pass  # no locks on this system or disk: two sweeps at once merely do the same work twice
@@ -126,8 +126,8 @@ class Parts:
 
     def _taken(self, what: str) -> UsageError:
         """Return the error for parts that this process has written and no longer finds."""
-        who = f"it was moved, or another {self.study} of the same file removed it, on a disk that has no locks"
-        return UsageError(f"{self.folder}: {what}: {who} (run this once more: it goes on from what is there)")
+        who = f"it was moved, or another {self.study} of the same file removed it, on a disk without file locks"
+        return UsageError(f"{self.folder}: {what}: {who} (run this again; it continues from what is stored)")
 
     def _join_neighbours(self) -> None:
         """Join small consecutive parts; a crash leaves both forms, and the larger part is used."""
@@ -190,7 +190,7 @@ class Parts:
                 paths.append(path)
                 stop = cases.stop
         if stop != total:
-            raise self._taken(f"cases from {stop} on are gone")
+            raise self._taken(f"cases from {stop} onwards are gone")
         return StoredTables(paths, total, self._at_hand)
 
 

@@ -24,7 +24,7 @@ FIRM, ROUNDED = 3, 5e-3  # a scene's numbers are rounded, so that sizes jump: th
 FAST = 40.0  # [m/s] tip speed above which oil films cost points of efficiency (docs/how-to/new-machine.md)
 TIGHTER = 1e-4  # accuracy where the default does not suffice
 UNSTEADY = (
-    "--economizer: no temperature is found at which its port draws its vapour (a --condition whose ends are farther "
+    "--economizer: no temperature is found at which the port draws the vapour (choose a --condition with ends farther "
     "apart, another --vi, or no --economizer)"
 )
 HEAVY, LIGHT = 1.15, 0.6  # motor loads (NEMA MG 1: service factor 1.15) beyond which sheet and machine hardly match
@@ -59,13 +59,13 @@ def sized(kind: str, asked: Asked) -> Sized:
             raise UsageError(UNSTEADY)
         if result.status != "ok" or not value or value <= 0.0:
             why = result.told if result.status != "ok" else f"no {figure.replace('_', ' ')}"
-            what = f"the machine of {flow_text(flow)} that is tried does not run: {why}"
-            raise UsageError(f"{option}: {what} (another {option}, --speed, --vi or --condition)")
+            what = f"the machine of {flow_text(flow)} tried for it does not run: {why}"
+            raise UsageError(f"{option}: {what} (choose another {option}, --speed, --vi or --condition)")
         if abs(value / wanted - 1.0) <= (NEAR if count < FIRM else ROUNDED):
             return found
         flow *= wanted / value
     raise UsageError(
-        f"{option}: no size was found that gives {shown_figure(figure, wanted)} (--displacement states one)"
+        f"{option}: no size was found that gives {shown_figure(figure, wanted)} (state one with --displacement)"
     )
 
 
@@ -74,7 +74,7 @@ def solved(text: str) -> Sized:
     scene = loads(text)
     result = simulate(scene, trace=False)
     if result.status == "not_closed":
-        told = "its default leaves open what is found with the cycle"
+        told = "the cycle does not close at the default accuracy"
         tighter = f"{text.rstrip()}\n\nnumerics: {{accuracy: {TIGHTER:g}}}    # {told}\n"
         closed = simulate(loads(tighter), trace=False)
         if closed.status == "ok":
@@ -113,21 +113,23 @@ def told(asked: Asked, found: Sized) -> Iterator[str]:
     if asked.motor is not None and not LIGHT <= load <= HEAVY:
         word = "more" if load > HEAVY else "less"
         check = "--flow, --motor and --pressure" if package else "--capacity, --motor and --condition"
-        yield f"the motor gets {word} than sheets have it carry (check {check}, or --speed)"
+        yield f"the motor carries {word} than data sheets show (check {check}, or --speed)"
     tips = 0.5 * scene.operation.speed * scene.machine.rotor_diameter
     if tips > FAST:
-        yield f"tips run at {tips:.0f} m/s, where films of oil take much (a lower --speed, larger rotors)"
+        yield (
+            f"rotor tips run at {tips:.0f} m/s, where oil films take much power (choose a lower --speed, larger rotors)"
+        )
     ratio = scene.machine.built_in_volume_ratio
-    assumed = [] if asked.ratio is not None else [f"built-in volume ratio {ratio:g} by the pressure ratio"]
+    assumed = [] if asked.ratio is not None else [f"built-in volume ratio {ratio:g} from the pressure ratio"]
     assumed += [] if asked.speed is not None else [rpm(scene.operation.speed)]
     rotors = 1e3 * scene.machine.rotor_diameter
-    assumed += [f"rotors of family b, {rotors:.0f} mm", "clearances, shafts and bearings by that size"]
+    assumed += [f"rotors of family b, {rotors:.0f} mm", "clearances, shafts and bearings scaled to that size"]
     if package:
         assumed += [f"{p.oil_ratio:.2g} kg of oil per kg of air"]
         assumed += ["losses of a typical package, a fan of 4 % of the motor"]
         assumed += [f"an inverter that loses {100.0 * INVERTER:g} % of it"] if asked.variable else []
     else:
-        assumed += [f"{p.oil_ratio:.2g} kg of oil per kg of gas", "losses that were fitted to machines like it"]
+        assumed += [f"{p.oil_ratio:.2g} kg of oil per kg of gas", "losses fitted to similar machines"]
     yield f"assumed: {', '.join(assumed)}"
     yield from (f"warning: {each}" for each in found.result.warnings)
 

@@ -364,7 +364,7 @@ def _compare(where: Path, parts: Parts, stored: Mapping[str, Any], restart: bool
         what = differences(identity, parts.identity["identity"])
     else:  # written before code and files were recorded
         version = release(str(stored.get("version", "")))
-        what = f"of a screwsim {version} that did not note what code and files they are of"
+        what = f"from a screwsim {version} that did not record its code and input files"
     if what:
         remedy = "choose another -o to keep them (--restart computes them again)"
         raise UsageError(f"{where}: holds results of this scene, but {what}; {remedy}")

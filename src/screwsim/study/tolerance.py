@@ -110,7 +110,7 @@ def tolerances(
     if not isinstance(machine, SliderCrank):
         raise UsageError(f"machine.kind is {machine.kind}: there is no crank (name a scene of a slider_crank)")
     if count < 2:
-        raise UsageError(f"--count {count}: is too few for a spread (write e.g. 64)")
+        raise UsageError(f"--count {count}: is too small for a spread (write e.g. 64)")
     if too_many(count):
         raise UsageError(f"--count {count}: {too_many(count)}")
     widths = widths_of(machine, grades)

@@ -128,7 +128,7 @@ def uncertainty(
     Raises UsageError if the scene states no tolerances."""
     scene = scene_of(scene)
     if not scene.uncertain:
-        raise UsageError("no input has a tolerance (write one behind its value, e.g. gap: 27 um ± 5 um)")
+        raise UsageError("no input has a tolerance (write one after its value, e.g. gap: 27 um ± 5 um)")
     found = sensitivities(scene, list(scene.uncertain), jobs=jobs, progress=progress, result=result, fine=False)
     spreads = spreads_of(scene, found.values, found.derivatives)
     left_out = {path: found.left_out.get(path, "no derivative") for path in scene.uncertain if path not in found.values}
@@ -167,8 +167,12 @@ def with_uncertainty(scene: Scene, result: Result) -> Result:
     try:
         found = uncertainty(scene, result=result, progress=False)
     except UsageError as error:  # a case of a sweep whose axis makes an input follow from others
-        return replace(result, uncertainty=told, warnings=(*result.warnings, f"no uncertainty by the inputs: {error}"))
-    lost = (f"the tolerance of {path} is in no uncertainty: {why}" for path, why in found.left_out.items())
+        return replace(
+            result, uncertainty=told, warnings=(*result.warnings, f"no uncertainty from the inputs: {error}")
+        )
+    lost = (
+        f"the tolerance of {path} is not included in the uncertainties: {why}" for path, why in found.left_out.items()
+    )
     return replace(result, uncertainty={**found.as_json(), **told}, warnings=(*result.warnings, *lost))
 
 
@@ -239,5 +243,5 @@ def _compared(values: np.ndarray, figure: float, linear: float) -> Sampled:
     if abs(standard - linear) > max(WRONG, chance) * largest:
         wrong.append(f"its spread is {standard / linear if linear else float('inf'):.2g} times the linear one")
     if abs(mean - figure) > SHIFTED * largest:
-        wrong.append("its mean lies beside the figure")
+        wrong.append("its mean differs from the figure")
     return Sampled(mean, standard, ", and ".join(wrong))

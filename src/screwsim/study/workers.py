@@ -268,5 +268,5 @@ def sent(work: Any) -> bytes:
         return pickle.dumps(work)
     except (AttributeError, TypeError, pickle.PicklingError) as reason:
         raise UsageError(
-            f"simulate: it cannot be sent to workers: {reason} (define it at the top of a module, or pass jobs=1)"
+            f"simulate: it cannot be sent to workers: {reason} (define it at module level, or pass jobs=1)"
         ) from None

@@ -22,7 +22,7 @@ def check_scene_file(path: Path, option: str = "-o") -> None:
     """Raise UsageError where no scene may be written: wrong suffix, or an existing file that no study wrote."""
     if path.suffix.lower() not in (".yaml", ".yml"):
         good = path.with_suffix(".yaml")
-        raise UsageError(f"{option} {path}: a scene is written, which ends in .yaml (write {option} {good})")
+        raise UsageError(f"{option} {path}: a scene file must end in .yaml (write {option} {good})")
     keep_others(path, BEGINS.encode())
 
 

@@ -16,12 +16,14 @@ from screwsim.template.asked import Asked, asked_of
 MOTOR, SHEET, SPEEDS, CAPACITY = ("--motor",), ("--flow", "--pressure"), ("--variable-speed",), ("--capacity",)
 LIQUID, SLIDE = ("--economizer",), ("--slide",)
 WHOSE = {  # message on an option that a kind does not take
-    **dict.fromkeys(MOTOR, "is of {takers} (remove it; a motor of {name} is written by its size)"),
-    **dict.fromkeys(CAPACITY, "is of {takers} (remove it; {name} has --displacement)"),
-    **dict.fromkeys(SHEET, "is of an air package's sheet (write screwsim new {takers}; {name} has --displacement)"),
-    **dict.fromkeys(SPEEDS, "is of {takers}, whose sheet it is of (remove it)"),
-    **dict.fromkeys(SLIDE, "is of {takers}, which it unloads (remove it)"),
-    **dict.fromkeys(LIQUID, "is of {takers}, whose liquid it cools (remove it)"),
+    **dict.fromkeys(MOTOR, "is for {takers} (remove it; the motor of {name} follows from its size)"),
+    **dict.fromkeys(CAPACITY, "is for {takers} (remove it; {name} takes --displacement)"),
+    **dict.fromkeys(
+        SHEET, "is from the data sheet of an air package (write screwsim new {takers}; {name} takes --displacement)"
+    ),
+    **dict.fromkeys(SPEEDS, "is for {takers}, from whose data sheet it comes (remove it)"),
+    **dict.fromkeys(SLIDE, "is for {takers}, which it unloads (remove it)"),
+    **dict.fromkeys(LIQUID, "is for {takers}, whose liquid it cools (remove it)"),
 }
 
 
@@ -67,7 +69,7 @@ def kind_of(name: str, options: Iterable[str] = ()) -> Kind:
     if name not in KINDS:
         near = OTHER_WORDS.get(name.lower()) or nearest(name, KINDS)
         hint = f"; did you mean '{near}'?" if near else ""
-        raise UsageError(f"{name}: is no kind of new scene{hint} (there are: {', '.join(KINDS)})")
+        raise UsageError(f"{name}: is not a kind of new scene{hint} (known: {', '.join(KINDS)})")
     for option in options:
         takers = [each for each, kind in KINDS.items() if option in kind.takes]
         if name not in takers:
@@ -85,7 +87,7 @@ def new_scene(kind: str, asked: Asked) -> str:
         port = refrigeration.refused_port(what) if asked.economizer else ""
         port = port or _no_viscosity(what, asked)
         such = f"such {'an' if kind[0] in 'aeiou' else 'a'} {kind}"
-        raise UsageError(port or f"{such} cannot be: {what or place}") from None
+        raise UsageError(port or f"{such} is not possible: {what or place}") from None
     return text
 
 
@@ -93,4 +95,4 @@ def _no_viscosity(what: str, asked: Asked) -> str:
     """Return the message that a gas's viscosity, needed for gaps, is unknown; empty for other faults."""
     if ".gas_viscosity: " not in what:
         return ""
-    return f"--fluid {asked.fluid}: CoolProp has no viscosity of it, which its gaps need (choose a gas near to it)"
+    return f"--fluid {asked.fluid}: CoolProp has no viscosity of it, which the gaps need (choose a similar gas)"

@@ -82,13 +82,13 @@ def asked_of(
         other, blend = names.same_fluid(fluid), names.blend(fluid)
         hint = f"; did you mean '{other}'?" if other else f"; {blend}" if blend else ""
         hint = hint or " (write one of its names, e.g. R134a, R454B or CO2)"
-        raise UsageError(f"--fluid {fluid}: is no fluid or blend of CoolProp{hint}")
+        raise UsageError(f"--fluid {fluid}: is not a fluid or blend of CoolProp{hint}")
     if oil is not None and oil not in OILS:
         near = nearest(oil, OILS)
         hint = f"; did you mean '{near}'?" if near else ""
-        raise UsageError(f"--oil {oil}: is no stored oil{hint} (there are: {', '.join(OILS)})")
+        raise UsageError(f"--oil {oil}: is not a stored oil{hint} (known: {', '.join(OILS)})")
     if vi is not None and not 1.0 < vi <= 12.0:
-        raise UsageError(f"--vi {vi:g}: a built-in volume ratio lies above 1 and at most at 12 (write e.g. --vi 3)")
+        raise UsageError(f"--vi {vi:g}: a built-in volume ratio is above 1 and at most 12 (write e.g. --vi 3)")
     flow = None if displacement is None else _quantity("--displacement", "displacement", displacement, "600 m^3/h")
     at = None if speed is None else _quantity("--speed", "speed", speed, "2950 rpm")
     rated = None if motor is None else _quantity("--motor", "power", motor, "45 kW")
@@ -97,15 +97,19 @@ def asked_of(
     size = "--displacement" if displacement is not None else "--diameter" if diameter is not None else ""
     for option, sought in (("--flow", delivered), ("--capacity", cools)):
         if sought is not None and size:
-            raise UsageError(f"{option}: is given beside {size}, which states the size, too (remove one of the two)")
+            raise UsageError(
+                f"{option}: is given together with {size}, which also states the size (remove one of the two)"
+            )
     if diameter is None:
         return Asked(fluid, flow, at, vi, oil, condition, None, rated, delivered, cools, economizer, slide, variable)
     if flow is not None:
-        raise UsageError("--diameter: is given beside --displacement, which states it, too (remove one of the two)")
+        raise UsageError(
+            "--diameter: is given together with --displacement, which also states it (remove one of the two)"
+        )
     rotor = _quantity("--diameter", "length", diameter, "204 mm")
     if not sizes.SMALLEST <= rotor <= sizes.LARGEST:
         ends = f"{sizes.mm(sizes.SMALLEST)} to {sizes.mm(sizes.LARGEST)}"
-        raise UsageError(f"--diameter {diameter}: screws are cut from {ends} (choose one within)")
+        raise UsageError(f"--diameter {diameter}: screws are made from {ends} (choose one within)")
     displaced = sizes.displaced(rotor, at or SPEED)
     return Asked(fluid, displaced, at, vi, oil, condition, rotor, rated, None, None, economizer, slide, variable)
 
@@ -115,13 +119,11 @@ def _by_pressure(condition: str | None, pressure: str | None) -> str | None:
     if pressure is None:
         return condition
     if condition is not None:
-        raise UsageError("--pressure: is given beside --condition, which states it, too (remove one of the two)")
+        raise UsageError("--pressure: is given together with --condition, which also states it (remove one of the two)")
     with over(ATMOSPHERE):
         found = _quantity("--pressure", "pressure", pressure, "7.5 bar(g)")
     if found <= ATMOSPHERE:
-        raise UsageError(
-            f"--pressure {pressure}: is not above the surroundings' 1 bar (write e.g. --pressure '7.5 bar(g)')"
-        )
+        raise UsageError(f"--pressure {pressure}: is not above the ambient 1 bar (write e.g. --pressure '7.5 bar(g)')")
     return f"0 bar(g)/{pressure.strip()}"
 
 
@@ -132,7 +134,7 @@ def _quantity(option: str, kind: str, text: str, example: str) -> float:
     except Refused as refusal:
         raise UsageError(f"{option} {text}: {refusal}") from None
     if not found > 0.0:
-        raise UsageError(f"{option} {text}: is not above nothing (write e.g. {option} '{example}')")
+        raise UsageError(f"{option} {text}: is not above zero (write e.g. {option} '{example}')")
     return found
 
 
@@ -143,7 +145,7 @@ def condition_of(text: str, kind: str, example: str) -> Condition:
     """
     match = _PAIR.fullmatch(text)
     if match is None:
-        raise UsageError(f"--condition {text}: is no pair of {kind}s (write e.g. --condition '{example}')")
+        raise UsageError(f"--condition {text}: is not a pair of {kind}s (write e.g. --condition '{example}')")
     low, unit, high, last, beside = match.groups()
     if not last:
         raise UsageError(f"--condition {text}: has no unit (write e.g. --condition '{example}')")

@@ -71,7 +71,9 @@ def _duty(asked: Asked, fluid: str, example: str, temperature: str, expands: boo
     at = condition_of(asked.condition or example, "pressure", example)
     low, high = (at.high, at.low) if expands else (at.low, at.high)
     if not low < high:
-        order = "an expander's inlet is first, above its outlet" if expands else "the suction is first, below discharge"
+        order = (
+            "an expander's inlet comes first, above its outlet" if expands else "suction comes first, below discharge"
+        )
         raise UsageError(f"--condition {asked.condition}: {order} (write e.g. --condition '{example}')")
     text, T = beside_of(at, "temperature", temperature)
     return Duty(at, text, T, constants.isentropic_exponent(fluid, T), constants.gas_constant(fluid))
@@ -109,7 +111,7 @@ def first_flow(asked: Asked) -> float:
 def air(asked: Asked) -> str:
     """Return the scene of an oil-flooded air package."""
     if (asked.fluid or "Air").lower() != "air":
-        raise UsageError(f"--fluid {asked.fluid}: an air package is of air (write screwsim new booster for a gas)")
+        raise UsageError(f"--fluid {asked.fluid}: an air package compresses air (write screwsim new booster for a gas)")
     flow, speed, oil = asked.flow or 1200.0 / 3600.0, asked.speed or 2950.0 * RPM, asked.oil or "mineral_46"
     size, duty = texts.sized(flow, speed), _air_duty(asked)
     gas_flow, drop = LAMBDA * flow * duty.density, duty.at.high - duty.at.low
@@ -160,7 +162,7 @@ def _speeds(asked: Asked, rated: float, speed: float) -> dict[str, str]:
         }
     inverter = {"share": f"{100.0 * INVERTER:g}", "loss": f"{INVERTER * rated:.3g} kW", "speed": sizes.rpm(speed)}
     points = ", ".join(f"{share * speed * 30.0 / math.pi:.0f} rpm" for share in SPEEDS)
-    told = "# The points of its data sheet, from all of its speed to a third."
+    told = "# The points of its data sheet, from full speed to a third of it."
     return {
         "driven": texts.filled("variable_speed", {**motor, **inverter}),
         "valve": "",
@@ -181,8 +183,8 @@ def _sheet(asked: Asked) -> str:
     if not stated:
         return ""
     by = {"": "", "--flow": "the flow", "--motor": "the motor's full load"}[asked.sought]
-    sought = f"; its size was sought with the cycle, by {by}" if by else ""
-    told = f"Made for what a sheet states: {stated}{sought}. All else is typical, as said beside it."
+    sought = f"; its size was found with the cycle, from {by}" if by else ""
+    told = f"Made for a data sheet: {stated}{sought}. All else is typical, as the comments say."
     return textwrap.indent(textwrap.fill(told, WIDE), "# ") + "\n"
 
 
@@ -229,8 +231,11 @@ def _booster_leaves(fluid: str, duty: Duty, warmed: float, dew: float | None) ->
         return leaves
     dry = ZERO_CELSIUS + 5.0 * math.ceil((dew + ABOVE_DEW - ZERO_CELSIUS) / 5.0)
     if dry > duty.T + warmed:
-        what = f"{fluid} of {duty.at.high_text} condenses below {dew - ZERO_CELSIUS:.0f} °C, about as warm as it leaves"
-        raise UsageError(f"--condition: {what} (warmer gas, or a lower pressure)")
+        what = (
+            f"{fluid} of {duty.at.high_text} condenses below {dew - ZERO_CELSIUS:.0f} °C, close to its outlet "
+            f"temperature"
+        )
+        raise UsageError(f"--condition: {what} (choose warmer gas, or a lower pressure)")
     return max(leaves, dry)
 
 
@@ -252,8 +257,8 @@ def booster(asked: Asked) -> str:
     leaves = _booster_leaves(fluid, duty, taken_at(LEAVES) / c_p, dew)
     taken = taken_at(leaves)
     if taken > DRAGGED * duty.work:
-        what = f"with films of oil it takes {taken / duty.work:.0f} times the work that the gas needs"
-        raise UsageError(f"--speed {sizes.rpm(speed)}: {what} (slower, or pressures farther apart)")
+        what = f"with oil films it takes {taken / duty.work:.0f} times the work that the gas needs"
+        raise UsageError(f"--speed {sizes.rpm(speed)}: {what} (choose a lower speed, or pressures farther apart)")
     warmed = WARMED if dew is None else min(WARMED, leaves - dew - OIL_OVER_DEW)
     left = taken - c_p * (leaves - duty.T)
     least = max(LEAST_OIL, LEAST_SHARE * flow * OILS[oil].density_at(LEAVES) / gas_flow)
@@ -272,7 +277,7 @@ def booster(asked: Asked) -> str:
 
 def expander(asked: Asked) -> str:
     """Return the scene of a dry screw expander with a generator."""
-    refused("--oil", asked.oil, "an expander here is dry (remove it)")
+    refused("--oil", asked.oil, "expanders are dry here (remove it)")
     fluid, flow, speed = asked.fluid or "R134a", asked.flow or 375.0 / 3600.0, asked.speed or 2950.0 * RPM
     size, duty = texts.sized(flow, speed), _duty(asked, fluid, "20/7 bar", "100 degC", expands=True)
     common = _common(asked, duty, size, 1.0, flow, speed)

@@ -20,8 +20,8 @@ WALL = 0.57  # of the way from suction gas to gas compressed without loss: 360 K
 
 def reciprocating(asked: Asked) -> str:
     """Return the scene of a single cylinder."""
-    refused("--vi", asked.ratio, "a cylinder has no built-in volume ratio, its valves open by themselves (remove it)")
-    refused("--diameter", asked.diameter, "is of rotors; a bore follows from --displacement (write that)")
+    refused("--vi", asked.ratio, "a cylinder has no built-in volume ratio, as its valves are self-acting (remove it)")
+    refused("--diameter", asked.diameter, "is for rotors; the bore follows from --displacement (write that)")
     refused("--oil", asked.oil, "no oil is injected into a cylinder (remove it)")
     fluid, speed, example = asked.fluid or "R134a", asked.speed or 1450.0 * RPM, "-10/40 degC, 20 K"
     flow = asked.flow or 10.0 / 3600.0
@@ -39,8 +39,8 @@ def reciprocating(asked: Asked) -> str:
 def _wall(fluid: str, T: float) -> str:
     """Return the line on the heat between gas and wall [K]; for a blend, why there is none."""
     if is_mixture(fluid):
-        return f"  # No cylinder_heat: CoolProp has no transport properties of blends, as {fluid} is one.\n"
-    told = "between the gas that comes and the gas that goes"
+        return f"  # No cylinder_heat: CoolProp has no transport properties of blends such as {fluid}.\n"
+    told = "between the temperatures of inflow and outflow"
     return f"  cylinder_heat: {{wall_temperature: {T:.0f} K}}    # {told}\n"
 
 

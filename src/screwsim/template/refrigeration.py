@@ -77,7 +77,7 @@ class Duty(NamedTuple):
     k: float
 
 
-RATED = ("the next of IEC 60072-1 above an estimate", "as it was stated")  # source of the rated power
+RATED = ("the next size of IEC 60072-1 above an estimate", "as stated")  # source of the rated power
 USUAL = 600.0 / 3600.0  # [m³/s] default displacement
 
 
@@ -136,7 +136,8 @@ def _friction(slide: bool) -> dict[str, str]:
         return {"stays": "", "friction": f"fraction: {FRICTION:g}"}
     fraction = f"{FRICTION * OF_DISPLACED:.3g}"
     told = (
-        f"at full load: {fraction} of the theoretical power of all that is displaced, so that their torque stays (M460)"
+        f"at full load: {fraction} of the theoretical power of the full displacement, so that their torque stays "
+        f"constant (M460)"
     )
     told = f"\n  # {told}"
     return {"stays": told, "friction": f"fraction: {fraction}, of: theoretical_power"}
@@ -165,7 +166,7 @@ def _economizer(text: str, size: sizes.Size) -> str:
     first, last = (math.degrees(angle) for angle in (closed, shuts))
     if shuts - closed < SHORTEST:
         what = f"suction ends at {first - math.degrees(BESIDE):.0f} deg and discharge begins at"
-        remedy = "--vi states a larger built-in volume ratio"
+        remedy = "choose a larger built-in volume ratio with --vi"
         raise UsageError(f"--economizer: {what} {math.degrees(ends + BESIDE):.0f} deg: no room for a port ({remedy})")
     values = {"opens": f"{math.ceil(first)} deg", "closes": f"{math.floor(last)} deg"}
     return texts.filled("economizer", {**values, "area": sizes.area(PORT * size.diameter**2, 2)})
@@ -174,7 +175,7 @@ def _economizer(text: str, size: sizes.Size) -> str:
 def refused_port(what: str) -> str:
     """Return why there can be no economizer, with a remedy among the command's options; empty for other faults."""
     place, _, why = what.partition(": ")
-    remedy = "a --condition whose ends are farther apart, or no --economizer"
+    remedy = "choose a --condition whose ends are farther apart, or no --economizer"
     return f"--economizer: {why.rpartition(' (')[0]} ({remedy})" if place.startswith("effects.economizer") else ""
 
 
@@ -182,12 +183,13 @@ def _rests(fluid: str) -> str:
     """Return the comment lines on the evidence for λ and η_s of the machine."""
     if fluid.lower() in CURVES:
         return (
-            "Those curves are over five refrigerants, this one among them; on R134a at\n"
-            "# 0/40 degC such machines of 250 to 3000 m^3/h lie within 4 points of their lambda and 6 of their eta_s."
+            "Those curves are a mean over five refrigerants including this one;\n"
+            "# on R134a at 0/40 degC such machines of 250 to 3000 m^3/h lie within 4 points of their lambda and 6 of "
+            "their eta_s."
         )
     return (
-        f"On {fluid} lambda and eta_s rest on the laws and on what was fitted there\n"
-        "# (R134a): no measured or rated machine with its conditions was at hand to hold them against."
+        f"On {fluid} lambda and eta_s rest on the laws and on that fit\n"
+        "# (R134a): no measured or rated machine with stated conditions was available for comparison."
     )
 
 
@@ -207,13 +209,13 @@ def _made(asked: Asked, plant: Plant) -> str:
     """Return the comment on the goal by which the size was sought; empty where the size was stated."""
     goals = {
         "--capacity": (asked.capacity, "of {gives}"),
-        "--motor": (asked.motor, "at the shaft, its motor's full load"),
+        "--motor": (asked.motor, "at the shaft, the full load of its motor"),
     }
     if asked.sought not in goals:
         return ""
     power, what = goals[asked.sought]
     by = f"{1e-3 * (power or 0.0):g} kW {what.format(gives=plant.gives)}"
-    return f"# Made for {by}: its size was sought with the cycle.\n"
+    return f"# Made for {by}: its size was found with the cycle.\n"
 
 
 def _power(duty: Duty, asked: Asked) -> float:
@@ -235,7 +237,7 @@ def _motor(fluid: str, rated: float) -> dict[str, str]:
             "drive": told,
             "motor": f"{{rated_power: {rated:g} kW, {sizes.motor_efficiency(rated)}}}",
         }
-    told = "Semi-hermetic, in the suction gas, 92 % efficient as the source of validation/bitzer takes it"
+    told = "Semi-hermetic, in the suction gas, 92 % efficient as assumed by the source of validation/bitzer"
     return {"drive": told, "motor": f"{{rated_power: {rated:g} kW, efficiency: 0.92, cooling: suction_gas}}"}
 
 
@@ -272,7 +274,8 @@ def _transport(fluid: str, duty: Duty) -> dict[str, str]:
     if found is None:
         return {"transport": f"    reference_pressure: {1e-5 * p:.2g} bar\n    reference_temperature: {T:.0f} K\n"}
     told = (
-        f"    # CoolProp has no transport properties of {fluid}: these, and the gaps' viscosity, are of {STANDS_IN}\n"
+        f"    # CoolProp has no transport properties of {fluid}: these values and the viscosity in the gaps are those "
+        f"of {STANDS_IN}\n"
     )
     conductivity, viscosity, prandtl = found
     lines = (
@@ -292,11 +295,13 @@ def duty_of(fluid: str, flow: float, condition: str, example: str) -> Duty:
     for T in (found.low, found.high):
         if not limits.T_triple < T < limits.T_critical:
             least, most = (end - ZERO_CELSIUS for end in (limits.T_triple, limits.T_critical))
-            usual = ", which is taken where none is stated" if condition == example else ""
+            usual = ", which is the default" if condition == example else ""
             what = f"{fluid} saturates between {least:.1f} and {most:.1f} degC"
             raise UsageError(f"--condition {condition}{usual}: {what} (write e.g. --condition '{_within(limits)}')")
     if not found.low < found.high:
-        raise UsageError(f"--condition {condition}: evaporates above condensing (write LOW/HIGH, e.g. '{example}')")
+        raise UsageError(
+            f"--condition {condition}: evaporates above the condensing temperature (write LOW/HIGH, e.g. '{example}')"
+        )
     p_s, p_d = constants.dew_pressure(fluid, found.low), constants.condensing_pressure(fluid, found.high)
     T, R = found.low + more, constants.gas_constant(fluid)
     k = constants.isentropic_exponent(fluid, T)
@@ -337,4 +342,4 @@ def _oil(duty: Duty, oil: str, built_in: float | None, leaky: float) -> tuple[fl
     needed = max(left / WARMED, more / (leaves - duty.T_c - OVER_DEW)) / OILS[oil].heat_capacity_at(leaves)
     ratio = max(1.0, math.ceil(2.0 * needed) / 2.0)
     kept = f"cooler: {{discharge_temperature: {leaves - ZERO_CELSIUS:.0f} degC}}"
-    return ratio, f"separator: {{{kept}}}    # a thermostat keeps the temperature of what leaves"
+    return ratio, f"separator: {{{kept}}}    # # a thermostat holds the discharge temperature"

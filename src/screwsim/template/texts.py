@@ -28,7 +28,7 @@ def sized(flow: float, speed: float) -> sizes.Size:
         return size
     ends = [sizes.displaced(diameter, speed) for diameter in (sizes.SMALLEST, sizes.LARGEST)]
     stated = f"--displacement {sizes.flow_text(flow)} at {sizes.rpm(speed)}"
-    what = f"would take rotors of {sizes.mm(size.diameter)}; screws are cut from {sizes.mm(sizes.SMALLEST)} to"
+    what = f"would take rotors of {sizes.mm(size.diameter)}; screws are made from {sizes.mm(sizes.SMALLEST)} to"
     usual = " to ".join(f"{float(f'{3600.0 * each:.2g}'):g} m^3/h" for each in ends)
     raise UsageError(f"{stated}: {what} {sizes.mm(sizes.LARGEST)} (choose {usual}, or another --speed)")
 
@@ -40,9 +40,9 @@ def machine(
 
     `slide` has the lines of a slide valve.
     """
-    told = f"for a pressure ratio of {pressures:.3g}; machines are sold with 1.8 to 5"
+    told = f"for a pressure ratio of {pressures:.3g}; commercial machines have 1.8 to 5"
     if asked.ratio is not None:
-        told = f"as asked; a pressure ratio of {pressures:.3g} calls for about {usual:g}"
+        told = f"as requested; a pressure ratio of {pressures:.3g} calls for about {usual:g}"
     values = {
         "size": _size(size, asked.diameter is not None, sizes.flow_text(flow), sizes.rpm(speed)),
         "ratio": f"{asked.ratio or usual:g}",
@@ -56,8 +56,8 @@ def _size(size: sizes.Size, by_diameter: bool, flow: str, speed: str) -> str:
     """Return the lines on the machine's size: by its rotors, or as in catalogues."""
     diameter, length = sizes.mm(size.diameter, 6 if by_diameter else 4), sizes.mm(size.length, 4)
     if by_diameter:
-        return f"  rotor_diameter: {diameter}    # rotors of {length} length follow, which displace {flow} at {speed}"
-    told = f"  # the size as catalogues state it; the rotors that follow are {diameter} x {length}"
+        return f"  rotor_diameter: {diameter}    # gives rotors {length} long, which displace {flow} at {speed}"
+    told = f"  # the size as in catalogues; it gives rotors of {diameter} x {length}"
     return f"{told}\n  displacement: {{flow: {flow}, at: {speed}}}"
 
 

@@ -26,7 +26,7 @@ function buildControls() {
   for (const effect of [...data.effects].sort((a, b) => Number(b.on) - Number(a.on))) effects.append(effectOf(effect));
   form.append(effects);
   const presets = document.getElementById("presets");
-  presets.append(new Option("choose …", ""), new Option("as the scene says", "0"), ...data.presets.map((each, i) => new Option(each.words, String(i + 1))));
+  presets.append(new Option("choose …", ""), new Option("as in the scene", "0"), ...data.presets.map((each, i) => new Option(each.words, String(i + 1))));
   presets.addEventListener("change", () => {
     if (presets.value === "") return;
     put(presets.value === "0" ? { set: {}, effects: {} } : data.presets[Number(presets.value) - 1]);
@@ -53,7 +53,7 @@ function groupOf(words, controls, open) {
   const left = controls.filter((control) => control.value === null && !control.needed);
   for (const control of controls.filter((each) => !left.includes(each))) fold.append(rowOf(control));
   if (left.length) {
-    const more = foldOf(`${left.length} left open`, false);
+    const more = foldOf(`${left.length} not set`, false);
     for (const control of left) more.append(rowOf(control));
     fold.append(more);
   }
@@ -106,7 +106,7 @@ function rowOf(control, effect) {
   const back = document.createElement("button");
   back.type = "button";
   back.textContent = "↺";
-  back.setAttribute("aria-label", `${control.words} as the scene says`);
+  back.setAttribute("aria-label", `reset ${control.words} to the scene's value`);
   back.addEventListener("click", () => { delete settings.set[control.path]; fillControls(); changed(); });
   const entry = { control, effect, row };
   if (control.kind === "choice") choiceOf(entry, id, value);
@@ -201,7 +201,7 @@ function fillRow(entry, by) {
     if (control.low <= 0) control.log = false;
   }
   if (entry.range !== by) entry.range.value = String(value === null ? placeOf(control, control.low) : placeOf(control, value));
-  entry.range.setAttribute("aria-valuetext", value === null ? "left open" : `${value} ${control.unit}`);
+  entry.range.setAttribute("aria-valuetext", value === null ? "not set" : `${value} ${control.unit}`);
 }
 
 // Which field a fault is about, and all others are not.

@@ -23,7 +23,7 @@ function openLine() {
     busy("");
     const why = event.reason ? `: ${event.reason}` : "";
     statusIs("failed", "no connection");
-    complain(`The line to screwsim is closed${why}. It is tried again; is the command still running?`);
+    complain(`The connection to screwsim is closed${why}. Trying again; is the command still running?`);
     setTimeout(openLine, waitFor);
     waitFor = Math.min(2 * waitFor, 8000);
   });
@@ -87,7 +87,7 @@ function receiveAnswer(head, floats) {
     if (begun) {
       log.ms.push(performance.now() - begun);
       if (log.ms.length > 1000) log.ms.shift();
-      document.getElementById("speed").textContent = `${Math.round(log.ms.at(-1))} ms from the change to the drawing`;
+      document.getElementById("speed").textContent = `${Math.round(log.ms.at(-1))} ms from change to drawing`;
     }
   });
 }

@@ -51,9 +51,9 @@ function setMachine(doc) {
   slider.max = String(doc.life);
   angleNow = angleNow === null ? Math.round(0.56 * doc.life) : Math.min(angleNow, doc.life);
   document.getElementById("machine-words").textContent = [
-    doc.kind === "rotors" && doc.sketch ? "A sketch: the scene states volumes and areas by laws, and no profile." : "",
-    doc.kind === "rotors" ? "The male rotor is above, seen from the high-pressure side. " : "",
-    doc.kind === "none" ? "Of this machine there is no drawing." : `Arrows: flow through ports (blue in, orange out)${doc.kind === "rotors" ? ` and over the male crests (red, drawn ${LEAKS_LARGER} times larger)` : ""}; their area is the flow.`,
+    doc.kind === "rotors" && doc.sketch ? "A sketch, as the scene states volumes and areas by laws, without a profile." : "",
+    doc.kind === "rotors" ? "The male rotor is at the top, seen from the high-pressure side. " : "",
+    doc.kind === "none" ? "There is no drawing of this kind of machine." : `Arrows: flow through ports (blue in, orange out)${doc.kind === "rotors" ? ` and over the male crests (red, drawn ${LEAKS_LARGER} times larger)` : ""}; their area shows the flow.`,
   ].join(" ");
 }
 
@@ -289,7 +289,7 @@ let halves = null;
 function showHalves(head) {
   halves = head.halves && Object.keys(head.halves).length ? head.halves : null;
   const lost = head.lost && head.lost.length ? ` Without ${head.lost.join(", ")}: no derivative here.` : "";
-  columnOfHalves(halves ? `by inputs: half of the 95 % interval, linear, by the tolerances of the inputs alone; the model's own error is another.${lost}` : "");
+  columnOfHalves(halves ? `by inputs: half of the 95 % interval, linear, from the tolerances of the inputs alone; the model error is separate.${lost}` : "");
 }
 
 function hideHalves() {

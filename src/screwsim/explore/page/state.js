@@ -83,7 +83,7 @@ function changeWords(which) {
     return `${effect}${control ? control.words : path} ${value}`;
   });
   const switched = Object.entries(which.effects).map(([name, on]) => `${on ? "with" : "without"} ${name.replaceAll("_", " ")}`);
-  return [...switched, ...sets].join(", ") || "as the scene says";
+  return [...switched, ...sets].join(", ") || "as in the scene";
 }
 
 // ---- pinned cases ----------------------------------------------------------------------------------------------

@@ -52,7 +52,7 @@ def best(results: Results) -> Best:
         for row in shown
     ]
     some = f"{len(shown)} of the {len(front)}" if len(shown) < len(front) else f"the {len(front)}"
-    many = f"{some} evaluations that no other betters in all aims; " if len(names) > 1 else ""
+    many = f"{some} evaluations that no other beats in all aims; " if len(names) > 1 else ""
     over = f" over {len(points[0].values)} operating points" if points and len(points[0].values) > 1 else ""
     wanted = " and ".join(f"{_sense(results, name)} {shown_name(name)}" for name in names)
     sought = f"Search for the {wanted}{over}, {len(evaluations.values)} evaluations"

@@ -112,14 +112,14 @@ function balanceWords() {
   const found = ["mass", "energy", "entropy", "oil_mass"].filter((name) => data.balance[name] && Number.isFinite(data.balance[name][picked]));
   if (!found.length) return "";
   const bound = data.balance.bound ? ` (bound ${small(data.balance.bound[picked])})` : "";
-  return `Residues of this case: ${found.map((name) => `${name.replace("_", " ")} ${small(data.balance[name][picked])}`).join(", ")}${bound}.`;
+  return `Residuals of this case: ${found.map((name) => `${name.replace("_", " ")} ${small(data.balance[name][picked])}`).join(", ")}${bound}.`;
 }
 
 function drawCycle() {
   const { cycle } = data;
   const there = traceOf(cycle.traces.pressure, picked).some((value) => value !== null);
   for (const id of ["loop", "temperatures", "flows"]) document.getElementById(id).hidden = !there;
-  document.getElementById("traces-note").textContent = there ? tracesWords() : "This case keeps no cycle.";
+  document.getElementById("traces-note").textContent = there ? tracesWords() : "No cycle is stored for this case.";
   if (!there) return;
   drawLoop();
   drawTemperatures();
@@ -129,7 +129,7 @@ function drawCycle() {
 function tracesWords() {
   const { cycle } = data;
   const off = (name) => `${general(cycle.off[name], 2)} ${cycle.traces[name].unit.replace("°C", "K")}`;
-  return `${cycle.angle.length} of ${cycle.points} angles are kept in this page; straight lines between them lie off by at most `
+  return `${cycle.angle.length} of ${cycle.points} angles are kept on this page; straight lines between them deviate by at most `
     + `${off("pressure")} and ${off("gas_temperature")} in any case. The file has all.`;
 }
 
@@ -267,7 +267,7 @@ function drawFlows() {
   const { flows } = data.cycle;
   document.getElementById("flows").hidden = !flows;
   document.getElementById("flows-note").textContent = flows
-    ? "Positive into the chamber. Click a name to show or hide its curve." : "Of so many cases the page keeps no flows; the file has them.";
+    ? "Positive into the chamber. Click a name to show or hide its curve." : "With so many cases the page keeps no flows; the file has them.";
   if (!flows) return;
   const paths = Object.entries(flows.paths);
   const hidden = (words) => (words.endsWith("port") && paths.length > 2 ? "legendonly" : true);
@@ -304,7 +304,7 @@ function drawLedger() {
   fillLedger(ledger, factor, unit);
   drawWaterfall(ledger, factor, unit);
   const ambient = ledger.ambient_temperature;
-  const back = ledger.entries.some((entry) => entry.exergy_destroyed < 0) ? " Below zero (green): gives back what others count as lost." : "";
+  const back = ledger.entries.some((entry) => entry.exergy_destroyed < 0) ? " Below zero (green): recovers what other entries count as lost." : "";
   document.getElementById("ledger-note").textContent = `W/K: entropy generated; exergy at ${ambient.toFixed(2)} K (${(ambient - 273.15).toFixed(2)} °C).${back}`;
 }
 
@@ -330,14 +330,14 @@ function fillLedger(ledger, factor, unit) {
   top.append(head);
   const body = document.createElement("tbody");
   const ends = ledger.shaft_power > 0
-    ? [["all, at the shaft", ledger.shaft_power], ["exergy rise of the gas", ledger.gas_exergy_rise]]
-    : [["all, given by the gas", -ledger.gas_exergy_rise], ["power at the shaft", -ledger.shaft_power]];
+    ? [["total at the shaft", ledger.shaft_power], ["exergy rise of the gas", ledger.gas_exergy_rise]]
+    : [["total given by the gas", -ledger.gas_exergy_rise], ["power at the shaft", -ledger.shaft_power]];
   body.append(
     ...line(...ends[0], {}, true),
     ...line(...ends[1], {}),
     ...line("exergy rise of the oil", ledger.oil_exergy_rise, {}),
     ...ledger.entries.flatMap((entry) => line(entry.words, entry.exergy_destroyed, entry)),
-    ...line("residue", ledger.residue, {}),
+    ...line("residual", ledger.residue, {}),
   );
   document.getElementById("ledger").replaceChildren(top, body);
 }

@@ -16,7 +16,7 @@ function waterfallSteps(ledger) {
   const loss = (words, power) => ({ words, power, tint: power >= 0 ? "c2" : "c4" });
   const ends = ledger.shaft_power > 0
     ? [{ words: "shaft power", power: ledger.shaft_power, tint: "c0", total: true }, { words: "exergy rise of the gas", power: ledger.gas_exergy_rise, tint: "c1", total: true }]
-    : [{ words: "exergy that the gas gives", power: -ledger.gas_exergy_rise, tint: "c1", total: true }, { words: "power at the shaft", power: -ledger.shaft_power, tint: "c0", total: true }];
+    : [{ words: "exergy given by the gas", power: -ledger.gas_exergy_rise, tint: "c1", total: true }, { words: "power at the shaft", power: -ledger.shaft_power, tint: "c0", total: true }];
   return [
     ends[0],
     ...large.map((entry) => loss(entry.words, entry.exergy_destroyed)),

@@ -147,7 +147,7 @@ function curvesDrawing(notes) {
     traces.push(...optima.map(arcTrace), optimaTrace(optima));
   }
   const bands = overWords() ? [] : traces.slice(0, places.length).map(bandTrace).filter((band) => band);
-  if (bands.length) notes.push("Band: 95 % interval by the tolerances of the inputs alone.");
+  if (bands.length) notes.push("Band: 95 % interval from the tolerances of the inputs alone.");
   const all = traces.flatMap((trace) => trace.x);
   const xLog = choice.xFigure ? isLog(all) : data.axes[choice.along].log;
   const xTitle = choice.xFigure ? choice.xFigure.label : data.axes[choice.along].label;
@@ -340,14 +340,14 @@ function splined(x, y, places) {
 function thinned(cases, notes) {
   const stride = Math.ceil(cases.length / MOST_POINTS);
   if (stride < 2) return cases;
-  notes.push(`One in ${stride} of ${cases.length} points is drawn; the picker below has all.`);
+  notes.push(`One in ${stride} of ${cases.length} points is drawn; the selection below has all.`);
   return cases.filter((_, i) => i % stride === 0);
 }
 
 function fixedWords(notes, shown) {
   const places = placesOf(picked);
   const fixed = data.axes.map((axis, i) => i).filter((i) => !shown.includes(i) && sizeOf(i) > 1);
-  if (fixed.length) notes.push(`At ${fixed.map((i) => `${data.axes[i].words} ${valueOf(i, places[i])}`).join(", ")}, as picked below.`);
+  if (fixed.length) notes.push(`At ${fixed.map((i) => `${data.axes[i].words} ${valueOf(i, places[i])}`).join(", ")}, as selected below.`);
 }
 
 function leftOut(notes, wanted, traces) {

@@ -23,7 +23,7 @@ function whenNarrowOrWide(act) {
 
 async function begin() {
   if (typeof DecompressionStream === "undefined") {
-    complain("This browser is too old for the drawings of this page (it lacks DecompressionStream, in all browsers since 2023). The tables are complete.");
+    complain("This browser is too old for the drawings of this page (it lacks DecompressionStream, which all browsers have had since 2023). The tables are complete.");
     return;
   }
   const library = document.createElement("script");

@@ -47,7 +47,7 @@ def warnings(results: Results) -> tuple[str, list[str]]:
         return (f"{len(found)} warnings" if len(found) > 1 else "Warning" if found else ""), [k.text for k in found]
     lines = [f"{_cases(kind.cases)}: {kind.text}" for kind in found[:MOST_KINDS]]
     if len(found) > MOST_KINDS:
-        lines.append(f"{len(found) - MOST_KINDS} other kinds of warnings, in the file")
+        lines.append(f"{len(found) - MOST_KINDS} other kinds of warnings (see the file)")
     whole = f"{cases} of {results.status.size} cases {'warns' if cases == 1 else 'warn'}"
     return (whole if cases else ""), lines
 

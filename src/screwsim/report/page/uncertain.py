@@ -86,6 +86,6 @@ def model_lines(results: Results) -> list[str]:
             parts.append(f"{shown_name(name)} {factor * held['low']:+.2g} … {factor * held['high']:+.2g} {unit}")
     where = f"({told['of']}: {told['citation']}), at {range_text(told['range'])}"
     return [
-        f"Error of the model, ours less measured: {', '.join(parts) or 'of none of these figures'}.",
-        f"By screwsim validate {where}; it is added to nothing.",
+        f"Error of the model, computed minus measured: {', '.join(parts) or 'known for none of these figures'}.",
+        f"By screwsim validate {where}; it is not added to anything.",
     ]

@@ -79,7 +79,7 @@ class Truth:
         """Return why a solution of this accuracy cannot be measured; empty where it can."""
         if asked >= 0.999 * FINER * self.accuracy:
             return ""
-        return f"the reference closes at {self.accuracy:g} only, which is not {FINER:g} times tighter"
+        return f"the reference closes only at {self.accuracy:g}, which is not {FINER:g} times tighter"
 
 
 @dataclass(frozen=True)

@@ -266,18 +266,21 @@ def _times(factor: float) -> str:
 
 def omitted(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield what is not tried at all, and why."""
-    yield "start and end angle", "the model has none: a chamber's whole life is integrated"
-    yield "regularisation x 0", "taken as 1e-12 of the pressure: with none the model divides 0 by 0 at equal pressures"
+    yield "start and end angle", "not in the model: the whole life of a chamber is integrated"
+    yield "regularisation x 0", "set to 1e-12 of the pressure: at zero the model would divide 0 by 0 at equal pressures"
     if not find_gas_model(scene.gas.model).by_coolprop:
-        yield "CoolProp called directly", "the scene's gas is ideal, and CoolProp has none"
+        yield "CoolProp called directly", "the scene's gas is ideal, which CoolProp does not offer"
     elif scene.gas.relative_humidity:
-        yield "CoolProp called directly", "its equations of moist air have no liquid in them"
+        yield "CoolProp called directly", "its equations of moist air do not cover liquid water"
     else:
-        yield "scipy on CoolProp", "thousands of calls back into Python, each for eight chambers: minutes a cycle"
+        yield "scipy on CoolProp", "thousands of calls back into Python, each for eight chambers: minutes per cycle"
     kind = kind_of(scene.machine)
     if not kind.dead_volume(scene.machine)[0]:
         tabled = ROTORS in kind.offers
-        yield "dead volume", "is part of the table of machine.volume.law: table" if tabled else "is none of its paths"
+        yield (
+            "dead volume",
+            "is part of the table of machine.volume.law: table" if tabled else "is not a path of this scene",
+        )
     if ROTORS not in kind.offers:
         yield "male lobes", f"{kind.chamber} has none"
 

@@ -48,7 +48,7 @@ def sentence(study: Study) -> str:
         verb = "" if parts else "costs "
         seconds = milliseconds(each.time + each.estimating_time)
         parts.append(f"{plain_power(each.asked)} {verb}{seconds} (true error {plain_power(each.error)})")
-    text = ", ".join(parts) if parts else "no accuracy that was asked for could be had"
+    text = ", ".join(parts) if parts else "no requested accuracy was reached"
     limit = limit_of_regularisation(study)
     if limit is not None:
         accuracy = plain_power(study.accuracy)
@@ -98,7 +98,7 @@ def _asked(study: Study) -> list[str]:
         for each in study.asked
     ]
     heads = ("asked", "status", "closing", "ms", "+ ms", "RHS", "estimate", "true", "of")
-    return ["What asking for an accuracy gives (+ ms: the estimate)", *_lines(heads, rows, (1, 2, 8))]
+    return ["Requested and reached accuracy (+ ms: for the estimate)", *_lines(heads, rows, (1, 2, 8))]
 
 
 def _short(figure: str) -> str:
@@ -107,13 +107,13 @@ def _short(figure: str) -> str:
 
 
 _TITLES = {
-    "integrators": "Integrators, on the scene's own gas (*: none is both faster and better)",
-    "back ends": "Property back ends, each against a reference of the same gas (change: of the answer)",
-    "breakpoints": "Landing on breakpoints of the laws, at the scene's accuracy",
-    "regularisation": "Width of the regularisation, over the default of the scene's accuracy",
-    "regularisation alone": "The same with all else tight: the error that the regularisation itself makes",
-    "closure": "Tolerance of closing, over the default of the scene's accuracy",
-    "dead volume": "Dead volume, over the scene's: a parameter of the machine (change: of the answer)",
+    "integrators": "Integrators, on the scene's own gas (*: no other is both faster and more accurate)",
+    "back ends": "Property back ends, each against a reference of the same gas (change: in the answer)",
+    "breakpoints": "Stepping onto breakpoints of the laws, at the scene's accuracy",
+    "regularisation": "Width of the regularisation, relative to the default at the scene's accuracy",
+    "regularisation alone": "The same with all else tight: the error from the regularisation itself",
+    "closure": "Closing tolerance, relative to the default at the scene's accuracy",
+    "dead volume": "Dead volume, relative to the scene's: a parameter of the machine (change: in the answer)",
 }
 
 
@@ -162,7 +162,7 @@ def _effects(study: Study) -> list[str]:
             text = f"{each.effect.replace('_', ' ')}: {each.reason}"
             notes += textwrap.wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
     return [
-        "What each effect costs and changes, simulated over left out",
+        "What each effect costs and changes, compared with leaving it out",
         "(eta: isothermal or isentropic efficiency, points; power: shaft; T_d: discharge, K;",
         "capacity, COP: where the scene states a condenser; COP of the electrical power with a motor)",
         *_lines(heads, rows),
@@ -175,7 +175,7 @@ def _size(study: Study) -> list[str]:
     if study.points:
         rows = [(str(s.size), f"{s.time:.3g}", f"{1e3 * s.time / s.size:.3g}") for s in study.points]
         heads = ("points of a sweep", "s", "ms a point")
-        lines += ["Size: a whole sweep over the speed, with its workers and its file", *_lines(heads, rows)]
+        lines += ["Size: a whole sweep over the speed, including workers and file", *_lines(heads, rows)]
     good = [s for s in study.lobes if not s.reason]
     if good:
         rows = [(str(s.size), f"{1e3 * s.time:.3g}", str(s.evaluations)) for s in good]
@@ -192,10 +192,10 @@ def report(study: Study) -> str:
         text += (
             f"{reference.second} differs by {reference.difference:.1e} "
             f"({reference.different_figure.replace('_', ' ')}), traces of p by {p:.0e}, of T by {T:.0e}: "
-            "errors near these are those of the references."
+            "errors of about this size are those of the references."
         )
     else:
-        text += f"It is not checked: {reference.second} gave no answer."
+        text += f"It is not checked, because {reference.second} gave no answer."
     blocks = [[study.title] if study.title else [], textwrap.wrap(text, WIDTH), _asked(study)]
     best = front(competing(study))
     blocks += [_part(study, part, best) for part in _TITLES]

@@ -87,7 +87,7 @@ def read_points(
         return []
     if not sheet.rows:
         problems.append(
-            Problem(start, "data", f"has no points (a line of column names, then a line a point; {_EXAMPLE})")
+            Problem(start, "data", f"has no points (write a line of column names, then one line per point; {_EXAMPLE})")
         )
         return []
     if len(sheet.rows) > MOST_POINTS:
@@ -113,10 +113,10 @@ def _read(
     names: set[str] = set()
     for point, place in points:
         if point.name in names:
-            problems.append(Problem(place, "name", f"{shown(point.name)} is there twice (name each point once)"))
+            problems.append(Problem(place, "name", f"{shown(point.name)} appears twice (name each point once)"))
         names.add(point.name)
     if not problems and not any(point.fitted for point, _ in points):
-        problems.append(Problem(start, "use", "leaves no point to fit (write fit in that column)"))
+        problems.append(Problem(start, "use", "leaves no point to fit (write fit in that column for some)"))
     return points
 
 
@@ -127,10 +127,11 @@ def _too_cold(point: Point, scene: Scene) -> Iterator[tuple[str, str]]:
     T_triple = 0.0 if limits is None else limits.T_triple
     for name, (value, _) in point.measured.items():
         if declared(name).units == "K" and value < max(COLDEST * T_s, T_triple):
-            limit = f"comes with {in_celsius(T_s)}" if value >= T_triple else f"freezes at {in_celsius(T_triple)}"
+            limit = f"is drawn in at {in_celsius(T_s)}" if value >= T_triple else f"freezes at {in_celsius(T_triple)}"
             yield (
                 name,
-                f"{value:.4g} K is {in_celsius(value)}, and {fluid} {limit} (write [{CELSIUS}] for readings in that)",
+                f"{value:.4g} K is {in_celsius(value)}, and {fluid} {limit} (write [{CELSIUS}] for values in that "
+                f"unit)",
             )
 
 
@@ -165,14 +166,16 @@ def _columns(
     names = [(column.kind, column.of) for column, _ in found]
     for (column, place), name in zip(found, names, strict=True):
         if names.count(name) > 1:
-            problems.append(Problem(place, column.of, "is there twice (remove one column)"))
+            problems.append(Problem(place, column.of, "appears twice (remove one column)"))
         partner = {"figure": "uncertainty", "uncertainty": "figure"}.get(column.kind)
         if partner and (partner, column.of) not in names and not (candidates and partner == "figure"):
             other = column.of if partner == "figure" else column.of + UNCERTAINTY
             if other not in refused:
-                problems.append(Problem(place, column.of, f"has no column {other} beside it (add it)"))
+                problems.append(Problem(place, column.of, f"needs a column {other} (add it)"))
     if not candidates and not any(kind == "figure" for kind, _ in names) and not problems:
-        problems.append(Problem(cells[0][1], "data", f"has no measured figure (known: {', '.join(_figures(scene))})"))
+        problems.append(
+            Problem(cells[0][1], "data", (f"has no column of a measured figure (known: {', '.join(_figures(scene))})"))
+        )
     return found
 
 
@@ -202,7 +205,7 @@ def _quantity(figure: str, kind: str, unit: str) -> Kind | None:
         return wanted[0]
     if differences and wanted[:1] == differences[:1] and _reads(absolute[0], unit):
         what = "an uncertainty" if kind == "uncertainty" else "a difference"
-        raise Refused(f"unit {shown(unit)} has a zero of its own, and this is {what} (write [{si}])")
+        raise Refused(f"unit {shown(unit)} has an offset zero, and this is {what} (write [{si}])")
     return None
 
 
@@ -226,7 +229,7 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
             return _Column(kind, figure, unit)
         quantity = _quantity(figure, kind, unit)
         if quantity is None:
-            raise Refused(f"unit {shown(unit)} is none of its units (write [{'], ['.join(u for u in units if u)}])")
+            raise Refused(f"unit {shown(unit)} is not one of its units (write [{'], ['.join(u for u in units if u)}])")
         return _Column(kind, figure, unit, quantity=quantity)
     if name in taken:
         raise Refused("is a parameter of the fit and cannot be a condition (remove one of the two)")
@@ -248,8 +251,8 @@ def odd_uncertainty(value: float, own: float) -> str:
     size = abs(value)
     if SMALLEST * size <= own <= LARGEST * size or not size > 0.0:
         return ""
-    what = "which no measurement is sure of" if own < size else "which tells nothing"
-    remedy = "state one standard deviation, in the unit of its column"
+    what = "smaller than any measurement achieves" if own < size else "too large to be of use"
+    remedy = "state one standard deviation, in the unit of the column"
     return f"its uncertainty is {own / size:.1g} of the value, {what} ({remedy})"
 
 
@@ -275,7 +278,9 @@ def _point(
         if own is not None and (why := odd_uncertainty(value, own)):
             problems.append(Problem(place, figure, why))
     for figure in found["figure"].keys() ^ found["uncertainty"].keys():
-        problems.append(Problem(place, figure, "needs a value and an uncertainty, or neither (fill the empty cell)"))
+        problems.append(
+            Problem(place, figure, "needs both a value and an uncertainty, or neither (fill the empty cell)")
+        )
     if len(problems) > before:
         return None
     measured = {name: Measured(value, found["uncertainty"][name]) for name, value in found["figure"].items()}
@@ -302,7 +307,7 @@ def _value(column: _Column, text: str) -> Any:
     if not text:
         return None
     if not re.fullmatch(NUMBER, text):
-        raise Refused(f"{shown(text)} is not a number (write e.g. 0.5, its unit in the first line)")
+        raise Refused(f"{shown(text)} is not a number (write e.g. 0.5; units go in the first line)")
     value = float(text) if column.quantity is None else float(parse_quantity(column.quantity, f"{text} {column.unit}"))
     if column.kind == "uncertainty" and not value > 0.0:
         raise Refused(f"{text} is out of range (an uncertainty must be greater than 0)")

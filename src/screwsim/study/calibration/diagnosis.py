@@ -53,7 +53,7 @@ FIRST = 3  # single changes that are solved again in any case, besides those lik
 LIKELY_PAIR = 1e-2  # probability from which on two changes at once are solved, ...
 MOST_PAIRS = 6  # ... at most so many pairs, ...
 FIRST_PAIRS = 2  # ... and in any case so many where nothing else fits
-UNLIKELY, UNSOLVED = "hardly probable", "no other value has a solution at all points"  # why slopes alone
+UNLIKELY, UNSOLVED = "improbable", "no other value has a solution at every point"  # why slopes alone
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ def diagnose(
     solutions, failed = sum(one.solutions for one in found), sum(one.failed for one in found)
     good = [i for i, one in enumerate(found) if not one.why]
     if not good:
-        why = f"no point has a solution: {next(iter(reasons.values()))}"
+        why = f"none of the points has a solution: {next(iter(reasons.values()))}"
         return Diagnosis(fit, "failed", why, before, reasons=reasons, solutions=solutions, failed=failed)
     asked = replace(asked, points=tuple(points[i] for i in good))
     residuals = np.concatenate([found[i].residuals for i in good])
@@ -186,9 +186,9 @@ def diagnose(
 
 def _check(unchanged: float, pairs: float) -> None:
     if not 0.0 < unchanged < 1.0:
-        raise UsageError(f"--unchanged {unchanged:g}: is no probability between 0 and 1 (write e.g. 0.5)")
+        raise UsageError(f"--unchanged {unchanged:g}: is not a probability between 0 and 1 (write e.g. 0.5)")
     if not (pairs >= 0.0 and np.isfinite(pairs)):
-        what = "are no odds of two changes at once against one (write e.g. 0.1, or 0 for single changes alone)"
+        what = "is not the odds of two changes against one (write e.g. 0.1, or 0 for single changes only)"
         raise UsageError(f"--pairs {pairs:g}: {what}")
 
 

@@ -142,7 +142,7 @@ def _words(parameters: Sequence[Parameter], moves: Array) -> str:
     """Return in words the meaning of a move that keeps the figures."""
     names = [each.path for each in parameters]
     if len(parameters) == 1:
-        return f"the data say next to nothing about {names[0]}"
+        return f"the data hardly constrain {names[0]}"
     growth = [
         float(move) * each.slope(each.value(0.5)) / each.value(0.5)
         for each, move in zip(parameters, moves, strict=True)
@@ -150,9 +150,9 @@ def _words(parameters: Sequence[Parameter], moves: Array) -> str:
     if len(parameters) == 2 and all(each.logarithmic for each in parameters):
         ratio = growth[1] / growth[0] if growth[0] else 0.0
         if abs(ratio - 1.0) < 0.05:
-            return f"{names[0]} and {names[1]} are not told apart: the data fix their quotient alone"
+            return f"{names[0]} and {names[1]} are indistinguishable: the data fix only their quotient"
         if abs(ratio + 1.0) < 0.05:
-            return f"{names[0]} and {names[1]} are not told apart: the data fix their product alone"
+            return f"{names[0]} and {names[1]} are indistinguishable: the data fix only their product"
     unit = max(abs(each) for each in growth) or 1.0
     parts = [f"{name} {10.0 * each / unit:+.2g} %" for name, each in zip(names, growth, strict=True)]
-    return f"not told apart: {', '.join(parts)} together leave the figures nearly as they are"
+    return f"indistinguishable: {', '.join(parts)} together hardly change the figures"

@@ -27,9 +27,9 @@ def unchanged_machine(fit: Fit) -> tuple[Scene, dict[str, float]]:
     for parameter in fit.parameters:
         stated = value_at(fit.scene, parameter.path) if parameter.prior is None else parameter.prior.mean
         if not isinstance(stated, int | float):
-            raise UsageError(f"{parameter.path}: is not stated in the scene (state there what it was unchanged)")
+            raise UsageError(f"{parameter.path}: is not stated in the scene (state its unchanged value there)")
         if not parameter.low <= stated <= parameter.high:
-            why = f"was {stated:.6g} unchanged [SI], outside its bounds {parameter.low:.6g} … {parameter.high:.6g}"
+            why = f"is {stated:.6g} [SI] unchanged, outside its bounds {parameter.low:.6g} … {parameter.high:.6g}"
             raise UsageError(f"{parameter.path}: {why} (widen from and to, within which it may have changed)")
         before[parameter.path] = float(stated)
     return fit.machine(before), before

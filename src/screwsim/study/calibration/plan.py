@@ -42,7 +42,7 @@ from screwsim.study.workers import DIED
 EVEN = 12.0  # one over the variance of a uniform distribution on 0 … 1
 COUNT, LEVELS = 3, 4  # points to choose; values per range
 MOST = 2000  # candidates
-NONE_DELIVERS = "at no candidate anything is delivered (candidates at a higher speed, or a lower pressure ratio)"
+NONE_DELIVERS = "no candidate delivers anything (use candidates at a higher speed or a lower pressure ratio)"
 
 
 def point_name(scene: Scene, values: Mapping[str, Any]) -> str:
@@ -107,26 +107,26 @@ def candidates_of(
     """
     if (file is None) == (not paths):
         raise UsageError(
-            "candidates are stated once (write --candidates GRID.csv, or one or more --path PATH=LOW..HIGH)"
+            "candidates come from one place (write either --candidates GRID.csv or one or more --path PATH=LOW..HIGH)"
         )
     if file is not None:
         found = tuple(point for point in points_of(fit, file, "--candidates", "candidates") if point.fitted)
     else:
         found = _of_ranges(fit, read_ranges(fit.scene, paths), levels)
     if len(found) > MOST:
-        raise UsageError(f"{len(found)} candidates are more than {MOST} (take fewer values)")
+        raise UsageError(f"{len(found)} candidates are more than {MOST} (use fewer values)")
     return found
 
 
 def _of_ranges(fit: Fit, ranges: Sequence[Range], levels: int) -> tuple[Point, ...]:
     if levels < 2:
-        raise UsageError(f"--levels {levels}: a range has at least its two ends (write 2 or more)")
+        raise UsageError(f"--levels {levels}: a range has at least two values, its ends (write 2 or more)")
     taken = fit.changes(fit.first_start())
     for one in ranges:
         if one.path in taken:
             raise UsageError(f"--path {one.path}: is a parameter of the fit and cannot be a condition")
     if levels ** len(ranges) > MOST:
-        raise UsageError(f"--levels {levels}: makes {levels ** len(ranges)} candidates, more than {MOST} (take fewer)")
+        raise UsageError(f"--levels {levels}: makes {levels ** len(ranges)} candidates, more than {MOST} (use fewer)")
     found = []
     axes = [np.linspace(one.low, one.high, levels).tolist() for one in ranges]
     for numbers in itertools.product(*axes):
@@ -172,7 +172,7 @@ def plan(
     solved = [i for i in range(len(there), len(points)) if not found[i].why]
     good = [i for i in solved if not found[i].idle]
     if not good:
-        why = f"no candidate has a solution: {next(iter(reasons.values()))}" if not solved else NONE_DELIVERS
+        why = f"none of the candidates has a solution: {next(iter(reasons.values()))}" if not solved else NONE_DELIVERS
         return Plan(fit, "failed", why, values, len(candidates), reasons=reasons, solutions=counts[0], failed=counts[1])
     picked = [good[i] for i in chosen(known, [pieces[i] for i in good], size, count)]
     scales = np.array([one.slope(values[one.path]) for one in fit.parameters])

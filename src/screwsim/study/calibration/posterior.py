@@ -138,7 +138,7 @@ def posterior(
         remedy = "pip install 'screwsim[posterior]'"
         raise UsageError(f"emcee is not installed, which --posterior needs (install it with: {remedy})") from None
     if not found.values:
-        return Posterior(found.fit, "failed", f"there is no fit to begin with: {found.message}")
+        return Posterior(found.fit, "failed", f"there is no fit to start from: {found.message}")
     reach = np.maximum(REGION * _errors(found), LEAST)
     places = np.array([each.place(found.values[each.path]) for each in found.fit.parameters])
     low, high = np.maximum(0.0, places - reach), np.minimum(1.0, places + reach)
@@ -146,7 +146,7 @@ def posterior(
     while True:
         emulator = emulate(found.fit, low, high, simulate, jobs, progress)
         if emulator is None:
-            why = "too few solutions have all figures near the best fit (narrow the bounds)"
+            why = "too few solutions near the best fit have all figures (narrow the bounds)"
             return Posterior(found.fit, "failed", why, solutions=solutions, failed=failed)
         solutions, failed = solutions + emulator.solutions, failed + emulator.failed
         problem = _problem(found.fit, emulator)
@@ -256,11 +256,11 @@ def _judged(
     if not settled:
         told.append(f"chains have not settled after {chain.steps} steps (R-hat {chain.r_hat:.3f})")
     for i in np.flatnonzero(cut.any(axis=0)):
-        told.append(f"{fit.parameters[i].path} reaches beyond the region that is looked at (more points, or a prior)")
+        told.append(f"{fit.parameters[i].path} extends beyond the region examined (add points, or a prior)")
     if off is not None and off > TOLERABLE:
         told.append(f"the polynomials are off by up to {off:.2g} uncertainties (narrow the bounds)")
     elif shift is not None and shift > SHIFT:
-        what = f"the polynomials may shift what is told by up to {shift:.2g} standard deviations"
+        what = f"the polynomials may shift the results by up to {shift:.2g} standard deviations"
         told.append(f"{what} (narrow the bounds)")
     rest: dict[str, Any] = {
         "samples": samples,

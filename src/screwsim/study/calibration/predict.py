@@ -53,7 +53,7 @@ def known_figures(fit: Fit, points: Sequence[Point]) -> tuple[str, ...]:
     for point in points:
         for name in point.measured:
             if name not in known:
-                why = "is measured at no fitted point, so that its discrepancy is not known"
+                why = "is measured at no fitted point, so its discrepancy is not known"
                 raise UsageError(f"{name}: {why} (known: {', '.join(known)})")
     return known
 
@@ -74,7 +74,7 @@ def predict(
     """
     figures = known_figures(found.fit, points)
     if found.samples is None or found.widths is None or found.region is None:
-        return Predictions("failed", f"there is no posterior to predict by: {found.message}", tuple(points))
+        return Predictions("failed", f"there is no posterior to predict from: {found.message}", tuple(points))
     fit, usual = found.fit, typical(found.fit)
     asked = [replace(fit, points=(replace(point, measured=dict.fromkeys(figures, _ASKED)),)) for point in points]
     low, high = found.region

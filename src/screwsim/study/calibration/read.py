@@ -25,7 +25,7 @@ HEAD = {
     "data": Leaf("word", "the measured points: a CSV file", dataclasses.MISSING, {}),
     "starts": Leaf("count", "number of starts", 8, {"ge": 1, "le": 10_000}),
     "seed": Leaf("count", "seed of the starts", 1, {"ge": 0}),
-    "slopes": Leaf("choice", "how slopes are found", DIFFERENCES, {"options": (EXACT, DIFFERENCES)}),
+    "slopes": Leaf("choice", "how derivatives are found", DIFFERENCES, {"options": (EXACT, DIFFERENCES)}),
     "accuracy": Leaf("number", "relative accuracy of each solution", None, {"gt": 1e-12, "lt": 0.1}),
 }
 _REMEDY = "write scene: machine.yaml, data: points.csv and parameters:"
@@ -60,7 +60,7 @@ def _read(name: str, place: Place, problems: list[Problem]) -> Node | None:
     try:
         text = read_text(name, MOST_YAML)
     except Unreadable as error:
-        what = f"cannot be read: {error} (name an existing fit, saved as UTF-8)"
+        what = f"cannot be read: {error} (name an existing fit file in UTF-8)"
         problems.append(Problem(place.at(error.line, error.column), "", what))
         return None
     root = compose(text, place, problems)
@@ -171,7 +171,7 @@ def _parameter(path: str, node: Node, scene: Scene, problems: list[Problem]) -> 
         return None
     low, high, start = given["from"], given["to"], given["start"]
     if not low < high:
-        problems.append(Problem(node.place, where, "from is not below to (exchange them)"))
+        problems.append(Problem(node.place, where, "from is not below to (swap them)"))
     elif start is not None and not low <= start <= high:
         ends = f"{shown_value(scene, path, low)} … {shown_value(scene, path, high)}"
         problems.append(Problem(node.value["start"].place, join(where, "start"), f"lies outside {ends} (move it)"))
@@ -180,7 +180,7 @@ def _parameter(path: str, node: Node, scene: Scene, problems: list[Problem]) -> 
         what = f"lies outside {ends} (move it, or widen from and to)"
         problems.append(Problem(node.value["prior"].value["mean"].place, join(where, "prior.mean"), what))
     elif given["spacing"] == "log" and not low > 0.0:
-        problems.append(Problem(node.place, where, "log spacing needs bounds above zero (choose another from)"))
+        problems.append(Problem(node.place, where, "log spacing needs bounds above zero (raise from)"))
     found = Parameter(path, low, high, start, prior, given["spacing"] == "log", ties, unheld)
     _check_ties(found, leaf, node, scene, problems)
     known = prior_of(scene, found)
@@ -262,5 +262,5 @@ def _check(fit: Fit, rows: list[tuple[Point, Place]], root: Node, fixed: bool, p
     data = sum(len(point.measured) for point in fit.points if point.fitted)
     priors = sum(prior_of(fit.scene, each) is not None for each in fit.parameters)
     if not data or (fixed and data + priors < len(fit.parameters)):
-        what = f"{data} measured figures and {priors} priors cannot fix {len(fit.parameters)} parameters"
+        what = f"{data} measured figures and {priors} priors cannot determine {len(fit.parameters)} parameters"
         problems.append(Problem(root.value["parameters"].heading, "parameters", f"{what} (fit fewer, or add data)"))

@@ -17,7 +17,7 @@ def fit_schema() -> dict[str, Any]:
     properties = {name: {"description": leaf.doc, **value_schema(leaf)} for name, leaf in HEAD.items()}
     properties["parameters"] = {
         "type": "object",
-        "description": "what is fitted, by scene path, with its bounds",
+        "description": "the parameters to fit, by scene path, with their bounds",
         "properties": {path: _parameter(leaf) for path, leaf in paths.items()},
         "patternProperties": {OWN_PARAMETER: {"type": "object"}},
         "additionalProperties": False,

@@ -127,7 +127,7 @@ def cost_told(fit: Fit) -> str:
     least = fit.starts * jacobian
     many = f"{fit.starts} start{'s' * (fit.starts > 1)}"
     told = f"{many}, {points} points, {len(fit.parameters)} parameters: some {least} to {3 * least} solutions"
-    fewer = "fewer `starts:` in the fit take less time, and may miss the best end"
+    fewer = "fewer `starts:` in the fit take less time, but may miss the best fit"
     return f"{told} ({fewer})" if fit.starts > 1 else told
 
 
@@ -239,7 +239,7 @@ def _judged(fit: Fit, starts: Sequence[Start], simulate: Simulate | None, interr
     }
     best = min(starts, key=lambda start: start.cost)
     if not np.isfinite(best.cost):
-        reason = f"no start has a solution: {best.message} (move starts or bounds)"
+        reason = f"no start has a solution: {best.message} (change starts or bounds)"
         nothing = (None, None, 0, 0.0, (), (), {})
         return Calibration(fit, "failed", reason, tuple(starts), {}, *nothing, **counts)
     asked = Objective(fit, simulate)

@@ -75,7 +75,7 @@ def _by_inputs(result: Result, figures: Mapping[str, Any]) -> str:
         if name in figures and result.performance[name]
     ]
     told = "at the scene's point, 95 %, by the tolerances of the inputs alone"
-    return f"{', '.join(parts)} {told}" if parts else "nothing is said of these figures"
+    return f"{', '.join(parts)} {told}" if parts else "nothing is known for these figures"
 
 
 def _by_model(result: Result, model: Mapping[str, Any]) -> str:
@@ -86,8 +86,8 @@ def _by_model(result: Result, model: Mapping[str, Any]) -> str:
         factor, unit = (100.0, "points") if about.scale == EFFICIENCY else (100.0 / size, "%")
         ends = " … ".join(f"{factor * each[end]:+.2g}" for end in ("low", "high"))
         parts.append(f"{shown_name(name)} {ends} {unit}")
-    outside = f"; this scene is another: {'; '.join(model['outside'])}" if model["outside"] else ""
-    return f"ours less measured, {', '.join(parts) or 'no figure of this scene'} by validate {model['of']}{outside}"
+    outside = f"; this scene lies outside: {'; '.join(model['outside'])}" if model["outside"] else ""
+    return f"computed less measured, {', '.join(parts) or 'no figure of this scene'} by validate {model['of']}{outside}"
 
 
 def _sheet(
@@ -109,7 +109,7 @@ def _sheet(
         )
         demands = () if profile is None else read_profile(profile)
         return air_sheet(scene, air_rating(scene), demands)
-    _refuse({"--profile": profile}, "the scene is none")
+    _refuse({"--profile": profile}, "the scene is not one")
     from screwsim.study.datasheet import gas
     from screwsim.study.datasheet.bounds import limits_of
     from screwsim.study.datasheet.rated import rating
@@ -136,4 +136,4 @@ def _refuse(given: Mapping[str, Any], why: str) -> None:
     """Raise UsageError where an option is given that the scene has no use for."""
     wrong = next((option for option, value in given.items() if value is not None), None)
     if wrong is not None:
-        raise UsageError(f"{wrong}: belongs to {BELONGS[wrong]}, and {why} (remove it)")
+        raise UsageError(f"{wrong}: applies to {BELONGS[wrong]}, and {why} (remove it)")

@@ -100,13 +100,13 @@ def _check(scene: Scene) -> None:
     if others or scene.joints:
         path = others[0] if others else SPEED
         raise UsageError(
-            f"datasheet: the points of an air package are the values of sweep.{SPEED}, and the scene varies {path} "
-            f"otherwise (rate one value after the other: a scene without that axis, with --set {path}=VALUE)"
+            f"datasheet: an air package is rated at the values of sweep.{SPEED}, but the scene varies {path} in "
+            f"another way (remove that axis, and rate one value at a time with --set {path}=VALUE)"
         )
     package = package_of(scene)
     assert package is not None
     if scene.effects["air_package"].parameters.state == UNLOADED:
-        raise UsageError(f"datasheet: {STATE} is unloaded, and an unloaded package delivers nothing (write loaded)")
+        raise UsageError(f"datasheet: {STATE} is unloaded, but an unloaded package delivers nothing (write loaded)")
 
 
 def _solved(base: Scene, speeds: Sequence[float]) -> list[Point]:
@@ -122,7 +122,7 @@ def _regulation(base: Scene, points: Sequence[Point], variable: bool, coolant: s
     loads, why = _loads(base, points) if variable else ([(1.0, _efficiency(full))], "")
     known = {load: value for load, value in loads if value is not None}
     if not why and len(known) < len(loads):
-        why = full.result.notes.get(EFFICIENCY, "a load has no package isentropic efficiency")
+        why = full.result.notes.get(EFFICIENCY, "one of the loads has no package isentropic efficiency")
     found = None if why else part_load_efficiency(known) if variable else known[1.0]
     return Regulation(speed, coolant, least, found, tuple(known.items()), outside or why, not outside)
 
@@ -140,7 +140,7 @@ def _loads(base: Scene, points: Sequence[Point]) -> tuple[list[tuple[float, floa
     full = points[0].flow
     if len(good) < 2 or good[0][0] > min(WEIGHTS) * full:
         share, lowest = 100.0 * good[0][0] / full, 100.0 * min(WEIGHTS)
-        return [], f"its lowest flow is {share:.0f} % of the full one, and it is rated at {lowest:.0f} % too"
+        return [], f"its lowest flow is {share:.0f} % of full flow, but the rating also needs {lowest:.0f} %"
     flows, speeds = (np.array(column) for column in zip(*good, strict=True))
     lower = [load for load in sorted(WEIGHTS, reverse=True) if load < 1.0]
     found = _solved(base, [float(Pchip(flows, speeds)(load * full)) for load in lower])

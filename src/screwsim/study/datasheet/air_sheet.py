@@ -26,10 +26,10 @@ KEPT = (
     "humidity_ratio", "pressure_dew_point", "package_dew_point", "water_flow", SEPARATED, COOLED, PACKAGE_VAPOUR,
 )  # fmt: skip
 HUMID = (
-    "rated with humid air: free air is what is delivered, with the water that condensed on its way, by its volume at "
-    "the inlet's humidity; sheets are compared with dry air"
+    "rated with humid air: free air delivery includes the water that condensed on the way, as volume at inlet "
+    "humidity; data sheets are compared for dry air"
 )
-MEANT = "computed, not measured: no tolerance of ISO 1217 is applied, and nobody verified it"
+MEANT = "computed, not measured: no tolerance of ISO 1217 applies, and no third party verified it"
 
 
 def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sheet:
@@ -138,7 +138,7 @@ def _verdict(found: Regulation | None) -> tuple[str, str, bool | None] | None:
     if found is None:
         return None
     what = f"10 CFR 431.345, {found.coolant}-cooled, {found.speed} speed"
-    asked = f"asked is a package isentropic efficiency of at least {_percent(found.least, 1)}"
+    asked = f"required: a package isentropic efficiency of at least {_percent(found.least, 1)}"
     if found.efficiency is None:
         return what, f"{asked}; no verdict: {found.why}", None
     if found.speed == "variable":
@@ -157,7 +157,7 @@ def _verdict(found: Regulation | None) -> tuple[str, str, bool | None] | None:
 def _notes(scene: Scene, points: list[Point]) -> Iterator[str]:
     at = lines(scene)
     if abs(at.p_s - INLET[0]) > 1e-3 * INLET[0] or abs(at.T_s - INLET[1]) > 0.1:
-        yield "rated at another inlet than the 1 bar and 20 °C at which sheets are compared"
+        yield "rated at an inlet other than the 1 bar and 20 °C at which data sheets are compared"
     if scene.gas.relative_humidity:
         yield HUMID
     for point in points:

@@ -59,7 +59,7 @@ def read_profile(name: str) -> tuple[Demand, ...]:
     heads = [_FLOW.fullmatch(text) for text in sheet.names]
     flow = next((i for i, match in enumerate(heads) if match), None)
     if flow is None or "hours" not in sheet.names or len(sheet.names) != 2 or not sheet.rows:
-        raise UsageError(f"{where}: is no table of flows with a unit and hours (write {_EXAMPLE})")
+        raise UsageError(f"{where}: is not a table of flows (with unit) and hours (write {_EXAMPLE})")
     match = heads[flow]
     assert match is not None
     found = []
@@ -70,7 +70,7 @@ def read_profile(name: str) -> tuple[Demand, ...]:
         except Refused as refusal:
             raise UsageError(f"{at}: flow: {refusal}") from None
         if not re.fullmatch(NUMBER, hours) or not 0.0 <= float(hours) <= WHOLE:
-            raise UsageError(f"{at}: hours {hours!r} is no number from 0 to {WHOLE:g} (write e.g. 2000)")
+            raise UsageError(f"{at}: hours {hours!r} is not a number from 0 to {WHOLE:g} (write e.g. 2000)")
         if asked < 0.0:
             raise UsageError(f"{at}: a flow of {row.cells[flow]} is below 0 (write 0 for idling)")
         found.append(Demand(asked, float(hours)))
@@ -135,12 +135,12 @@ def _told(rated: Rating, shares: Sequence[Share]) -> Iterator[str]:
     missing = [each for each in shares if each.demand.flow > (1.0 + NEAR) * full]
     if missing:
         hours = sum(each.demand.hours for each in missing)
-        yield f"during {hours:g} h less is given than asked for, {MINUTE * full:.2f} m³/min"
+        yield f"during {hours:g} h it delivers less than demanded, {MINUTE * full:.2f} m³/min"
     if any(each.loaded < 1.0 for each in shares):
         if rated.unloaded is None:
-            yield "below its lowest flow it stops and starts, and takes nothing in between (it has no unloaded point)"
+            yield "below its lowest flow it starts and stops, drawing no power while stopped (it has no unloaded point)"
         else:
-            yield "below its lowest flow it loads and unloads; venting and filling its separator are not counted"
+            yield "below its lowest flow it loads and unloads; venting and refilling the separator are not counted"
 
 
 def year_document(shares: Sequence[Share]) -> dict[str, Any]:

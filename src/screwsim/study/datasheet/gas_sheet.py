@@ -31,9 +31,9 @@ KEPT = (
     "suction_pressure", "discharge_pressure", "pressure_ratio", "peak_pressure", DUTY, "oil_flow_volume",
     "oil_supply_temperature", "oil_flow_ratio", "separator_temperature",
 )  # fmt: skip
-PACKAGE = "a package of filter, cooler and fan around it is rated by ISO 1217 (name effects.air_package)"
+PACKAGE = "a package with filter, cooler and fan is rated by ISO 1217 (name effects.air_package)"
 NORMAL = "Nm³/h: as an ideal gas at 0 °C and 1.01325 bar"
-MEANT = "computed, not measured: no tolerance of ISO 1217 is applied, and nobody verified it"
+MEANT = "computed, not measured: no tolerance of ISO 1217 applies, and no third party verified it"
 
 
 def gas_sheet(rated: Rating) -> Sheet:
@@ -168,7 +168,9 @@ def _tables(rated: Rating) -> Iterator[Table]:
     yield from tables.envelope_table(rated, across, list(_words(rated))[1])
     if _expands(rated):
         return
-    note = tables.part_load_note(rated, f"mass flow over that of the scene as it stands, at {_own_point(rated)}", "η_s")
+    note = tables.part_load_note(
+        rated, f"mass flow relative to that of the scene itself, at {_own_point(rated)}", "η_s"
+    )
     flow, power, efficiency, _, discharge, *_ = columns
     word = power.title.split()[0].lower()
     shown = ("flow kg/h", flow), (f"{word} kW", power), ("η_s %", efficiency), ("discharge °C", discharge)

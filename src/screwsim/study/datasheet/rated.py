@@ -69,8 +69,8 @@ def without_sweep(scene: Scene, known: Set[str], over: str) -> Scene:
     if others or scene.joints:
         path = others[0] if others else scene.joints[0].paths[0]
         raise UsageError(
-            f"datasheet: a sheet goes over {over}, and the scene varies {path} otherwise (rate one value after the "
-            f"other: a scene without that axis, with --set {path}=VALUE)"
+            f"datasheet: a sheet covers {over}, but the scene varies {path} in another way (remove that axis, and "
+            f"rate one value at a time with --set {path}=VALUE)"
         )
     return replace(scene, sweep={}, joints=())
 

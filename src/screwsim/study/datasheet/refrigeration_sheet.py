@@ -35,7 +35,7 @@ KEPT = (
     "separator_temperature",
 )  # fmt: skip
 HIGHEST = DISCHARGE, "discharge_pressure", "shaft_power"
-MEANT = "computed, not measured: no tolerance of EN 12900 or AHRI 540 is applied, and nobody verified it"
+MEANT = "computed, not measured: no tolerance of EN 12900 or AHRI 540 applies, and no third party verified it"
 
 
 def refrigeration_sheet(rated: Rating, heating: bool = False) -> Sheet:
@@ -74,7 +74,7 @@ def _lines(rated: Rating, heating: bool) -> Iterator[tuple[str, str]]:
     yield "point", f"{own_point(rated)}: {_point(rated, found)}"
     if heating and found:
         capacity, cop = heating_columns(rated)
-        yield "heating", f"{capacity.cell(found)} kW in the condenser, without the oil cooler; COP {cop.cell(found)}"
+        yield "heating", f"{capacity.cell(found)} kW from the condenser, without the oil cooler; COP {cop.cell(found)}"
     yield from tables.power_lines(scene, found)
     yield from tables.oil_line(scene, found)
     yield from tables.limit_lines(rated, HIGHEST)
@@ -183,7 +183,7 @@ def tables_of(rated: Rating, heating: bool) -> Iterator[Table]:
     yield from tables.tables_of(rated, shown, "condensing" if condensing else "gas cooler")
     side = "condensing temperature" if condensing else "pressure of the gas cooler"
     yield from tables.envelope_table(rated, "evaporating", side)
-    load = f"cooling capacity over that of the scene as it stands, at {own_point(rated)}"
+    load = f"cooling capacity relative to that of the scene itself, at {own_point(rated)}"
     note = tables.part_load_note(rated, load, "COP")
     capacity, power, cop, _, discharge, *_ = columns
     part = (

@@ -80,4 +80,4 @@ def told(points: Sequence[tuple[str, Sequence[str]]]) -> Iterator[str]:
         elif all(other == text for _, other in others) and len(others) + 1 == len(points):
             yield text
         else:
-            yield f"{where}: {text} (alike at {len(others)} more point{'s' if len(others) > 1 else ''})"
+            yield f"{where}: {text} (the same at {len(others)} more point{'s' if len(others) > 1 else ''})"

@@ -140,7 +140,7 @@ def _missed(rated: Rating) -> str:
         return ""
     named = ", ".join(f"{ratio:.3g}" for ratio in sorted(missed))
     why = missed[min(missed)].splitlines()[0]
-    return f"; not everywhere at {named}, so that a better one may be missed ({why})"
+    return f"; not all points were solved at {named}, so a better one may be missed ({why})"
 
 
 def drawing(
@@ -311,5 +311,5 @@ def notes_of(rated: Rating, own: str, meant: str) -> Iterator[str]:
     if "operation.speed" in {control.path for control in rated.asked.controls}:
         motor = motor_of(rated.asked.scene)
         if motor is None or not motor.inverts:
-            yield "part load by speed is without the losses of an inverter (effects.motor.inverter)"
+            yield "part load by speed excludes inverter losses (effects.motor.inverter)"
     yield meant

@@ -97,7 +97,7 @@ class Optimum(Brief):
         for row in map(int, self.front):
             figures = [shown_figure(aim.figure, float(self.aims[row, i])) for i, aim in enumerate(aims)]
             rows.append([*figures, *(shown_value(scene, path, at) for path, at in self.values_at(row).items())])
-        counts = f"{len(self.places)} evaluations, {self.failed} failed, {self.outside} outside of the bounds"
+        counts = f"{len(self.places)} evaluations, {self.failed} failed, {self.outside} outside the bounds"
         notes = [counts, *([self.message] if self.message else [])]
         columns = [*(aim.figure for aim in aims), *(span.path for span in self.asked.spans)]
         return About(f"Optimum: {self.status}, {asked}", notes, columns, rows)
@@ -225,7 +225,7 @@ def _why_none(record: Record, solved: np.ndarray, excess: np.ndarray) -> str:
     """Return why no evaluation is feasible."""
     if not solved.any():
         reason, count = record.reasons.most_common(1)[0]
-        return f"all {len(record)} evaluations failed, {count} of them so: {reason}"
+        return f"all {len(record)} evaluations failed, {count} of them with: {reason}"
     least = np.nanmin(excess[solved], axis=0)
     bounds = zip(record.asked.bounds, least, strict=True)
     worst = max(bounds, key=lambda pair: pair[1] / max(abs(pair[0].value), 1e-12))
@@ -234,7 +234,10 @@ def _why_none(record: Record, solved: np.ndarray, excess: np.ndarray) -> str:
     bound, off = worst
     came = figure_text(bound.figure, bound.value + (off if bound.sign == "<" else -off))
     asked = f"{bound.figure}{bound.sign}{figure_text(bound.figure, bound.value)}"
-    return f"no evaluation is within the bounds: for {asked} the nearest is {came} (widen the ranges, or the bound)"
+    return (
+        f"no evaluation is within the bounds: {asked} was required, and the nearest is {came} (widen the ranges, "
+        "or the bound)"
+    )
 
 
 def _reach(found: Optimum, feasible: np.ndarray, column: int, best: int, top: Top | None) -> Reach:

@@ -22,7 +22,7 @@ from screwsim.study.spans import Span
 
 LOAD_TOLERANCE = 5e-3  # of a part load: the standards measure at loads within some percent
 LEAST_CONTROL, MOST_CONTROL = 0.05, 1.3  # of the full load's control, the first times the load: search range
-UNCOMPUTED = "not simulated: another operating point has no result"
+UNCOMPUTED = "not simulated, because another operating point has no result"
 COP = "cop"
 
 
@@ -84,7 +84,7 @@ def _at_load(
     trials = Trials(scene, (span,), (goal,), simulate, LOAD_TOLERANCE)
     met = one.solve(trials)
     if met is None or met.result is None:
-        why = trials.reasons[0] if trials.reasons else f"{points.by} does not bring it down so far"
+        why = trials.reasons[0] if trials.reasons else f"{points.by} does not reduce it that far"
         return {}, Result("failed", message=f"the load of {load:.0%} is not reached: {why}")
     return trials.values(met.places), met.result
 

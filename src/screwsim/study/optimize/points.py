@@ -146,7 +146,7 @@ def read_points(scene: Scene, named: str | None) -> Points:
         return points_of(scene, standard)
     if not os.path.exists(named) and not named.lower().endswith(".csv"):
         names = ", ".join(standards())
-        raise UsageError(f"--over {named}: is neither a file nor a seasonal figure (there are {names}; or a CSV file)")
+        raise UsageError(f"--over {named}: is neither a CSV file nor a seasonal figure (known: {names})")
     return _from_file(scene, named)
 
 
@@ -214,13 +214,13 @@ def _from_file(scene: Scene, name: str) -> Points:
     columns = [_column(scene, text, f"--over {name} line {sheet.head.line}") for text in sheet.head.cells]
     kinds = [column.kind for column in columns]
     if "weight" in kinds and "energy" in kinds:
-        raise UsageError(f"--over {name}: has weight and energy (keep one: both weigh the points)")
+        raise UsageError(f"--over {name}: has both weight and energy (keep one: each weights the points)")
     points = tuple(_point(scene, row, columns, f"--over {name} line {row.line}") for row in sheet.rows)
     if not sum(point.weight for point in points) > 0.0:
-        raise UsageError(f"--over {name}: all weights are zero (weigh at least one point)")
+        raise UsageError(f"--over {name}: all weights are zero (give at least one point a weight)")
     loads = [point.load for point in points if point.load is not None]
     if loads and points[0].load != 1.0:
-        raise UsageError(f"--over {name}: its first point is not of load 1 (write the full load first)")
+        raise UsageError(f"--over {name}: its first point does not have load 1 (write full load first)")
     by = next((column.path for column in columns if column.kind == "load"), SPEED)
     if loads:
         check_continuous(scene, by)
@@ -257,7 +257,7 @@ def _point(scene: Scene, row: Row, columns: Sequence[_Column], where: str) -> Op
             kind = column.kind
             if not re.fullmatch(NUMBER, text) or float(text) < 0.0 or (kind == "load" and not 0.0 < float(text) <= 2.0):
                 bounds = "above 0 and at most 2" if kind == "load" else "of at least 0"
-                raise UsageError(f"{where}: {kind} {text!r} is no number {bounds} (write e.g. 0.5)")
+                raise UsageError(f"{where}: {kind} {text!r} is not a number {bounds} (write e.g. 0.5)")
             found[kind] = float(text)
     return OperatingPoint(found["name"], values, found.get("energy", found["weight"]), found["load"])
 

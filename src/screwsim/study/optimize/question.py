@@ -74,20 +74,22 @@ def question(
     named = [aim.figure for aim in aims]
     for name in named:
         if named.count(name) > 1:
-            raise UsageError(f"--maximize, --minimize: {name} is an aim twice (remove one)")
+            raise UsageError(f"--maximize, --minimize: {name} is given twice as an aim (remove one)")
     spans = _spans(scene, vary) if isinstance(vary, Mapping) else read_spans(scene, _listed(vary), ranged=True)
     bounds = [each if isinstance(each, Bound) else read_bounds(scene, [each])[0] for each in _listed(subject_to)]
     if not isinstance(over, Points | str | None):
-        raise UsageError(f"over: {shown(over)} is no text (pass one as --over takes it)")
+        raise UsageError(f"over: {shown(over)} is not a text (pass one as for --over)")
     points = over if isinstance(over, Points) else read_points(scene, over)
     both = {span.path for span in spans} & {path for point in points.points for path in point.values}
     if both:
-        raise UsageError(f"--vary {min(both)}: is set by the operating points of --over (remove it in one of the two)")
+        raise UsageError(
+            f"--vary {min(both)}: is also set by the operating points of --over (remove it from one of the two)"
+        )
     if any(point.load is not None for point in points.points):
         check_continuous(scene, points.by)
         figure_of(scene, "cooling_capacity", "--over")
     count = EACH * len(spans) if evaluations is None else evaluations
-    what = "is no number of evaluations (write 1 or more)" if count < 1 else too_many(count)
+    what = "is not a number of evaluations (write 1 or more)" if count < 1 else too_many(count)
     if what:
         raise UsageError(f"--evaluations {count}: {what}")
     found = tuple(aims) or (Aim(usual_efficiency(scene)),)

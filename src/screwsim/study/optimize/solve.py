@@ -126,7 +126,7 @@ def _nsga2(record: Record) -> None:
         from pymoo.problems.static import StaticProblem
     except ImportError:
         remedy = "pip install 'screwsim[optimize]'"
-        raise UsageError(f"pymoo is not installed, which several aims need (install it with: {remedy})") from None
+        raise UsageError(f"several aims need pymoo, which is not installed (install it with: {remedy})") from None
     asked = record.asked
     size = max(8, 4 * round(1.6 * math.sqrt(asked.evaluations) / 4))
     problem = Problem(n_var=len(asked.spans), n_obj=len(asked.aims), n_ieq_constr=1, xl=0.0, xu=1.0)

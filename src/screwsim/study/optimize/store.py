@@ -76,10 +76,10 @@ def kept(output: Path, asked: Question, restart: bool) -> Iterator[Parts]:
 def _refuse_existing(output: Path, restart: bool) -> None:
     attributes = read_attributes(output)  # raises for a file that is not a results file
     if not str(attributes.get("history", "")).endswith(f" {COMMAND}"):
-        raise UsageError(f"{output}: holds no optimisation's results (choose another -o, or remove it)")
+        raise UsageError(f"{output}: does not hold results of an optimisation (choose another -o, or remove it)")
     if restart:
         return
-    raise UsageError(f"{output}: is there already (choose another -o, or --restart to replace it)")
+    raise UsageError(f"{output}: already exists (choose another -o, or --restart to replace it)")
 
 
 def _refuse_others(parts: Parts, own: dict[str, Any]) -> None:
@@ -89,10 +89,12 @@ def _refuse_others(parts: Parts, own: dict[str, Any]) -> None:
     found = stored.get("identity")
     found = found if isinstance(found, dict) else unpacked(found) or {}
     if found.get(QUESTION) != own["identity"][QUESTION] or stored.get("scene_sha256") != own["scene_sha256"]:
-        raise UsageError(f"{parts.folder}: holds another optimisation's evaluations (choose another -o, or --restart)")
+        raise UsageError(f"{parts.folder}: holds evaluations of another optimisation (choose another -o, or --restart)")
     what = differences(found, own["identity"])
     if what:
-        raise UsageError(f"{parts.folder}: holds evaluations of this, but {what} (--restart computes them again)")
+        raise UsageError(
+            f"{parts.folder}: holds evaluations of this optimisation, but {what} (--restart computes them again)"
+        )
 
 
 def write(output: Path, record: Record, feasible: np.ndarray, front: np.ndarray) -> None:

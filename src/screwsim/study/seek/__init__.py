@@ -53,13 +53,13 @@ def question(scene: Scene, vary: Vary, goals: Goals, catalogue: str | Sequence[f
     vary = vary if isinstance(vary, Mapping) else listed(vary)
     wanted, catalogue = _goals(scene, goals), catalogue if isinstance(catalogue, str) else tuple(catalogue)
     if catalogue and len(vary) != 1:
-        raise UsageError("--catalogue: rounds one path (give one --vary with it)")
+        raise UsageError("--catalogue: applies to a single path (give one --vary with it)")
     path = next((str(each).partition("=")[0].strip() for each in vary), "")
     sizes = read_catalogue(scene, path, catalogue) if isinstance(catalogue, str) and catalogue else catalogue
     sizes = tuple(sorted(map(float, sizes)))
     spans = _spans(scene, vary) if isinstance(vary, Mapping) else read_spans(scene, vary, ranged=False, sizes=sizes)
     if len(spans) > len(wanted):
-        more, remedy = f"{len(spans)} paths vary for {_count(wanted)}", "screwsim optimize finds the best of them"
+        more, remedy = f"{len(spans)} paths vary for {_count(wanted)}", "screwsim optimize finds the best solution"
         raise UsageError(f"--vary: {more} (vary as many as there are --for; {remedy}, --subject-to the goals)")
     if len(spans) < len(wanted):
         less, remedy = f"{_count(wanted)} for {len(spans)} varied paths", "screwsim calibrate fits more figures"
@@ -83,7 +83,7 @@ def _wanted(figure: str, value: Any) -> float:
     if isinstance(value, str):
         return read_figure(figure, value, f"goal {figure}")
     if not NUMBER.holds(value):
-        raise UsageError(f"goal {figure}: {shown_argument(value)} is no number [SI] and no text as '500 kW'")
+        raise UsageError(f"goal {figure}: {shown_argument(value)} is neither a number [SI] nor a text such as '500 kW'")
     return float(value)
 
 
@@ -170,7 +170,7 @@ def _sized(trials: Trials, found: Found, met: Trial | None, asked: Question) -> 
     counts: dict[str, Any] = {"solutions": len(trials.known), "failed": len(trials.reasons)}
     if size is None:
         largest = shown_value(trials.scene, path, asked.sizes[-1])
-        why = "; ".join(filter(None, (f"no size of the catalogue up to {largest} meets the goal", found.message)))
+        why = "; ".join(filter(None, (f"no size in the catalogue, up to {largest}, meets the goal", found.message)))
         return replace(found, status="none", message=why, scene=None, **counts)
     scene = _written(with_values(trials.scene, {path: size.value}))
     message = "" if found.status == "none" else found.message

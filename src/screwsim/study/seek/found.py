@@ -152,7 +152,7 @@ def missed(trials: Trials, best: Trial) -> str:
     at = {path: f", its {border}" for path, border in borders.items()}
     values = trials.values(best.places).items()
     where = ", ".join(f"{path} {shown_value(scene, path, value)}{at.get(path, '')}" for path, value in values)
-    remedy = "widen the range" if borders else "change what else bounds it"
+    remedy = "widen the range" if borders else "change what else limits it"
     return f"nothing within {ranges} gives {wanted}: the nearest is {came}, at {where} ({remedy})"
 
 
@@ -165,7 +165,7 @@ def _jump(trials: Trials) -> str:
     low, high = (shown_value(trials.scene, span.path, span.value(each.places[0]), 7) for each in ends)
     a, b = (figure_text(goal.figure, (each.off or (math.nan,))[0] + goal.value) for each in ends)
     why = f", where solutions fail: {trials.reasons[-1]}" if trials.reasons else ""
-    return f"it goes from {a} at {low} to {b} at {high} without it{why}"
+    return f"it jumps from {a} at {low} to {b} at {high}{why}"
 
 
 def _flat(trials: Trials) -> str:
@@ -176,7 +176,7 @@ def _flat(trials: Trials) -> str:
     if max(off) - min(off) > CLEAR * max(trial.errors[0] for trial in trials.closed):
         return ""
     name, value = trials.goals[0].figure, min(off) + trials.goals[0].value
-    return f"it is {figure_text(name, value)} everywhere there (vary what it depends on)"
+    return f"it is {figure_text(name, value)} throughout (vary something it depends on)"
 
 
 def read_catalogue(scene: Scene, path: str, text: str) -> tuple[float, ...]:

@@ -29,9 +29,9 @@ _REMEDY = "write stages: [first.yaml, second.yaml]"
 
 COOLS, FLASHES = "cooler", "economizer"
 BETWEEN = {  # what lies between both stages, in words
-    "none": "The second stage takes the gas as the first one leaves it (M201).",
-    COOLS: "A cooler leaves the gas at {T} where it is warmer (M201).",
-    FLASHES: "Vapour of a flash tank between condenser and evaporator mixes with the gas (M202).",
+    "none": "The second stage draws in the gas as the first one delivers it (M201).",
+    COOLS: "A cooler cools the gas to {T} if it is warmer (M201).",
+    FLASHES: "Vapour from a flash tank between condenser and evaporator mixes with the gas (M202).",
 }
 
 
@@ -45,7 +45,7 @@ class Intercooler:
         "none",
     )
     outlet_temperature: float | None = quantity(
-        "temperature", "of the gas behind a cooler (warmer gas only)", None, gt=0.0
+        "temperature", "of the gas after the cooler (if it arrives warmer)", None, gt=0.0
     )
     pressure_drop: float = quantity("pressure_difference", "between both lines", 0.0, ge=0.0)
 
@@ -105,9 +105,9 @@ def _sorted(overrides: Iterable[str]) -> dict[str, list[str]]:
     for override in overrides:
         head, _, rest = override.partition(".")
         if head.partition("=")[0] in ("title", KEY, "intercooler"):
-            raise UsageError(f"--set {override}: is of the file of both stages (write it there)")
+            raise UsageError(f"--set {override}: belongs to the two-stage file (write it there)")
         if head not in found or not rest:
-            what = "begins with neither first. nor second., the stage whose path it is"
+            what = "starts with neither first. nor second., which name the stage"
             raise UsageError(f"--set {override}: {what} (write e.g. --set first.{override})")
         found[head].append(rest)
     return found
@@ -116,7 +116,7 @@ def _sorted(overrides: Iterable[str]) -> dict[str, list[str]]:
 def _typed(root: Node, overrides: dict[str, list[str]], problems: list[Problem]) -> Chain | None:
     content: dict[str, Any] = dict(root.value)
     for extra in (name for name in content if name not in ("title", KEY, "intercooler")):
-        what = f"is not known beside stages (known: title, {KEY}, intercooler)"
+        what = f"is not known in a two-stage file (known: title, {KEY}, intercooler)"
         problems.append(Problem(content[extra].heading, extra, what))
     between = Intercooler()
     if "intercooler" in content:
@@ -169,17 +169,20 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
     for name, scene in zip(NAMES, (first, second), strict=True):
         for effect, part in build_parts(scene).all(Plenum):
             if part.product:
-                what = f"the {name} scene names {effect}, which draws gas that no balance between the stages knows"
+                what = (
+                    f"the {name} scene names {effect}, which draws gas that the balance between the stages does "
+                    "not include"
+                )
                 problems.append(Problem(place, KEY, f"{what} (leave it out there)"))
     if first.gas != second.gas:
-        problems.append(Problem(place, KEY, "have different gases (write the same section gas in both)"))
+        problems.append(Problem(place, KEY, "have different gases (write the same gas: section in both)"))
     if first.machine.expands or second.machine.expands:
-        problems.append(Problem(place, KEY, "compress: machine.mode: expander is none (choose compressors)"))
+        problems.append(Problem(place, KEY, "must be compressors, not machine.mode: expander (choose compressors)"))
     if second.gas.relative_humidity is not None:
-        what = "states a relative_humidity, and nothing follows the water that the gas loses between the stages"
+        what = "states a relative_humidity, but the water that condenses between the stages is not modelled"
         problems.append(Problem(place, KEY, f"{what} (remove it from both scenes, or run them one by one)"))
     if between.flashes and is_blend(second.gas.name):
-        what = f"the vapour that boils off {second.gas.name}, a blend, has another composition than the blend"
+        what = f"vapour boiling off {second.gas.name}, a blend, differs from it in composition"
         remedy = "write kind: cooler, or name a pure fluid"
         problems.append(Problem(content["intercooler"].place, "intercooler.kind", f"{what} ({remedy})"))
     if between.flashes and condensate_enthalpy(second) is None:
@@ -219,11 +222,11 @@ def explain_stages(chain: Chain) -> str:
         words = words.format(T=readable_quantity(KINDS["temperature"], between.outlet_temperature))
     if between.pressure_drop > 0.0:
         lost = readable_quantity(KINDS["pressure_difference"], between.pressure_drop)
-        words += f" Both lines differ by a pressure drop of {lost}."
+        words += f" The pressure drop between both lines is {lost}."
     found = (
-        f"Two stages, {ends}. The pressure between them is found: that at which what the first stage gives is what the "
-        f"second one takes (M200). {words} The discharge line of the first scene and the suction "
-        "line of the second follow from that, in place of what these scenes state."
+        f"Two stages, {ends}. The pressure between them is found so that the second stage takes what the first one "
+        f"delivers (M200). {words} It replaces the discharge line that the first scene states and the suction line "
+        f"that the second one states."
     )
     head = [chain.title] if chain.title else []
     blocks = [*head, textwrap.fill(found, WIDTH)]

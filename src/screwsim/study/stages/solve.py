@@ -125,7 +125,7 @@ class _Chain:
         out = p - between.pressure_drop
         if between.cools and T == between.outlet_temperature and self._liquid(out, T):
             what = f"the cooler leaves a liquid at {in_celsius(T)} and {in_bar(out)}"
-            raise _Stop("failed", f"{what} (a higher intercooler.outlet_temperature)", (first,))
+            raise _Stop("failed", f"{what} (choose a higher intercooler.outlet_temperature)", (first,))
         other = _set_lines(self.chain.second, "second", out, ("temperature", T), self.high.p_d)
         other, second, unparted = self._second(other, trace, first)
         return Pair(p, (scene, other), (first, second), vapour, T, unparted)
@@ -177,7 +177,7 @@ class _Chain:
             return
         if T_d <= saturation * (1.0 + SATURATED):
             what = f"the first stage delivers wet vapour at {p / 1e5:.4g} bar"
-            raise _Stop("failed", f"{what} (warmer or less oil there, or drier suction gas)", (first,))
+            raise _Stop("failed", f"{what} (use warmer or less oil there, or drier suction gas)", (first,))
 
     def _between(self, p: float, T_d: float, between: Intercooler) -> tuple[float, float]:
         """Return vapour per unit of first-stage gas, and the suction temperature [K] of the second (M201, M202)."""
@@ -191,11 +191,11 @@ class _Chain:
             try:
                 h_c, T_e = self.liquid(), constants.saturation_temperature(fluid, p)
             except UsageError:
-                what = f"a flash tank at {p / 1e5:.4g} bar parts nothing: {fluid} has no saturation there"
-                raise _Stop("failed", f"{what} (kind: cooler, or a larger or faster second stage)") from None
+                what = f"a flash tank at {p / 1e5:.4g} bar separates nothing: {fluid} has no saturation there"
+                raise _Stop("failed", f"{what} (choose kind: cooler, or a larger or faster second stage)") from None
             h_g, h_f = (constants.wet_enthalpy(fluid, p, quality) for quality in (1.0, 0.0))
             if not h_f < h_c < h_g:
-                raise _Stop("failed", f"the condenser's liquid makes no vapour at {p / 1e5:.4g} bar")
+                raise _Stop("failed", f"the liquid from the condenser forms no vapour at {p / 1e5:.4g} bar")
             y = (h_c - h_f) / (h_g - h_c)
             h = (self.gas.enthalpy(p, T_d) + y * self.gas.vapour(p, T_e).h) / (1.0 + y)
             return y, self.gas.temperature(out, h)
@@ -222,7 +222,7 @@ class _Chain:
         drop = self.chain.intercooler.pressure_drop
         least, most = EDGE * self.low.p_s + drop, self.high.p_d / EDGE
         if not least < most:
-            raise _Stop("failed", "the second stage does not discharge at a higher pressure than the first one sucks")
+            raise _Stop("failed", "the second stage's discharge pressure is not above the first one's suction pressure")
         at = self._begun(least, most)
         guess = float(np.clip(at.p * np.exp(at.excess), least, most))
         a, b = self._enclosed(at, self._towards(guess, at) if guess != at.p else at, least, most)
@@ -273,11 +273,14 @@ class _Chain:
 
     @staticmethod
     def _none_found(p: float) -> str:
-        return f"no intermediate pressure is found by {MOST} tries, the last at {p / 1e5:.4g} bar (another stage)"
+        return (
+            f"no intermediate pressure is found in {MOST} tries, the last at {p / 1e5:.4g} bar (change one of the "
+            "stages)"
+        )
 
     def _none(self, what: str, p: float, remedy: str) -> str:
         return (
-            f"no intermediate pressure: the second stage {what} than the first one gives even at {p / 1e5:.4g} bar "
+            f"no intermediate pressure: the second stage {what} than the first one delivers even at {p / 1e5:.4g} bar "
             f"(make the second stage {remedy}, or the first one the other way)"
         )
 
@@ -325,7 +328,7 @@ class _Chain:
             beside = partial(self.pair, trace=True)
             return chain_errors(pair, lambda each: self.figures(each)[0], beside, partial(self.warmer, pair)), ()
         except (_Stop, UsageError) as stop:
-            return Figures(), (f"the errors of the whole could not be estimated: {stop}",)
+            return Figures(), (f"the errors of the two-stage figures could not be estimated: {stop}",)
 
     def _capacities(self, pair: Pair, flow: float, power: float, h_s: float) -> Given:
         """Return the result of `capacities` for a flow of the first stage [kg/s] and its inlet enthalpy h_s [J/kg]."""
@@ -358,7 +361,7 @@ def run_stages(chain: Chain) -> ChainResult:
     bound = max(scene.numerics.accuracy for scene in pair.scenes)
     status, message = "ok", ""
     if found.flow_mismatch > bound:
-        status, message = "not_closed", f"the flows of both stages differ by {found.flow_mismatch:.2g} of themselves"
+        status, message = "not_closed", f"the flows of the two stages differ by {found.flow_mismatch:.2g} (relative)"
     error, warnings = solving.errors(pair)
     return ChainResult(
         status, message, pair.results, pair.scenes, found, notes, error, warnings or inaccurate(bound, error)

@@ -13,8 +13,8 @@ KINDS = {
     "exact": "against a closed form or an identity",
     "cross-code": "against another program or another writing of the same equations",
     "published": "against a paper, a manufacturer or an experiment",
-    "calibrated": "a number to which the machine was fitted: no evidence",
-    "estimate": "the size of what the model leaves out: nothing to hold it against",
+    "calibrated": "a number that the machine was fitted to: no evidence",
+    "estimate": "the size of what the model leaves out: nothing to compare with",
 }
 VERDICTS = ("holds", "fails", "no verdict")
 JUDGED = ("exact", "cross-code", "published")  # kinds that are evidence
@@ -47,9 +47,9 @@ class Row:
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
-            raise ValueError(f"{self.quantity}: kind {self.kind!r} is none of {', '.join(KINDS)}")
+            raise ValueError(f"{self.quantity}: kind {self.kind!r} is not one of {', '.join(KINDS)}")
         if self.verdict not in VERDICTS:
-            raise ValueError(f"{self.quantity}: verdict {self.verdict!r} is none of {', '.join(VERDICTS)}")
+            raise ValueError(f"{self.quantity}: verdict {self.verdict!r} is not one of {', '.join(VERDICTS)}")
 
 
 @dataclass(frozen=True)
@@ -183,12 +183,12 @@ def source_text(name: str, source: Mapping[str, Any]) -> str:
 
 def errors_report(errors: Mapping[str, Any]) -> str:
     """Return the model error by machine and figure, as ASME V&V 20 states it."""
-    lines = ["error of the model: E = ours - theirs; between the ends it lies at all points (E ± 2 u_val, ASME V&V 20)"]
+    lines = ["error of the model: E = ours - theirs; at all points it lies between the ends (E ± 2 u_val, ASME V&V 20)"]
     for name, each in errors.items():
         lines += textwrap.wrap(f"{name}: {range_text(each['range'])}", WIDTH)
         for figure, told in each["figures"].items():
             lines += _error_lines(figure, told)
-    lines.append("a scene that is like one of them says so by its name: uncertainty: {model: NAME}")
+    lines.append("a scene that resembles one of them refers to it by name: uncertainty: {model: NAME}")
     return "\n".join(lines)
 
 
@@ -202,7 +202,7 @@ def _error_lines(figure: str, told: Mapping[str, Any]) -> list[str]:
             low, high, mean = (f"{factor * one[end]:+.1f}" for end in ("low", "high", "mean"))
             lines.append(f"  {shown_name(figure)}: {low} … {high} {unit}, mean {mean}: {one['points']} points {words}")
     missing = told["not_stated"]
-    return [*lines, *([f"    without {', '.join(missing)}, which nobody states"] if missing else [])]
+    return [*lines, *([f"    without {', '.join(missing)}, which the source does not state"] if missing else [])]
 
 
 def summary(document: Mapping[str, Any]) -> str:
@@ -214,7 +214,7 @@ def summary(document: Mapping[str, Any]) -> str:
     other = len(rows) - len(judged) - open_rows
     return (
         f"{held} of {len(judged)} judged comparisons hold, {len(judged) - held} fail; {open_rows} have no verdict; "
-        f"{other} are fitted or estimates and no evidence"
+        f"{other} are fitted or estimates, which are no evidence"
     )
 
 

@@ -50,7 +50,7 @@ def folder_of(wanted: str | Path | None = None) -> Path:
         folder = Path(wanted)
         if names_of(folder):
             return folder.resolve()
-        raise UsageError(f"{folder}: holds no source (--folder names the folder validation/ of a checkout)")
+        raise UsageError(f"{folder}: holds no sources (--folder takes the folder validation/ of a checkout)")
     root = _checkout()
     if root is not None and names_of(root / FOLDER):
         return root / FOLDER
@@ -58,8 +58,8 @@ def folder_of(wanted: str | Path | None = None) -> Path:
     if names_of(inside):
         return inside
     raise UsageError(
-        f"this screwsim ({PACKAGE}) has no folder {FOLDER}/: it is part of the checkout and of built packages "
-        f"(name one whose programs {MODULE} you trust with --folder, or run the screwsim of a checkout)"
+        f"this screwsim ({PACKAGE}) has no folder {FOLDER}/: it comes with a checkout and with built packages (name "
+        f"one whose programs {MODULE} you trust with --folder, or run screwsim from a checkout)"
     )
 
 
@@ -90,7 +90,7 @@ def run_sources(
     for name in names:
         if name not in known and Path(name).suffix in (".yaml", ".yml"):
             told = f"screwsim run {name} simulates a scene, screwsim calibrate {name} fits one"
-            what = "is a file, and sources are named without one"
+            what = "is a file, but a source is named, not a file"
             raise UsageError(f"{name}: {what} ({told}; known: {', '.join(known)})")
         if name not in known:
             near = nearest(name, known)
@@ -170,7 +170,7 @@ def sibling(path: Path) -> ModuleType:
         return sys.modules[name]
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
-        raise NotRun(f"{path}: is no Python module")
+        raise NotRun(f"{path}: is not a Python module")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     spec.loader.exec_module(module)
