@@ -220,7 +220,7 @@ def _has_zero(kind: Kind, unit: str) -> bool:
 
 
 def _counts_angles(unit: str) -> bool:
-    """Tell whether a unit holds turns or other angles, which pint counts as numbers: it has 6.28 cm^3/turn in a cm^3."""
+    """Tell whether a unit holds turns or other angles, which pint takes for numbers: 6.28 cm^3/turn for a cm^3."""
     return "radian" in str(_registry().get_root_units(unit)[1])
 
 
