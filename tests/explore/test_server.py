@@ -227,6 +227,22 @@ def test_no_more_pages_are_open_than_the_server_bears(server, monkeypatch):
         assert first.answer()["status"] == "ok"
 
 
+def test_no_answer_comes_from_a_file_that_has_changed_since_the_page_was_made(tmp_path):
+    below, scene = tmp_path / "below.yaml", tmp_path / "scene.yaml"
+    below.write_text(f"base: {PAPER}\noperation: {{speed: 2000 rpm}}\n", encoding="utf-8")
+    scene.write_text("base: below.yaml\n", encoding="utf-8")
+    text = below.read_text(encoding="utf-8")
+    with served(str(scene)) as found, Line(found) as line:
+        assert line.answer()["performance"] == same(["operation.speed=2000 rpm"])
+        below.write_text(text.replace("2000", "1000"), encoding="utf-8")
+        head = line.answer({"oil_supply.ratio": 2.0})
+        assert head["kind"] == "refused"
+        assert head["message"].startswith(f"{below} has changed since this page was made")
+        below.write_text(text, encoding="utf-8")
+        wanted = same(["operation.speed=2000 rpm", "oil_supply.ratio=2"])
+        assert line.answer({"oil_supply.ratio": 2.0})["performance"] == wanted
+
+
 def test_a_worker_that_has_grown_too_large_is_replaced(monkeypatch):
     monkeypatch.setattr("screwsim.explore.crew.LARGEST", 0)
     with served() as found, Line(found) as line:

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from result_fakes import GRID, SCENE, fake_simulate
 
@@ -10,7 +11,7 @@ from screwsim.outputs import Figures
 from screwsim.printing.compare import comparison_document, print_comparison
 from screwsim.results import open_results, save
 from screwsim.scene import loads
-from screwsim.study.compare import compare
+from screwsim.study.compare import compare, matched
 from screwsim.study.sweep import run_sweep
 
 ERROR = 1e-5  # estimated, of the shaft power of the fake
@@ -147,6 +148,16 @@ def test_an_axis_that_the_other_file_has_not_is_refused(grid, tmp_path):
     )
     with pytest.raises(UsageError, match=r"has no effects\.blow_hole\.area, over which the other file is swept"):
         compare(grid, other)
+
+
+def test_points_of_a_sample_are_matched_by_all_columns_however_many():
+    """Products of the columns' sizes wrap at 2^64: of 70 columns of two values the first would not count."""
+    own = np.random.default_rng(0).integers(0, 2, (64, 70)).astype(float)
+    own[1] = own[0]
+    own[1, 0] = 1.0 - own[0, 0]
+    other = own[::-1] * (1.0 + 1e-12)
+    in_a, in_b = matched(own.T, other[:-1].T, (64, 63))
+    assert in_a.tolist() == [*range(1, 64)] and in_b.tolist() == [*range(62, -1, -1)]
 
 
 def test_choices_are_matched_by_their_words(tmp_path):

@@ -7,14 +7,16 @@ YAML.
 import json
 import shlex
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from screwsim.effects import catalogue
 from screwsim.effects.base import Effect
+from screwsim.explore.watch import Watch, files_of
 from screwsim.inputs.declare import KINDS
 from screwsim.machine.kinds import find_machine
+from screwsim.results.schema import named_files
 from screwsim.scene import Scene, load
 from screwsim.scene.fields import FIXED, Leaf, leaf_paths
 from screwsim.scene.tolerances import tolerance_text
@@ -30,11 +32,19 @@ MOST = 400  # most changes at once
 
 @dataclass(frozen=True)
 class Base:
-    """The command's arguments: a scene's file, overrides including the effects left out; and the resulting scene."""
+    """The command's arguments: a scene's file, overrides including the effects left out; and the resulting scene.
+
+    Two watches guard the scene's own files, and those that it names.
+    """
 
     file: str
     overrides: tuple[str, ...]
     scene: Scene
+    watches: tuple[Watch, ...] = field(default=(), compare=False)
+
+    def changed(self) -> str:
+        """Return in words which file has changed since the scene was opened; '' where none has."""
+        return next(filter(None, (watch.changed() for watch in self.watches)), "")
 
 
 @dataclass(frozen=True)
@@ -62,8 +72,10 @@ def read_changes(raw: Any) -> Changes:
 def open_base(file: str, overrides: Iterable[str] = (), without: Iterable[str] = ()) -> Base:
     """Return the scene that a command names, without its sweep; raise SceneError and UsageError as `load` does."""
     overrides, without = tuple(overrides), tuple(without)
+    own = Watch(files_of(file))
     scene = load(file, [*overrides, "sweep=null"], without)
-    return Base(file, (*overrides, *(f"effects.{name}=off" for name in without)), scene)
+    watches = (own, Watch(named_files(scene).values()))
+    return Base(file, (*overrides, *(f"effects.{name}=off" for name in without)), scene, watches)
 
 
 def possible(scene: Scene) -> dict[str, Effect]:

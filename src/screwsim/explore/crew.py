@@ -73,9 +73,14 @@ class Worker:
             self.pipe = None
 
     def solve(self, job: Job, newer: Callable[[], bool], note: Callable[[str], None]) -> bytes:
-        """Return the answer to a job, called in a separate thread; a worker that gives none is stopped and reported."""
+        """Return the answer to a job, called in a separate thread; a worker that gives none is stopped and reported.
+
+        A worker reads the scene's files with each job: where one has changed, its answer is no answer to the page.
+        """
         try:
-            return self._answer(job, newer, note)
+            found = self._answer(job, newer, note)
+            changed = self.base.changed()
+            return answer.refused(changed, job.tag) if changed else found
         except Dead as error:
             self.stop()
             return answer.refused(str(error), job.tag)

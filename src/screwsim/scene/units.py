@@ -196,8 +196,7 @@ def refuse_traps(kind: Kind, unit: str, shown: str) -> None:
         raise Refused(f"{shown} is ambiguous: turns or radians (write rpm, rev/s or rad/s, e.g. '{kind.example}')")
     if kind.name == "temperature" and unit.startswith("delta_"):
         raise Refused(f"{shown} is a difference, not a temperature (write e.g. '{kind.example}' or '12 degC')")
-    offset = tidy_unit(unit) in _CELSIUS | {"degF", "fahrenheit"}
-    if kind.name == "temperature_difference" and offset:
+    if kind.name == "temperature_difference" and _has_zero(kind, tidy_unit(unit)):
         raise Refused(f"{shown} is a temperature, not a difference (write kelvin, e.g. '{kind.example}')")
 
 
@@ -215,12 +214,24 @@ def _registry() -> Any:
     return pint.UnitRegistry()
 
 
+def _has_zero(kind: Kind, unit: str) -> bool:
+    """Tell whether a unit of temperature has a zero of its own, as degC, degF and pint's other names of them have."""
+    return unit in _CELSIUS or (unit not in _TABLE[kind.si] and _from_pint(kind, 0.0, unit) not in (None, 0.0))
+
+
+def _counts_angles(unit: str) -> bool:
+    """Tell whether a unit holds turns or other angles, which pint takes for numbers: 6.28 cm^3/turn for a cm^3."""
+    return "radian" in str(_registry().get_root_units(unit)[1])
+
+
 def _from_pint(kind: Kind, number: float, unit: str) -> float | None:
     if kind.si in _TABLE_ONLY or len(unit) > _LONGEST_UNIT or not _UNIT.fullmatch(unit):
         return None
     import pint
 
     try:
+        if _counts_angles(unit):
+            return None
         return float(_registry().Quantity(number, unit).to(kind.si).magnitude)
     except (pint.PintError, AttributeError, TypeError, ValueError, ArithmeticError):
         return None

@@ -1,7 +1,7 @@
 """Comparison of two results files: common points, figures against their numerical errors, scenes, statuses."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -160,22 +160,27 @@ def _common(
     a: Results, b: Results, paths: list[str], flat_a: Mapping[str, str], flat_b: Mapping[str, str]
 ) -> tuple[Array, Array, list[Array]]:
     """Return the indices of the common cases in both files, and the values of each path there."""
-    codes_a, codes_b = np.zeros(math.prod(a.shape), np.int64), np.zeros(math.prod(b.shape), np.int64)
-    columns = []
-    for path in paths:
-        column_a, column_b = _column(a, path, flat_a), _column(b, path, flat_b)
-        own_a, own_b = _coded(column_a, column_b)
-        size = 1 + max(own_a.max(), own_b.max())
-        codes_a, codes_b = codes_a * size + own_a, codes_b * size + own_b
-        columns.append(column_a)
-    _, in_a, in_b = np.intersect1d(codes_a, codes_b, return_indices=True)
+    columns_a, columns_b = ([_column(each, path, flat) for path in paths] for each, flat in ((a, flat_a), (b, flat_b)))
+    in_a, in_b = matched(columns_a, columns_b, (math.prod(a.shape), math.prod(b.shape)))
     if not len(in_a):
         raise UsageError(
             f"{a.path} and {b.path} have no point in common: {', '.join(paths)} differ (sweep over common values)"
         )
+    return in_a, in_b, [column[in_a] for column in columns_a]
+
+
+def matched(a: Sequence[Array], b: Sequence[Array], rows: tuple[int, int]) -> tuple[Array, Array]:
+    """Return the rows of a and of b, in the order of a, that have the same values in all columns.
+
+    However many columns vary together, no code outgrows its integer: after each column they are numbered anew.
+    """
+    codes = np.zeros(sum(rows), np.int64)
+    for column_a, column_b in zip(a, b, strict=True):
+        own = np.concatenate(_coded(column_a, column_b))
+        codes = np.unique(codes * (1 + own.max()) + own, return_inverse=True)[1]
+    _, in_a, in_b = np.intersect1d(codes[: rows[0]], codes[rows[0] :], return_indices=True)
     order = np.argsort(in_a)
-    in_a, in_b = in_a[order], in_b[order]
-    return in_a, in_b, [column[in_a] for column in columns]
+    return in_a[order], in_b[order]
 
 
 def _column(results: Results, path: str, flat: Mapping[str, str]) -> Array:
