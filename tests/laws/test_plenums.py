@@ -6,7 +6,7 @@ from each_row import each_row
 from scenes import closed, make, run
 from scipy.integrate import solve_ivp
 
-from screwsim.cycle.feedback import LINE_POINTS, at_angles
+from screwsim.cycle.feedback import LINE_POINTS, at_angles, turn_of
 from screwsim.effects.base import LineFlow, Turn
 from screwsim.effects.plenums import Behind, Parameters, offset, pulsation
 from screwsim.evaluate.evaluation import evaluate
@@ -39,7 +39,7 @@ def change(one, other, names=SEEN):
 def wave(k, size):
     """Return a line flow whose harmonic k is a cosine of that size."""
     theta = 2.0 * np.pi * np.arange(64) / 64
-    return LineFlow(1.0 + size * np.cos(k * theta), 0.0, 10e5, 50.0, 1.1)
+    return LineFlow(1.0 + size * np.cos(k * theta), 0.0, 10e5, 50.0, 1.1, 1.0)
 
 
 @pytest.mark.parametrize("k", [1, 3])
@@ -320,3 +320,20 @@ def test_a_wave_that_turns_the_flow_round_is_told():
     assert not quiet.warnings
     assert loud.performance.discharge_line_least_flow < 0.0
     assert any("a check valve would shut" in warning for warning in loud.warnings)
+
+
+VALVE = {"discharge_valve": {"area": "12 cm^2", "pressure": "0.1 bar"}}
+
+
+@pytest.mark.parametrize("valve", [{}, VALVE], ids=["open", "valve"])
+def test_the_least_flow_into_the_line_goes_with_the_net_flow(valve):
+    """What passes the port also has what gaps between chambers open to it leave open: the port makes that good."""
+    problem, _, cycle = closed(make(plenums(**valve)))
+    of = evaluate(problem, cycle)
+    turn, part = turn_of(problem, of.life, cycle.q), Behind("discharge", problem.scene.effects["plenums"].parameters)
+    line, least = turn.line("discharge"), "discharge_line_least_flow"
+    assert line.net == pytest.approx(of.figures.gas_mass_flow, rel=1e-12)
+    assert abs(line.flow.mean() / line.net - 1.0) > 1e-6
+    assert part.figures(turn)[least] == of.figures[least]
+    other = part.figures(turn._replace(line=lambda to: line._replace(net=0.99 * line.net)))[least]
+    assert of.figures[least] - other == pytest.approx(0.01 * line.net, rel=0.05 if valve else 1e-9)

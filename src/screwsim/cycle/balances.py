@@ -91,6 +91,20 @@ def crossed(problem: Problem, life: Trajectory) -> float:
     return gained
 
 
+def net_into(problem: Problem, life: Trajectory, q: Array, line: int) -> float:
+    """Return the gas [kg/life] into a line (0: suction, 1: discharge), taken across an angle where the net flow is.
+
+    The discharge line gets what chambers take in elsewhere. The sum of its own port also has what gaps between
+    chambers that are open to the same line leave open, which the port makes good.
+    """
+    c = problem.composition
+    out = -float(streams_of(c, q)[2 * line : 2 * line + 2, slots.OF_GAS].sum())
+    if not met_across(problem):
+        return out
+    across = crossed(problem, life)
+    return mass_in(c, q) + out + across if line else out - across
+
+
 def made_good(problem: Problem, life: Trajectory, opens: float, closes: float) -> tuple[float, float]:
     """Return the gas [kg/life] by which a plenum's port compensates disagreeing gap flows, and the part that crosses.
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.cycle import suction_line
-from screwsim.cycle.balances import discharge_held, outflow_of, streams_of, walls_of
+from screwsim.cycle.balances import discharge_held, net_into, outflow_of, streams_of, walls_of
 from screwsim.cycle.known import known_of, shaft_power
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import LineFlow, Made, OilSolution, SuctionHeat, Turn
@@ -166,7 +166,8 @@ def _line_flows(
         mean = -float(streams.sum()) * problem.parts.omega / problem.parts.geometry.pitch
         h = float(life.R[number * PORT_STATE + ENTHALPY])
         p, rho, _h, exponent, *_ = gas.port_state_of_enthalpy(float(life.R[number * PORT_STATE + PRESSURE]), h)
-        return LineFlow(at_angles(flow) + (mean - flow.mean()), float(volume), p, rho, 1.0 / exponent)
+        net = net_into(problem, life, q, number) * problem.rate
+        return LineFlow(at_angles(flow) + (mean - flow.mean()), float(volume), p, rho, 1.0 / exponent, net)
 
     return flow_to
 

@@ -104,8 +104,11 @@ class Problem:
         oil = self.parts.oil
         return p / (oil.density * oil.heat_capacity) if oil is not None and self.parts.oil_room else 0.0
 
-    def gas_share(self, rho: float, ratio: float) -> float:
-        """Return the gas's share of a volume at a density [kg/m³] and oil per gas; 1 where oil takes no room (M106)."""
+    def gas_share(self, rho: Any, ratio: Any) -> Any:
+        """Return the gas's share of a volume at a density [kg/m³] and oil per gas; 1 where oil takes no room (M106).
+
+        Numbers or arrays.
+        """
         return 1.0 / (1.0 + ratio * rho / self.parts.oil.density) if self.parts.oil and self.parts.oil_room else 1.0
 
 

@@ -123,13 +123,14 @@ def offset(line: LineFlow, area: float | None, loss: float) -> float:
 class Mean(NamedTuple):
     """State of a plenum with a check valve after a turn: offset, amplitudes, whether it stays shut, its least flow.
 
-    Offset and amplitudes a_k − i b_k are over the line's pressure; the least flow [kg/s] counts along the valve.
+    Offset and amplitudes a_k − i b_k are over the line's pressure; the least flow [kg/s] counts along the valve,
+    and is that of a given net flow.
     """
 
     offset: float
     amplitudes: Array
     shut: bool
-    least: Callable[[], float]
+    least: Callable[[float], float]
 
 
 def answer(line: LineFlow, before: Array, capacity: float, frequency: float) -> Array:
@@ -155,6 +156,19 @@ def _waves(count: int) -> Array:
     """Return cosine and sine of each harmonic over a pitch, a column each."""
     phase = 2.0 * pi * np.arange(TRACE) / TRACE
     return np.column_stack([wave(k * phase) for k in range(1, count + 1) for wave in (np.cos, np.sin)])
+
+
+def _nothing_passes(net: float) -> float:
+    return 0.0
+
+
+def _steadily(net: float) -> float:
+    return max(net, 0.0)
+
+
+def _least(valve: Valve, given: Array, behind: line_valve.Behind, passed: line_valve.Passed, net: float) -> float:
+    """Return the least flow [kg/s] through a valve, the mean of the `given` flow being `net`."""
+    return line_valve.least_flow(valve, given + (net - float(np.mean(given))), behind, passed) if net > 0.0 else 0.0
 
 
 class Behind:
@@ -196,15 +210,15 @@ class Behind:
         impedance = 0.0 if self.area is None else line.sound / self.area
         capacity = (self.volume + line.open_volume) / line.sound**2
         behind = line_valve.Behind(capacity, impedance, frequency, line.rho)
-        mean, least = max(float(flow.mean()), 0.0), partial(float, 0.0)
+        mean, least = max(float(flow.mean()), 0.0), _nothing_passes
         answering = (1.0 + held) * p * line.open_volume / line.sound**2 * frequency / (2.0 * pi)
         pressure = line_valve.closed(given, behind)
         level = valve.pressure - (0.0 if self.area is None else float(pressure.max()))
         if mean > 0.0 and self.area is None:
-            level, least = float(valve.drop(np.array([mean]), line.rho)[0][0]), partial(float, mean)
+            level, least = float(valve.drop(np.array([mean]), line.rho)[0][0]), _steadily
         elif mean > 0.0:
             passed = line_valve.through(valve, given, behind)
-            pressure, least = passed.pressure, partial(line_valve.least_flow, valve, given, behind, passed)
+            pressure, least = passed.pressure, partial(_least, valve, given, behind, passed)
             level = float(pressure.mean()) + abs(offset(line, self.area, self.loss)) * p
         near = abs(self.along * level / p - held) <= line_valve.MOST_CHANGE * (1.0 + held)
         across = 1.0 + held - (0.0 if near else self._far(turn) / p)  # a turn that may open the valve is allowed to
@@ -215,7 +229,7 @@ class Behind:
             pressure = line_valve.closed(given + self.along * leaking * p * _wave(before, len(given)), behind, leaking)
         spectrum = np.fft.rfft(pressure)[1 : self.count + 1] * (2.0 / len(pressure))
         along = self.along * (stands if shut else level / p)
-        return Mean(along, self.along * spectrum / p, shut, partial(float, 0.0) if shut else least)
+        return Mean(along, self.along * spectrum / p, shut, _nothing_passes if shut else least)
 
     def _far(self, turn: Turn) -> float:
         """Return the mean pressure [Pa] beyond the machine's other port."""
@@ -274,7 +288,7 @@ class Behind:
             line = turn.line(self.to)
             mean = self._found(turn)[0]
             wave = 0.0 if self.area is None else self.area / line.sound * p * (lowest - float(pressure.mean()))
-            found["discharge_line_least_flow"] = float(np.mean(line.flow)) + wave if mean is None else mean.least()
+            found["discharge_line_least_flow"] = line.net + wave if mean is None else mean.least(line.net)
         return {**found, f"{self.to}_pulsation_peak_to_peak": p * (highest - lowest)}
 
 

@@ -1,4 +1,4 @@
-"""Errors of the figures due to open balances of a closed life: gas, oil, dissolved gas, and flows integrated twice.
+"""Errors of the figures due to open balances of a closed life: gas, oil, its heat, dissolved gas, gap flows met twice.
 
 Source: docs/model.md M41; docs/explanation/errors.md.
 """
@@ -10,16 +10,19 @@ from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.ways import way_of
 from screwsim.effects.base import FlowPath
 from screwsim.evaluate.evaluation import Evaluation
-from screwsim.figures.errors import flow_errors
+from screwsim.figures.errors import error_of, flow_errors
 from screwsim.model.slots import OF_GAS
 from screwsim.outputs import Figures, names_of
+from screwsim.solve.oil_heat import misread
 
 OPEN_OIL = 0.5  # share of carried oil left open beyond the bound by which its flow errs; measured: at most 0.4
 FLASHES = 0.25  # share of a residual of dissolved gas by which flashed gas errs; measured: at most 0.2
 
+OIL_OUT = "oil_discharge_temperature"
+
 
 def left_open(of: Evaluation, cycle: CycleSolution) -> Iterator[Figures]:
-    """Yield the errors of figures due to residuals of gas, carried oil and dissolved gas over a life.
+    """Yield the errors of figures due to residuals of gas, carried oil, its heat and dissolved gas over a life.
 
     Errors in gaps between chambers that are open to the suction line are compensated by the line; the net flow,
     where it is taken later, and the injected oil do not see them. But oil is injected before a slide's slot has
@@ -38,6 +41,8 @@ def left_open(of: Evaluation, cycle: CycleSolution) -> Iterator[Figures]:
     held, flashes = balances.held_left(problem, q) * problem.rate, found.get("flash_mass_flow")
     if held and flashes:
         yield flow_errors(found, FLASHES * held / abs(flashes), "by_held")
+    if problem.composition.carried and found.get(OIL_OUT) is not None and not way_of(cycle).whole:
+        yield Figures({OIL_OUT: error_of(OIL_OUT, misread(problem, cycle.trajectory), found)})
     if balances.met_across(problem) and not way_of(cycle).whole:
         yield from _at_ports(of, cycle)
 

@@ -20,7 +20,8 @@ class LineFlow(NamedTuple):
 
     `flow` [kg/s] is that of all chambers into the line; its mean is that of the turn. `open_volume` [m³] is the mean
     volume of the chambers open to the line; p, ρ and the isentropic exponent k are those of the line without the
-    pulsation.
+    pulsation. `net` [kg/s] is the mean that follows from what chambers hold as they leave the suction line: the line
+    makes good what gaps between chambers open to it leave open, and the mean of `flow` has that, too.
     """
 
     flow: Any
@@ -28,6 +29,7 @@ class LineFlow(NamedTuple):
     p: float
     rho: float
     k: float
+    net: float
 
     @property
     def sound(self) -> float:
