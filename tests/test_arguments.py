@@ -82,18 +82,18 @@ def test_a_strange_argument_is_told_in_one_line(name, argument, tmp_path, monkey
         (
             "run_sweep",
             {"jobs": "two"},
-            r"jobs: 'two' is no number of workers \(pass 1 or more, or None",
+            r"jobs: 'two' is not a number of workers \(pass 1 or more, or None",
         ),
-        ("sweep", {"jobs": True}, "jobs: True is no number of workers"),
+        ("sweep", {"jobs": True}, "jobs: True is not a number of workers"),
         ("optimum", {"minimum": "no"}, "minimum: 'no' is neither True nor False"),
         ("datasheet", {"output": "sheet.txt"}, "a data sheet is an HTML page or a PDF"),
         ("plan", {"ranges": {"operation.speed": 3}}, r"ranges\['operation.speed'\]: 3 is not a pair"),
-        ("find", {"vary": {"oil_supply.ratio": (3, 1)}}, r"oil_supply.ratio: \(3, 1\) is no range"),
+        ("find", {"vary": {"oil_supply.ratio": (3, 1)}}, r"oil_supply.ratio: \(3, 1\) is not a range"),
         ("find", {"goals": {"discharge_temperature": None}}, "goal discharge_temperature: None is neither a number"),
         ("find", {"goals": {"discharge_temperature": "hot"}}, "goal discharge_temperature"),
-        ("optimize", {"vary": {"oil_supply.ratio": 3}}, "oil_supply.ratio: 3 is no range"),
+        ("optimize", {"vary": {"oil_supply.ratio": 3}}, "oil_supply.ratio: 3 is not a range"),
         ("optimize", {"evaluations": 3.5}, "evaluations: 3.5 is no number of evaluations"),
-        ("load", {"path": ""}, "path: '' is no path of a file, and no dict"),
+        ("load", {"path": ""}, "path: '' is neither the path of a file nor a dict"),
     ],
 )
 def test_what_is_wrong_and_what_to_pass_is_told(name, given, told):

@@ -158,8 +158,8 @@ def test_a_sweep_over_the_ratio_moves_the_table_each_time(tables):
         (
             [(500, 0.001), (600, 0.004), (720, 0)],
             3,
-            "machine.built_in_volume_ratio: cannot be kept: the table of machine.discharge_port is open from its first "
-            "row on, so that nothing says where it opens (begin its file with a row of area 0, or remove this)",
+            "machine.built_in_volume_ratio: cannot be met: the table of machine.discharge_port is open from its first "
+            "row, so that it does not show where it opens (begin its file with a row of area 0, or remove this)",
         ),
     ],
 )

@@ -17,7 +17,7 @@ CONFIG = Path(__file__).parents[2] / "configs" / "r454b" / "point.yaml"
 OWN = "gas.fluid=[R32, R1234yf]"
 REFRIGERANTS = sorted({*predefined(), "R134a", "R1234yf", "R1234ze(E)", "R32", "R744", "R717", "R290", "R245fa", "Air"})
 LETTERS = "0123456789aAbBcCyYzZfE(). "
-NO_FLUID = "is no fluid or predefined blend of CoolProp"
+NO_FLUID = "is not a fluid or predefined blend of CoolProp"
 
 
 def fault_of(*overrides):
@@ -47,7 +47,7 @@ def test_a_blend_by_mole_is_another():
         ((OWN,), "gas.mass_fractions: is missing (write one number for each of R32, R1234yf)"),
         (
             (OWN, "gas.mass_fractions=[0.689, 0.211]"),
-            "gas.mass_fractions: add up to 0.9, not to 1 (if only their ratios are meant: [0.765556, 0.234444])",
+            "gas.mass_fractions: add up to 0.9, not to 1 (if they are ratios, write [0.765556, 0.234444])",
         ),
         (
             (OWN, "gas.mass_fractions=[0.5, 0.3, 0.2]"),
@@ -56,12 +56,12 @@ def test_a_blend_by_mole_is_another():
         ((OWN, "gas.mass_fractions=0.5"), "gas.mass_fractions: 0.5 is not a list of numbers (write e.g. [0.6, 0.4])"),
         (
             (OWN, "gas.mass_fractions=[0.7, 0.3]", "gas.mole_fractions=[0.8, 0.2]"),
-            "gas.mole_fractions: is given beside mass_fractions (remove one of the two)",
+            "gas.mole_fractions: is given as well as mass_fractions (remove one of the two)",
         ),
         (
             ("gas.mass_fractions=[0.7, 0.3]",),
-            "gas.mass_fractions: belongs to the components of a blend of your own (write fluid: [NAME, NAME], or "
-            "remove it, with null where a base gives it)",
+            "gas.mass_fractions: applies only to the components of a blend of your own (write fluid: [NAME, NAME], or "
+            "remove it; null drops a base's value)",
         ),
         (
             ("gas.fluid=[R32, R9999]", "gas.mass_fractions=[0.7, 0.3]"),
@@ -77,7 +77,7 @@ def test_a_blend_by_mole_is_another():
         ),
         (
             ("gas.fluid=R32/R125 (1/0)",),
-            "gas.fluid: 'R32/R125 (1/0)': has nothing of R125 (leave out what is not there)",
+            "gas.fluid: 'R32/R125 (1/0)': has a share of 0 for R125 (leave that component out)",
         ),
         (
             ("gas.fluid=[R22, R124]", "gas.mole_fractions=[0.5, 0.5]"),
@@ -92,12 +92,12 @@ def test_a_blend_by_mole_is_another():
         (("gas.fluid=R454D",), None),
         (
             ("gas.fluid=[CarbonDioxide, n-Butane]", "gas.mole_fractions=[0.5, 0.5]", "gas.two_phase=equilibrium"),
-            "gas.two_phase: CarbonDioxide/n-Butane (mole 0.5/0.5): its two phases in equilibrium are not found (write "
+            "gas.two_phase: CarbonDioxide/n-Butane (mole 0.5/0.5): no equilibrium of its two phases is found (write "
             "refuse, or another blend, such as R454B, R513A or R448A)",
         ),
         (
             ("effects.refrigerant_solubility={}",),
-            "effects.refrigerant_solubility: knows R134a in POE oil only, not R454B (remove the effect)",
+            "effects.refrigerant_solubility: covers R134a in POE oil only, not R454B (remove the effect)",
         ),
         (
             ("effects.economizer={area: 2 cm^2, opens: 1 rad, closes: 2 rad, temperature: 288 K, kind: flash_tank}",),
@@ -109,7 +109,7 @@ def test_a_blend_by_mole_is_another():
 def test_what_is_wrong_with_a_blend_is_one_line(overrides, what):
     found = fault_of(*overrides)
     if what is None:  # no other blend is offered for it
-        assert "did you mean" not in found and "numbers of blends" in found
+        assert "did you mean" not in found and "R5xx are blends" in found
     else:
         assert found == what
 

@@ -94,14 +94,22 @@ def test_a_fault_of_the_fit_is_located(old, new, line, tmp_path):
     [
         ("3.1,0.1", "x,0.1", "points.csv:3:12: shaft_power: 'x' is not a number"),
         ("3.1,0.1", '"3,1",0.1', "points.csv:3:12: shaft_power: '3,1' has a decimal comma (write a point, e.g. 3.1)"),
-        ("3.1,0.1", '"3,100",0.1', "points.csv:3:12: shaft_power: '3,100' has a comma that divides thousands or dec"),
+        (
+            "3.1,0.1",
+            '"3,100",0.1',
+            "points.csv:3:12: shaft_power: '3,100' has a comma that may separate thousands or dec",
+        ),
         (
             "operation.speed [rpm]",
             "operation.speed (rpm)",
             "points.csv:2:10: operation.speed (rpm): is not known (a unit stands in square brackets: operation.speed [",
         ),
-        (",", ";", "points.csv:2:1: data: is divided by semicolons (save it with commas, and points before decimals)"),
-        ("1000,3.1", '"1,000",3.1', "points.csv:3:7: operation.speed: '1,000' has a comma that divides"),
+        (
+            ",",
+            ";",
+            "points.csv:2:1: data: is separated by semicolons (save it with commas between cells and decimal points)",
+        ),
+        ("1000,3.1", '"1,000",3.1', "points.csv:3:7: operation.speed: '1,000' has a comma that may separate"),
         ("3.1,0.1", "3.1,0", "points.csv:3:16: shaft_power: 0 is out of range"),
         ("3.1,0.1", "3.1,1e-300", "points.csv:3:1: shaft_power: its uncertainty is 3e-301 of the value, smaller than"),
         (
@@ -110,7 +118,7 @@ def test_a_fault_of_the_fit_is_located(old, new, line, tmp_path):
             "points.csv:3:1: shaft_power: its uncertainty is 3e+299 of the value, too large to be",
         ),
         ("3.1,0.1", "3.1,", "points.csv:3:1: shaft_power: needs both a value and an uncertainty, or neither"),
-        ("3.1,0.1", "3.1", "points.csv:3:1: data: has 4 cells, the first line 5"),
+        ("3.1,0.1", "3.1", "points.csv:3:1: data: has 4 cells, but the first line has 5"),
         ("b,fit", "a,fit", "points.csv:4:1: name: 'a' appears twice"),
         ("a,fit", "a,no", "points.csv:3:3: use: 'no' is not known"),
         ("shaft_power [kW],", "shaft_power [kN],", "points.csv:2:32: shaft_power: unit 'kN' is not one of its units"),

@@ -261,7 +261,7 @@ def _chamber(parts: Parts, model: Composition, axis: str) -> Iterator[str]:
     yield row("states", f"{states}; {BALANCES}")
     if geometry.chambers == 1:
         yield row("life", f"{math.degrees(geometry.life):g} deg of the crank, from top dead centre; one chamber")
-        yield row("trapped mass", f"at the bottom dead centre, {math.degrees(geometry.injection_angle):.6g} deg")
+        yield row("trapped mass", f"at bottom dead centre, {math.degrees(geometry.injection_angle):.6g} deg")
         return
     yield row("life", f"{math.degrees(geometry.life):g} deg of the {axis}")
     pitch = math.degrees(geometry.pitch)
@@ -284,7 +284,7 @@ def _paths(parts: Parts) -> Iterator[str]:
                 pitches = "lobe pitch" if path.offset == 1 else "lobe pitches"
                 ends = f"chamber - chamber {path.offset} {pitches} ahead"
             held = ", ".join(["", *filter(None, [path.law_title, path.resistance and path.resistance.title])])
-            held += ", open as its valve is" if path.opening is not None else ""
+            held += ", opened by its valve" if path.opening is not None else ""
             yield row(name, f"{ends}, flow coefficient {path.flow_coefficient:g}{held}")
     yield row("every path", "nozzle flow in both directions, choking included (M12, M13)")
     if parts.geometry.chambers > 1:
@@ -323,6 +323,6 @@ def _sweep(scene: Scene) -> Iterator[str]:
             yield row(f"{dimension.name}", f"{kinds}{words}") if words else f"  {dimension.name}: {kinds}"
             continue
         sample = dimension.joint.sample
-        how = f"{sample.kind.replace('_', ' ')}, seed {sample.seed}" if sample else "side by side"
+        how = f"{sample.kind.replace('_', ' ')}, seed {sample.seed}" if sample else "one by one"
         yield f"  {dimension.name}: {kinds} ({how}) of"
         yield from (f"    {path}" for path in dimension.paths)
