@@ -228,11 +228,11 @@ def test_ranges_are_those_of_the_scene_or_of_steps_around_its_point():
         ("control/point", ["--limit", "water_flow<1"], "is not a figure of this scene"),
         ("control/point", ["--evaporating", "5 degC"], "5 degC: is not LOW..HIGH (write e.g. --evaporating '-10"),
         ("control/point", ["--condensing", "50 degC..40 degC"], "is empty (LOW must be below HIGH)"),
-        ("r134a/envelope", [], "the scene varies oil_supply.ratio in another way"),
+        ("r134a/envelope", [], "the scene varies oil_supply.ratio otherwise"),
         (
             "control/point",
             ["--suction", "2 bar..4 bar"],
-            "--suction: applies to a machine whose lines are stated",
+            "--suction: belongs to a machine whose lines are stated",
         ),
     ],
 )
@@ -244,7 +244,7 @@ def test_what_it_cannot_rate_is_told_in_one_line(scene, more, words, capsys):
 
 def test_a_sheet_is_made_from_python():
     scene = screwsim.load(CONFIGS / "air" / "fixed_speed_7.yaml")
-    with pytest.raises(screwsim.UsageError, match="--evaporating: applies to a refrigeration machine"):
+    with pytest.raises(screwsim.UsageError, match="--evaporating: belongs to a refrigeration machine"):
         sheet_of(scene, evaporating="0 degC..5 degC")
 
 
