@@ -160,7 +160,8 @@ def test_a_name_that_is_no_effect_is_told_with_what_is_meant(command, folder):
             "small.yaml",
             "--parameters",
             "ring_leakage",
-        ): "--parameters ring_leakage: is not an effect of a twin_screw (screwsim explain lists those that it can have)",
+        ): "--parameters ring_leakage: is not an effect of a twin_screw (screwsim explain lists those that it can "
+        "have)",
         ("small.yaml", "tip_leakage"): "tip_leakage: names an effect, which belongs to --parameters (write screwsim "
         "explain small.yaml --parameters tip_leakage)",
     }
