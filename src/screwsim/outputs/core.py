@@ -139,7 +139,7 @@ _CORE = (
     cooling_figure(
         "heating_capacity",
         "W",
-        "heating capacity: heat that the gas gives off in the condenser or gas cooler, without that of the oil cooler",
+        "heating capacity: heat that the gas gives off in the condenser or gas cooler, oil cooler excluded",
     ),
     cooling_figure("heating_cop", "1", "heating coefficient of performance: heating capacity over shaft power"),
     _cooled("volumetric_cooling_capacity", "J m-3", "cooling capacity over the volume flow of suction gas"),
