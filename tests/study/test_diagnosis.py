@@ -436,7 +436,7 @@ def test_the_command_tells_what_changed(tmp_path, capsys):
     assert sum(each["probability"] for each in document["hypotheses"]) == pytest.approx(1.0)
     (tmp_path / "new.csv").write_text(points(lambda n: 20.0 + 2.0 * n), encoding="utf-8")  # a gap of 200 um
     assert exit_code(["diagnose", str(file), "--jobs", "1", "--data", str(tmp_path / "new.csv")]) == 0
-    assert f"warning: {GAP} is at its upper bound, 0.1 mm: it may" in " ".join(capsys.readouterr().out.split())
+    assert f"warning: {GAP} is at its upper bound, 0.1 mm; it may" in " ".join(capsys.readouterr().out.split())
     (tmp_path / "new.csv").write_text(points(), encoding="utf-8")
     assert exit_code(["diagnose", str(file), "--jobs", "1", "--data", str(tmp_path / "new.csv")]) == 0
     assert "most probable: nothing changed" in capsys.readouterr().out

@@ -68,7 +68,7 @@ def test_a_measurement_is_read_with_half_of_its_95_percent_interval(scene, text,
         (["shaft_power=12 kW ± 0 kW"], "an uncertainty must be above 0"),
         (["shaft_power=12 kW ± -1 %"], "an uncertainty must be above 0"),
         (["discharge_temperature=15 degC ± 1 degC"], "(write kelvin, e.g. ± 2 K)"),
-        (["discharge_temperature=15 degC ± 1 %"], "a share of a temperature depends on its zero (write kelvin"),
+        (["discharge_temperature=15 degC ± 1 %"], "a percentage of a temperature depends on its zero (write kelvin"),
         (["shaft_power=12 kW", "shaft_power=13 kW"], "is given twice"),
     ],
 )

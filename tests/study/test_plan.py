@@ -172,7 +172,7 @@ def test_points_at_which_nothing_is_delivered_are_told_and_not_weighed(tmp_path,
 def test_a_candidate_whose_uncertainty_is_none_is_told(own, told, tmp_path):
     fit = fit_of(tmp_path)
     (tmp_path / "grid.csv").write_text(f"operation.speed [rpm],shaft_power_uncertainty [kW]\n3000,{own}\n", "utf-8")
-    with pytest.raises(UsageError, match=f"shaft_power: its uncertainty is .* of the value, which {told}"):
+    with pytest.raises(UsageError, match=f"shaft_power: its uncertainty is .* of the value, {told}"):
         plan(fit, candidates_of(fit, tmp_path / "grid.csv"), count=1, jobs=1, simulate=plane)
 
 

@@ -228,7 +228,7 @@ def test_ranges_are_those_of_the_scene_or_of_steps_around_its_point():
         ("control/point", ["--limit", "water_flow<1"], "is not a figure of this scene"),
         ("control/point", ["--evaporating", "5 degC"], "5 degC: is not LOW..HIGH (write e.g. --evaporating '-10"),
         ("control/point", ["--condensing", "50 degC..40 degC"], "is empty (LOW must be below HIGH)"),
-        ("r134a/envelope", [], "the scene varies oil_supply.ratio otherwise"),
+        ("r134a/envelope", [], "the scene varies oil_supply.ratio in another way"),
         (
             "control/point",
             ["--suction", "2 bar..4 bar"],

@@ -136,4 +136,4 @@ def _refuse(given: Mapping[str, Any], why: str) -> None:
     """Raise UsageError where an option is given that the scene has no use for."""
     wrong = next((option for option, value in given.items() if value is not None), None)
     if wrong is not None:
-        raise UsageError(f"{wrong}: applies to {BELONGS[wrong]}, and {why} (remove it)")
+        raise UsageError(f"{wrong}: belongs to {BELONGS[wrong]}, and {why} (remove it)")
