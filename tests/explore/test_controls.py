@@ -99,3 +99,13 @@ def test_a_value_with_a_tolerance_shows_it_in_its_own_unit():
     _, controls = controls_of(sure)
     told = {each["path"]: each["tolerance"] for each in controls if "tolerance" in each}
     assert told == {"effects.tip_leakage.gap": "± 5", "effects.oil_heat.droplet_radius": "×/÷ 2"}
+
+
+def test_what_is_found_with_the_cycle_is_shown_as_left_open():
+    """As the search begins at 0 K, the page showed -273.15 degC, on a slider that began there."""
+    port = "{temperature: auto, area: 100 mm^2, opens: 455 deg, closes: 545 deg}"
+    base = open_base(str(CONFIGS / "r134a" / "point.yaml"), [f"effects.economizer={port}"])
+    assert value_at(base.scene, "effects.economizer.temperature") == 0.0
+    control = next(c for c in controls_of(base)[1] if c["path"] == "effects.economizer.temperature")
+    assert control["value"] is None and not control["needed"]
+    assert -60.0 < control["low"] < control["high"] < 100.0

@@ -13,7 +13,7 @@ from typing import Any
 
 from screwsim.effects import catalogue
 from screwsim.effects.base import Effect
-from screwsim.explore.watch import Watch, files_of
+from screwsim.explore.watch import Watch, files_of, modules_of
 from screwsim.inputs.declare import KINDS
 from screwsim.machine.kinds import find_machine
 from screwsim.results.schema import named_files
@@ -34,7 +34,7 @@ MOST = 400  # most changes at once
 class Base:
     """The command's arguments: a scene's file, overrides including the effects left out; and the resulting scene.
 
-    Two watches guard the scene's own files, and those that it names.
+    Two watches guard the scene's own files, and those that it names, user-defined modules among them.
     """
 
     file: str
@@ -74,7 +74,7 @@ def open_base(file: str, overrides: Iterable[str] = (), without: Iterable[str] =
     overrides, without = tuple(overrides), tuple(without)
     own = Watch(files_of(file))
     scene = load(file, [*overrides, "sweep=null"], without)
-    watches = (own, Watch(named_files(scene).values()))
+    watches = (own, Watch([*named_files(scene).values(), *modules_of(scene.own)]))
     return Base(file, (*overrides, *(f"effects.{name}=off" for name in without)), scene, watches)
 
 

@@ -6,6 +6,7 @@ from dataclasses import MISSING
 from typing import Any, NamedTuple
 
 from screwsim.explore.changes import Base, Changes, changeable, overrides_of, possible, scene_of
+from screwsim.inputs.declare import Found
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.machine import protocol
 from screwsim.scene import Scene, value_at
@@ -95,7 +96,11 @@ def _is_needed(scene: Scene, path: str, leaf: Leaf) -> bool:
 
 
 def control(path: str, leaf: Leaf, value: Any, needed: bool = False) -> dict[str, Any]:
-    """Return the page's data on one field; numbers are in the shown unit, and `value` is None if left open."""
+    """Return the page's data on one field; numbers are in the shown unit.
+
+    `value` is None if it is left open, or found with the cycle (auto).
+    """
+    value = None if isinstance(value, Found) else value
     keys = path.split(".")
     inner = keys[2:] if keys[0] == "effects" else keys[1:]
     about: dict[str, Any] = {

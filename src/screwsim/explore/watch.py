@@ -1,6 +1,7 @@
 """Watch over the files of the explored scene: the page shows their values, so no answer may come from later ones."""
 
 import os
+import sys
 from collections.abc import Iterable
 
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped, stamp
@@ -35,6 +36,11 @@ def files_of(file: str) -> list[str]:
         found.append(path)
         path = _base_of(path)
     return found
+
+
+def modules_of(names: Iterable[str]) -> list[str]:
+    """Return the paths of imported modules."""
+    return [path for name in names if (path := getattr(sys.modules.get(name), "__file__", None))]
 
 
 def _base_of(path: str) -> str | None:
