@@ -35,9 +35,15 @@ class Asked(NamedTuple):
 
     @property
     def filling(self) -> float:
-        """The volumetric efficiency, 1 where it is not defined."""
+        """The volumetric efficiency, 1 where it is not defined.
+
+        Of an expander its filling factor, or the inverse: more than fills the chambers leaks past them.
+        """
         found = self.of.figures.get("volumetric_efficiency")
-        return 1.0 if found is None else found
+        if found is not None:
+            return found
+        filled = self.of.figures.get("filling_factor") or 0.0
+        return min(filled, 1.0 / filled) if filled > 0.0 else 1.0
 
     @property
     def hidden(self) -> bool:
@@ -46,7 +52,9 @@ class Asked(NamedTuple):
         That is so where next to nothing is delivered and turns had to be corrected: a chamber then holds what
         it got from the others, whose errors a correction leaves.
         """
-        return not way_of(self.cycle).whole and self.cycle.tangents is not None and self.filling < BARELY
+        if way_of(self.cycle).whole or self.problem.parts.geometry.expands:
+            return False
+        return self.cycle.tangents is not None and self.filling < BARELY
 
 
 class Finer(NamedTuple):
