@@ -43,6 +43,8 @@ def _breaks(statements: Sequence[ast.stmt]) -> bool:
 class Emitter(Expressions):
     """Writes one function; `kinds` are those of its variables, as far as known."""
 
+    remembers = True  # whether a variable that was set or read in a block is not read from memory again in it
+
     def __init__(self, library: Library, name: str, arguments: Sequence[Kind]) -> None:
         self.library, self.node, self.given = library, library.program.functions[name], tuple(arguments)
         self.kinds: dict[str, Kind] = {}
@@ -69,6 +71,8 @@ class Emitter(Expressions):
         if returned != NOTHING and not leaves(self.node.body):
             raise self.fail(self.node, "it may end without a return")
         self._end(returned)
+        if returned.definition:
+            self.library.declare(returned.definition)
         apart = " noinline" if len(self.lines) > LONG else ""  # compiled once, not in each of its callers
         head = f"define internal {returned.returned} @{symbol}({parameters}) nounwind{apart} {{\nentry:"
         return "\n".join([head, *self.slots, "  br label %start", "start:", *self.lines, "}"])
@@ -82,6 +86,7 @@ class Emitter(Expressions):
         self.lines: list[str] = []
         self.slots: list[str] = []
         self.places: dict[str, tuple[str, ...]] = {}
+        self.recent: dict[str, Value] = {}  # variables whose registers are known within the block
         self.count = 0
         self.block, self.closed = "start", False
         self.loops: list[tuple[str, str]] = []
@@ -118,9 +123,15 @@ class Emitter(Expressions):
         value = self.as_kind(value, kind)
         for part, register, place in zip(kind.parts, value.parts, self._place(name), strict=True):
             self._put(part, register, place)
+        if self.remembers:
+            self.recent[name] = Value(kind, value.parts)
 
     def _put(self, part: str, register: str, place: str) -> None:
         self.add(f"store {part} {register}, ptr {place}")
+
+    def start(self, label: str) -> None:
+        super().start(label)
+        self.recent.clear()
 
     def _place(self, name: str) -> tuple[str, ...]:
         if name not in self.places:
@@ -135,10 +146,15 @@ class Emitter(Expressions):
 
     def load(self, name: str, node: ast.AST) -> Value:
         """Return the value of a variable or a constant."""
+        if name in self.recent:
+            return self.recent[name]
         if name in self.kinds or name in self.last:
             kind = self.kinds.setdefault(name, self.last.get(name, FLOAT))
             parts = zip(kind.parts, self._place(name), strict=True)
-            return Value(kind, tuple(self.new(f"load {part}, ptr {place}") for part, place in parts))
+            found = Value(kind, tuple([self.new(f"load {part}, ptr {place}") for part, place in parts]))
+            if self.remembers:
+                self.recent[name] = found
+            return found
         if name in self.assigned and self.passes <= MOST_PASSES:  # read in a loop before its assignment is written
             self.again = True
             return constant(0.0)
@@ -167,8 +183,8 @@ class Emitter(Expressions):
                 found = self.expression(value)
                 for target in targets:
                     self.assign(target, found)
-            case ast.AugAssign(target=target, op=op, value=value):
-                self.assign(target, self.operation(op, self.expression(target), self.expression(value), node))
+            case ast.AugAssign():
+                self.augment(node)
             case ast.Expr(value=ast.Constant()) | ast.Pass():
                 pass
             case ast.Expr(value=value):
@@ -203,6 +219,17 @@ class Emitter(Expressions):
                 self.add(f"store {kind.parts[0]} {self.as_kind(value, kind).parts[0]}, ptr {place}")
             case _:
                 raise self.fail(target, "this cannot be given a value")
+
+    def augment(self, node: ast.AugAssign) -> None:
+        """Write `+=` and the like; the address of an element is computed once."""
+        target = node.target
+        if not isinstance(target, ast.Subscript):
+            self.assign(target, self.operation(node.op, self.expression(target), self.expression(node.value), node))
+            return
+        place, kind = self.element(self.expression(target.value), target.slice, target)
+        before = Value(kind, (self.new(f"load {kind.parts[0]}, ptr {place}"),))
+        value = self.operation(node.op, before, self.expression(node.value), node)
+        self.add(f"store {kind.parts[0]} {self.as_kind(value, kind).parts[0]}, ptr {place}")
 
     def _if(self, test: Value, body: Sequence[ast.stmt], orelse: Sequence[ast.stmt]) -> None:
         if test.known is not None:

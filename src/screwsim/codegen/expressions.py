@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from screwsim.codegen.kinds import ARRAYS, FLOAT, INTEGER, NOTHING, NUMBERS, TRUTH, Kind, Value, array, joined, row_of
 from screwsim.codegen.operations import Operations
-from screwsim.codegen.program import constant
+from screwsim.codegen.program import called_name, constant
 
 NONE = Value(NOTHING, ())
 EMPTY = {"np.empty": False, "np.zeros": True}
@@ -178,7 +178,7 @@ class Expressions(Operations):
     def _call(self, node: ast.Call) -> Value:
         if node.keywords:
             raise self.fail(node, "arguments by name are not compiled")
-        name = ast.unparse(node.func)
+        name = called_name(node.func)
         if name in EMPTY:
             return self._room(node, EMPTY[name])
         values = [self.expression(each) for each in node.args]

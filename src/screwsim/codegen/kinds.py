@@ -7,10 +7,12 @@ for each lane, `w` a part of a `p` that begins at a different place for each lan
 
 from __future__ import annotations
 
+import zlib
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
+NAMED = 4  # number of registers from which on a struct has a name
 LANES = 8  # points computed side by side: floats in the widest registers of today's processors
 _kinds: dict[tuple[Any, ...], Kind] = {}
 
@@ -49,12 +51,23 @@ class Kind:
             return tuple(part for each in self.of for part in each.parts)
         return (_REGISTERS[self.name],) if self.name != "n" else ()
 
-    @property
+    @cached_property
     def returned(self) -> str:
         """LLVM type that a function with a result of this kind returns."""
         if self.name == "n":
             return "void"
-        return "{" + ", ".join(self.parts) + "}" if self.name in "apvwt" else self.parts[0]
+        if self.name not in "apvwt":
+            return self.parts[0]
+        return f"%t{zlib.crc32(self._struct.encode()):x}" if len(self.parts) > NAMED else self._struct
+
+    @property
+    def _struct(self) -> str:
+        return "{" + ", ".join(self.parts) + "}"
+
+    @property
+    def definition(self) -> str:
+        """Definition of that type, where it has a name: it is written for each item of a value."""
+        return f"{self.returned} = type {self._struct}" if self.returned.startswith("%") else ""
 
 
 ARRAYS = "apvw"

@@ -62,6 +62,7 @@ class LaneEmitter(LaneExpressions, Emitter):
         """Assign a value to a variable in the active lanes."""
         super().store(name, self.laned(value) if self.split and self.apart else self.floating(value), node)
 
+    remembers = False  # what is stored depends on the lanes that are active
     apart = True  # whether the stored value may differ between lanes
 
     def _put(self, part: str, register: str, place: str, masked: bool | None = None) -> None:
@@ -106,6 +107,10 @@ class LaneEmitter(LaneExpressions, Emitter):
     def _drop(self, gone: str, slot: str) -> None:
         left = self.without(self.new(f"load {MASK}, ptr {slot}"), gone)
         self.add(f"store {MASK} {left}, ptr {slot}")
+
+    def augment(self, node: ast.AugAssign) -> None:
+        value = self.operation(node.op, self.expression(node.target), self.expression(node.value), node)
+        self.assign(node.target, value)
 
     def assign(self, target: ast.expr, value: Value) -> None:
         if isinstance(target, ast.Subscript):

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from screwsim.codegen.kinds import FLOAT, INTEGER, NUMBERS, TRUTH, Kind, Value
-from screwsim.codegen.program import constant
+from screwsim.codegen.program import called_name, constant
 
 if TYPE_CHECKING:
     from screwsim.codegen.library import Library
@@ -61,8 +61,9 @@ class Operations:
     def new(self, operation: str) -> str:
         """Write an operation; return the register of its result."""
         self.count += 1
-        self.add(f"%v{self.count} = {operation}")
-        return f"%v{self.count}"
+        register = f"%v{self.count}"
+        self.lines.append(f"  {register} = {operation}")
+        return register
 
     def labels(self, *stems: str) -> list[str]:
         self.count += 1
@@ -126,6 +127,9 @@ class Operations:
     # ---- operators -------------------------------------------------------------------------------------------------
 
     def operation(self, op: ast.operator, a: Value, b: Value, node: ast.AST) -> Value:
+        kind = type(op)
+        if a.kind is FLOAT is b.kind and kind in BY_FLOATS:  # nearly all are
+            return Value(FLOAT, (self.new(f"{BY_FLOATS[kind]} double {a.parts[0]}, {b.parts[0]}"),))
         if a.kind not in NUMBERS or b.kind not in NUMBERS:
             raise self.fail(node, f"{type(op).__name__} of {a.kind} and {b.kind} is not compiled")
         if isinstance(op, ast.Pow):
@@ -267,7 +271,7 @@ class Operations:
     def _extreme(self, values: Sequence[Value], node: ast.Call) -> Value:
         """Return the smallest or largest value, the first of equal ones."""
         kind = FLOAT if any(value.kind == FLOAT for value in values) else INTEGER
-        op = ast.Gt() if ast.unparse(node.func) == "max" else ast.Lt()
+        op = ast.Gt() if called_name(node.func) == "max" else ast.Lt()
         best = self.as_kind(values[0], kind)
         for value in values[1:]:
             other = self.as_kind(value, kind)

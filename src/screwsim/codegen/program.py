@@ -105,6 +105,15 @@ def _constant(node: ast.expr) -> Any:
     return ast.literal_eval(node)
 
 
+def called_name(node: ast.expr) -> str:
+    """Return the text of what is called: `name` or `module.name`, without Python's unparser, which is slow."""
+    if isinstance(node, ast.Name):
+        return node.id
+    if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+        return f"{node.value.id}.{node.attr}"
+    return ast.unparse(node)
+
+
 def float_text(value: float) -> str:
     """Return a float in LLVM IR: its bits."""
     return f"0x{struct.unpack('>Q', struct.pack('>d', value))[0]:016X}"
