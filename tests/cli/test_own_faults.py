@@ -73,6 +73,25 @@ def test_an_end_on_import_is_a_fault_of_the_scene(end, own, command):
         assert f": effects.{name}: cannot be imported (it ends the program, by SystemExit" in answer.err
 
 
+WRONG = {
+    "a key that is not there": ("KEYS = {}['size']", "(KeyError: 'size')"),
+    "a limit of a field that there is not": (
+        "from screwsim.inputs.declare import quantity\nSIZE = quantity('area', 'of nothing', usual='10 mm^2')",
+        "(TypeError: usual: no such keyword of a declared field; known: gt, ge, lt, le, hardly, "
+        "remedy, otherwise, auto)",
+    ),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_what_is_wrong_in_it_on_import_is_a_fault_of_the_scene(wrong, own, command):
+    text, told = WRONG[wrong]
+    name = own(on_import=text)
+    answer = command("run", "ended.yaml")
+    assert (answer.code, answer.out) == (3, "")
+    assert f": effects.{name}: fails on import {told}; mend that module" in answer.err
+
+
 def test_a_death_on_import_is_a_fault_of_the_scene(own, folder, python):
     name = own(on_import="os._exit(0)")
     answer = python("-m", "screwsim", "run", "ended.yaml")

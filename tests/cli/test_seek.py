@@ -9,6 +9,7 @@ import pytest
 from screwsim import load, open_results
 from screwsim.figures.engineering import error_text
 from screwsim.outputs import Figures, Result
+from screwsim.simulate import warm_up
 
 RPM = math.pi / 30.0
 
@@ -26,8 +27,6 @@ def fake(scene):
 @pytest.fixture
 def sought(folder, monkeypatch):
     """Have a simulator that takes no time."""
-    from screwsim.simulate import warm_up
-
     module = sys.modules[warm_up.__module__]
     monkeypatch.setattr(module, "simulate_many", lambda scenes, trace=True: map(fake, scenes))
     monkeypatch.setattr(module, "warm_up", lambda scene: None)
@@ -45,6 +44,19 @@ def test_find_says_the_value_its_error_and_writes_the_scene(sought, command):
     assert "isothermal efficiency" not in found.out  # neither sought, nor one of those shown beside
     assert found.err.strip() == "found.yaml"
     assert load("found.yaml").operation.speed == pytest.approx(3600.0 * RPM)
+
+
+def test_find_tells_a_value_and_its_width_in_one_unit(folder, monkeypatch, command):
+    def sized(scene):
+        figures = Figures(gas_mass_flow=1e3 * scene.machine.volume.max)
+        return Result("ok", performance=figures, error=Figures(dict.fromkeys(figures, 1e-6)))
+
+    module = sys.modules[warm_up.__module__]
+    monkeypatch.setattr(module, "simulate_many", lambda scenes, trace=True: map(sized, scenes))
+    monkeypatch.setattr(module, "warm_up", lambda scene: None)
+    size = "machine.volume.max=400 cm^3..700 cm^3"
+    found = command("find", "oiled.yaml", "--vary", size, "--for", "gas_mass_flow=0.5 kg/s")
+    assert "machine.volume.max = 500 cm³ ± 0.0005 cm³" in found.out
 
 
 def test_find_that_finds_nothing_ends_with_4_and_says_how_far_it_came(sought, command):

@@ -14,6 +14,7 @@ from screwsim.cycle import relaxation
 from screwsim.cycle.balances import crossed, met_across, streams_of
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import leased
+from screwsim.cycle.mixing import FULL, Mixing, MixingRule
 from screwsim.cycle.problem import problem_of
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.figures.errors import relative_errors, worst
@@ -226,3 +227,15 @@ def test_no_further_try_is_made_where_gas_of_any_chamber_leaves_its_equation_in_
     monkeypatch.setattr(accurately, "fallbacks", lambda *_: asked.append("fallback") or [])
     assert accurately.solve(problem, machinery).cycle.status == "failed"
     assert bool(asked) is tried
+
+
+def test_mixing_leaves_an_image_that_is_not_finite_as_it_is_and_begins_anew():
+    """A pitch may end with an infinite temperature of a nearly empty chamber: then there is nothing to mix."""
+    for rule in (FULL, MixingRule(3, damping=0.5)):
+        mixing, point = Mixing(rule), np.array([1.0, 2.0])
+        mixing.next(point, 0.5 * point, 0.5)
+        lost = np.array([np.inf, 2.0])
+        assert mixing.next(point, lost, np.inf).tolist() == lost.tolist()
+        assert mixing.next(lost, point, np.inf).tolist() == point.tolist()
+        assert mixing.accelerate.residuals == []
+        assert np.isfinite(mixing.next(point, 0.5 * point, 0.5)).all()

@@ -330,6 +330,24 @@ FAILS = {
     ),
 }
 
+STORED = {"oil": {"name": "POE_ACD100FY"}}  # known from 40 to 114 °C
+OUT_OF_RANGE = {
+    "hot": (
+        cooled(None, {**STORED, "oil_supply.ratio": 0.02, "operation.discharge.pressure": "20 bar"}),
+        "(cool the oil, e.g. effects.separator.cooler.outlet_temperature: 60 degC, or state its properties as numbers)",
+    ),
+    "cold": (cooled({"duty": "60 kW"}, STORED), "(choose another duty or temperature of the cooler)"),
+}
+
+
+@pytest.mark.parametrize("case", OUT_OF_RANGE)
+def test_a_remedy_for_oil_that_gets_too_hot_or_cold_is_one_for_its_cooler(case):
+    """Its temperature follows from the circuit, so no other one can be chosen."""
+    changes, remedy = OUT_OF_RANGE[case]
+    result = run(changes)
+    assert result.status == "failed" and "lies outside the range of POE_ACD100FY" in result.message
+    assert remedy in result.message
+
 
 @pytest.mark.parametrize("case", FAILS)
 def test_a_circuit_that_cannot_be_has_failed_with_its_reason(case):

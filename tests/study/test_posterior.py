@@ -12,9 +12,10 @@ import screwsim
 from screwsim.cli import exit_code
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Figures, Result
+from screwsim.printing import posterior as printed
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.emulator import terms
-from screwsim.study.calibration.fit import Measured, Point
+from screwsim.study.calibration.fit import Fit, Measured, Point
 from screwsim.study.calibration.posterior import SETTLED, TOLERABLE, posterior, split_r_hat
 from screwsim.study.calibration.predict import predict
 
@@ -152,12 +153,21 @@ def test_the_command_prints_and_writes_the_posterior(tmp_path, capsys, monkeypat
     file = write_fit(tmp_path, FIT, points(3, 8, 2, 0.1))
     monkeypatch.setattr("screwsim.study.calibration.residuals.Warm", lambda: plane)
     monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)
+    monkeypatch.setattr(Fit, "short_names", lambda fit: {GAP: "tip_leakage.gap", CAPACITY: "heat_capacity"})
+    drawn, draw = [], printed.draw_posterior
+
+    def seen(parameters, *arguments):
+        drawn.extend(each.label for each in parameters)
+        return draw(parameters, *arguments)
+
+    monkeypatch.setattr(printed, "draw_posterior", seen)
     code = exit_code(["calibrate", str(file), "--posterior", "--jobs", "1", "-o", str(tmp_path / "out")])
     told = " ".join(capsys.readouterr().out.split())
     assert code == 0 and "effects.tip_leakage.gap" in told and "heat_capacity" in told
     assert "* not fitted: " in told and "R-hat 1.00" in told
     rows = (tmp_path / "out" / "posterior.csv").read_text().splitlines()
     assert rows[0] == f"{GAP},{CAPACITY},discrepancy_shaft_power [W]" and len(rows) == 4001
+    assert drawn == ["tip leakage gap (µm)", "heat capacity (kJ/(kg K))"]
     assert {each.name for each in (tmp_path / "out").glob("posterior.*")} >= {"posterior.png", "posterior.pdf"}
     assert exit_code(["calibrate", str(file), "--posterior", "--jobs", "1", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)["posterior"]

@@ -3,6 +3,7 @@
 Source: docs/explanation/closing.md, simultaneous closing.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -41,6 +42,9 @@ class Mixing:
             self._follow(FULL)
         elif self.rule is not self.own and gap > THROWN:
             self._follow(self.own)
+        if not math.isfinite(gap):  # nothing to mix; integrating the next pitch shows where it leads
+            self.restart()
+            return image
         _, mixed = self.accelerate.mix(point, image)
         if np.max(np.abs(mixed - image)) > 1.0:
             mixed = image

@@ -103,6 +103,7 @@ KINDS = {
 
 Bounds = tuple[float | None, float | None]
 ANY: Bounds = (None, None)
+LIMITS = ("gt", "ge", "lt", "le", "options", "own", "curve")  # what a field may have beside its plausible range
 
 
 def _field(
@@ -115,6 +116,10 @@ def _field(
     auto: bool = False,
     **limits: Any,
 ) -> Any:
+    wrong = [name for name in limits if name not in LIMITS]
+    if wrong:
+        known = ", ".join((*Limits.__annotations__,))
+        raise TypeError(f"{', '.join(wrong)}: no such keyword of a declared field; known: {known}")
     metadata = {
         "kind": kind,
         "doc": doc,

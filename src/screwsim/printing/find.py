@@ -6,6 +6,7 @@ from typing import Any
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import error_text, figure_text, shown_name
+from screwsim.outputs.customary import raised
 from screwsim.printing.tables import plain_table, say_title, tell, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.screen import say
@@ -138,7 +139,7 @@ def _width(scene: Scene, path: str, width: float | None) -> str:
     if width is None:
         return ""
     per, unit = unit_of_change(scene, path, 1.0)  # in the unit of the value, not in µm
-    return f"{per * width:.1g} {unit}".strip()
+    return f"{per * width:.1g} {raised(unit)}".strip()
 
 
 def _figures(asked: Question, row: Found) -> Iterator[tuple[str, str]]:

@@ -211,7 +211,7 @@ def _drawn(fit: Calibration, found: Posterior, number: int) -> Drawn:
     per, zero = np.polyfit(ends, list(known), 1)
     if unit == "mm" and spread.median < 1e-3:
         per, zero, unit = 1e6, 0.0, "um"
-    name = fit.fit.short_names()[spread.name].replace("_", " ")
+    name = fit.fit.short_names()[spread.name].replace("_", " ").replace(".", " ")
     label = f"{name} ({unit.replace('um', 'µm')})" if unit else name
     assert found.samples is not None
     low, high = per * ends + zero

@@ -89,9 +89,18 @@ def oil_faults(scene: Scene) -> Iterator[Fault]:
         if not stored.low <= supply.temperature <= stored.high:
             what = f"lies outside the range of {oil.name}, {in_celsius(stored.low)} to {in_celsius(stored.high)}"
             what = f"{in_celsius(supply.temperature)} {what}"
-            yield Fault(
-                "oil_supply.temperature", f"{what} (choose one inside, or state the properties of the oil as numbers)"
-            )
+            yield Fault("oil_supply.temperature", f"{what} ({_into_range(scene, supply.temperature > stored.high)})")
+
+
+def _into_range(scene: Scene, hot: bool) -> str:
+    """Return how oil comes into the range of its properties: its temperature is stated, or follows from its cooler."""
+    cooling = _cooling(scene)
+    if cooling is None or scene.oil_supply is None or not isinstance(scene.oil_supply.temperature, Found):
+        return "choose one inside, or state the properties of the oil as numbers"
+    if not hot:
+        return "choose another duty or temperature of the cooler"
+    name, cooler = cooling
+    return f"cool the oil, e.g. effects.{name}.{cooler.outlet_key}: 60 degC, or state its properties as numbers"
 
 
 def _oil_supply(scene: Scene) -> Iterator[Fault]:

@@ -109,8 +109,10 @@ def imported(name: str, look: Callable[[], Any]) -> Any:
         sys.path.append(os.getcwd())  # last, so that it cannot hide an installed package
     try:
         return look()
-    except KeyError:
-        raise
+    except KeyError as error:
+        if "." not in name:  # no such name in the package
+            raise
+        raise Refused(f"fails on import (KeyError: {error}); mend that module") from None
     except ModuleNotFoundError as error:
         raise Refused(f"cannot be imported ({error}); tried PYTHONPATH and the working folder (is it there?)") from None
     except ImportError as error:

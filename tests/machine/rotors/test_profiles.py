@@ -1,6 +1,7 @@
 """Profiles from points, and the refusals: each in one line with its remedy."""
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -176,6 +177,24 @@ def test_undercut_of_the_female_tip_is_refused():
     (fault,) = check_profile(PAIR, chain)
     assert "choose" in fault.what
     assert check_profile(PAIR, rack(PAIR, 1 * MM, 2.5 * MM, 22 * MM, 35 * DEG, 3 * MM)) == []
+
+
+def test_a_flank_that_turns_back_is_told_with_its_place(pairs):
+    """A hundred points of (b) are too few; with more of them about the place that is told it turns back no more."""
+    rotors = pairs["b"]
+    (x, y), (first, last) = rotors.chain.male(), rotors.chain.edges
+    few = np.arange(first, last + 1, 40)
+
+    def turning(kept):
+        chain = imported.from_male(rotors.pair, x[kept], y[kept])
+        told = "".join(fault.what for fault in check_profile(rotors.pair, chain, interference=False, tolerance=0.0))
+        place = re.search(r"flank turns back: undercut, where it meets the male lobe at a radius of ([\d.]+) mm", told)
+        return float(place[1]) * MM if place else None
+
+    radius = turning(few)
+    assert radius is not None
+    about = np.flatnonzero(np.abs(np.hypot(x, y) - radius) < 3 * MM)  # of a lobe from 30 to 50 mm
+    assert turning(np.union1d(few, about[(about > first) & (about < last)])) is None
 
 
 def test_a_lobe_wider_than_the_pitch_is_refused():

@@ -55,13 +55,15 @@ def check_profile(pair: Pair, chain: Chain, interference: bool = True, tolerance
     """
     faults, female_turn, points = [], -2.0 * math.pi / pair.female_lobes, tolerance is not None
     for name, curve, turn in (("male", chain.male(), pair.pitch), ("female", chain.female(pair), female_turn)):
-        if reversals(*curve):
+        back = reversals(*curve)
+        if len(back):
             remedy = (
                 OF_POINTS
                 if points
                 else "choose a larger female_tip_radius; 1.25 times the female lobe's height is safe"
             )
-            faults.append(Fault(PATH, f"the {name} flank turns back: undercut ({remedy})"))
+            place = f"where it meets the male lobe at a radius of {1e3 * chain.male_radii()[back[0]]:.4g} mm"
+            faults.append(Fault(PATH, f"the {name} flank turns back: undercut, {place} ({remedy})"))
         elif crosses_itself(*curve, turn):
             remedy = OF_POINTS if points else "choose larger tip radii or fewer lobes"
             faults.append(Fault(PATH, f"the {name} profile crosses itself ({remedy})"))
@@ -84,12 +86,12 @@ def check_blow_holes(*areas: float) -> list[Fault]:
     return [Fault(PATH, f"{what} ({OF_POINTS})")]
 
 
-def reversals(x: Array, y: Array) -> int:
-    """Return how often a curve turns by more than a right angle; loops shorter than `SEEN` are ignored."""
+def reversals(x: Array, y: Array) -> Array:
+    """Return the indices at which a curve turns by more than a right angle; loops shorter than `SEEN` are ignored."""
     way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
     first = np.unique((way / (SEEN * np.hypot(x, y).max())).astype(int), return_index=True)[1]
     dx, dy = np.diff(x[first]), np.diff(y[first])
-    return int(np.count_nonzero(dx[1:] * dx[:-1] + dy[1:] * dy[:-1] < 0.0))
+    return first[1:-1][dx[1:] * dx[:-1] + dy[1:] * dy[:-1] < 0.0]
 
 
 def crosses_itself(x: Array, y: Array, turn: float, points: int = 250) -> bool:
