@@ -137,6 +137,7 @@ def test_a_file_of_a_sweep_is_a_map(tmp_path):
     [
         ("operation.speed", "is not PATH=LOW..HIGH"),
         ("operation.speed=3000 rpm..2000 rpm", "the range is empty"),
+        ("oil_supply.ratio=0...5", "is not PATH=LOW..HIGH"),  # 0 to 5, or to 0.5
         ("gas.fluid=a..b", "gas.fluid: is a fluid, not a continuous quantity|gas.fluid: 'a'"),
         ("machine.male_lobes=3..5", "machine.male_lobes: is a whole number, not a continuous quantity"),
         ("operation.sped=1 rpm..2 rpm", "did you mean"),
@@ -146,6 +147,11 @@ def test_a_file_of_a_sweep_is_a_map(tmp_path):
 def test_ranges_that_make_no_sense_are_refused(over, says):
     with pytest.raises(UsageError, match=says):
         read_inputs(POINT, [over])
+
+
+def test_a_bare_low_end_has_the_unit_of_the_high_one():
+    (short,), (whole,) = (read_inputs(POINT, [f"operation.speed={ends}"]) for ends in ("2..3 rpm", "2 rpm..3 rpm"))
+    assert (short.low, short.high) == (whole.low, whole.high)
 
 
 def test_a_map_cannot_be_better_than_its_cycles(tmp_path):

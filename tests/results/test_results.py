@@ -18,9 +18,11 @@ from result_fakes import CYCLE, GRID, SCENE, fake_simulate, scene
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import BALANCE, KNOCK_OUT, KNOCK_OUT_STATUSES, NUMERICS, PERFORMANCE, Figures, Result
 from screwsim.results import open_results, save
-from screwsim.scene import case, case_count
+from screwsim.results.schema import numeric_inputs
+from screwsim.scene import case, case_count, load
 
 GROUPS = ("inputs", "performance", "balance", "error", "numerics", "cycle", "ledger")
+R134A = Path(__file__).parents[2] / "configs" / "r134a" / "point.yaml"
 ENGINES = ("h5netcdf", "netcdf4")
 
 
@@ -155,6 +157,15 @@ def test_inputs_are_stored_in_si_with_their_paths(single):
         assert gap[()] == pytest.approx(50e-6, rel=1e-12)
         texts = {name: value.decode() for name, value in gap.attrs.items() if isinstance(value, bytes)}
     assert (texts["path"], texts["units"], texts["long_name"]) == ("effects.tip_leakage.gap", "m", "clearance")
+
+
+def test_an_input_that_is_found_with_the_cycle_is_stored_as_none():
+    """The scene holds 0 K there, where the search begins; what was found is a figure."""
+    port = "{temperature: auto, area: 100 mm^2, opens: 455 deg, closes: 545 deg}"
+    auto = load(R134A, [f"effects.economizer={port}"])
+    values = {path: value for path, _, value in numeric_inputs(auto)}
+    assert math.isnan(values["effects.economizer.temperature"])
+    assert values["effects.economizer.area"] == pytest.approx(1e-4, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", ["single", "swept"])

@@ -18,8 +18,9 @@ from screwsim.simulate import simulate
 from screwsim.study.calibration import read_fit
 from screwsim.study.calibration.diagnosis import MOST_PAIRS, diagnose
 from screwsim.study.calibration.double import normal_about
-from screwsim.study.calibration.fit import Prior
+from screwsim.study.calibration.fit import Parameter, Prior
 from screwsim.study.calibration.hypotheses import NONE
+from screwsim.study.calibration.machine import unchanged_machine
 from screwsim.study.calibration.profile import Along, along, whitener
 
 pytestmark = pytest.mark.around
@@ -459,3 +460,14 @@ def test_bad_input_is_told_in_one_line(tmp_path, capsys, rest, text, code, told)
     assert exit_code(["diagnose", str(written(tmp_path, text)), *rest]) == code
     err = capsys.readouterr().err
     assert told in err and len(err.splitlines()) == 1
+
+
+def test_what_is_found_with_the_cycle_states_no_unchanged_value(tmp_path):
+    """It holds 0 K, where the search begins, which is no temperature that the machine had."""
+    path = "effects.economizer.temperature"
+    port = "{temperature: auto, area: 100 mm^2, opens: 455 deg, closes: 545 deg}"
+    auto = load(ROOT / "configs" / "r134a" / "point.yaml", [f"effects.economizer={port}"])
+    sought = Parameter(path, 270.0, 300.0, None, None, False, (), False)
+    fit = replace(read_fit(written(tmp_path, points())), scene=auto, parameters=(sought,))
+    with pytest.raises(UsageError, match=f"{path}: is not stated in the scene"):
+        unchanged_machine(fit)

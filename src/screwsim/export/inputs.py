@@ -16,7 +16,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.study.figures import figure_of
-from screwsim.study.inputs import check_continuous, read_text, shown_value
+from screwsim.study.inputs import check_continuous, ends_of, read_text, shown_value
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 _DERIVED: dict[str, dict[str, int]] = {
@@ -107,15 +107,15 @@ def _numbers(values: Sequence[object]) -> bool:
 
 
 def _read(scene: Scene, text: str) -> Input:
-    path, equals, ends = text.partition("=")
-    first, dots, last = ends.partition("..")
-    if not (equals and dots and first.strip() and last.strip()):
+    path, _, ends = text.partition("=")
+    both = ends_of(ends)
+    if both is None:
         raise UsageError(
             f"--over {text}: is not PATH=LOW..HIGH (write e.g. --over 'operation.speed=1500 rpm..4500 rpm')"
         )
     path = path.strip()
     check_continuous(scene, path)
-    low, high = (read_text(scene, path, end) for end in (first, last))
+    low, high = (read_text(scene, path, end) for end in both)
     if not low < high:
         raise UsageError(f"--over {text}: the range is empty (LOW must be below HIGH)")
     return _input(scene, path, low, high)

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.inputs.declare import KINDS, files_in, inputs_of
+from screwsim.inputs.declare import KINDS, Found, files_in, inputs_of
 from screwsim.outputs import Variable
 from screwsim.results import identity
 from screwsim.results.identity import version
@@ -84,10 +84,11 @@ def axes_of(scene: Scene) -> tuple[Axis, ...]:
 
 
 def numeric_inputs(scene: Scene) -> Iterator[tuple[str, Variable, float]]:
-    """Yield (path, unit and meaning, value [SI]) of each numeric input; NaN where it is not given."""
+    """Yield (path, unit and meaning, value [SI]) of each numeric input; NaN where it is not given or is to be found."""
     for path, kind, doc, value in inputs_of(scene):
         if kind in _NUMERIC:
-            yield path, Variable(_NUMERIC[kind], doc), np.nan if value is None else float(value)
+            given = None if isinstance(value, Found) else value  # what is to be found holds where the search begins
+            yield path, Variable(_NUMERIC[kind], doc), np.nan if given is None else float(given)
 
 
 def digest(text: str) -> str:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.figures import declared
+from screwsim.inputs.declare import Found
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, value_at
@@ -26,7 +27,7 @@ def unchanged_machine(fit: Fit) -> tuple[Scene, dict[str, float]]:
     before = {}
     for parameter in fit.parameters:
         stated = value_at(fit.scene, parameter.path) if parameter.prior is None else parameter.prior.mean
-        if not isinstance(stated, int | float):
+        if not isinstance(stated, int | float) or isinstance(stated, Found):
             raise UsageError(f"{parameter.path}: is not stated in the scene (state its unchanged value there)")
         if not parameter.low <= stated <= parameter.high:
             why = f"is {stated:.6g} [SI] unchanged, outside its bounds {parameter.low:.6g} … {parameter.high:.6g}"
