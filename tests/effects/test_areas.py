@@ -243,10 +243,26 @@ def test_parts_that_cannot_be_are_refused(changes, what):
         make(changes)
 
 
-@pytest.mark.parametrize("name", ["blow_hole.suction_area=5 mm^2", "interlobe_leakage.tip_length=5 mm"])
+PROFILED = Path(__file__).parents[2] / "configs" / "rotors" / "b.yaml"
+FOUND = (
+    "blow_hole.suction_area=5 mm^2",
+    "blow_hole.opens=300 deg",
+    "blow_hole.closes=600 deg",
+    "blow_hole.suction_closes=430 deg",
+    "end_face_leakage.suction_share=0.4",
+    "interlobe_leakage.tip_length=5 mm",
+)
+
+
+@pytest.mark.parametrize("name", FOUND)
 def test_a_profile_finds_these_parts_itself(name):
     with pytest.raises(SceneError, match=rf"{name.partition('=')[0]}: is given as well as"):
-        load(Path(__file__).parents[2] / "configs" / "rotors" / "b.yaml", (f"effects.{name}",))
+        load(PROFILED, (f"effects.{name}",))
+
+
+def test_defaults_that_a_profile_does_not_use_may_be_written_out():
+    """As a scene that a program wrote has them."""
+    load(PROFILED, ("effects.blow_hole.opens=373 deg", "effects.end_face_leakage.suction_share=0.25"))
 
 
 def test_both_end_face_paths_together_are_the_whole_length():

@@ -8,7 +8,7 @@ through it into the chamber behind, which is still filling (M263). With machine.
 computed from the profile, at both cusps (docs/reference/rotors.md); a given `area` rescales the curve at the
 high-pressure cusp to that largest value.
 Assumptions: quasi-steady nozzle; without a profile and without suction_area the compression-side blow-hole only.
-Parameters: area (one blow-hole), opens, closes, suction_area, suction_closes (angles of the leading chamber; the last
+Parameters: area (one blow-hole), opens, closes, suction_area, suction_closes (angles of the leading chamber; these
 four not with a profile), flow_coefficient; area_file (in place of the high-pressure cusp's area, or of both curves of a
 profile).
 """
@@ -17,7 +17,15 @@ from dataclasses import dataclass
 from math import pi
 
 from screwsim.effects.base import Effect, Faults, FlowPath
-from screwsim.effects.parts.gap import GapParameters, check_formula, check_gap, gap_path, profile_paths, ramp
+from screwsim.effects.parts.gap import (
+    GapParameters,
+    check_defaults,
+    check_formula,
+    check_gap,
+    gap_path,
+    profile_paths,
+    ramp,
+)
 from screwsim.effects.parts.usual import LEAK, Sized
 from screwsim.inputs.declare import quantity
 from screwsim.inputs.faults import Fault
@@ -37,8 +45,12 @@ class Parameters(GapParameters):
     area: float | None = quantity(
         "area", "area of one blow-hole (default with a profile: from the profile)", None, gt=0.0
     )
-    opens: float = quantity("angle", "angle of the leading chamber at which it opens", 373.0 * DEGREE, ge=0.0)
-    closes: float = quantity("angle", "angle of the leading chamber at which it closes", 693.0 * DEGREE, le=4 * pi)
+    opens: float = quantity(
+        "angle", "angle of the leading chamber at which it opens (no profile)", 373.0 * DEGREE, ge=0.0
+    )
+    closes: float = quantity(
+        "angle", "angle of the leading chamber at which it closes (no profile)", 693.0 * DEGREE, le=4 * pi
+    )
     suction_area: float | None = quantity(
         "area", "area of the blow-hole at the suction cusp (M263; default: none) (no profile)", None, gt=0.0
     )
@@ -89,6 +101,7 @@ def check(parameters: Parameters, facts) -> Faults:
     yield from check_gap("blow_hole", parameters, facts, "area", "6 mm^2", "area of one blow-hole")
     if parameters.suction_area is not None:
         yield from check_formula("effects.blow_hole.suction_area", facts)
+    yield from check_defaults("blow_hole", parameters, facts, "opens", "closes", "suction_closes")
     if parameters.closes - parameters.opens < 2.0 * RAMP:
         yield Fault("effects.blow_hole.closes", "must lie at least 40 deg after opens (choose a later angle)")
 

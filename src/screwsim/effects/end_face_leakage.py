@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from math import pi
 
 from screwsim.effects.base import Effect, Faults, FlowPath
-from screwsim.effects.parts.gap import ClearanceParameters, check_gap, gap_path, profile_paths, ramp
+from screwsim.effects.parts.gap import ClearanceParameters, check_defaults, check_gap, gap_path, profile_paths, ramp
 from screwsim.effects.parts.gap_flow import numbers
 from screwsim.effects.parts.usual import LEAK, Sized
 from screwsim.inputs.declare import number, quantity
@@ -59,7 +59,8 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
 
 def check(parameters: Parameters, facts) -> Faults:
     what = "length of the end-face gap of one chamber, both paths together"
-    return check_gap("end_face_leakage", parameters, facts, "length", "128 mm", what, tabled=False)
+    yield from check_gap("end_face_leakage", parameters, facts, "length", "128 mm", what, tabled=False)
+    yield from check_defaults("end_face_leakage", parameters, facts, "suction_share")
 
 
 EFFECT = Effect(

@@ -5,8 +5,8 @@ profile and end-face gaps; the forms used here for those two are ours (docs/mode
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from math import pi
+from dataclasses import dataclass, fields
+from math import isclose, pi
 from typing import Any
 
 from screwsim.effects.base import NEIGHBOUR, Faults, FlowPath
@@ -164,6 +164,16 @@ def check_formula(path: str, facts) -> Iterator[Fault]:
         yield Fault(path, f"is given as well as {facts.machine.finds_gaps}, which finds it by angle (remove it)")
     elif facts.machine.counts_otherwise:
         yield Fault(path, f"{COUNTS_720} (remove it)")
+
+
+def check_defaults(name: str, parameters, facts, *keys: str) -> Iterator[Fault]:
+    """Yield those of the keys with a default that only the formula uses and that a profiled scene states otherwise."""
+    if not facts.machine.finds_gaps or parameters.area_file is not None:
+        return
+    defaults: dict[str, Any] = {field.name: field.default for field in fields(parameters)}
+    for key in keys:
+        if not isclose(getattr(parameters, key), defaults[key], rel_tol=1e-9):
+            yield from check_formula(f"effects.{name}.{key}", facts)
 
 
 def port_path(parameters, law, to) -> FlowPath:
