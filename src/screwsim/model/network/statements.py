@@ -9,7 +9,8 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from screwsim.numerics.derivative import Forward
-from screwsim.numerics.kernel import Kernel, nodes, parsed, unparsed
+from screwsim.numerics.kernel import Kernel, nodes, parsed
+from screwsim.numerics.spelling import lines_of, text_of
 
 
 class Statements:
@@ -64,12 +65,12 @@ class Tangent:
             for node in nodes(statement):
                 if isinstance(node, ast.Name):
                     node.id = names.get(node.id, node.id)
-        self.lines = [line for node in found for line in unparsed(node).splitlines()]
+        self.lines = [line for node in found for line in lines_of(node)]
 
     def slope(self, name: str, seed: str) -> str:
         """Return the text of a variable's derivative after the statements; 0.0 where there is none."""
         found = self._forward.slope(name, seed)
-        return "0.0" if found is None else ast.unparse(found)
+        return "0.0" if found is None else text_of(found)
 
 
 def function(head: str, *parts: Sequence[str]) -> str:
