@@ -17,6 +17,7 @@ Source: A. Griewank, A. Walther, Evaluating Derivatives, 2nd ed., SIAM 2008, chs
 
 import ast
 import re
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
@@ -84,8 +85,8 @@ class Forward:
         self.plain: dict[tuple[str, str], Expression] = {}  # derivatives that are always 1 or -1
         taken = {node.id for node in nodes(*body) if isinstance(node, ast.Name)} | set(by)
         self.pairs = list(assigned(body))
-        names = [name for some, _ in self.pairs for name in some]
-        self.once = {name for name in names if names.count(name) == 1}
+        names = Counter(name for some, _ in self.pairs for name in some)
+        self.once = {name for name, times in names.items() if times == 1}
         self.whole = set(by) & set(names)  # seeds that are reassigned, and so are variables like others
         self.once -= self.whole
         self.active |= dict.fromkeys(arrays, (ALONG,))
