@@ -17,6 +17,7 @@ Source: A. Griewank, A. Walther, Evaluating Derivatives, 2nd ed., SIAM 2008, chs
 
 import ast
 import re
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
@@ -33,8 +34,9 @@ from screwsim.numerics.expressions import (
     product,
     slope_name,
 )
-from screwsim.numerics.kernel import Kernel, nodes, parsed, unparsed, written
+from screwsim.numerics.kernel import Kernel, nodes, parsed, written
 from screwsim.numerics.partials import Active, Partials, find_active, seeds_of
+from screwsim.numerics.spelling import lines_of
 
 
 @lru_cache(maxsize=256)
@@ -83,8 +85,8 @@ class Forward:
         self.plain: dict[tuple[str, str], Expression] = {}  # derivatives that are always 1 or -1
         taken = {node.id for node in nodes(*body) if isinstance(node, ast.Name)} | set(by)
         self.pairs = list(assigned(body))
-        names = [name for some, _ in self.pairs for name in some]
-        self.once = {name for name in names if names.count(name) == 1}
+        names = Counter(name for some, _ in self.pairs for name in some)
+        self.once = {name for name, times in names.items() if times == 1}
         self.whole = set(by) & set(names)  # seeds that are reassigned, and so are variables like others
         self.once -= self.whole
         self.active |= dict.fromkeys(arrays, (ALONG,))
@@ -255,4 +257,4 @@ class _OfKernel(Forward):
                 self.uses[node.id] = self.known[node.id]
         for module in ("math", "np"):  # available in every text
             self.uses.pop(module, None)
-        return unparsed(function) + "\n", self.uses
+        return "\n".join(lines_of(function)) + "\n", self.uses

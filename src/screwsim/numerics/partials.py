@@ -1,7 +1,7 @@
 """Expressions with their partial derivatives by the variables in them: operators, choices, functions, kernels."""
 
 import ast
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 from screwsim.numerics.expressions import (
@@ -66,7 +66,7 @@ class Partials:
 
     def expression(self, node: Expression, before: list[ast.stmt]) -> tuple[Expression, Slopes]:
         """Return an expression and its derivatives by its variables; common parts are set in statements `before`."""
-        if not seeds_of(node, self.active):
+        if not any(self.active.get(name) for name in variables_of(node)):
             return node, {}
         match node:
             case ast.Name(id=name):
@@ -231,10 +231,11 @@ def find_active(
     held: Collection[str],
 ) -> None:
     """Extend `active`: a variable depends on every seed on which an assignment to it depends, until nothing changes."""
+    read = [(names, list(variables_of(value))) for names, value in pairs]
     while True:
         before = dict(active)
-        for names, value in pairs:
-            found_in = seeds_of(value, active)
+        for names, variables in read:
+            found_in = {seed for name in variables for seed in active.get(name, ())}
             for name in names:
                 if name in held:
                     continue
@@ -247,17 +248,25 @@ def find_active(
             return
 
 
+def variables_of(node: ast.AST) -> Iterator[str]:
+    """Yield the variables through which an expression can depend on seeds: none of conditions and indices."""
+    left: list[Any] = [node]
+    for part in left:  # grows
+        kind = type(part)
+        if kind is ast.Name:
+            yield part.id
+        elif kind is ast.BinOp:
+            left += (part.left, part.right)
+        elif kind is ast.Subscript:
+            left.append(part.value)
+        elif kind is ast.IfExp:
+            left += (part.body, part.orelse)
+        elif kind is ast.Call:
+            left += () if name_of(part) in FLAT | {"int", "len", "range"} else part.args
+        elif kind not in (ast.Constant, ast.Compare, ast.BoolOp):
+            left += ast.iter_child_nodes(part)
+
+
 def seeds_of(node: ast.AST, active: Mapping[str, tuple[str, ...]]) -> set[str]:
     """Return the seeds on which an expression depends, ignoring conditions and indices."""
-    if isinstance(node, ast.Name):
-        return set(active.get(node.id, ()))
-    if isinstance(node, ast.Compare | ast.BoolOp):
-        return set()
-    if isinstance(node, ast.Subscript):
-        return seeds_of(node.value, active)
-    if isinstance(node, ast.IfExp):
-        return seeds_of(node.body, active) | seeds_of(node.orelse, active)
-    if isinstance(node, ast.Call) and name_of(node) in FLAT | {"int", "len", "range"}:
-        return set()
-    parts = node.args if isinstance(node, ast.Call) else ast.iter_child_nodes(node)
-    return set().union(*(seeds_of(part, active) for part in parts))
+    return {seed for name in variables_of(node) for seed in active.get(name, ())}

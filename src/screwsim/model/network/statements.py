@@ -4,12 +4,13 @@ Only what a scene calls for is written. Derivatives are made from the statements
 kernels from the kernels' source, branch by branch.
 """
 
-import ast
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from screwsim.numerics.derivative import Forward
-from screwsim.numerics.kernel import Kernel, nodes, parsed, unparsed
+from screwsim.numerics.kernel import Kernel, parsed
+from screwsim.numerics.spelling import lines_of, text_of
 
 
 class Statements:
@@ -59,17 +60,15 @@ class Tangent:
             raise TypeError(f"a state cannot be called {names}: the text of every chamber has a variable of that name")
         found = self._forward.statements(body)
         self.kernels = list(self._forward.uses.values())
-        names = {alias: item.flat_name for alias, item in self._forward.uses.items()}
-        for statement in found:
-            for node in nodes(statement):
-                if isinstance(node, ast.Name):
-                    node.id = names.get(node.id, node.id)
-        self.lines = [line for node in found for line in unparsed(node).splitlines()]
+        flat = {alias: item.flat_name for alias, item in self._forward.uses.items()}
+        called = re.compile(rf"\b({'|'.join(flat) or '$.'})\(")
+        lines = [line for node in found for line in lines_of(node)]
+        self.lines = [called.sub(lambda one: f"{flat[one[1]]}(", line) if "(" in line else line for line in lines]
 
     def slope(self, name: str, seed: str) -> str:
         """Return the text of a variable's derivative after the statements; 0.0 where there is none."""
         found = self._forward.slope(name, seed)
-        return "0.0" if found is None else ast.unparse(found)
+        return "0.0" if found is None else text_of(found)
 
 
 def function(head: str, *parts: Sequence[str]) -> str:
