@@ -22,7 +22,7 @@ from properties import loop_cost
 
 from screwsim.codegen.modules import for_speed
 from screwsim.cycle.close import close
-from screwsim.cycle.guess import leased
+from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import problem_of
 from screwsim.fluid import constants
 from screwsim.fluid.composition import composition, predefined
@@ -133,7 +133,7 @@ def points() -> None:
         problem = problem_of(load(str(POINT), overrides=[f"gas.fluid={name}"]))
         times = []
         for _ in range(RUNS):
-            machinery = leased(problem)
+            machinery = lease_for(problem)
             before, started = machinery.counts.copy(), time.perf_counter()
             close(problem, machinery, problem.wanted)
             times.append(1e3 * (time.perf_counter() - started))

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from screwsim.cycle.guess import leased
+from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import problem_of
 from screwsim.scene import Scene, load
 from screwsim.solve.accurately import solve
@@ -28,7 +28,7 @@ WANTED = 10_000  # evaluations per point that should suffice
 def evaluations(scene: Scene) -> tuple[str, int, int]:
     """Return the status of a scene's cycle and the evaluations of closing it, and of closing and estimating."""
     problem = problem_of(scene)
-    machinery = leased(problem)
+    machinery = lease_for(problem)
     before = machinery.counts.copy()
     found = solve(problem, machinery)
     both = machinery.evaluations_of(machinery.counts - before)

@@ -23,7 +23,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from screwsim.explore.answer import unpacked
+from screwsim.explore.answer import unpack_message
 from screwsim.scene import load
 from screwsim.simulate import simulate
 
@@ -87,7 +87,7 @@ def ask_for(host: str, seed: int, seconds: float, answers: list[Any]) -> None:
             message = {"kind": "point", "number": number, "changes": {"set": values, "effects": effects}}
             began = time.monotonic()
             line.send(json.dumps(message))
-            while (head := unpacked(line.recv(120.0))[0]).get("number") != number:
+            while (head := unpack_message(line.recv(120.0))[0]).get("number") != number:
                 pass
             answers.append((json.dumps([values, effects]), head["performance"], time.monotonic() - began))
 

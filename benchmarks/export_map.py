@@ -17,7 +17,7 @@ import numpy as np
 
 from screwsim.export.c_data import source_files
 from screwsim.export.fmu import compile_shared
-from screwsim.export.source import WANTED, map_of
+from screwsim.export.source import DEFAULT_ERROR, map_of
 from screwsim.export.table import scales
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate_many
@@ -49,7 +49,7 @@ EXPORT double seconds(const double *points, int count, int calls)
 """
 
 
-def main(scene_file: str = str(ROOT / "configs" / "r134a" / "point.yaml"), error: str = str(WANTED)) -> None:
+def main(scene_file: str = str(ROOT / "configs" / "r134a" / "point.yaml"), error: str = str(DEFAULT_ERROR)) -> None:
     began = time.perf_counter()
     table = map_of(scene_file, OVER, wanted=float(error), jobs=1)
     nodes = " x ".join(str(len(each)) for each in table.grid.nodes)

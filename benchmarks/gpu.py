@@ -23,7 +23,7 @@ from typing import Any
 
 from screwsim.batch import simulate_courses, tasks, together
 from screwsim.batch.driver import THREADS, Driver
-from screwsim.batch.on_device import OnDevice
+from screwsim.batch.on_device import DeviceTurns
 from screwsim.codegen.modules import for_speed
 from screwsim.cycle.problem import sharing
 from screwsim.outputs import Result
@@ -70,7 +70,7 @@ class Clocked:
     def __init__(self) -> None:
         self.spent: dict[str, float] = {}
         self.clear()
-        parts = {"calls": (OnDevice, "turns"), "kernels": (Driver, "run")}
+        parts = {"calls": (DeviceTurns, "turns"), "kernels": (Driver, "run")}
         parts |= {"up": (Driver, "up"), "down": (Driver, "down")}
         for part, (owner, name) in parts.items():
             setattr(owner, name, self._timed(part, getattr(owner, name)))

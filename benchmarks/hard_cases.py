@@ -15,7 +15,7 @@ sys.path[:0] = [str(ROOT / "tests" / name) for name in ("hard", "laws")]
 from hard_cases import CASES  # noqa: E402
 from scenes import make  # noqa: E402
 
-from screwsim.cycle.guess import leased  # noqa: E402
+from screwsim.cycle.guess import lease_for  # noqa: E402
 from screwsim.cycle.problem import problem_of  # noqa: E402
 from screwsim.model import leases  # noqa: E402
 from screwsim.solve.accurately import solve  # noqa: E402
@@ -28,7 +28,7 @@ def main() -> None:
         if case.status == "refused":
             continue
         problem = problem_of(make(case.changes))
-        machinery = leased(problem)
+        machinery = lease_for(problem)
         before = machinery.counts.copy()
         solved = solve(problem, machinery)
         counts = machinery.evaluations_of(machinery.counts - before), machinery.evaluations_of(solved.counts)

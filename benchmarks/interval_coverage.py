@@ -24,8 +24,8 @@ from screwsim.scene import with_values
 from screwsim.simulate import simulate
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.answers import LEVEL
-from screwsim.study.calibration.fit import Fit, Measured, Point
-from screwsim.study.calibration.predict import sampled
+from screwsim.study.calibration.fit import Fit, Measurement, Point
+from screwsim.study.calibration.predict import posterior_with_predictions
 
 ROOT = Path(__file__).resolve().parent.parent
 FIT = ROOT / "configs" / "calibration" / "leakage.fit.yaml"
@@ -59,7 +59,7 @@ def measured(fit: Fit, seed: int, count: int, kind: str) -> list[Point]:
     }
     values = ours + width * by_kind[kind] + noise * random.standard_normal(ours.shape)
     return [
-        Point(f"{i}", each, {name: Measured(*pair) for name, *pair in zip(FIGURES, *rows, strict=True)})
+        Point(f"{i}", each, {name: Measurement(*pair) for name, *pair in zip(FIGURES, *rows, strict=True)})
         for i, (each, *rows) in enumerate(zip(conditions, values.tolist(), noise.tolist(), strict=True))
     ]
 
@@ -69,7 +69,7 @@ def covered(seed: int, fitted: int, held_out: int, kind: str, jobs: int | None) 
     fit = read_fit(FIT)
     points = measured(fit, seed, fitted + held_out, kind)
     found = calibrate(replace(fit, points=tuple(points[:fitted]), starts=1, seed=seed), jobs=jobs)
-    wide = sampled(found, points[fitted:], jobs=jobs)
+    wide = posterior_with_predictions(found, points[fitted:], jobs=jobs)
     told = wide.predictions
     assert told is not None
     inside = {name: sum(bool(each.inside) for each in told.figures if each.figure == name) for name in FIGURES}

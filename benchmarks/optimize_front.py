@@ -19,10 +19,10 @@ from pathlib import Path
 import numpy as np
 
 import screwsim
-from screwsim.study.each import Crew
-from screwsim.study.optimize import question, run
+from screwsim.study.optimize import question, run_question
 from screwsim.study.optimize.question import Question
 from screwsim.study.optimize.record import Record
+from screwsim.study.parallel import BatchWorkers
 from screwsim.study.workers import cores
 
 HERE = Path(__file__).parent
@@ -40,7 +40,7 @@ BATCH = 500  # random samples solved at once
 
 def sampled(asked: Question, count: int, jobs: int) -> Record:
     """Return `count` random evaluations."""
-    with Crew(jobs, lambda work: None, lambda: None) as crew:
+    with BatchWorkers(jobs, lambda work: None, lambda: None) as crew:
         record = Record(asked, crew)
         generator = np.random.default_rng(11)
         while len(record) < count:
@@ -52,7 +52,7 @@ def front(evaluations: int, samples: int, jobs: int) -> dict:
     """Return the results of the front and of the samples."""
     scene = screwsim.load(CONFIGS / "paper" / "point.yaml")
     began = time.perf_counter()
-    found = run(question(scene, VARY, AIMS, evaluations=evaluations), jobs=jobs)
+    found = run_question(question(scene, VARY, AIMS, evaluations=evaluations), jobs=jobs)
     between = time.perf_counter()
     others = sampled(question(scene, VARY, AIMS, evaluations=samples), samples, jobs)
     seconds = between - began, time.perf_counter() - between

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from screwsim.codegen.modules import for_speed
-from screwsim.cycle.guess import rehearse
+from screwsim.cycle.guess import compile_start
 from screwsim.cycle.problem import problem_of
 from screwsim.scene import Scene, load, with_values
 from screwsim.simulate import simulate, simulate_many
@@ -90,7 +90,7 @@ def gases_table() -> None:
         eta = result.performance.isentropic_efficiency
         print(f"{name:>20} {ms:>8.2f} {result.numerics.rhs_evaluations:>16} {eta:>9.6f} {ms / ms_ideal:>7.2f}")
     problem, slow = problem_of(scene), machinery_with_coolprop(scene)
-    slow.warm_up(lambda: rehearse(problem, slow))
+    slow.warm_up(lambda: compile_start(problem, slow))
     runs = [solve(problem, slow) for _ in range(5)]
     ms = 1e3 * statistics.median(run.closing_time for run in runs)
     counts = runs[-1].counts

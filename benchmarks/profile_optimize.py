@@ -19,7 +19,7 @@ from tempfile import TemporaryDirectory
 
 import screwsim
 from screwsim.inputs.faults import UsageError
-from screwsim.study.optimize import Optimum, question, run, spans_of
+from screwsim.study.optimize import Optimum, question, run_question, spans_of
 from screwsim.study.progress import Progress
 from screwsim.study.workers import cores
 
@@ -126,7 +126,7 @@ def main() -> None:
     lines = Lines()
     with TemporaryDirectory() as folder:
         try:
-            found = run(asked, given.output or Path(folder) / "out.h5", jobs=given.jobs, progress=lines)
+            found = run_question(asked, given.output or Path(folder) / "out.h5", jobs=given.jobs, progress=lines)
         except UsageError as error:
             raise SystemExit(f"profile_optimize: {error}") from None
     told(found, lines, given.jobs)

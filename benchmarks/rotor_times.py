@@ -43,10 +43,10 @@ def main() -> None:
     for name in "abc":
         machine = load(CONFIGS / f"{name}.yaml").machine
         other = replace(machine, built_in_volume_ratio=2.6)
-        whole = milliseconds(forget, lambda m=machine: profile_law.lay(m))
+        whole = milliseconds(forget, lambda m=machine: profile_law.laid_curves(m))
         again = milliseconds(
-            lambda m=machine: (profile_law._laid.cache_clear(), profile_law.lay(m)),
-            lambda m=other: profile_law.lay(m),
+            lambda m=machine: (profile_law._laid.cache_clear(), profile_law.laid_curves(m)),
+            lambda m=other: profile_law.laid_curves(m),
         )
         shown = "".join(f"{min(ms):14.1f}{statistics.median(ms):10.1f}" for ms in (whole, again))
         print(f"({name})   {shown}")

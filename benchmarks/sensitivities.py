@@ -1,8 +1,8 @@
 """Print the cost of derivatives of all figures by 20 numbers, relative to a point: CPU time of one thread, medians.
 
-Exact ones come first, then quick ones (`derivatives.closed.QUICK`). Then follow the parts, in points: the collocated
-cycle, scenes composed with shifted numbers, the response of the cycle to that, reading figures. Last are the numbers of
-evaluations for one chamber: by the point, then by the derivatives.
+Exact ones come first, then quick ones (`derivatives.collocation.QUICK`). Then follow the parts, in points: the
+collocated cycle, scenes composed with shifted numbers, the response of the cycle to that, reading figures. Last are the
+numbers of evaluations for one chamber: by the point, then by the derivatives.
 
 Run: python benchmarks/sensitivities.py [RUNS]. Points and derivatives alternate, compiled for speed and warm, so that
 no compilation is included. A point is `simulate` with its error estimate, as in `run`.
@@ -19,11 +19,11 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.codegen.modules import for_speed
-from screwsim.derivatives import beside, solving
-from screwsim.derivatives.closed import FINE, QUICK, Fineness
+from screwsim.derivatives import lane_rates, solving
+from screwsim.derivatives.collocation import FINE, QUICK, Fineness
 from screwsim.derivatives.directions import Directions
-from screwsim.derivatives.pitch import Pitch
-from screwsim.derivatives.solving import found
+from screwsim.derivatives.pitch import CollocatedPitch
+from screwsim.derivatives.solving import scene_derivatives
 from screwsim.scene import Scene, load
 from screwsim.simulate import simulate
 from screwsim.study.local import numeric_paths
@@ -49,24 +49,24 @@ class Counted:
         self.times, self.rates, self.jacobians, self.slices = dict.fromkeys(PARTS, 0.0), 0, 0, 0
         for part, (owner, name) in PARTS.items():
             setattr(owner, name, self._timed(part, getattr(owner, name)))
-        rates, lanes, slopes = Pitch.rates, beside._in_lanes, Pitch._slopes
+        rates, lanes, slopes = CollocatedPitch.rates, lane_rates._in_lanes, CollocatedPitch._slopes
 
-        def counted(pitch: Pitch, Y: Any, edges: Any = None) -> Any:
+        def counted(pitch: CollocatedPitch, Y: Any, edges: Any = None) -> Any:
             self.rates += Y.size // pitch.n
             return rates(pitch, Y, edges)
 
-        def counted_lanes(pitch: Pitch, nodes: Any, numbers: Any, *asked: Any) -> Any:
+        def counted_lanes(pitch: CollocatedPitch, nodes: Any, numbers: Any, *asked: Any) -> Any:
             self.rates += len(numbers) * math.prod(nodes.y.shape) // pitch.n
             return lanes(pitch, nodes, numbers, *asked)
 
-        def counted_slopes(pitch: Pitch, angles: Any, *asked: Any, **how: Any) -> Any:
+        def counted_slopes(pitch: CollocatedPitch, angles: Any, *asked: Any, **how: Any) -> Any:
             self.jacobians += len(angles) * pitch.N // pitch.n
             return slopes(pitch, angles, *asked, **how)
 
         for owner, name, by in (
-            (Pitch, "rates", counted),
-            (beside, "_in_lanes", counted_lanes),
-            (Pitch, "_slopes", counted_slopes),
+            (CollocatedPitch, "rates", counted),
+            (lane_rates, "_in_lanes", counted_lanes),
+            (CollocatedPitch, "_slopes", counted_slopes),
         ):
             setattr(owner, name, by)
 
@@ -102,7 +102,7 @@ def told(scene: Scene, runs: int, counted: Counted, fineness: Fineness) -> str:
     asked = dict(list(asked.items())[:NUMBERS])
 
     def derived() -> None:
-        answer = found(scene, asked, fineness)
+        answer = scene_derivatives(scene, asked, fineness)
         assert not answer.why and not answer.refused, (answer.why, answer.refused)
 
     simulate(scene, trace=False)
@@ -110,7 +110,7 @@ def told(scene: Scene, runs: int, counted: Counted, fineness: Fineness) -> str:
     counted.clear()
     pairs = [(cpu(lambda: simulate(scene, trace=False)), cpu(derived)) for _ in range(runs)]
     points, derivatives = zip(*pairs, strict=True)
-    # `found` also closes the cycle of the point itself, which the ratio includes
+    # `scene_derivatives` also closes the cycle of the point itself, which the ratio includes
     ratio = statistics.median(after / before for before, after in pairs)
     point, told = statistics.median(points), simulate(scene, trace=False).numerics
     parts = counted.times | {"read": counted.times["placed"] + counted.times["read"]}

@@ -20,16 +20,16 @@ from typing import Any
 from screwsim.batch import simulate_courses, tasks, together, warm_up
 from screwsim.batch.tasks import IN_STEP
 from screwsim.codegen.modules import for_speed
-from screwsim.model.exchange import here
 from screwsim.model.run import Machinery
-from screwsim.model.side_by_side import Asked
+from screwsim.model.side_by_side import TurnRequest
+from screwsim.model.turn_scheduler import scheduler
 from screwsim.scene import Scene, case, load
 from screwsim.simulate import simulate, simulate_many
 from screwsim.simulate import warm_up as alone
-from screwsim.study.cases import LONG_BLOCK
+from screwsim.study.cases import LONG_BLOCK_CASES
 
 PLAIN = Path(__file__).resolve().parent.parent / "tests" / "plain" / "r134a.yaml"
-POINTS = 8 * LONG_BLOCK
+POINTS = 8 * LONG_BLOCK_CASES
 TURNS = 64
 COURSE = f"sweep.operation.condensing_temperature={{from: 30 degC, to: 60 degC, count: {POINTS}}}"
 SAMPLE = (
@@ -84,24 +84,24 @@ def clocked(spent: list[float]) -> Iterator[None]:
         spent[:] = spent[0] + time.thread_time() - began, spent[1] + 1, spent[2] + 1
         return found
 
-    def called(asked: Sequence[Asked]) -> list[object]:
+    def called(asked: Sequence[TurnRequest]) -> list[object]:
         began = time.thread_time()
         answers = kept(asked)
         spent[:] = spent[0] + time.thread_time() - began, spent[1] + len(asked), spent[2] + 1
         return answers
 
     kept = tasks._turns
-    tasks._turns, here.turn = called, timed
+    tasks._turns, scheduler.turn = called, timed
     try:
         yield
     finally:
-        tasks._turns, here.turn = kept, None
+        tasks._turns, scheduler.turn = kept, None
 
 
 def parts(scene: Scene, repeats: int) -> None:
     """Print the share of the turns in a point of a course, one by one and side by side [us]."""
     scenes = [case(scene, k) for k in range(POINTS)]
-    courses = [scenes[first : first + LONG_BLOCK] for first in range(0, POINTS, LONG_BLOCK)]
+    courses = [scenes[first : first + LONG_BLOCK_CASES] for first in range(0, POINTS, LONG_BLOCK_CASES)]
     ways: tuple[Callable[[], object], ...] = (
         lambda: [list(simulate_many(course, trace=False)) for course in courses],
         lambda: simulate_courses(courses),
@@ -155,7 +155,7 @@ def main() -> None:
     repeats = int(sys.argv[1]) if len(sys.argv) > 1 else 5
     for errors in ("estimate", "none"):
         scene = load(str(PLAIN), [COURSE, f"numerics.error={errors}"])
-        pairs(f"a point of a course, numerics.error: {errors}", scene, POINTS, LONG_BLOCK, repeats)
+        pairs(f"a point of a course, numerics.error: {errors}", scene, POINTS, LONG_BLOCK_CASES, repeats)
         parts(scene, repeats)
     sample = load(str(PLAIN), [SAMPLE])
     pairs("a point of a sample", sample, TURNS, 1, repeats)

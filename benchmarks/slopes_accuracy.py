@@ -19,7 +19,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "tools"))
 import derivatives as tool  # noqa: E402
-from screwsim.derivatives.closed import FINE, QUICK, Fineness, collocated  # noqa: E402
+from screwsim.derivatives.collocation import FINE, QUICK, Fineness, collocated  # noqa: E402
 from screwsim.derivatives.solving import derivatives  # noqa: E402
 from screwsim.simulate import simulate  # noqa: E402
 

@@ -16,7 +16,7 @@ import numpy as np
 from screwsim.codegen.modules import for_speed
 from screwsim.codegen.modules import load as compiled
 from screwsim.cycle.close import close
-from screwsim.cycle.guess import leased
+from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import problem_of
 from screwsim.cycle.simultaneous import chambers_at_pitches
 from screwsim.fluid import nozzle
@@ -82,7 +82,7 @@ def nanoseconds(work: Callable[[int], object], times: int) -> float:
 def closed(scene: Scene) -> tuple[Machinery, Callable[[int], None]]:
     """Return the machinery of a closed scene, and a function that repeats turns of its life among closed neighbours."""
     problem = problem_of(scene)
-    machinery = leased(problem)
+    machinery = lease_for(problem)
     rtol = close(problem, machinery, problem.wanted).rtol
     times, dense, quads, steps = machinery.last()
     new = machinery.histories[1]  # neighbours behind are read from the turn being integrated, which is the same one

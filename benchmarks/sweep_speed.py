@@ -25,7 +25,7 @@ from screwsim.scene import Scene, case, load
 from screwsim.simulate import warm_up
 from screwsim.study.cases import blocks_of
 from screwsim.study.progress import Progress
-from screwsim.study.sweep import default_simulate_many, nothing, run_sweep
+from screwsim.study.sweep import default_simulate_many, no_warm_up, run_sweep
 
 ROOT = Path(__file__).resolve().parent.parent
 FIG1 = ROOT / "configs" / "paper" / "fig1.yaml"
@@ -98,7 +98,7 @@ def swept(scene: Scene, jobs: int, batch: bool = False) -> tuple[float, float]:
     """Sweep a scene into a temporary file; return the processor time [s] of its cases and of its file."""
     watch, began = Stopwatch(), time.process_time()
     with tempfile.TemporaryDirectory() as folder:
-        run_sweep(scene, Path(folder) / "sweep.h5", jobs=jobs, progress=watch, warm_up=nothing, batch=batch)
+        run_sweep(scene, Path(folder) / "sweep.h5", jobs=jobs, progress=watch, warm_up=no_warm_up, batch=batch)
         ahead = watch.laid_out or 0.0
         return watch.computed - began - ahead, time.process_time() - watch.computed + ahead
 

@@ -26,7 +26,7 @@ from scipy.stats import qmc
 from screwsim.results.atomic import write_csv
 from screwsim.scene import Scene, load, with_values
 from screwsim.simulate import simulate
-from screwsim.study.curves import Optimum, optimum, value_at
+from screwsim.study.curves import Optimum, curve_optimum, value_at
 
 ROOT = Path(__file__).resolve().parent.parent
 TABLE = ROOT / "results" / "admissible.csv"
@@ -151,7 +151,7 @@ def judge(x: np.ndarray) -> Verdict:
     """Return the verdict on one machine."""
     base = load(str(ROOT / "configs" / "paper" / "point.yaml"), overrides=["numerics.accuracy=1e-4"])
     eta = curves(machine(base, x))
-    best = [optimum(RATIOS, row) for row in eta]
+    best = [curve_optimum(RATIOS, row) for row in eta]
     at_three = value_at(RATIOS, eta[2], 3.0)
     point = np.nan if at_three is None else at_three
     inside: list[Optimum] = [o for o in best if o is not None and o.interior]

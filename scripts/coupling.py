@@ -10,8 +10,14 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, band, counted_crossings, crossings, pull
-from screwsim.report.coupling import Lean, draw_coupling
+from screwsim.machine.drive.rubber_cord_coupling import (
+    RubberCordCoupling,
+    counted_crossings,
+    crossings,
+    pull,
+    torque_band,
+)
+from screwsim.report.coupling import CordLean, draw_coupling
 from screwsim.study.validation import read_table
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -21,12 +27,12 @@ COUPLING = RubberCordCoupling()
 CORD_STEP = 0.1 / 94  # [m], 94 cords per 10 cm
 
 
-def read_leans() -> dict[str, Lean]:
+def read_leans() -> dict[str, CordLean]:
     """Return the measured leans by direction [rad]."""
     found = {}
     for row in read_table(DATA / "lean.csv"):
         mean, below, above = (float(row[name]) for name in ("mean_deg", "below_deg", "above_deg"))
-        found[row["direction"]] = Lean(*(math.radians(x) for x in (mean, mean - below, mean + above)))
+        found[row["direction"]] = CordLean(*(math.radians(x) for x in (mean, mean - below, mean + above)))
     return found
 
 
@@ -48,7 +54,7 @@ def geometry(printed: dict[str, float]) -> None:
     print(f"N = {COUPLING.cords} is 94 cords on 10 cm at a lean of {fit:.2f} deg; at 30.8 deg N would be {other:.0f}")
 
 
-def torques(printed: dict[str, float], leans: dict[str, Lean]) -> None:
+def torques(printed: dict[str, float], leans: dict[str, CordLean]) -> None:
     """Print twist, stiffness and cord strain under the nominal and the largest torque, and the band."""
     nominal, largest = printed["nominal_torque"], printed["largest_torque"]
     print(f"\ntwo discs, nominal torque {nominal:g} N m; tests: less than {printed['twist_below']} deg")
@@ -66,7 +72,7 @@ def torques(printed: dict[str, float], leans: dict[str, Lean]) -> None:
         )
     every = leans["all"]
     for degrees in (1.0, 1.5):
-        found = band(COUPLING, math.radians(degrees), every.low, every.high)
+        found = torque_band(COUPLING, math.radians(degrees), every.low, every.high)
         print(f"at {degrees} deg, lean {math.degrees(every.low):.1f} to {math.degrees(every.high):.1f} deg: ", end="")
         print(f"{found.least:.0f} to {found.largest:.0f} N m, evenly scattered {found.mean:.0f} N m")
     both = replace(COUPLING, lean_plus=leans["plus"].mean, lean_minus=leans["minus"].mean)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from screwsim import load
-from screwsim.report.drive import Point, draw_campbell
+from screwsim.report.drive import DrivePoint, draw_campbell
 from screwsim.results.atomic import make_folder, write_csv
 from screwsim.simulate import simulate, simulate_many
 
@@ -29,7 +29,7 @@ FINE = "numerics.accuracy=1e-6"
 FIGURES = ("shaft_power", "volumetric_efficiency", "isothermal_efficiency")
 
 
-def points(name: str, overrides: tuple[str, ...]) -> list[Point]:
+def points(name: str, overrides: tuple[str, ...]) -> list[DrivePoint]:
     """Return the points of a drive over the speeds."""
     path = CONFIGS / f"{name}.yaml"
     quick = ("numerics.error=none", "numerics.accuracy=1e-3")
@@ -39,10 +39,10 @@ def points(name: str, overrides: tuple[str, ...]) -> list[Point]:
         p = result.performance
         if result.status != "ok":
             print(f"{name}, {n:g} rpm: {result.status}, {result.message}", file=sys.stderr)
-            found.append(Point(n * RPM, None, None, None, None))
+            found.append(DrivePoint(n * RPM, None, None, None, None))
             continue
         numbers = p.torsional_frequency, p.coupling_torque_mean, p.coupling_torque_amplitude, p.speed_ripple
-        found.append(Point(n * RPM, *numbers))
+        found.append(DrivePoint(n * RPM, *numbers))
     return found
 
 
@@ -73,7 +73,7 @@ def main() -> None:
     make_folder(folder)
     found = {label: points(name, overrides) for label, (name, overrides) in CASES.items()}
     table = ([name, *point] for name, rows in found.items() for point in rows)
-    write_csv(folder / "drive.csv", ["drive", *Point._fields], table)
+    write_csv(folder / "drive.csv", ["drive", *DrivePoint._fields], table)
     for path in draw_campbell(found, 4, folder, "drive_campbell"):
         print(path, file=sys.stderr)
     for label, rows in found.items():

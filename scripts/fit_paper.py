@@ -27,7 +27,7 @@ from scipy.optimize import least_squares
 
 from screwsim.scene import Scene, load, with_values
 from screwsim.simulate import simulate, simulate_many
-from screwsim.study.curves import optimum, value_at
+from screwsim.study.curves import curve_optimum, value_at
 from screwsim.study.validation import read_table
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -71,7 +71,7 @@ def curves(scene: Scene) -> np.ndarray:
 
 def orderings(eta: np.ndarray) -> list[float]:
     """Return the shortfalls of A2, A3 and A4 between neighbouring speeds; LOST for each where an optimum is missing."""
-    best = [optimum(admissible.RATIOS, row) for row in eta]
+    best = [curve_optimum(admissible.RATIOS, row) for row in eta]
     left = []
     for fast, slow in pairwise(best):
         if fast is None or slow is None or not (fast.interior and slow.interior):

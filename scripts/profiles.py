@@ -17,7 +17,7 @@ from unittest.mock import patch
 import numpy as np
 
 from screwsim.machine.geometry import Geometry
-from screwsim.machine.profile_law import lay
+from screwsim.machine.profile_law import laid_curves
 from screwsim.outputs import Result
 from screwsim.report.style import COLOURS, DASHES, DOUBLE, SMALL, new_figure, plain_ticks, write_all
 from screwsim.scene import Scene, load
@@ -111,7 +111,7 @@ def variations(b: Scene) -> Iterator[tuple[str, list[tuple[str, Scene]]]]:
 
 def paths(b: Scene) -> None:
     """Print the effect of each leakage path of (b), by its kind and the pitches between its chambers."""
-    laid, whole = lay(b.machine), simulate(b, trace=False).performance
+    laid, whole = laid_curves(b.machine), simulate(b, trace=False).performance
     print("\nWhat a path takes of profile (b), path by path: lambda, eta_s")
     number = 0
     for gap, interfaces in laid.interfaces.items():
@@ -121,7 +121,7 @@ def paths(b: Scene) -> None:
             changed = replace(laid, interfaces={**laid.interfaces, gap: others})
             number += 1  # another machine, whose geometry is not cached yet
             other = with_values(b, {"machine.rotor_length": b.machine.rotor_length * (1.0 + 1e-13 * number)})
-            with patch("screwsim.machine.profile_law.lay", return_value=changed):
+            with patch("screwsim.machine.profile_law.laid_curves", return_value=changed):
                 found = simulate(other, trace=False).performance
             gained = [found[name] - whole[name] for name in ("volumetric_efficiency", "isentropic_efficiency")]
             print(f"{gap:<18}{one.offset:>3}{gained[0]:9.4f}{gained[1]:9.4f}")

@@ -15,8 +15,8 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
 from screwsim.results.write import save
-from screwsim.scene.mapped import yaml_text
-from screwsim.study.progress import Line, Progress, for_program
+from screwsim.scene.dict_text import yaml_text
+from screwsim.study.progress import OverwrittenLine, Progress, for_program
 from screwsim.study.sweep import run_sweep
 
 POINT = Path(__file__).parents[1] / "configs" / "paper" / "point.yaml"
@@ -191,7 +191,7 @@ def test_a_sweep_without_axes_says_how_to_get_them():
 
 def test_progress_is_silent_unless_asked_for(capsys):
     assert type(for_program("x")) is Progress
-    line = Line("sweep", every=0.0)
+    line = OverwrittenLine("sweep", every=0.0)
     line.start(4, 1)
     line.advance(2, 1)
     line.stop()
@@ -303,7 +303,7 @@ def test_derivatives_by_differences_are_by_every_number_too(monkeypatch):
         path, by = points[number]
         return Result("ok", performance=Figures(shaft_power=3.0 * (values[path] + by)))
 
-    monkeypatch.setattr("screwsim.study.local._solved", solved)
+    monkeypatch.setattr("screwsim.study.local._shifted_result", solved)
     scene = screwsim.load(Path(__file__).parents[1] / "configs" / "slider_crank" / "air.yaml")
     found = screwsim.sensitivities(scene, result=made(scene))
     assert set(found.method.values()) == {"differences"} and "effects.ring_leakage.gap" in found.values

@@ -11,7 +11,7 @@ import pytest
 from each_row import each_row
 
 import screwsim
-from screwsim.inputs.arguments import FLAG, JOBS, NUMBER, TEXTS, one_of, takes
+from screwsim.inputs.arguments import FLAG, JOBS, NUMBER, TEXTS, checked_arguments, one_of
 from screwsim.study import seek
 
 CONFIGS = Path(__file__).parents[1] / "configs"
@@ -163,7 +163,7 @@ def test_a_limit_of_any_number_ends_no_case_that_is_within(limit, tmp_path):
 
 
 def test_what_can_be_read_but_once_is_left_to_the_function():
-    @takes(texts=TEXTS)
+    @checked_arguments(texts=TEXTS)
     def listed(texts):
         return list(texts)
 

@@ -9,7 +9,7 @@ import pytest
 from each_row import each_row
 
 from screwsim.cycle.problem import Problem, problem_of
-from screwsim.evaluate.verdict import REMEDIES, failure, refused
+from screwsim.evaluate.verdict import REMEDIES, failure, outside_gas_range
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.scene import load
 from screwsim.simulate import simulate
@@ -29,7 +29,7 @@ def test_each_limit_has_its_remedy_even_where_the_words_name_another(limit):
     words = "the highest and the lowest of it"
     life = SimpleNamespace(times=np.radians([0.0, 90.0]), ends=(np.ones(1), np.ones(1)))
     problem = outside("paper/point.yaml", limit, words)
-    assert refused(problem, life) == f"at 90.00 deg {words}; {REMEDIES[limit](problem)}"
+    assert outside_gas_range(problem, life) == f"at 90.00 deg {words}; {REMEDIES[limit](problem)}"
 
 
 @pytest.mark.parametrize(
@@ -55,7 +55,7 @@ def test_gas_that_an_expander_does_not_let_out_is_told_from_gas_that_comes_hot()
     problem, told = outside("expander/point.yaml", Limit.HOT, "hot"), {}
     for end in (0.9, 1.1):
         ends = np.full(2, end * problem.lines.T_s), np.ones(2)
-        told[end] = refused(problem, SimpleNamespace(times=np.radians([0.0, 9.0, 720.0]), ends=ends))
+        told[end] = outside_gas_range(problem, SimpleNamespace(times=np.radians([0.0, 9.0, 720.0]), ends=ends))
     assert told[0.9] == f"at 9.00 deg hot; {REMEDIES[Limit.HOT](problem)}"
     assert "use a wider machine.suction_port" in told[1.1] and "cooler" not in told[1.1]
 

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import screwsim
 from screwsim.outputs import Result
 from screwsim.report import style
-from screwsim.template import asked_of, new_scene
+from screwsim.template import new_scene, request_of
 
 ROOT = Path(__file__).resolve().parents[2]
 MORE = ("effects.oil_volume={}", "effects.discharge_port.chisholm_exponent=0.25")
@@ -50,7 +50,7 @@ class Machine(NamedTuple):
     def text(self) -> str:
         """The scene as `screwsim new` writes it."""
         names = ("fluid", "displacement", "vi", "speed", "oil", "condition")
-        return new_scene(self.kind, asked_of(*(self.stated.get(name) for name in names)))  # type: ignore[arg-type]
+        return new_scene(self.kind, request_of(*(self.stated.get(name) for name in names)))  # type: ignore[arg-type]
 
 
 MACHINES = (

@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import screwsim
-from screwsim.cycle.guess import begin, leased
+from screwsim.cycle.guess import install_first_guess, lease_for
 from screwsim.cycle.problem import problem_of
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.outputs import Result
@@ -146,8 +146,8 @@ def print_restless() -> None:
         found = solved(with_values(scene, {"numerics.accuracy": accuracy})).performance
         print(f"  accuracy {accuracy:g}: lambda {found.volumetric_efficiency:.5f}, work {found.work_per_cycle:.4f} J")
     problem = problem_of(scene)
-    machinery = leased(problem)
-    y, works = begin(problem, machinery), []
+    machinery = lease_for(problem)
+    y, works = install_first_guess(problem, machinery), []
     for _ in range(TURNS):
         works.append(machinery.turn(y, 1e-4, 1e-3)[3][0])
         machinery.swap()

@@ -16,7 +16,7 @@ from screwsim.effects.parts.rating import STANDARDS
 from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
 from screwsim.study.validation import sibling
-from screwsim.template import asked_of, new_scene
+from screwsim.template import new_scene, request_of
 
 _ratings = sibling(Path(__file__).resolve().parents[2] / "validation" / "templates" / "ratings.py")
 RATED, ratings = _ratings.POINTS, _ratings.ratings
@@ -40,7 +40,7 @@ CASES: tuple[tuple[str, Mapping[str, object]], ...] = (
 
 def row(kind: str, stated: Mapping[str, object]) -> str:
     """Return what one machine does, as a row."""
-    asked = asked_of(*(stated.get(name) for name in OPTIONS))  # type: ignore[arg-type]
+    asked = request_of(*(stated.get(name) for name in OPTIONS))  # type: ignore[arg-type]
     scene = loads(new_scene(kind, asked))
     result = simulate(scene, trace=False)
     found = result.performance

@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from screwsim.study.validation import shown
+from screwsim.study.validation import value_text
 from screwsim.study.validation.record import KINDS, summary
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -85,7 +85,7 @@ def cell(text: str) -> str:
 
 def number(value: Any, unit: str, digits: int = 4) -> str:
     """Return a value with its unit."""
-    text = cell(shown(value, digits))
+    text = cell(value_text(value, digits))
     return text if isinstance(value, str) or value is None or not unit else f"{text} {unit}"
 
 

@@ -10,7 +10,18 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from screwsim.inputs.arguments import FILE, FLAG, MAPPING, NUMBER, QUANTITY, TEXT, TEXTS, listed, takes, whole
+from screwsim.inputs.arguments import (
+    FILE,
+    FLAG,
+    MAPPING,
+    NUMBER,
+    QUANTITY,
+    TEXT,
+    TEXTS,
+    as_list,
+    checked_arguments,
+    whole,
+)
 from screwsim.inputs.faults import UsageError
 from screwsim.report.datasheet import check_sheet, write_sheet
 from screwsim.results import Results, open_results
@@ -21,23 +32,23 @@ from screwsim.study import performance_map as _map
 from screwsim.study.calibration import calibrate as _calibrate
 from screwsim.study.calibration import read_fit
 from screwsim.study.calibration.answers import Posterior
-from screwsim.study.calibration.diagnosis import PAIRS, UNCHANGED, Diagnosis
+from screwsim.study.calibration.diagnosis import PRIOR_PAIR_ODDS, PRIOR_UNCHANGED, Diagnosis
 from screwsim.study.calibration.diagnosis import diagnose as _diagnose
 from screwsim.study.calibration.fit import Fit
 from screwsim.study.calibration.plan import COUNT, LEVELS, Plan, candidates_of
 from screwsim.study.calibration.plan import plan as _plan
 from screwsim.study.calibration.predict import points_to_predict
-from screwsim.study.calibration.predict import sampled as _sampled
+from screwsim.study.calibration.predict import posterior_with_predictions as _sampled
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.datasheet import Sheet, sheet_of
-from screwsim.study.progress import Progress, shown
+from screwsim.study.progress import Progress, progress_of
 from screwsim.study.sweep import run_sweep
 
 SceneLike = Scene | str | os.PathLike[str] | Mapping[str, Any]
 ResultsLike = Results | str | os.PathLike[str]
 
 
-@takes(path=TEXT, low=QUANTITY, high=QUANTITY)
+@checked_arguments(path=TEXT, low=QUANTITY, high=QUANTITY)
 def optimum(
     scene: SceneLike,
     path: str = _optimum.OIL_RATIO,
@@ -59,10 +70,12 @@ def optimum(
     at = scene_of(scene)
     ends = {"first": None if low is None else str(low), "last": None if high is None else str(high)}
     asked = _optimum.question(at, path, figure, minimum=minimum, **ends)
-    return _optimum.optimum(at, asked, jobs=jobs, progress=shown("optimum", progress))
+    return _optimum.optimum(at, asked, jobs=jobs, progress=progress_of("optimum", progress))
 
 
-@takes(evaporating=TEXT, condensing=TEXT, suction=TEXT, discharge=TEXT, limits=TEXTS, heating=FLAG, profile=FILE)
+@checked_arguments(
+    evaporating=TEXT, condensing=TEXT, suction=TEXT, discharge=TEXT, limits=TEXTS, heating=FLAG, profile=FILE
+)
 def datasheet(
     scene: SceneLike,
     *,
@@ -87,7 +100,7 @@ def datasheet(
     """
     if output is not None:
         check_sheet(Path(output))
-    bar = shown("datasheet", progress)
+    bar = progress_of("datasheet", progress)
     found = sheet_of(
         scene_of(scene),
         evaporating=evaporating,
@@ -105,7 +118,7 @@ def datasheet(
     return found
 
 
-@takes()
+@checked_arguments()
 def performance_map(results: ResultsLike, figures: Sequence[str] = ()) -> list[_map.PerformanceMap]:
     """Return the ten-coefficient maps of a sweep over both temperatures, one for each point of its other axes.
 
@@ -113,10 +126,10 @@ def performance_map(results: ResultsLike, figures: Sequence[str] = ()) -> list[_
     `results` is the path of a sweep's file or what `open_results` returns; run the sweep first with
     `screwsim.run_sweep(scene, "map.h5")`.
     """
-    return _map.performance_maps(results_of(results), listed(figures))
+    return _map.performance_maps(results_of(results), as_list(figures))
 
 
-@takes(tolerance=NUMBER)
+@checked_arguments(tolerance=NUMBER)
 def compare(a: ResultsLike, b: ResultsLike, *, tolerance: float = 0.0) -> _compare.Comparison:
     """Return what differs from results A to results B at their common points (`screwsim compare`).
 
@@ -128,15 +141,15 @@ def compare(a: ResultsLike, b: ResultsLike, *, tolerance: float = 0.0) -> _compa
     return _compare.compare(results_of(a), results_of(b), tolerance)
 
 
-@takes()
+@checked_arguments()
 def calibrate(
     fit: Fit | str | os.PathLike[str], *, jobs: int | None = None, progress: Progress | bool | None = None
 ) -> Calibration:
     """Return parameters fitted to measured points (`screwsim calibrate`); `fit` is a `Fit` or the path of its file."""
-    return _calibrate(_read(fit), jobs=jobs, progress=shown("calibrate", progress))
+    return _calibrate(_read(fit), jobs=jobs, progress=progress_of("calibrate", progress))
 
 
-@takes(predict=FILE)
+@checked_arguments(predict=FILE)
 def posterior(
     fit: Calibration | Fit | str | os.PathLike[str],
     *,
@@ -159,17 +172,17 @@ def posterior(
     asked = fit.fit if isinstance(fit, Calibration) else _read(fit)
     points = () if predict is None else points_to_predict(asked, predict)
     found = fit if isinstance(fit, Calibration) else calibrate(asked, jobs=jobs, progress=progress)
-    return _sampled(found, points, jobs=jobs, progress=shown("posterior", progress))
+    return _sampled(found, points, jobs=jobs, progress=progress_of("posterior", progress))
 
 
-@takes(scene=FILE, data=FILE, unchanged=NUMBER, pairs=NUMBER)
+@checked_arguments(scene=FILE, data=FILE, unchanged=NUMBER, pairs=NUMBER)
 def diagnose(
     fit: Fit | str | os.PathLike[str],
     *,
     scene: str | os.PathLike[str] | None = None,
     data: str | os.PathLike[str] | None = None,
-    unchanged: float = UNCHANGED,
-    pairs: float = PAIRS,
+    unchanged: float = PRIOR_UNCHANGED,
+    pairs: float = PRIOR_PAIR_ODDS,
     jobs: int | None = None,
     progress: Progress | bool | None = None,
 ) -> Diagnosis:
@@ -179,10 +192,10 @@ def diagnose(
     changed, `pairs` the prior odds of two simultaneous changes against one (0: single changes only).
     """
     asked = _read(fit, scene, data, fixed=False)
-    return _diagnose(asked, unchanged=unchanged, pairs=pairs, jobs=jobs, progress=shown("diagnose", progress))
+    return _diagnose(asked, unchanged=unchanged, pairs=pairs, jobs=jobs, progress=progress_of("diagnose", progress))
 
 
-@takes(
+@checked_arguments(
     candidates=FILE,
     ranges=MAPPING,
     levels=whole(2, "too few values (pass 2 or more)"),
@@ -214,7 +227,7 @@ def plan(
             raise UsageError(f"ranges[{path!r}]: {ends!r} is not a pair (pass e.g. ('1000 rpm', '4000 rpm'))")
     texts = [f"{path}={low}..{high}" for path, (low, high) in (ranges or {}).items()]
     points = candidates_of(asked, candidates, texts, levels)
-    return _plan(asked, points, count=count, jobs=jobs, progress=shown("plan", progress))
+    return _plan(asked, points, count=count, jobs=jobs, progress=progress_of("plan", progress))
 
 
 def _read(fit: Any, scene: Any = None, data: Any = None, fixed: bool = True) -> Fit:

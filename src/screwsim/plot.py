@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.inputs.arguments import takes
+from screwsim.inputs.arguments import checked_arguments
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.report import cycle, families, maps, sweeps
@@ -54,7 +54,7 @@ def mass_flows(result: CycleLike, ax: Any = None) -> Any:
     return _drawn(cycle.draw_flows, result, ax)
 
 
-@takes()
+@checked_arguments()
 def curves(results: Results | str | os.PathLike[str], figure: str | None = None, ax: Any = None) -> Any:
     """Draw a figure over one axis of a sweep, one curve for each value of a second; return the axes.
 
@@ -66,7 +66,7 @@ def curves(results: Results | str | os.PathLike[str], figure: str | None = None,
         raise UsageError(f"{found.path}: has no numeric axis to draw over (sweep a path)")
     name = _figure(found, figure)
     _, constant, chosen = next(families.slices(found, layout))
-    drawn = families.family(found, layout, chosen, None, name)
+    drawn = families.curves_of_slice(found, layout, chosen, None, name)
     if not drawn:
         raise UsageError(f"{found.path}: has no curve of {name} (fewer than two cases have a value)")
     axes = _axes(ax)
@@ -84,7 +84,7 @@ def curves(results: Results | str | os.PathLike[str], figure: str | None = None,
     return axes
 
 
-@takes()
+@checked_arguments()
 def contours(results: Results | str | os.PathLike[str], figure: str | None = None, ax: Any = None) -> Any:
     """Draw a figure as filled contours over two axes of a sweep, with a colour bar; return the axes."""
     found = _results(results)

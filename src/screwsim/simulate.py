@@ -7,32 +7,32 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import nullcontext
 from typing import Any, Literal
 
-from screwsim.build import blamed, faults_of_own, prepare
+from screwsim.build import faults_of_own, module_to_blame, prepare
 from screwsim.cycle import feedback
 from screwsim.cycle.continuation import Course
-from screwsim.cycle.guess import leased
-from screwsim.cycle.problem import Problem, Series, leave, one_alone, problem_of
+from screwsim.cycle.guess import lease_for
+from screwsim.cycle.problem import Problem, Series, problem_of, release_series, series_of_one
 from screwsim.evaluate import cautions, own_effects, performance, plausible, verdict
 from screwsim.evaluate.evaluation import balance as balance_of
 from screwsim.evaluate.ledger.total import Ledger, ledger
 from screwsim.evaluate.traces import traces
 from screwsim.figures import Performance
-from screwsim.inputs.faults import Impossible, UsageError
+from screwsim.inputs.faults import ImpossibleValue, UsageError
 from screwsim.model import compiled, leases
-from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
+from screwsim.model.turn_scheduler import reach_station
 from screwsim.numerics import compiling, sources
 from screwsim.numerics.rodas import JACOBIANS, TAKEN
 from screwsim.numerics.trial import how_it_died
 from screwsim.outputs import Figures, Result
 from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
-from screwsim.scene.given import scene_of
+from screwsim.scene.argument import scene_of
 from screwsim.scene.grid import first_by_fluid
 from screwsim.scene.plausible import scene_warnings
 from screwsim.scene.types import Scene
-from screwsim.solve import another, circuit, drive, stability
-from screwsim.solve.accurately import TRIES, Accurate, note, solve_tighter
-from screwsim.solve.circuit import Search, solved
+from screwsim.solve import circuit, drive, second_cycle, stability
+from screwsim.solve.accurately import TRIES, Accurate, record_in_course, solve_tighter
+from screwsim.solve.circuit import SurroundingsSearch, solve_with_surroundings
 
 Trace = bool | Literal["ledger"]  # what a result keeps over the angle
 
@@ -53,7 +53,7 @@ def _numerics(machinery: Machinery, accurate: Accurate) -> Figures:
     )
 
 
-def _balanced(accurate: Accurate, trace: Trace) -> tuple[Figures, Ledger | None]:
+def _balances_and_ledger(accurate: Accurate, trace: Trace) -> tuple[Figures, Ledger | None]:
     """Return the balances and the ledger of a closed cycle; the ledger is None where it is not wanted."""
     of = accurate.evaluation
     balance = balance_of(of)
@@ -93,13 +93,13 @@ def _result(scene: Scene, trace: Trace, series: Series | None) -> Result:
     own = scene.own
     if not own:
         return _simulate(scene, trace, series)
-    _survived(scene)
+    _tried_in_child(scene)
     try:
         return _simulate(scene, trace, series)
     except UsageError:
         raise
     except (Exception, SystemExit) as error:
-        name = blamed(error, own)
+        name = module_to_blame(error, own)
         if name is None:
             raise
         if series is not None:
@@ -112,9 +112,9 @@ def _result(scene: Scene, trace: Trace, series: Series | None) -> Result:
 _tried: dict[tuple[str, ...], list[Any]] = {}  # machines and effects already tried; their own modules
 
 
-def _survived(scene: Scene) -> None:
+def _tried_in_child(scene: Scene) -> None:
     """Raise UsageError where a user's own modules crash the process: a child process tries them first."""
-    names, modules = (scene.machine.kind, *scene.effects), [sources.made_of(name) for name in scene.own]
+    names, modules = (scene.machine.kind, *scene.effects), [sources.recorded_object(name) for name in scene.own]
     known = _tried.get(names, [])
     if len(known) == len(modules) and all(map(operator.is_, known, modules)):
         return
@@ -133,23 +133,23 @@ def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
     The speed and the oil's temperatures are found first where the scene leaves them open.
     """
     course = None if series is None else series.course
-    alone, series = series is None, series or one_alone()
-    station()
+    alone, series = series is None, series or series_of_one()
+    reach_station()
     try:
         with faults_of_own(scene) if scene.own else nullcontext():
             with compiled.equation_announced(scene.gas.name):
                 problem = problem_of(scene, series)
-            machinery = leased(problem)
-        at_speed, search = circuit.steady(problem, series)
+            machinery = lease_for(problem)
+        at_speed, search = circuit.steady_state(problem, series)
         if at_speed is not problem:
             leases.give_back(machinery)
-            problem, machinery = at_speed, leased(at_speed)
-        station()
+            problem, machinery = at_speed, lease_for(at_speed)
+        reach_station()
         result = _solved(problem, machinery, trace, course, search)
         leases.give_back(machinery)
         if alone:
-            leave(series)
-    except Impossible as wrong:
+            release_series(series)
+    except ImpossibleValue as wrong:
         result = Result(FAILED, str(wrong), scene_warnings(scene), tuple(scene.effects))
     if course is not None and result.status != OK:
         course.forget()
@@ -159,26 +159,26 @@ def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
 
 
 def _solved(
-    problem: Problem, machinery: Machinery, trace: Trace, course: Course | None, search: Search | None
+    problem: Problem, machinery: Machinery, trace: Trace, course: Course | None, search: SurroundingsSearch | None
 ) -> Result:
     """Solve a problem, judge the cycle and collect its figures, warnings and traces in a result."""
-    accurate = solved(problem, machinery, course, search)
+    accurate = solve_with_surroundings(problem, machinery, course, search)
     problem = accurate.evaluation.problem
     scene = problem.scene
     effects, states = tuple(scene.effects), problem.composition.states
-    station()
-    refused = _refused(problem, accurate)
+    reach_station()
+    refused = _why_no_figures(problem, accurate)
     if refused:
         numerics, none = _numerics(machinery, accurate), Performance({}, problem.called)
         return Result(FAILED, refused, scene_warnings(scene), effects, states, none, numerics=numerics)
-    station()
+    reach_station()
     accurate, balance, book = _closed_in_entropy(problem, machinery, accurate, trace)
-    station()
-    station()
+    reach_station()
+    reach_station()
     if course is not None:
-        note(course, accurate.evaluation, accurate.cycle, accurate.wanted, accurate.tightness)
+        record_in_course(course, accurate.evaluation, accurate.cycle, accurate.wanted, accurate.tightness)
     cycle, of, errors, numerics = accurate.cycle, accurate.evaluation, accurate.errors, _numerics(machinery, accurate)
-    station()
+    reach_station()
     found, notes = of.read
     sound = book is None or book.finite
     finite = all(map(math.isfinite, [value for value in found.values() if value is not None]))
@@ -188,13 +188,13 @@ def _solved(
         return Result(FAILED, message, (), effects, states, none, numerics=numerics)
     if not sound:  # an unclosed cycle may pass through states, between steps, that the gas does not have
         book, balance["entropy"] = None, None
-    forbidden, of_drive, balance["drive"] = drive.judged(of)
-    overloaded, of_loads = performance.judged(problem.parts, of.known, found)
-    status, message = _judged(accurate, balance, forbidden or overloaded, "" if search is None else search.why)
-    station()
+    forbidden, of_drive, balance["drive"] = drive.judge_drive(of)
+    overloaded, of_loads = performance.judge_readings(problem.parts, of.known, found)
+    status, message = _status_of(accurate, balance, forbidden or overloaded, "" if search is None else search.why)
+    reach_station()
     over_angle, kept = traces(of) if trace is True else {}, book.figures() if trace and book else Figures()
     doubts, impossible = cautions.doubts(problem, found if status == OK else Figures(), errors)
-    station()
+    reach_station()
     warnings = (
         *doubts,
         *of_loads,
@@ -203,30 +203,34 @@ def _solved(
         *stability.warnings(problem, machinery, cycle, accurate.wanted.rtol),
         *cautions.warnings(of),
         *cautions.inaccurate(scene.numerics.accuracy, errors),
-        *(another.warnings(of, machinery, accurate) if status == OK else ()),
+        *(second_cycle.warnings(of, machinery, accurate) if status == OK else ()),
     )
-    station()
+    reach_station()
     figures = (found, balance, errors, numerics, notes, over_angle, kept)
     return Result(status, message, warnings, effects, states, *figures, impossible=impossible)
 
 
-def _refused(problem: Problem, accurate: Accurate) -> str:
+def _why_no_figures(problem: Problem, accurate: Accurate) -> str:
     """Return why a cycle has no figures; empty where it has."""
     cycle, life = accurate.cycle, accurate.evaluation.life
     found = own_effects.impossible(problem, cycle)
     if not found and cycle.failed:
         found = verdict.failure(problem, cycle)
-    found = found or verdict.refused(problem, life) or feedback.at_its_end(problem, life)
+    found = found or verdict.outside_gas_range(problem, life) or feedback.unknown_at_limit(problem, life)
     if not found and cycle.closed:
-        found = feedback.line_left_open(problem, life, cycle.q)
-    return found + "".join(f"; {words}" for words in plausible.shut_ways(problem.scene, problem.parts)) if found else ""
+        found = feedback.suction_line_imbalance(problem, life, cycle.q)
+    return (
+        found + "".join(f"; {words}" for words in plausible.blocked_paths(problem.scene, problem.parts))
+        if found
+        else ""
+    )
 
 
 def _closed_in_entropy(
     problem: Problem, machinery: Machinery, accurate: Accurate, trace: Trace
 ) -> tuple[Accurate, Figures, Ledger | None]:
     """Solve more tightly where the entropy balance is open; it is checked only here because it needs the ledger."""
-    balance, book = _balanced(accurate, trace)
+    balance, book = _balances_and_ledger(accurate, trace)
     for _ in range(TRIES):
         closed = (balance["entropy"] or 0.0) <= balance["bound"]
         if not accurate.cycle.closed or closed or problem.scene.numerics.rtol is not None:
@@ -234,11 +238,11 @@ def _closed_in_entropy(
         before, accurate = accurate, solve_tighter(machinery, accurate)
         if accurate.cycle is before.cycle:  # no tighter cycle closed, nor would it at a further try
             break
-        balance, book = _balanced(accurate, trace)
+        balance, book = _balances_and_ledger(accurate, trace)
     return accurate, balance, book
 
 
-def _judged(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> tuple[str, str]:
+def _status_of(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> tuple[str, str]:
     """Return the status of a cycle that has figures, and its message.
 
     `forbidden` is an effect's reason to reject the cycle (empty: none), `why` the reason why the oil's temperatures
@@ -246,8 +250,8 @@ def _judged(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> t
     """
     cycle, of = accurate.cycle, accurate.evaluation
     status, message, bound = cycle.status, "", balance["bound"]
-    none, circuit_open = verdict.of_circuit(of)
-    package_open = verdict.of_package(of)
+    none, circuit_open = verdict.circuit_verdict(of)
+    package_open = verdict.package_verdict(of)
     forbidden = forbidden or none or (why if max(circuit_open, package_open) > bound else "")
     residuals = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
     if status == NOT_CLOSED or max(residuals.values()) > bound:
@@ -256,14 +260,17 @@ def _judged(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> t
     elif circuit_open > bound:
         status, left = NOT_CLOSED, f"the oil's circuit leaves {circuit_open:.2g} of the shaft power open"
         message = f"{left}, against the bound {bound:.2g}; try a tighter numerics.accuracy"
-    elif circuit.sought_open(of) > bound:
-        status, left = NOT_CLOSED, f"what is found with the cycle leaves {circuit.sought_open(of):.2g} of a flow open"
+    elif circuit.open_values_residual(of) > bound:
+        status, left = (
+            NOT_CLOSED,
+            f"what is found with the cycle leaves {circuit.open_values_residual(of):.2g} of a flow open",
+        )
         message = f"{left}, against the bound {bound:.2g}; {why or 'state it, or try a tighter numerics.accuracy'}"
     elif package_open > bound:
         status, left = NOT_CLOSED, f"the package's losses leave {package_open:.2g} of a pressure open"
         message = f"{left}, against the bound {bound:.2g}; try a tighter numerics.accuracy"
     unsettled = f"; {{}} cycle does not close: {_shown(residuals)}, bound {bound:.2g}" if status != OK else ""
-    unknown = verdict.open_question(of, status == OK)
+    unknown = verdict.unanswered_question(of, status == OK)
     if unknown:
         status, message = FAILED, unknown + unsettled.format("their")
     elif status != OK:

@@ -13,7 +13,7 @@ from screwsim.codegen import machine
 from screwsim.codegen.calls import FLOAT
 from screwsim.codegen.device_library import HELD, DeviceLibrary
 from screwsim.codegen.program import read
-from screwsim.cycle.guess import leased
+from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import problem_of
 from screwsim.inputs.faults import UsageError
 from screwsim.model.side_by_side import TURN
@@ -74,7 +74,7 @@ def test_no_point_depends_on_those_beside_it_on_a_device(simulation):
 def test_the_text_for_a_device_calls_nothing_that_it_lacks(scene):
     problem = problem_of(load(str(scene)))
     turns = {on_device.N_E: problem.composition.n_E}
-    text = leased(problem).module.of_device(TURN, on_device.KINDS, turns).decode()
+    text = lease_for(problem).module.of_device(TURN, on_device.KINDS, turns).decode()
     assert text.count(".entry turns(") == 1
     assert not re.search(r"\.extern|\balloca\b|\bfma\.", text)  # no joined products: the bits of a processor
     assert ".const" not in text  # that memory is small

@@ -13,8 +13,8 @@ from greenlet import GreenletExit, getcurrent
 
 from screwsim.batch import simulate_courses, tasks, together
 from screwsim.model import leases
-from screwsim.model.exchange import here, station
 from screwsim.model.run import Machinery
+from screwsim.model.turn_scheduler import reach_station, scheduler
 from screwsim.numerics.compiling import again, clock
 from screwsim.scene import case, load
 from screwsim.simulate import simulate, simulate_many
@@ -85,7 +85,7 @@ def test_more_courses_than_run_at_a_time_are_taken_in_turn(sample, many):
 
 def test_as_many_run_at_a_time_as_one_likes_however_deep_calls_may_be():
     def work(k):
-        station()
+        reach_station()
         return k
 
     count = 2 * sys.getrecursionlimit()
@@ -116,12 +116,12 @@ def test_a_task_that_waits_is_not_charged_twice_for_what_another_compiles_again(
     """What is compiled again stands on no clock: as time of others it would be taken off once more."""
 
     def work(seconds):
-        began = clock() - here.elsewhere
-        station()
+        began = clock() - scheduler.elsewhere
+        reach_station()
         with again():
             time.sleep(seconds)
-        station()
-        return clock() - here.elsewhere - began
+        reach_station()
+        return clock() - scheduler.elsewhere - began
 
     assert min(together([partial(work, 0.05)] * 3)) > 0.0
 
@@ -140,7 +140,7 @@ def test_turns_are_integrated_side_by_side_as_alone_and_leave_every_array_so(sam
         return answer
 
     def beside(machinery, y, rtol, h):
-        return tasks._turns([tasks.side_by_side.Asked(machinery, y, rtol, h)])[0]
+        return tasks._turns([tasks.side_by_side.TurnRequest(machinery, y, rtol, h)])[0]
 
     for turn in (Machinery.own_turn, beside):
         monkeypatch.setattr(Machinery, "turn", lambda self, y, rtol, h, turn=turn: noted(self, y, rtol, h, turn))
@@ -171,7 +171,7 @@ def test_what_a_task_raises_is_raised_and_those_that_wait_end(error):
     with pytest.raises(error, match="of one task"):
         together([waits, waits, fails, waits])
     assert len(ended) == 2  # the last had not begun
-    assert here.turn is None
+    assert scheduler.turn is None
 
 
 def test_a_task_that_will_not_end_gets_no_turn_more():
@@ -250,7 +250,7 @@ def test_a_task_sees_what_is_set_around_it_and_sets_it_for_itself_alone():
 
 
 def test_so_many_points_at_a_time_share_their_working_arrays():
-    assert leases.KEPT >= tasks.IN_FLIGHT
+    assert leases.MOST_FREE >= tasks.IN_FLIGHT
 
 
 def test_points_in_step_without_lanes_have_the_bits_of_single_points(alone, sample):
@@ -274,7 +274,7 @@ def test_all_come_to_a_station_before_one_goes_on_to_the_next():
     def goes(number):
         for stop in range(3):
             came.append((stop, number))
-            station()
+            reach_station()
 
     together([partial(goes, number) for number in range(4)])
     assert came == [(stop, number) for stop in range(3) for number in range(4)]
@@ -284,14 +284,14 @@ def test_time_at_a_station_is_that_of_others_and_told_so():
     spent = {}
 
     def waits():
-        before = here.elsewhere
-        station()
-        spent["waiting"] = here.elsewhere - before
+        before = scheduler.elsewhere
+        reach_station()
+        spent["waiting"] = scheduler.elsewhere - before
 
     def works():
-        before = here.elsewhere
+        before = scheduler.elsewhere
         time.sleep(0.05)
-        spent["working"] = here.elsewhere - before
+        spent["working"] = scheduler.elsewhere - before
 
     together([waits, works])
     assert spent["waiting"] >= 0.05
@@ -304,33 +304,33 @@ def test_what_is_raised_behind_a_station_is_raised_and_those_that_wait_there_end
     def waits():
         try:
             for _ in range(5):
-                station()
+                reach_station()
         finally:
             ended.append(1)
 
     def fails():
-        station()
+        reach_station()
         raise ZeroDivisionError("of one task")
 
     with pytest.raises(ZeroDivisionError, match="of one task"):
         together([waits, fails, waits])
     assert len(ended) == 2
-    assert here.station is None
+    assert scheduler.station is None
 
 
 def test_the_time_of_one_that_waits_at_a_station_does_not_run():
     left = {}
 
     def waits():
-        with limit.Limit(100.0):
-            station()
+        with limit.TimeLimit(100.0):
+            reach_station()
             left["deadline"] = limit._deadlines[getcurrent()] - time.monotonic()
 
     def works():
-        with limit.Limit(100.0):
+        with limit.TimeLimit(100.0):
             time.sleep(0.3)
-            station()
+            reach_station()
 
-    together([waits, works], during=limit.running, handed_on=limit.handed_on)
+    together([waits, works], during=limit.clocks_running, handed_on=limit.clock_handed_on)
     assert left["deadline"] > 100.0 - 0.2
     assert not limit._deadlines

@@ -7,7 +7,7 @@ def test_a_scene_without_a_reference_ends_with_one_line(folder, command, monkeyp
     def none(*arguments):
         raise accuracy.NoReference("the reference did not close")
 
-    monkeypatch.setattr(accuracy, "truth", none)
+    monkeypatch.setattr(accuracy, "reference_of", none)
     answer = command("accuracy", "small.yaml", "--quick")
     assert (answer.code, answer.out) == (4, "")
     assert "the reference did not close" in answer.err

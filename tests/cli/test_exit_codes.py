@@ -3,7 +3,7 @@
 import pytest
 
 from screwsim import cli
-from screwsim.inputs.faults import MOST_TOLD
+from screwsim.inputs.faults import MOST_LINES
 
 OWN = """\
 from dataclasses import dataclass
@@ -54,10 +54,10 @@ def test_every_fault_has_a_line(folder, command):
 
 
 def test_of_very_many_faults_the_first_are_told_and_the_others_counted(folder, command):
-    (folder / "bad.yaml").write_text("base: small.yaml\n" + "".join(f"key{i}: 1\n" for i in range(MOST_TOLD + 7)))
+    (folder / "bad.yaml").write_text("base: small.yaml\n" + "".join(f"key{i}: 1\n" for i in range(MOST_LINES + 7)))
     code, out, err = command("run", "bad.yaml")
     first, *_, last = lines = err.splitlines()
-    assert (code, out, len(lines)) == (3, "", MOST_TOLD + 1)
+    assert (code, out, len(lines)) == (3, "", MOST_LINES + 1)
     assert first.startswith("bad.yaml:2:1: key0: is not known") and last == "… and 7 more faults (fix these first)"
 
 
@@ -130,7 +130,7 @@ def _fail(*_: object, **__: object) -> None:
 
 
 def test_internal_error_is_told_without_traceback(folder, command, monkeypatch):
-    monkeypatch.setattr(cli.points, "loaded", _fail)
+    monkeypatch.setattr(cli.points, "loaded_scene", _fail)
     monkeypatch.delenv("SCREWSIM_DEBUG", raising=False)
     answer = command("explain", "small.yaml")
     assert (answer.code, answer.out) == (1, "")
@@ -140,7 +140,7 @@ def test_internal_error_is_told_without_traceback(folder, command, monkeypatch):
 
 
 def test_debugging_shows_the_traceback(folder, command, monkeypatch):
-    monkeypatch.setattr(cli.points, "loaded", _fail)
+    monkeypatch.setattr(cli.points, "loaded_scene", _fail)
     monkeypatch.setenv("SCREWSIM_DEBUG", "1")
     answer = command("explain", "small.yaml")
     assert answer.code == 1
@@ -155,7 +155,7 @@ def test_interrupt_has_its_own_code(folder, command, monkeypatch, verb, scene, h
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli.points, "loaded", interrupt)
+    monkeypatch.setattr(cli.points, "loaded_scene", interrupt)
     answer = command(verb, scene)
     assert (answer.code, answer.out) == (130, "")
     assert answer.err == f"interrupted{hint}\n"

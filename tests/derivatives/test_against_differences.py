@@ -10,12 +10,12 @@ from known import known
 from tight import Tight, closed_tightly
 
 import screwsim
-from screwsim.cycle.guess import leased
+from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import problem_of
 from screwsim.derivatives import solving
-from screwsim.derivatives.closed import FINE
+from screwsim.derivatives.collocation import FINE
 from screwsim.derivatives.directions import Directions
-from screwsim.derivatives.solving import Found, figures_of
+from screwsim.derivatives.solving import SceneDerivatives, figures_of
 from screwsim.scene import scene_text, with_values
 from screwsim.scene.fields import value_at
 from screwsim.study.local import sensitivities
@@ -71,7 +71,7 @@ def test_a_stated_temperature_of_what_flows_back_moves_the_cycle_by_itself():
     path = "operation.discharge.temperature"
     found = sensitivities(scene, [path])
     value, problem = value_at(scene, path), problem_of(scene)
-    machinery = leased(problem)
+    machinery = lease_for(problem)
     sides = [
         figures_of(closed_tightly(problem_of(with_values(scene, {path: value * (1.0 + by)})), machinery))
         for by in (STEP, -STEP)
@@ -99,19 +99,21 @@ def test_derivatives_stand_where_the_oils_circuit_closes():
         screwsim.load(PAPER, ["oil_supply.temperature=null", "effects.separator={cooler: {duty: 2 kW}}"]), FINE
     )
     life, left = found.pitch.machinery.trajectory.copy(), asked_of_surroundings(found)
-    assert left > solving.LEFT
-    assert asked_of_surroundings(solving.settled(found, life)) <= solving.LEFT
+    assert left > solving.LARGEST_RESIDUAL
+    assert asked_of_surroundings(solving.with_settled_surroundings(found, life)) <= solving.LARGEST_RESIDUAL
 
 
 def asked_of_surroundings(cycle):
-    return np.abs(solving._asked(solving.standing(cycle, Directions(cycle)))).max()
+    return np.abs(solving._implied_changes(solving.unshifted_evaluation(cycle, Directions(cycle)))).max()
 
 
 def test_differences_that_stand_in_go_over_no_more_of_an_angle_than_where_figures_are_straight(monkeypatch):
     scene, paths = screwsim.load(PAPER), ["machine.discharge_port.opens", "machine.discharge_port.phi_C"]
     figures = ["isothermal_efficiency", "shaft_power", "peak_pressure"]
     exact = sensitivities(scene, paths, figures)
-    monkeypatch.setattr("screwsim.study.local.found", lambda *_: Found({}, {}, "it is asked for"))
+    monkeypatch.setattr(
+        "screwsim.study.local.scene_derivatives", lambda *_: SceneDerivatives({}, {}, "it is asked for")
+    )
     found = sensitivities(scene, paths, figures, result=exact.result, progress=False)
     assert set(found.method.values()) == {"differences"}
     for path in paths:
@@ -124,7 +126,7 @@ def all_differenced(scene, path, figures, step, rtol):
 
     def find():
         value, problem = value_at(scene, path), problem_of(scene)
-        tight = Tight(problem, leased(problem), rtol=rtol)
+        tight = Tight(problem, lease_for(problem), rtol=rtol)
         above, below = (figures_of(tight.of(with_values(scene, {path: value * (1.0 + by)}))) for by in (step, -step))
         at = figures_of(tight.base)
         return {figure: (above[figure] - below[figure]) / (2.0 * step * at[figure]) for figure in figures}

@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 
 import screwsim
-from screwsim.cycle.guess import leased
+from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import Series, problem_of
-from screwsim.derivatives.closed import FINE, QUICK, _with_lost, collocated
+from screwsim.derivatives.collocation import FINE, QUICK, _with_vanished, collocated
 from screwsim.derivatives.slices import Crossing
-from screwsim.solve.circuit import solved, steady
+from screwsim.solve.circuit import solve_with_surroundings, steady_state
 from screwsim.study.local import sensitivities
 
 PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
@@ -19,24 +19,24 @@ NEAR = 1e-3  # of the largest slope by a number: what quick derivatives are good
 @pytest.mark.parametrize("left", [(0.1,), (0.1 + 3e-6,), ()])
 def test_of_two_turnings_side_by_side_both_stay_where_one_is_found(left):
     pair = [Crossing(0.1, 2e-6), Crossing(0.1 + 4e-6, 2e-6)]
-    found = _with_lost([Crossing(angle, 2e-6) for angle in left], pair)
+    found = _with_vanished([Crossing(angle, 2e-6) for angle in left], pair)
     assert len(found) == 2
     assert found == sorted(found)
 
 
 def test_a_turning_that_moves_is_not_kept_where_it_was():
-    assert _with_lost([Crossing(0.1 + 1e-6, 2e-6)], [Crossing(0.1, 2e-6)]) == [Crossing(0.1 + 1e-6, 2e-6)]
+    assert _with_vanished([Crossing(0.1 + 1e-6, 2e-6)], [Crossing(0.1, 2e-6)]) == [Crossing(0.1 + 1e-6, 2e-6)]
 
 
 def test_a_turning_far_from_all_before_is_one_more():
-    assert len(_with_lost([Crossing(0.2, 2e-6)], [Crossing(0.1, 2e-6)])) == 2
+    assert len(_with_vanished([Crossing(0.2, 2e-6)], [Crossing(0.1, 2e-6)])) == 2
 
 
 def test_quick_derivatives_take_fewer_slices():
     series = Series()
-    problem, search = steady(problem_of(screwsim.load(PAPER), series), series)
-    machinery = leased(problem)
-    of = solved(problem, machinery, None, search).evaluation
+    problem, search = steady_state(problem_of(screwsim.load(PAPER), series), series)
+    machinery = lease_for(problem)
+    of = solve_with_surroundings(problem, machinery, None, search).evaluation
     quick, fine = (collocated(of.problem, machinery, of.life, each).pitch.count for each in (QUICK, FINE))
     assert quick < 0.9 * fine
 

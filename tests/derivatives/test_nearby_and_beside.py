@@ -5,9 +5,9 @@ import pytest
 from closed_points import closed_point
 from near_arrays import assert_near
 
-from screwsim.derivatives import beside, closed, nearby
+from screwsim.derivatives import chamber_newton, collocation, lane_rates
 from screwsim.derivatives.blocks import Blocks, follow_once
-from screwsim.derivatives.pitch import Pitch
+from screwsim.derivatives.pitch import CollocatedPitch
 from screwsim.derivatives.slices import INTEGRALS, between
 
 
@@ -21,12 +21,12 @@ def cycle(request):
 def test_states_nearby_leave_less_open_than_asked_and_are_near(cycle, bound):
     pitch = cycle.pitch
     pitch.install(cycle.start, cycle.nodes * (1.0 + 1e-4 * np.sin(np.arange(pitch.N))))
-    found = nearby.near(pitch, bound, nearby.Kept())
+    found = chamber_newton.approach(pitch, bound, chamber_newton.ChamberFactors())
     assert found is not None
     start, Y = found
-    assert nearby.size_of(nearby.residual(pitch, Y, start, pitch.rates(Y)[0]), Y) < bound
+    assert chamber_newton.size_of(chamber_newton.residual(pitch, Y, start, pitch.rates(Y)[0]), Y) < bound
     pitch.install(cycle.start, cycle.nodes)
-    assert nearby.near(pitch, 1e-7, nearby.Kept()) is not None
+    assert chamber_newton.approach(pitch, 1e-7, chamber_newton.ChamberFactors()) is not None
     assert_near(pitch.read(), cycle.nodes, rel=1e-4, abs=1e-6)
 
 
@@ -68,9 +68,9 @@ def test_rates_side_by_side_are_those_one_by_one(cycle):
         P, edges = at.P.copy(), pitch.slices.edges.copy()
         P[5 + i] *= 1.0 + 1e-4
         edges[1:-1] += 1e-9 * i
-        asked.append(beside.Asked(at._replace(P=P), edges if i % 2 else None))
-    (which, f, g), *more = beside.rates_of(pitch, cycle.nodes, asked)
-    assert beside._entries[pitch.machinery.together.__name__] is not None
+        asked.append(lane_rates.RateRequest(at._replace(P=P), edges if i % 2 else None))
+    (which, f, g), *more = lane_rates.rates_of(pitch, cycle.nodes, asked)
+    assert lane_rates._entries[pitch.machinery.together.__name__] is not None
     assert (which, more) == (slice(0, 6), [])
     for i, (numbers, edges) in enumerate(asked):
         pitch.put(numbers)
@@ -87,7 +87,7 @@ def test_rates_of_parts_of_the_nodes_side_by_side_are_those_one_by_one(cycle):
     edges[1:-1] += 1e-9
     for moved in (None, edges):
         rounding = 1e-3 * np.abs(cycle.nodes).max(axis=(0, 1))  # as above
-        many, single = beside.rates(pitch, cycle.nodes, moved), pitch.rates(cycle.nodes, moved)
+        many, single = lane_rates.rates(pitch, cycle.nodes, moved), pitch.rates(cycle.nodes, moved)
         for one, other, least in zip(single, many, (rounding, 0.0), strict=True):
             assert one.shape == other.shape
             scale = np.maximum(np.abs(one).max(axis=(0, 1)), least)
@@ -98,10 +98,10 @@ def test_what_each_chamber_makes_of_itself_through_its_life_closes_the_cycle(cyc
     pitch, at = cycle.pitch, cycle.at
     pitch.put(at)
     off = cycle.nodes * (1.0 + 1e-6 * np.sin(np.arange(pitch.N)))
-    assert nearby.open_of(pitch, off)[2] > 1e-5
-    found = nearby.closed(pitch, off, 1e-6, nearby.Kept())
+    assert chamber_newton.residual_of(pitch, off)[2] > 1e-5
+    found = chamber_newton.closed(pitch, off, 1e-6, chamber_newton.ChamberFactors())
     assert found is not None
-    assert nearby.open_of(pitch, found)[2] < 1e-6
+    assert chamber_newton.residual_of(pitch, found)[2] < 1e-6
     assert_near(found, cycle.nodes, rel=1e-4, abs=1e-6)
     pitch.put(at)
     pitch.install(cycle.start, cycle.nodes)
@@ -112,16 +112,18 @@ def test_slices_that_stay_lend_their_factors_and_others_have_their_own(cycle, mo
     pitch, at, asked = cycle.pitch, cycle.at, []
     pitch.put(at)
     pitch.install(cycle.start, cycle.nodes)
-    kept, edges = nearby.Kept(), pitch.slices.edges
+    kept, edges = chamber_newton.ChamberFactors(), pitch.slices.edges
     kept.anew(pitch, cycle.nodes)
-    finer = Pitch(pitch.problem, pitch.machinery, between(np.insert(edges, 8, 0.5 * (edges[7] + edges[8]))))
-    Y, by_states = finer.read(), Pitch.by_own_states
-    Y[20] *= 1.0 + 2.0 * nearby.ALIKE
-    monkeypatch.setattr(Pitch, "by_own_states", lambda *given: asked.append(given[2].tolist()) or by_states(*given))
+    finer = CollocatedPitch(pitch.problem, pitch.machinery, between(np.insert(edges, 8, 0.5 * (edges[7] + edges[8]))))
+    Y, by_states = finer.read(), CollocatedPitch.by_own_states
+    Y[20] *= 1.0 + 2.0 * chamber_newton.UNCHANGED_WITHIN
+    monkeypatch.setattr(
+        CollocatedPitch, "by_own_states", lambda *given: asked.append(given[2].tolist()) or by_states(*given)
+    )
     lent = kept.begun(finer, Y)
     assert asked == [[7, 8, 20]]
     assert kept.of(finer) is lent
-    own = nearby.Kept().anew(finer, Y)
+    own = chamber_newton.ChamberFactors().anew(finer, Y)
     assert (lent.pivots == own.pivots).all()
     assert np.abs(lent.factors - own.factors).max() < 1e-3 * np.abs(own.factors).max()
     new = np.zeros(finer.count, bool)
@@ -135,7 +137,7 @@ def test_a_cycle_that_cannot_be_closed_so_leaves_the_numbers_as_they_were(cycle)
     pitch, at = cycle.pitch, cycle.at
     pitch.put(at)
     start = pitch.begin(cycle.nodes)
-    assert nearby.closed(pitch, cycle.nodes, 0.0, nearby.Kept()) is None
+    assert chamber_newton.closed(pitch, cycle.nodes, 0.0, chamber_newton.ChamberFactors()) is None
     assert (pitch.numbers.P == at.P).all()
     assert_near(pitch.begin(cycle.nodes), start, rel=0.0, abs=0.0)
 
@@ -143,7 +145,7 @@ def test_a_cycle_that_cannot_be_closed_so_leaves_the_numbers_as_they_were(cycle)
 @pytest.mark.parametrize("size", [5e-6, 5e-4])
 def test_an_iteration_that_comes_no_nearer_ends_with_what_is_near_enough_or_none(cycle, size, monkeypatch):
     """As nodes do that go to and fro over a border of phases: sizes in threes, over and over."""
-    pitch, asked, open_of = cycle.pitch, [], closed.open_of
+    pitch, asked, open_of = cycle.pitch, [], collocation.residual_of
     pitch.put(cycle.at)
     pitch.install(cycle.start, cycle.nodes)
 
@@ -152,11 +154,11 @@ def test_an_iteration_that_comes_no_nearer_ends_with_what_is_near_enough_or_none
         asked.append(size * (1.0, 1.9, 1.4)[len(asked) % 3])
         return off, residual, asked[-1], read
 
-    monkeypatch.setattr(closed, "open_of", in_threes)
-    monkeypatch.setattr(closed.nearby, "closed", lambda *_: None)
-    if size < closed.ENOUGH:
-        closed._closed(pitch, 1e-9, None, nearby.Kept())
+    monkeypatch.setattr(collocation, "residual_of", in_threes)
+    monkeypatch.setattr(collocation.chamber_newton, "closed", lambda *_: None)
+    if size < collocation.STATES_WITHIN:
+        collocation._closed(pitch, 1e-9, None, chamber_newton.ChamberFactors())
     else:
-        with pytest.raises(closed.NotClosed):
-            closed._closed(pitch, 1e-9, None, nearby.Kept())
-    assert len(asked) == 1 + closed.STALLED
+        with pytest.raises(collocation.NotClosed):
+            collocation._closed(pitch, 1e-9, None, chamber_newton.ChamberFactors())
+    assert len(asked) == 1 + collocation.STALLED

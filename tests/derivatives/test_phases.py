@@ -9,13 +9,13 @@ from closed_points import closed_scene
 from test_against_differences import all_differenced
 
 import screwsim
-from screwsim.cycle.guess import leased
+from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import problem_of
-from screwsim.derivatives import nearby
-from screwsim.derivatives.beside import rates
-from screwsim.derivatives.closed import QUICK
+from screwsim.derivatives import chamber_newton
+from screwsim.derivatives.collocation import QUICK
+from screwsim.derivatives.lane_rates import rates
 from screwsim.derivatives.phases import border_temperature
-from screwsim.derivatives.pitch import Numbers
+from screwsim.derivatives.pitch import RateNumbers
 from screwsim.model.slots import S_RHO, S_T
 from screwsim.study.local import sensitivities
 
@@ -45,8 +45,8 @@ def test_a_change_passes_the_border_of_the_phases_as_cycles_do(humid):
 
 
 def test_the_cycle_settles_on_the_border_of_the_phases(humid, monkeypatch):
-    asked, size_of = [], nearby.size_of
-    monkeypatch.setattr(nearby, "size_of", lambda *of: asked.append(1) or size_of(*of))
+    asked, size_of = [], chamber_newton.size_of
+    monkeypatch.setattr(chamber_newton, "size_of", lambda *of: asked.append(1) or size_of(*of))
     cycle = closed_scene(humid, QUICK)
     assert np.diff(cycle.pitch.phases, axis=0).any()  # there is a border
     assert 0 < len(asked) <= SETTLES
@@ -73,10 +73,10 @@ def test_a_chamber_keeps_the_phase_of_its_slice(humid):
 
 def test_at_the_border_vapour_is_saturated(humid):
     problem = problem_of(humid)
-    gas, machinery = problem.parts.gas, leased(problem)
+    gas, machinery = problem.parts.gas, lease_for(problem)
     machinery.begin(problem.composition)
     pitch, c = SimpleNamespace(machinery=machinery), machinery.composition
-    numbers = Numbers(c.P, c.TAB, machinery.R)
+    numbers = RateNumbers(c.P, c.TAB, machinery.R)
     for rho in (1.2, 4.0, 8.0):
         dry = (1.0 - gas.share) * rho
         T = border_temperature(pitch, gas.dew_point(rho * gas.R * 310.0), rho, numbers)

@@ -5,9 +5,9 @@ import pytest
 from closed_points import closed_point
 from near_arrays import assert_near
 
-from screwsim.derivatives.closed import QUICK
+from screwsim.derivatives.collocation import QUICK
 from screwsim.derivatives.peak import peak
-from screwsim.derivatives.placed import Placed, Turning, in_step
+from screwsim.derivatives.shifted_life import PeakPlace, ShiftedLife, in_step
 
 STEP, SHARE = 70, 0.37  # of a life: any
 ROUNDING = 1e-12
@@ -24,8 +24,8 @@ def cycle(request):
 
 def test_the_pressure_where_it_turns_is_that_of_the_history_and_asks_for_none(cycle):
     pitch, asked = cycle.pitch, []
-    turning = Turning(STEP, SHARE, in_step(pitch, cycle.start, cycle.nodes.__getitem__, STEP))
-    life = Placed.of(pitch, lambda: asked.append("a history"), turning)
+    turning = PeakPlace(STEP, SHARE, in_step(pitch, cycle.start, cycle.nodes.__getitem__, STEP))
+    life = ShiftedLife.of(pitch, lambda: asked.append("a history"), turning)
     times = pitch.machinery.trajectory.times
     angle = (1.0 - SHARE) * times[STEP] + SHARE * times[STEP + 1]
     there = pitch.machinery.trajectory.pressures_at(np.array([angle]))[0]
@@ -40,7 +40,7 @@ def test_what_is_read_of_a_history_has_it_installed_once(cycle):
         asked.append("a history")
         pitch.install(cycle.start, cycle.nodes)
 
-    life, geometry = Placed.of(pitch, fill), pitch.problem.parts.geometry
+    life, geometry = ShiftedLife.of(pitch, fill), pitch.problem.parts.geometry
     angles = np.array([0.5, 1.0, 2.0])
     assert_near(life.states_at(angles), pitch.machinery.trajectory.states_at(angles), rel=ROUNDING)
     assert peak(life, geometry) == pytest.approx(peak(pitch.machinery.trajectory, geometry), rel=ROUNDING)

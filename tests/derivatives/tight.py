@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from screwsim.build import Temperatures, filled, open_temperatures
+from screwsim.build import Temperatures, open_temperatures, with_temperatures
 from screwsim.cycle.close import close
 from screwsim.cycle.feedback import set_lines, set_unknowns, unknowns
 from screwsim.cycle.problem import Series, problem_of
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.effects.base import PressureLosses
 from screwsim.evaluate.evaluation import Evaluation
-from screwsim.solve.circuit import KPA, asked_of, unknowns_of
+from screwsim.solve.circuit import KPA, implied_surroundings, unknowns_of
 
 RTOL, TOLERANCE = 1e-8, 1e-10  # of a step, of a change: differences over 1e-4 are good to 1e-5
 BOUND = 1e-4  # on the balances, which such steps keep anyway
@@ -86,7 +86,7 @@ class Tight:
         return found
 
     def _off(self, of):
-        asked = asked_of(of)
+        asked = implied_surroundings(of)
         if asked is None:
             raise NotTight("gas and oil do not part")
         return asked.off[self.open]
@@ -94,7 +94,7 @@ class Tight:
     def _closed(self, scene, x):
         if any(open_temperatures(scene)):
             self.series.temperatures = Temperatures(*x[:2].tolist())
-            scene = filled(scene, self.series.temperatures)
+            scene = with_temperatures(scene, self.series.temperatures)
         if self.loses:
             self.series.losses = PressureLosses(*(KPA * x[2:4]).tolist())
             scene = replace(scene, losses=self.series.losses)

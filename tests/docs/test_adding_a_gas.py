@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 from screwsim.fluid.gas import Gas
-from screwsim.fluid.models import Asked
+from screwsim.fluid.models import GasRequest
 
 PAGE = (Path(__file__).parents[2] / "docs" / "how-to" / "adding-a-gas.md").read_text(encoding="utf-8")
 
@@ -16,4 +16,4 @@ def test_every_part_of_the_protocol_has_its_row():
 
 
 def test_what_a_gas_is_made_of_is_named():
-    assert set(Asked._fields) <= set(re.findall(r"`(\w+)", PAGE))
+    assert set(GasRequest._fields) <= set(re.findall(r"`(\w+)", PAGE))

@@ -11,8 +11,8 @@ from each_row import each_row
 import screwsim
 from screwsim.build import regularisation
 from screwsim.cycle.balances import LEAST_WORK
-from screwsim.cycle.known import CycleFigures
-from screwsim.cycle.solution import wanted_of
+from screwsim.cycle.cycle_figures import CycleFigures
+from screwsim.cycle.solution import closing_criteria
 from screwsim.machine.geometry import Geometry
 from screwsim.machine.kinds import kind_of
 from screwsim.model.numbers import symbols_of
@@ -47,7 +47,7 @@ def test_the_page_lists_constants():
 
 def test_tolerances_follow_from_the_accuracy_as_stated():
     scene = loads(SCENE)
-    wanted = wanted_of(scene.numerics, regularisation(scene))
+    wanted = closing_criteria(scene.numerics, regularisation(scene))
     assert "| 0.3 · accuracy, or `numerics.rtol` |" in NUMERICS
     assert wanted.rtol == pytest.approx(0.3e-3)
     assert "openings to the suction line | `WIDTH` · accuracy · p_s |" in NUMERICS

@@ -7,9 +7,17 @@ import pytest
 from each_row import each_row
 
 import screwsim
-from screwsim.effects.air_package import Aftercooler, Fan, Loss, MinimumPressureValve, Parameters, Unloaded, read
+from screwsim.effects.air_package import (
+    Aftercooler,
+    Fan,
+    MinimumPressureValve,
+    Parameters,
+    PressureLoss,
+    Unloaded,
+    read,
+)
 from screwsim.effects.base import PressureLosses
-from screwsim.inputs.faults import Unfound
+from screwsim.inputs.faults import QuantityNotFound
 from screwsim.simulate import simulate_many
 
 SCENE = Path(__file__).parents[2] / "configs" / "air" / "fixed_speed_7.yaml"
@@ -123,8 +131,8 @@ def test_throttle_and_package_share_one_entry_of_the_ledger_each():
 def test_parts_add_up_in_the_order_of_the_flow():
     parts = Parameters(
         rated_flow=0.3,
-        inlet_filter=Loss(pressure_loss=20e2),
-        separator_element=Loss(pressure_loss=170e2),
+        inlet_filter=PressureLoss(pressure_loss=20e2),
+        separator_element=PressureLoss(pressure_loss=170e2),
         minimum_pressure_valve=MinimumPressureValve(pressure_loss=50e2, pressure=5e5),
         unloaded=Unloaded(intake_pressure=0.1e5, separator_pressure=2e5),
     )
@@ -147,7 +155,7 @@ def test_figures_that_mean_nothing_say_why(fluid, flow, power, words):
 
 def test_a_gas_that_condenses_behind_the_aftercooler_has_no_temperature_there_and_says_why():
     def liquid(p, T):
-        raise Unfound(f"R134a at {p:g} Pa, {T:g} K is liquid")
+        raise QuantityNotFound(f"R134a at {p:g} Pa, {T:g} K is liquid")
 
     lines = {"suction_pressure": 3e5, "suction_temperature": 285.0, "discharge_pressure": 12e5}
     found = lines | {"separator_temperature": 340.0, "gas_mass_flow": 0.2, "electrical_power": 20e3}

@@ -13,7 +13,7 @@ from screwsim.effects import blow_hole, catalogue, find_effect, interlobe_leakag
 from screwsim.effects.base import Effect, FlowPath
 from screwsim.effects.parts import gap
 from screwsim.inputs.faults import SceneError
-from screwsim.machine.profile_law import lay
+from screwsim.machine.profile_law import laid_curves
 from screwsim.machine.protocol import TIP_GAP
 from screwsim.model.numbers import symbols_of
 from screwsim.numerics.spline import pack_curve
@@ -143,7 +143,7 @@ ROTORS = {
 def test_tip_area_is_that_of_rotors_with_a_profile(name, off):
     """Lengths over D around the largest volume of the trailing chamber; (19) at every interface is twice as much."""
     machine = ROTORS[name]
-    laid, diameter, pitch = lay(machine), machine.rotor_diameter, 2 * math.pi / machine.male_lobes
+    laid, diameter, pitch = laid_curves(machine), machine.rotor_diameter, 2 * math.pi / machine.male_lobes
     around = np.radians(np.arange(-180.0, 181.0))
     tips = laid.interfaces[TIP_GAP][0].table
     rotors = np.interp(laid.injection + around, tips.angle, tips.value) / diameter
@@ -156,14 +156,14 @@ def test_tip_area_is_that_of_rotors_with_a_profile(name, off):
 
 def curve_of(name, path, after):
     """Return a path of rotors over its largest value, by the leading chamber's angle after its largest volume [rad]."""
-    curves = lay(ROTORS[name]).curves
+    curves = laid_curves(ROTORS[name]).curves
     curve = next(each.curve for each in curves.paths if each.name == path)
     return np.interp(after + curves.suction_closes, curve.angle, curve.value) / curve.value.max()
 
 
 def late(name):
     """Return by how much longer rotors close than law (16) [rad]."""
-    curves = lay(ROTORS[name]).curves
+    curves = laid_curves(ROTORS[name]).curves
     return curves.life - curves.suction_closes - 2 * math.pi
 
 

@@ -9,7 +9,7 @@ import pytest
 from scenes import make, scene_dict
 
 from screwsim import simulate
-from screwsim.build.own import declared
+from screwsim.build.own_modules import checked_parts
 from screwsim.effects.base import FlowPath
 from screwsim.numerics.kernel import kernel
 from screwsim.scene import loads
@@ -86,11 +86,11 @@ NO_PARTS = {
 def test_what_is_no_part_of_an_effect_is_refused(name):
     built, words = NO_PARTS[name]
     with pytest.raises(TypeError, match=re.escape(words)):
-        declared(built)
+        checked_parts(built)
 
 
 def test_parts_of_an_effect_are_taken_as_they_are():
-    assert declared((HOLE,)) == [HOLE]
+    assert checked_parts((HOLE,)) == [HOLE]
 
 
 def test_a_later_case_of_a_sweep_does_not_suffer_from_one_that_failed():

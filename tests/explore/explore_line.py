@@ -9,10 +9,10 @@ from pathlib import Path
 import uvicorn
 from websockets.sync.client import connect
 
-from screwsim.explore.answer import unpacked
+from screwsim.explore.answer import unpack_message
 from screwsim.explore.changes import open_base
-from screwsim.explore.crew import Patience
-from screwsim.explore.serve import configured, listen, prepared
+from screwsim.explore.serve import configured, listen, prepared_server
+from screwsim.explore.worker_pool import Timeouts
 
 PAPER = str(Path(__file__).parents[2] / "configs" / "paper" / "point.yaml")
 
@@ -29,11 +29,11 @@ class Served:
 
 
 @contextmanager
-def served(file=PAPER, overrides=(), host="127.0.0.1", workers=1, patience=Patience()):  # noqa: B008
+def served(file=PAPER, overrides=(), host="127.0.0.1", workers=1, patience=Timeouts()):  # noqa: B008
     """Serve a scene for as long as the block lasts."""
     base = open_base(file, overrides)
     address = listen(host, 0)
-    server = uvicorn.Server(configured(prepared(base, address.rules, workers, patience)))
+    server = uvicorn.Server(configured(prepared_server(base, address.rules, workers, patience)))
     thread = threading.Thread(target=server.run, args=([address.socket],), daemon=True)
     thread.start()
     while not server.started:
@@ -74,7 +74,7 @@ class Line:
     def next(self, timeout=60.0):
         """Return head and numbers of the next message that is no note."""
         while True:
-            head, numbers = unpacked(self.socket.recv(timeout))
+            head, numbers = unpack_message(self.socket.recv(timeout))
             if head["kind"] != "note":
                 return head, numbers
             self.notes.append(head["text"])

@@ -8,7 +8,7 @@ import pytest
 from explore_line import PAPER
 
 from screwsim.explore import answer
-from screwsim.explore.worker import Job, answered
+from screwsim.explore.worker import Job, answer_job
 from screwsim.outputs import Figures, Result
 from screwsim.scene import load
 from screwsim.simulate import simulate
@@ -18,7 +18,7 @@ OVERRIDES = ["operation.speed=1234.5 rpm", "oil_supply.ratio=1.7", "effects.end_
 
 
 def solved(changes=SETTINGS, kind="point", machine=""):
-    return answer.unpacked(answered((PAPER, ()), Job(kind, changes, {"first": 1, "number": 2}, machine)))
+    return answer.unpack_message(answer_job((PAPER, ()), Job(kind, changes, {"first": 1, "number": 2}, machine)))
 
 
 @pytest.fixture(scope="module")
@@ -70,18 +70,18 @@ def test_a_point_of_a_sweep_has_the_same_figures_without_traces(both):
 
 def test_what_is_not_finite_is_null():
     result = Result("failed", "no", performance=Figures(a=math.nan, b=math.inf, c=1.0, d=None))
-    head, _ = answer.unpacked(answer.solved(result, {}))
+    head, _ = answer.unpack_message(answer.result_answer(result, {}))
     assert head["performance"] == {"a": None, "b": None, "c": 1.0, "d": None}
 
 
 def test_numbers_lie_where_float32_may():
     """A browser makes an array only where the place is a multiple of four."""
     for text in ("", "a", "ab", "abc"):
-        message = answer.packed({"text": text}, [np.array([1.5, -2.5])])
+        message = answer.pack_message({"text": text}, [np.array([1.5, -2.5])])
         size = int.from_bytes(message[:4], "little")
         assert size % 4 == 0
         assert json.loads(message[4 : 4 + size]) == {"text": text}
-        assert answer.unpacked(message)[1].tolist() == [1.5, -2.5]
+        assert answer.unpack_message(message)[1].tolist() == [1.5, -2.5]
 
 
 @pytest.mark.parametrize(
@@ -114,7 +114,7 @@ def test_a_report_and_a_whole_scene_are_files():
 def test_with_the_derivatives_comes_what_the_tolerances_make_of_the_figures():
     tolerant = ("operation.speed=1000 rpm ± 3 %", "numerics.error=none")
     job = Job("slopes", {"set": {"operation.speed": "2000 rpm"}, "effects": {}}, {})
-    head, _ = answer.unpacked(answered((PAPER, tolerant), job))
+    head, _ = answer.unpack_message(answer_job((PAPER, tolerant), job))
     flow = simulate(load(PAPER, ["operation.speed=2000 rpm"]), trace=False).performance.displacement_flow
     assert head["halves"]["displacement_flow"] == pytest.approx(0.03 * flow, rel=1e-6)
     assert head["lost"] == []

@@ -7,7 +7,7 @@ from each_row import each_row
 from explore_line import PAPER
 
 from screwsim.explore.changes import (
-    MOST,
+    MOST_CHANGES,
     Changes,
     open_base,
     overrides_of,
@@ -135,7 +135,7 @@ def test_a_value_is_one_of_its_field(base, path, value):
         {"set": []},
         {"effects": {"blow_hole": "off"}},
         {"overrides": ["base=x"]},
-        {"set": {str(i): 1 for i in range(MOST + 1)}},
+        {"set": {str(i): 1 for i in range(MOST_CHANGES + 1)}},
         {"set": {"\ud800": 1}},
         {"effects": {"a\nb": True}},
     ],

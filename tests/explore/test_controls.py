@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from screwsim.explore.changes import Base, Changes, open_base, overrides_of, scene_of
+from screwsim.explore.changes import Changes, SceneArguments, open_base, overrides_of, scene_of
 from screwsim.explore.controls import document
 from screwsim.explore.machine import document as drawn
 from screwsim.scene import value_at
@@ -24,7 +24,7 @@ SCENES = (
 
 
 @pytest.fixture(scope="module", params=SCENES)
-def base(request) -> Base:
+def base(request) -> SceneArguments:
     return open_base(str(CONFIGS / request.param))
 
 

@@ -9,13 +9,13 @@ from each_row import each_row
 from explore_line import Line, served
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from screwsim.explore.guard import LARGEST, Guard, Rules
-from screwsim.explore.pages import BURST, RATE, Pace
+from screwsim.explore.guard import LARGEST_BODY, AccessRules, Guard
+from screwsim.explore.pages import BURST, RATE, RateLimit
 from screwsim.explore.serve import configured, is_loopback
 
 HOST = "127.0.0.1:8421"
-OWN = Rules(frozenset({HOST, "localhost:8421"}))
-ELSEWHERE = Rules(frozenset(), "secret")
+OWN = AccessRules(frozenset({HOST, "localhost:8421"}))
+ELSEWHERE = AccessRules(frozenset(), "secret")
 
 
 def asked(rules, headers, query="", kind="http", method="GET"):
@@ -67,7 +67,7 @@ def test_with_the_token_it_answers():
     assert asked(ELSEWHERE, [("host", "machine:8421"), ("origin", "http://evil.example")], "token=secret") == 403
 
 
-@each_row("length", [str(LARGEST + 1), "-1", "x", "1e3", ""])
+@each_row("length", [str(LARGEST_BODY + 1), "-1", "x", "1e3", ""])
 def test_a_body_of_another_size_is_refused(length):
     assert asked(OWN, [("host", HOST), ("content-length", length)], method="POST") == 413
 
@@ -81,7 +81,7 @@ def test_loopback_is_known(host, is_own):
 
 
 def test_who_sends_more_than_the_rate_waits():
-    pace = Pace()
+    pace = RateLimit()
     waits = [pace.wait() for _ in range(int(BURST + RATE))]
     assert waits[0] == 0.0
     assert waits[-1] == pytest.approx(1.0, abs=0.2)  # as many beyond the burst as pass in a second
@@ -125,7 +125,7 @@ def test_the_server_refuses_foreigners(server, headers):
 
 
 def test_large_bodies_are_refused_whole_and_in_parts(server):
-    assert fetched(server, "POST", "/make/scene", "x" * (LARGEST + 1))[0].status == 413
+    assert fetched(server, "POST", "/make/scene", "x" * (LARGEST_BODY + 1))[0].status == 413
     parts = (b"x" * 10_000 for _ in range(20))
     line = http.client.HTTPConnection(server.host, timeout=30)
     try:
@@ -200,6 +200,6 @@ def test_another_address_asks_for_the_token(tmp_path):
 
 
 def test_a_request_that_is_no_http_is_not_told_in_the_terminal():
-    configured(Guard(lambda scope, receive, send: None, Rules(frozenset())))
+    configured(Guard(lambda scope, receive, send: None, AccessRules(frozenset())))
     logger = logging.getLogger("uvicorn.error")
     assert not logger.isEnabledFor(logging.WARNING) and logger.isEnabledFor(logging.ERROR)

@@ -29,7 +29,7 @@ class Desk:
         self.jobs.append(job)
         await self.let.acquire()
         self.give_back(worker)
-        return answer.packed({"kind": "solved", **job.tag, "newer": newer()})
+        return answer.pack_message({"kind": "solved", **job.tag, "newer": newer()})
 
 
 def point(number):
@@ -49,7 +49,7 @@ def played(script, workers=1):
         desk, heads = Desk(workers), []
 
         async def send(message):
-            heads.append(answer.unpacked(message)[0])
+            heads.append(answer.unpack_message(message)[0])
 
         page = Page(desk, send)
         tasks = [asyncio.create_task(page.work()), asyncio.create_task(page.work_aside())]

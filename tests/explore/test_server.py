@@ -9,8 +9,8 @@ import pytest
 from explore_line import PAPER, Line, served
 from websockets.exceptions import ConnectionClosed
 
-from screwsim.derivatives.solving import found
-from screwsim.explore.crew import Patience
+from screwsim.derivatives.solving import scene_derivatives
+from screwsim.explore.worker_pool import Timeouts
 from screwsim.scene import load
 from screwsim.simulate import simulate
 
@@ -48,7 +48,7 @@ def build(parameters, machine):
 EFFECT = Effect("moody", "an effect with moods", ("M12",), "a test", Parameters, build)
 '''
 MOOD = "effects.explore_moods.moody.mood"
-SHORT = Patience(alone=2.0, behind=0.3)
+SHORT = Timeouts(alone=2.0, behind=0.3)
 
 
 @pytest.fixture(scope="module")
@@ -208,7 +208,7 @@ def test_under_load_no_answer_is_another_s(server):
 
 def test_slopes_are_the_exact_derivatives(server):
     scene = load(PAPER, ["operation.speed=1500 rpm"])
-    wanted = found(scene, {"operation.speed": scene.operation.speed}).derivatives["operation.speed"]
+    wanted = scene_derivatives(scene, {"operation.speed": scene.operation.speed}).derivatives["operation.speed"]
     with Line(server) as line:
         line.send({"kind": "slopes", "id": 5, "changes": {"set": {"operation.speed": "1500 rpm"}}})
         head, _ = line.next()
@@ -244,7 +244,7 @@ def test_no_answer_comes_from_a_file_that_has_changed_since_the_page_was_made(tm
 
 
 def test_a_worker_that_has_grown_too_large_is_replaced(monkeypatch):
-    monkeypatch.setattr("screwsim.explore.crew.LARGEST", 0)
+    monkeypatch.setattr("screwsim.explore.worker_pool.LARGEST_WORKER", 0)
     with served() as found, Line(found) as line:
         before = line.answer({"operation.speed": "1200 rpm"})
         again = line.answer({"operation.speed": "1200 rpm"})

@@ -14,7 +14,7 @@ from screwsim.export.rotor_loads import Pressures, loads_of, pressures_of
 from screwsim.export.rotor_surface import ALONG, areas, centres, chamber_angles, positions, surfaces
 from screwsim.export.source import run_of, spans_of
 from screwsim.inputs.faults import UsageError
-from screwsim.machine.profile_law import lay
+from screwsim.machine.profile_law import laid_curves
 from screwsim.machine.rotors.pair import outlines
 from screwsim.machine.rotors.sections import polygon_area
 from screwsim.results import save
@@ -35,7 +35,7 @@ def run():
 @pytest.fixture(scope="module")
 def pressures(run) -> Pressures:
     scene, result = run
-    return pressures_of(lay(scene.machine), result)
+    return pressures_of(laid_curves(scene.machine), result)
 
 
 @pytest.fixture(scope="module")
@@ -74,7 +74,7 @@ def test_the_surfaces_do_the_work_of_the_cycle(found):
 
 @pytest.mark.parametrize("name", ["a", "b", "c"])
 def test_the_surfaces_of_each_profile_do_the_work_of_a_compression(name):
-    laid = lay(load(ROOT / "configs" / "rotors" / f"{name}.yaml").machine)
+    laid = laid_curves(load(ROOT / "configs" / "rotors" / f"{name}.yaml").machine)
     angle = np.radians(np.arange(0.0, math.degrees(laid.life)))
     volume = laid.rotors.volume(np.clip(angle - laid.born, 0.0, laid.curves.life) + laid.rotors.start)
     closed = angle > laid.injection
@@ -152,7 +152,7 @@ def test_files_say_the_same(folder):
 
 def test_meshio_reads_the_surfaces(folder, pressures):
     meshio = pytest.importorskip("meshio")
-    for name, surface in zip(("male", "female"), surfaces(pressures.laid.rotors, exported.PIECES), strict=True):
+    for name, surface in zip(("male", "female"), surfaces(pressures.laid.rotors, exported.PROFILE_PIECES), strict=True):
         with meshio.xdmf.TimeSeriesReader(folder / f"{name}_rotor.xdmf") as reader:
             points, cells = reader.read_points_cells()
             steps = [reader.read_data(i) for i in range(reader.num_steps)]

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from screwsim.export.rotor_balance import contact, end_forces, face, slope_at_pitch
-from screwsim.export.rotor_loads import NAMES, POINTS, Pressures, _at, loads_of
+from screwsim.export.rotor_balance import contact_force, end_face, end_forces, slope_at_pitch
+from screwsim.export.rotor_loads import NAMES, PITCH_POINTS, Pressures, _gas_loads_at, loads_of
 from screwsim.export.rotor_surface import ALONG, surfaces
 from screwsim.export.source import spans_of
 from screwsim.inputs.faults import UsageError
-from screwsim.machine.profile_law import Laid, lay
+from screwsim.machine.profile_law import LaidCurves, laid_curves
 from screwsim.machine.rotors.pair import outlines
 from screwsim.machine.rotors.sections import polygon_area
 from screwsim.scene import load
@@ -22,11 +22,11 @@ SPANS, SHAFTS = (0.04, 0.06), (0.06, 0.05)
 
 
 @cache
-def laid_of(name: str) -> Laid:
-    return lay(load(ROOT / "configs" / "rotors" / f"{name}.yaml").machine)
+def laid_of(name: str) -> LaidCurves:
+    return laid_curves(load(ROOT / "configs" / "rotors" / f"{name}.yaml").machine)
 
 
-def compressed(laid: Laid) -> Pressures:
+def compressed(laid: LaidCurves) -> Pressures:
     """Return a polytropic compression from 3 bar."""
     angle = np.radians(np.arange(0.0, math.degrees(laid.life)))
     volume = laid.rotors.volume(np.clip(angle - laid.born, 0.0, laid.curves.life) + laid.rotors.start)
@@ -57,12 +57,12 @@ def test_forces_and_moments_of_gas_contact_and_bearings_balance(pressures, loads
     z = np.linspace(0.0, rotors.length, ALONG + 1)
     about, step = 0.3 * rotors.length, 7
     angle = float(loads.angle[step])
-    touch = contact(rotors, c["female_torque"])
+    touch = contact_force(rotors, c["female_torque"])
     places = {"suction": -SPANS[0], "discharge": rotors.length + SPANS[1]}
     for name, surface, shaft, arm in zip(
         NAMES, surfaces(rotors), SHAFTS, (rotors.pair.r1, -rotors.pair.r2), strict=True
     ):
-        gas = _at(pressures, surface, angle, z)
+        gas = _gas_loads_at(pressures, surface, angle, z)
         ends = end_forces(surface, rotors, angle, 0.5 * shaft, pressures.excess)
         push = ends["suction_end_force"] + ends["discharge_end_force"]
         meets = {way: float(touch[name][f"contact_force_{way}"][step]) for way in "xyz"}
@@ -116,13 +116,13 @@ def test_a_uniform_pressure_loads_no_bearing(name):
     for key, values in columns.items():
         if "end_force" not in key:
             assert np.max(np.abs(values)) < 1e-8, key
-    assert len(columns["shaft_torque"]) == POINTS
+    assert len(columns["shaft_torque"]) == PITCH_POINTS
 
 
 def test_sectors_of_an_end_face_have_area_and_centroid_of_what_they_are():
     rotors = laid_of("b").rotors
     for surface in surfaces(rotors):
-        whole, cut = (face(surface, rotors, 0.4, rotors.length, shaft) for shaft in (0.0, 0.02))
+        whole, cut = (end_face(surface, rotors, 0.4, rotors.length, shaft) for shaft in (0.0, 0.02))
         assert whole.area.sum() - cut.area.sum() == pytest.approx(math.pi * 0.02**2, rel=1e-12)
         size = 1e-12 * whole.area.sum() * rotors.pair.centre_distance
         for found in (whole, cut):
@@ -137,7 +137,7 @@ def test_sectors_of_an_end_face_have_area_and_centroid_of_what_they_are():
 def test_the_normal_at_the_pitch_point_is_that_of_the_profile():
     for name in ("b", "c"):  # a straight rack flank at the pitch line
         scene = load(ROOT / "configs" / "rotors" / f"{name}.yaml")
-        found = math.atan(slope_at_pitch(lay(scene.machine).rotors, leading=True))
+        found = math.atan(slope_at_pitch(laid_curves(scene.machine).rotors, leading=True))
         assert found == pytest.approx(scene.machine.profile.pressure_angle, abs=math.radians(0.1))
     rotors = laid_of("a").rotors  # both flanks alike
     assert slope_at_pitch(rotors, True) == pytest.approx(slope_at_pitch(rotors, False), rel=1e-9)

@@ -10,7 +10,7 @@ import pytest
 
 from screwsim.export.inputs import Output, read_inputs, read_outputs
 from screwsim.export.source import map_of
-from screwsim.export.table import KELVIN, scales, table_of, tabulate
+from screwsim.export.table import TEMPERATURE_SCALE, scales, table_of, tabulated_map
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
@@ -33,7 +33,7 @@ def curve(scene) -> Result:
 
 def made(wanted: float, most: int = 5000, simulate=curve):
     inputs = read_inputs(POINT, [SPEED, PRESSURE])
-    return tabulate(POINT, inputs, read_outputs(POINT), wanted, most=most, jobs=1, simulate=simulate)
+    return tabulated_map(POINT, inputs, read_outputs(POINT), wanted, most=most, jobs=1, simulate=simulate)
 
 
 def points(table, count=200):
@@ -85,10 +85,10 @@ def test_points_that_do_not_close_among_nodes_that_do_are_told():
 def test_variables_of_a_map_have_names_of_their_own(tmp_path):
     inputs = read_inputs(POINT, [PRESSURE])
     with pytest.raises(UsageError, match=r"figure discharge_pressure is the name of an input.*\(name other figures"):
-        tabulate(POINT, inputs, read_outputs(POINT, ["discharge_pressure"]), 0.01, jobs=1, simulate=curve)
+        tabulated_map(POINT, inputs, read_outputs(POINT, ["discharge_pressure"]), 0.01, jobs=1, simulate=curve)
     twice = [*inputs, replace(inputs[0], path="operation.other")]
     with pytest.raises(UsageError, match=r"would both be called discharge_pressure in the export \(vary one of them\)"):
-        tabulate(POINT, twice, read_outputs(POINT), 0.01, jobs=1, simulate=curve)
+        tabulated_map(POINT, twice, read_outputs(POINT), 0.01, jobs=1, simulate=curve)
 
 
 def test_a_sweep_of_one_value_is_no_map(tmp_path):
@@ -116,7 +116,7 @@ def test_pressures_over_a_wide_range_lie_over_their_logarithm():
 
 def test_temperatures_err_over_100_kelvin():
     found = scales((Output("T", "K", ""), Output("P", "W", "")), np.array([[300.0, 5.0], [400.0, 1000.0]]))
-    assert found.tolist() == [[KELVIN, 100.0], [KELVIN, 1000.0]]
+    assert found.tolist() == [[TEMPERATURE_SCALE, 100.0], [TEMPERATURE_SCALE, 1000.0]]
 
 
 def test_a_file_of_a_sweep_is_a_map(tmp_path):

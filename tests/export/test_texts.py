@@ -10,8 +10,8 @@ import pytest
 
 from screwsim.export import energyplus, modelica
 from screwsim.export.csv_table import csv_table
-from screwsim.export.en12900 import BESIDE, BTU, FIGURES, POUND, en12900_csv, en12900_document
-from screwsim.export.polynomials import polynomials, rated, swept
+from screwsim.export.en12900 import BTU, FIGURES, OPTIONAL_FIGURES, POUND, en12900_csv, en12900_document
+from screwsim.export.polynomials import polynomials, rated_temperatures, swept_results
 from screwsim.export.table import table_of
 from screwsim.export.tespy import tespy_document
 from screwsim.fluid import constants
@@ -19,7 +19,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
 from screwsim.scene import loads
 from screwsim.scene.operation import QUALITY, SUPERHEAT
-from screwsim.study.performance_map import NAMES, polynomial
+from screwsim.study.performance_map import COEFFICIENT_NAMES, polynomial
 from screwsim.study.sweep import run_sweep
 
 pytestmark = pytest.mark.around
@@ -62,7 +62,7 @@ def test_curves_of_energyplus_give_the_figures(found, word, figure):
 
 def test_normalised_curves_are_one_at_the_rated_point(found):
     one = found.maps[0]
-    at = rated(one)
+    at = rated_temperatures(one)
     curves = energyplus.energyplus_objects(found, "screw")["Curve:Biquadratic"]
     cap, eir = (list(curves[f"screw {word}"].values())[:6] for word in ("CAPFT", "EIRFT"))
     assert bicubic([*cap, 0, 0, 0, 0], *at) == pytest.approx(1.0, abs=0.01)  # quadratics over 15 K each way
@@ -74,7 +74,7 @@ def test_normalised_curves_are_one_at_the_rated_point(found):
 
 def test_what_normalised_curves_are_off_by_is_told(found):
     one = found.maps[0]
-    at = rated(one)
+    at = rated_temperatures(one)
     S, D = (x.ravel() for x in np.meshgrid(np.linspace(-10.0, 5.0, 11), np.linspace(35.0, 50.0, 11)))
     of = {name: np.asarray(one.evaluate(name, S, D)) for name in ("cooling_capacity", "shaft_power")}
     over = {name: float(one.evaluate(name, *at)) for name in of}
@@ -133,8 +133,12 @@ def test_coefficients_and_rating_are_those_of_the_map(found, ip, factors):
     for figure, factor in zip(FIGURES, factors, strict=True):
         wanted = factor * float(found.maps[0].evaluate(figure, S, D))
         (row,) = (row for row in rows if row["table"] == "coefficients" and row["figure"] == figure)
-        assert polynomial([float(row[name]) for name in NAMES], *map(np.array, at)) == pytest.approx(wanted, rel=1e-8)
-        assert list(document[figure]["coefficients"].values()) == pytest.approx([float(row[name]) for name in NAMES])
+        assert polynomial([float(row[name]) for name in COEFFICIENT_NAMES], *map(np.array, at)) == pytest.approx(
+            wanted, rel=1e-8
+        )
+        assert list(document[figure]["coefficients"].values()) == pytest.approx(
+            [float(row[name]) for name in COEFFICIENT_NAMES]
+        )
     degree = "degF" if ip else "degC"
     rating = [row for row in rows if row["table"] == "rating"]
     assert len(rating) == 36
@@ -147,15 +151,15 @@ def test_coefficients_and_rating_are_those_of_the_map(found, ip, factors):
 
 def test_heating_has_coefficients_beside_those_of_the_standard(swept_map):
     """Heat of the condenser: both capacities differ by what the shaft brings, less what the oil keeps."""
-    assert "heating_capacity" in BESIDE and "heating_capacity" in swept_map.figures
+    assert "heating_capacity" in OPTIONAL_FIGURES and "heating_capacity" in swept_map.figures
     both = polynomials(swept_map, ("cooling_capacity", "heating_capacity"))
     rows = rows_of(en12900_csv(both, ip=True))
     capacity = {row["figure"]: row for row in rows if row["table"] == "coefficients"}
     assert capacity["heating_capacity"]["unit"] == "Btu/h"
     S_F, D_F = (np.array(1.8 * T + 32.0) for T in (S, D))
-    one = polynomial([float(capacity["heating_capacity"][name]) for name in NAMES], S_F, D_F)
+    one = polynomial([float(capacity["heating_capacity"][name]) for name in COEFFICIENT_NAMES], S_F, D_F)
     assert one == pytest.approx(3600.0 / BTU * float(both.maps[0].evaluate("heating_capacity", S, D)), rel=1e-8)
-    assert one > float(polynomial([float(capacity["cooling_capacity"][name]) for name in NAMES], S_F, D_F))
+    assert one > float(polynomial([float(capacity["cooling_capacity"][name]) for name in COEFFICIENT_NAMES], S_F, D_F))
 
 
 def test_modelica_has_the_nodes_and_the_polynomials(swept_map):
@@ -233,6 +237,6 @@ def test_polynomials_of_fluids_side_by_side_are_refused_in_a_line(swept_blend, t
 def test_polynomials_need_both_temperatures(point):
     with (
         pytest.raises(UsageError, match=r"is swept over no operation\.evaporating_temperature and no"),
-        swept(point, ["operation.speed=1000 rpm..2000 rpm"]),
+        swept_results(point, ["operation.speed=1000 rpm..2000 rpm"]),
     ):
         pass

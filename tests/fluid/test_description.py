@@ -2,13 +2,13 @@
 
 import pytest
 
-from screwsim.fluid.description import kept
+from screwsim.fluid.description import cached_answer
 from screwsim.numerics.compiling import announced
 
 
 def asked(name: str, answer: object) -> object:
     with announced("equation", "the equation of state of X", "some seconds"):
-        return kept(name, lambda: answer)
+        return cached_answer(name, lambda: answer)
 
 
 def test_a_new_fluid_is_announced_and_a_known_one_is_not(tmp_path, monkeypatch, capsys):

@@ -101,7 +101,7 @@ def fresh(monkeypatch, tmp_path):
 def forget():
     """Let this process be one that has not asked anything yet."""
     constants._known.cache_clear()
-    constants._left.cache_clear()
+    constants._stored_lines.cache_clear()
 
 
 def coolprop():
@@ -191,7 +191,7 @@ def test_answers_about_many_conditions_fill_neither_memory_nor_disk(fresh, monke
     assert path.stat().st_size < 2200
     assert len(constants._known()) == 50
     forget()
-    assert 20 < len(constants._left()) < 50 and not path.exists()  # full: what it held serves this process
+    assert 20 < len(constants._stored_lines()) < 50 and not path.exists()  # full: what it held serves this process
     assert [constants.dew_pressure("R134a", 250.0 + 0.5 * step) for step in range(80)] == asked
     assert path.stat().st_size < 2200
 
@@ -201,7 +201,7 @@ def test_a_sweep_leaves_others_the_answers_that_it_asked_for_first(fresh, monkey
     for step in range(8):
         constants.dew_pressure("R134a", 250.0 + step)
     forget()
-    assert len([*filter(None, map(store.sound, constants._left().values()))]) == 3
+    assert len([*filter(None, map(store.checked_line, constants._stored_lines().values()))]) == 3
 
 
 def test_saturation_is_coolprops(fresh):

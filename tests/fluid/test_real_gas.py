@@ -13,7 +13,7 @@ from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.limits import Limit
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.saturation import saturation
-from screwsim.inputs.faults import Unfound, UsageError
+from screwsim.inputs.faults import QuantityNotFound, UsageError
 from screwsim.numerics.kernel import Kernel
 
 FLUIDS = ("R134a", "R1234yf", "R1234ze(E)", "R32", "Ammonia", "CarbonDioxide", "n-Propane", "Nitrogen", "Air")
@@ -305,9 +305,9 @@ def test_a_liquid_is_refused_with_its_boiling_point():
 
 def test_what_no_state_has_fails_a_case_and_ends_no_sweep():
     """Carbon dioxide above its critical pressure, colder than at the critical temperature; a liquid in a line."""
-    with pytest.raises(Unfound, match="below the range of the equation; use warmer gas or oil"):
+    with pytest.raises(QuantityNotFound, match="below the range of the equation; use warmer gas or oil"):
         RealGas("CarbonDioxide").temperature(1.2e7, 261e3)
-    with pytest.raises(Unfound, match="is liquid"):
+    with pytest.raises(QuantityNotFound, match="is liquid"):
         R134A.enthalpy(5e5, 280.0)
 
 

@@ -13,16 +13,16 @@ from true_error import warns
 
 from screwsim.cycle.coordinates import logarithms
 from screwsim.cycle.feedback import image, set_unknowns
-from screwsim.cycle.guess import begin, leased
+from screwsim.cycle.guess import install_first_guess, lease_for
 from screwsim.cycle.mixing import MixingRule
 from screwsim.cycle.problem import problem_of
-from screwsim.cycle.search import FINE, SEARCH, searched, sought_on
+from screwsim.cycle.search import FALLBACK_NAME, LARGEST_RTOL, newton_search, search_after_pitches
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.model import leases
 from screwsim.numerics.integrators import check_of
 from screwsim.simulate import simulate
-from screwsim.solve.stability import GROWS
+from screwsim.solve.stability import UNSTABLE_GROWTH
 
 SEED = 1
 PITCHES, TURNED = 23, 10
@@ -157,10 +157,14 @@ def test_steps_end_where_gas_begins_to_flash(seed):
 def left():
     """A problem, its machinery, and the cycle that a search finds for it and that pitches leave."""
     problem = problem_of(scene(LEFT_BY_PITCHES))
-    machinery = leased(problem)
-    begin(problem, machinery)
+    machinery = lease_for(problem)
+    install_first_guess(problem, machinery)
     start = chambers_at_pitches(machinery)
-    yield problem, machinery, sought_on(problem, machinery, problem.wanted, start, MixingRule(5, 0.3), 2_000_000)
+    yield (
+        problem,
+        machinery,
+        search_after_pitches(problem, machinery, problem.wanted, start, MixingRule(5, 0.3), 2_000_000),
+    )
     leases.give_back(machinery)
 
 
@@ -170,9 +174,9 @@ def test_search_finds_the_cycle_that_pitches_leave(left):
     machinery.put(found.trajectory)
     place, c = logarithms(found.y, machinery.composition), machinery.composition
     end = found.y.copy()
-    machinery.pitch(end, FINE, 1e-3)
+    machinery.pitch(end, LARGEST_RTOL, 1e-3)
     assert np.abs(logarithms(machinery.shift(end), c) - place).max() < problem.wanted.tolerance
-    again = searched(problem, machinery, problem.wanted, found.y * np.exp(1e-2))
+    again = newton_search(problem, machinery, problem.wanted, found.y * np.exp(1e-2))
     assert again is not None
     assert np.abs(logarithms(again.y, c) - place).max() < 1e-3
     y = found.y * np.exp(1e-3)
@@ -184,14 +188,14 @@ def test_search_finds_the_cycle_that_pitches_leave(left):
 def test_pitches_make_of_a_small_change_what_is_told_of_a_cycle_that_they_leave(left):
     """It turns and grows: after every `TURNED` pitches it looks as it did, and is nearly nine times as large."""
     problem, machinery, found = left
-    assert found.needed == SEARCH
-    assert found.growth > GROWS
+    assert found.needed == FALLBACK_NAME
+    assert found.growth > UNSTABLE_GROWTH
     machinery.put(found.trajectory)
     c = machinery.composition
     y, strayed = found.y * np.exp(1e-5), []
     at = logarithms(found.y, c)
     for _ in range(PITCHES):
-        _, _, _, q = machinery.pitch(y, FINE, 1e-3)
+        _, _, _, q = machinery.pitch(y, LARGEST_RTOL, 1e-3)
         machinery.install_coupled()
         set_unknowns(problem, machinery, image(problem, machinery.trajectory, q))
         y = machinery.shift(y)
@@ -214,7 +218,7 @@ def test_a_cycle_that_a_warmer_line_leaves_is_told(closing, lasts):
 def test_what_no_pitch_closes_is_searched_and_says_so():
     result = simulate(scene(LEFT_BY_PITCHES))
     assert result.status == "ok", result.message
-    assert f"the cycle closed only with {SEARCH}" in result.warnings
+    assert f"the cycle closed only with {FALLBACK_NAME}" in result.warnings
     assert any(text.startswith("the machine does not stay on this cycle") for text in result.warnings)
     assert max(size for size in result.error.values() if size is not None) <= 3e-4
 

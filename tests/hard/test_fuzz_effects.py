@@ -13,7 +13,7 @@ from true_error import true_error
 
 from screwsim.effects import catalogue
 from screwsim.simulate import simulate
-from screwsim.solve import another
+from screwsim.solve import second_cycle
 
 MADE = json.loads(OF_EFFECTS.read_text(encoding="utf-8"))
 TRUE = MADE["true"]
@@ -65,15 +65,15 @@ def test_a_machine_with_another_cycle_says_so(number):
     """Gaps that pass oil where there is enough and gas where not: begun with little oil some stay elsewhere."""
     result = simulate(scene_of("gaps full of oil", 1, number), trace=False)
     assert result.status == "ok"
-    assert result.numerics.rhs_evaluations > another.SLOW  # it was asked
+    assert result.numerics.rhs_evaluations > second_cycle.SLOW_CLOSING  # it was asked
     assert any("another cycle" in words for words in result.warnings) == (number in TWO_CYCLES)
 
 
 def test_a_cycle_beside_which_turns_stood_is_told(monkeypatch):
     """What turns close from there may be any other cycle: here that of a machine whose gaps are wider."""
     _, _, beside = closed(make({"effects.tip_leakage.gap": "40 um"}))
-    monkeypatch.setattr(another, "stood_beside", lambda problem, cycle: beside)
-    monkeypatch.setattr(another, "relax", lambda problem, machinery, wanted, start, last: beside)
+    monkeypatch.setattr(second_cycle, "nearly_closed_apart", lambda problem, cycle: beside)
+    monkeypatch.setattr(second_cycle, "relax", lambda problem, machinery, wanted, start, last: beside)
     result = simulate(make({}))
     (warning,) = [words for words in result.warnings if "another cycle" in words]
     assert "from the state that the turns of single chambers had reached" in warning
@@ -92,8 +92,8 @@ def test_turns_stood_beside_a_cycle_that_is_farther_away_than_they_would_have_go
     )
     left = SimpleNamespace(change=change, seen=(mass, 2.0))
     cycle = SimpleNamespace(left_at=left, seen=(1.0, 2.0))
-    assert another.stood_beside(problem, cycle) is (left if asked else None)
-    assert another.stood_beside(problem, SimpleNamespace(left_at=None)) is None
+    assert second_cycle.nearly_closed_apart(problem, cycle) is (left if asked else None)
+    assert second_cycle.nearly_closed_apart(problem, SimpleNamespace(left_at=None)) is None
 
 
 LEAKS_ALONE = {  # structure, seed, number: machines that deliver nothing, and what they were off by

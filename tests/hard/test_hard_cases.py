@@ -14,7 +14,7 @@ from scenes import make, run
 
 from screwsim.cycle import close, guess
 from screwsim.cycle.close import fallbacks
-from screwsim.cycle.guess import leased
+from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import problem_of
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.evaluate.evaluation import evaluate
@@ -184,7 +184,7 @@ def test_a_further_try_says_which_one_it_needed(monkeypatch):
         done = close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
         return replace(done, status="not_closed", y=start.y)
 
-    monkeypatch.setattr(close, "by_ways", not_closed)
+    monkeypatch.setattr(close, "close_by_ways", not_closed)
     result = simulate(make({}))
     assert result.status == "ok"
     assert "the cycle closed only with a tighter tolerance of the steps" in result.warnings
@@ -194,6 +194,6 @@ def test_a_further_try_says_which_one_it_needed(monkeypatch):
 def test_every_further_try_closes_a_cycle_that_is_there(index):
     wanted = simulate(make({}), trace=False).performance
     problem = problem_of(make({}))
-    cycle = list(fallbacks(problem, leased(problem), problem.wanted))[index][1]()
+    cycle = list(fallbacks(problem, lease_for(problem), problem.wanted))[index][1]()
     assert cycle.status == "ok"
     assert evaluate(problem, cycle).figures.work_per_cycle == pytest.approx(wanted.work_per_cycle, rel=3e-4)

@@ -33,7 +33,7 @@ ALLOWED = {
     "machine/profile_law.py": ({"blow_hole"}, WORDS),
     "machine/rotors/curves.py": ({"blow_hole"}, WORDS),
     "machine/settings.py": ({"suction_port", "discharge_port"}, SECTIONS),
-    "machine/stated.py": ({"slide_valve"}, REMEDY),
+    "machine/derived_sizes.py": ({"slide_valve"}, REMEDY),
     "outputs/core.py": ({"wall_heat"}, FIGURES),
     "outputs/variables.py": ({"drive"}, FIGURES),
     "report/drive.py": ({"motor", "gas_torque"}, STUDY),

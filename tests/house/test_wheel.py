@@ -13,7 +13,7 @@ from markdown_it import MarkdownIt
 from packaging.metadata import Metadata
 
 import screwsim
-from screwsim.inputs.textfiles import CONFIGS, shipped, shipped_root
+from screwsim.inputs.textfiles import CONFIGS, shipped_name, shipped_root
 
 ROOT = Path(__file__).parents[2]
 pytestmark = [pytest.mark.slow, pytest.mark.around]
@@ -80,12 +80,12 @@ def test_validation_runs_from_an_empty_folder(command):
 def test_a_scene_that_is_there_comes_before_a_shipped_one(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     name = "configs/paper/point.yaml"
-    assert shipped(name) == str(shipped_root() / name)
-    assert shipped(f"{CONFIGS}/none.yaml") == f"{CONFIGS}/none.yaml" and shipped("point.yaml") == "point.yaml"
-    assert shipped("configs/../pyproject.toml") == "configs/../pyproject.toml"
+    assert shipped_name(name) == str(shipped_root() / name)
+    assert shipped_name(f"{CONFIGS}/none.yaml") == f"{CONFIGS}/none.yaml" and shipped_name("point.yaml") == "point.yaml"
+    assert shipped_name("configs/../pyproject.toml") == "configs/../pyproject.toml"
     (tmp_path / "configs" / "paper").mkdir(parents=True)
     (tmp_path / name).write_text("mine")
-    assert shipped(name) == name
+    assert shipped_name(name) == name
 
 
 def test_metadata_says_what_it_is(site):

@@ -13,14 +13,14 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.cycle.close import close
-from screwsim.cycle.guess import leased
+from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import Problem, problem_of
 from screwsim.cycle.solution import CycleSolution
 from screwsim.model.run import Machinery
 from screwsim.outputs import Result
 from screwsim.scene import Scene
 from screwsim.scene.load import _finish
-from screwsim.scene.yaml_tree import Node, Place
+from screwsim.scene.yaml_tree import Node, Position
 from screwsim.simulate import simulate
 
 BASE: dict[str, Any] = {
@@ -158,7 +158,7 @@ def make(changes: dict[str, Any] | None = None) -> Scene:
 def closed(scene: Scene) -> tuple[Problem, Machinery, CycleSolution]:
     """Return a scene's problem, its machinery, and the cycle on which it stands, closed once."""
     problem = problem_of(scene)
-    machinery = leased(problem)
+    machinery = lease_for(problem)
     return problem, machinery, close(problem, machinery, problem.wanted)
 
 
@@ -175,11 +175,11 @@ def _run(text: str) -> Result:
 @cache  # scenes are never written to
 def _read(text: str) -> Scene:
     """Return the scene of a JSON text, which is YAML, too: `loads` takes three times as long for it, most in ruamel."""
-    start = Place(0, "<text>", folder=str(Path.cwd()))
+    start = Position(0, "<text>", folder=str(Path.cwd()))
     return _finish(_node(json.loads(text), start), start, (), (), [])
 
 
-def _node(value: Any, place: Place) -> Node:
+def _node(value: Any, place: Position) -> Node:
     """Return the tree of a text, all of it in one place."""
     if isinstance(value, dict):
         return Node({name: _node(inner, place) for name, inner in value.items()}, place, place)

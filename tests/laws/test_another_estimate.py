@@ -6,16 +6,16 @@ import pytest
 from scenes import make
 
 from screwsim.cycle.close import close
-from screwsim.cycle.guess import leased
+from screwsim.cycle.guess import lease_for
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.model import leases
-from screwsim.numerics.estimates import ERRORS, Estimated
+from screwsim.numerics.error_options import ERRORS, ErrorOption
 from screwsim.numerics.settings import NumericsSettings
 from screwsim.outputs import Figures
 from screwsim.simulate import simulate
 from screwsim.solve.estimate import ESTIMATES, WHOLE
-from screwsim.solve.finer import NOTHING, Finer
+from screwsim.solve.estimate_protocol import NO_SOLUTIONS, FinerSolutions
 
 NAME = "from afar"
 TIGHTER = 0.05
@@ -24,19 +24,19 @@ ACCURACY = 3e-4  # the default
 
 def from_afar(asked):
     """Close the cycle from the first guess with a twentieth of the tolerances, in a machinery of its own."""
-    machinery = leased(asked.problem)
+    machinery = lease_for(asked.problem)
     try:
         cycle = close(asked.problem, machinery, asked.wanted.tighter(TIGHTER))
         found = evaluate(asked.problem, cycle).figures
     finally:
         leases.give_back(machinery)
-    return Finer([found]) if cycle.status == "ok" else NOTHING
+    return FinerSolutions([found]) if cycle.status == "ok" else NO_SOLUTIONS
 
 
 @pytest.fixture
 def registered(monkeypatch):
     monkeypatch.setitem(ESTIMATES, NAME, from_afar)
-    monkeypatch.setitem(ERRORS, NAME, Estimated((NAME,), "the cycle from its first guess, with finer tolerances"))
+    monkeypatch.setitem(ERRORS, NAME, ErrorOption((NAME,), "the cycle from its first guess, with finer tolerances"))
 
 
 def asking(error, **changes):
@@ -65,7 +65,7 @@ def test_a_cycle_is_closed_again_where_another_estimate_finds_it_coarse(register
         asked.append(of.cycle.rtol)
         finer = from_afar(of)
         power = finer.figures[0]["shaft_power"] * (1.001 if len(asked) == 1 else 1.0)
-        return Finer([Figures(finer.figures[0] | {"shaft_power": power})])
+        return FinerSolutions([Figures(finer.figures[0] | {"shaft_power": power})])
 
     monkeypatch.setitem(ESTIMATES, NAME, coarse_at_first)
     result = simulate(asking(NAME))
@@ -78,9 +78,9 @@ def test_what_finds_too_little_leaves_the_word_to_the_next(registered, monkeypat
 
     def nothing(of):
         asked.append("nothing")
-        return NOTHING
+        return NO_SOLUTIONS
 
     monkeypatch.setitem(ESTIMATES, "nothing", nothing)
-    monkeypatch.setitem(ERRORS, "both", Estimated(("nothing", NAME), "one that finds nothing, then another"))
+    monkeypatch.setitem(ERRORS, "both", ErrorOption(("nothing", NAME), "one that finds nothing, then another"))
     both, one = simulate(asking("both")), simulate(asking(NAME))
     assert asked and dict(both.error) == dict(one.error)

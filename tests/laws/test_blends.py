@@ -12,7 +12,7 @@ from scenes import make, run
 
 from screwsim.build import build_gas
 from screwsim.cycle.close import close
-from screwsim.cycle.guess import leased
+from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import problem_of
 from screwsim.explain import explain
 from screwsim.fluid import constants
@@ -91,7 +91,7 @@ def test_the_stored_change_of_entropy_is_what_comes_out(kind):
 
 def test_nothing_is_asked_of_coolprop_inside_the_cycle(monkeypatch):
     problem = problem_of(load(CONFIG))
-    machinery = leased(problem)
+    machinery = lease_for(problem)
     close(problem, machinery, problem.wanted)  # compiled
 
     def asked(*_args, **_kwargs):

@@ -4,7 +4,7 @@ import pytest
 from scenes import make, run
 
 from screwsim.build import build_gas
-from screwsim.cycle.guess import begin, leased
+from screwsim.cycle.guess import install_first_guess, lease_for
 from screwsim.cycle.problem import problem_of
 
 GAS = build_gas(make())
@@ -36,8 +36,8 @@ def test_a_closed_chamber_is_adiabatic():
 
 def test_a_closed_chamber_keeps_its_gas():
     problem = problem_of(make(NO_EFFECTS))
-    machinery, c = leased(problem), problem.composition
-    assert machinery.turn(begin(problem, machinery), 1e-4, 1e-3)[0] == 0
+    machinery, c = lease_for(problem), problem.composition
+    assert machinery.turn(install_first_guess(problem, machinery), 1e-4, 1e-3)[0] == 0
     machinery.swap()
     times, dense, _, steps = machinery.last()
     mass = [dense[i, 1, 1] * machinery.module.volume_at(times[i + 1], c.P, c.TAB) for i in range(steps)]

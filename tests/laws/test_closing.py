@@ -11,10 +11,10 @@ from known_figures import known_solution
 from scenes import closed, make, run
 
 from screwsim.cycle import relaxation
-from screwsim.cycle.balances import crossed, met_across, streams_of
+from screwsim.cycle.balances import flow_past_suction_port, meets_line_at_angle, streams_of
 from screwsim.cycle.close import close
-from screwsim.cycle.guess import leased
-from screwsim.cycle.mixing import FULL, Mixing, MixingRule
+from screwsim.cycle.guess import lease_for
+from screwsim.cycle.mixing import FULL_RULE, Mixing, MixingRule
 from screwsim.cycle.problem import problem_of
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.figures.errors import relative_errors, worst
@@ -27,7 +27,7 @@ LEAKY = {"operation.speed": "50 rpm"}  # histories contract slowly
 
 
 def solved(monkeypatch, dear, **changes):
-    monkeypatch.setattr(relaxation, "DEAR", dear)
+    monkeypatch.setattr(relaxation, "MOST_EVALUATIONS", dear)
     return simulate(make({**LEAKY, **changes}))
 
 
@@ -46,7 +46,9 @@ def test_the_two_ways_together_cost_little_more_than_twice_the_limit(monkeypatch
 
 def test_histories_may_cost_as_much_more_as_finer_steps_do():
     """A method of order 4 needs ten times the steps for an error of a ten-thousandth."""
-    assert relaxation.dear(1e-4 * relaxation.DEAR_RTOL) == pytest.approx(10.0 * relaxation.dear(relaxation.DEAR_RTOL))
+    assert relaxation.affordable_evaluations(1e-4 * relaxation.RTOL_OF_MOST) == pytest.approx(
+        10.0 * relaxation.affordable_evaluations(relaxation.RTOL_OF_MOST)
+    )
 
 
 def test_what_leaks_hide_of_an_error_is_counted():
@@ -117,7 +119,7 @@ def test_neither_closing_nor_the_estimate_slows_down_at_any_speed(of):
     path, changes, _ = MOST[of]
     for rpm in np.geomspace(250.0, 10_000.0, 25):
         problem = problem_of(load(ROOT / path, [*changes, f"operation.speed={rpm} rpm"]))
-        machinery = leased(problem)
+        machinery = lease_for(problem)
         before = machinery.counts.copy()
         found = accurately.solve(problem, machinery)
         spent = [machinery.evaluations_of(counts) for counts in (found.counts, machinery.counts - before)]
@@ -154,10 +156,10 @@ def test_net_flow_is_taken_where_noise_between_open_chambers_does_not_count():
     fine = replace(scene, numerics=replace(scene.numerics, accuracy=1e-6, error="none"))
     exact = known_solution(fine).performance["gas_mass_flow"]
     problem = problem_of(replace(scene, numerics=replace(scene.numerics, closing="histories")))
-    machinery = leased(problem)
+    machinery = lease_for(problem)
     cycle = close(problem, machinery, problem.wanted)
     streams = streams_of(problem.composition, cycle.q)
-    across = crossed(problem, machinery.trajectory)
+    across = flow_past_suction_port(problem, machinery.trajectory)
     through = [(streams[0, 0] + streams[1, 0]) * problem.rate, -(streams[2, 0] + streams[3, 0]) * problem.rate]
     taken = through[0] + across * problem.rate
     assert abs(taken / exact - 1.0) < 5e-5
@@ -185,7 +187,7 @@ def test_a_slot_that_is_open_until_discharge_leaves_the_net_flow_to_the_port():
         problem_of(load(path, [f"{slot}={closes} deg", "effects.slide_valve.position=1", "sweep=null"]))
         for closes in (600, 690)
     )
-    assert met_across(early) and not met_across(late)
+    assert meets_line_at_angle(early) and not meets_line_at_angle(late)
 
 
 QUICKLY, SLOWLY = (40.0, 100.0), (40.0, 8.0)  # gap and change of the states of a turn before, in tolerances
@@ -231,7 +233,7 @@ def test_no_further_try_is_made_where_gas_of_any_chamber_leaves_its_equation_in_
 
 def test_mixing_leaves_an_image_that_is_not_finite_as_it_is_and_begins_anew():
     """A pitch may end with an infinite temperature of a nearly empty chamber: then there is nothing to mix."""
-    for rule in (FULL, MixingRule(3, damping=0.5)):
+    for rule in (FULL_RULE, MixingRule(3, damping=0.5)):
         mixing, point = Mixing(rule), np.array([1.0, 2.0])
         mixing.next(point, 0.5 * point, 0.5)
         lost = np.array([np.inf, 2.0])

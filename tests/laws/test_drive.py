@@ -10,14 +10,14 @@ from scenes import SOLUBLE_RATE, closed, make, run
 
 from screwsim.build import build_parts
 from screwsim.cycle.close import close
-from screwsim.cycle.guess import leased
+from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import problem_of
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.model.compose import compose
 from screwsim.model.slots import P_OMEGA
 from screwsim.solve import drive
-from screwsim.solve.start_up import Run, start_up, steadily
+from screwsim.solve.start_up import StartUpRun, start_up, steady_problem
 
 DRIVE = {
     "motor_inertia": "0.8 kg m^2",
@@ -36,14 +36,14 @@ CYCLE = ("shaft_power", "gas_mass_flow", "isothermal_efficiency", "peak_pressure
 @cache
 def closed_with_drive(accuracy):
     problem, machinery, cycle = closed(make({**SLOW, "numerics": {"accuracy": accuracy}}))
-    cycle = drive.settled(problem, machinery, problem.wanted, cycle)
+    cycle = drive.close_with_drive(problem, machinery, problem.wanted, cycle)
     of = evaluate(problem, cycle)
     return of, machinery, cycle, problem.parts.shaft.respond(of.complete)
 
 
 def beside(of, motion, changes):
     """Return the monolith of a cycle: the same scene at a constant speed, with its plenums and widths."""
-    constant = leased(problem_of(make({path: value for path, value in changes.items() if "drive" not in path})))
+    constant = lease_for(problem_of(make({path: value for path, value in changes.items() if "drive" not in path})))
     constant.R[:] = of.life.R
     here, there = constant.composition, of.life.composition
     here.P[here.widths] = there.P[there.widths]
@@ -111,7 +111,7 @@ def test_the_chambers_feel_the_mean_speed_of_the_drive_over_time():
     of, machinery, _, motion = closed_with_drive(1e-6)
     assert motion.mean_speed == pytest.approx(of.life.composition.P[P_OMEGA], rel=1e-9)
     tolerance = of.problem.wanted.tolerance
-    assert drive.set_course(of.problem, machinery, motion, tolerance)[0] <= tolerance
+    assert drive.set_speed_curve(of.problem, machinery, motion, tolerance)[0] <= tolerance
 
 
 def test_the_balances_close_under_a_speed_that_changes():
@@ -282,12 +282,12 @@ def test_a_start_takes_in_oil_that_the_suction_gas_brings():
 def test_a_pitch_of_a_start_is_that_of_chambers_and_drive_in_one_system():
     """The fifth pitch, at about 88 rad/s: Radau from the same state, under the same constant torque of the losses."""
     changes = {**DRIVEN, "numerics": {"accuracy": 1e-5}, "operation.speed": "900 rpm"}
-    problem = steadily(make(changes), CREEP)
-    machinery = leased(problem)
-    cycle = drive.settled(problem, machinery, problem.wanted, close(problem, machinery, problem.wanted))
+    problem = steady_problem(make(changes), CREEP)
+    machinery = lease_for(problem)
+    cycle = drive.close_with_drive(problem, machinery, problem.wanted, close(problem, machinery, problem.wanted))
     of = evaluate(problem, cycle)
     steady = problem.parts.shaft.respond(of.complete)
-    start = Run(of, machinery, steady, CREEP, 10.0)
+    start = StartUpRun(of, machinery, steady, CREEP, 10.0)
     for _ in range(4):
         start.go_on(start.advance())
     omega_2, motor_speed, twist, _ = start.drive

@@ -11,8 +11,8 @@ from known_figures import known_solution
 from scenes import closed, make, run
 
 from screwsim.build import build_parts
-from screwsim.cycle.close import again, close
-from screwsim.cycle.guess import leased
+from screwsim.cycle.close import close, close_again
+from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import problem_of
 from screwsim.evaluate import cautions
 from screwsim.evaluate.evaluation import evaluate
@@ -22,9 +22,9 @@ from screwsim.model.compose import compose
 from screwsim.outputs import Figures
 from screwsim.scene import load
 from screwsim.simulate import simulate
-from screwsim.solve import accurately, finer_lives
+from screwsim.solve import accurately, finer_solutions
 from screwsim.solve.estimate import ESTIMATES, estimated_errors
-from screwsim.solve.finer import BARELY, NOTHING
+from screwsim.solve.estimate_protocol import BARELY_DELIVERS, NO_SOLUTIONS
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 ACCURACY = 3e-4  # the default
@@ -107,7 +107,7 @@ def test_a_cycle_stands_when_longer_turns_come_after_it():
     assert len({id(arrays[1]) for arrays in machinery.histories}) == 2
     machinery.put(life)  # and turns go on from there
     assert all(map(np.array_equal, before, numbers_of(machinery.trajectory.copy())))
-    found = again(problem, machinery, problem.wanted, cycle)
+    found = close_again(problem, machinery, problem.wanted, cycle)
     assert found.status == "ok"
     assert evaluate(problem, found).figures.shaft_power == pytest.approx(figures.shaft_power, rel=1e-4)
 
@@ -133,9 +133,9 @@ def test_what_a_correction_foretells_is_what_another_life_shows(of, monkeypatch)
     path, changes = FORETOLD[of]
     problem = problem_of(load(CONFIGS.parent / path, [*changes, "operation.speed=250 rpm"]))
     counts, errors = [], []
-    for faithful in (finer_lives.FAITHFUL, 0.0):
-        monkeypatch.setattr(finer_lives, "FAITHFUL", faithful)
-        machinery = leased(problem)
+    for faithful in (finer_solutions.RELIABLE_CORRECTION, 0.0):
+        monkeypatch.setattr(finer_solutions, "RELIABLE_CORRECTION", faithful)
+        machinery = lease_for(problem)
         cycle = close(problem, machinery, problem.wanted)
         before = machinery.counts.copy()
         errors.append(estimated_errors(evaluate(problem, cycle), machinery, problem.wanted, cycle)[0])
@@ -156,7 +156,7 @@ def test_next_to_no_delivery_is_estimated_by_all_chambers_together():
     scene = load(CONFIGS / "paper" / "point.yaml", [*asked, "operation.speed=410 rpm", "oil_supply.ratio=0.14"])
     finer = replace(scene.numerics, accuracy=scene.numerics.accuracy / 40.0, error="none")
     true = simulate(replace(scene, numerics=finer), trace=False).performance
-    assert 0.0 < true.volumetric_efficiency < BARELY
+    assert 0.0 < true.volumetric_efficiency < BARELY_DELIVERS
     off = relative_errors(simulate(scene, trace=False).performance, true)
     assert worst(off)[1] < scene.numerics.accuracy  # it was 19 times
 
@@ -169,7 +169,7 @@ def test_no_estimate_is_made_where_none_is_wanted():
 
 def test_an_estimate_that_cannot_be_made_is_said(monkeypatch):
     for name in ESTIMATES:
-        monkeypatch.setitem(ESTIMATES, name, lambda asked: NOTHING)
+        monkeypatch.setitem(ESTIMATES, name, lambda asked: NO_SOLUTIONS)
     result = simulate(make({}))
     assert all(size is None for size in result.error.values())
     assert any("could not be estimated" in warning for warning in result.warnings)
@@ -230,7 +230,7 @@ def test_a_cycle_closed_again_begins_where_its_finer_lives_led():
     """
     scene = load(CONFIGS.parent / "tests" / "plain" / "r134a.yaml", ["operation.speed=263.4 rpm"])
     problem = problem_of(scene)
-    machinery = leased(problem)
+    machinery = lease_for(problem)
     before = machinery.counts.copy()
     found = accurately.solve(problem, machinery)
     spent = machinery.evaluations_of(machinery.counts - before)
@@ -279,7 +279,7 @@ def test_what_goes_with_the_net_flow_errs_as_that_does(name):
 )
 def test_a_machine_that_delivers_next_to_nothing_is_warned_of_what_is_over_its_flow(filling, words):
     """Errors count over a tenth of the displacement: of itself a figure over less is known to less than was asked."""
-    (warning,) = cautions.next_to_nothing(ACCURACY, Figures(volumetric_efficiency=filling, specific_power=1e9))
+    (warning,) = cautions.little_flow(ACCURACY, Figures(volumetric_efficiency=filling, specific_power=1e9))
     assert words in warning and "specific_power" in warning and "oil_flow_ratio" not in warning
-    assert not [*cautions.next_to_nothing(ACCURACY, Figures(volumetric_efficiency=0.01, specific_power=1e7))]
-    assert not [*cautions.next_to_nothing(ACCURACY, Figures(volumetric_efficiency=-0.1, specific_power=None))]
+    assert not [*cautions.little_flow(ACCURACY, Figures(volumetric_efficiency=0.01, specific_power=1e7))]
+    assert not [*cautions.little_flow(ACCURACY, Figures(volumetric_efficiency=-0.1, specific_power=None))]

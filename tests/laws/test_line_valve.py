@@ -7,16 +7,25 @@ from scenes import make, run
 from scipy.integrate import solve_ivp
 
 from screwsim.effects.base import Made
-from screwsim.effects.parts.line_valve import POINTS, Behind, Valve, closed, least_flow, lowest, standing, through
+from screwsim.effects.parts.line_valve import (
+    POINTS,
+    Valve,
+    ValveSurroundings,
+    closed,
+    least_flow,
+    lowest,
+    standing,
+    valve_flow,
+)
 from screwsim.effects.plenums import Parameters
 from screwsim.effects.plenums import build as plenum_parts
 from screwsim.explain import explain
-from screwsim.numerics.made import Entries
+from screwsim.numerics.feedback_unknowns import FeedbackUnknowns
 
 ACCURACY = 3e-4
 BALANCES = ("mass", "energy", "entropy", "oil_mass")
 SIZE = {"suction_volume": "8 l", "discharge_volume": "3 l", "suction_area": "40 cm^2", "discharge_area": "15 cm^2"}
-BEHIND = Behind(capacity=8e-8, impedance=1.3e5, frequency=1200.0, rho=45.0)
+BEHIND = ValveSurroundings(capacity=8e-8, impedance=1.3e5, frequency=1200.0, rho=45.0)
 PHASE = 2.0 * np.pi * np.arange(64) / 64
 WIDE = 2.0 * np.pi * np.arange(128) / 128
 
@@ -38,7 +47,7 @@ def test_an_open_valve_is_held_up_by_its_pressure_and_an_orifice_beyond():
 @each_row("valve", [Valve(), Valve(area=5e-4), Valve(area=5e-4, pressure=3e3)])
 def test_nothing_flows_back_and_the_mean_passes(swing, valve):
     given = 0.2 * (1.0 + swing * np.cos(PHASE) + 0.3 * swing * np.sin(3.0 * PHASE))
-    flow, _ = through(valve, given, BEHIND)
+    flow, _ = valve_flow(valve, given, BEHIND)
     assert flow.min() >= 0.0
     assert flow.mean() == pytest.approx(given.mean(), rel=1e-9)
 
@@ -55,22 +64,24 @@ def test_the_least_flow_lies_between_the_angles_and_has_all_harmonics(lag):
     waves = ((k, 0.2 * size / (1.0 + delay * k)) for k, size in ((1, 0.3), (8, 0.1), (45, 0.1)))
     true = 0.2 + sum(np.real(np.exp(1j * k * (phase - lag)) * wave) for k, wave in waves)
     valve = Valve(area=5e-3, pressure=3e3)
-    found = least_flow(valve, given, quick, through(valve, given, quick))
+    found = least_flow(valve, given, quick, valve_flow(valve, given, quick))
     assert found == pytest.approx(true.min(), rel=1e-6)
 
 
 def test_the_least_flow_of_an_orifice_is_that_of_as_many_angles_as_it_takes():
     given = 0.2 * (1.0 + 0.4 * np.cos(PHASE) + 0.2 * np.sin(5.0 * PHASE))
     valve = Valve(area=1e-4, pressure=3e3)
-    many = through(valve, given, BEHIND, 401)
-    assert least_flow(valve, given, BEHIND, through(valve, given, BEHIND)) == pytest.approx(many.flow.min(), rel=1e-4)
+    many = valve_flow(valve, given, BEHIND, 401)
+    assert least_flow(valve, given, BEHIND, valve_flow(valve, given, BEHIND)) == pytest.approx(
+        many.flow.min(), rel=1e-4
+    )
     assert lowest(many.pressure) <= many.pressure.min()
 
 
 def test_a_wide_valve_that_never_shuts_is_none():
     """p_k = w_k/(i k Ω C + 1/Z)."""
     given = 0.2 * (1.0 + 0.3 * np.cos(PHASE) + 0.1 * np.sin(2.0 * PHASE))
-    flow, pressure = through(Valve(), given, BEHIND)
+    flow, pressure = valve_flow(Valve(), given, BEHIND)
     found = np.fft.rfft(pressure)[1:3] * 2.0 / POINTS
     k = np.array([1, 2])
     expected = 0.2 * np.array([0.3, -0.1j]) / (1j * k * BEHIND.frequency * BEHIND.capacity + 1.0 / BEHIND.impedance)
@@ -95,7 +106,7 @@ def test_an_integration_in_time_ends_on_the_same_pitch(valve):
     for _ in range(12):
         found = solve_ivp(rate, (0.0, period), [p], rtol=1e-6, atol=1.0, max_step=period / 40, t_eval=[*grid, period])
         p = found.y[0, -1]
-    ours = through(valve, given, BEHIND).pressure
+    ours = valve_flow(valve, given, BEHIND).pressure
     assert np.max(np.abs(ours - found.y[0, :-1])) < 0.01 * np.ptp(ours)
 
 
@@ -131,7 +142,7 @@ def test_a_shut_plenum_that_is_all_but_empty_counts_by_its_own_pressure():
     """From 2 to 3 thousandths of the line's pressure is half of it more; without a valve it is a thousandth."""
     for valve, expected in ((Valve(), 0.5), (None, 1e-3)):
         parts = plenum_parts(Parameters(discharge_volume=3e-3, discharge_valve=valve), None)
-        entries = Entries([part.entry for part in parts if isinstance(part, Made)])
+        entries = FeedbackUnknowns([part.entry for part in parts if isinstance(part, Made)])
         old, new = np.zeros(len(entries)), np.zeros(len(entries))
         old[0], new[0] = -0.998, -0.997
         assert entries.change(new, old) == pytest.approx(expected)

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from screwsim.build import build_gas
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.scene.lines import lines
-from screwsim.study.accuracy.solving import QUICK, back_ends
+from screwsim.study.accuracy.solving import QUICK_SCOPE, back_ends
 from screwsim.study.coolprop_back_end import machinery_with_coolprop
 
 AIR = {
@@ -121,7 +121,7 @@ def test_coolprop_is_not_asked_for_its_states():
     scene = make({**AIR, "gas.model": "real"})
     with pytest.raises(ValueError, match="no moist air"):
         machinery_with_coolprop(scene)
-    assert not any(case.back_end == "coolprop" for case in back_ends(scene, QUICK))
+    assert not any(case.back_end == "coolprop" for case in back_ends(scene, QUICK_SCOPE))
 
 
 # ---- a closed chamber, written anew ------------------------------------------------------------------------------

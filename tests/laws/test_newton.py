@@ -10,7 +10,7 @@ from scenes import make
 from screwsim.cycle import newton, tangents
 from screwsim.cycle.close import close
 from screwsim.cycle.feedback import image, set_unknowns, unknowns
-from screwsim.cycle.guess import leased
+from screwsim.cycle.guess import lease_for
 from screwsim.cycle.newton import Corrections, Residual, corrected
 from screwsim.cycle.problem import problem_of
 from screwsim.cycle.tangents import linearised, shifted, slopes_of_image
@@ -35,7 +35,7 @@ FINE = 1e-6  # tolerance of a step, so that what a change makes is not lost in i
 def standing():
     """Return a problem, a machinery that stands on its closed cycle, and that cycle."""
     problem = problem_of(make(SLOW))
-    machinery = leased(problem)
+    machinery = lease_for(problem)
     cycle = close(problem, machinery, replace(problem.wanted, rtol=FINE))
     assert cycle.status == "ok"
     return problem, machinery, cycle
@@ -88,7 +88,7 @@ PLENUMS = {
 def test_tangents_tell_what_a_pressure_of_a_plenum_makes_of_itself():
     """Of a line that pulsates, its harmonics: what the slices give the line over the pitch makes them."""
     problem = problem_of(make(PLENUMS))
-    machinery = leased(problem)
+    machinery = lease_for(problem)
     cycle = close(problem, machinery, replace(problem.wanted, rtol=FINE))
     assert cycle.status == "ok"
     met = unknowns(problem, machinery)

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 from screwsim.cycle.feedback import LINE_POINTS, at_angles, turn_of
 from screwsim.effects.base import LineFlow, Turn
-from screwsim.effects.plenums import Behind, Parameters, offset, pulsation
+from screwsim.effects.plenums import Parameters, PlenumWithLine, offset, pulsation
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.explain import explain
 from screwsim.inputs.faults import SceneError
@@ -99,7 +99,7 @@ def test_the_mean_drop_is_that_of_the_loss_coefficient():
 def test_a_plenum_tells_each_turn_its_own_while_another_is_read():
     """Two solutions of one series share its parts, and threads may read both: the other's turn comes in between."""
 
-    class Shared(Behind):
+    class Shared(PlenumWithLine):
         others = ()
 
         def __setattr__(self, name, value):
@@ -330,7 +330,10 @@ def test_the_least_flow_into_the_line_goes_with_the_net_flow(valve):
     """What passes the port also has what gaps between chambers open to it leave open: the port makes that good."""
     problem, _, cycle = closed(make(plenums(**valve)))
     of = evaluate(problem, cycle)
-    turn, part = turn_of(problem, of.life, cycle.q), Behind("discharge", problem.scene.effects["plenums"].parameters)
+    turn, part = (
+        turn_of(problem, of.life, cycle.q),
+        PlenumWithLine("discharge", problem.scene.effects["plenums"].parameters),
+    )
     line, least = turn.line("discharge"), "discharge_line_least_flow"
     assert line.net == pytest.approx(of.figures.gas_mass_flow, rel=1e-12)
     assert abs(line.flow.mean() / line.net - 1.0) > 1e-6

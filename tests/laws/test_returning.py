@@ -8,12 +8,12 @@ import pytest
 from fuzz_courses import KINDS, course
 from scenes import make
 
+from screwsim.cycle.backflow import LARGEST_CHANGE, LARGEST_SHARE, NO_FEEDBACK, backflow_feedback
 from screwsim.cycle.balances import streams_of
 from screwsim.cycle.feedback import unknowns
-from screwsim.cycle.guess import begin, leased
+from screwsim.cycle.guess import install_first_guess, lease_for
 from screwsim.cycle.problem import problem_of
 from screwsim.cycle.relaxation import _Turns, relax
-from screwsim.cycle.returning import FARTHEST, MOST, NOTHING, returning
 from screwsim.cycle.solution import Start
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.model import leases
@@ -27,7 +27,7 @@ OUT = np.array([1e-3, 3e-3])  # gas and oil that flow out in a life [kg]
 
 def life(problem, share):
     """Return the quadratures of a life of which that share of the outflow had flowed back."""
-    machinery = leased(problem)
+    machinery = lease_for(problem)
     q = np.zeros(machinery.nq)
     leases.give_back(machinery)
     columns = [0, 2] if problem.composition.carried else [0]
@@ -46,7 +46,7 @@ def test_a_mixture_of_what_flows_back_and_what_is_fresh_is_led_to_the_fresh(shar
     problem = problem_of(make(CARRIED))
     met, fresh = 300.0, 315.0
     made = share * met + (1.0 - share) * fresh
-    found = returning(problem, life(problem, share), line(problem, met), line(problem, made))
+    found = backflow_feedback(problem, life(problem, share), line(problem, met), line(problem, made))
     assert found.share == pytest.approx(share)
     led = found.extrapolated(line(problem, made))
     assert led == pytest.approx(line(problem, fresh), rel=1e-12)
@@ -57,7 +57,7 @@ def test_gas_and_oil_of_different_temperatures_flow_back_as_their_mixture():
     gas, oil = OUT * (problem.parts.gas.c_p, problem.parts.oil.heat_capacity)
     met, made = line(problem, 300.0), line(problem, 300.0)
     made[2] = 310.0
-    found = returning(problem, life(problem, share), met, made)
+    found = backflow_feedback(problem, life(problem, share), met, made)
     mixed = 10.0 * oil / (gas + oil)
     assert found.temperature == pytest.approx(share / (1.0 - share) * mixed)
     assert found.enthalpy == pytest.approx(problem.parts.gas.c_p * found.temperature)
@@ -73,17 +73,17 @@ def test_gas_and_oil_of_different_temperatures_flow_back_as_their_mixture():
 )
 def test_heat_that_droplets_a_given_temperature_or_drops_that_condense_take_does_not_come_back(changes):
     problem = problem_of(make(changes))
-    assert returning(problem, life(problem, 0.2), line(problem, 300.0), line(problem, 310.0)) is NOTHING
+    assert backflow_feedback(problem, life(problem, 0.2), line(problem, 300.0), line(problem, 310.0)) is NO_FEEDBACK
 
 
 def test_no_more_is_believed_than_half_and_no_change_that_is_far():
     problem = problem_of(make(CARRIED))
-    met, far = line(problem, 300.0), line(problem, 300.0 * (1.0 + 2.0 * FARTHEST))
-    assert returning(problem, life(problem, 0.9), met, met).share == MOST
-    found = returning(problem, life(problem, 0.5), met, far)
+    met, far = line(problem, 300.0), line(problem, 300.0 * (1.0 + 2.0 * LARGEST_CHANGE))
+    assert backflow_feedback(problem, life(problem, 0.9), met, met).share == LARGEST_SHARE
+    found = backflow_feedback(problem, life(problem, 0.5), met, far)
     assert found.share == pytest.approx(0.5) and found.extrapolated(far) is far
     for share in (0.0, 1.0):  # nothing flows back; or all, and then anything is as steady
-        assert returning(problem, life(problem, share), met, far) is NOTHING
+        assert backflow_feedback(problem, life(problem, share), met, far) is NO_FEEDBACK
 
 
 def test_of_a_trace_of_oil_nothing_is_foretold():
@@ -91,15 +91,15 @@ def test_of_a_trace_of_oil_nothing_is_foretold():
     problem = problem_of(make(CARRIED))
     q = life(problem, 0.2)
     streams_of(problem.composition, q)[:, 2] *= 1e-3
-    assert returning(problem, q, line(problem, 300.0), line(problem, 310.0)) is NOTHING
+    assert backflow_feedback(problem, q, line(problem, 300.0), line(problem, 310.0)) is NO_FEEDBACK
 
 
 @pytest.mark.parametrize("rpm", [1000, 6000])
 def test_the_line_is_led_nearer_to_that_of_the_closed_cycle(rpm):
     """Of the first turn, whose oil comes back as cold as it was supplied: that is what is guessed."""
     problem = problem_of(load(PAPER, ["oil.transport=carried", f"operation.speed={rpm} rpm"]))
-    machinery = leased(problem)
-    turns = _Turns(problem, machinery, problem.wanted, Start(begin(problem, machinery)))
+    machinery = lease_for(problem)
+    turns = _Turns(problem, machinery, problem.wanted, Start(install_first_guess(problem, machinery)))
     assert turns.integrate() is None
     assert turns.correction() is None
     made, led = turns.made, turns.returning.extrapolated(turns.made)
@@ -114,8 +114,8 @@ def test_the_line_is_led_nearer_to_that_of_the_closed_cycle(rpm):
 def test_a_fast_machine_with_carried_oil_closes_in_three_turns():
     """Only the heat of the line comes back there, by a fifth a turn: it took five."""
     problem = problem_of(load(PAPER, ["oil.transport=carried", "operation.speed=6000 rpm"]))
-    machinery = leased(problem)
-    cycle = relax(problem, machinery, problem.wanted, Start(begin(problem, machinery)), last=True)
+    machinery = lease_for(problem)
+    cycle = relax(problem, machinery, problem.wanted, Start(install_first_guess(problem, machinery)), last=True)
     leases.give_back(machinery)
     assert cycle.status == "ok" and cycle.turns == 3
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from screwsim.inputs.faults import UsageError
-from screwsim.machine.profile_law import lay
+from screwsim.machine.profile_law import laid_curves
 from screwsim.report.rotors_scene import table_files
 from screwsim.scene import load
 from screwsim.simulate import simulate
@@ -71,7 +71,7 @@ def test_tables_of_the_profile_give_the_same_cycle(cycle, tmp_path):
 
 def test_an_idle_chamber_keeps_its_charge(cycle):
     mass, angle = cycle.cycle["gas_mass"], cycle.cycle["angle"]
-    laid = lay(ideal().machine)
+    laid = laid_curves(ideal().machine)
     ends, born = math.degrees(laid.ends), math.degrees(laid.born)
     for idle in (angle > ends + 1.0, angle < born - 1.0):
         assert idle.sum() > 50
@@ -91,7 +91,7 @@ def test_formulas_of_the_gaps_leak_as_rotors_do_where_volume_and_ports_are_the_r
     """Volume and ports of (b) around the largest volume on an axis of 720°, all gaps by the formulas M22, M260–M263."""
     rotors = simulate(load(CONFIGS / "b.yaml", ("gas.model=ideal",)))
     scene = load(CONFIGS / "b.yaml")
-    curves, closes = lay(scene.machine).curves, lay(scene.machine).curves.suction_closes
+    curves, closes = laid_curves(scene.machine).curves, laid_curves(scene.machine).curves.suction_closes
     angle = np.arange(0.0, 721.0)
     around = np.radians(angle - 360.0) + closes
 

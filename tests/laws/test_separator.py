@@ -16,7 +16,7 @@ from screwsim.inputs.faults import SceneError
 from screwsim.scene import load, with_values
 from screwsim.scene.lines import lines
 from screwsim.simulate import simulate, simulate_many
-from screwsim.solve.start_up import steadily
+from screwsim.solve.start_up import steady_problem
 
 SOLUBILITY = "effects.refrigerant_solubility"
 CARRIED = {"oil.transport": "carried", "effects.separator": {}}
@@ -402,7 +402,7 @@ def test_a_shaft_whose_speed_follows_from_its_motor_is_found_together_with_the_o
     p = run(scene).performance
     assert p.mean_speed < 0.99 * p.no_load_speed
     assert p.oil_circuit_residual <= 3e-4
-    assert steadily(make(scene), 3.0).parts.oil.temperature == p.oil_supply_temperature  # a start begins from it
+    assert steady_problem(make(scene), 3.0).parts.oil.temperature == p.oil_supply_temperature  # a start begins from it
     held = {**COOLED["duty"], "effects.drive": drive, "operation.speed": f"{p.mean_speed * 30.0 / pi!r} rpm"}
     same = run(held).performance
     for name in ("shaft_power", "oil_supply_temperature", "gas_mass_flow"):

@@ -8,7 +8,7 @@ import pytest
 from each_row import each_row
 from scenes import DROP, closed, make, run
 
-from screwsim.cycle.pitch import POINTS, Pitch, Within, _slopes
+from screwsim.cycle.pitch import POINTS, Pitch, PitchQuadrature, _slopes
 from screwsim.effects import gas_torque
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.inputs.faults import SceneError
@@ -94,7 +94,7 @@ def test_the_swing_is_that_of_the_curve_not_of_its_points():
 def test_harmonics_are_amplitudes():
     phase = np.arange(360) / 360
     x = 2.0 * math.pi * phase
-    within = Within(phase, np.full(360, 1 / 360), phase, phase, None)
+    within = PitchQuadrature(phase, np.full(360, 1 / 360), phase, phase, None)
     found = within.harmonics(5.0 + 3.0 * np.cos(x + 0.3) + 0.5 * np.sin(3 * x), 4)
     assert found == pytest.approx([3.0, 0.0, 0.5, 0.0], abs=1e-12)
 
@@ -104,7 +104,7 @@ def test_a_curve_of_harmonics_keeps_none_of_those_that_its_angles_cannot_tell_ap
     ends, nodes, weights = np.linspace(-0.5, 0.5, 64), *np.polynomial.legendre.leggauss(3)
     half = 0.5 * np.diff(ends)[:, None]
     phase = (ends[:-1, None] + half * (1.0 + nodes)).ravel()
-    within = Within(phase, (half * weights).ravel(), phase, phase, None)
+    within = PitchQuadrature(phase, (half * weights).ravel(), phase, phase, None)
     x, k = 2.0 * math.pi * np.arange(21) / 21, np.arange(1, 11)[:, None]
     exact = 7.0 + (2.0 * (-1.0) ** (k + 1) / k * np.sin(k * x)).sum(axis=0)
     assert within.smooth(2.0 * math.pi * phase, 7.0, 21) == pytest.approx(exact, abs=2e-5)
@@ -152,7 +152,7 @@ def test_rotors_know_the_share_of_each():
     falling = np.minimum(exact, 0.0).sum(), np.where(exact < 0.0, male, 0.0).sum()
     assert falling[1] / falling[0] == pytest.approx(geometry.profile.rotors.sections.male_share, abs=0.02)
     pressure = np.where(exact < 0.0, 2e5, 1e5)
-    within = Within(np.arange(POINTS) / POINTS, np.full(POINTS, 1.0 / POINTS), pressure, slope, male)
+    within = PitchQuadrature(np.arange(POINTS) / POINTS, np.full(POINTS, 1.0 / POINTS), pressure, slope, male)
     curves = np.arange(POINTS), pressure, slope, male, 1e5, 50.0, 2e5
     pitch = Pitch(*curves, at=lambda _: (pressure, slope), steps=exact, within=lambda: within)
     shaft, female = gas_torque.on_rotors(gas_torque.Parameters(), pitch, 1.5)

@@ -10,7 +10,7 @@ from scenes import SOLUBLE, make
 
 from screwsim import simulate
 from screwsim.cycle.close import close
-from screwsim.cycle.guess import leased
+from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import Problem, Series, problem_of
 from screwsim.cycle.solution import CycleSolution
 from screwsim.evaluate.evaluation import balance, evaluate
@@ -100,19 +100,19 @@ def test_a_cycle_is_read_after_another_one_of_its_structure_was_solved(closing, 
     for shared in (False, True):
         series = Series() if shared else None
         problem, other = problem_of(slow, series), problem_of(fast, series)
-        machinery = leased(problem)
+        machinery = lease_for(problem)
         first = solve(problem, machinery).cycle
         leases.give_back(machinery)
         if shared:
             machinery = leases.lease(other.composition)  # the same one
-        second = solve(other, machinery if shared else leased(other)).cycle
+        second = solve(other, machinery if shared else lease_for(other)).cycle
         simulate(fast)
         assert all_of(problem, first) == alone, f"shared: {shared}"
         assert all_of(other, second) != alone, f"shared: {shared}"
 
 
 def solved(problem: Problem) -> tuple[Problem, CycleSolution]:
-    return problem, solve(problem, leased(problem)).cycle
+    return problem, solve(problem, lease_for(problem)).cycle
 
 
 def test_one_cycle_is_read_in_threads_as_alone():
@@ -140,11 +140,11 @@ def test_an_interrupted_solution_keeps_its_arrays_from_the_next():
         raise Stop
 
     problem = problem_of(make({}))
-    machinery = leased(problem)
+    machinery = lease_for(problem)
     machinery.watch = stop
     with pytest.raises(Stop):
         close(problem, machinery, problem.wanted)
-    assert leased(problem) is not machinery
+    assert lease_for(problem) is not machinery
 
 
 def test_threads_ask_coolprop_one_after_the_other(monkeypatch):
@@ -152,7 +152,7 @@ def test_threads_ask_coolprop_one_after_the_other(monkeypatch):
     fluids, pressures = ("R134a", "Propane", "Ammonia", "Water"), np.linspace(2e5, 2e6, 40).tolist()
     asked = [(fluid, p) for p in pressures for fluid in fluids]
     monkeypatch.setattr(constants, "append_line", lambda *_: None)  # nothing of it is kept
-    monkeypatch.setattr(constants, "_left", dict)  # nor was
+    monkeypatch.setattr(constants, "_stored_lines", dict)  # nor was
 
     def ask(pair: tuple[str, float]) -> tuple[float, float]:
         fluid, p = pair

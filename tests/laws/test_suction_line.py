@@ -9,7 +9,7 @@ from scenes import OIL_VOLUME, SOLUBLE_RATE, closed, make, run
 from test_capacity_control import SLIDE
 
 from screwsim.cycle.balances import streams_of
-from screwsim.cycle.feedback import line_left_open
+from screwsim.cycle.feedback import suction_line_imbalance
 from screwsim.cycle.problem import problem_of
 from screwsim.cycle.suction_line import Stream, held_of, mixed
 from screwsim.effects.base import OilSolution
@@ -197,15 +197,15 @@ def test_a_line_that_does_not_have_what_comes_to_it_is_never_ok():
     """A mixture that is no state of the gas leaves the line as it is on the way: what closes so is told, not given."""
     of, _, cycle = closed(make({**LINE, **REAL}))
     life, q = cycle.trajectory, cycle.q
-    assert line_left_open(of, life, q) == ""
+    assert suction_line_imbalance(of, life, q) == ""
     R = life.R.copy()
     R[R_SUCTION + ENTHALPY] *= 1.05
-    assert "does not settle: the enthalpy of its gas is" in line_left_open(of, life._replace(R=R), q)
+    assert "does not settle: the enthalpy of its gas is" in suction_line_imbalance(of, life._replace(R=R), q)
     streams = streams_of(of.composition, q).copy()
     streams[1, 1] += 1e6 * streams[0, 0]  # [J] that no vapour can lack
     q = q.copy()
     q[-streams.size :] = streams.ravel()
-    assert "an impossible mixture in the suction line" in line_left_open(of, life, q)
+    assert "an impossible mixture in the suction line" in suction_line_imbalance(of, life, q)
 
 
 # ---- leaks beside the chambers ----

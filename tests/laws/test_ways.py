@@ -5,7 +5,7 @@ from dataclasses import fields, replace
 import pytest
 from scenes import make
 
-from screwsim.cycle.ways import WAYS, Together
+from screwsim.cycle.ways import WAYS, SimultaneousClosing
 from screwsim.explain import explain
 from screwsim.numerics.settings import CLOSINGS, Closing, NumericsSettings
 from screwsim.simulate import simulate
@@ -13,7 +13,7 @@ from screwsim.simulate import simulate
 NAME = "half together"
 
 
-class HalfTogether(Together):
+class HalfTogether(SimultaneousClosing):
     """All chambers together, from a cycle that was closed so with ten times the tolerances."""
 
     instead = "numerics.closing: auto"

@@ -12,8 +12,8 @@ from screwsim.explain import explain
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.machine import paper_law
 from screwsim.machine.kinds import kind_of
-from screwsim.machine.moved_port import moved
-from screwsim.numerics.spline import shut
+from screwsim.machine.moved_port import moved_area
+from screwsim.numerics.spline import negligible_areas
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 POINT = CONFIGS / "paper" / "point.yaml"
@@ -61,7 +61,7 @@ def closes(found):
     """Return the angle from which on the discharge port is shut behind its widest."""
     angles, areas = found.discharge_law().rows
     widest = int(np.argmax(areas))
-    return angles[widest + np.flatnonzero(shut(areas)[widest:])[0]]
+    return angles[widest + np.flatnonzero(negligible_areas(areas)[widest:])[0]]
 
 
 @pytest.mark.parametrize("by_table", [True, False])
@@ -182,8 +182,8 @@ def test_a_table_whose_file_is_not_there_is_told_of_that_alone(tmp_path):
 
 def test_an_edge_that_meets_the_end_of_a_port_leaves_the_lesser_of_both():
     angles, areas = np.radians([400.0, 500.0, 520.0, 640.0, 720.0]), np.array([0.0, 0.0, 4.0, 4.0, 0.0])
-    at, area = moved(angles, areas, math.radians(690.0), 3.0)
+    at, area = moved_area(angles, areas, math.radians(690.0), 3.0)
     assert np.interp(np.radians([690.0, 720.0]), at, area) == pytest.approx([0.0, 0.0], abs=1e-12)
     assert 0.0 < area.max() < 2.0  # the shutting branch has less than half its width left at 690 deg
     with pytest.raises(UsageError, match="less than 10 deg before the end of discharge"):
-        moved(angles, areas, math.radians(711.0), 3.0)
+        moved_area(angles, areas, math.radians(711.0), 3.0)

@@ -14,11 +14,11 @@ from screwsim.effects import catalogue
 from screwsim.effects.base import FlowPath
 from screwsim.inputs.faults import UsageError
 from screwsim.machine import laws, profile_law
-from screwsim.machine.profile_law import lay
+from screwsim.machine.profile_law import laid_curves
 from screwsim.machine.profile_tables import BEND, KINK
 from screwsim.machine.protocol import BLOW_HOLE
 from screwsim.machine.rotors.flanks import FEW, female_flanks, male_flanks
-from screwsim.machine.rotors.rotors import KEPT
+from screwsim.machine.rotors.rotors import MOST_CACHED
 from screwsim.numerics.spline import pack_curve
 from screwsim.scene import load
 
@@ -49,7 +49,7 @@ def port(name: str, effect: str) -> FlowPath:
 
 @pytest.mark.parametrize("name", SCENES)
 def test_life_and_closing_are_whole_pitches_and_no_longer_than_they_must_be(name):
-    laid = lay(SCENES[name].machine)
+    laid = laid_curves(SCENES[name].machine)
     pitch = laid.rotors.pair.pitch
     for angle in (laid.life, laid.injection):
         assert angle / pitch == pytest.approx(round(angle / pitch), abs=1e-12)
@@ -60,7 +60,7 @@ def test_life_and_closing_are_whole_pitches_and_no_longer_than_they_must_be(name
 
 @pytest.mark.parametrize("name", SCENES)
 def test_volume_is_that_of_the_rotors_and_largest_where_suction_closes(name):
-    laid = lay(SCENES[name].machine)
+    laid = laid_curves(SCENES[name].machine)
     phi = np.radians(np.arange(0.0, laid.life / DEG, 0.37))
     exact = laid.rotors.volume(phi - laid.born + laid.rotors.start)
     packed = pack_curve(*laid.volume.curve)
@@ -76,7 +76,7 @@ def test_volume_is_that_of_the_rotors_and_largest_where_suction_closes(name):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_the_slope_of_the_table_is_that_of_the_rotors_at_every_row_on_both_sides(name):
-    laid = lay(SCENES[name].machine)
+    laid = laid_curves(SCENES[name].machine)
     exact = laid.rotors.volume_slope(laid.volume.angle - laid.born + laid.rotors.start)
     both = np.column_stack([exact[:-1], exact[1:]])
     assert laid.volume.slope == pytest.approx(both, abs=1e-12 * np.abs(exact).max())
@@ -85,7 +85,7 @@ def test_the_slope_of_the_table_is_that_of_the_rotors_at_every_row_on_both_sides
 @pytest.mark.parametrize("name", SCENES)
 def test_steps_end_where_a_curve_bends(name):
     """Off the breakpoints the second derivative of V changes little from row to row, and no area has a kink."""
-    laid = lay(SCENES[name].machine)
+    laid = laid_curves(SCENES[name].machine)
     angle, slope = laid.volume.angle, laid.volume.slope[:, 0]
     bends = np.diff(slope) / np.diff(angle[:-1]) / laid.swept
     free = _free(laid.volume, 2.0 * DEG)[:-1]
@@ -103,7 +103,7 @@ def _free(table, distance):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_an_idle_chamber_has_no_opening_and_its_volume_rests(name):
-    laid, geometry = lay(SCENES[name].machine), build_parts(SCENES[name]).geometry
+    laid, geometry = laid_curves(SCENES[name].machine), build_parts(SCENES[name]).geometry
     before, after = np.linspace(0.0, laid.born - 1e-9, 20), np.linspace(laid.ends + 1e-9, laid.life, 20)
     for _, path in paths(name):
         offset, own = path.offset, np.concatenate([before, after])
@@ -117,7 +117,7 @@ def test_an_idle_chamber_has_no_opening_and_its_volume_rests(name):
 
 @pytest.mark.parametrize("name", ["b", "c"])
 def test_areas_are_clearance_times_the_lengths_of_the_geometry(name):
-    laid, clearance = lay(SCENES[name].machine), 40e-6
+    laid, clearance = laid_curves(SCENES[name].machine), 40e-6
     for gap, groups in profile_law.PATHS.items():
         found = [path for own, path in paths(name) if gap in catalogue()[own].needs]
         assert [path.offset for path in found] == [one.offset for one in laid.interfaces[gap]]
@@ -144,7 +144,7 @@ def test_areas_are_clearance_times_the_lengths_of_the_geometry(name):
 @pytest.mark.parametrize("name", SCENES)
 def test_paths_on_the_suction_side_open_as_suction_closes(name):
     """The blow-hole at the suction cusp is whole when suction closes, and nothing 30° before."""
-    laid = lay(SCENES[name].machine)
+    laid = laid_curves(SCENES[name].machine)
     pitch, table = laid.rotors.pair.pitch, laid.interfaces[BLOW_HOLE][1].table
     before, closed = (np.interp(laid.injection - pitch - x, table.angle, table.value) for x in (30.0 * DEG, 0.0))
     assert before < 1e-6 * table.value.max()
@@ -154,7 +154,7 @@ def test_paths_on_the_suction_side_open_as_suction_closes(name):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_the_port_opens_at_the_built_in_ratio_and_suction_is_shut_from_the_largest_volume_on(name):
-    laid, discharge = lay(SCENES[name].machine), port(name, "discharge_port")
+    laid, discharge = laid_curves(SCENES[name].machine), port(name, "discharge_port")
     volume = laid.rotors.volume(np.array([laid.opens - laid.born + laid.rotors.start]))[0]
     assert laid.swept / volume == pytest.approx(3.2, rel=1e-9)
     assert not area(discharge, [laid.opens - 1.001 * DEG]).any()
@@ -165,10 +165,10 @@ def test_the_port_opens_at_the_built_in_ratio_and_suction_is_shut_from_the_large
 def test_the_same_rotors_are_computed_once():
     machine = SCENES["b"].machine
     other = replace(machine, built_in_volume_ratio=2.6)
-    assert lay(machine) is lay(replace(machine))
-    assert lay(other).rotors is lay(machine).rotors
+    assert laid_curves(machine) is laid_curves(replace(machine))
+    assert laid_curves(other).rotors is laid_curves(machine).rotors
     longer = replace(machine, rotor_length=0.2)
-    assert lay(longer).rotors.chain is lay(machine).rotors.chain
+    assert laid_curves(longer).rotors.chain is laid_curves(machine).rotors.chain
 
 
 def test_a_given_blow_hole_scales_the_profile_s():
@@ -179,18 +179,18 @@ def test_a_given_blow_hole_scales_the_profile_s():
 
 def test_without_a_ratio_there_is_one_line():
     with pytest.raises(UsageError, match=r"^machine.built_in_volume_ratio: is missing"):
-        lay(replace(SCENES["b"].machine, built_in_volume_ratio=None))
+        laid_curves(replace(SCENES["b"].machine, built_in_volume_ratio=None))
 
 
 def test_of_many_profiles_no_more_are_kept_than_is_stated():
     machine, made = SCENES["b"].machine, []
-    for i in range(KEPT + 10):
+    for i in range(MOST_CACHED + 10):
         radius = machine.profile.flank_radius + 1e-6 * (i + 1)
-        laid = lay(replace(machine, profile=replace(machine.profile, flank_radius=radius)))
+        laid = laid_curves(replace(machine, profile=replace(machine.profile, flank_radius=radius)))
         flanks = male_flanks(laid.rotors.pair, laid.rotors.chain), female_flanks(laid.rotors.pair, laid.rotors.chain)
         made.append([weakref.ref(each) for each in (laid, laid.rotors, laid.rotors.chain, *flanks)])
     del laid, flanks
     gc.collect()
     alive = [sum(each() is not None for each in kind) for kind in zip(*made, strict=True)]
-    assert alive[:3] == [KEPT] * 3  # the last ones, with their rotors and chains
+    assert alive[:3] == [MOST_CACHED] * 3  # the last ones, with their rotors and chains
     assert alive[3:] == [FEW] * 2

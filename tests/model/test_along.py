@@ -8,7 +8,7 @@ import pytest
 from scenes import OF_ALL_STREAMS, closed, make
 
 from screwsim.model import compiled
-from screwsim.model.contexts import Changes, CoupledContext, Sides
+from screwsim.model.contexts import Changes, CoupledContext, ShiftedArguments
 from screwsim.model.run import Context
 from screwsim.model.slots import FREE, PORT_STATE
 from screwsim.scene import load
@@ -50,9 +50,9 @@ class Rates:
     def along(self, change):
         """Return the rates, and their change along that of all they take."""
         f, g, f_along, g_along = *self.empty(), *self.empty()
-        names = Sides._fields
+        names = ShiftedArguments._fields
         rows = [[self.base[n] + sign * STEP * change[n] for sign in (1.0, -1.0, 0.0)] for n in names]
-        sides, changes = Context(Sides(*map(np.array, rows))), Context(Changes(**change))
+        sides, changes = Context(ShiftedArguments(*map(np.array, rows))), Context(Changes(**change))
         context = self.context(*(self.base[name] for name in names))
         asked = ANGLES, ANGLES, self.base["y"], context, self.c.n_E_all, sides, STEP, changes
         self.module.slices__rates_along_all(*asked, f, g, f_along, g_along)

@@ -9,9 +9,9 @@ import pytest
 from each_row import each_row
 from scenes import DROP, ECONOMIZER, FRICTION, HELD_GAPS, OIL_PORT, OIL_VOLUME, PUMPED_PORT, SOLUBLE, SOLUBLE_RATE, make
 
-from screwsim.build import Stock, build_parts
+from screwsim.build import PartsCache, build_parts
 from screwsim.model.compose import compose
-from screwsim.model.renumbered import renumbered
+from screwsim.model.renumbering import renumbered
 from screwsim.model.series import Composer
 from screwsim.scene import load, with_values
 from screwsim.study.local import numeric_paths
@@ -47,10 +47,10 @@ class Shared:
     """One series of scenes."""
 
     def __init__(self):
-        self.stock, self.composer = Stock(), Composer()
+        self.parts_cache, self.composer = PartsCache(), Composer()
 
     def __call__(self, scene):
-        return self.composer.compose(build_parts(scene, self.stock))
+        return self.composer.compose(build_parts(scene, self.parts_cache))
 
 
 def assert_same(one, other):
@@ -99,7 +99,7 @@ def test_what_decides_on_the_structure_is_composed_anew():
 def test_what_is_lent_knows_the_same_and_keeps_nothing_for_its_lender():
     scene, shared = make(), Shared()
     first, lent = shared(scene), Shared()
-    lent.stock, lent.composer = shared.stock.lent(), shared.composer.lent()
+    lent.parts_cache, lent.composer = shared.parts_cache.lent(), shared.composer.lent()
     assert lent(scene).recipe is first.recipe
     for volume in np.linspace(5e-4, 7e-4, 20).tolist():  # more than are kept
         lent(with_values(scene, {"machine.volume.max": volume}))
@@ -113,7 +113,7 @@ SHIPPED = ("paper/point", "r134a/point", "r454b/point", "expander/point", "air/m
 @pytest.mark.parametrize("name", SHIPPED)
 def test_another_number_of_a_scene_needs_no_text_and_gives_what_composing_does(name):
     """Of its gas, too: a temperature of suction is one of an ideal gas's constants."""
-    scene, stock = load(CONFIGS / f"{name}.yaml"), Stock()
+    scene, stock = load(CONFIGS / f"{name}.yaml"), PartsCache()
     before = build_parts(scene, stock)
     composition = compose(before)
     for path, value in numeric_paths(scene)[0].items():

@@ -4,10 +4,10 @@ from dataclasses import FrozenInstanceError, dataclass, field, replace
 
 import pytest
 
-from screwsim.numerics.at_once import at_once
+from screwsim.numerics.frozen import fast_init
 
 
-@at_once
+@fast_init
 @dataclass(frozen=True)
 class Quick:
     x: float

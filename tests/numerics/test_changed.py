@@ -6,8 +6,8 @@ from typing import Protocol
 import pytest
 from each_row import each_row
 
-from screwsim.numerics.at_once import at_once, changed
-from screwsim.numerics.remembered import once
+from screwsim.numerics.frozen import fast_init, with_changes
+from screwsim.numerics.identity_cache import once
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class OfProtocol(Kind):
     more: dict[str, float] = field(default_factory=dict)
 
 
-@at_once
+@fast_init
 @dataclass(frozen=True)
 class Checked:
     a: float
@@ -56,7 +56,7 @@ EVERY = [Plain(1.0, (2,)), OfProtocol(1.0, {"x": 2.0}), Checked(1.0), Slotted(1.
 
 @each_row("of", EVERY, ids=lambda of: type(of).__name__)
 def test_another_value_gives_what_replacing_does(of):
-    found = changed(of, a=5.0)
+    found = with_changes(of, a=5.0)
     assert found == replace(of, a=5.0)
     assert type(found) is type(of)
     assert of.a == 1.0
@@ -65,14 +65,14 @@ def test_another_value_gives_what_replacing_does(of):
 def test_what_was_found_of_the_other_is_found_anew():
     of = Plain(1.0)
     assert of.double == 2.0
-    assert changed(of, a=4.0).double == 8.0
+    assert with_changes(of, a=4.0).double == 8.0
 
 
 def test_what_is_checked_is_checked_again():
     with pytest.raises(ValueError, match="negative"):
-        changed(Checked(1.0), a=-1.0)
+        with_changes(Checked(1.0), a=-1.0)
 
 
 def test_an_unknown_field_is_told():
     with pytest.raises(TypeError, match="c"):
-        changed(Plain(1.0), c=2.0)
+        with_changes(Plain(1.0), c=2.0)

@@ -15,7 +15,7 @@ import screwsim
 from screwsim.build.parts import build_parts
 from screwsim.fluid import nozzle
 from screwsim.numerics import folder, kept_text, sources, store
-from screwsim.numerics.kernel import Kernel, flatten, kernel, spelled
+from screwsim.numerics.kernel import Kernel, flatten, kernel, kernels_digest
 from screwsim.scene import load
 
 SCALE = 2.0
@@ -100,9 +100,9 @@ def test_code_that_was_edited_after_this_process_began_keeps_and_reads_nothing(h
     found(Counted("of the edited code"))
     with monkeypatch.context() as patch:
         patch.setattr(screwsim, "BEGAN", Path(sources.__file__).stat().st_ctime)
-        sources.of_folders.cache_clear()
+        sources.folders_digest.cache_clear()
         assert found(Counted("of the old")) == "of the old"
-    sources.of_folders.cache_clear()
+    sources.folders_digest.cache_clear()
     assert found(Counted("written again")) == "of the edited code"
 
 
@@ -116,16 +116,16 @@ EDITS = {
 
 @pytest.mark.parametrize("edit", EDITS.values(), ids=EDITS)
 def test_an_edit_of_a_kernel_or_of_all_it_uses_makes_another(monkeypatch, edit):
-    before, text = spelled((outer,)), flatten((outer,))
+    before, text = kernels_digest((outer,)), flatten((outer,))
     edit(monkeypatch)
     assert flatten((outer,)) != text
-    assert spelled((outer,)) != before
+    assert kernels_digest((outer,)) != before
 
 
 def test_what_no_kernel_uses_makes_no_other(monkeypatch):
-    before = spelled((outer,))
+    before = kernels_digest((outer,))
     monkeypatch.setitem(outer.function.__globals__, "BESIDE", 4.0)
-    assert spelled((outer,)) == before
+    assert kernels_digest((outer,)) == before
 
 
 def test_the_digest_of_folders_is_that_of_the_texts_in_them(tmp_path, monkeypatch):
@@ -135,11 +135,11 @@ def test_the_digest_of_folders_is_that_of_the_texts_in_them(tmp_path, monkeypatc
     (package / "model" / "network" / "flows.py").write_text("A = 1\n")
     monkeypatch.setattr(sources, "__file__", str(package / "numerics" / "sources.py"))
     monkeypatch.setattr(screwsim, "BEGAN", math.inf)
-    first = sources.of_folders.__wrapped__("model", "numerics")
+    first = sources.folders_digest.__wrapped__("model", "numerics")
     (package / "cli" / "words.py").write_text("B = 1\n")
-    assert sources.of_folders.__wrapped__("model", "numerics") == first
+    assert sources.folders_digest.__wrapped__("model", "numerics") == first
     (package / "model" / "network" / "flows.py").write_text("A = 2\n")
-    assert sources.of_folders.__wrapped__("model", "numerics") != first
+    assert sources.folders_digest.__wrapped__("model", "numerics") != first
 
 
 COMPOSED = """

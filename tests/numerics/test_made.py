@@ -3,9 +3,16 @@
 import numpy as np
 import pytest
 
-from screwsim.numerics.made import Entries, Entry
+from screwsim.numerics.feedback_unknowns import FeedbackUnknown, FeedbackUnknowns
 
-ENTRIES = Entries([Entry("h"), Entry("x", floor=1e-4), Entry("T", of="x"), Entry("shift", scale=0.5)])
+ENTRIES = FeedbackUnknowns(
+    [
+        FeedbackUnknown("h"),
+        FeedbackUnknown("x", floor=1e-4),
+        FeedbackUnknown("T", of="x"),
+        FeedbackUnknown("shift", scale=0.5),
+    ]
+)
 
 
 def test_changes_are_relative_or_over_the_scale():
@@ -41,7 +48,7 @@ def test_only_what_goes_in_its_logarithm_must_be_positive():
 
 
 def test_a_number_above_its_least_changes_by_what_it_is_above():
-    entries = Entries([Entry("offset", shift=1.0), Entry("swing", scale=1.0)])
+    entries = FeedbackUnknowns([FeedbackUnknown("offset", shift=1.0), FeedbackUnknown("swing", scale=1.0)])
     old = np.array([-0.99, 0.5])
     assert entries.change(np.array([-0.98, 0.5]), old) == pytest.approx(1.0)
     assert entries.values(entries.coordinates(old), old) == pytest.approx(old)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from screwsim.numerics.remembered import once
+from screwsim.numerics.identity_cache import once
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from screwsim.numerics.periodic import Anderson
+from screwsim.numerics.anderson import Anderson
 
 
 def iterate(accelerate, image_of, x, steps):

@@ -5,14 +5,14 @@ import threading
 import numpy as np
 import pytest
 
-from screwsim.numerics import reused
-from screwsim.numerics.reused import LEAST, empty, zeros
+from screwsim.numerics import reused_arrays
+from screwsim.numerics.reused_arrays import LEAST, empty, zeros
 
 
 @pytest.fixture(autouse=True)
 def own(monkeypatch):
     """Blocks of this test alone."""
-    monkeypatch.setattr(reused, "_kept", reused._Kept())
+    monkeypatch.setattr(reused_arrays, "_kept", reused_arrays._ThreadBlocks())
 
 
 def test_what_nobody_holds_is_given_out_again():
@@ -49,9 +49,9 @@ def test_the_smallest_block_that_does_is_taken():
 
 
 def test_no_more_is_kept_than_its_bound(monkeypatch):
-    monkeypatch.setattr(reused, "MOST", 4 * LEAST)
+    monkeypatch.setattr(reused_arrays, "MOST", 4 * LEAST)
     held = [empty(LEAST) for _ in range(6)]
-    assert sum(each.size for each in reused._kept.blocks) <= 4 * LEAST
+    assert sum(each.size for each in reused_arrays._kept.blocks) <= 4 * LEAST
     assert not any(np.shares_memory(one, other) for i, one in enumerate(held) for other in held[:i])
 
 

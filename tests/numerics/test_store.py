@@ -71,7 +71,7 @@ def test_damaged_lines_are_left_out(here):
     held = (here / "lines").read_bytes().replace(b" two", b" twp")
     (here / "lines").write_bytes(held + b"torn")
     store.append_line("lines", "four", 10_000)
-    assert [*filter(None, map(store.sound, store.read_lines("lines", 10_000)))] == ["one", "three", "four"]
+    assert [*filter(None, map(store.checked_line, store.read_lines("lines", 10_000)))] == ["one", "three", "four"]
 
 
 def test_a_full_disk_is_told_once_and_no_error(here, capsys, monkeypatch):

@@ -10,9 +10,9 @@ from scipy.interpolate import CubicSpline
 
 from screwsim.outputs import Figures
 from screwsim.report import rotors_page
-from screwsim.report.families import family, layout_of, optimum
+from screwsim.report.families import curves_of_slice, layout_of, optimum
 from screwsim.report.page import data, report, tables
-from screwsim.report.rotors_scene import laid_of
+from screwsim.report.rotors_scene import curves_of
 from screwsim.results import open_results
 from screwsim.scene import load
 
@@ -172,7 +172,7 @@ def test_the_optima_are_those_of_the_printed_figure(window, pages):
     results = open_results(path)
     layout = layout_of(results)
     assert layout is not None
-    curves = family(results, layout, {}, None, "isothermal_efficiency")
+    curves = curves_of_slice(results, layout, {}, None, "isothermal_efficiency")
     wanted = [optimum(curve.x, curve.y) for curve in curves]
     with Seen(window, html) as seen:
         script = "document.getElementById('overview').data.find((t) => t.name === 'optimum')"
@@ -323,7 +323,7 @@ def test_a_map_of_few_values_is_drawn_on_more(window, pages):
 
 @pytest.mark.parametrize("size", SIZES)
 def test_the_page_of_rotors_has_the_theme_of_the_reader(window, tmp_path, size):
-    laid = laid_of(load(Path(__file__).parents[2] / "configs" / "rotors" / "c.yaml"))
+    laid = curves_of(load(Path(__file__).parents[2] / "configs" / "rotors" / "c.yaml"))
     (tmp_path / "rotors.html").write_text(rotors_page.page(laid, "rotors"), encoding="utf-8")
     width, height = SIZES[size]
     seen = []

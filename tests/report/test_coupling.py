@@ -11,7 +11,7 @@ from screwsim.report.style import journal
 pytestmark = pytest.mark.around
 COUPLING = RubberCordCoupling()
 DRAWN = RubberCordCoupling(cords=60, lean_plus=radians(36.0), lean_minus=radians(36.0))
-LEANS = (figures.Lean(radians(27.9), radians(21.9), radians(34.1)),)
+LEANS = (figures.CordLean(radians(27.9), radians(21.9), radians(34.1)),)
 
 
 def draw(name):

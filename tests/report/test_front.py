@@ -14,7 +14,7 @@ from seek_fakes import RPM, choosing
 
 from screwsim.report import front, plot, samples
 from screwsim.report.page import page_of
-from screwsim.report.page.best import best
+from screwsim.report.page.best import best_table
 from screwsim.results import open_results
 from screwsim.scene import loads
 from screwsim.study.optimize import optimize
@@ -87,7 +87,7 @@ def test_the_page_of_several_aims_shows_a_front_in_order(files):
     results = open_results(files["two"])
     words = read(page_of(results))
     assert "Search for the highest gas mass flow and lowest shaft power, 120 evaluations" in words
-    found = best(results)
+    found = best_table(results)
     numbers = [int(line[-1]) for line in found.rows]
     aim = results.optimum["aim_gas_mass_flow"][numbers]
     assert len(numbers) == 12 and np.all(results.optimum["front"][numbers] == 1) and np.all(np.diff(aim) >= 0.0)

@@ -7,10 +7,10 @@ from screwsim.inputs.faults import UsageError
 from screwsim.report.indicated import (
     Indicated,
     check_angles,
+    deviation_in_words,
     draw_over_angle,
     draw_over_volume,
     read_indicated,
-    told,
 )
 from screwsim.report.trace import Trace
 
@@ -51,7 +51,7 @@ def test_what_cannot_be_read_is_told_in_one_line(tmp_path, text, what):
 
 def test_what_is_said_is_the_difference_at_the_points():
     points = Indicated(np.array([100.0, 300.0]), np.array([2.0e5, 3.7e5]))  # the cycle has 2 and 4 bar there
-    assert told(points, TRACE) == (
+    assert deviation_in_words(points, TRACE) == (
         "computed minus measured at 2 points: mean +0.15 bar, root mean square 0.212 bar, largest +0.3 bar at 300 deg"
     )
 

@@ -163,20 +163,20 @@ def test_packed_numbers_come_back(pump):
 
 def test_a_trace_comes_back_within_half_a_step_and_keeps_its_gaps():
     trace = np.array([[np.nan, 1.0, 2.0, 5.0], [3.0, 3.0, 3.0, 3.0], [np.nan] * 4])
-    packed = {name: base64.b64decode(value) for name, value in pack.steps(trace).items()}
+    packed = {name: base64.b64decode(value) for name, value in pack.quantised(trace).items()}
     steps = np.frombuffer(packed["steps"], "<u2").reshape(trace.shape).astype(float)
     low, span = (np.frombuffer(packed[name], "<f4")[:, None] for name in ("low", "span"))
-    back = np.where(steps > pack.STEPS, np.nan, low + span * steps / pack.STEPS)
+    back = np.where(steps > pack.QUANTISATION_STEPS, np.nan, low + span * steps / pack.QUANTISATION_STEPS)
     assert np.array_equal(np.isnan(back), np.isnan(trace))
     there = np.isfinite(trace)
-    assert np.max(np.abs(back - trace)[there]) <= 0.5 * 4.0 / pack.STEPS * (1.0 + 1e-6)
+    assert np.max(np.abs(back - trace)[there]) <= 0.5 * 4.0 / pack.QUANTISATION_STEPS * (1.0 + 1e-6)
 
 
 def test_thinned_traces_lie_off_by_what_is_stated():
     angle = np.arange(721.0)
     trace = np.array([np.exp(-(((angle - 600.0) / 4.0) ** 2)), np.sin(np.radians(angle))])
     trace[:, :90] = np.nan
-    thinned = pack.thin(angle, {"p": trace}, 1e-3)
+    thinned = pack.reduce_angles(angle, {"p": trace}, 1e-3)
     lines = [np.interp(angle[90:], angle[thinned.kept], row[thinned.kept]) for row in trace]
     off = np.max(np.abs(np.array(lines) - trace[:, 90:]))
     assert off == pytest.approx(thinned.deviation["p"], rel=1e-9)

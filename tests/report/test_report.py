@@ -34,11 +34,11 @@ from screwsim.outputs import Figures, Result
 from screwsim.report import cycle as cycle_figures
 from screwsim.report import ledger, maps, outcome, plot, samples, sweeps
 from screwsim.report.annotate import spread
-from screwsim.report.families import arc, optimum
+from screwsim.report.families import optimum, optimum_arc
 from screwsim.report.quantities import shown_axis
 from screwsim.report.style import COLOURS, DOUBLE, MM, SINGLE, journal, line_style
 from screwsim.report.trace import chosen_trace
-from screwsim.results import Results, open_results, warned
+from screwsim.results import Results, open_results, warning_kinds
 from screwsim.scene import loads
 from screwsim.study.sweep import run_sweep
 
@@ -238,13 +238,13 @@ def test_the_optimum_of_a_parabola_in_ln_d_is_exact():
 
 def test_the_arc_of_an_optimum_goes_through_the_three_best_points():
     x, y = np.geomspace(0.5, 8.0, 5), np.array([3.0, 4.0, 3.7, 2.0, 1.0])
-    found, top = arc(x, y), optimum(x, y)
+    found, top = optimum_arc(x, y), optimum(x, y)
     assert found is not None and top is not None
     places, heights = found
     assert (places[0], places[-1]) == pytest.approx((x[0], x[2]), rel=1e-12)
     assert np.interp(np.log(x[:3]), np.log(places), heights) == pytest.approx(y[:3], rel=1e-12)
     assert heights.max() == pytest.approx(top[1], rel=1e-4)  # the nearest of its points
-    assert arc(x, np.arange(5.0)) is None
+    assert optimum_arc(x, np.arange(5.0)) is None
 
 
 def test_every_optimum_lies_on_a_drawn_line(tmp_path):
@@ -335,7 +335,7 @@ def test_many_curves_get_lighter_and_lighter():
 
 
 def test_the_ledger_of_an_expander_leads_from_the_gas_to_the_shaft():
-    bars = ledger.steps(expanding_ledger())
+    bars = ledger.waterfall_bars(expanding_ledger())
     assert (bars[0].words, bars[-1].words) == ("exergy given by the gas", "power at the shaft")
     assert all(bar.total for bar in (bars[0], bars[-1])) and bars[0].power > 0.0 < bars[-1].power
     assert bars[0].power - sum(bar.power for bar in bars[1:-1]) == pytest.approx(
@@ -379,15 +379,18 @@ def test_of_many_curves_a_few_are_drawn_with_both_ends(of_kind):
 
 
 def test_a_caption_is_cut_between_words():
-    text = warned.caption(["word " * 30 + "12.5"])
-    assert text.endswith("word …") and len(text) < warned.LONGEST + 12
-    assert warned.caption([]) == "" and warned.caption([WARNING]) == f"warning: {WARNING}"
+    text = warning_kinds.warning_caption(["word " * 30 + "12.5"])
+    assert text.endswith("word …") and len(text) < warning_kinds.LONGEST + 12
+    assert warning_kinds.warning_caption([]) == "" and warning_kinds.warning_caption([WARNING]) == f"warning: {WARNING}"
 
 
 def test_a_file_that_keeps_no_warnings_is_drawn_as_one_without(tmp_path):
     path = without_warnings(file(tmp_path / "x.h5", SLOW, some_warn))
     assert {figure.get_suptitle() for figure in drawn(path, only="states").values()} == {""}
-    assert not warned.warns(open_results(path)).any() and warned.kinds(open_results(path)) == ()
+    assert (
+        not warning_kinds.cases_with_warnings(open_results(path)).any()
+        and warning_kinds.warning_kinds_of_file(open_results(path)) == ()
+    )
 
 
 @pytest.mark.parametrize("y", [[1.0, 2.0, 3.0], [3.0, 2.0, 1.0], [1.0, 2.0]])
@@ -403,7 +406,7 @@ def test_labels_spread_keep_their_order_and_distance():
 
 
 def test_the_waterfall_goes_from_the_shaft_power_to_the_gas():
-    bars = ledger.steps(LEDGER)
+    bars = ledger.waterfall_bars(LEDGER)
     assert [bar.words for bar in bars] == [
         "shaft power",
         "tip leakage",

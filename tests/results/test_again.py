@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import screwsim
 from screwsim.results import open_results
-from screwsim.results.again import scene_text
+from screwsim.results.stored_scene import scene_text
 from screwsim.results.write import save
 
 

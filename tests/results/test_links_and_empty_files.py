@@ -7,7 +7,7 @@ import pytest
 
 from screwsim.cli import exit_code
 from screwsim.inputs.faults import UsageError
-from screwsim.results.atomic import HDF5, followed, holds, keep_others, write_text
+from screwsim.results.atomic import HDF5_SIGNATURE, has_content, link_target, protect_others, write_text
 from screwsim.results.write import Draft
 from screwsim.scene import load
 from screwsim.study.optimize import store
@@ -35,7 +35,7 @@ def test_results_go_where_a_link_leads(command, linked):
     link, there = linked
     for _ in range(2):  # nothing there, then what lies there
         assert exit_code([*command, *ROUGH, "-o", str(link)]) == 0
-        assert link.is_symlink() and holds(there) and not there.is_symlink()
+        assert link.is_symlink() and has_content(there) and not there.is_symlink()
     assert sorted(path.name for path in link.parent.iterdir()) == ["link.h5", "there"]
     assert [path.name for path in there.parent.iterdir()] == ["out.h5"]
 
@@ -47,7 +47,7 @@ def test_a_text_goes_where_a_chain_of_links_leads(tmp_path):
     write_text(other, "x,y\n")
     assert (tmp_path / "c.csv").read_text(encoding="utf-8") == "x,y\n"
     assert other.is_symlink() and (tmp_path / "b.csv").is_symlink()
-    assert followed(tmp_path / "c.csv") == tmp_path / "c.csv"
+    assert link_target(tmp_path / "c.csv") == tmp_path / "c.csv"
 
 
 def test_two_sweeps_by_two_links_to_one_file_are_not_written_at_once(linked, tmp_path):
@@ -70,14 +70,14 @@ def test_an_empty_file_is_replaced(command, tmp_path):
     output = tmp_path / "made_ahead.h5"
     output.touch()
     assert exit_code([*command, *ROUGH, "-o", str(output)]) == 0
-    assert output.read_bytes().startswith(HDF5)
+    assert output.read_bytes().startswith(HDF5_SIGNATURE)
 
 
 def test_a_file_with_one_byte_is_kept(tmp_path):
     mine = tmp_path / "mine.h5"
     mine.write_bytes(b"\x89")
     with pytest.raises(UsageError, match="is not a file of this kind"):
-        keep_others(mine, HDF5)
+        protect_others(mine, HDF5_SIGNATURE)
 
 
 @pytest.mark.parametrize("what", ["foreign", "run"])
@@ -98,7 +98,7 @@ def test_an_optimisation_that_begins_anew_replaces_an_optimisation_only(what, tm
     own = tmp_path / "own.h5"
     for _ in range(2):
         assert exit_code(["optimize", POINT, *WANTED, *ROUGH, "--jobs", "1", "--restart", "-o", str(own)]) == 0
-    assert store.read_attributes(own)["history"].endswith(f" {store.COMMAND}")
+    assert store.read_attributes(own)["history"].endswith(f" {store.COMMAND_NAME}")
 
 
 def test_a_sweep_into_a_pipe_computes_nothing(tmp_path):
@@ -108,6 +108,6 @@ def test_a_sweep_into_a_pipe_computes_nothing(tmp_path):
     def forbidden(scene):
         raise AssertionError("a case was computed")
 
-    assert holds(pipe) and holds(tmp_path) and not holds(tmp_path / "none")
+    assert has_content(pipe) and has_content(tmp_path) and not has_content(tmp_path / "none")
     with pytest.raises(UsageError, match="is a pipe or a device, not a file"):
         run_sweep(load(POINT, SWEEP[1:2]), pipe, jobs=1, simulate=forbidden)

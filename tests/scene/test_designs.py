@@ -5,7 +5,7 @@ import math
 import pytest
 
 from screwsim.inputs.faults import SceneError
-from screwsim.scene import case_count, case_values, dimensions, loads, only
+from screwsim.scene import case_count, case_values, dimensions, loads, with_sweep_over
 from screwsim.scene.sweep import draw
 
 SAMPLE = (
@@ -89,9 +89,9 @@ def test_an_axis_is_read_from_a_column_of_a_csv_file(example, tmp_path):
 
 def test_a_part_of_a_sweep_keeps_what_varies_together(example):
     scene = swept(example, "{zip: [{oil_supply.ratio: [1, 2], machine.male_lobes: [3, 4]}], operation.speed: [1 rpm]}")
-    one = only(scene, ["machine.male_lobes", "operation.speed"])
+    one = with_sweep_over(scene, ["machine.male_lobes", "operation.speed"])
     assert [each.name for each in dimensions(one)] == ["case", "operation.speed"]
-    assert [each.name for each in dimensions(only(scene, ["operation.speed"]))] == ["operation.speed"]
+    assert [each.name for each in dimensions(with_sweep_over(scene, ["operation.speed"]))] == ["operation.speed"]
 
 
 def test_settings_of_a_sample_are_changed_from_outside(example):

@@ -6,9 +6,9 @@ import pytest
 from each_row import each_row
 
 from screwsim.effects import catalogue
-from screwsim.inputs.near import containing, ending, nearest
+from screwsim.inputs.suggestions import names_containing, nearest, paths_ending_in
 from screwsim.outputs import PERFORMANCE
-from screwsim.scene.fields import leaf_paths, unknown
+from screwsim.scene.fields import leaf_paths, unknown_key
 
 PARAMETERS = {name: effect.parameters for name, effect in catalogue().items()}
 LEAVES = leaf_paths(PARAMETERS)
@@ -69,9 +69,9 @@ def test_no_name_that_a_scene_knows_is_mended_into_another():
 
 
 def test_a_key_is_found_where_it_belongs():
-    assert ending("speed", leaf_paths({})) == ["operation.speed"]
-    assert ending("suction.pressure", LEAVES) == ["operation.suction.pressure"]
-    assert containing("lobes", ["male_lobes", "female_lobes", "kind"]) == ["male_lobes", "female_lobes"]
+    assert paths_ending_in("speed", leaf_paths({})) == ["operation.speed"]
+    assert paths_ending_in("suction.pressure", LEAVES) == ["operation.suction.pressure"]
+    assert names_containing("lobes", ["male_lobes", "female_lobes", "kind"]) == ["male_lobes", "female_lobes"]
 
 
 @each_row(
@@ -85,4 +85,4 @@ def test_a_key_is_found_where_it_belongs():
     ],
 )
 def test_a_path_is_told_where_its_key_belongs(name, told):
-    assert told in unknown(name, leaf_paths({"tip_leakage": PARAMETERS["tip_leakage"]}), "a dotted path")
+    assert told in unknown_key(name, leaf_paths({"tip_leakage": PARAMETERS["tip_leakage"]}), "a dotted path")

@@ -11,7 +11,7 @@ from screwsim.effects import catalogue
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import SceneError
 from screwsim.machine.kinds import MACHINES
-from screwsim.machine.profile_law import lay
+from screwsim.machine.profile_law import laid_curves
 from screwsim.machine.rotors.export import lobe_csv
 from screwsim.scene import load
 from screwsim.scene.fields import leaf_paths
@@ -277,7 +277,7 @@ def by_points(lobe):
 def test_a_lobe_of_the_other_hand_is_warned_of(tmp_path):
     """Its larger blow-hole is that of high pressure, which no maker wants."""
     b = CONFIGS / "rotors" / "b.yaml"
-    head, *rows = lobe_csv(lay(load(b).machine).rotors).splitlines()
+    head, *rows = lobe_csv(laid_curves(load(b).machine).rotors).splitlines()
     turned = [f"{x},{-float(y)!r}" for x, y in (row.split(",") for row in reversed(rows))]
     for name, lines in (("right.csv", rows), ("other.csv", turned)):
         (tmp_path / name).write_text("\n".join([head, *lines]) + "\n")
@@ -289,7 +289,7 @@ def test_a_lobe_of_the_other_hand_is_warned_of(tmp_path):
 def test_points_of_a_profile_are_those_of_the_rotor_diameter(tmp_path):
     b = CONFIGS / "rotors" / "b.yaml"
     lobe = tmp_path / "lobe.csv"
-    lobe.write_text(lobe_csv(lay(load(b).machine).rotors))
+    lobe.write_text(lobe_csv(laid_curves(load(b).machine).rotors))
     points = by_points(lobe)
     load(b, overrides=points)
     line = said(b, *points, "machine.rotor_diameter=170 mm")

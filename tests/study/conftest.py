@@ -14,9 +14,11 @@ def quick(monkeypatch):
     """Solve the points of a fit without time, as the commands ask for them."""
     from fit_fakes import plane
 
-    from screwsim.derivatives.solving import Found
+    from screwsim.derivatives.solving import SceneDerivatives
     from screwsim.simulate import warm_up
 
-    monkeypatch.setattr("screwsim.study.calibration.residuals.Warm", lambda: plane)
-    monkeypatch.setattr("screwsim.study.calibration.residuals.found", lambda *asked: Found({}, {}, "not asked"))
+    monkeypatch.setattr("screwsim.study.calibration.residuals.WarmSimulation", lambda: plane)
+    monkeypatch.setattr(
+        "screwsim.study.calibration.residuals.scene_derivatives", lambda *asked: SceneDerivatives({}, {}, "not asked")
+    )
     monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)

@@ -17,8 +17,8 @@ from screwsim.report.accuracy import draw
 from screwsim.scene import Scene, load, loads
 from screwsim.simulate import simulate
 from screwsim.study import accuracy
-from screwsim.study.accuracy import QUICK, NoReference, Study, effects, files, study, truth, words
-from screwsim.study.accuracy.solving import CHECKS, WorkLimit, all_cases, solve, way
+from screwsim.study.accuracy import QUICK_SCOPE, NoReference, Study, effects, files, reference_of, study, words
+from screwsim.study.accuracy.solving import CHECKS, WorkLimit, all_cases, method_of, solve
 
 SCENE = """\
 title: small
@@ -39,7 +39,7 @@ effects:
   tip_leakage: {gap: 50 um}
 numerics: {accuracy: 0.01}
 """
-EXTENT = replace(QUICK, asked=(1e-2, 1e-4), points=(1, 3), limit=1.0, pairs=0, seconds=1e-3, runs=1)
+EXTENT = replace(QUICK_SCOPE, asked=(1e-2, 1e-4), points=(1, 3), limit=1.0, pairs=0, seconds=1e-3, runs=1)
 
 
 CO2 = Path(__file__).parents[2] / "configs" / "co2" / "transcritical.yaml"
@@ -120,8 +120,8 @@ def test_start_and_end_angle_are_said_not_to_be_there(found):
 
 
 def test_the_front_is_beaten_by_no_case(found):
-    cases = [m for m in words.competing(found) if m.status == "ok"]
-    best = words.front(cases)
+    cases = [m for m in words.comparable_cases(found) if m.status == "ok"]
+    best = words.pareto_front(cases)
     assert best
     for one in best:
         assert not any(m.time < one.time and m.error < one.error for m in cases)
@@ -171,7 +171,7 @@ def test_the_command_prints_the_study_and_writes_its_files(sketched, found, tmp_
     (tmp_path / "small.yaml").write_text(SCENE, encoding="utf-8")
     code = exit_code(["accuracy", str(tmp_path / "small.yaml"), "--quick", "-o", str(tmp_path / "out" / "study")])
     out = capsys.readouterr().out
-    assert code == 0 and (asked[0][0].title, asked[0][1]) == ("small", QUICK)
+    assert code == 0 and (asked[0][0].title, asked[0][1]) == ("small", QUICK_SCOPE)
     names = {path.name for path in (tmp_path / "out" / "study").iterdir()}
     assert names == {"accuracy.csv", "accuracy.h5", "accuracy.png", "accuracy.pdf"}
     assert "rodas4 histories" in out
@@ -182,14 +182,14 @@ def test_the_command_prints_the_study_and_writes_its_files(sketched, found, tmp_
 
 def test_what_is_hopeless_is_given_up_within_its_limit(scene):
     with pytest.raises(WorkLimit, match=r"limit of 0\.01 s"):
-        solve(scene, way(1e-6, "scipy-radau"), limit=0.01)
+        solve(scene, method_of(1e-6, "scipy-radau"), limit=0.01)
     # the machinery serves the next scene
-    assert solve(scene, way(1e-3)).cycle.status == "ok"
+    assert solve(scene, method_of(1e-3)).cycle.status == "ok"
 
 
 def test_explicit_methods_count_their_evaluations(scene):
-    rodas = solve(scene, way(1e-2))
-    radau = solve(scene, way(1e-2, "scipy-radau"))
+    rodas = solve(scene, method_of(1e-2))
+    radau = solve(scene, method_of(1e-2, "scipy-radau"))
     assert radau.evaluations > rodas.evaluations > 0
     assert math.isclose(radau.evaluation.figures.shaft_power, rodas.evaluation.figures.shaft_power, rel_tol=2e-2)
 
@@ -204,13 +204,13 @@ def test_nothing_is_measured_of_a_cycle_that_closes_where_its_gas_condenses():
     scene = load(CO2, wet)
     assert simulate(scene, trace=False).status == "failed"
     with pytest.raises(NoReference, match=r"the scene itself has no result: at .* deg CarbonDioxide condenses at"):
-        truth(scene, QUICK, checked=False)
+        reference_of(scene, QUICK_SCOPE, checked=False)
 
 
 def test_a_scene_that_fails_says_why_no_reference_is_found():
     drowned = load(CO2.parents[1] / "r134a" / "point.yaml", ["oil_supply.ratio=1000"])
     with pytest.raises(NoReference, match=r"the scene itself has no result: .* highest temperature, 181.85 degC"):
-        truth(drowned, QUICK, checked=False)
+        reference_of(drowned, QUICK_SCOPE, checked=False)
 
 
 def test_what_is_next_to_nothing_without_an_effect_is_not_divided_by(scene, monkeypatch):
@@ -224,7 +224,7 @@ def test_what_is_next_to_nothing_without_an_effect_is_not_divided_by(scene, monk
     monkeypatch.setattr(effects, "simulate", fake)
     monkeypatch.setattr(effects, "cross_check", lambda scene: [])
     monkeypatch.setattr(effects, "_points", lambda full, less: 0.0)
-    found = effects.effect_costs(scene, "suction_port", QUICK)
+    found = effects.effect_costs(scene, "suction_port", QUICK_SCOPE)
     assert math.isnan(found.gas_mass_flow)
     assert found.shaft_power == pytest.approx(0.1)
     assert found.discharge_temperature == pytest.approx(0.1)
@@ -235,6 +235,6 @@ def test_what_is_next_to_nothing_without_an_effect_is_not_divided_by(scene, monk
 def test_a_driven_scene_is_solved_at_the_speed_at_which_it_runs():
     driven = load(str(Path(__file__).parents[2] / "configs" / "drive" / "induction.yaml"))
     wanted = driven.numerics.accuracy
-    finer = solve(driven, way(0.1 * wanted))
+    finer = solve(driven, method_of(0.1 * wanted))
     assert finer.cycle.status == "ok"
     assert worst(relative_errors(simulate(driven, trace=False).performance, finer.evaluation.figures))[1] <= wanted

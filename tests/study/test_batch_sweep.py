@@ -12,8 +12,8 @@ from screwsim.cli import exit_code
 from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
 from screwsim.scene import load
-from screwsim.study.limit import running
-from screwsim.study.sweep import nothing, run_sweep
+from screwsim.study.limit import clocks_running
+from screwsim.study.sweep import no_warm_up, run_sweep
 from screwsim.study.workers import Chunks
 
 POINT = str(Path(__file__).parents[2] / "configs" / "paper" / "point.yaml")
@@ -60,12 +60,12 @@ def test_cases_side_by_side_are_those_of_a_sweep_one_by_one(scene, batch, tmp_pa
 
 
 def test_two_workers_give_the_same_bits(scene, batch, tmp_path):
-    run_sweep(scene, tmp_path / "two.h5", jobs=2, batch=True, warm_up=nothing)
+    run_sweep(scene, tmp_path / "two.h5", jobs=2, batch=True, warm_up=no_warm_up)
     assert_same(batch, tmp_path / "two.h5")
 
 
 def test_an_interrupted_sweep_goes_on_and_comes_to_the_same_bits(scene, batch, tmp_path, monkeypatch):
-    monkeypatch.setattr("screwsim.study.sweep.BESIDE", 2)  # more than one chunk
+    monkeypatch.setattr("screwsim.study.sweep.SIDE_BY_SIDE", 2)  # more than one chunk
     with pytest.raises(KeyboardInterrupt):
         run_sweep(scene, tmp_path / "again.h5", jobs=1, batch=True, progress=StopAfter(1))
     summary = run_sweep(scene, tmp_path / "again.h5", jobs=1, batch=True)
@@ -127,13 +127,13 @@ def test_chunks_have_as_many_blocks_as_there_are_lanes_where_all_workers_have_so
 def test_the_time_of_a_case_stands_still_while_others_run():
     from screwsim.study import limit
 
-    with limit.Limit(1000.0):
-        with running([]):
+    with limit.TimeLimit(1000.0):
+        with clocks_running([]):
             assert not limit._deadlines
-            left = dict(limit._left)
-            with running(list(left)):
+            left = dict(limit._seconds_left)
+            with clocks_running(list(left)):
                 assert limit._deadlines.keys() == left.keys()
-        assert list(limit._deadlines.values()) and not limit._left
+        assert list(limit._deadlines.values()) and not limit._seconds_left
     assert not limit._deadlines
 
 
@@ -145,14 +145,14 @@ def test_a_case_that_is_ended_while_it_waits_for_others_leaves_no_time():
     own = getcurrent()
 
     def waits():
-        with limit.Limit(1000.0):
-            limit.handed_on(getcurrent(), own)
+        with limit.TimeLimit(1000.0):
+            limit.clock_handed_on(getcurrent(), own)
             own.switch()
 
     task = greenlet(waits)
     task.switch()
-    assert task in limit._left
+    assert task in limit._seconds_left
     task.throw()
     assert task.dead
-    assert task not in limit._left
+    assert task not in limit._seconds_left
     assert task not in limit._deadlines

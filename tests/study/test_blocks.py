@@ -6,9 +6,22 @@ import math
 from each_row import each_row
 from result_fakes import SCENE, scene
 
-from screwsim.study.cases import BLOCK, Blocks, blocks_of
+from screwsim.study.cases import BLOCK_CASES, Blocks, blocks_of
 
-SHAPES = [(), (1,), (7,), (BLOCK,), (BLOCK + 1,), (43,), (5, 43), (3, 16), (100, 3), (7, 5, 3), (4, 1), (3, 100, 1)]
+SHAPES = [
+    (),
+    (1,),
+    (7,),
+    (BLOCK_CASES,),
+    (BLOCK_CASES + 1,),
+    (43,),
+    (5, 43),
+    (3, 16),
+    (100, 3),
+    (7, 5, 3),
+    (4, 1),
+    (3, 100, 1),
+]
 
 
 @each_row("shape", SHAPES)
@@ -16,13 +29,13 @@ def test_blocks_tile_the_cases_and_are_found_again(shape):
     blocks = Blocks(shape)
     spans = [blocks.cases_of(range(number, number + 1)) for number in range(blocks.count)]
     assert [case for span in spans for case in span] == list(range(math.prod(shape)))
-    assert all(0 < len(span) <= BLOCK for span in spans)
+    assert all(0 < len(span) <= BLOCK_CASES for span in spans)
     for start in range(blocks.count):
         for stop in range(start + 1, blocks.count + 1):
             assert blocks.blocks_of(blocks.cases_of(range(start, stop))) == range(start, stop)
 
 
-@each_row("shape", [shape for shape in SHAPES if math.prod(shape) > BLOCK])
+@each_row("shape", [shape for shape in SHAPES if math.prod(shape) > BLOCK_CASES])
 def test_cases_that_are_no_whole_blocks_are_told(shape):
     blocks = Blocks(shape)
     edges = {blocks.cases_of(range(number, number + 1)).start for number in range(blocks.count)} | {blocks.cases}

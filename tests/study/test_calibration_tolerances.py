@@ -11,7 +11,7 @@ from fit_fakes import FIT, POINTS, SCENE, plane, write_fit
 from screwsim.cli import exit_code
 from screwsim.inputs.faults import SceneError
 from screwsim.study.calibration import calibrate, read_fit
-from screwsim.study.calibration.fit import TOGETHER as CORRELATION
+from screwsim.study.calibration.fit import GROUP_CORRELATION as CORRELATION
 from screwsim.study.calibration.fit import Prior
 from screwsim.study.calibration.plan import candidates_of, plan
 from screwsim.study.calibration.posterior import posterior
@@ -243,7 +243,7 @@ def test_a_group_that_cannot_be_is_told_at_its_line(tmp_path, group, told):
 def test_the_command_says_by_which_tolerance_a_parameter_is_held(tmp_path, capsys, monkeypatch):
     from screwsim.simulate import warm_up
 
-    monkeypatch.setattr("screwsim.study.calibration.residuals.Warm", lambda: plane)
+    monkeypatch.setattr("screwsim.study.calibration.residuals.WarmSimulation", lambda: plane)
     monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)
 
     def told(scene: str, fit: str = FIT) -> str:

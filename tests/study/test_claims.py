@@ -10,7 +10,7 @@ import pytest
 from screwsim.results import open_results
 from screwsim.scene import load
 from screwsim.study.claims import claims, main, table
-from screwsim.study.curves import optimum, value_at
+from screwsim.study.curves import curve_optimum, value_at
 from screwsim.study.sweep import run_sweep
 
 PAPER = Path(__file__).resolve().parents[2] / "configs" / "paper"
@@ -46,7 +46,7 @@ def test_table_names_every_claim(figures):
 
 def test_optimum_of_a_parabola_in_the_logarithm_is_its_vertex():
     ratio = np.geomspace(0.1, 10.0, 41)
-    best = optimum(ratio, 0.7 - 0.02 * np.log(ratio / 1.3) ** 2)
+    best = curve_optimum(ratio, 0.7 - 0.02 * np.log(ratio / 1.3) ** 2)
     assert best is not None and best.interior
     assert best.ratio == pytest.approx(1.3, rel=1e-9)
     assert best.efficiency == pytest.approx(0.7, rel=1e-12)
@@ -56,7 +56,7 @@ def test_optimum_of_a_parabola_in_the_logarithm_is_its_vertex():
 
 
 def test_optimum_at_an_end_is_not_interior():
-    best = optimum(np.geomspace(0.1, 10.0, 20), np.linspace(0.3, 0.6, 20))
+    best = curve_optimum(np.geomspace(0.1, 10.0, 20), np.linspace(0.3, 0.6, 20))
     assert best is not None and not best.interior
 
 

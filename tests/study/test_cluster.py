@@ -39,7 +39,7 @@ from screwsim.results import open_results
 from screwsim.scene import load
 from screwsim.study.cluster import Cluster
 from screwsim.study.sweep import run_sweep
-from screwsim.study.workers import stop
+from screwsim.study.workers import stop_executor
 
 pytestmark = [pytest.mark.slow, pytest.mark.around]
 SETTINGS = {
@@ -203,7 +203,7 @@ def test_a_scheduler_that_is_lost_ends_the_sweep_in_one_line_and_loses_nothing(
     started, reference, tmp_path, monkeypatch, capfd
 ):
     monkeypatch.setenv("SWEEP_FAKES_PIDS", str(tmp_path / "pids"))
-    monkeypatch.setattr("screwsim.study.cluster._PATIENCE", 3.0)  # and the worker is there before the sweep
+    monkeypatch.setattr("screwsim.study.cluster._TIMEOUT", 3.0)  # and the worker is there before the sweep
     file, output = tmp_path / "scheduler.json", tmp_path / "out.h5"
     local = ("--scheduler-file", str(file), "--host", "127.0.0.1", "--no-dashboard")
     program = started("scheduler", "--port", "0", *local, folder=tmp_path)
@@ -242,9 +242,9 @@ def test_an_executor_whose_client_has_closed_is_given_up_all_the_same():
         def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
             raise self.error("Client is closed. Can't send cancel-keys message.")
 
-    stop(Closed(ClosedClientError))
+    stop_executor(Closed(ClosedClientError))
     with pytest.raises(ZeroDivisionError):
-        stop(Closed(ZeroDivisionError))
+        stop_executor(Closed(ZeroDivisionError))
 
 
 def test_a_scheduler_without_workers_is_told(started, tmp_path):

@@ -17,11 +17,11 @@ from screwsim.scene import load, with_values
 from screwsim.simulate import simulate
 from screwsim.study.calibration import read_fit
 from screwsim.study.calibration.diagnosis import MOST_PAIRS, diagnose
-from screwsim.study.calibration.double import normal_about
 from screwsim.study.calibration.fit import Parameter, Prior
-from screwsim.study.calibration.hypotheses import NONE
+from screwsim.study.calibration.hypotheses import NO_CHANGE
 from screwsim.study.calibration.machine import unchanged_machine
-from screwsim.study.calibration.profile import Along, along, whitener
+from screwsim.study.calibration.pair_likelihood import normal_about
+from screwsim.study.calibration.profile import LinearLikelihood, linear_likelihood, whitener
 
 pytestmark = pytest.mark.around
 
@@ -77,7 +77,7 @@ def test_the_evidence_is_the_mean_likelihood_between_the_bounds():
     generator = np.random.default_rng(2)
     for place, size in ((0.3, 8.0), (0.02, 3.0), (0.9, 40.0), (0.5, 0.0)):
         residuals, slopes = generator.standard_normal(5), size * generator.standard_normal(5)
-        found = along(place, residuals, slopes)
+        found = linear_likelihood(place, residuals, slopes)
         u = np.linspace(0.0, 1.0, 200_001)
         chi_squared = np.sum((residuals + np.outer(u - place, slopes)) ** 2, axis=1)
         mean = np.trapezoid(np.exp(-0.5 * chi_squared), u)
@@ -88,7 +88,7 @@ def test_the_evidence_is_the_mean_likelihood_between_the_bounds():
 
 
 def test_an_estimate_far_beyond_a_bound_is_the_bound():
-    far = Along(9.0, 1.0, 1e4)
+    far = LinearLikelihood(9.0, 1.0, 1e4)
     assert far.estimate == 1.0 and far.misfit == pytest.approx(1.0 + 1e4 * 64.0)
     assert np.isfinite(far.log_evidence) and 0.99 < far.interval(0.9)[0] < 1.0
 
@@ -112,7 +112,7 @@ def test_probabilities_are_those_of_bayes_rule(tmp_path):
     grown = 0.3 * np.mean([likelihood(gap, 2.0) for gap in np.linspace(1.0, 10.0, 20_001)])
     other = 0.3 * np.mean([likelihood(5.0, capacity) for capacity in np.linspace(1.0, 3.0, 20_001)])
     total = none + grown + other
-    for path, weight in ((NONE, none), (GAP, grown), (CAPACITY, other)):
+    for path, weight in ((NO_CHANGE, none), (GAP, grown), (CAPACITY, other)):
         assert found[path].probability == pytest.approx(weight / total, rel=1e-3)
         assert 0.01 < found[path].probability < 0.99  # of three that are all possible
 
@@ -125,7 +125,7 @@ def test_a_change_that_slopes_dismiss_is_solved_where_nothing_else_fits(tmp_path
         power = 5.0 + capacity * n + 0.3 * (gap - 5.0) ** 2 / n
         return Result("ok", performance=Figures(shaft_power=1e3 * power))
 
-    monkeypatch.setattr("screwsim.study.calibration.diagnosis.FIRST", 1)
+    monkeypatch.setattr("screwsim.study.calibration.diagnosis.LEAST_SINGLES", 1)
     found = asked(tmp_path, points(lambda n: 5.0 + 2.0 * n + 0.3 * 3.0**2 / n), bowl, pairs=0.0)
     assert found.hypotheses[0].path == GAP and found.hypotheses[0].linear == ""
     assert found.hypotheses[0].probability > 0.9 and found.chance > 0.01
@@ -137,7 +137,7 @@ def test_a_machine_that_has_not_changed_is_found_unchanged(tmp_path):
         folder = tmp_path / str(seed)
         folder.mkdir()
         first.append(asked(folder, points(seed=seed)).hypotheses[0].path)
-    assert first.count(NONE) >= 11
+    assert first.count(NO_CHANGE) >= 11
 
 
 def test_what_a_prior_leaves_open_is_no_change(tmp_path):
@@ -152,7 +152,7 @@ def test_what_a_prior_leaves_open_is_no_change(tmp_path):
         for deviation in (1e-7, 1e-5)
     )
     assert by_path(sharp)[GAP].probability > 0.99 and by_path(sharp)[GAP].change == pytest.approx(1e-5, rel=0.1)
-    assert wide.hypotheses[0].path == NONE and wide.inputs == (GAP,)
+    assert wide.hypotheses[0].path == NO_CHANGE and wide.inputs == (GAP,)
 
 
 def test_two_parameters_that_enter_as_their_product_are_said_not_to_be_told_apart(tmp_path):
@@ -269,7 +269,7 @@ def test_probabilities_of_pairs_are_those_of_bayes_rule(tmp_path):
     both = np.mean([np.mean(likelihood(gaps, capacity)) for capacity in capacities])
     share = 0.6 / 1.25
     weights = {
-        NONE: 0.4 * likelihood(5.0, 2.0),
+        NO_CHANGE: 0.4 * likelihood(5.0, 2.0),
         GAP: 0.5 * share * np.mean(likelihood(gaps, np.full_like(gaps, 2.0))),
         CAPACITY: 0.5 * share * np.mean(likelihood(np.full_like(gaps, 5.0), capacities)),
         f"{GAP} + {CAPACITY}": 0.25 * share * both,
@@ -377,7 +377,7 @@ FIGURES = {"gas_mass_flow": "kg/s", "shaft_power": "W", "discharge_temperature":
         ({GAP: 37.5e-6}, GAP, 10e-6),
         ({"oil_supply.ratio": 1.5}, "oil_supply.ratio", -1.5),
         ({GAP: 37.5e-6, "oil_supply.ratio": 1.5}, f"{GAP} + oil_supply.ratio", (10e-6, -1.5)),
-        ({}, NONE, None),
+        ({}, NO_CHANGE, None),
     ],
     ids=["gap", "oil", "gap and oil", "none"],
 )
@@ -399,7 +399,7 @@ def test_known_changes_of_a_machine_are_found(tmp_path, truth, path, change):
     found = diagnose(read_fit(tmp_path / "x.fit.yaml", fixed=False), jobs=1)
     best = found.hypotheses[0]
     assert best.path == path
-    if path != NONE:
+    if path != NO_CHANGE:
         assert best.probability > (0.9 if len(best.changes) == 1 else 0.8)  # two gaps are much alike
         changes = np.atleast_1d(change).tolist()
         assert all(each.low < true < each.high for each, true in zip(best.changes, changes, strict=True))
@@ -420,7 +420,7 @@ def test_tolerances_of_the_scene_are_no_change(tmp_path):
     known = diagnose(read_fit(tmp_path / "x.fit.yaml", scene=ROOT / "configs" / "paper" / "point.yaml"), jobs=1)
     open_ = diagnose(read_fit(tmp_path / "x.fit.yaml"), jobs=1)
     assert known.hypotheses[0].path == GAP and known.hypotheses[0].probability > 0.9
-    assert open_.hypotheses[0].path == NONE and set(open_.inputs) == {GAP, "oil_supply.ratio"}
+    assert open_.hypotheses[0].path == NO_CHANGE and set(open_.inputs) == {GAP, "oil_supply.ratio"}
 
 
 @pytest.mark.usefixtures("quick")

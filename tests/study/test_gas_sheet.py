@@ -9,11 +9,11 @@ import screwsim
 from screwsim.cli import exit_code
 from screwsim.scene import loads
 from screwsim.scene.operation import P_D, P_S
-from screwsim.study.datasheet.gas import asked_of
+from screwsim.study.datasheet.gas import rating_request
 from screwsim.study.inputs import ends_of
-from screwsim.study.part_load import SPEED
-from screwsim.template import asked_of as options
+from screwsim.study.part_load import SPEED_PATH
 from screwsim.template import new_scene
+from screwsim.template import request_of as options
 
 pytestmark = pytest.mark.around
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -132,12 +132,12 @@ def test_the_sheet_of_a_bare_air_compressor_says_what_rates_a_package(capsys):
 
 def test_axes_are_the_sweeps_the_options_or_shares_of_the_scenes_own():
     gas = loads(new_scene("booster", options(None, None, None, None, None, None)))
-    own = asked_of(gas, NONE, ())
+    own = rating_request(gas, NONE, ())
     assert (own.across.path, own.down.path) == (P_S, P_D)
     assert own.across.values == pytest.approx([4e5, 4.5e5, 5e5, 5.5e5, 6e5])
     expands = loads(new_scene("expander", options(None, None, None, None, None, None)))
-    assert asked_of(expands, NONE, ()).across.path == SPEED
-    inlets = asked_of(expands, {**NONE, "--suction": "18 bar..22 bar"}, ())
+    assert rating_request(expands, NONE, ()).across.path == SPEED_PATH
+    inlets = rating_request(expands, {**NONE, "--suction": "18 bar..22 bar"}, ())
     assert inlets.across.path == P_S and inlets.across.values[0] == pytest.approx(18e5)
 
 

@@ -20,7 +20,7 @@ from screwsim.numerics import sources
 from screwsim.results import identity, open_results
 from screwsim.results.schema import identity_of
 from screwsim.scene import loads
-from screwsim.study.agreement import Watch, wanted_of, what_differs
+from screwsim.study.agreement import FileWatch, requirements_of, what_differs
 from screwsim.study.cases import run_packed
 from screwsim.study.sweep import run_sweep
 
@@ -106,8 +106,8 @@ def test_only_modules_of_the_users_own_are_noted(package, monkeypatch):
     )
     importlib.invalidate_caches()
     importlib.import_module("identity_effects.mine")
-    sources.note("identity_effects.mine", object())
-    found = set(sources.of_module("identity_effects.mine"))
+    sources.record_module("identity_effects.mine", object())
+    found = set(sources.module_digests("identity_effects.mine"))
     own = {f"identity_effects/{file}" for file in ("__init__.py", "mine.py", "shared.py")}
     assert found == own | {"helpers.py"}
     for name in ("identity_effects.mine", "identity_effects.shared", "identity_effects", "helpers"):
@@ -135,7 +135,7 @@ def test_a_file_counts_by_its_content_alone(tmp_path):
     ("where", "what", "told"),
     [
         ("screwsim.results.identity._library", lambda name: "7.2", r"CoolProp \S+ wrote it, this is 7\.2, llvmlite"),
-        ("screwsim.numerics.sources.of_package", lambda: "other", r"from different sources of screwsim 0\.1\.0;"),
+        ("screwsim.numerics.sources.package_digest", lambda: "other", r"from different sources of screwsim 0\.1\.0;"),
     ],
 )
 def test_other_libraries_and_other_sources_are_refused_until_a_restart(where, what, told, tmp_path, monkeypatch):
@@ -155,11 +155,11 @@ def test_the_digest_of_the_package_is_that_of_its_texts_that_compute(tmp_path, m
     (package / "cli").mkdir()
     (package / "model.py").write_text("A = 1\n")
     monkeypatch.setattr(sources, "__file__", str(package / "numerics" / "sources.py"))
-    first = sources.of_package.__wrapped__()
+    first = sources.package_digest.__wrapped__()
     (package / "cli" / "words.py").write_text("B = 1\n")
-    assert sources.of_package.__wrapped__() == first
+    assert sources.package_digest.__wrapped__() == first
     (package / "model.py").write_text("A = 2\n")
-    assert sources.of_package.__wrapped__() != first
+    assert sources.package_digest.__wrapped__() != first
 
 
 def old_file(output: Path) -> None:
@@ -265,14 +265,14 @@ def test_a_worker_that_starts_after_a_file_changed_here_is_not_to_blame(tmp_path
 def test_a_file_with_a_new_date_alone_ends_no_sweep(tmp_path):
     file = with_area(tmp_path)
     swept = loads(AREA_SCENE, folder=str(tmp_path))
-    watch = Watch(wanted_of(swept)["files"], wanted_of(swept)["identity"])
+    watch = FileWatch(requirements_of(swept)["files"], requirements_of(swept)["identity"])
     os.utime(file, ns=(1, 1))
     watch.look()
 
 
 def test_a_worker_that_differs_refuses_its_cases(tmp_path, monkeypatch):
     with_area(tmp_path)
-    wanted = wanted_of(loads(AREA_SCENE, folder=str(tmp_path)))
+    wanted = requirements_of(loads(AREA_SCENE, folder=str(tmp_path)))
     assert what_differs(wanted) == ""
     monkeypatch.setattr(identity, "_library", lambda name: "7.2")
     with pytest.raises(UsageError, match=rf"worker {os.getpid()} has CoolProp 7\.2, not \S+, has llvmlite 7\.2, not "):

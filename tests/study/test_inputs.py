@@ -3,7 +3,7 @@
 import pytest
 
 from screwsim.figures.engineering import error_text, figure_text
-from screwsim.outputs.customary import raised
+from screwsim.outputs.customary import with_printed_units
 from screwsim.scene import load
 from screwsim.study.inputs import in_customary, read_text, shown_number, shown_value, unit_of_change
 
@@ -42,5 +42,5 @@ def test_a_figure_in_a_sentence_is_in_degrees_celsius_and_its_error_in_kelvin():
 
 
 def test_a_title_has_its_units_as_they_are_printed():
-    assert raised("R134a, 0/40 degC, 600 m^3/h") == "R134a, 0/40 °C, 600 m³/h"
-    assert raised("degCelsius, rdegC") == "degCelsius, rdegC"
+    assert with_printed_units("R134a, 0/40 degC, 600 m^3/h") == "R134a, 0/40 °C, 600 m³/h"
+    assert with_printed_units("degCelsius, rdegC") == "degCelsius, rdegC"

@@ -15,8 +15,8 @@ from screwsim.cli import exit_code
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.results import atomic
 from screwsim.scene.grid import MOST_CASES
-from screwsim.study.progress import Progress, Seldom, Surviving, for_terminal
-from screwsim.study.sensitivity import Range, sensitivity
+from screwsim.study.progress import OccasionalLine, Progress, TolerantProgress, for_terminal
+from screwsim.study.sensitivity import InputRange, sensitivity
 from screwsim.study.sweep import run_sweep
 
 
@@ -90,7 +90,7 @@ def test_the_largest_grid_loads():
 
 
 def test_a_sample_that_no_one_can_mean_is_refused_before_it_is_drawn():
-    spans = [Range("operation.speed", 100.0, 200.0)]
+    spans = [InputRange("operation.speed", 100.0, 200.0)]
     with pytest.raises(
         UsageError, match=r"--samples 1099511627776: has 3,298,534,883,328 cases, more than the 10,000,"
     ):
@@ -175,7 +175,7 @@ def test_a_terminal_that_goes_fails_no_sweep(error, letters, tmp_path, monkeypat
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(sys, "stderr", Gone(error, letters))
     out = sys.stdout
-    assert isinstance(for_terminal(), Surviving)
+    assert isinstance(for_terminal(), TolerantProgress)
     summary = run_sweep(grid_scene(), tmp_path / "out.h5", jobs=1, simulate=fake_simulate, progress=for_terminal())
     assert summary.cases == 120 and sys.stdout is out and isinstance(sys.stderr, Gone)
 
@@ -191,7 +191,7 @@ def test_without_a_stderr_nothing_is_told(monkeypatch):
 
 def test_a_log_gets_a_line_of_a_long_study_whenever_twice_as_long_has_passed(capsys):
     now = [0.0]
-    told = Seldom("plan", clock=lambda: now[0])
+    told = OccasionalLine("plan", clock=lambda: now[0])
     told.start(202, 2)
     for second in range(1, 101):
         now[0] = float(second)
@@ -207,7 +207,7 @@ def test_a_log_gets_a_line_of_a_long_study_whenever_twice_as_long_has_passed(cap
 
 def test_a_study_whose_first_case_takes_long_gives_a_sign_of_life(capsys):
     now = [0.0]
-    told = Seldom("sweep", clock=lambda: now[0])
+    told = OccasionalLine("sweep", clock=lambda: now[0])
     told.start(3, 0)
     now[0] = 35.0
     told.tick()

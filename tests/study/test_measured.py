@@ -11,7 +11,7 @@ from screwsim.figures.errors import error_in_unit
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import cross_check, leaf_of, load, with_values
 from screwsim.simulate import simulate
-from screwsim.study.measured import FARTHEST_KELVIN, compare_measured, read_measured
+from screwsim.study.measured import LARGEST_CHANGE_KELVIN, compare_measured, read_measured
 from screwsim.study.uncertain import with_uncertainty
 from screwsim.study.validation.discrepancy import numerical_of
 
@@ -137,7 +137,7 @@ def test_no_temperature_is_offered_that_is_far_or_does_not_fit_to_the_others(pyt
         for each in found.explanations:
             assert not cross_check(with_values(scene, {each.path: each.wanted}))
             if leaf_of(scene, each.path).kind == "temperature":
-                assert abs(each.wanted - each.value) <= FARTHEST_KELVIN
+                assert abs(each.wanted - each.value) <= LARGEST_CHANGE_KELVIN
         assert stated.startswith("shaft_power=1 ") or found.explanations
 
 

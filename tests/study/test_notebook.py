@@ -9,10 +9,10 @@ import nbformat
 import pytest
 
 import screwsim
-from screwsim.study.each import each
 from screwsim.study.notebook import NotebookBar
-from screwsim.study.progress import Progress, Surviving, for_program
-from screwsim.study.seek.trials import Told
+from screwsim.study.parallel import parallel_map
+from screwsim.study.progress import Progress, TolerantProgress, for_program
+from screwsim.study.seek.trials import ReportedSimulation
 from screwsim.study.validation import sibling
 
 pytestmark = pytest.mark.around
@@ -76,12 +76,12 @@ def test_a_study_that_ends_early_says_how_far_it_came(drawn):
         return number
 
     with pytest.raises(KeyboardInterrupt):
-        each(stops, 5, died=lambda number: number, jobs=1, progress=for_program("study"))
+        parallel_map(stops, 5, died=lambda number: number, jobs=1, progress=for_program("study"))
     assert texts(drawn)[-1] == "study: 2 of 5"
 
 
 def test_a_bar_is_there_in_a_notebook_alone(drawn, monkeypatch):
-    assert isinstance(for_program("x"), Surviving) and isinstance(for_program("x", True), Surviving)
+    assert isinstance(for_program("x"), TolerantProgress) and isinstance(for_program("x", True), TolerantProgress)
     assert type(for_program("x", False)) is Progress
     for plain in (SimpleNamespace(kernel=None), None):  # a shell of IPython, a module that nobody runs
         monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda plain=plain: plain))
@@ -130,11 +130,11 @@ def test_a_search_that_takes_longer_than_expected_expects_more(drawn):
         def __getattribute__(self, name):
             return lambda *counts: told.append((name, *counts))
 
-    with Told(lambda scene: scene, Kept(), 2) as _:
+    with ReportedSimulation(lambda scene: scene, Kept(), 2) as _:
         pass
     assert told == [("start", 2, 0), ("more", -2), ("stop",)]
     told.clear()
-    counted = Told(lambda scene: SimpleNamespace(status=scene), Kept(), 2)
+    counted = ReportedSimulation(lambda scene: SimpleNamespace(status=scene), Kept(), 2)
     with counted:
         for status in ("ok", "failed", "ok"):
             counted(status)
@@ -156,7 +156,7 @@ def test_what_draws_no_more_is_left_alone(drawn, monkeypatch):
         raise OSError("the notebook is gone")
 
     monkeypatch.setattr(IPython.display, "publish_display_data", gone)
-    assert each(abs, 3, died=abs, jobs=1, progress=for_program("study")) == [0, 1, 2]
+    assert parallel_map(abs, 3, died=abs, jobs=1, progress=for_program("study")) == [0, 1, 2]
 
 
 @pytest.fixture

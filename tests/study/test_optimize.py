@@ -18,16 +18,16 @@ from screwsim.inputs.faults import UsageError
 from screwsim.results.table import table_of
 from screwsim.scene import loads, with_values
 from screwsim.simulate import simulate as simulated
-from screwsim.study.each import Crew
-from screwsim.study.optimize import optimize, question, run
-from screwsim.study.optimize.evaluate import mean
-from screwsim.study.optimize.points import HOURS, as_csv, energy_shares, read_points, standards
-from screwsim.study.optimize.record import Record, neighbours
+from screwsim.study.optimize import optimize, question, run_question
+from screwsim.study.optimize.evaluate import weighted_mean
+from screwsim.study.optimize.points import BIN_HOURS, as_csv, energy_shares, read_points, standards
+from screwsim.study.optimize.record import Record, nearest_neighbour_order
 from screwsim.study.optimize.solve import front_of
-from screwsim.study.optimize.store import kept
+from screwsim.study.optimize.store import held_parts
 from screwsim.study.optimum import optimum
 from screwsim.study.optimum import question as of_optimum
-from screwsim.study.shards import MOST_SMALL
+from screwsim.study.parallel import BatchWorkers
+from screwsim.study.shards import MOST_SMALL_PARTS
 
 RATIO, SPEED = "oil_supply.ratio=1..3", "operation.speed=1000 rpm..5000 rpm"
 FIG1 = Path(__file__).parents[2] / "configs" / "paper" / "fig1.yaml"
@@ -111,7 +111,7 @@ def test_one_aim_over_two_paths_is_found_beside_what_fails(jobs):
 
 def test_the_answer_is_the_same_for_any_number_of_workers():
     asked = question(scene(), [RATIO, SPEED], ["gas_mass_flow"], ["shaft_power"], evaluations=60)
-    one, two = (run(asked, simulate=choosing, jobs=jobs) for jobs in (1, 2))
+    one, two = (run_question(asked, simulate=choosing, jobs=jobs) for jobs in (1, 2))
     assert np.array_equal(one.places, two.places) and np.array_equal(one.aims, two.aims, equal_nan=True)
 
 
@@ -166,10 +166,10 @@ def test_a_front_is_what_no_other_dominates(columns):
 
 def test_an_interrupted_run_goes_on_and_gives_the_same(tmp_path):
     asked = question(scene(), [RATIO, SPEED], ["gas_mass_flow"], ["shaft_power"], evaluations=80)
-    whole = run(asked, tmp_path / "whole.h5", simulate=choosing, jobs=1)
+    whole = run_question(asked, tmp_path / "whole.h5", simulate=choosing, jobs=1)
     with pytest.raises(KeyboardInterrupt):
-        run(asked, tmp_path / "part.h5", simulate=Interrupted(), jobs=1)
-    again = run(asked, tmp_path / "part.h5", simulate=choosing, jobs=1)
+        run_question(asked, tmp_path / "part.h5", simulate=Interrupted(), jobs=1)
+    again = run_question(asked, tmp_path / "part.h5", simulate=choosing, jobs=1)
     assert again.reused == 48  # three populations of 16
     assert np.array_equal(again.places, whole.places)
     a, b = (screwsim.open_results(tmp_path / name) for name in ("whole.h5", "part.h5"))
@@ -193,24 +193,24 @@ class Interrupted:
 
 def test_a_worker_that_dies_costs_its_evaluations_only():
     asked = question(scene(), [RATIO], minimize=["shaft_power"])
-    found = run(asked, simulate=deadly, jobs=2)
+    found = run_question(asked, simulate=deadly, jobs=2)
     assert found.status == "ok" and found.aims[found.front[0], 0] == pytest.approx(1.25, abs=1e-3)  # at y = 0.5
     dead = int(np.sum(found.asked.spans[0].low + 2.0 * found.places[:, 0] > 2.8))
     assert found.failed == dead and next(iter(found.reasons)).startswith("failed: worker died")
 
 
 def test_workers_start_afresh_after_a_while(monkeypatch):
-    monkeypatch.setattr("screwsim.study.optimize.record.FRESH", 20)
+    monkeypatch.setattr("screwsim.study.optimize.record.EVALUATIONS_PER_WORKER", 20)
     asked = question(scene(), [RATIO, SPEED], ["gas_mass_flow"], ["shaft_power"], evaluations=80)
     left = []
-    monkeypatch.setattr(Crew, "leave", lambda crew: left.append(crew))
-    found = run(asked, simulate=choosing, jobs=1)
+    monkeypatch.setattr(BatchWorkers, "leave", lambda crew: left.append(crew))
+    found = run_question(asked, simulate=choosing, jobs=1)
     assert len(found.places) == 80 and len(left) == 4  # after 20, 40, 60, and in the end
 
 
 def test_workers_that_have_left_leave_no_thread_beside_which_none_is_forked():
     before = threading.active_count()
-    with Crew(2, lambda work: None, lambda: None) as crew:
+    with BatchWorkers(2, lambda work: None, lambda: None) as crew:
         for _ in range(5):
             assert crew.answers(abs, [-1, 2, -3]) == [1, 2, 3]
             crew.leave()
@@ -218,12 +218,12 @@ def test_workers_that_have_left_leave_no_thread_beside_which_none_is_forked():
 
 
 def test_a_long_run_keeps_few_bytes_of_an_evaluation_in_memory(monkeypatch, tmp_path):
-    monkeypatch.setattr("screwsim.study.shards.AT_HAND", 100_000)
+    monkeypatch.setattr("screwsim.study.shards.BYTES_IN_MEMORY", 100_000)
     asked = question(scene(), [RATIO, SPEED], ["gas_mass_flow"], ["shaft_power"], evaluations=EVALUATIONS)
     batch, generator, sizes = 20, np.random.default_rng(1), []
     tracemalloc.start()
     try:
-        with kept(tmp_path / "long.h5", asked, restart=False) as parts:
+        with held_parts(tmp_path / "long.h5", asked, restart=False) as parts:
             record = Record(asked, Canned(), parts)
             while len(record) < EVALUATIONS:
                 record.evaluate(generator.random((batch, 2)))
@@ -234,10 +234,10 @@ def test_a_long_run_keeps_few_bytes_of_an_evaluation_in_memory(monkeypatch, tmp_
         tracemalloc.stop()
     numbers = 8 * (len(asked.spans) + 2 * len(asked.aims))
     assert numbers <= (sizes[1] - sizes[0]) / (EVALUATIONS // 2) < 2 * numbers
-    assert len(list((tmp_path / "long.h5.parts").glob("*.npz"))) <= MOST_SMALL
+    assert len(list((tmp_path / "long.h5.parts").glob("*.npz"))) <= MOST_SMALL_PARTS
 
 
-class Canned(Crew):
+class Canned(BatchWorkers):
     """Answer every evaluation with one result, at once."""
 
     def __init__(self) -> None:
@@ -269,18 +269,20 @@ def test_the_file_holds_all_cases_and_what_was_aimed_at(tmp_path):
 def test_parts_of_another_question_are_refused(tmp_path):
     asked = question(scene(), [RATIO, SPEED], ["gas_mass_flow"], evaluations=60)
     with pytest.raises(KeyboardInterrupt):
-        run(asked, tmp_path / "out.h5", simulate=Interrupted(), jobs=1)
+        run_question(asked, tmp_path / "out.h5", simulate=Interrupted(), jobs=1)
     with pytest.raises(UsageError, match="holds evaluations of another optimisation"):
-        run(replace(asked, seed=2), tmp_path / "out.h5", simulate=choosing, jobs=1)
-    assert run(replace(asked, seed=2), tmp_path / "out.h5", simulate=choosing, jobs=1, restart=True).reused == 0
+        run_question(replace(asked, seed=2), tmp_path / "out.h5", simulate=choosing, jobs=1)
+    assert (
+        run_question(replace(asked, seed=2), tmp_path / "out.h5", simulate=choosing, jobs=1, restart=True).reused == 0
+    )
 
 
 def test_seasonal_points_have_the_weights_of_their_standards():
     known = standards()
     assert [point.weight for point in known["IPLV"].ratings] == [0.01, 0.42, 0.45, 0.12]
     assert sum(point.weight for point in known["ESEER-water"].ratings) == pytest.approx(1.0)
-    assert sum(HOURS["SEPR"].values()) == pytest.approx(8760.0)  # a year
-    assert sum(HOURS["SEER"].values()) == 2602.0  # hours above 16 °C
+    assert sum(BIN_HOURS["SEPR"].values()) == pytest.approx(8760.0)  # a year
+    assert sum(BIN_HOURS["SEER"].values()) == 2602.0  # hours above 16 °C
     for name in ("SEER", "SEPR"):
         assert sum(energy_shares(name)) == pytest.approx(1.0)
 
@@ -288,11 +290,11 @@ def test_seasonal_points_have_the_weights_of_their_standards():
 def test_a_seasonal_figure_of_one_cop_is_that_cop(chilled):
     points = read_points(chilled, "SEPR")
     four = np.full(4, 5.0)
-    assert mean(points, "cop", four, 0.01 * four) == (pytest.approx(5.0), pytest.approx(0.05))
+    assert weighted_mean(points, "cop", four, 0.01 * four) == (pytest.approx(5.0), pytest.approx(0.05))
     # cooling over work: half the cooling at twice the COP takes a third of the work
     halves = replace(points, points=tuple(replace(each, weight=0.5 * (i < 2)) for i, each in enumerate(points.points)))
-    assert mean(halves, "cop", np.array([2.0, 4.0, 9.0, 9.0]), np.zeros(4))[0] == pytest.approx(8.0 / 3.0)
-    assert mean(halves, "shaft_power", np.array([2.0, 4.0, 9.0, 9.0]), np.zeros(4))[0] == pytest.approx(3.0)
+    assert weighted_mean(halves, "cop", np.array([2.0, 4.0, 9.0, 9.0]), np.zeros(4))[0] == pytest.approx(8.0 / 3.0)
+    assert weighted_mean(halves, "shaft_power", np.array([2.0, 4.0, 9.0, 9.0]), np.zeros(4))[0] == pytest.approx(3.0)
 
 
 def test_standards_become_a_compressors_temperatures_by_the_scenes_own(chilled):
@@ -399,7 +401,7 @@ def test_a_path_of_the_points_is_not_varied(chilled):
 
 
 def test_neighbours_follow_each_other():
-    order = neighbours(np.array([[0.0], [0.9], [0.2], [1.0], [0.1]]))
+    order = nearest_neighbour_order(np.array([[0.0], [0.9], [0.2], [1.0], [0.1]]))
     assert order.tolist() == [0, 4, 2, 1, 3]
 
 

@@ -14,8 +14,8 @@ from screwsim.inputs.faults import UsageError
 from screwsim.scene import case, loads, with_values
 from screwsim.simulate import simulate
 from screwsim.study.optimum import optimum, question
-from screwsim.study.search import Point, highest
-from screwsim.template import asked_of, new_scene
+from screwsim.study.search import SearchPoint, find_maximum
+from screwsim.template import new_scene, request_of
 
 PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 SPEEDS = "sweep:\n  operation.speed: [1000 rpm, 2000 rpm, 3000 rpm]\n"
@@ -83,7 +83,7 @@ def test_every_local_optimum_is_told_the_highest_first():
 
 
 def test_noise_within_the_errors_is_no_local_optimum():
-    tops = highest(lambda x: Point(x, -x * x + 1e-3 * math.cos(40.0 * x), 1e-3), -1.0, 1.0)
+    tops = find_maximum(lambda x: SearchPoint(x, -x * x + 1e-3 * math.cos(40.0 * x), 1e-3), -1.0, 1.0)
     assert tops is not None and tops.others == ()
 
 
@@ -105,7 +105,7 @@ def test_the_efficiency_that_is_asked_for_by_itself_is_one_that_the_gas_has(mode
 
 def test_a_border_of_the_range_that_is_no_machine_is_no_end_of_the_question():
     """Which figures there are is asked of the scene itself, where a slide is too narrow for the first of its axis."""
-    slide = new_scene("refrigeration", asked_of("R134a", None, None, None, None, None, slide=True))
+    slide = new_scene("refrigeration", request_of("R134a", None, None, None, None, None, slide=True))
     whole = loads(slide + "\nsweep:\n  machine.built_in_volume_ratio: [2.2, 3.5]\n")
     with pytest.raises(UsageError, match="male_span"):
         build_parts(case(whole, 0))
@@ -122,10 +122,10 @@ def test_a_figure_that_the_path_does_not_change_has_its_best_anywhere():
 def test_the_best_may_lie_where_values_begin_to_fail(first, last):
     """A hole over a third of the range, whose edge is the best that is left, and one between two points."""
 
-    def hill(x: float) -> Point:
-        return Point(x, math.nan if first < x < last else 1.0 - abs(x - 0.4), 1e-9)
+    def hill(x: float) -> SearchPoint:
+        return SearchPoint(x, math.nan if first < x < last else 1.0 - abs(x - 0.4), 1e-9)
 
-    top = highest(hill, 0.0, 1.1, count=12 if last > 0.5 else 15)
+    top = find_maximum(hill, 0.0, 1.1, count=12 if last > 0.5 else 15)
     expected = first if first < 0.4 else 0.4
     assert top is not None and top.point.x == pytest.approx(expected, abs=2e-4)
 

@@ -16,10 +16,16 @@ from screwsim.outputs import Figures, Result
 from screwsim.printing.plan import print_plan
 from screwsim.study import local
 from screwsim.study.calibration import calibrate, read_fit
-from screwsim.study.calibration.design import chosen, covariance, greedy, spread, spreads
-from screwsim.study.calibration.fit import Measured, Point, Prior
-from screwsim.study.calibration.machine import by_tolerance
-from screwsim.study.calibration.plan import candidates_of, plan, point_name, typical
+from screwsim.study.calibration.design import (
+    covariance,
+    greedy_choice,
+    log_determinant,
+    log_determinants_with,
+    optimal_choice,
+)
+from screwsim.study.calibration.fit import Measurement, Point, Prior
+from screwsim.study.calibration.machine import residual_shifts
+from screwsim.study.calibration.plan import candidates_of, plan, point_name, typical_uncertainties
 from screwsim.study.calibration.profile import whitener
 from screwsim.study.uncertain import groups_of
 
@@ -49,7 +55,7 @@ def fit_of(folder, text=POINTS):
 
 
 def volume(known, pieces, numbers, asked):
-    return spread(known + sum(pieces[i] for i in numbers), asked)
+    return log_determinant(known + sum(pieces[i] for i in numbers), asked)
 
 
 def test_the_points_are_the_best_of_all_subsets():
@@ -58,10 +64,10 @@ def test_the_points_are_the_best_of_all_subsets():
         generator = np.random.default_rng(seed)
         rows = generator.standard_normal((8, 2, 4)) * generator.uniform(0.2, 3.0, (8, 1, 1))
         pieces, known = [row.T @ row for row in rows], np.diag([0.1, 0.1, 0.1, 1.0])
-        found = chosen(known, pieces, 3, 3)
+        found = optimal_choice(known, pieces, 3, 3)
         every = [volume(known, pieces, each, 3) for each in itertools.combinations(range(8), 3)]
         ours = volume(known, pieces, found, 3)
-        assert ours <= volume(known, pieces, greedy(known, pieces, 3, range(8), 3), 3) + 1e-12
+        assert ours <= volume(known, pieces, greedy_choice(known, pieces, 3, range(8), 3), 3) + 1e-12
         hits += ours == pytest.approx(min(every), abs=1e-9)
     assert hits >= 19  # an exchange of one point may end beside the best of all
 
@@ -69,13 +75,13 @@ def test_the_points_are_the_best_of_all_subsets():
 def test_all_pieces_at_once_spread_as_each_alone():
     rows = np.random.default_rng(4).normal(size=(50, 2, 4))
     pieces, known = np.einsum("nij,nik->njk", rows, rows), 0.1 * np.eye(4)
-    alone = [spread(known + piece, 3) for piece in pieces]
-    assert spreads(known, pieces, 3) == pytest.approx(alone, abs=1e-12)
+    alone = [log_determinant(known + piece, 3) for piece in pieces]
+    assert log_determinants_with(known, pieces, 3) == pytest.approx(alone, abs=1e-12)
 
 
 def test_the_first_point_is_the_one_that_tells_most():
     pieces = [np.diag([1.0, 0.0]), np.diag([9.0, 9.0]), np.diag([0.0, 4.0])]
-    assert chosen(np.eye(2), pieces, 2, 3) == [1, 2, 0]
+    assert optimal_choice(np.eye(2), pieces, 2, 3) == [1, 2, 0]
 
 
 def test_what_nobody_asks_for_widens_what_a_point_tells():
@@ -134,10 +140,10 @@ def test_deviations_are_the_standard_errors_of_the_fit_with_the_points_measured(
 
 def test_candidates_are_measured_as_the_points_are(tmp_path):
     fit = fit_of(tmp_path)
-    share = typical(fit)["shaft_power"]
+    share = typical_uncertainties(fit)["shaft_power"]
     assert share.share and share.size == pytest.approx(0.01)
     found = plan(fit, candidates_of(fit, paths=[SPEEDS]), count=1, jobs=1, simulate=plane)
-    assert found.steps[0].point.measured["shaft_power"] == Measured(*(1e3 * np.array([15.0, 0.15])).tolist())
+    assert found.steps[0].point.measured["shaft_power"] == Measurement(*(1e3 * np.array([15.0, 0.15])).tolist())
 
 
 def test_what_has_no_solution_is_told_and_not_chosen(tmp_path):
@@ -189,18 +195,18 @@ def test_a_machine_is_told_apart_at_high_and_at_low_speed(tmp_path):
 def test_all_inputs_of_a_point_are_derived_at_once_and_it_is_solved_once(monkeypatch):
     """Each group alone gives the same, at a solution of its own."""
     scene = screwsim.load(ROOT / "configs" / "paper" / "uncertain.yaml")
-    point = Point("here", {}, {"shaft_power": Measured(12e3, 60.0), "gas_mass_flow": Measured(0.17, 1e-3)})
+    point = Point("here", {}, {"shaft_power": Measurement(12e3, 60.0), "gas_mass_flow": Measurement(0.17, 1e-3)})
     result, groups, calls = screwsim.simulate(scene), groups_of(scene), []
-    alone = [by_tolerance(scene, point, [group])[0] for group in groups]
+    alone = [residual_shifts(scene, point, [group])[0] for group in groups]
     for name in ("found", "simulate"):
         own = getattr(local, name)
         monkeypatch.setattr(
             local, name, lambda *of, _own=own, _name=name, **more: calls.append(_name) or _own(*of, **more)
         )
-    together = by_tolerance(scene, point, groups, result)
+    together = residual_shifts(scene, point, groups, result)
     assert calls == ["found"]
     assert len(groups) > 2 and np.array_equal(np.array(together), np.array(alone))
-    assert by_tolerance(scene, point, ()) == []
+    assert residual_shifts(scene, point, ()) == []
 
 
 @pytest.mark.usefixtures("quick")

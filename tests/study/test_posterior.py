@@ -15,8 +15,8 @@ from screwsim.outputs import Figures, Result
 from screwsim.printing import posterior as printed
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.emulator import terms
-from screwsim.study.calibration.fit import Fit, Measured, Point
-from screwsim.study.calibration.posterior import SETTLED, TOLERABLE, posterior, split_r_hat
+from screwsim.study.calibration.fit import Fit, Measurement, Point
+from screwsim.study.calibration.posterior import CONVERGED_R_HAT, TOLERATED_ERROR, posterior, split_r_hat
 from screwsim.study.calibration.predict import predict
 
 pytestmark = pytest.mark.around
@@ -64,7 +64,7 @@ def test_without_discrepancy_the_widths_are_those_of_linear_algebra(tmp_path):
     assert 1.0 < more < 1.2
     for spread, error in zip(wide.parameters, found.certainty.errors, strict=True):
         assert spread.deviation == pytest.approx(more * error, rel=0.04)
-    assert wide.r_hat < SETTLED and wide.off < 1e-6 and wide.status == "ok"
+    assert wide.r_hat < CONVERGED_R_HAT and wide.off < 1e-6 and wide.status == "ok"
 
 
 def test_intervals_cover_held_out_points_of_a_machine_with_a_discrepancy(tmp_path):
@@ -86,7 +86,7 @@ def test_polynomials_that_bend_the_posterior_are_said(tmp_path):
     power = 0.5 + 2.0 * n + 0.3 * generator.standard_normal(10)  # the gap lies at its bound
     rows = [f"p{i},fit,{1e3 * x:.6f},{y:.9f},0.3" for i, (x, y) in enumerate(zip(n, power, strict=True))]
     _, wide = sampled(tmp_path, HEAD + "\n".join(rows) + "\n", fit=fit, most_steps=2000)
-    assert wide.off < TOLERABLE
+    assert wide.off < TOLERATED_ERROR
     assert "the polynomials may shift the results by up to" in wide.message and wide.status == "not converged"
 
 
@@ -151,7 +151,7 @@ def test_the_command_prints_and_writes_the_posterior(tmp_path, capsys, monkeypat
     from screwsim.simulate import warm_up
 
     file = write_fit(tmp_path, FIT, points(3, 8, 2, 0.1))
-    monkeypatch.setattr("screwsim.study.calibration.residuals.Warm", lambda: plane)
+    monkeypatch.setattr("screwsim.study.calibration.residuals.WarmSimulation", lambda: plane)
     monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)
     monkeypatch.setattr(Fit, "short_names", lambda fit: {GAP: "tip_leakage.gap", CAPACITY: "heat_capacity"})
     drawn, draw = [], printed.draw_posterior
@@ -178,7 +178,7 @@ def fakes(monkeypatch):
     """Solve nothing: the plane answers commands and functions."""
     from screwsim.simulate import warm_up
 
-    monkeypatch.setattr("screwsim.study.calibration.residuals.Warm", lambda: plane)
+    monkeypatch.setattr("screwsim.study.calibration.residuals.WarmSimulation", lambda: plane)
     monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)
 
 
@@ -187,8 +187,8 @@ def test_predictions_of_a_linear_model_are_those_of_linear_algebra(tmp_path):
     found, wide = sampled(tmp_path, points(7, count, 0, discrepancy, noise), most_steps=4000)
     rpm = np.pi / 30.0
     new = [
-        Point("amid", {"operation.speed": 3000.0 * rpm}, {"shaft_power": Measured(np.nan, 400.0)}),
-        Point("afar", {"operation.speed": 20000.0 * rpm}, {"shaft_power": Measured(99e3, 50.0)}),
+        Point("amid", {"operation.speed": 3000.0 * rpm}, {"shaft_power": Measurement(np.nan, 400.0)}),
+        Point("afar", {"operation.speed": 20000.0 * rpm}, {"shaft_power": Measurement(99e3, 50.0)}),
     ]
     told = predict(wide, new, simulate=plane, jobs=1)
     assert told.status == "ok" and told.off < 1e-6
@@ -275,12 +275,12 @@ def test_points_that_cannot_be_predicted_are_told_where_they_are(tmp_path, monke
 def test_the_pairs_are_drawn_within_the_picture_in_the_units_that_people_write(tmp_path):
     import matplotlib.pyplot as plt
 
-    from screwsim.printing.posterior import _drawn
+    from screwsim.printing.posterior import _parameter_samples
     from screwsim.report.calibration import _pairs
     from screwsim.report.style import journal
 
     found, wide = sampled(tmp_path, points(3, 8, 0, 0.1), most_steps=300)
-    two = [_drawn(found, wide, i) for i in range(2)]
+    two = [_parameter_samples(found, wide, i) for i in range(2)]
     assert [each.label for each in two] == ["gap (µm)", "heat capacity (kJ/(kg K))"]
     assert np.median(two[0].samples) == pytest.approx(1e6 * wide.parameters[0].median)
     assert two[1].low == pytest.approx(1e-3 * wide.parameters[1].low)

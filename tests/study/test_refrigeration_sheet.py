@@ -17,10 +17,10 @@ from screwsim.study import part_load as part_load_of
 from screwsim.study.datasheet import sheet_of
 from screwsim.study.datasheet.bounds import Bound, envelope, limits_of
 from screwsim.study.datasheet.rated import rating
-from screwsim.study.datasheet.refrigeration_sheet import asked_of, refrigeration_sheet
-from screwsim.study.datasheet.sheet import told
+from screwsim.study.datasheet.refrigeration_sheet import rating_request, refrigeration_sheet
+from screwsim.study.datasheet.sheet import warning_lines
 from screwsim.study.datasheet.tables import part_load_note
-from screwsim.study.part_load import NEAR, RATIO, Control, controls, part_load, ratios
+from screwsim.study.part_load import NEAR, RATIO_PATH, Control, controls, part_load, ratios
 
 pytestmark = pytest.mark.around
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -34,7 +34,7 @@ LIMITS = ("discharge_temperature<72 degC",)
 @pytest.fixture(scope="module")
 def rated():
     scene = screwsim.load(CONTROL)
-    return rating(asked_of(scene, *RANGES, limits_of(scene, LIMITS)), jobs=1)
+    return rating(rating_request(scene, *RANGES, limits_of(scene, LIMITS)), jobs=1)
 
 
 @pytest.fixture(scope="module")
@@ -161,9 +161,9 @@ def test_limits_are_marked_and_warnings_reach_the_sheet(sheet):
     assert power.rows[0][1].endswith("\u00a0") and power.rows[2][2].endswith("*")
     assert "beyond a limit" in power.note
     assert "discharge temperature < 72 °C (--limit)" in dict(sheet.lines)["limits"]
-    alike = list(told([("a", ["3 K too warm", "odd"]), ("b", ["5 K too warm"]), ("c", ["3 K too warm"])]))
+    alike = list(warning_lines([("a", ["3 K too warm", "odd"]), ("b", ["5 K too warm"]), ("c", ["3 K too warm"])]))
     assert alike == ["a: 3 K too warm (the same at 2 more points)", "a: odd"]
-    assert list(told([("a", ["same"]), ("b", ["same"])])) == ["same"]
+    assert list(warning_lines([("a", ["same"]), ("b", ["same"])])) == ["same"]
 
 
 def test_it_prints_within_a_terminal_and_writes_a_page_and_a_pdf(sheet, tmp_path, capsys):
@@ -209,12 +209,12 @@ def test_the_envelope_of_points_is_interpolated_between_them():
 
 
 def test_ranges_are_those_of_the_scene_or_of_steps_around_its_point():
-    own = asked_of(screwsim.load(CONTROL), None, None, ())
+    own = rating_request(screwsim.load(CONTROL), None, None, ())
     assert [round(T - 273.15, 6) for T in own.across.values] == [-15, -10, -5, 0, 5, 10]
     assert [round(T - 273.15, 6) for T in own.down.values] == [30, 35, 40, 45, 50, 55]
-    swept = asked_of(screwsim.load(CONFIGS / "r134a" / "map.yaml"), None, None, ())
+    swept = rating_request(screwsim.load(CONFIGS / "r134a" / "map.yaml"), None, None, ())
     assert len(swept.across.values) == 6 and len(swept.down.values) == 5
-    cooled = asked_of(screwsim.load(CONFIGS / "co2" / "transcritical.yaml"), None, None, ())
+    cooled = rating_request(screwsim.load(CONFIGS / "co2" / "transcritical.yaml"), None, None, ())
     assert cooled.down.path == GAS_COOLER_P and cooled.down.values[3] == pytest.approx(90e5)
 
 
@@ -303,7 +303,7 @@ def test_the_best_built_in_ratio_of_real_cycles_is_that_of_a_scan(condensing):
     found = part_load(scene, Control("speed", path, settings), loads=(1.0, 0.5), among=ratios(scene))
     scanned = [2.0 + 0.1 * step for step in range(21)]
     for step in found.steps:
-        cases = (with_values(scene, {path: step.setting, RATIO: ratio}) for ratio in scanned)
+        cases = (with_values(scene, {path: step.setting, RATIO_PATH: ratio}) for ratio in scanned)
         cop = [result.performance.cop for result in simulate_many(cases, trace=False)]
         assert 2.0 < scanned[cop.index(max(cop))] < 4.0  # the scan has its best inside
         assert step.ratio == pytest.approx(scanned[cop.index(max(cop))], abs=0.1)

@@ -19,7 +19,7 @@ from screwsim.study.local import Sensitivities
 from screwsim.study.optimize import optimize
 from screwsim.study.seek import find
 from screwsim.study.sweep import run_sweep
-from screwsim.study.uncertain import Spread, Uncertainty
+from screwsim.study.uncertain import FigureUncertainty, Uncertainty
 
 RATIO = "oil_supply.ratio"
 RESULT = Result("ok", performance=Figures(shaft_power=50e3, gas_mass_flow=0.5))
@@ -128,7 +128,7 @@ def test_sensitivities_tell_the_largest_first_in_percent_per_percent():
 
 
 def test_an_uncertainty_tells_figures_with_their_intervals():
-    found = Uncertainty({"shaft_power": Spread(500.0, ())}, SLOPES, ((RATIO,),))
+    found = Uncertainty({"shaft_power": FigureUncertainty(500.0, ())}, SLOPES, ((RATIO,),))
     first, _, row = lines_of(found)
     assert first == "Uncertainty of 1 figures by 1 inputs"
     assert row.split() == ["shaft_power", "50", "kW", "2", "%"]

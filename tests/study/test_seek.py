@@ -11,8 +11,8 @@ from seek_fakes import RPM, leaping, saturating, torn, turning
 import screwsim
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import loads
+from screwsim.study.scene_files import write_found
 from screwsim.study.seek import find, find_each, question
-from screwsim.study.written import write_found
 
 SPEED = "operation.speed"
 RANGE = f"{SPEED}=1000 rpm..5000 rpm"
@@ -184,10 +184,10 @@ def test_a_machine_gives_the_capacity_that_was_sought():
 def test_a_scene_of_another_size_says_so_in_its_title(tmp_path):
     """The title of a new scene has the size that was asked for; of a machine that was sized anew that is not true."""
     from screwsim.scene import with_values
-    from screwsim.template import asked_of, new_scene
+    from screwsim.template import new_scene, request_of
 
     base = tmp_path / "machine.yaml"
-    base.write_text(new_scene("refrigeration", asked_of(None, "600 m^3/h", None, None, None, None)), encoding="utf-8")
+    base.write_text(new_scene("refrigeration", request_of(None, "600 m^3/h", None, None, None, None)), encoding="utf-8")
     values = {"machine.displacement.flow": 1250.0 / 3600.0}
     path = tmp_path / "sized.yaml"
     write_found(path, with_values(screwsim.load(base), values), values, str(base), [], [], "find machine.yaml")

@@ -9,7 +9,7 @@ from study_fakes import gappy, ishigami, noisy
 
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import loads
-from screwsim.study.sensitivity import cost_told, read_ranges, sensitivity, usual_samples
+from screwsim.study.sensitivity import cost_in_words, read_ranges, sensitivity, usual_samples
 
 RANGES = (
     "machine.rotor_diameter=100 mm..200 mm",
@@ -116,8 +116,8 @@ def test_wrong_ranges_are_refused_in_one_line(texts, message):
 
 def test_one_input_alone_takes_fewer_samples_and_what_is_ahead_is_told():
     assert (usual_samples(1), usual_samples(4)) == (32, 256)
-    assert cost_told(4, 256).startswith("1536 solutions, 256 samples × (4 inputs + 2) (--samples")
-    assert cost_told(1, 32).startswith("96 solutions, 32 samples × (1 input + 2); a single input")
+    assert cost_in_words(4, 256).startswith("1536 solutions, 256 samples × (4 inputs + 2) (--samples")
+    assert cost_in_words(1, 32).startswith("96 solutions, 32 samples × (1 input + 2); a single input")
     assert study(ishigami, ("oil_supply.ratio=1..6",), BOTH[:1]).solutions == 96
 
 

@@ -10,8 +10,8 @@ import pytest
 import screwsim
 from screwsim.cli import exit_code
 from screwsim.report.datasheet import write_sheet
-from screwsim.report.datasheet_pdf import FORMS, pages_of
-from screwsim.report.sheet_paper import EDGE, HIGH, LEAST, WIDE, width_of, wrapped
+from screwsim.report.datasheet_pdf import TYPESETTINGS, pages_of
+from screwsim.report.sheet_paper import HIGH, LEAST_PT, MARGIN, WIDE, width_of, wrapped
 from screwsim.report.sheet_tables import columns_of
 from screwsim.report.style import journal, new_figure
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
@@ -86,9 +86,9 @@ def faults_of(figure):
     words, found, mm = words_of(figure), [], figure.bbox.x1 / WIDE
     for text, box, size in words:
         across, up = min(box.x0, figure.bbox.x1 - box.x1), min(box.y0, figure.bbox.y1 - box.y1)
-        inside = min(across - (EDGE - 0.5) * mm, up - FOOT * mm) >= 0.0
+        inside = min(across - (MARGIN - 0.5) * mm, up - FOOT * mm) >= 0.0
         found += [] if inside else [f"{text!r} runs off the page"]
-        found += [] if size >= LEAST else [f"{text!r} has {size} pt"]
+        found += [] if size >= LEAST_PT else [f"{text!r} has {size} pt"]
         found += [f"{text!r} lies over a drawing" for axes in figure.axes if over(box, axes.bbox)]
     found += [f"{a[0]!r} lies over {b[0]!r}" for a, b in combinations(words, 2) if over(a[1], b[1])]
     return found
@@ -188,7 +188,7 @@ def test_type_is_as_large_as_the_page_allows():
         with journal():
             (page,) = pages_of(sheet_with(*(grid(rows, 6) for _ in range(6))))
         sizes.append(next(text.get_fontsize() for text in page.texts if text.get_text() == "condensing"))
-    assert sizes == sorted(sizes, reverse=True) and sizes[0] == FORMS[0].size > sizes[-1] >= LEAST
+    assert sizes == sorted(sizes, reverse=True) and sizes[0] == TYPESETTINGS[0].size > sizes[-1] >= LEAST_PT
 
 
 def test_many_curves_have_their_own_names_and_looks():

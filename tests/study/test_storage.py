@@ -46,7 +46,7 @@ def long() -> tuple[Scene, Table]:
 
 
 def test_small_parts_are_joined_and_the_file_is_the_same(reference, tmp_path, monkeypatch):
-    monkeypatch.setattr(shards, "MOST_SMALL", 3)
+    monkeypatch.setattr(shards, "MOST_SMALL_PARTS", 3)
     monkeypatch.setattr("screwsim.study.sweep.CHUNK_TRACES", 1)  # one block a part
     output = tmp_path / "out.h5"
     with pytest.raises(KeyboardInterrupt):
@@ -58,8 +58,8 @@ def test_small_parts_are_joined_and_the_file_is_the_same(reference, tmp_path, mo
 
 
 def test_joined_parts_stay_as_they_are_when_they_are_large(tmp_path, monkeypatch):
-    monkeypatch.setattr(shards, "MOST_SMALL", 2)
-    monkeypatch.setattr(shards, "LARGE", 1)
+    monkeypatch.setattr(shards, "MOST_SMALL_PARTS", 2)
+    monkeypatch.setattr(shards, "LARGE_PART", 1)
     parts = Parts(tmp_path / "out.h5", {})
     parts.open(restart=False)
     for start in (0, 2, 4):
@@ -166,7 +166,7 @@ def test_a_draft_that_is_left_leaves_nothing(tmp_path):
 
 
 def test_parts_at_hand_are_bounded_and_the_file_is_the_same(reference, tmp_path, monkeypatch):
-    monkeypatch.setattr(shards, "AT_HAND", 30_000)  # some of the parts
+    monkeypatch.setattr(shards, "BYTES_IN_MEMORY", 30_000)  # some of the parts
     run_sweep(grid_scene(), tmp_path / "out.h5", jobs=1, simulate_many=chained)
     assert_same(reference, tmp_path / "out.h5")
 

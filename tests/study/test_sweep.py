@@ -216,7 +216,7 @@ def test_results_of_another_commit_towards_a_release_resume_while_the_sources_ar
     assert open_results(output).attributes["screwsim_version"] == "9.8.0.dev7+g5e6f7a8b.dirty"
     monkeypatch.setattr("screwsim.__version__", "9.8.0")  # released of these sources
     assert run_sweep(grid_scene(), output, jobs=1, simulate=forbidden).reused > there
-    monkeypatch.setattr("screwsim.numerics.sources.of_package", lambda: "others")  # of the same version
+    monkeypatch.setattr("screwsim.numerics.sources.package_digest", lambda: "others")  # of the same version
     with pytest.raises(UsageError, match=r"but from different sources of screwsim 9\.8\.0; "):
         run_sweep(grid_scene(), output, jobs=1, simulate=forbidden)
 

@@ -7,7 +7,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.machine.slider_crank.tolerance import tolerance
 from screwsim.outputs import Figures, Result
 from screwsim.scene import loads
-from screwsim.study.tolerance import changed, drawn, tolerances, widths_of
+from screwsim.study.tolerance import drawn_lengths, tolerances, widths_of, with_lengths
 
 TEXT = """\
 machine: {kind: slider_crank, bore: 50 mm, crank_radius: 20 mm, rod_length: 90 mm, offset: 3 mm, clearance: 3 cm^3}
@@ -27,16 +27,16 @@ def test_lengths_lie_within_half_their_tolerance():
     machine = loads(TEXT).machine
     widths = widths_of(machine, GRADES)
     assert widths["rod_length"] == tolerance(machine.rod_length, 10)
-    for name, values in drawn(machine, widths, 1000, 1).items():
+    for name, values in drawn_lengths(machine, widths, 1000, 1).items():
         off = values - getattr(machine, name)
         assert np.abs(off).max() <= 0.5 * widths[name]
         assert off.std() == pytest.approx(widths[name] / np.sqrt(12.0), rel=0.05)
-        assert np.array_equal(values, drawn(machine, widths, 1000, 1)[name])
+        assert np.array_equal(values, drawn_lengths(machine, widths, 1000, 1)[name])
 
 
 def test_what_the_piston_comes_nearer_is_lost_clearance():
     scene = loads(TEXT)
-    other, shift = changed(scene, {"rod_length": scene.machine.rod_length + 1e-4})
+    other, shift = with_lengths(scene, {"rod_length": scene.machine.rod_length + 1e-4})
     assert shift == pytest.approx(1e-4, rel=1e-3)
     lost = scene.machine.clearance - other.machine.clearance
     assert lost == pytest.approx(scene.machine.piston_area * shift)

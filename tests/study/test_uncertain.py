@@ -8,7 +8,7 @@ import pytest
 import screwsim
 from screwsim.inputs.faults import UsageError
 from screwsim.scene.fields import value_at
-from screwsim.study.uncertain import _drawn, checked, uncertainty
+from screwsim.study.uncertain import _drawn_inputs, checked_by_sample, uncertainty
 
 POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 SPEED, VOLUME, GAP = "operation.speed", "machine.volume.max", "effects.tip_leakage.gap"
@@ -43,10 +43,10 @@ def test_a_factor_counts_by_its_logarithm():
 
 def test_a_sample_agrees_where_figures_are_linear_and_warns_where_they_are_not():
     scene = screwsim.load(POINT, [f"{GAP}=27.5 um ± 2 um", "numerics.error=none"])
-    found = checked(scene, uncertainty(scene), 8, jobs=1)
+    found = checked_by_sample(scene, uncertainty(scene), 8, jobs=1)
     assert found.sampled["gas_mass_flow"].wrong == ""
     wide = screwsim.load(POINT, ["oil_supply.ratio=1 ×/÷ 6", "numerics.error=none"])
-    found = checked(wide, uncertainty(wide), 32, jobs=1)
+    found = checked_by_sample(wide, uncertainty(wide), 32, jobs=1)
     assert found.sampled["oil_ratio"].wrong  # a lognormal of that width spreads 1.8 times as far as its logarithm
 
 
@@ -56,7 +56,7 @@ def test_a_sample_has_the_moments_that_the_tolerances_state():
     together = f"uncertainty.correlated=[[{GAP}, {SPEED}, {radius}]]"
     given = [f"{GAP}=27.5 um ± 5 um", f"{SPEED}=1000 rpm ± 3 %", f"{radius}=9.5 um ×/÷ 2", f"{ratio}=3 ± 10 %"]
     scene = screwsim.load(POINT, [*given, together])
-    drawn = _drawn(scene, 1024)
+    drawn = _drawn_inputs(scene, 1024)
     deviations = []
     for path, tolerance in scene.uncertain.items():
         nominal = float(value_at(scene, path))

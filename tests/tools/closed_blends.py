@@ -20,7 +20,7 @@ sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "laws")]
 from scenes import make  # noqa: E402
 
 from screwsim.build import build_gas  # noqa: E402
-from screwsim.cycle.guess import begin, leased  # noqa: E402
+from screwsim.cycle.guess import install_first_guess, lease_for  # noqa: E402
 from screwsim.cycle.problem import problem_of  # noqa: E402
 from screwsim.fluid import constants  # noqa: E402
 from screwsim.fluid.blend_border import blend_border  # noqa: E402
@@ -80,8 +80,8 @@ def wet_turn(fluid: str, p: float) -> dict[str, Any]:
     border = blend_border(fluid)
     assert border is not None
     problem = problem_of(make(changes(fluid, "equilibrium", p, {"superheat": "1 K"})))
-    machinery, gas = leased(problem), problem.parts.gas
-    y = begin(problem, machinery)
+    machinery, gas = lease_for(problem), problem.parts.gas
+    y = install_first_guess(problem, machinery)
     T = border.dew_temperature(p)
     y[:2] = T, DENSER / border.saturated_volumes(T)[1]
     status, *_ = machinery.turn(y, 1e-10, 1e-3)

@@ -36,15 +36,15 @@ sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws",
 import effects_space  # noqa: E402
 from tight import NotTight, Tight  # noqa: E402
 
-from screwsim.cycle.guess import leased  # noqa: E402
+from screwsim.cycle.guess import lease_for  # noqa: E402
 from screwsim.cycle.problem import Series, problem_of  # noqa: E402
 from screwsim.derivatives import solving  # noqa: E402
-from screwsim.derivatives.closed import FINE, Fineness, NotClosed, collocated  # noqa: E402
-from screwsim.derivatives.solving import derivatives, figures_of, settled  # noqa: E402
-from screwsim.inputs.faults import Impossible, SceneError, UsageError  # noqa: E402
+from screwsim.derivatives.collocation import FINE, Fineness, NotClosed, collocated  # noqa: E402
+from screwsim.derivatives.solving import derivatives, figures_of, with_settled_surroundings  # noqa: E402
+from screwsim.inputs.faults import ImpossibleValue, SceneError, UsageError  # noqa: E402
 from screwsim.model import leases  # noqa: E402
 from screwsim.scene import Scene, cross_check, load, with_values  # noqa: E402
-from screwsim.solve.circuit import solved, steady  # noqa: E402
+from screwsim.solve.circuit import solve_with_surroundings, steady_state  # noqa: E402
 from screwsim.study.local import numeric_paths  # noqa: E402
 
 SHIPPED = {
@@ -136,12 +136,12 @@ class Exact:
     def __init__(self, scene: Scene) -> None:
         """Solve the scene; raise UsageError with the reason where `sensitivities` would use differences of cycles."""
         self.scene, self.series, self.values = scene, Series(), numeric_paths(scene)[0]
-        self.problem, search = steady(problem_of(scene, self.series), self.series)
+        self.problem, search = steady_state(problem_of(scene, self.series), self.series)
         why = solving._refused(self.problem)
         if why:
             raise UsageError(why)
-        self.machinery = leased(self.problem)
-        accurate = solved(self.problem, self.machinery, None, search)
+        self.machinery = lease_for(self.problem)
+        accurate = solve_with_surroundings(self.problem, self.machinery, None, search)
         if accurate.cycle.status != "ok":
             raise UsageError("the cycle does not close")
         of, self.widths = accurate.evaluation, accurate.wanted.widths
@@ -150,7 +150,7 @@ class Exact:
     def slopes(self, paths: Sequence[str], fineness: Fineness = FINE) -> dict[str, dict[str, float]]:
         """Return derivatives [SI] by path and figure times the number at the path."""
         cycle = collocated(self.problem, self.machinery, self.life, fineness)
-        cycle = settled(cycle, self.life, None, fineness)
+        cycle = with_settled_surroundings(cycle, self.life, None, fineness)
         found, _ = derivatives(cycle, {path: self.values[path] for path in paths})
         return {path: {name: each * self.values[path] for name, each in of.items()} for path, of in found.items()}
 
@@ -159,7 +159,7 @@ def rows(scene: Scene, paths: Sequence[str], of_numbers: float = STEP) -> Iterat
     """Yield a row for each figure and path of a scene, with differences over a step of numbers."""
     exact = Exact(scene)
     slopes = exact.slopes(paths)
-    other = leased(exact.problem)
+    other = lease_for(exact.problem)
     tight = Tight(exact.problem, other, exact.widths, RTOL, TOLERANCE)
     at = figures_of(tight.base)
     for path in slopes:
@@ -295,7 +295,7 @@ def of_scene(asked: argparse.Namespace, number: int, old: list[Row]) -> list[Row
             some = [asked.of] if asked.of else random.choice(there, min(asked.paths, len(there)), replace=False)
             found = list(rows(scene, list(some), asked.step))
         judged(scene, found, exact, asked.quick)
-    except (NotClosed, NotTight, Impossible, SceneError, UsageError) as error:
+    except (NotClosed, NotTight, ImpossibleValue, SceneError, UsageError) as error:
         print(f"{number} {name}: {type(error).__name__}: {error}", file=sys.stderr)
         return []
     worst = max((row["error"] for row in found), default=0.0)

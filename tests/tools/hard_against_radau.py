@@ -31,12 +31,12 @@ from scenes import make  # noqa: E402
 
 from screwsim.cycle.balances import LEAST_WORK  # noqa: E402
 from screwsim.cycle.close import DAMPED_DEPTH, DAMPING, NEAR_DAMPED  # noqa: E402
-from screwsim.cycle.guess import leased  # noqa: E402
-from screwsim.cycle.mixing import FULL, MixingRule  # noqa: E402
+from screwsim.cycle.guess import lease_for  # noqa: E402
+from screwsim.cycle.mixing import FULL_RULE, MixingRule  # noqa: E402
 from screwsim.cycle.problem import Problem, problem_of  # noqa: E402
-from screwsim.cycle.search import sought  # noqa: E402
+from screwsim.cycle.search import search_and_close  # noqa: E402
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together  # noqa: E402
-from screwsim.cycle.solution import CycleSolution, Wanted  # noqa: E402
+from screwsim.cycle.solution import ClosingCriteria, CycleSolution  # noqa: E402
 from screwsim.cycle.ways import way_of  # noqa: E402
 from screwsim.evaluate.evaluation import evaluate  # noqa: E402
 from screwsim.figures.errors import relative_errors  # noqa: E402
@@ -84,13 +84,13 @@ def from_guess(case: Case, scene: Scene, method: str, of_steps: float) -> tuple[
 def from_own_cycle(scene: Scene, method: str, start: str, of_steps: float) -> tuple[str, Figures, float | None]:
     """Return status, figures and last change under one of scipy's methods, starting from the case's closed cycle."""
     problem, accuracy = problem_of(scene), scene.numerics.accuracy
-    machinery = leased(problem)
+    machinery = lease_for(problem)
     own = solve(problem, machinery)
     cycle, wanted = own.cycle, own.wanted
     machinery.put(cycle.trajectory)
     y = cycle.y if way_of(cycle).whole else chambers_at_pitches(machinery)
 
-    def tightened(share: float, **others: Any) -> Wanted:
+    def tightened(share: float, **others: Any) -> ClosingCriteria:
         return replace(wanted, widths=tuple(share * width for width in wanted.widths), **others)
 
     for stage in range(1, STAGES + 1) if start == TIGHTENED else ():
@@ -105,17 +105,17 @@ def from_own_cycle(scene: Scene, method: str, start: str, of_steps: float) -> tu
     if start == FOLLOWED:
         cycle = followed(problem, machinery, finest, y.copy())
     elif start == SOUGHT:
-        found = sought(problem, machinery, replace(finest, tolerance=NOISE * finest.tolerance), y.copy())
+        found = search_and_close(problem, machinery, replace(finest, tolerance=NOISE * finest.tolerance), y.copy())
         if found is None:
             return "not_closed", Figures(), None
         cycle = found
     else:
-        rule = MixingRule(DAMPED_DEPTH, DAMPING, NEAR_DAMPED) if start == DAMPED else FULL
+        rule = MixingRule(DAMPED_DEPTH, DAMPING, NEAR_DAMPED) if start == DAMPED else FULL_RULE
         cycle = close_together(problem, machinery, finest, y.copy(), rule)
     return cycle.status, evaluate(problem, cycle).figures, cycle.change
 
 
-def followed(problem: Problem, machinery: Machinery, wanted: Wanted, y: np.ndarray) -> CycleSolution:
+def followed(problem: Problem, machinery: Machinery, wanted: ClosingCriteria, y: np.ndarray) -> CycleSolution:
     """Return all chambers after one life, without closing: ok where they return within the accuracy."""
     began, q, c = y.copy(), np.zeros(0), machinery.composition
     c.P[c.widths] = wanted.widths

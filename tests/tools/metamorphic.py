@@ -29,7 +29,7 @@ from screwsim.results import open_results  # noqa: E402
 from screwsim.scene import Scene, load, with_values  # noqa: E402
 from screwsim.simulate import simulate, simulate_many  # noqa: E402
 from screwsim.study.stages import run_stages  # noqa: E402
-from screwsim.study.stages.read import Chain, Intercooler  # noqa: E402
+from screwsim.study.stages.read import Intercooler, StageChain  # noqa: E402
 from screwsim.study.sweep import run_sweep  # noqa: E402
 
 BOTH_ERR = 2.0  # two results that are each within the wanted accuracy differ by at most twice as much
@@ -224,7 +224,7 @@ def of_two_equal_stages(kind: str, seed: int) -> tuple[float, str]:
     smaller = {path: _value(first, path) * ratio ** (-0.5 * power) for path, power in inputs.items()}
     ends = {"operation.suction.pressure": ratio * p_s, "operation.discharge.pressure": ratio**2 * p_s}
     found = run_stages(
-        Chain("", first, with_values(first, smaller | ends), Intercooler(kind="cooler", outlet_temperature=T_s))
+        StageChain("", first, with_values(first, smaller | ends), Intercooler(kind="cooler", outlet_temperature=T_s))
     )
     if found.status != "ok":
         raise NotAsked(found.status)

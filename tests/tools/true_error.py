@@ -19,8 +19,8 @@ from screwsim.outputs import Figures, Result
 from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.checks import cross_check
 from screwsim.simulate import simulate
-from screwsim.study.accuracy.solving import WorkLimit, solve, way
-from screwsim.study.each import Warm
+from screwsim.study.accuracy.solving import WorkLimit, method_of, solve
+from screwsim.study.parallel import WarmSimulation
 
 RPM = 2.0 * math.pi / 60.0
 FINER = 2e-2, 5e-3, 1e-3  # accuracies of finer solutions over the wanted one: tried until two agree
@@ -127,7 +127,7 @@ def true_error(
         return status, "", math.nan
     figure, error = worst(relative_errors(result.performance, better))
     if radau is None and error > APART * scene.numerics.accuracy:
-        own = Warm()
+        own = WarmSimulation()
         own(scene)
         stayed, better = _by_coupling(scene, own)
         near = worst(relative_errors(result.performance, better)) if stayed == "ok" else (figure, error)
@@ -159,7 +159,7 @@ def _by_radau(scene: Scene, rtol: float) -> tuple[str, Figures]:
     accuracy = scene.numerics.accuracy
     fine = min(max(RADAU_FINER * accuracy, FINEST), COARSEST)
     # the balances of scipy's methods are as good as their steps, not kept to rounding
-    how = way(fine, "scipy-radau", rtol=rtol, regularised=WIDTH * fine, bound=0.1 * accuracy)
+    how = method_of(fine, "scipy-radau", rtol=rtol, regularised=WIDTH * fine, bound=0.1 * accuracy)
     try:
         found = solve(scene, how, LIMIT)
     except WorkLimit as error:

@@ -38,7 +38,7 @@ def checkout(tmp_path, monkeypatch):
     (tmp_path / "pyproject.toml").write_text('[project]\nname = "screwsim"\n', encoding="utf-8")
     (tmp_path / "below").mkdir()
     monkeypatch.chdir(tmp_path / "below")
-    monkeypatch.setattr(sources, "PACKAGE", tmp_path / "src" / "screwsim")
+    monkeypatch.setattr(sources, "PACKAGE_FOLDER", tmp_path / "src" / "screwsim")
     return tmp_path
 
 
@@ -111,7 +111,7 @@ def test_an_unknown_name_is_one_line_with_the_nearest(checkout, capsys):
 
 @pytest.mark.parametrize("project", [None, '[project]\nname = "other"\n', "no TOML ["])
 def test_without_a_checkout_nothing_is_run_and_one_line_says_where_it_is(trap, project, monkeypatch, capsys):
-    monkeypatch.setattr(sources, "PACKAGE", trap.parent / "src" / "screwsim")
+    monkeypatch.setattr(sources, "PACKAGE_FOLDER", trap.parent / "src" / "screwsim")
     if project is not None:
         (trap.parent / "pyproject.toml").write_text(project, encoding="utf-8")
     code, out, err = run(capsys)

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 import screwsim
-from screwsim.scene.model_errors import range_text, stored
+from screwsim.scene.model_errors import range_text, stored_model_errors
 from screwsim.study.model_error import model_error
-from screwsim.study.validation import Compared, compared, model_errors
+from screwsim.study.validation import ValidationPoint, compared, model_errors
 from screwsim.study.validation.discrepancy import interval
 from screwsim.study.validation.record import errors_report
 
@@ -21,7 +21,7 @@ AT = {"machine.kind": "twin_screw", "gas.fluid": "R134a", "operation.speed": 309
 
 def point(ours, theirs, figure="shaft_power", fitted=False, parts=(3.0, 4.0, 12.0), ratio=3.0):
     """Return a point with standard uncertainties of ours, its inputs and the source."""
-    return Compared("m", "p", figure, ours, theirs, *parts, fitted, {**AT, "pressure_ratio": ratio})
+    return ValidationPoint("m", "p", figure, ours, theirs, *parts, fitted, {**AT, "pressure_ratio": ratio})
 
 
 def test_the_interval_is_e_and_twice_all_three_uncertainties_in_squares():
@@ -60,14 +60,14 @@ def test_what_is_shipped_is_what_the_stored_validation_has():
             for kind, part in (("published", "held_out"), ("calibrated", "fitted")):
                 rows = [row for row in ROWS if row["quantity"].startswith(name) and row["quantity"].endswith(word)]
                 errors = [0.01 * (row["ours"] - row["theirs"]) for row in rows if row["kind"] == kind]
-                told = stored()[machine]["figures"][figure][part]
+                told = stored_model_errors()[machine]["figures"][figure][part]
                 assert told["points"] == len(errors)
                 assert told["mean"] == pytest.approx(math.fsum(errors) / len(errors), abs=2e-4)
                 assert (told["low"], told["high"]) == pytest.approx((min(errors), max(errors)), abs=5e-4)
 
 
 def test_rated_compressors_of_which_nothing_is_fitted_say_by_how_much_a_written_machine_is_off():
-    told = stored()["reciprocating_r404a"]["figures"]["electrical_isentropic_efficiency"]
+    told = stored_model_errors()["reciprocating_r404a"]["figures"]["electrical_isentropic_efficiency"]
     every = json.loads((ROOT / "validation" / "results.json").read_text(encoding="utf-8"))["sources"]["energyplus"]
     off = [0.01 * (row["ours"] - row["theirs"]) for row in every["rows"]]
     assert told["fitted"] is None and told["held_out"]["points"] == 6 * len(off)  # each beside six machines
@@ -87,7 +87,7 @@ def test_a_scene_is_told_the_error_of_the_validation_that_it_names_and_where_it_
     figures = {"pressure_ratio": 4.0, "isentropic_efficiency": 0.7}
     found = model_error(scene, figures)
     assert found["outside"] == []
-    told = stored()["bitzer"]["figures"]["isentropic_efficiency"]["held_out"]
+    told = stored_model_errors()["bitzer"]["figures"]["isentropic_efficiency"]["held_out"]
     assert found["figures"]["isentropic_efficiency"]["low"] == told["low"]
     far = model_error(
         screwsim.load(ROOT / "configs/paper/point.yaml", ["uncertainty.model=cagi"]), {"pressure_ratio": 3.0}

@@ -12,12 +12,12 @@ from screwsim.outputs import Figures
 from screwsim.scene import load, with_values
 from screwsim.scene.lines import lines
 from screwsim.study.validation import (
-    Compared,
     Comparison,
     NotRun,
     Panel,
     Row,
     Series,
+    ValidationPoint,
     compared,
     equal,
     read_table,
@@ -79,7 +79,7 @@ def opened(degrees: float) -> dict[str, float]:
     }
 
 
-def condition_rows(here: Path, scene_file: Path, to_fit: set[str]) -> tuple[list[Row], list[Compared]]:
+def condition_rows(here: Path, scene_file: Path, to_fit: set[str]) -> tuple[list[Row], list[ValidationPoint]]:
     """Return both efficiencies at the five conditions; those of the fit are no evidence."""
     rows, points = [], []
     for row in read_table(here / "conditions.csv"):

@@ -14,7 +14,7 @@ from screwsim.outputs import Figures, ledger_entries
 from screwsim.scene import load, with_values
 from screwsim.study.calibration import read_fit
 from screwsim.study.calibration.fit import Point
-from screwsim.study.validation import Compared, Row, Series, compared, equal, solved
+from screwsim.study.validation import Row, Series, ValidationPoint, compared, equal, solved
 
 FIGURES = {"volumetric_efficiency": ("volumetric", 1.5), "isentropic_efficiency": ("isentropic", 3.0)}
 BASIS = "the source gives none; see above"
@@ -39,9 +39,9 @@ def at(here: Path, point: Point, **changes: float) -> Figures:
     return solved(machine(here), values=values).performance
 
 
-def compared_points(here: Path) -> list[Compared]:
+def compared_points(here: Path) -> list[ValidationPoint]:
     """Return both efficiencies at every point beside the source's, which states no uncertainty."""
-    found: list[Compared] = []
+    found: list[ValidationPoint] = []
     for one in points(here):
         scene = with_values(load(machine(here)), dict(one.values))
         theirs = {figure: one.measured[figure].value for figure in FIGURES}

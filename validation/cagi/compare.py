@@ -18,12 +18,12 @@ from screwsim.scene.model_errors import RATIO, SPEED
 from screwsim.simulate import simulate_many
 from screwsim.study.model_error import conditions_of
 from screwsim.study.validation import (
-    Compared,
     Comparison,
     NotRun,
     Panel,
     Row,
     Series,
+    ValidationPoint,
     equal,
     read_table,
     sibling,
@@ -215,7 +215,7 @@ def other_rows(curve: Curve, sheet: Curve) -> list[Row]:
     return rows
 
 
-def compared_points(file: Path, curve: Curve, sheet: Curve) -> list[Compared]:
+def compared_points(file: Path, curve: Curve, sheet: Curve) -> list[ValidationPoint]:
     """Return the electrical power of the package at each flow of the sheet, which states no uncertainty.
 
     The fan is at its nominal power at full flow, and follows the rest below: its control is not given.
@@ -228,7 +228,7 @@ def compared_points(file: Path, curve: Curve, sheet: Curve) -> list[Compared]:
         speed = curve.at((SPEEDS * RPM).tolist(), flow)
         at = {**conditions_of(scene, {}), SPEED: speed, RATIO: between.p_d / between.p_s}
         name, numerical = f"{flow / CFM:.0f} cfm", scene.numerics.accuracy * ours
-        found.append(Compared("cagi", name, "electrical_power", ours, theirs, numerical, None, None, False, at))
+        found.append(ValidationPoint("cagi", name, "electrical_power", ours, theirs, numerical, None, None, False, at))
     return found
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from screwsim.build import build_gas
 from screwsim.scene import load
-from screwsim.study.claims import RPM, Claim, Displacement, Pump, claims, read_displacement, read_pump
+from screwsim.study.claims import RPM, Claim, DisplacementCurve, PumpCurves, claims, read_displacement, read_pump
 from screwsim.study.sweep import run_sweep
 from screwsim.study.validation import Comparison, Panel, Row, Series, equal, read_table, sibling, solved, trend
 
@@ -139,7 +139,7 @@ def reading_rows(here: Path, pump_file: Path) -> list[Row]:
 
 
 def panels(
-    pump: Pump, lines: Sequence[Displacement], first: Sequence[Series], second: Sequence[Series]
+    pump: PumpCurves, lines: Sequence[DisplacementCurve], first: Sequence[Series], second: Sequence[Series]
 ) -> tuple[Panel, ...]:
     """Return Fig. 1 and Fig. 2 with the spread of the equally good fits."""
     curves = [

@@ -14,7 +14,7 @@ import numpy as np
 from screwsim.scene import Scene, load, with_values
 from screwsim.simulate import simulate_many
 from screwsim.study.claims import RPM
-from screwsim.study.curves import Optimum, optimum, value_at
+from screwsim.study.curves import Optimum, curve_optimum, value_at
 from screwsim.study.validation import Row, Series, read_table, sibling, trend
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -95,7 +95,7 @@ def _numbers(fit: Fitted) -> tuple[float, float]:
 
 def _holds(fit: Fitted) -> dict[str, bool]:
     """Tell which of A1-A4 a fit has."""
-    best = [optimum(RATIOS, row) for row in fit.pump]
+    best = [curve_optimum(RATIOS, row) for row in fit.pump]
     inside: list[Optimum] = [each for each in best if each is not None and each.interior]
     if len(inside) < len(SPEEDS):
         return dict.fromkeys(("A1", "A2", "A3", "A4"), False)
@@ -143,8 +143,8 @@ def _seventh(fits: list[Fitted]) -> Row:
     """Return whether fits that meet A6 have A7, which is not fitted."""
     count = 0
     for fit in fits:
-        best = optimum(fit.ratio, fit.displaced)
-        pump = optimum(RATIOS, fit.pump[0])
+        best = curve_optimum(fit.ratio, fit.displaced)
+        pump = curve_optimum(RATIOS, fit.pump[0])
         count += bool(best and pump and best.interior and best.ratio > pump.ratio)
     return trend(
         "A7 in the equally good fits: a maximum inside 250 … 5000 rpm, at a higher d than the pump's",

@@ -12,7 +12,7 @@ from screwsim.outputs import Figures
 from screwsim.scene import loads
 from screwsim.simulate import simulate
 from screwsim.study.validation import Comparison, NotRun, Panel, Row, Series, equal, read_table, sibling, trend
-from screwsim.template import asked_of, new_scene
+from screwsim.template import new_scene, request_of
 
 ratings = sibling(Path(__file__).parent / "ratings.py")
 
@@ -40,7 +40,8 @@ TAKEN = "taken: a mean over machines of several sizes"
 
 def figures(kind: str, **stated: object) -> Figures:
     """Return the figures of a new machine; raise NotRun where its cycle does not close."""
-    result = simulate(loads(new_scene(kind, asked_of(*(stated.get(name) for name in OPTIONS)))), trace=False)  # type: ignore[arg-type]
+    request = request_of(*(stated.get(name) for name in OPTIONS))  # type: ignore[arg-type]
+    result = simulate(loads(new_scene(kind, request)), trace=False)
     if result.status != "ok":
         raise NotRun(f"new {kind} {stated}: {result.told}")
     return result.performance

@@ -19,7 +19,7 @@ from screwsim.codegen.kinds import FLOAT, INTEGER, Kind, array, words_of
 from screwsim.inputs.faults import UsageError
 from screwsim.model.contexts import ChamberContext
 from screwsim.model.run import Machinery
-from screwsim.model.side_by_side import AXES, TURN, WHOLE, Answer, Asked, arrays_of
+from screwsim.model.side_by_side import AXES, TURN, WHOLE, Answer, TurnRequest, arrays_of
 from screwsim.numerics.rodas import TOO_MANY_STEPS
 
 Array = np.ndarray
@@ -52,16 +52,16 @@ OWN = ("y", "q", "P", "R", "state", "own", "counts", "kept", "hints")  # arrays 
 NEW = {"t_new": "times", "d_new": "dense", "quads": "quads"}  # arrays of the new history: in a context, here
 
 
-class OnDevice:
+class DeviceTurns:
     """Turns of one structure on a device, any number in one call."""
 
     def __init__(self, like: Machinery, device: Device) -> None:
         self.device, self.steps = device, STEPS  # steps of a turn for which there is room
-        self._turns = device.turns(*asked_of(like))
+        self._turns = device.turns(*turns_arguments(like))
         self._room, self._size = 0, 0  # allocated on the device: address and words
         self._alone = threading.Lock()
 
-    def turns(self, asked: Sequence[Asked]) -> list[Answer]:
+    def turns(self, asked: Sequence[TurnRequest]) -> list[Answer]:
         """Integrate a life of each; store each result where `Machinery.turn` would.
 
         A turn with too many steps for the allocated room is integrated by the processor; the next call
@@ -77,7 +77,7 @@ class OnDevice:
                 self.steps = min(MOST_STEPS, 2 * most)
             return answers
 
-    def _answer(self, each: Asked, call: _Call, i: int, result: Array) -> Answer:
+    def _answer(self, each: TurnRequest, call: _Call, i: int, result: Array) -> Answer:
         """Return the result of a turn, integrating it here if the device had too little room."""
         status = int(result[:1].view(np.int64)[0])
         if status == TOO_MANY_STEPS and self.steps < each.machinery.max_steps:
@@ -98,21 +98,21 @@ class OnDevice:
         self._size = call.size
 
 
-def asked_of(like: Machinery) -> tuple[Any, str, tuple[Kind, ...], dict[int, int]]:
+def turns_arguments(like: Machinery) -> tuple[Any, str, tuple[Kind, ...], dict[int, int]]:
     """Return the arguments of `Device.turns`: module, function, kinds of arguments, known arguments."""
     return like.module, TURN, KINDS, {N_E: like.composition.n_E}
 
 
-def code_of(like: Machinery) -> bytes:
+def ptx_of(like: Machinery) -> bytes:
     """Return the PTX of a structure's turns, compiled or from the cache; no device is needed."""
-    module, *asked = asked_of(like)
+    module, *asked = turns_arguments(like)
     return module.of_device(*asked)
 
 
 class _Call:
     """The memory layout of a call: contiguous blocks with one row for each point, in words of 8 bytes."""
 
-    def __init__(self, asked: Sequence[Asked], steps: int) -> None:
+    def __init__(self, asked: Sequence[TurnRequest], steps: int) -> None:
         self.asked, self.count, self.steps = asked, len(asked), steps
         like = asked[0].machinery
         self.arrays = [arrays_of(each) for each in asked]
@@ -227,7 +227,7 @@ class _Call:
                 case _:
                     add_array(new.get(name, name))
 
-    def put(self, each: Asked, i: int) -> Array:
+    def put(self, each: TurnRequest, i: int) -> Array:
         """Store a point's numbers and history in its machinery; return its quadratures."""
         for name, column in self.own.items():
             self.arrays[i][name][:] = column[i]

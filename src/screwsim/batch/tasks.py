@@ -18,15 +18,15 @@ from typing import Any, TypeVar
 from greenlet import GreenletExit, getcurrent, greenlet
 
 from screwsim.batch.driver import DeviceError, device, look_for_driver
-from screwsim.batch.on_device import OnDevice, code_of
+from screwsim.batch.on_device import DeviceTurns, ptx_of
 from screwsim.codegen.kinds import LANES
 from screwsim.codegen.program import CannotCompile
-from screwsim.cycle.guess import leased
+from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import problem_of, sharing
 from screwsim.inputs.faults import UsageError
 from screwsim.model import compiled, side_by_side
-from screwsim.model.exchange import here
 from screwsim.model.run import Machinery
+from screwsim.model.turn_scheduler import scheduler
 from screwsim.numerics.compiling import again, clock
 from screwsim.outputs import Result
 from screwsim.scene.types import Scene
@@ -36,8 +36,8 @@ Answer = TypeVar("Answer")
 IN_FLIGHT = 2 * LANES  # tasks at a time: enough to find turns of similar tolerance
 IN_STEP = LANES  # the same for courses, whose points take similar turns; more would not fit in the cache
 ON_GPU = 1024  # tasks at a time on a GPU, and turns in one call
-Turns = Callable[[Sequence[side_by_side.Asked]], list[Any]]
-HandedOn = Callable[[greenlet, greenlet], None]
+Turns = Callable[[Sequence[side_by_side.TurnRequest]], list[Any]]
+OnSwitch = Callable[[greenlet, greenlet], None]
 During = Callable[[Sequence[greenlet]], AbstractContextManager[None]]  # called with the tasks for which a call is made
 
 
@@ -47,7 +47,7 @@ class _Task:
 
     number: int
     run: greenlet
-    asked: side_by_side.Asked | None = None
+    asked: side_by_side.TurnRequest | None = None
     answer: Any = None
 
 
@@ -56,7 +56,7 @@ def together(
     in_flight: int | None = None,
     during: During | None = None,
     gpu: bool = False,
-    handed_on: HandedOn | None = None,
+    handed_on: OnSwitch | None = None,
     lanes: bool = True,
 ) -> list[Answer]:
     """Return what each task returns; the turns that they ask for are integrated side by side.
@@ -69,7 +69,7 @@ def together(
     """
     default, most = (ON_GPU, ON_GPU) if gpu else (IN_FLIGHT, LANES)
     turns = _turns_on_gpu if gpu else _turns if lanes else _one_by_one
-    return _Together(tasks, max(1, in_flight or default), during or _plain, most, turns, handed_on).run()
+    return _Scheduler(tasks, max(1, in_flight or default), during or _plain, most, turns, handed_on).run()
 
 
 def simulate_courses(courses: Iterable[Iterable[Scene]], trace: bool = False, gpu: bool = False) -> list[list[Result]]:
@@ -99,13 +99,13 @@ def prepare_for_gpu(scene: Scene) -> None:
     """
     look_for_driver()
     problem = problem_of(scene)
-    machinery = leased(problem)
-    with compiled.first(machinery.module, "device"), _told_of_device(), again():
-        code_of(machinery)
+    machinery = lease_for(problem)
+    with compiled.announce_first(machinery.module, "device"), _device_errors(), again():
+        ptx_of(machinery)
 
 
 @contextmanager
-def _told_of_device() -> Iterator[None]:
+def _device_errors() -> Iterator[None]:
     """Turn errors of the compiler and the device into UsageError."""
     try:
         yield
@@ -120,7 +120,7 @@ def _plain(tasks: Sequence[greenlet]) -> AbstractContextManager[None]:
     return _nothing
 
 
-class _Together:
+class _Scheduler:
     """Tasks in greenlets, one running at a time; the scheduler runs in the caller's greenlet."""
 
     def __init__(
@@ -130,7 +130,7 @@ class _Together:
         during: During,
         most: int,
         turns: Turns,
-        handed_on: HandedOn | None,
+        handed_on: OnSwitch | None,
     ) -> None:
         self._left = deque(enumerate(tasks))
         self._answers: list[Any] = [None] * len(tasks)
@@ -143,22 +143,22 @@ class _Together:
 
     def run(self) -> list[Any]:
         """Run all tasks and return their answers."""
-        before = here.turn, here.station
-        here.turn, here.station = self._turn, self._station
+        before = scheduler.turn, scheduler.station
+        scheduler.turn, scheduler.station = self._turn, self._station
         try:
             with sharing():
                 while self._go_on():
                     pass
             return self._answers
         finally:
-            here.turn = here.station = _ended
+            scheduler.turn = scheduler.station = _end_task
             try:
                 # end tasks that nobody waits for any more, where they asked for a turn
                 while self._ready or self._waiting:
                     task = self._ready.popleft() if self._ready else self._waiting.pop()
                     task.run.throw()
             finally:
-                here.turn, here.station = before
+                scheduler.turn, scheduler.station = before
 
     def _go_on(self) -> bool:
         """Run the next task: a new one while there is room, one that has its answer, or one after a call."""
@@ -194,29 +194,29 @@ class _Together:
 
     def _turn(self, machinery: Machinery, y: Any, rtol: float, h: float) -> Any:
         """Ask for a turn, let others run, and return the answer (in the task's own greenlet)."""
-        began, before, task = clock(), here.elsewhere, self._now
+        began, before, task = clock(), scheduler.elsewhere, self._now
         assert task is not None
-        task.asked = side_by_side.Asked(machinery, y, rtol, h)
+        task.asked = side_by_side.TurnRequest(machinery, y, rtol, h)
         with self._during(()):
             self._own.switch()
         if isinstance(task.answer, BaseException):  # an error of the call, raised in every task that waited for it
             raise task.answer
         answer, share = task.answer
-        here.elsewhere = before + clock() - began - share
+        scheduler.elsewhere = before + clock() - began - share
         return answer
 
     def _station(self) -> None:
         """Let others run until they reach the same station (in the task's own greenlet); the next one continues."""
         if not self._ready:
             return
-        began, before, task = clock(), here.elsewhere, self._now
+        began, before, task = clock(), scheduler.elsewhere, self._now
         assert task is not None
         other = self._now = self._ready.popleft()
         self._ready.append(task)
         if self._handed_on is not None:
             self._handed_on(task.run, other.run)
         other.run.switch()
-        here.elsewhere = before + clock() - began
+        scheduler.elsewhere = before + clock() - began
 
     # ---- turns in one call -----------------------------------------------------------------------------------------
 
@@ -224,7 +224,7 @@ class _Together:
         """Integrate turns of waiting tasks: of the longest waiting one's structure, those nearest to its tolerance."""
         first = self._waiting[0].asked
         assert first is not None
-        alike = [task for task in self._waiting if _alike(task.asked, first)]
+        alike = [task for task in self._waiting if _same_structure(task.asked, first)]
         alike.sort(key=lambda task: abs(task.asked.rtol - first.rtol) if task.asked is not None else 0.0)
         chosen = alike[: self._most]
         self._answer(chosen)
@@ -248,12 +248,12 @@ class _Together:
             task.answer = answer, share
 
 
-def _ended(*_asked: object) -> Any:
+def _end_task(*_asked: object) -> Any:
     """End a task that asks for another turn although nobody waits for it."""
     raise GreenletExit
 
 
-def _alike(one: side_by_side.Asked | None, other: side_by_side.Asked) -> bool:
+def _same_structure(one: side_by_side.TurnRequest | None, other: side_by_side.TurnRequest) -> bool:
     """Return whether both turns are of the same structure."""
     return one is not None and one.machinery.module is other.machinery.module
 
@@ -261,13 +261,13 @@ def _alike(one: side_by_side.Asked | None, other: side_by_side.Asked) -> bool:
 _lanes: dict[str, side_by_side.Lanes | None] = {}  # by module name; None where the text cannot be compiled for lanes
 
 
-def _turns(asked: Sequence[side_by_side.Asked]) -> list[Any]:
+def _turns(asked: Sequence[side_by_side.TurnRequest]) -> list[Any]:
     """Return turns of one structure, integrated side by side, or one by one where its text does not allow that."""
     machinery = asked[0].machinery
     name = machinery.module.__name__
     if name not in _lanes:
         try:
-            with compiled.first(machinery.module, "lanes"), again():
+            with compiled.announce_first(machinery.module, "lanes"), again():
                 _lanes[name] = side_by_side.Lanes(machinery)
         except CannotCompile:
             _lanes[name] = None
@@ -275,19 +275,19 @@ def _turns(asked: Sequence[side_by_side.Asked]) -> list[Any]:
     return _one_by_one(asked) if lanes is None else lanes.turns(asked)
 
 
-def _one_by_one(asked: Sequence[side_by_side.Asked]) -> list[Any]:
+def _one_by_one(asked: Sequence[side_by_side.TurnRequest]) -> list[Any]:
     """Return turns, each integrated alone."""
     return [each.machinery.own_turn(each.y, each.rtol, each.h) for each in asked]
 
 
-_on_device: dict[tuple[int, str], OnDevice] = {}  # by process and name of a module
+_on_device: dict[tuple[int, str], DeviceTurns] = {}  # by process and name of a module
 
 
-def _turns_on_gpu(asked: Sequence[side_by_side.Asked]) -> list[Any]:
+def _turns_on_gpu(asked: Sequence[side_by_side.TurnRequest]) -> list[Any]:
     """Return turns of one structure, integrated on a GPU."""
     machinery = asked[0].machinery
     key = os.getpid(), machinery.module.__name__
     if key not in _on_device:
-        with compiled.first(machinery.module, "device"), _told_of_device(), again():
-            _on_device[key] = OnDevice(machinery, device())
+        with compiled.announce_first(machinery.module, "device"), _device_errors(), again():
+            _on_device[key] = DeviceTurns(machinery, device())
     return _on_device[key].turns(asked)

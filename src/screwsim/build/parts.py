@@ -1,14 +1,14 @@
 """Builds the parts that the composer takes (geometry, gas, oil, effects) and prepares them for a sweep."""
 
-from screwsim.build.stock import Stock, build_gas, build_site
+from screwsim.build.parts_cache import PartsCache, build_gas, build_site
 from screwsim.build.temperatures import completed
 from screwsim.effects.base import Made, OilContent, OilGas, OilSolution, Plenum
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.inputs.faults import own_number
+from screwsim.inputs.faults import checked_own_number
 from screwsim.model.parts import Effects, OilPart, Parts, Widths
 from screwsim.scene.checks import cross_check
-from screwsim.scene.grid import case, case_count, only
+from screwsim.scene.grid import case, case_count, with_sweep_over
 from screwsim.scene.lines import Lines, lines, refrigerating_effect
 from screwsim.scene.types import Scene
 
@@ -41,18 +41,18 @@ def build_oil(scene: Scene, at: Lines) -> OilPart | None:
     return OilPart(known.density, known.heat_capacity, supply.temperature, oil.carried, numbers, source)
 
 
-def build_parts(scene: Scene, stock: Stock | None = None, set_speed: float | None = None) -> Parts:
-    """Return the built parts of a scene for the composer, reusing parts of previous scenes from `stock`."""
-    return parts_of(completed(scene), stock or Stock(), set_speed)
+def build_parts(scene: Scene, cache: PartsCache | None = None, set_speed: float | None = None) -> Parts:
+    """Return the built parts of a scene for the composer, reusing parts of previous scenes from `cache`."""
+    return parts_of(completed(scene), cache or PartsCache(), set_speed)
 
 
-def parts_of(scene: Scene, stock: Stock, set_speed: float | None = None) -> Parts:
+def parts_of(scene: Scene, cache: PartsCache, set_speed: float | None = None) -> Parts:
     """Return what `build_parts` does, from a completed scene."""
     at = lines(scene)
-    geometry = stock.geometry(scene.machine)
-    effects = stock.effects(scene, geometry, at)
-    gas = stock.gas(scene)
-    plenums, made, content = _of_site(effects, scene, gas)
+    geometry = cache.geometry(scene.machine)
+    effects = cache.effects(scene, geometry, at)
+    gas = cache.gas(scene)
+    plenums, made, content = _site_states(effects, scene, gas)
     return Parts(
         geometry=geometry,
         gas=gas,
@@ -67,7 +67,7 @@ def parts_of(scene: Scene, stock: Stock, set_speed: float | None = None) -> Part
     )
 
 
-def _of_site(
+def _site_states(
     effects: Effects, scene: Scene, gas: Gas
 ) -> tuple[dict[str, Reservoir], dict[str, float], OilContent | OilSolution | None]:
     """Return states of the effects' own plenums, guesses of feedback unknowns, and the gas dissolved in injected oil.
@@ -80,15 +80,15 @@ def _of_site(
     site = build_site(scene, gas)
     guesses = {part.entry.name: part.guess(site) for part in made}
     for name, part in effects.all(Made):
-        own_number(name, f"the guess of {part.entry.name}", guesses[part.entry.name])
+        checked_own_number(name, f"the guess of {part.entry.name}", guesses[part.entry.name])
     if len(guesses) < len(made):
         names = ", ".join(sorted(part.entry.name for part in made))
         raise TypeError(f"two effects declare one of {names} as found by the cycle")
     states = {part.name: part.state(site) for part in plenums}
     for name, part in effects.all(Plenum):
         for what in ("p", "T", "rho"):
-            own_number(name, f"{what} of its plenum {part.name}", getattr(states[part.name], what), LEAST)
-        own_number(name, f"h of its plenum {part.name}", states[part.name].h)
+            checked_own_number(name, f"{what} of its plenum {part.name}", getattr(states[part.name], what), LEAST)
+        checked_own_number(name, f"h of its plenum {part.name}", states[part.name].h)
     return states, guesses, brings[0].content(site) if brings else None
 
 
@@ -111,7 +111,7 @@ def _widths(scene: Scene, at: Lines) -> Widths:
 def prepare(scene: Scene) -> None:
     """Fetch from CoolProp once the data that the cases of a sweep need, so that no worker imports it."""
     asked = (path for path in scene.sweep if path.startswith(("operation.", "gas.")) and path != "operation.speed")
-    conditions = only(scene, asked)
+    conditions = with_sweep_over(scene, asked)
     for index in range(min(case_count(conditions), MOST_PREPARED) if conditions.sweep else 0):
         one = case(conditions, index)
         if not cross_check(one):

@@ -4,19 +4,19 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple
 
-from screwsim.build import sought
+from screwsim.build import open_values
 from screwsim.effects.base import CoolsOil, InSeparator, LosesPressure, PressureLosses
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
 from screwsim.fluid.oils import OILS
 from screwsim.fluid.settings import COLDEST, HOTTEST
-from screwsim.inputs.faults import Fault, Unfound, UsageError
-from screwsim.numerics.at_once import changed
-from screwsim.numerics.remembered import Remembered
+from screwsim.inputs.faults import Fault, QuantityNotFound, UsageError
+from screwsim.numerics.frozen import with_changes
+from screwsim.numerics.identity_cache import IdentityCache
 from screwsim.outputs.customary import in_celsius
 from screwsim.scene.checks import oil_faults
 from screwsim.scene.lines import lines
-from screwsim.scene.types import ActiveEffect, Found, Scene
+from screwsim.scene.types import ActiveEffect, FoundWithCycle, Scene
 
 WARMED, COOLED = 45.0, 12.0  # [K] first guesses: mixture above suction gas, temperature drop of oil in its cooler
 
@@ -30,11 +30,11 @@ class Temperatures(NamedTuple):
 
 def package_of(scene: Scene) -> LosesPressure | None:
     """Return the parameters of the effect that puts a package around the machine; None without one."""
-    return next(iter(_of(scene.effects, LosesPressure).values()), None)
+    return next(iter(_parameters_of_type(scene.effects, LosesPressure).values()), None)
 
 
-@Remembered
-def _of(effects: Mapping[str, ActiveEffect], kind: type) -> dict[str, Any]:
+@IdentityCache
+def _parameters_of_type(effects: Mapping[str, ActiveEffect], kind: type) -> dict[str, Any]:
     """Return the parameters of a given type among those of the effects, by effect name."""
     every = ((name, active.parameters) for name, active in effects.items())
     return {name: parameters for name, parameters in every if isinstance(parameters, kind)}
@@ -48,59 +48,68 @@ def completed(
 ) -> Scene:
     """Return a scene with values for everything found with the cycle: the values given nearby, or first guesses.
 
-    These are the temperatures that effects.separator finds, the losses of a package, and open parameters (`sought`).
-    Raise Unfound where oil or effects do not admit the first guess either.
+    These are the temperatures that effects.separator finds, the losses of a package, and open parameters
+    (`open_values`). Raise Unfound where oil or effects do not admit the first guess either.
     """
     package = package_of(scene)
     if package is not None and scene.losses is None:
         at = lines(scene)
         guess = package.losses(package.at_rated_flow, at.p_s, at.p_d)
         near_by = losses is not None and min(losses.behind, guess.behind) >= 0.0  # both deliver air
-        scene = changed(scene, losses=losses if near_by else guess)
-    return _tempered(sought.completed(scene, open_numbers), near)
+        scene = with_changes(scene, losses=losses if near_by else guess)
+    return _tempered(open_values.completed(scene, open_numbers), near)
 
 
 def _tempered(scene: Scene, near: Temperatures | None) -> Scene:
     if not any(open_temperatures(scene)):
-        return scene if scene.oil_supply is None or not _is_open(scene.oil_supply.temperature) else _kept(scene)
+        return (
+            scene
+            if scene.oil_supply is None or not _is_open(scene.oil_supply.temperature)
+            else _with_kept_temperature(scene)
+        )
     if near is not None:
-        found = filled(scene, near)
+        found = with_temperatures(scene, near)
         if not temperature_faults(found):
             return found
-    supply, asked = scene.oil_supply, [one.parameters.separator_temperature for one in _asking(scene).values()]
+    supply, asked = (
+        scene.oil_supply,
+        [one.parameters.separator_temperature for one in _effects_to_complete(scene).values()],
+    )
     if supply is not None and None not in (supply.temperature, *asked):
         return scene
-    found = filled(scene, _guessed(scene, _cooling(scene)))
+    found = with_temperatures(scene, _guessed(scene, _cooling(scene)))
     faults = temperature_faults(found)
     if faults:
-        raise Unfound(f"the first guess of the oil temperatures is an impossible state: {faults[0]}")
+        raise QuantityNotFound(f"the first guess of the oil temperatures is an impossible state: {faults[0]}")
     return found
 
 
-def _kept(scene: Scene) -> Scene:
+def _with_kept_temperature(scene: Scene) -> Scene:
     """Return a scene whose oil is supplied at the temperature that its cooler keeps, and follows that temperature."""
     supply, outlet = scene.oil_supply, _cooling(scene).outlet
     assert supply is not None
-    return changed(scene, oil_supply=changed(supply, temperature=None if outlet is None else Found(outlet)))
+    return with_changes(
+        scene, oil_supply=with_changes(supply, temperature=None if outlet is None else FoundWithCycle(outlet))
+    )
 
 
-def filled(scene: Scene, at: Temperatures) -> Scene:
+def with_temperatures(scene: Scene, at: Temperatures) -> Scene:
     """Return a scene with the given temperatures in place of those that it leaves open."""
     supply, effects = scene.oil_supply, scene.effects
     assert supply is not None
     if open_temperatures(scene)[0]:
-        scene = changed(scene, oil_supply=changed(supply, temperature=Found(at.supply)))
+        scene = with_changes(scene, oil_supply=with_changes(supply, temperature=FoundWithCycle(at.supply)))
     elif _is_open(supply.temperature):
-        scene = _kept(scene)
-    for name, active in _asking(scene).items():
-        parameters = changed(active.parameters, separator_temperature=Found(at.separator))
-        effects = {**effects, name: changed(active, parameters=parameters)}
-    return changed(scene, effects=effects)
+        scene = _with_kept_temperature(scene)
+    for name, active in _effects_to_complete(scene).items():
+        parameters = with_changes(active.parameters, separator_temperature=FoundWithCycle(at.separator))
+        effects = {**effects, name: with_changes(active, parameters=parameters)}
+    return with_changes(scene, effects=effects)
 
 
 def _cooling(scene: Scene) -> CoolsOil:
     """Return the settings of the scene's oil cooler."""
-    return next(iter(_of(scene.effects, CoolsOil).values()), CoolsOil())
+    return next(iter(_parameters_of_type(scene.effects, CoolsOil).values()), CoolsOil())
 
 
 def open_temperatures(scene: Scene) -> tuple[bool, bool]:
@@ -109,23 +118,23 @@ def open_temperatures(scene: Scene) -> tuple[bool, bool]:
     if supply is None:
         return False, False
     follows = _is_open(supply.temperature) and _cooling(scene).outlet is None
-    return follows, bool(_asking(scene))
+    return follows, bool(_effects_to_complete(scene))
 
 
-def _asking(scene: Scene) -> dict[str, ActiveEffect]:
+def _effects_to_complete(scene: Scene) -> dict[str, ActiveEffect]:
     """Return the effects of a scene that need the separator temperature and do not state it."""
-    asking = _of(scene.effects, InSeparator)
+    asking = _parameters_of_type(scene.effects, InSeparator)
     return {name: scene.effects[name] for name, one in asking.items() if _is_open(one.separator_temperature)}
 
 
-def in_separator(scene: Scene) -> list[InSeparator]:
+def separator_effects(scene: Scene) -> list[InSeparator]:
     """Return the parameters of the effects that need the separator temperature, stated or not."""
-    return list(_of(scene.effects, InSeparator).values())
+    return list(_parameters_of_type(scene.effects, InSeparator).values())
 
 
 def _is_open(value: float | None) -> bool:
     """Tell whether a temperature is not stated: absent, or the current value of the search."""
-    return value is None or isinstance(value, Found)
+    return value is None or isinstance(value, FoundWithCycle)
 
 
 def temperature_faults(scene: Scene) -> list[Fault]:
@@ -135,7 +144,7 @@ def temperature_faults(scene: Scene) -> list[Fault]:
     if T is not None and not COLDEST <= T <= HOTTEST:
         what = f"{in_celsius(T)} lies outside {in_celsius(COLDEST)} to {in_celsius(HOTTEST)}, the range for oil"
         found.append(Fault("oil_supply.temperature", f"{what} (choose another duty or temperature of the cooler)"))
-    for active in _asking(scene).values():
+    for active in _effects_to_complete(scene).values():
         found += [] if active.effect.check is None else active.effect.check(active.parameters, scene)
     return found
 
@@ -144,7 +153,7 @@ def _guessed(scene: Scene, kept: CoolsOil) -> Temperatures:
     """Return first guesses: a mixture warmer than the suction gas, hot enough for gas that condenses not to do so."""
     at, T_c = lines(scene), scene.operation.condensing_temperature
     T = at.T_s + WARMED if kept.discharge is None else kept.discharge
-    if T_c is None and (condenses(scene.gas) or _asking(scene)):
+    if T_c is None and (condenses(scene.gas) or _effects_to_complete(scene)):
         with suppress(UsageError):  # above the critical pressure
             T_c = constants.saturation_temperature(scene.gas.name, at.p_d)
     mixture = T if T_c is None else max(T, T_c + COOLED)

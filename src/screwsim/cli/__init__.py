@@ -20,13 +20,13 @@ from screwsim.cli.datasheet import datasheet
 from screwsim.cli.declare import summary
 from screwsim.cli.export import app as export_app
 from screwsim.cli.new import new
-from screwsim.cli.options import BAD_SCENE, INTERNAL, INTERRUPTED, OK, USAGE, complain
+from screwsim.cli.options import BAD_SCENE, INTERNAL, INTERRUPTED, OK, USAGE, print_error
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.screen import say
 from screwsim.version import version
 
-NO_PLACE = (errno.ENAMETOOLONG, errno.EACCES, errno.EPERM, errno.EROFS, errno.ELOOP)
-FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # errors of a disk that is full
+PATH_ERRORS = (errno.ENAMETOOLONG, errno.EACCES, errno.EPERM, errno.EROFS, errno.ELOOP)
+DISK_FULL_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # errors of a disk that is full
 
 app = typer.Typer(
     name="screwsim",
@@ -68,7 +68,7 @@ for _registered in (*app.registered_commands, *export_app.registered_commands):
 
 
 @cache
-def _line(name: str) -> Any:
+def _parser(name: str) -> Any:
     """Return the parser of one command's arguments, or of all: building them all takes a tenth of a command's start."""
     alone = copy.copy(app)
     if name:
@@ -89,57 +89,57 @@ def exit_code(arguments: Sequence[str]) -> int:
     try:
         # typer's own error handling would exit with other codes
         named = arguments[0] if arguments and arguments[0] in _NAMES else ""
-        outcome = _line(named).main(list(arguments), "screwsim", standalone_mode=False)
+        outcome = _parser(named).main(list(arguments), "screwsim", standalone_mode=False)
         sys.stdout.flush()  # errors of full disks are reported here, not when Python exits
     except KeyboardInterrupt:
         outcome = INTERRUPTED
     except Exception as error:  # noqa: BLE001 - whatever it is, the user gets one line
-        outcome = INTERRUPTED if process.interrupted() else _fault(error, arguments)
+        outcome = INTERRUPTED if process.interrupted() else _print_fault(error, arguments)
     if process.interrupted() or outcome == INTERRUPTED:  # other code may have swallowed the exception
         resumes = "; the same command resumes the sweep" if "sweep" in arguments[:1] else ""
         if "optimize" in arguments[:1] and "-o" in arguments:
             resumes = "; the same command continues where it stopped"
-        return complain(f"interrupted{resumes}", INTERRUPTED)
+        return print_error(f"interrupted{resumes}", INTERRUPTED)
     return outcome if isinstance(outcome, int) else OK
 
 
-def _fault(error: Exception, arguments: Sequence[str]) -> int:
+def _print_fault(error: Exception, arguments: Sequence[str]) -> int:
     """Print an error, and return the exit code."""
     if isinstance(error, SceneError):
-        return complain(str(error), BAD_SCENE)
+        return print_error(str(error), BAD_SCENE)
     if isinstance(error, UsageError):
-        return complain(" ".join(str(error).splitlines()), USAGE)
+        return print_error(" ".join(str(error).splitlines()), USAGE)
     if isinstance(error, typer.Abort):  # how typer reports an end of file where nothing was asked
-        return _internal(error.__cause__ if isinstance(error.__cause__, Exception) else error)
+        return _internal_error(error.__cause__ if isinstance(error.__cause__, Exception) else error)
     if isinstance(error, typer.TyperException):  # invalid arguments
-        mistakes.explain(error, *_below(arguments))
+        mistakes.explain_mistake(error, *_command_arguments(arguments))
         told = io.StringIO()
         getattr(error, "show", lambda file: None)(file=told)
-        return complain(told.getvalue().rstrip(), USAGE)
-    if isinstance(error, OSError) and error.errno in FULL:
+        return print_error(told.getvalue().rstrip(), USAGE)
+    if isinstance(error, OSError) and error.errno in DISK_FULL_ERRORS:
         where = error.filename or "a file"
         remedy = "make room, or write it elsewhere"
-        return complain(f"{where}: cannot be written: {os.strerror(error.errno)} ({remedy})", USAGE)
-    if isinstance(error, OSError) and error.filename and error.errno in NO_PLACE:
+        return print_error(f"{where}: cannot be written: {os.strerror(error.errno)} ({remedy})", USAGE)
+    if isinstance(error, OSError) and error.filename and error.errno in PATH_ERRORS:
         remedy = "name another place, or change its permissions"
-        return complain(f"{error.filename}: cannot be reached: {os.strerror(error.errno)} ({remedy})", USAGE)
-    return _internal(error)
+        return print_error(f"{error.filename}: cannot be reached: {os.strerror(error.errno)} ({remedy})", USAGE)
+    return _internal_error(error)
 
 
-def _below(arguments: Sequence[str]) -> tuple[Sequence[str], Any]:
+def _command_arguments(arguments: Sequence[str]) -> tuple[Sequence[str], Any]:
     """Return the arguments from the command's name on, and the existing commands; for a group, those inside it."""
-    group = _line("")
+    group = _parser("")
     inner = group.commands.get(arguments[0]) if arguments else None
     below = getattr(inner, "commands", None)
     return (arguments[1:], below) if below else (arguments, group.commands)
 
 
-def _internal(error: Exception) -> int:
+def _internal_error(error: Exception) -> int:
     if os.environ.get("SCREWSIM_DEBUG") == "1":
         traceback.print_exc()
     text = " ".join(f"{type(error).__name__}: {error}".split())
     remedy = "this is a bug in screwsim; please report it with the scene (SCREWSIM_DEBUG=1 prints the traceback)"
-    return complain(f"internal error: {text}\n{remedy}", INTERNAL)
+    return print_error(f"internal error: {text}\n{remedy}", INTERNAL)
 
 
 def main() -> None:
@@ -148,5 +148,5 @@ def main() -> None:
     try:
         code = exit_code(sys.argv[1:])
     except KeyboardInterrupt:  # pressed between the two lines above
-        code = complain("interrupted", INTERRUPTED)
+        code = print_error("interrupted", INTERRUPTED)
     process.end(code)

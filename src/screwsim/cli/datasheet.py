@@ -3,7 +3,7 @@
 from typing import Annotated
 
 from screwsim.cli.declare import File, Text, Texts, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, bar, loaded
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, loaded_scene, progress_bar
 from screwsim.screen import say
 
 
@@ -36,7 +36,7 @@ def datasheet(
     as_json: AsJson = False,
 ) -> int:
     """Rate a machine over its operating states, at part load and within limits; an air package by ISO 1217."""
-    scene = loaded(scene_file, overrides, without)
+    scene = loaded_scene(scene_file, overrides, without)
     if output is not None:
         from screwsim.report.datasheet import check_sheet
 
@@ -55,7 +55,7 @@ def datasheet(
         heating=heating,
         profile=profile,
         jobs=jobs,
-        progress=bar("datasheet"),
+        progress=progress_bar("datasheet"),
     )
     if as_json:
         print_json(sheet.document)

@@ -9,7 +9,7 @@ import typer
 
 from screwsim.cli import options
 from screwsim.cli.declare import Text, Texts, argument, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, Without, bar, show
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, Without, print_document_or_text, progress_bar
 from screwsim.screen import say
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from screwsim.export.inputs import Input
     from screwsim.export.polynomials import Polynomials
-    from screwsim.export.table import Table
+    from screwsim.export.table import MapTable
     from screwsim.scene import Scene
     from screwsim.study.progress import Progress
 
@@ -29,45 +29,47 @@ app = typer.Typer(
 )
 
 Source = Annotated[str, argument("SCENE|OUT.h5", "A scene to simulate, or the results file of a sweep.")]
-Over = Annotated[
+RangeOptions = Annotated[
     Texts,
     option("PATH=LOW..HIGH", "An input of the map and its range (default: the scene's sweep); repeatable.", "--over"),
 ]
-Named = Annotated[
+FigureOptions = Annotated[
     Texts, option("NAME", "An output of the map (default: flow, power, discharge temperature, capacity).", "--figure")
 ]
-Wanted = Annotated[float | None, option("E", "Largest relative error allowed in the map (default: 0.005).", "--error")]
-Most = Annotated[
+ErrorOption = Annotated[
+    float | None, option("E", "Largest relative error allowed in the map (default: 0.005).", "--error")
+]
+MostCasesOption = Annotated[
     int | None, option("N", "Largest number of grid points to simulate (default: 5000).", "--most-cases", min=2)
 ]
-RANGES = "narrow the ranges, or allow more --most-cases"
+RANGES_REMEDY = "narrow the ranges, or allow more --most-cases"
 
 
 def _bar() -> Progress:
-    return bar("export")
+    return progress_bar("export")
 
 
-def _told_of_polynomials(scene: Scene, inputs: Sequence[Input]) -> None:
+def _announce_polynomials(scene: Scene, inputs: Sequence[Input]) -> None:
     from screwsim.export.polynomial_table import check_inputs
 
     check_inputs(inputs)
-    _told(scene, inputs)
+    _announce_map(scene, inputs)
 
 
-def _told(scene: Scene, inputs: Sequence[Input]) -> None:
+def _announce_map(scene: Scene, inputs: Sequence[Input]) -> None:
     from screwsim.export.inputs import range_of
 
     ranges = ", ".join(f"{one.name} {range_of(scene, one)}" for one in inputs)
     typer.echo(f"export: simulating a map over {ranges}", err=True)
 
 
-def ended(table: Table, files: list[str], as_json: bool) -> int:
+def print_map_and_files(table: MapTable, files: list[str], as_json: bool) -> int:
     """Print a map and its files; return the exit code, not ok where its error exceeds the requested one."""
-    from screwsim.printing.export import map_document, print_map, shortfall
+    from screwsim.printing.export import accuracy_shortfall, map_document, print_map
 
-    show(as_json, map_document, print_map, table, files)
-    if why := shortfall(table, RANGES):
-        return options.complain(f"export: {why}", NOT_ALL_OK)
+    print_document_or_text(as_json, map_document, print_map, table, files)
+    if why := accuracy_shortfall(table, RANGES_REMEDY):
+        return options.print_error(f"export: {why}", NOT_ALL_OK)
     return OK
 
 
@@ -75,10 +77,10 @@ def ended(table: Table, files: list[str], as_json: bool) -> int:
 def fmu(
     source: Source,
     output: Annotated[Path, option("OUT.fmu", "File to write the FMU to.", "-o", show_default=False)],
-    over: Over = None,
-    figures: Named = None,
-    wanted: Wanted = None,
-    most: Most = None,
+    over: RangeOptions = None,
+    figures: FigureOptions = None,
+    wanted: ErrorOption = None,
+    most: MostCasesOption = None,
     version: Annotated[Literal["2", "3"], option("2|3", "FMI version.", "--fmi")] = "2",
     sources_only: Annotated[
         bool, switch("--sources-only", "Do not compile; ship C sources for the importing tool.")
@@ -94,14 +96,14 @@ def fmu(
 ) -> int:
     """Write a functional mock-up unit for co-simulation: C, without Python where it runs."""
     options.check_target(output, ".fmu")
-    from screwsim.export.fmu import compiler, keep_other_units, write_fmu
+    from screwsim.export.fmu import compiler, protect_other_units, write_fmu
     from screwsim.export.source import map_of
     from screwsim.results.atomic import make_folder
 
-    keep_other_units(output)
+    protect_other_units(output)
     if not sources_only:
         compiler()  # reports a missing compiler before the map is simulated
-    told = _told_of_polynomials if kind == "polynomial" else _told
+    told = _announce_polynomials if kind == "polynomial" else _announce_map
     table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _bar, told)
     if kind == "polynomial":
         from screwsim.export.polynomial_table import polynomial_table
@@ -109,17 +111,17 @@ def fmu(
         table = polynomial_table(table, wanted)
     make_folder(output.parent)
     write_fmu(table, output, version, compiled=not sources_only)
-    return ended(table, [str(output)], as_json)
+    return print_map_and_files(table, [str(output)], as_json)
 
 
 @app.command()
 def modelica(
     source: Source,
     output: Annotated[Path, option("OUT.mo", "File to write the package to.", "-o", show_default=False)],
-    over: Over = None,
-    figures: Named = None,
-    wanted: Wanted = None,
-    most: Most = None,
+    over: RangeOptions = None,
+    figures: FigureOptions = None,
+    wanted: ErrorOption = None,
+    most: MostCasesOption = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
@@ -127,27 +129,27 @@ def modelica(
 ) -> int:
     """Write a Modelica package of a map with two inputs: standard-library tables, and polynomials."""
     options.check_target(output, ".mo")
-    from screwsim.export.modelica import WRITTEN, identifier, package
+    from screwsim.export.modelica import WRITTEN_MARK, identifier, package
     from screwsim.export.source import map_of
-    from screwsim.results.kept import keep_without
+    from screwsim.results.protection import protect_unmarked
 
-    keep_without(output, WRITTEN)
-    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _bar, _told)
+    protect_unmarked(output, WRITTEN_MARK)
+    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _bar, _announce_map)
     name = identifier(output.stem)
-    written = [_written(output, package(table, name))]
+    written = [_write_content(output, package(table, name))]
     if name != output.stem:
         say(f"{output}: holds package {name}; tools that look packages up by file name expect {name}.mo", err=True)
-    return ended(table, written, as_json)
+    return print_map_and_files(table, written, as_json)
 
 
 @app.command("csv")
 def comma_separated(
     source: Source,
     output: Annotated[Path, option("OUT.csv", "File to write the table to.", "-o", show_default=False)],
-    over: Over = None,
-    figures: Named = None,
-    wanted: Wanted = None,
-    most: Most = None,
+    over: RangeOptions = None,
+    figures: FigureOptions = None,
+    wanted: ErrorOption = None,
+    most: MostCasesOption = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
@@ -155,20 +157,20 @@ def comma_separated(
 ) -> int:
     """Write the nodes of a map as a table in SI units."""
     options.check_target(output, ".csv")
-    from screwsim.export.csv_table import BETWEEN, csv_table
+    from screwsim.export.csv_table import TITLE_SEPARATOR, csv_table
     from screwsim.export.source import map_of
-    from screwsim.results.kept import keep_without
+    from screwsim.results.protection import protect_unmarked
 
-    keep_without(output, BETWEEN)
-    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _bar, _told)
-    return ended(table, [_written(output, csv_table(table))], as_json)
+    protect_unmarked(output, TITLE_SEPARATOR)
+    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _bar, _announce_map)
+    return print_map_and_files(table, [_write_content(output, csv_table(table))], as_json)
 
 
 @app.command()
 def tespy(
     source: Source,
     output: Annotated[Path, option("OUT.json", "File to write the attributes to.", "-o", show_default=False)],
-    over: Over = None,
+    over: RangeOptions = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
@@ -176,25 +178,25 @@ def tespy(
 ) -> int:
     """Write the attributes of TESPy's PolynomialCompressor: efficiency polynomials, one per speed."""
     options.check_target(output, ".json")
-    from screwsim.export.polynomials import swept
+    from screwsim.export.polynomials import swept_results
     from screwsim.export.tespy import FIGURES, tespy_document
-    from screwsim.results.kept import keep_other_documents
+    from screwsim.results.protection import protect_other_json
 
-    keep_other_documents(output, "for", "fluid", "maps")
-    with swept(source, over, overrides, without, jobs, _bar(), _told) as results:
+    protect_other_json(output, "for", "fluid", "maps")
+    with swept_results(source, over, overrides, without, jobs, _bar(), _announce_map) as results:
         document = tespy_document(results)
     rows = [(each["at"], [each["largest_error"][name] for name in FIGURES]) for each in document["maps"]]
     if any(sum(each["dissipation_ratio_range"]) < 0.0 for each in document["maps"]):
         why = "TESPy ignores heat added to the gas, e.g. by a motor, so its discharge temperature is too low"
         typer.echo(f"export: {why} (dissipation_ratio_range: as a share of the power)", err=True)
-    return _finished(document, FIGURES, rows, [_written(output, document)], as_json)
+    return _print_polynomials_and_files(document, FIGURES, rows, [_write_content(output, document)], as_json)
 
 
 @app.command()
 def energyplus(
     source: Source,
     output: Annotated[Path, option("OUT.idf|.epJSON", "File to write the objects to.", "-o", show_default=False)],
-    over: Over = None,
+    over: RangeOptions = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
@@ -203,22 +205,22 @@ def energyplus(
     """Write EnergyPlus curves: bicubic ones with their Refrigeration:Compressor, and biquadratic ones."""
     options.check_target(output, ".idf", ".epjson")
     from screwsim.export import energyplus as made_for
-    from screwsim.export.polynomials import document, polynomials, rated, swept
+    from screwsim.export.polynomials import document, polynomials, rated_temperatures, swept_results
 
-    made_for.keep_other_objects(output)
-    with swept(source, over, overrides, without, jobs, _bar(), _told) as results:
+    made_for.protect_other_objects(output)
+    with swept_results(source, over, overrides, without, jobs, _bar(), _announce_map) as results:
         found = polynomials(results, [made_for.power_of(results.figures), made_for.CAPACITY])
     objects = made_for.energyplus_objects(found, output.stem)
     text = output.suffix.lower() == ".idf"
-    file = _written(output, made_for.idf(objects, made_for.notes(found)) if text else made_for.epjson(objects))
-    curves = [made_for.normalised(one, rated(one)) for one in found.maps]
+    file = _write_content(output, made_for.idf(objects, made_for.notes(found)) if text else made_for.epjson(objects))
+    curves = [made_for.normalised(one, rated_temperatures(one)) for one in found.maps]
     rows = [
         (at, [*errors, *(error for _, error in each.values())])
-        for (at, errors), each in zip(_rows(found), curves, strict=True)
+        for (at, errors), each in zip(_polynomial_errors(found), curves, strict=True)
     ]
     errors = [{word: error for word, (_, error) in each.items()} for each in curves]
     said = {**document(found), "objects": objects, "largest_errors_of_normalised": errors}
-    return _finished(said, [*found.units, *curves[0]], rows, [file], as_json)
+    return _print_polynomials_and_files(said, [*found.units, *curves[0]], rows, [file], as_json)
 
 
 @app.command()
@@ -227,7 +229,7 @@ def en12900(
     output: Annotated[
         Path, option("OUT.csv|.json", "File to write coefficients and tables to.", "-o", show_default=False)
     ],
-    over: Over = None,
+    over: RangeOptions = None,
     ip: Annotated[bool, switch("--ip", "AHRI 540 in inch-pound units: degF, Btu/h, lb/h.")] = False,
     overrides: Overrides = None,
     without: Without = None,
@@ -236,15 +238,21 @@ def en12900(
 ) -> int:
     """Write the coefficients of EN 12900 and AHRI 540 with rating tables."""
     options.check_target(output, ".csv", ".json")
-    from screwsim.export.en12900 import BESIDE, FIGURES, en12900_csv, en12900_document, keep_other_coefficients
-    from screwsim.export.polynomials import polynomials, swept
+    from screwsim.export.en12900 import (
+        FIGURES,
+        OPTIONAL_FIGURES,
+        en12900_csv,
+        en12900_document,
+        protect_other_coefficients,
+    )
+    from screwsim.export.polynomials import polynomials, swept_results
 
-    keep_other_coefficients(output)
-    with swept(source, over, overrides, without, jobs, _bar(), _told) as results:
-        found = polynomials(results, [*FIGURES, *(name for name in BESIDE if name in results.figures)])
+    protect_other_coefficients(output)
+    with swept_results(source, over, overrides, without, jobs, _bar(), _announce_map) as results:
+        found = polynomials(results, [*FIGURES, *(name for name in OPTIONAL_FIGURES if name in results.figures)])
     document = en12900_document(found, ip)
-    file = _written(output, en12900_csv(found, ip) if output.suffix.lower() == ".csv" else document)
-    return _finished(document, list(found.units), _rows(found), [file], as_json)
+    file = _write_content(output, en12900_csv(found, ip) if output.suffix.lower() == ".csv" else document)
+    return _print_polynomials_and_files(document, list(found.units), _polynomial_errors(found), [file], as_json)
 
 
 @app.command()
@@ -263,17 +271,17 @@ def loads(
     as_json: AsJson = False,
 ) -> int:
     """Write loads and noise sources: forces on rotors and bearings, flows in both lines, spectra, rotor surfaces."""
-    options.check_drawer(output)
-    from screwsim.export.loads import document, keep_other_loads, loads, write_loads
+    options.check_folder_name(output)
+    from screwsim.export.loads import document, loads, protect_other_loads, write_loads
     from screwsim.export.source import run_of, spans_of
     from screwsim.printing import print_json
     from screwsim.printing.export import print_loads
 
-    keep_other_loads(output)
+    protect_other_loads(output)
     spans, through = spans_of(bearings), spans_of(shafts, "--shafts")
     scene, result = run_of(source, overrides or (), without or ())
     if not result.cycle:
-        return options.complain(f"{source}: {result.told}", NOT_ALL_OK)
+        return options.print_error(f"{source}: {result.told}", NOT_ALL_OK)
     found = loads(scene, result, spans, through)
     if found.without:
         typer.echo(f"export: {found.without}", err=True)
@@ -285,11 +293,13 @@ def loads(
     return OK if result.status == "ok" else NOT_ALL_OK
 
 
-def _rows(found: Polynomials) -> list[tuple[dict[str, float], list[float]]]:
+def _polynomial_errors(found: Polynomials) -> list[tuple[dict[str, float], list[float]]]:
     return [(dict(one.values), [fit.largest for fit in one.fits.values()]) for one in found.maps]
 
 
-def _finished(document: dict, figures: Sequence[str], rows: list, files: list[str], as_json: bool) -> int:
+def _print_polynomials_and_files(
+    document: dict, figures: Sequence[str], rows: list, files: list[str], as_json: bool
+) -> int:
     from screwsim.printing import print_json
     from screwsim.printing.export import print_polynomials
 
@@ -300,7 +310,7 @@ def _finished(document: dict, figures: Sequence[str], rows: list, files: list[st
     return OK
 
 
-def _written(output: Path, content: str | dict) -> str:
+def _write_content(output: Path, content: str | dict) -> str:
     """Write a text, or a document as JSON; return the path."""
     from screwsim.printing import write_json
     from screwsim.results.atomic import make_folder, write_text

@@ -7,7 +7,7 @@ import typer
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, ResultsFile, SceneFile, Without, bar
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, ResultsFile, SceneFile, Without, progress_bar
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -19,8 +19,8 @@ def rotors(
     as_json: AsJson = False,
 ) -> None:
     """Print and draw the rotor geometry that follows from a scene's profile."""
-    options.check_drawer(folder)
-    scene = options.base_point(options.loaded(scene_file, overrides, None), scene_file)
+    options.check_folder_name(folder)
+    scene = options.base_point(options.loaded_scene(scene_file, overrides, None), scene_file)
     from screwsim.printing import print_json
     from screwsim.report.rotors_scene import document, table_text, write
     from screwsim.scene.plausible import scene_warnings
@@ -44,7 +44,7 @@ def plot(
     ] = None,
 ) -> None:
     """Draw the figures of a results file."""
-    options.check_drawer(Path(folder) if folder is not None else None)
+    options.check_folder_name(Path(folder) if folder is not None else None)
     from screwsim.report import plot as drawn
 
     if measured is None:
@@ -52,7 +52,7 @@ def plot(
             say(path)
         return
     from screwsim.printing.tables import wrapped
-    from screwsim.report.indicated import check_angles, read_indicated, told
+    from screwsim.report.indicated import check_angles, deviation_in_words, read_indicated
     from screwsim.report.trace import chosen_trace
     from screwsim.results import open_results
 
@@ -64,7 +64,7 @@ def plot(
     check_angles(points, trace)
     for path in drawn(results_file, folder, points):
         say(path)
-    say(wrapped(told(points, trace)))
+    say(wrapped(deviation_in_words(points, trace)))
 
 
 def scene(
@@ -74,8 +74,8 @@ def scene(
     """Write the scene stored in a results file, to simulate it again."""
     options.check_target(output, ".yaml", ".yml")
     from screwsim.results import open_results
-    from screwsim.results.again import scene_text
     from screwsim.results.atomic import write_text
+    from screwsim.results.stored_scene import scene_text
 
     if output is not None and output.exists():
         raise UsageError(f"-o {output}: already exists and is not overwritten (choose another name, or remove it)")
@@ -109,17 +109,17 @@ def validate(
     as_json: AsJson = False,
 ) -> int:
     """Compare computed results with published references. A failed comparison still exits with 0."""
-    options.check_drawer(output)
+    options.check_folder_name(output)
     from screwsim.printing import print_json, write_json
     from screwsim.report.validation import draw
     from screwsim.results.atomic import make_folder
-    from screwsim.results.kept import keep_other_documents
+    from screwsim.results.protection import protect_other_json
     from screwsim.study.validation import document, errors_of, folder_of, run_sources
     from screwsim.study.validation.record import errors_report, report
 
     if output is not None:
-        keep_other_documents(output / "validation.json", "version", "verdicts", "sources")
-    outcomes = run_sources(folder_of(folder), names or (), bar("validate"), jobs)
+        protect_other_json(output / "validation.json", "version", "verdicts", "sources")
+    outcomes = run_sources(folder_of(folder), names or (), progress_bar("validate"), jobs)
     found, errors = document(outcomes), errors_of(outcomes)
     if as_json:
         print_json({**found, "model_errors": errors, "seconds": {each.name: each.seconds for each in outcomes}})

@@ -3,7 +3,7 @@
 from typing import Annotated
 
 from screwsim.cli.declare import File, Texts, argument, option
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, bar, check_target, show
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, check_target, print_document_or_text, progress_bar
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -29,8 +29,8 @@ def diagnose(
     from screwsim.study.calibration.diagnosis import diagnose as diagnosed
 
     fit = read_fit(fit_file, scene=scene, data=data, fixed=False)
-    found = diagnosed(fit, unchanged=unchanged, pairs=pairs, jobs=jobs, progress=bar("diagnose"))
-    show(as_json, diagnosis_document, print_diagnosis, found)
+    found = diagnosed(fit, unchanged=unchanged, pairs=pairs, jobs=jobs, progress=progress_bar("diagnose"))
+    print_document_or_text(as_json, diagnosis_document, print_diagnosis, found)
     return OK if found.status == "ok" else NOT_ALL_OK
 
 
@@ -55,7 +55,7 @@ def plan(
 ) -> int:
     """Choose further operating points whose measurement would fix the parameters of a fit best."""
     check_target(output, ".csv")
-    from screwsim.printing.plan import keep_measured, plan_document, print_plan, write_plan
+    from screwsim.printing.plan import plan_document, print_plan, protect_measured, write_plan
     from screwsim.study.calibration import read_fit
     from screwsim.study.calibration.plan import LEVELS, candidates_of
     from screwsim.study.calibration.plan import plan as planned
@@ -63,11 +63,11 @@ def plan(
     if levels is not None and not paths:
         raise UsageError(f"--levels {levels}: applies to ranges only (write --path PATH=LOW..HIGH)")
     if output is not None:
-        keep_measured(output)
+        protect_measured(output)
     fit = read_fit(fit_file, scene=scene, data=data, fixed=False)
     points = candidates_of(fit, candidates, paths or (), LEVELS if levels is None else levels)
-    found = planned(fit, points, count=count, jobs=jobs, progress=bar("plan"))
-    show(as_json, plan_document, print_plan, found)
+    found = planned(fit, points, count=count, jobs=jobs, progress=progress_bar("plan"))
+    print_document_or_text(as_json, plan_document, print_plan, found)
     if output is not None and found.steps:
         say(write_plan(output, found), err=as_json)
     return OK if found.status == "ok" else NOT_ALL_OK

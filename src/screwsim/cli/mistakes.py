@@ -6,13 +6,13 @@ from collections.abc import Iterable, Sequence
 
 import typer
 
-from screwsim.inputs.near import nearest
+from screwsim.inputs.suggestions import nearest
 
 # options whose values may contain blanks
-_VALUED = ("--set", "--path", "--from", "--to", "--vary", "--for", "--subject-to", "--catalogue")
+_OPTIONS_WITH_VALUES = ("--set", "--path", "--from", "--to", "--vary", "--for", "--subject-to", "--catalogue")
 
 
-def explain(error: typer.TyperException, arguments: Sequence[str], commands: Iterable[str]) -> None:
+def explain_mistake(error: typer.TyperException, arguments: Sequence[str], commands: Iterable[str]) -> None:
     """Improve an error message on arguments: missing quotes, the nearest command, the nearest option."""
     text = str(getattr(error, "message", ""))
     offered = getattr(error, "possibilities", None)
@@ -21,7 +21,7 @@ def explain(error: typer.TyperException, arguments: Sequence[str], commands: Ite
         error.possibilities = [near] if near else []  # type: ignore[attr-defined]
     elif text.startswith("No such command"):
         error.message = _command(arguments[0] if arguments else "", list(commands))  # type: ignore[attr-defined]
-    elif "unexpected extra argument" in text and (remedy := _quoted(arguments) or _repeated(arguments)):
+    elif "unexpected extra argument" in text and (remedy := _with_quotes(arguments) or _repeated_option(arguments)):
         error.message = f"{text}: {remedy}"  # type: ignore[attr-defined]
 
 
@@ -38,11 +38,11 @@ def _command(name: str, commands: list[str]) -> str:
     return f"No such command '{name}' (there are: {', '.join(commands)})"
 
 
-def _quoted(arguments: Sequence[str]) -> str | None:
+def _with_quotes(arguments: Sequence[str]) -> str | None:
     """Return the first option whose value seems to continue in the next arguments, quoted for a shell."""
     for place, option in enumerate(arguments[:-1]):
         name, equals, value = option.partition("=")
-        if name in _VALUED:
+        if name in _OPTIONS_WITH_VALUES:
             first = place + 1 if equals else place + 2
             words = [value if equals else arguments[place + 1]]
             while first < len(arguments) and not re.search(r"^--|^-o$|\.(ya?ml|h5)$", arguments[first]):
@@ -53,7 +53,7 @@ def _quoted(arguments: Sequence[str]) -> str | None:
     return None
 
 
-def _repeated(arguments: Sequence[str]) -> str | None:
+def _repeated_option(arguments: Sequence[str]) -> str | None:
     """Return the remedy where --without is given several names."""
     if "--without" not in arguments[:-2]:
         return None

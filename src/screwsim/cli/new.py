@@ -53,9 +53,9 @@ def new(
 ) -> None:
     """Write a complete, commented scene of a realistic machine, with leaks, oil and losses scaled to its size."""
     if output is not None:
-        _free(output)
+        _check_free(output)
     from screwsim.results.atomic import write_text
-    from screwsim.template import KINDS, asked_of, kind_of, new_scene
+    from screwsim.template import KINDS, kind_of, new_scene, request_of
 
     if kind is None:
         raise UsageError(f"KIND: is missing (there are: {', '.join(KINDS)}; write e.g. screwsim new refrigeration)")
@@ -63,7 +63,7 @@ def new(
     chosen = {"--economizer": economizer, "--slide": slide, "--variable-speed": variable_speed}
     stated = [name for name, value in sheet.items() if value is not None]
     kind_of(kind, [*stated, *(name for name, is_so in chosen.items() if is_so)])
-    asked = asked_of(
+    asked = request_of(
         fluid,
         displacement,
         vi,
@@ -81,26 +81,26 @@ def new(
     )
     if asked.by_sheet:
         from screwsim.printing.tables import wrapped
-        from screwsim.study.sized import sized, told
+        from screwsim.study.sizing import performance_lines, sized_machine
 
-        found = sized(kind, asked)
+        found = sized_machine(kind, asked)
         text = found.text
-        for line in told(asked, found):
+        for line in performance_lines(asked, found):
             say(wrapped(line), err=output is None)  # to stderr where the scene itself goes to the screen
     else:
         text = new_scene(kind, asked)
         if asked.economizer:
-            from screwsim.study.sized import with_steady_port
+            from screwsim.study.sizing import with_steady_port
 
             text = with_steady_port(text)
     if output is None:
         say(text.rstrip("\n"))
         return
-    _free(output)  # again: a file that has appeared meanwhile is kept
+    _check_free(output)  # again: a file that has appeared meanwhile is kept
     say(write_text(output, text))
 
 
-def _free(output: Path) -> None:
+def _check_free(output: Path) -> None:
     """Raise UsageError unless a scene can be written there without replacing anything."""
     if output.suffix.lower() not in (".yaml", ".yml"):
         good = output.with_suffix(".yaml")

@@ -34,21 +34,23 @@ AsJson = Annotated[bool, switch("--json", "Print one JSON document on stdout, no
 Jobs = Annotated[int | None, option("N", "Worker processes (default: all cores).", min=1)]
 
 
-def loaded(scene_file: str, overrides: Sequence[str] | None, without: Sequence[str] | None) -> Scene:
+def loaded_scene(scene_file: str, overrides: Sequence[str] | None, without: Sequence[str] | None) -> Scene:
     """Return the scene of a command."""
     from screwsim.scene import load
 
     return load(scene_file, overrides or (), without or ())
 
 
-def bar(title: str = "sweep", names: Sequence[str] = ()) -> Progress:
+def progress_bar(title: str = "sweep", names: Sequence[str] = ()) -> Progress:
     """Return a progress display on stderr for a study."""
     from screwsim.study.progress import for_terminal
 
     return for_terminal(title, names)
 
 
-def show(as_json: bool, document: Callable[..., Any], printed: Callable[..., None], *found: Any) -> None:
+def print_document_or_text(
+    as_json: bool, document: Callable[..., Any], printed: Callable[..., None], *found: Any
+) -> None:
     """Print a result as its JSON document, or as text."""
     from screwsim.printing import print_json
 
@@ -78,18 +80,18 @@ def check_target(output: Path | None, *endings: str) -> None:
 
 def check_columns(output: Path | None, title: str, *names: str) -> None:
     """Raise UsageError unless the file name has an ending of columns, and any file there holds such columns."""
-    from screwsim.study.columns import keep_other_columns
+    from screwsim.study.columns import protect_other_columns
 
     check_target(output, ".csv", ".h5")
     if output is not None:
-        keep_other_columns(output, title, *names)
+        protect_other_columns(output, title, *names)
 
 
 def check_page(output: Path) -> None:
     """Raise UsageError where a page's file name has another ending, or the file there is not a page."""
-    from screwsim.results.kept import PAGE, keep_without
+    from screwsim.results.protection import PAGE, protect_unmarked
 
-    keep_without(output, PAGE)
+    protect_unmarked(output, PAGE)
     if output.suffix.lower() not in PAGES:
         good = output.with_suffix(PAGES[0])
         raise UsageError(
@@ -97,7 +99,7 @@ def check_page(output: Path) -> None:
         )
 
 
-def check_drawer(folder: Path | None) -> None:
+def check_folder_name(folder: Path | None) -> None:
     """Raise UsageError where a folder's name is that of a file, by its ending or because a file is there."""
     if folder is not None and (folder.suffix.lower() in FILES or folder.is_file()):
         good = folder.with_suffix("") if folder.suffix else folder.with_name(f"{folder.name}_files")
@@ -107,11 +109,11 @@ def check_drawer(folder: Path | None) -> None:
 def check_place(output: Path) -> None:
     """Raise UsageError where a run's results would replace anything but results of a run."""
     from screwsim.results import open_results
-    from screwsim.results.atomic import HDF5, holds, keep_others
+    from screwsim.results.atomic import HDF5_SIGNATURE, has_content, protect_others
 
-    keep_others(output, HDF5)
+    protect_others(output, HDF5_SIGNATURE)
     check_results(output)
-    if holds(output) and open_results(output).shape:
+    if has_content(output) and open_results(output).shape:
         raise UsageError(f"{output}: holds results of a sweep (choose another -o, or remove it)")
 
 
@@ -121,12 +123,12 @@ def base_point(scene: Scene, file: str) -> Scene:
         return scene
     from screwsim.scene import scene_text
 
-    say_left_aside(scene, f"{file}: its", f"screwsim sweep {file} simulates the sweep")
+    report_ignored_sweep(scene, f"{file}: its", f"screwsim sweep {file} simulates the sweep")
     base = replace(scene, sweep={})
     return replace(base, text=scene_text(base))
 
 
-def say_left_aside(scene: Scene, whose: str, remedy: str) -> None:
+def report_ignored_sweep(scene: Scene, whose: str, remedy: str) -> None:
     """Report on stderr that a command ignores the sweep of a scene, if there is one."""
     from screwsim.scene import case_count
 
@@ -136,7 +138,7 @@ def say_left_aside(scene: Scene, whose: str, remedy: str) -> None:
         typer.echo(f"{whose} sweep of {cases} is ignored, and the scene's own point is used ({remedy})", err=True)
 
 
-def complain(text: str, code: int) -> int:
+def print_error(text: str, code: int) -> int:
     """Print an error on stderr, after all other output; return the exit code."""
     with contextlib.suppress(OSError):
         sys.stdout.flush()

@@ -8,14 +8,25 @@ from typing import TYPE_CHECKING, Annotated
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, bar, base_point, loaded
+from screwsim.cli.options import (
+    NOT_ALL_OK,
+    OK,
+    AsJson,
+    Jobs,
+    Overrides,
+    SceneFile,
+    Without,
+    base_point,
+    loaded_scene,
+    progress_bar,
+)
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
 if TYPE_CHECKING:
     from screwsim.scene import Scene
-    from screwsim.study.knock_out import Left
-    from screwsim.study.measured import Measured
+    from screwsim.study.knock_out import LeftOut
+    from screwsim.study.measured import MeasuredFigure
 
 
 def run(
@@ -52,12 +63,12 @@ def run(
         if other:
             raise UsageError(f"{scene_file}: stages have no {other} (run one of the two scenes instead)")
         return _run_stages(scene_file, output, overrides, without, knock_out, as_json)
-    scene = base_point(loaded(scene_file, overrides, without), scene_file)
+    scene = base_point(loaded_scene(scene_file, overrides, without), scene_file)
     if output is not None:
         options.check_place(output)
-    points, left_out = _measured(scene, measured), _left_out(scene, knock_out, together)
+    points, left_out = _read_measured(scene, measured), _knock_out_groups(scene, knock_out, together)
     from screwsim.printing import print_json, print_result
-    from screwsim.scene.plausible import what_is_left_out
+    from screwsim.scene.plausible import left_out_lines
     from screwsim.simulate import simulate
 
     result = simulate(scene, trace=True if output is not None else "ledger")
@@ -65,7 +76,7 @@ def run(
         from screwsim.study.knock_out import knock_out as knocked_out
 
         names = [f"without {each.name}" for each in left_out]
-        result = knocked_out(scene, result, bar("knock-out", names), left_out)
+        result = knocked_out(scene, result, progress_bar("knock-out", names), left_out)
     if scene.uncertain or scene.model_error:
         from screwsim.study.uncertain import with_uncertainty
 
@@ -90,7 +101,7 @@ def run(
 
             print_short(scene.title, result, changed)
         else:
-            print_result(scene.title, result, what_is_left_out(scene), changed)
+            print_result(scene.title, result, left_out_lines(scene), changed)
         if result.uncertainty and not short:
             from screwsim.printing.uncertain import print_uncertainty
 
@@ -102,7 +113,7 @@ def run(
     return OK if result.status == "ok" and not (found and found.none) else NOT_ALL_OK
 
 
-def _measured(scene: Scene, texts: Sequence[str] | None) -> tuple[Measured, ...]:
+def _read_measured(scene: Scene, texts: Sequence[str] | None) -> tuple[MeasuredFigure, ...]:
     """Return the measured values; mistakes are reported before anything is simulated."""
     if not texts:
         return ()
@@ -111,7 +122,7 @@ def _measured(scene: Scene, texts: Sequence[str] | None) -> tuple[Measured, ...]
     return read_measured(scene, texts)
 
 
-def _left_out(scene: Scene, each: bool, together: Sequence[str] | None) -> tuple[Left, ...]:
+def _knock_out_groups(scene: Scene, each: bool, together: Sequence[str] | None) -> tuple[LeftOut, ...]:
     """Return what to leave out in turn: the named groups, then each effect by itself."""
     if not (each or together):
         return ()
@@ -134,7 +145,7 @@ def _run_stages(
     for place in places:
         options.check_place(place)
     for name, scene in (("first", chain.first), ("second", chain.second)):
-        options.say_left_aside(
+        options.report_ignored_sweep(
             scene, f"{file}: the {name} scene's", "a two-stage file is not swept: run it once per value, with --set"
         )
         if scene.uncertain or scene.model_error:
@@ -175,7 +186,7 @@ def sweep(
     """Simulate all cases of a scene's sweep, or resume it."""
     if scheduler is not None and jobs is not None:
         raise UsageError("--jobs counts workers on this machine; a --scheduler has its own (remove one of the two)")
-    scene = loaded(scene_file, overrides, without)
+    scene = loaded_scene(scene_file, overrides, without)
     if not scene.sweep:
         raise UsageError(
             f"{scene_file}: has no sweep (add a sweep: block, or --set 'sweep.operation.speed=[1000 rpm, 3000 rpm]'; "
@@ -188,7 +199,7 @@ def sweep(
         options.check_results(output)
     file = output or Path("results") / f"{Path(scene_file).stem}.h5"
     where = {"jobs": jobs, "scheduler": scheduler, "case_limit": case_limit, "batch": batch, "gpu": gpu}
-    summary = run_sweep(scene, file, **where, restart=restart, progress=bar())
+    summary = run_sweep(scene, file, **where, restart=restart, progress=progress_bar())
     document = sweep_document(scene, summary)
     print_json(document) if as_json else print_sweep(document, scene)
     return OK if summary.ok == summary.cases else NOT_ALL_OK
@@ -218,7 +229,7 @@ def explain(
             raise UsageError(f"{scene_file}: stages have no {option} (explain one of the two scenes instead)")
         say(explain_stages(read_stages(scene_file, overrides or ())))
         return
-    scene = loaded(scene_file, overrides, without)
+    scene = loaded_scene(scene_file, overrides, without)
     if parameters:
         from screwsim.explain.parameters import parameters as keys
 
@@ -241,20 +252,20 @@ def accuracy(
 
     if is_stages(scene_file):
         raise UsageError(f"{scene_file}: describes two stages, and accuracy needs one scene (name that of one stage)")
-    scene = base_point(loaded(scene_file, overrides, without), scene_file)
-    options.check_drawer(folder)
+    scene = base_point(loaded_scene(scene_file, overrides, without), scene_file)
+    options.check_folder_name(folder)
     from screwsim.printing import accuracy_drawing
     from screwsim.report.accuracy import draw
     from screwsim.results.atomic import make_folder
-    from screwsim.study.accuracy import QUICK, Extent, NoReference, files, study, words
+    from screwsim.study.accuracy import QUICK_SCOPE, NoReference, Scope, files, study, words
 
     if folder is not None:
         make_folder(folder)
-        files.keep_others_of(folder)
+        files.protect_other_studies(folder)
     try:
-        found = study(scene, QUICK if quick else Extent(), bar("accuracy"))
+        found = study(scene, QUICK_SCOPE if quick else Scope(), progress_bar("accuracy"))
     except NoReference as error:
-        return options.complain(f"{scene_file}: {error}", NOT_ALL_OK)
+        return options.print_error(f"{scene_file}: {error}", NOT_ALL_OK)
     say(words.report(found))
     if folder is not None:
         for path in (*files.write(found, folder), *draw(accuracy_drawing(found), folder)):

@@ -18,13 +18,13 @@ import threading
 import time
 from typing import Any, NoReturn, TextIO
 
-YOUNG = 200_000  # objects created between two searches for garbage; Python's default is 700
+GARBAGE_THRESHOLD = 200_000  # objects created between two searches for garbage; Python's default is 700
 INTERRUPTED = 130
-HELD = 0.5  # [s] within which a second Ctrl-C counts as the first: a key held down, or a signal sent twice
+DOUBLE_PRESS = 0.5  # [s] within which a second Ctrl-C counts as the first: a key held down, or a signal sent twice
 STDOUT, STDERR = "standard output", "standard error"
 
-_asked: float | None = None  # when Ctrl-C was first pressed
-_ending = False
+_interrupt_time: float | None = None  # when Ctrl-C was first pressed
+_is_ending = False
 
 
 # ---- streams -------------------------------------------------------------------------------------------------
@@ -75,32 +75,32 @@ def _stream(old: TextIO | None, number: int, label: str) -> TextIO:
 
 def interrupted() -> bool:
     """Tell whether Ctrl-C was pressed, even if its exception was lost."""
-    return _asked is not None
+    return _interrupt_time is not None
 
 
 def _interrupt(number: int, frame: Any) -> None:
     """Raise KeyboardInterrupt once; when pressed again, end at once like a kill, which leaves all files intact."""
-    global _asked
+    global _interrupt_time
     now = time.monotonic()
-    if _asked is None and not _ending:
-        _asked = now
+    if _interrupt_time is None and not _is_ending:
+        _interrupt_time = now
         raise KeyboardInterrupt
-    if _ending or now - (_asked or now) > HELD:
-        _leave()
+    if _is_ending or now - (_interrupt_time or now) > DOUBLE_PRESS:
+        _exit_at_once()
 
 
-def _leave() -> NoReturn:
+def _exit_at_once() -> NoReturn:
     """End at once, after running the exit functions."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with contextlib.suppress(OSError):
-        if not _ending:
+        if not _is_ending:
             os.write(2, b"\ninterrupted\n" if os.isatty(2) else b"interrupted\n")
     with contextlib.suppress(BaseException):
         atexit._run_exitfuncs()
     os._exit(INTERRUPTED)
 
 
-def _not_shown(what: Any, shown: Any = sys.unraisablehook) -> None:
+def _show_unraisable(what: Any, shown: Any = sys.unraisablehook) -> None:
     """Show an exception that cannot be raised, except for an interruption, which `interrupted` reports."""
     if not interrupted():
         shown(what)
@@ -111,7 +111,7 @@ def _not_shown(what: Any, shown: Any = sys.unraisablehook) -> None:
 
 def begin() -> None:
     """Set up the process: rare garbage searches, streams that need no reader, and Ctrl-C that ends in one line."""
-    gc.set_threshold(YOUNG, *gc.get_threshold()[1:])
+    gc.set_threshold(GARBAGE_THRESHOLD, *gc.get_threshold()[1:])
     # closed streams are opened to a null device, as the next file opened would take their numbers
     for number in range(3):
         try:
@@ -121,7 +121,7 @@ def begin() -> None:
     sys.stdout, sys.stderr = _stream(sys.stdout, 1, STDOUT), _stream(sys.stderr, 2, STDERR)
     if callable(signal.getsignal(signal.SIGINT)):  # a background job of a shell ignores it
         signal.signal(signal.SIGINT, _interrupt)
-    sys.unraisablehook = _not_shown
+    sys.unraisablehook = _show_unraisable
 
 
 def end(code: int) -> NoReturn:
@@ -130,8 +130,8 @@ def end(code: int) -> NoReturn:
     Python itself ends it if there are other threads or output that cannot be written, or with SCREWSIM_DEBUG=1 (a
     profiler waits for the end).
     """
-    global _ending
-    _ending = True  # from now on Ctrl-C raises nothing
+    global _is_ending
+    _is_ending = True  # from now on Ctrl-C raises nothing
     if threading.active_count() > 1 or os.environ.get("SCREWSIM_DEBUG") == "1":
         sys.exit(code)
     try:

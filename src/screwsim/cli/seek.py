@@ -7,7 +7,18 @@ from typing import TYPE_CHECKING, Annotated
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, bar, loaded, show
+from screwsim.cli.options import (
+    NOT_ALL_OK,
+    OK,
+    AsJson,
+    Jobs,
+    Overrides,
+    SceneFile,
+    Without,
+    loaded_scene,
+    print_document_or_text,
+    progress_bar,
+)
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -35,16 +46,16 @@ def find(
     as_json: AsJson = False,
 ) -> int:
     """Find values of paths that give wanted figures: a speed for a capacity, a size for a duty."""
-    scene = loaded(scene_file, overrides, without)
+    scene = loaded_scene(scene_file, overrides, without)
     from screwsim.printing.find import find_document, print_find, write_find
     from screwsim.scene import case_count
-    from screwsim.scene.grid import only
+    from screwsim.scene.grid import with_sweep_over
+    from screwsim.study.scene_files import check_scene_file, write_found
     from screwsim.study.seek import find_each, question
-    from screwsim.study.written import check_scene_file, write_found
 
     asked = question(scene, vary or (), goals or (), catalogue or ())
     varied = [span.path for span in asked.spans]
-    several = case_count(only(scene, [path for path in scene.sweep if path not in varied])) > 1
+    several = case_count(with_sweep_over(scene, [path for path in scene.sweep if path not in varied])) > 1
     table = output is not None and output.suffix.lower() in (".csv", ".h5")
     if table:
         options.check_columns(output, "goal seek", "solutions", "failed_solutions", "status", "message")
@@ -52,8 +63,8 @@ def find(
         if several:
             raise UsageError(f"-o {output}: the sweep gives one answer per row (write -o FOUND.csv or .h5)")
         check_scene_file(output)
-    rows = find_each(scene, asked, jobs=jobs, progress=bar("find"))
-    show(as_json, find_document, print_find, scene, asked, rows)
+    rows = find_each(scene, asked, jobs=jobs, progress=progress_bar("find"))
+    print_document_or_text(as_json, find_document, print_find, scene, asked, rows)
     found = rows[0]
     if output is not None and table:
         write_find(output, scene, asked, rows)
@@ -99,11 +110,11 @@ def optimize(
     as_json: AsJson = False,
 ) -> int:
     """Find values of paths that make figures best: one or several aims, within bounds, over operating points."""
-    scene = loaded(scene_file, overrides, without)
+    scene = loaded_scene(scene_file, overrides, without)
     from screwsim.printing.optimize import optimize_document, print_optimize
-    from screwsim.study.optimize import question, run, spans_of
+    from screwsim.study.optimize import question, run_question, spans_of
     from screwsim.study.optimize.points import as_csv, read_points
-    from screwsim.study.written import check_scene_file, write_found
+    from screwsim.study.scene_files import check_scene_file, write_found
 
     if print_points:
         if over is None:
@@ -121,8 +132,8 @@ def optimize(
             remedy = "pick a point of the front: --json lists their values"
             raise UsageError(f"--best {best}: several aims have no single best ({remedy})")
         check_scene_file(best, "--best")
-    found = run(asked, output, jobs=jobs, restart=restart, progress=bar("optimize"))
-    show(as_json, optimize_document, print_optimize, found)
+    found = run_question(asked, output, jobs=jobs, restart=restart, progress=progress_bar("optimize"))
+    print_document_or_text(as_json, optimize_document, print_optimize, found)
     if best is not None and found.scene is not None:
         told = f"optimize {Path(scene_file).name} --vary {', '.join(span.path for span in asked.spans)}"
         values = rounded_values(found)

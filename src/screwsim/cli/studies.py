@@ -13,7 +13,18 @@ import typer
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, bar, loaded, show
+from screwsim.cli.options import (
+    NOT_ALL_OK,
+    OK,
+    AsJson,
+    Jobs,
+    Overrides,
+    SceneFile,
+    Without,
+    loaded_scene,
+    print_document_or_text,
+    progress_bar,
+)
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -39,20 +50,20 @@ def optimum(
     as_json: AsJson = False,
 ) -> int:
     """Find the best value of one path at each point of the sweep's other axes."""
-    scene = loaded(scene_file, overrides, without)
+    scene = loaded_scene(scene_file, overrides, without)
     from screwsim.printing.optimum import optimum_document, print_optimum, write_optimum
-    from screwsim.study.inputs import told_efficiency
+    from screwsim.study.inputs import efficiency_note
     from screwsim.study.optimum import optimum as found
     from screwsim.study.optimum import question
 
-    if figure is None and (told := told_efficiency(scene)):
+    if figure is None and (told := efficiency_note(scene)):
         typer.echo(f"optimum: {told}", err=True)
     asked = question(scene, path, figure, minimum=minimum, first=first, last=last)
     options.check_columns(output, "optimum of", "accuracy", "solutions", "failed_solutions", "place")
-    rows = found(scene, asked, jobs=jobs, progress=bar("optimum"))
+    rows = found(scene, asked, jobs=jobs, progress=progress_bar("optimum"))
     if output is not None:
         write_optimum(output, scene, asked, rows)
-    show(as_json, optimum_document, print_optimum, scene, asked, rows)
+    print_document_or_text(as_json, optimum_document, print_optimum, scene, asked, rows)
     return OK if all(row.status == "ok" for row in rows) else NOT_ALL_OK
 
 
@@ -75,11 +86,11 @@ def performance_map(
 ) -> int:
     """Fit the ten AHRI 540 / EN 12900 coefficients to a sweep over both temperatures, or evaluate them."""
     from screwsim.printing.performance_map import (
-        keep_other_maps,
         map_document,
         points_document,
         print_maps,
         print_points,
+        protect_other_maps,
         write_maps,
     )
     from screwsim.results import open_results
@@ -89,15 +100,15 @@ def performance_map(
     results = open_results(results_file)
     options.check_target(output, ".csv", ".json")
     if output is not None:
-        keep_other_maps(output)
+        protect_other_maps(output)
     maps = performance_maps(results, tuple(dict.fromkeys(figures or ())))
     found = points_at(results, maps, points or ())
     if output is not None:
         write_maps(output, results, maps)
     if found:
-        show(as_json, points_document, print_points, results, found)
+        print_document_or_text(as_json, points_document, print_points, results, found)
         return OK
-    show(as_json, map_document, print_maps, results, maps)
+    print_document_or_text(as_json, map_document, print_maps, results, maps)
     return OK if not any(each.message or each.not_ok for each in maps) else NOT_ALL_OK
 
 
@@ -127,54 +138,54 @@ def sensitivity(
     as_json: AsJson = False,
 ) -> int:
     """Rank the inputs that a figure depends on: Sobol indices over ranges, or derivatives at the point (--local)."""
-    scene = options.base_point(loaded(scene_file, overrides, without), scene_file)
+    scene = options.base_point(loaded_scene(scene_file, overrides, without), scene_file)
     if check_sobol is not None:
-        return _checked(scene, check_sobol, jobs, as_json)
+        return _print_checked_uncertainty(scene, check_sobol, jobs, as_json)
     if local:
-        return _local(scene, (places or (), paths or ()), figures or (), output, jobs, as_json)
+        return _local_sensitivity(scene, (places or (), paths or ()), figures or (), output, jobs, as_json)
     if places:
         raise UsageError(f"{places[0]}: has no range (write --path PATH=LOW..HIGH, or add --local)")
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
     from screwsim.printing.tables import wrapped
-    from screwsim.study.inputs import told_efficiency
-    from screwsim.study.sensitivity import cost_told, read_ranges, usual_samples
+    from screwsim.study.inputs import efficiency_note
+    from screwsim.study.sensitivity import cost_in_words, read_ranges, usual_samples
     from screwsim.study.sensitivity import sensitivity as studied
 
     options.check_columns(output, "Sobol indices", "figure", "path", "first_order", "total")
     names = tuple(dict.fromkeys(figures or ()))
-    if not names and (told := told_efficiency(scene)):
+    if not names and (told := efficiency_note(scene)):
         typer.echo(f"sensitivity: {told}", err=True)
-    ranges, progress = read_ranges(scene, paths or ()), bar("sensitivity")
+    ranges, progress = read_ranges(scene, paths or ()), progress_bar("sensitivity")
     samples = usual_samples(len(ranges)) if samples is None else samples
     if sys.stderr.isatty():
-        say(wrapped(f"sensitivity: {cost_told(len(ranges), samples)}"), err=True)
+        say(wrapped(f"sensitivity: {cost_in_words(len(ranges), samples)}"), err=True)
     found = studied(scene, ranges, names, samples=samples, seed=seed, jobs=jobs, progress=progress)
     if output is not None and not found.message:
         write_sensitivity(output, found)
-    show(as_json, sensitivity_document, print_sensitivity, scene, found)
+    print_document_or_text(as_json, sensitivity_document, print_sensitivity, scene, found)
     return OK if not found.message else NOT_ALL_OK
 
 
-def _checked(scene: Scene, count: int, jobs: int | None, as_json: bool) -> int:
+def _print_checked_uncertainty(scene: Scene, count: int, jobs: int | None, as_json: bool) -> int:
     """Print the linear uncertainties of a scene's figures beside those of a sample of its inputs."""
     from screwsim.printing import print_json
-    from screwsim.printing.tables import say_title
+    from screwsim.printing.tables import print_scene_title
     from screwsim.printing.uncertain import check_document, print_check
-    from screwsim.study.uncertain import checked, uncertainty
+    from screwsim.study.uncertain import checked_by_sample, uncertainty
 
     linear = uncertainty(scene, jobs=jobs)
     if linear.slopes.result.status == "ok":
-        linear = checked(scene, linear, count, jobs=jobs, progress=bar("samples"))
+        linear = checked_by_sample(scene, linear, count, jobs=jobs, progress=progress_bar("samples"))
     if as_json:
         print_json({**linear.as_json(), "sampled": check_document(linear)})
     else:
-        say_title(scene.title)
+        print_scene_title(scene.title)
         print_check(linear)
     ended = linear.slopes.result.status == "ok" and not linear.message
     return OK if ended else NOT_ALL_OK
 
 
-def _local(
+def _local_sensitivity(
     scene: Scene,
     asked: tuple[Sequence[str], Sequence[str]],
     figures: Sequence[str],
@@ -195,10 +206,10 @@ def _local(
     else:
         options.check_columns(output, "local sensitivities", "figure", "path", "number", "derivative")
     names = [figure_of(scene, name) for name in figures]
-    found = sensitivities(scene, places, names, jobs=jobs, progress=bar("sensitivity"))
+    found = sensitivities(scene, places, names, jobs=jobs, progress=progress_bar("sensitivity"))
     if output is not None and found.derivatives:
         write_local(output, scene, found)
-    show(as_json, local_document, partial(print_local, chosen=names), scene, found)
+    print_document_or_text(as_json, local_document, partial(print_local, chosen=names), scene, found)
     return OK if found.result.status == "ok" else NOT_ALL_OK
 
 
@@ -214,14 +225,14 @@ def compare(
     as_json: AsJson = False,
 ) -> int:
     """Compare two results files. A difference still exits with 0."""
-    options.check_drawer(folder)
+    options.check_folder_name(folder)
     from screwsim.printing.compare import comparison_document, print_comparison, write_comparison
     from screwsim.results import open_results
     from screwsim.study.compare import compare as compared
 
     a, b = open_results(first), open_results(second)
     found = compared(a, b, tolerance)
-    show(as_json, comparison_document, print_comparison, a, b, found)
+    print_document_or_text(as_json, comparison_document, print_comparison, a, b, found)
     for path in () if folder is None else write_comparison(a, b, folder):
         say(path, err=as_json)
     return OK
@@ -241,15 +252,15 @@ def calibrate(
     as_json: AsJson = False,
 ) -> int:
     """Fit parameters of a scene to measured points, and report how well the data fix them."""
-    options.check_drawer(folder)
+    options.check_folder_name(folder)
     from screwsim.printing import print_json
     from screwsim.printing.calibration import calibration_document, check_folder, print_calibration, write_calibration
-    from screwsim.printing.posterior import keep_other_samples, posterior_document, print_posterior, write_posterior
+    from screwsim.printing.posterior import posterior_document, print_posterior, protect_other_samples, write_posterior
     from screwsim.printing.tables import wrapped
     from screwsim.results.atomic import make_folder
     from screwsim.study.calibration import calibrate as calibrated
-    from screwsim.study.calibration import cost_told, read_fit
-    from screwsim.study.calibration.predict import points_to_predict, sampled
+    from screwsim.study.calibration import cost_in_words, read_fit
+    from screwsim.study.calibration.predict import points_to_predict, posterior_with_predictions
 
     fit = read_fit(fit_file)
     asked = () if predict is None else points_to_predict(fit, predict, "--predict")
@@ -257,13 +268,13 @@ def calibrate(
         make_folder(folder)
         check_folder(folder)
         if posterior or asked:
-            keep_other_samples(folder)
+            protect_other_samples(folder)
     if sys.stderr.isatty():
-        say(wrapped(f"calibrate: {cost_told(fit)}"), err=True)
-    found = calibrated(fit, jobs=jobs, progress=bar("calibrate"))
+        say(wrapped(f"calibrate: {cost_in_words(fit)}"), err=True)
+    found = calibrated(fit, jobs=jobs, progress=progress_bar("calibrate"))
     wide = None
     if (posterior or asked) and found.status != "interrupted":
-        wide = sampled(found, asked, jobs=jobs, progress=bar("posterior"))
+        wide = posterior_with_predictions(found, asked, jobs=jobs, progress=progress_bar("posterior"))
     if as_json:
         print_json(calibration_document(found) | ({} if wide is None else {"posterior": posterior_document(wide)}))
     else:
@@ -298,16 +309,16 @@ def tolerance(
     as_json: AsJson = False,
 ) -> int:
     """Find how length errors of a slider-crank change its motion and, by Monte Carlo, the compressor."""
-    options.check_drawer(folder)
-    scene = options.base_point(loaded(scene_file, overrides, without), scene_file)
+    options.check_folder_name(folder)
+    scene = options.base_point(loaded_scene(scene_file, overrides, without), scene_file)
     from screwsim.printing.tolerance import print_tolerance, tolerance_document
     from screwsim.study.tolerance import tolerances
 
     grades = {"crank_radius": crank_grade, "rod_length": rod_grade, "offset": offset_grade}
     asked = {name: grade if own is None else own for name, own in grades.items()}
     asked |= {} if bore_grade is None else {"bore": bore_grade}
-    found = tolerances(scene, asked, count=count, seed=seed, jobs=jobs, progress=bar("tolerance"))
-    show(as_json, tolerance_document, print_tolerance, scene, found)
+    found = tolerances(scene, asked, count=count, seed=seed, jobs=jobs, progress=progress_bar("tolerance"))
+    print_document_or_text(as_json, tolerance_document, print_tolerance, scene, found)
     if folder is not None:
         from screwsim.report.tolerance import draw_machine
 
@@ -327,22 +338,22 @@ def startup(
     as_json: AsJson = False,
 ) -> int:
     """Start a machine that has a drive, against the discharge pressure."""
-    options.check_drawer(folder)
-    scene = options.base_point(loaded(scene_file, overrides, without), scene_file)
+    options.check_folder_name(folder)
+    scene = options.base_point(loaded_scene(scene_file, overrides, without), scene_file)
     from screwsim.printing import print_json
-    from screwsim.printing.startup import TRACES, keep_other_traces, text, write_traces
+    from screwsim.printing.startup import TRACES, protect_other_traces, startup_text, write_traces
     from screwsim.report.drive import draw_start
     from screwsim.results.atomic import make_folder
     from screwsim.solve.start_up import start_up
 
     if folder is not None:
         make_folder(folder)
-        keep_other_traces(folder / TRACES)
+        protect_other_traces(folder / TRACES)
     found = start_up(scene, creep * RPM, longest)
     if as_json:
         print_json(found.as_json())
     else:
-        say(text(scene.title, found))
+        say(startup_text(scene.title, found))
     if folder is not None and found.traces:
         for path in (write_traces(folder / TRACES, found), *draw_start(found, scene.title, folder)):
             say(path, err=as_json)

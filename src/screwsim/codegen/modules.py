@@ -241,7 +241,7 @@ class _Tried:
 
     def __init__(self, variant: Variant, function: Function, key: tuple[int, ...], size: int, file: str) -> None:
         self._variant, self._function, self._key, self._size, self._file = variant, function, key, size, file
-        before = sum(store.sound(line) is not None for line in store.read_lines(file, _FULL)) if file else 0
+        before = sum(store.checked_line(line) is not None for line in store.read_lines(file, _FULL)) if file else 0
         self._share = PATIENCE * size / SHARES
         self._ran = before * self._share if before else 0.0  # a share may be infinite
         self._untold = self._ran + self._share

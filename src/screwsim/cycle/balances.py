@@ -54,7 +54,7 @@ def walls_of(c: Composition, q: Array) -> Array:
     return q[slots.Q_WALLS : slots.Q_WALLS + 2 * len(c.walls)].reshape(-1, 2)
 
 
-def pushed_of(c: Composition, q: Array) -> float:
+def wall_drag_work(c: Composition, q: Array) -> float:
     """Return the work [J] over one life of oil on the walls that drag it along (M257)."""
     return float(q[c.first_stream - 1]) if c.pushes else 0.0
 
@@ -64,25 +64,25 @@ def mass_in(c: Composition, q: Array) -> float:
     return float(sum(_columns(c, q)[0]))
 
 
-def met_across(problem: Problem) -> bool:
-    """Return whether the net gas flow is taken across an angle (`crossed`) rather than at the port."""
+def meets_line_at_angle(problem: Problem) -> bool:
+    """Return whether the net gas flow is taken across an angle (`flow_past_suction_port`) rather than at the port."""
     return bool(problem.composition.offsets) and not problem.parts.geometry.expands and problem.parted is not None
 
 
-def left_late(problem: Problem) -> bool:
+def exits_late(problem: Problem) -> bool:
     """Return whether chambers leave the suction line after the injection angle (a slide's slot, a bore)."""
     at = problem.parted
     return at is None or at > problem.parts.geometry.injection_angle
 
 
-def crossed(problem: Problem, life: Trajectory) -> float:
+def flow_past_suction_port(problem: Problem, life: Trajectory) -> float:
     """Return the gas [kg/life] to add to that through the suction port, for what passes the angle of leaving the line.
 
     A chamber reads those ahead from the turn before, so what it gets from them is not quite what they give to those
     behind. Between chambers that are open to one line Δp is a few pascals, and both flows err as the pressure does;
     what passes the angle at which chambers leave the line does not.
     """
-    if not met_across(problem):
+    if not meets_line_at_angle(problem):
         return 0.0
     c, at, pitch, gained = problem.composition, problem.parted or 0.0, problem.parts.geometry.pitch, 0.0
     for i, offset in enumerate(c.offsets):
@@ -99,13 +99,13 @@ def net_into(problem: Problem, life: Trajectory, q: Array, line: int) -> float:
     """
     c = problem.composition
     out = -float(streams_of(c, q)[2 * line : 2 * line + 2, slots.OF_GAS].sum())
-    if not met_across(problem):
+    if not meets_line_at_angle(problem):
         return out
-    across = crossed(problem, life)
+    across = flow_past_suction_port(problem, life)
     return mass_in(c, q) + out + across if line else out - across
 
 
-def made_good(problem: Problem, life: Trajectory, opens: float, closes: float) -> tuple[float, float]:
+def gap_flow_compensation(problem: Problem, life: Trajectory, opens: float, closes: float) -> tuple[float, float]:
     """Return the gas [kg/life] by which a plenum's port compensates disagreeing gap flows, and the part that crosses.
 
     Flows through gaps are integrated twice, by the chamber ahead and by the one behind. Where the two disagree
@@ -135,7 +135,7 @@ def made_good(problem: Problem, life: Trajectory, opens: float, closes: float) -
     return abs(own) + abs(others), abs(across)
 
 
-def held_left(problem: Problem, q: Array) -> float:
+def dissolved_gas_residual(problem: Problem, q: Array) -> float:
     """Return the residual of the gas dissolved in oil over a life [kg]."""
     return abs(float(sum(_columns(problem.composition, q)[slots.OF_HELD]))) if problem.composition.dissolves else 0.0
 
@@ -152,12 +152,12 @@ def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
     mass, heat, *of_oil = _columns(c, q)
     work, h = float(q[slots.Q_WORK]), problem.inlet.enthalpy
     enthalpy = [each - h * m for each, m in zip(heat, mass, strict=True)]
-    energy = sum(enthalpy) + work - pushed_of(c, q)
+    energy = sum(enthalpy) + work - wall_drag_work(c, q)
     scale = sum(map(abs, enthalpy)) + abs(work)
     oil = oil_share = lost = 0.0
     if c.carried and part is not None:
         injected = float(R[slots.R_INJECTED])
-        T_oil = part.temperature + problem.pressed(max(part.source_pressure, float(R[slots.R_PRESSURE])))
+        T_oil = part.temperature + problem.oil_pressure_term(max(part.source_pressure, float(R[slots.R_PRESSURE])))
         net = sum(of_oil[0])
         energy += part.heat_capacity * (sum(of_oil[1]) - T_oil * net)
         lost, through = abs(net + injected), max(injected, sum(map(abs, of_oil[0])) / 2)
@@ -187,7 +187,7 @@ def outflow_of(streams: Array) -> Outflow | None:
     return Outflow(enthalpy / mass, ratio, T_oil)
 
 
-def discharge_held(streams: Array) -> float:
+def outflow_dissolved_gas(streams: Array) -> float:
     """Return the mean dissolved gas of the outflow's oil [kg/kg]; 0 where it is no state or no oil flows out."""
     out = streams[slots.DISCHARGE_OUT]
     return (

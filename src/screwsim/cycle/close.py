@@ -10,16 +10,16 @@ from dataclasses import replace
 from functools import partial
 
 from screwsim.cycle.continuation import Course
-from screwsim.cycle.guess import begin, continued
-from screwsim.cycle.mixing import FULL, MixingRule
+from screwsim.cycle.guess import install_continued_guess, install_first_guess
+from screwsim.cycle.mixing import FULL_RULE, MixingRule
 from screwsim.cycle.problem import Problem
-from screwsim.cycle.search import SEARCH, judged, possible, sought_on
+from screwsim.cycle.search import FALLBACK_NAME, search_after_pitches, search_applies, with_growth
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
-from screwsim.cycle.solution import CycleSolution, Led, Start, Wanted
-from screwsim.cycle.ways import by_ways, way_of
-from screwsim.model.exchange import station
+from screwsim.cycle.solution import ClosingCriteria, CorrectedState, CycleSolution, Start
+from screwsim.cycle.ways import close_by_ways, way_of
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_OMEGA
+from screwsim.model.turn_scheduler import reach_station
 
 MOST_OF_A_TRY = 2_000_000  # evaluations of one chamber's rates in one fallback
 PITCHES_OF_A_TRY = 2000  # pitches in one fallback: enough for slow but steady contraction
@@ -27,34 +27,40 @@ DAMPED_DEPTH = 5  # depth of Anderson's method in damped closing
 DAMPING = 0.3  # share of the way to the mixed image that damped closing goes
 NEAR_DAMPED = 0.05  # change of a pitch below which damped closing takes full steps
 NEAR_PLAIN = 1e-3  # change of a pitch below which plain closing is accelerated
-OF_STEPS = 5e-4  # change of a pitch above which finer steps will not close the cycle
-FASTER = 4.0  # speed ratio from which a cycle is continued: leaks and stiffness weigh less there
+STEPS_HELP_BELOW = 5e-4  # change of a pitch above which finer steps will not close the cycle
+SPEED_RATIO = 4.0  # speed ratio from which a cycle is continued: leaks and stiffness weigh less there
 
 
-def close(problem: Problem, machinery: Machinery, wanted: Wanted, course: Course | None = None) -> CycleSolution:
+def close(
+    problem: Problem, machinery: Machinery, wanted: ClosingCriteria, course: Course | None = None
+) -> CycleSolution:
     """Close the cycle, continued from the last ones of a course; from the first guess where that does not close."""
-    guess = None if course is None else continued(problem, machinery, course)
-    station()
+    guess = None if course is None else install_continued_guess(problem, machinery, course)
+    reach_station()
     if guess is not None:
         cycle = close_from(problem, machinery, wanted, guess.start)
         if cycle.closed:
             return cycle
-    return close_from(problem, machinery, wanted, Start(begin(problem, machinery)))
+    return close_from(problem, machinery, wanted, Start(install_first_guess(problem, machinery)))
 
 
-def close_from(problem: Problem, machinery: Machinery, wanted: Wanted, start: Start) -> CycleSolution:
+def close_from(problem: Problem, machinery: Machinery, wanted: ClosingCriteria, start: Start) -> CycleSolution:
     """Close the cycle from a start.
 
     With a check, the chambers are then closed together by the check's method, starting from our own solution.
     """
-    cycle = by_ways(problem, machinery, replace(wanted, check=None) if wanted.check else wanted, start)
+    cycle = close_by_ways(problem, machinery, replace(wanted, check=None) if wanted.check else wanted, start)
     if wanted.check is None or cycle.failed:
         return cycle
     return close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
 
 
-def again(
-    problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, led: Led | None = None
+def close_again(
+    problem: Problem,
+    machinery: Machinery,
+    wanted: ClosingCriteria,
+    cycle: CycleSolution,
+    led: CorrectedState | None = None,
 ) -> CycleSolution:
     """Close a closed cycle once more, by the criteria now wanted.
 
@@ -70,12 +76,12 @@ def again(
         growth=cycle.growth,
         first_gap=cycle.first_gap,
         lasting=found.lasting or cycle.lasting,
-        left_at=cycle.left_at,
+        abandoned_cycle=cycle.abandoned_cycle,
     )
 
 
 def fallbacks(
-    problem: Problem, machinery: Machinery, wanted: Wanted, left: float = 0.0
+    problem: Problem, machinery: Machinery, wanted: ClosingCriteria, left: float = 0.0
 ) -> Iterator[tuple[str, Callable[[], CycleSolution]]]:
     """Yield further attempts at a cycle that did not close, as (name, function that makes the attempt).
 
@@ -86,9 +92,9 @@ def fallbacks(
     """
 
     def closed(
-        rule: MixingRule = FULL, most: int = MOST_OF_A_TRY, wanted: Wanted = wanted, patient: bool = False
+        rule: MixingRule = FULL_RULE, most: int = MOST_OF_A_TRY, wanted: ClosingCriteria = wanted, patient: bool = False
     ) -> CycleSolution:
-        begin(problem, machinery)
+        install_first_guess(problem, machinery)
         y = chambers_at_pitches(machinery)
         return close_together(problem, machinery, wanted, y, rule, most, PITCHES_OF_A_TRY, patient)
 
@@ -97,35 +103,35 @@ def fallbacks(
 
     def damped(patient: bool = False) -> CycleSolution:
         rule = MixingRule(DAMPED_DEPTH, DAMPING, NEAR_DAMPED)
-        if possible(problem) and not patient:
+        if search_applies(problem) and not patient:
             return sought_from_guess(rule, MOST_OF_A_TRY, early=True)
-        return judged(problem, machinery, wanted, closed(rule))
+        return with_growth(problem, machinery, wanted, closed(rule))
 
     def faster(patient: bool = False) -> CycleSolution:
-        begin(problem, machinery)
+        install_first_guess(problem, machinery)
         P, omega = machinery.composition.P, problem.parts.omega
-        P[P_OMEGA] = FASTER * omega
+        P[P_OMEGA] = SPEED_RATIO * omega
         y = chambers_at_pitches(machinery)
-        easier = close_together(problem, machinery, wanted, y, FULL, MOST_OF_A_TRY, PITCHES_OF_A_TRY, patient)
+        easier = close_together(problem, machinery, wanted, y, FULL_RULE, MOST_OF_A_TRY, PITCHES_OF_A_TRY, patient)
         P[P_OMEGA] = omega
         if easier.failed:
             return easier
         cycle = close_together(problem, machinery, wanted, easier.y, most=MOST_OF_A_TRY, patient=patient)
-        return judged(problem, machinery, wanted, cycle)
+        return with_growth(problem, machinery, wanted, cycle)
 
     def sought_from_guess(rule: MixingRule, most: int, early: bool = False) -> CycleSolution:
-        begin(problem, machinery)
-        cycle = sought_on(problem, machinery, wanted, chambers_at_pitches(machinery), rule, most, early)
-        return cycle if cycle.needed else judged(problem, machinery, wanted, cycle)
+        install_first_guess(problem, machinery)
+        cycle = search_after_pitches(problem, machinery, wanted, chambers_at_pitches(machinery), rule, most, early)
+        return cycle if cycle.needed else with_growth(problem, machinery, wanted, cycle)
 
-    if left < OF_STEPS:
+    if left < STEPS_HELP_BELOW:
         tighter = replace(wanted, rtol=max(0.03 * wanted.rtol, 1e-12))
         yield "a tighter tolerance of the steps", lambda: closed(wanted=tighter)
     tries = {"closing without acceleration": plain, "damped closing": damped}
-    tries[f"continuation from {FASTER:g} times the speed"] = faster
+    tries[f"continuation from {SPEED_RATIO:g} times the speed"] = faster
     yield from tries.items()
-    if possible(problem):
-        yield SEARCH, lambda: sought_from_guess(MixingRule(DAMPED_DEPTH, DAMPING), 3 * MOST_OF_A_TRY)
+    if search_applies(problem):
+        yield FALLBACK_NAME, lambda: sought_from_guess(MixingRule(DAMPED_DEPTH, DAMPING), 3 * MOST_OF_A_TRY)
     if problem.composition.chambers > 1:
         for name, attempt in tries.items():  # if all failed: each once more, without giving up early
             yield name, partial(attempt, patient=True)

@@ -12,21 +12,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.cycle.solution import CycleSolution, Hope, Start
+from screwsim.cycle.solution import CycleSolution, Expectation, Start
 from screwsim.model.composition import Composition
-from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
-from screwsim.numerics.made import LEAST
+from screwsim.model.turn_scheduler import reach_station
+from screwsim.numerics.feedback_unknowns import LEAST
 
 Array = np.ndarray
 DEPTH = 3  # most cycles in a guess
-ON_LINE = 0.1  # distance from the line of the steps before, as a share of a step, that still counts as on it
-LARGEST = 8.0  # largest weight of a polynomial; beyond it the cycles' errors prevail over their trend
-WELL = 0.2  # share of the bound: a residual below it lets the next cycle start with coarser steps ...
+LINE_TOLERANCE = 0.1  # distance from the line of the steps before, as a share of a step, that still counts as on it
+LARGEST_WEIGHT = 8.0  # largest weight of a polynomial; beyond it the cycles' errors prevail over their trend
+WELL_CLOSED = 0.2  # share of the bound: a residual below it lets the next cycle start with coarser steps ...
 COARSER = 2.0  # ... by this factor
-ALONE = np.ones(1)  # weights for the last cycle alone
-STEEP = 2.0  # assumed ratio of a cycle's change to its parameters' largest relative change, before any guess was tested
+LAST_ALONE = np.ones(1)  # weights for the last cycle alone
+SLOPE = 2.0  # assumed ratio of a cycle's change to its parameters' largest relative change, before any guess was tested
 
 
 class Guess(NamedTuple):
@@ -36,7 +36,7 @@ class Guess(NamedTuple):
     made: Array
 
 
-class _Cycle(NamedTuple):
+class _ClosedCycle(NamedTuple):
     """A closed cycle as the course keeps it."""
 
     angles: tuple[float, ...]  # pitch, life, injection
@@ -50,7 +50,7 @@ class Course:
 
     def __init__(self) -> None:
         self._text = ""
-        self._cycles: list[_Cycle] = []
+        self._cycles: list[_ClosedCycle] = []
         self._gap: float | None = None  # error of the last guess; None where the last cycle was not guessed
         self._guessed = False
         self._told: dict[int, Array] = {}  # each polynomial's prediction of the next cycle, by its number of cycles
@@ -80,12 +80,12 @@ class Course:
         self._last = cycle
         values = np.concatenate([cycle.y[: len(c.states)], cycle.seen, made])
         self._gap = cycle.first_gap if self._guessed else None
-        self._share = min(1.0, COARSER * share if cycle.residual < WELL else share)
+        self._share = min(1.0, COARSER * share if cycle.residual < WELL_CLOSED else share)
         if self._told:
             off = _distances(np.array([*self._told.values()]), values)
             for cycles, missed in zip(self._told, off.tolist(), strict=True):
                 self._missed[cycles] = 0.5 * (self._missed.get(cycles, missed) + missed)
-        noted = _Cycle(_angles(c), parameters, life.rows, values)
+        noted = _ClosedCycle(_angles(c), parameters, life.rows, values)
         self._cycles = [*self._cycles, noted][-DEPTH:]
 
     def guess(self, machinery: Machinery, parameters: Array) -> Guess | None:
@@ -100,25 +100,25 @@ class Course:
             return None
         known = np.array([cycle.values for cycle in cycles])
         ways = _weights([cycle.parameters for cycle in cycles], parameters)
-        station()
+        reach_station()
         self._told = {len(weights): weights @ known[-len(weights) :] for weights in ways}
         for weights in sorted(ways, key=lambda weights: self._missed.get(len(weights), 0.0)):
             used, values = cycles[-len(weights) :], self._told[len(weights)]
             machinery.blend([cycle.history for cycle in used], weights)
             signed, ends = machinery.composition.signed, machinery.last()[1][: machinery.last()[3], 1]
-            if _possible(values[: machinery.n], signed) and _possible(ends[:, : machinery.n].T, signed):
+            if _are_physical(values[: machinery.n], signed) and _are_physical(ends[:, : machinery.n].T, signed):
                 break
         else:
             return None
         n = machinery.n
         gap = self._gap
         if gap is None:
-            gap = STEEP * float(_distances(cycles[-1].parameters, parameters))
+            gap = SLOPE * float(_distances(cycles[-1].parameters, parameters))
         contraction, tangents = (1.0, None) if self._last is None else (self._last.contraction, self._last.tangents)
-        hope = Hope((float(values[n]), float(values[n + 1])), gap, self._share, contraction)
+        expected = Expectation((float(values[n]), float(values[n + 1])), gap, self._share, contraction)
         if tangents is not None:
             tangents = tangents._replace(elsewhere=True) if cycles[-1] is self._cycles[-1] else None
-        return Guess(Start(values[:n], hope, tangents), values[n + 2 :])
+        return Guess(Start(values[:n], expected, tangents), values[n + 2 :])
 
 
 def _angles(c: Composition) -> tuple[float, ...]:
@@ -126,7 +126,7 @@ def _angles(c: Composition) -> tuple[float, ...]:
     return float(c.P[P_PITCH]), float(c.P[P_LIFE]), float(c.P[P_INJECTION])
 
 
-def _possible(states: Array, signed: Sequence[int]) -> bool:
+def _are_physical(states: Array, signed: Sequence[int]) -> bool:
     """Return whether temperature and density are positive and no other state is negative; one row for each state.
 
     `signed` are the rows of states that may be negative.
@@ -148,7 +148,7 @@ def _weights(known: list[Array], wanted: Array) -> list[Array]:
 
     The last entry is the last cycle alone.
     """
-    last = ALONE
+    last = LAST_ALONE
     if len(known) < 2:
         return [last]
     every = np.array([*known, wanted])
@@ -167,14 +167,14 @@ def _weights(known: list[Array], wanted: Array) -> list[Array]:
     places = []
     for product, square in zip(along, squares, strict=True):
         place = product / length
-        places.append(place if square - place * place * length <= ON_LINE**2 * square else None)
+        places.append(place if square - place * place * length <= LINE_TOLERANCE**2 * square else None)
     if places[-1] is None:
         return [last]
     return [*_polynomials(places), last]
 
 
 def _polynomials(places: list[float | None]) -> list[Array]:
-    """Return Lagrange's weights at the last place, of each degree whose weights are at most `LARGEST`."""
+    """Return Lagrange's weights at the last place, of each degree whose weights are at most `LARGEST_WEIGHT`."""
     *known, x = places
     assert x is not None
     tame = []
@@ -183,6 +183,6 @@ def _polynomials(places: list[float | None]) -> list[Array]:
         if len(nodes) < len(known) - first or len(set(nodes)) < len(nodes):
             continue
         weights = [prod([(x - b) / (a - b) for b in nodes if b != a]) for a in nodes]
-        if max(map(abs, weights)) <= LARGEST:
+        if max(map(abs, weights)) <= LARGEST_WEIGHT:
             tame.append(np.array(weights))
     return tame

@@ -7,7 +7,7 @@ from screwsim.model.composition import Composition
 from screwsim.model.slots import HELD, S_T_OIL, S_X_OIL
 
 Array = np.ndarray
-NEAR = 0.1  # weight of changes of states against those of mass and work: the states' noise exceeds the tolerance
+WEIGHT = 0.1  # weight of changes of states against those of mass and work: the states' noise exceeds the tolerance
 
 
 def logarithms(states: Array, c: Composition) -> Array:

@@ -12,12 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.cycle import suction_line
-from screwsim.cycle.balances import discharge_held, net_into, outflow_of, streams_of, walls_of
-from screwsim.cycle.known import known_of, shaft_power
+from screwsim.cycle.balances import net_into, outflow_dissolved_gas, outflow_of, streams_of, walls_of
+from screwsim.cycle.cycle_figures import cycle_figures, shaft_power
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import LineFlow, Made, OilSolution, SuctionHeat, Turn
 from screwsim.effects.parts.gap import ClearanceParameters
-from screwsim.inputs.faults import UsageError, own_number
+from screwsim.inputs.faults import UsageError, checked_own_number
 from screwsim.model.run import Machinery
 from screwsim.model.slots import (
     DENSITY,
@@ -46,7 +46,7 @@ UP_TO_OIL = OIL_TEMPERATURE + 1  # length of a port state up to the oil's temper
 LINE_POINTS = 256  # angles of a pitch around which the flow to a pulsating line is averaged
 
 
-class IntoLines(NamedTuple):
+class LineInflow(NamedTuple):
     """Flows [kg/s] into suction and discharge line (2, LINE_POINTS), means around angles; volumes [m³] open to each."""
 
     flow: Array
@@ -56,7 +56,7 @@ class IntoLines(NamedTuple):
 def unknowns(problem: Problem, machinery: Machinery) -> Array:
     """Return the unknowns that the next turn will use: discharge line, suction line, what effects declare."""
     composition, R = machinery.composition, machinery.R
-    lines = [_line(problem, R), *([suction_line.values(problem, R)] if problem.parts.suction_line else [])]
+    lines = [_line_unknowns(problem, R), *([suction_line.values(problem, R)] if problem.parts.suction_line else [])]
     if not composition.made:
         return lines[0] if len(lines) == 1 else np.concatenate(lines)
     return np.concatenate([*lines, composition.P[list(composition.made)]])
@@ -65,7 +65,7 @@ def unknowns(problem: Problem, machinery: Machinery) -> Array:
 def set_unknowns(problem: Problem, machinery: Machinery, values: Array) -> None:
     """Set the unknowns for the next turn."""
     made = len(values) - len(problem.parts.made)
-    line = len(_cells(problem))
+    line = len(_unknown_indices(problem))
     _set_line(problem, machinery.R, values[:line])
     if problem.parts.suction_line:
         suction_line.set_values(problem, machinery.R, values[line:made])
@@ -74,7 +74,7 @@ def set_unknowns(problem: Problem, machinery: Machinery, values: Array) -> None:
 
 
 def image(
-    problem: Problem, life: Trajectory, q: Array, turn: Turn | None = None, into: IntoLines | None = None
+    problem: Problem, life: Trajectory, q: Array, turn: Turn | None = None, into: LineInflow | None = None
 ) -> Array:
     """Return the next values of the unknowns by a life with quadratures q.
 
@@ -112,10 +112,10 @@ def _suction_heat(problem: Problem, life: Trajectory, q: Array, turn: Turn | Non
     parts = problem.parts
     if not parts.all(SuctionHeat) or not np.isfinite(q[Q_WORK]):
         return 0.0
-    return suction_line.heat(problem, shaft_power(parts, known_of(problem, life, q, turn=turn)))
+    return suction_line.suction_heat(problem, shaft_power(parts, cycle_figures(problem, life, q, turn=turn)))
 
 
-def turn_of(problem: Problem, life: Trajectory, q: Array, into: IntoLines | None = None) -> Turn:
+def turn_of(problem: Problem, life: Trajectory, q: Array, into: LineInflow | None = None) -> Turn:
     """Return what effects can read of a life with quadratures q, including the next values of their unknowns (`made`).
 
     `into` is the flow into pulsating lines, where it is known; otherwise it is read from the life.
@@ -141,18 +141,18 @@ def turn_of(problem: Problem, life: Trajectory, q: Array, into: IntoLines | None
     for name, part in parts.all(Made):
         found = part.image(turn)
         if np.isfinite(q[Q_WORK]):
-            own_number(name, f"the cycle's value of {part.entry.name}", found)
+            checked_own_number(name, f"the cycle's value of {part.entry.name}", found)
         made[part.entry.name] = max(float(found), part.least)
     return turn
 
 
-def into_lines(life: Trajectory) -> IntoLines:
+def into_lines(life: Trajectory) -> LineInflow:
     """Return the flow of a life's chambers into pulsating lines."""
-    return IntoLines(*life.into_lines(LINE_POINTS))
+    return LineInflow(*life.into_lines(LINE_POINTS))
 
 
 def _line_flows(
-    problem: Problem, life: Trajectory, q: Array, into: IntoLines | None = None
+    problem: Problem, life: Trajectory, q: Array, into: LineInflow | None = None
 ) -> Callable[[str], LineFlow]:
     """Return a function that gives the chambers' flow to a line; the life is read once, on the first call."""
     taken, gas = cache(lambda: into or into_lines(life)), problem.parts.gas
@@ -181,17 +181,17 @@ def at_angles(means: Array) -> Array:
     return np.fft.irfft(harmonics / np.sinc(np.arange(len(harmonics)) / count), count)
 
 
-def line_left_open(problem: Problem, life: Trajectory, q: Array) -> str:
+def suction_line_imbalance(problem: Problem, life: Trajectory, q: Array) -> str:
     """Return why a closed cycle's suction line is not in equilibrium with what flows to it; empty where it is."""
     if not problem.parts.suction_line:
         return ""
     turn = turn_of(problem, life, q) if problem.parts.made else None
     streams, h_d = streams_of(problem.composition, q), float(_outflow(problem, life.R, q)[AT_ENTHALPY])
     heat = _suction_heat(problem, life, q, turn) / problem.rate
-    return suction_line.left_open(problem, life.R, streams, h_d, heat)
+    return suction_line.imbalance(problem, life.R, streams, h_d, heat)
 
 
-def at_its_end(problem: Problem, life: Trajectory) -> str:
+def unknown_at_limit(problem: Problem, life: Trajectory) -> str:
     """Return why an unknown stopped at the end of its range, and what to do; empty where none did."""
     if not problem.composition.made:
         return ""
@@ -202,17 +202,17 @@ def at_its_end(problem: Problem, life: Trajectory) -> str:
     return ""
 
 
-def _line(problem: Problem, R: Array) -> Array:
+def _line_unknowns(problem: Problem, R: Array) -> Array:
     """Return the discharge line's unknowns.
 
     They are its enthalpy [J/kg], with carried oil its oil ratio and oil temperature [K], and dissolved gas if a
     state.
     """
     port_state = R[R_DISCHARGE : R_DISCHARGE + PORT_STATE].tolist()
-    return np.array([max(port_state[cell], 1e-9) for cell in _cells(problem)])
+    return np.array([max(port_state[cell], 1e-9) for cell in _unknown_indices(problem)])
 
 
-def _cells(problem: Problem) -> tuple[int, ...]:
+def _unknown_indices(problem: Problem) -> tuple[int, ...]:
     """Return the indices of a port state that are unknowns of the discharge line."""
     if problem.parts.dissolves:
         return OF_LINE if problem.composition.carried else (ENTHALPY, DISSOLVED)
@@ -228,7 +228,7 @@ def _outflow(problem: Problem, R: Array, q: Array) -> Array:
     """
     parts, streams = problem.parts, streams_of(problem.composition, q)
     mean = outflow_of(streams)
-    plenum = _line(problem, R)
+    plenum = _line_unknowns(problem, R)
     if parts.held_back and mean is None:
         return plenum
     given = problem.scene.operation.discharge.temperature is not None
@@ -244,8 +244,11 @@ def _outflow(problem: Problem, R: Array, q: Array) -> Array:
         if mean is not None and mean.T_oil > 0.0:
             plenum[AT_RATIO], plenum[AT_TEMPERATURE] = max(own * mean.oil_ratio, 1e-9), mean.T_oil
         else:
-            plenum[AT_RATIO], plenum[AT_TEMPERATURE] = 1e-9, parts.oil.temperature + problem.pressed(problem.lines.p_d)
-        plenum[AT_HELD:] = discharge_held(streams)
+            plenum[AT_RATIO], plenum[AT_TEMPERATURE] = (
+                1e-9,
+                parts.oil.temperature + problem.oil_pressure_term(problem.lines.p_d),
+            )
+        plenum[AT_HELD:] = outflow_dissolved_gas(streams)
     return plenum
 
 
@@ -285,7 +288,7 @@ def set_lines(problem: Problem, machinery: Machinery, T_d: float, d: float, h_d:
     if discharge is None:
         discharge = gas.port_state(p_d, problem.scene.operation.discharge.temperature or gas.nearest_vapour(p_d, T_d))
     R[R_SUCTION : R_SUCTION + UP_TO_OIL] = *problem.suction.port_state(discharge[ENTHALPY]), 0.0, T_oil
-    R[R_DISCHARGE : R_DISCHARGE + UP_TO_OIL] = *discharge, d, T_oil + problem.pressed(p_d)
+    R[R_DISCHARGE : R_DISCHARGE + UP_TO_OIL] = *discharge, d, T_oil + problem.oil_pressure_term(p_d)
     R[R_DISCHARGE + DENSITY] *= problem.gas_share(float(R[R_DISCHARGE + DENSITY]), d) ** 2
     if isinstance(parts.oil_content, OilSolution):
         R[R_DISCHARGE + DISSOLVED] = R[R_SUCTION + DISSOLVED] = parts.oil_content.supply

@@ -8,25 +8,25 @@ from screwsim.cycle.problem import Problem
 from screwsim.effects.base import OilSolution
 from screwsim.fluid.gas import Gas
 from screwsim.model import leases, speed
-from screwsim.model.exchange import station
 from screwsim.model.parts import Parts
 from screwsim.model.run import Machinery
 from screwsim.model.slots import PRESSURE, S_T, S_X_OIL
+from screwsim.model.turn_scheduler import reach_station
 
 Array = np.ndarray
 TRACE = 1e-7  # oil per gas in a first guess where no oil is supplied
 
 
-def leased(problem: Problem) -> Machinery:
+def lease_for(problem: Problem) -> Machinery:
     """Return a compiled machinery on loan for a problem; give it back when done (`leases`)."""
     machinery = leases.lease(problem.composition)
-    machinery.warm_up(lambda: rehearse(problem, machinery))
+    machinery.warm_up(lambda: compile_start(problem, machinery))
     return machinery
 
 
-def begin(problem: Problem, machinery: Machinery, oil: float = 1.0) -> Array:
+def install_first_guess(problem: Problem, machinery: Machinery, oil: float = 1.0) -> Array:
     """Set the lines and install a first guess; return the state at 0°. `oil` scales the guessed oil ratio."""
-    _anew(problem, machinery)
+    _reset(problem, machinery)
     parts, lines, suction, c = problem.parts, problem.lines, problem.suction, machinery.composition
     port_state = suction.port_state(problem.h_isentropic) if suction.changed else suction.line
     y = first_guess(parts, machinery, port_state[PRESSURE], suction.temperature(port_state, lines.T_s), lines.p_d)
@@ -41,28 +41,28 @@ def begin(problem: Problem, machinery: Machinery, oil: float = 1.0) -> Array:
     return y
 
 
-def continued(problem: Problem, machinery: Machinery, course: Course) -> Guess | None:
+def install_continued_guess(problem: Problem, machinery: Machinery, course: Course) -> Guess | None:
     """Set the lines and a guess from the course of preceding cycles, and return the guess; None where there is none."""
-    _anew(problem, machinery)
-    station()
+    _reset(problem, machinery)
+    reach_station()
     guess = course.guess(machinery, problem.parameters)
-    station()
+    reach_station()
     if guess is not None:
         made = len(problem.entries)
         set_lines(problem, machinery, float(guess.start.y[S_T]), 0.0, float(guess.made[0]))
         set_unknowns(problem, machinery, guess.made[:made])
-        speed.put_back(machinery.composition, guess.made[made:])
+        speed.restore_curve(machinery.composition, guess.made[made:])
     return guess
 
 
-def rehearse(problem: Problem, machinery: Machinery) -> Array:
-    """Do what `begin` does, and set the unknowns once, so that everything these need is compiled."""
-    y = begin(problem, machinery)
+def compile_start(problem: Problem, machinery: Machinery) -> Array:
+    """Do what `install_first_guess` does, and set the unknowns once, so that everything these need is compiled."""
+    y = install_first_guess(problem, machinery)
     set_unknowns(problem, machinery, unknowns(problem, machinery))
     return y
 
 
-def _anew(problem: Problem, machinery: Machinery) -> None:
+def _reset(problem: Problem, machinery: Machinery) -> None:
     """Reset the machinery and its numbers to those of the problem."""
     machinery.reset()
     machinery.composition.P[:] = problem.composition.P

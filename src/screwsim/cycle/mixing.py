@@ -8,29 +8,29 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.numerics.periodic import Anderson
+from screwsim.numerics.anderson import Anderson
 
 Array = np.ndarray
 PITCH_DEPTH = 10  # of Anderson's method for coupled chambers
-THROWN = 0.5  # change of a pitch above which damped or plain closing returns to its own rule
+THROWN_BACK = 0.5  # change of a pitch above which damped or plain closing returns to its own rule
 LEAST_GAP = 1e-4  # of the tolerance: below it an open balance is due to the steps' error, not to the change
-OF_NO_AVAIL = 0.25  # factor on the change of a pitch at which steps are refined, after a refinement that did not help
+INEFFECTIVE = 0.25  # factor on the change of a pitch at which steps are refined, after a refinement that did not help
 FINEST_RTOL = 1e-11  # tolerance of a step below which rounding keeps a balance from closing
 
 
 class MixingRule(NamedTuple):
-    """Depth of Anderson's method and damping factor; `FULL` applies while a pitch changes less than `near`."""
+    """Depth of Anderson's method and damping factor; `FULL_RULE` applies while a pitch changes less than `near`."""
 
     depth: int
     damping: float = 1.0
     near: float = 0.0
 
 
-FULL = MixingRule(PITCH_DEPTH)
+FULL_RULE = MixingRule(PITCH_DEPTH)
 
 
 class Mixing:
-    """The next point of a fixed-point iteration by a rule; by `FULL` while a pitch changes less than `near`."""
+    """The next point of a fixed-point iteration by a rule; by `FULL_RULE` while a pitch changes less than `near`."""
 
     def __init__(self, rule: MixingRule) -> None:
         self.own = self.rule = rule
@@ -39,8 +39,8 @@ class Mixing:
     def next(self, point: Array, image: Array, gap: float) -> Array:
         """Return the next point after `point` was mapped to `image`; `gap` is their distance."""
         if self.rule is self.own and gap < self.own.near:
-            self._follow(FULL)
-        elif self.rule is not self.own and gap > THROWN:
+            self._follow(FULL_RULE)
+        elif self.rule is not self.own and gap > THROWN_BACK:
             self._follow(self.own)
         if not math.isfinite(gap):  # nothing to mix; integrating the next pitch shows where it leads
             self.restart()
@@ -60,7 +60,7 @@ class Mixing:
         self.rule, self.accelerate = rule, Anderson(rule.depth)
 
 
-class Refining:
+class StepRefinement:
     """The tolerance of a step, refined where a pitch changes too little to explain an open balance."""
 
     def __init__(self, rtol: float, tolerance: float, bound: float) -> None:
@@ -76,12 +76,12 @@ class Refining:
         if gap > self.tolerance * max(LEAST_GAP, explained):
             return
         if residual > self.hoped:
-            self.share *= OF_NO_AVAIL
-        refined = finer(self.rtol, residual / self.bound)
+            self.share *= INEFFECTIVE
+        refined = refined_rtol(self.rtol, residual / self.bound)
         self.hoped, self.rtol = residual * (refined / self.rtol) ** 0.5, refined
 
 
-def finer(rtol: float, residual: float) -> float:
+def refined_rtol(rtol: float, residual: float) -> float:
     """Return the next tolerance of a step where the cycle has settled but the integration error keeps balances open.
 
     `residual` is the largest one over its bound.

@@ -24,16 +24,16 @@ from screwsim.model.slots import P_INJECTION, P_PITCH, S_RHO
 
 Array = np.ndarray
 STALE = 0.6  # ratio of a corrected turn's change to that of the turn before, above which tangents are renewed ...
-OF_NO_USE = 0.9  # ... and above which, if they just were, corrections are given up
-BEYOND = 0.1  # size of a correction by new tangents, in coordinates, above which they are renewed at once
+STALE_WHEN_NEW = 0.9  # ... and above which, if they just were, corrections are given up
+RENEW_ABOVE = 0.1  # size of a correction by new tangents, in coordinates, above which they are renewed at once
 REPEATED = 0.5  # share of a correction that repeats in the next, up to which the geometric series is summed at once
 LARGEST = 1.0  # size of a correction, in coordinates, to which larger ones are shortened ...
 LEAST_SHARE = 0.4  # ... but none is made if that leaves less: a linear correction is meaningless there
 SINGULAR = 300.0  # ratio of a correction to its residual, above which any state is about as good a cycle as another
-TOO_OFTEN = 3  # shortened or impossible corrections after which no more are made
-NEXT = 1e-9  # share of a pitch by which the end of a place stays before the next place
-EVEN = 1e-9  # imaginary part of an eigenvalue over its size, up to which it counts as real
-ITSELF = 1e-6  # departure of an image's derivatives from identity, up to which the scene states the unknown
+MOST_SHORTENED = 3  # shortened or impossible corrections after which no more are made
+PLACE_MARGIN = 1e-9  # share of a pitch by which the end of a place stays before the next place
+REAL_WITHIN = 1e-9  # imaginary part of an eigenvalue over its size, up to which it counts as real
+IDENTITY_WITHIN = 1e-6  # departure of an image's derivatives from identity, up to which the scene states the unknown
 
 
 class Correction(NamedTuple):
@@ -59,7 +59,7 @@ class Correction(NamedTuple):
         return Correction(self.edges, start, along, unknowns, self.share, factor * self.mass, sums, self.back)
 
 
-class Lasting(NamedTuple):
+class SlowestMode(NamedTuple):
     """The slowest-decaying change of the unknowns, `along` (u,) in coordinates, and the `factor` by which it returns.
 
     It belongs to a real eigenvalue, so it does not change sign; above 1 the machine's own course leads away.
@@ -102,7 +102,7 @@ def corrected(problem: Problem, machinery: Machinery, tangents: Tangents, residu
         return None
     matrix = np.eye(len(met)) - back[:, 1:]
     unknowns = np.linalg.lstsq(matrix, made + back[:, 0] - met)[0]
-    kept = np.abs(matrix).max(axis=1, initial=0.0) < ITSELF
+    kept = np.abs(matrix).max(axis=1, initial=0.0) < IDENTITY_WITHIN
     unknowns[kept] = made[kept] - met[kept]
     weights = np.append(1.0, unknowns)
     found = start @ weights, along @ weights, met + unknowns - made
@@ -114,11 +114,11 @@ def corrected(problem: Problem, machinery: Machinery, tangents: Tangents, residu
         return None
     of_states, along, of_unknowns = (share * each for each in found)
     sums = share * (given.sum(axis=0) @ weights)
-    mass = _trapped(c, of_states)
+    mass = _trapped_change(c, of_states)
     return Correction(tangents.edges, of_states, along, of_unknowns, share, mass, sums, back[:, 1:])
 
 
-def _trapped(c: Composition, start: Array) -> float:
+def _trapped_change(c: Composition, start: Array) -> float:
     """Return the relative change of the trapped gas: that of the density at the injection angle, else the largest."""
     density, index = start.reshape(c.chambers, -1)[:, S_RHO], round(c.P[P_INJECTION] / c.P[P_PITCH])
     return float(density[index]) if index < c.chambers else float(np.abs(density).max())
@@ -161,7 +161,7 @@ class Corrections:
         are dropped, but not `near` the end, where changes are noise of the steps.
         """
         stale = self.begun and moved > STALE * self._moved and not near
-        if stale and self._fresh and moved > OF_NO_USE * self._moved:
+        if stale and self._fresh and moved > STALE_WHEN_NEW * self._moved:
             self.able = False
         due = self.able and (slow or self.begun)
         if stale or (due and self._far and not near):
@@ -190,7 +190,7 @@ class Corrections:
             self._too_large, self.tangents, self.last = 0, None, None
             return None
         if found is not None:
-            _move(machinery, found)
+            _move_history(machinery, found)
         return found
 
     def of_pitch(self, start: Array, q: Array, met: Array, made: Array) -> Correction | None:
@@ -203,7 +203,7 @@ class Corrections:
     def _found(self, residual: Callable[[Tangents], Residual], met: Array) -> Correction | None:
         """Return the correction of a residual, with new tangents where needed.
 
-        Stop correcting after `TOO_OFTEN` failures.
+        Stop correcting after `MOST_SHORTENED` failures.
         """
         self._fresh = self.tangents is None
         try:
@@ -215,23 +215,23 @@ class Corrections:
         if found is not None:
             self._back = found.back
             found = self._in_full(found)
-            self._far = self._fresh and float(np.abs(found.along).max()) > BEYOND
+            self._far = self._fresh and float(np.abs(found.along).max()) > RENEW_ABOVE
         if found is None or found.share < 1.0:
             self.tangents, self._too_large = None, self._too_large + 1
-            self.able = self.able and self._too_large < TOO_OFTEN
+            self.able = self.able and self._too_large < MOST_SHORTENED
         return found
 
-    def lasting(self) -> Lasting | None:
+    def lasting(self) -> SlowestMode | None:
         """Return the slowest-decaying change of the unknowns; None without a correction or a real eigenvalue."""
         if self._back is None or not len(self._back):
             return None
         factors, along = np.linalg.eig(self._back)
-        real = np.abs(np.imag(factors)) <= EVEN * np.abs(factors)
+        real = np.abs(np.imag(factors)) <= REAL_WITHIN * np.abs(factors)
         if not real.any():
             return None
         most = int(np.argmax(np.where(real, np.real(factors), -np.inf)))
         one = np.real(along[:, most])
-        return Lasting(float(np.real(factors[most])), one / np.abs(one).max())
+        return SlowestMode(float(np.real(factors[most])), one / np.abs(one).max())
 
     def _in_full(self, found: Correction) -> Correction:
         """Return a correction together with what later ones by the same tangents would add.
@@ -259,16 +259,16 @@ def corrected_start(problem: Problem, by: Correction, end: Array, y: Array, made
     return entries.values(entries.coordinates(made) + by.unknowns, made)
 
 
-def _move(machinery: Machinery, by: Correction) -> None:
+def _move_history(machinery: Machinery, by: Correction) -> None:
     """Apply a correction to the last history, interpolated linearly between the edges of the slices."""
     c, n = machinery.composition, machinery.n
     times, dense, quads, steps = machinery.last()
     t, states = times[: steps + 1].copy(), dense[:steps, :, :n].copy()
     changes = by.along.reshape(-1, c.chambers, n).transpose(1, 0, 2).reshape(-1, n)
     inside = by.edges.copy()
-    inside[-1] *= 1.0 - NEXT  # the next chamber's place starts there
+    inside[-1] *= 1.0 - PLACE_MARGIN  # the next chamber's place starts there
     angles = angles_of(inside, c)
-    ends = t[1:] - NEXT * by.edges[-1]  # a step that ends at the injection precedes it
+    ends = t[1:] - PLACE_MARGIN * by.edges[-1]  # a step that ends at the injection precedes it
     began, ended = (np.column_stack([np.interp(at, angles, change) for change in changes.T]) for at in (t[:-1], ends))
     signed = list(c.signed)
     at_start, at_end = np.exp(began), np.exp(ended)

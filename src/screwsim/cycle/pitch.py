@@ -17,12 +17,12 @@ from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
 POINTS = 360  # angles of a pitch: 0.25° apart with four lobes
-ASIDE = 1e-6  # rad, distance from the end of a step, and half the difference for slopes of volumes
-NEAR = 17  # points around an extreme, between its neighbours
+SIDE_STEP = 1e-6  # rad, distance from the end of a step, and half the difference for slopes of volumes
+EXTREME_POINTS = 17  # points around an extreme, between its neighbours
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(3)  # of each part of a pitch between the ends of steps
 
 
-class Within(NamedTuple):
+class PitchQuadrature(NamedTuple):
     """Nodes of a quadrature over one pitch, in parts that contain no end of a step; columns as those of `Pitch`.
 
     phase (nodes,): share of the pitch that the youngest chamber has passed; weight (nodes,), whose sum is 1.
@@ -73,7 +73,7 @@ class Pitch(NamedTuple):
     high_pressure: float
     at: Callable[[Array], tuple[Array, Array]]
     steps: Array
-    within: Callable[..., Within]
+    within: Callable[..., PitchQuadrature]
 
     def extremes(self, *curves: Callable[[Array, Array], Array]) -> list[tuple[float, float]]:
         """Return the lowest and highest value over a pitch of curves of all chambers' pressures and slopes.
@@ -83,12 +83,12 @@ class Pitch(NamedTuple):
         """
         apart = self.angle[1]
         width, found = apart * len(self.angle), []
-        ends = np.sort(np.mod(np.concatenate([self.steps - ASIDE, self.steps + ASIDE]), width))
+        ends = np.sort(np.mod(np.concatenate([self.steps - SIDE_STEP, self.steps + SIDE_STEP]), width))
         angles, at_ends = np.append(self.angle, ends), self.at(ends)
         for curve in curves:
             values = np.append(curve(self.pressure, self.slope), curve(*at_ends))
             best = angles[[values.argmin(), values.argmax()]]
-            around = np.mod(best[:, None] + np.linspace(-apart, apart, NEAR), width).ravel()
+            around = np.mod(best[:, None] + np.linspace(-apart, apart, EXTREME_POINTS), width).ravel()
             values = np.append(values, curve(*self.at(np.sort(around))))
             found.append((float(values.min()), float(values.max())))
         return found
@@ -104,29 +104,29 @@ def pitch_of(
     pressure = np.ascontiguousarray(found[:, -1].reshape(geometry.chambers, POINTS).T)
     slope, male = _slopes(geometry)
     at, steps = partial(_at, life, geometry.pitch, geometry.chambers), life.times[: life.steps].copy()
-    within = lru_cache(maxsize=2)(partial(_within, geometry, at, steps))
+    within = lru_cache(maxsize=2)(partial(_quadrature_of, geometry, at, steps))
     return Pitch(angle, pressure, slope, male, low_pressure, torque_mean, high_pressure, at, steps, within)
 
 
-def _within(
+def _quadrature_of(
     geometry: MachineGeometry, at: Callable[[Array], tuple[Array, Array]], steps: Array, parts: int | None = None
-) -> Within:
+) -> PitchQuadrature:
     """Return nodes between the ends of all steps and of even parts; by default `POINTS` over all chambers."""
     even = np.linspace(0.0, geometry.pitch, (parts or POINTS // geometry.chambers) + 1)
     ends = np.unique(np.concatenate([even, np.mod(steps, geometry.pitch)]))
     half = 0.5 * np.diff(ends)[:, None]
     angle = (ends[:-1, None] + half * (1.0 + NODES)).ravel()
     male = geometry.male_slope(angle[:, None] + geometry.pitch * np.arange(geometry.chambers))
-    return Within(angle / geometry.pitch, (half * WEIGHTS).ravel() / geometry.pitch, *at(angle), male)
+    return PitchQuadrature(angle / geometry.pitch, (half * WEIGHTS).ravel() / geometry.pitch, *at(angle), male)
 
 
 def _at(life: Trajectory, pitch: float, chambers: int, angle: Array) -> tuple[Array, Array]:
     """Return pressure and slope of the volume of all chambers at increasing angles of the youngest."""
     grid = (angle + pitch * np.arange(chambers)[:, None]).ravel()
     pressure = life.states_at(grid)[:, -1]
-    ahead, behind = (life.volumes(grid + aside) for aside in (ASIDE, -ASIDE))
+    ahead, behind = (life.volumes(grid + aside) for aside in (SIDE_STEP, -SIDE_STEP))
     shape = chambers, len(angle)
-    return pressure.reshape(shape).T, ((ahead - behind) / (2.0 * ASIDE)).reshape(shape).T
+    return pressure.reshape(shape).T, ((ahead - behind) / (2.0 * SIDE_STEP)).reshape(shape).T
 
 
 @lru_cache(maxsize=16)

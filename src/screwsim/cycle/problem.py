@@ -9,28 +9,28 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.build import Stock, Temperatures, completed, parts_of
+from screwsim.build import PartsCache, Temperatures, completed, parts_of
 from screwsim.cycle.continuation import Course
-from screwsim.cycle.solution import Wanted, wanted_of
+from screwsim.cycle.solution import ClosingCriteria, closing_criteria
 from screwsim.cycle.suction import SuctionState, suction_of
 from screwsim.effects.base import SUCTION, FlowPath, Made, PressureLosses
 from screwsim.figures import called_for
 from screwsim.machine.protocol import MachineGeometry
 from screwsim.model.composition import Composition
-from screwsim.model.exchange import station
 from screwsim.model.parts import Effects, Parts
 from screwsim.model.series import Composer
 from screwsim.model.slots import DENSITY, ENTHALPY
-from screwsim.numerics.at_once import at_once
+from screwsim.model.turn_scheduler import reach_station
+from screwsim.numerics.feedback_unknowns import FeedbackUnknown, FeedbackUnknowns
+from screwsim.numerics.frozen import fast_init
+from screwsim.numerics.identity_cache import IdentityCache, once
 from screwsim.numerics.integrators import Rosenbrock, find_integrator
-from screwsim.numerics.made import Entries, Entry
-from screwsim.numerics.remembered import Remembered, once
 from screwsim.outputs import Figure
 from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import Scene
 
 Array = np.ndarray
-NEARLY = 1e-6  # rad, angles closer than this count as equal
+EQUAL_WITHIN = 1e-6  # rad, angles closer than this count as equal
 LEAST_OIL = 1e-4  # oil per gas below which a relative change of it is ignored
 
 
@@ -41,7 +41,7 @@ class Inlet(NamedTuple):
     enthalpy: float
 
 
-@at_once
+@fast_init
 @dataclass(frozen=True, eq=False)
 class Problem:
     """The problem to be solved; every solution of it starts from a copy of the numbers `composition.P` (read-only).
@@ -56,9 +56,9 @@ class Problem:
     lines: Lines
     inlet: Inlet
     suction: SuctionState
-    entries: Entries
+    entries: FeedbackUnknowns
     parameters: Array
-    wanted: Wanted
+    wanted: ClosingCriteria
 
     @once
     def parted(self) -> float | None:
@@ -99,7 +99,7 @@ class Problem:
         """The figures that the scene calls for."""
         return called_for(self.scene, self.parts)
 
-    def pressed(self, p: float) -> float:
+    def oil_pressure_term(self, p: float) -> float:
         """Return p/(ρ_oil c_oil) [K], added to the oil temperature of a port state where oil takes room (M108)."""
         oil = self.parts.oil
         return p / (oil.density * oil.heat_capacity) if oil is not None and self.parts.oil_room else 0.0
@@ -112,31 +112,31 @@ class Problem:
         return 1.0 / (1.0 + ratio * rho / self.parts.oil.density) if self.parts.oil and self.parts.oil_room else 1.0
 
 
-Built = tuple[Stock, Composer]
-shared: ContextVar[Built | None] = ContextVar("shared", default=None)  # used by all series begun inside `sharing`
+BuiltParts = tuple[PartsCache, Composer]
+shared: ContextVar[BuiltParts | None] = ContextVar("shared", default=None)  # used by all series begun inside `sharing`
 
 
 class Series:
     """What consecutive scenes pass on: built parts, composed modules, closed cycles and values that were solved for."""
 
-    def __init__(self, built: Built | None = None) -> None:
-        self.stock, self.composer = built or shared.get() or (Stock(), Composer())
+    def __init__(self, built: BuiltParts | None = None) -> None:
+        self.parts_cache, self.composer = built or shared.get() or (PartsCache(), Composer())
         self.course = Course()
         self.temperatures: Temperatures | None = None  # last solution of effects.separator
         self.losses: PressureLosses | None = None  # last solution for a package's losses
-        self.sought: list[float] | None = None  # last solution for other open numbers (`screwsim.build.sought`)
+        self.sought: list[float] | None = None  # last solution for other open numbers (`screwsim.build.open_values`)
         self.per_step: dict[str, float] = {}  # relative change of the figures with these, per kelvin or kPa
         self.around: tuple[Array | None, float] = None, 1.0  # Jacobian of these, and the residual of their first guess
 
 
-_free: list[Built] = []
-KEPT = 32  # number of `_free` that are kept: as many threads may solve points at once
+_free: list[BuiltParts] = []
+MOST_FREE = 32  # number of `_free` that are kept: as many threads may solve points at once
 
 
-def one_alone() -> Series:
+def series_of_one() -> Series:
     """Return a series for a single scene that reuses earlier built parts and composed modules, and nothing else.
 
-    The result has the same numbers as with newly built parts. Hand the series back with `leave` when done.
+    The result has the same numbers as with newly built parts. Hand the series back with `release_series` when done.
     """
     if shared.get() is not None:
         return Series()
@@ -146,16 +146,16 @@ def one_alone() -> Series:
         return Series()
 
 
-def leave(series: Series) -> None:
+def release_series(series: Series) -> None:
     """Keep the built parts and composed modules of a series for the next scene that is solved alone."""
-    if shared.get() is None and len(_free) < KEPT:
-        _free.append((series.stock, series.composer))
+    if shared.get() is None and len(_free) < MOST_FREE:
+        _free.append((series.parts_cache, series.composer))
 
 
 @contextmanager
 def sharing() -> Iterator[None]:
     """Let all series begun inside share one stock of parts and one composer: equal sections are built once."""
-    before = shared.set((Stock(), Composer()))
+    before = shared.set((PartsCache(), Composer()))
     try:
         yield
     finally:
@@ -169,12 +169,12 @@ def problem_of(scene: Scene, series: Series | None = None, set_speed: float | No
     """
     series = series or Series()
     scene = completed(scene, series.temperatures, series.losses, series.sought)
-    station()
-    parts, at = parts_of(scene, series.stock, set_speed), lines(scene)
-    station()
-    composition = _by(scene.numerics.integrator, series.composer.compose(parts))
+    reach_station()
+    parts, at = parts_of(scene, series.parts_cache, set_speed), lines(scene)
+    reach_station()
+    composition = _with_integrator(scene.numerics.integrator, series.composer.compose(parts))
     composition.P.flags.writeable = False
-    station()
+    reach_station()
     dry = at.quality is None
     line = (
         parts.gas.port_state(at.p_s, at.T_s)
@@ -188,17 +188,17 @@ def problem_of(scene: Scene, series: Series | None = None, set_speed: float | No
     of_oil = composition.carried, composition.dissolves
     lines_of = (*_discharge_line(*of_oil), *(_suction_line(*of_oil) if parts.suction_line else ()))
     entries = _entries((*lines_of, *(part.entry for _, part in parts.all(Made))))
-    wanted = wanted_of(scene.numerics, tuple(composition.P[composition.widths].tolist()))
+    wanted = closing_criteria(scene.numerics, tuple(composition.P[composition.widths].tolist()))
     return Problem(scene, parts, composition, at, inlet, suction, entries, parameters, wanted)
 
 
-@Remembered
+@IdentityCache
 def _parted(geometry: MachineGeometry, effects: Effects) -> float | None:
     """Return the value of `Problem.parted`, computed once for a machine and its effects."""
     at, opens = geometry.injection_angle, geometry.discharge_opens
     wide = [path for _, path in effects.all(FlowPath) if path.to == SUCTION and not path.narrow]
     closed = max((max((*path.breakpoints, *path.own_breakpoints), default=at) for path in wide), default=at)
-    if closed <= at + NEARLY:
+    if closed <= at + EQUAL_WITHIN:
         return at
     return closed if opens is None or closed < opens else None
 
@@ -210,7 +210,7 @@ def _h_isentropic(parts: Parts, at: Lines, inlet: Inlet) -> float:
     return inlet.enthalpy + parts.gas.isentropic_work(at.p_s, at.p_d, at.T_s)
 
 
-def _by(integrator: str, composition: Composition) -> Composition:
+def _with_integrator(integrator: str, composition: Composition) -> Composition:
     """Return a composition whose text uses the given integrator; for an integrator that is only a check, Rodas4."""
     found = find_integrator(integrator)
     if not isinstance(found, Rosenbrock):
@@ -222,26 +222,26 @@ def _by(integrator: str, composition: Composition) -> Composition:
 
 
 @cache
-def _discharge_line(carried: bool, dissolves: bool) -> tuple[Entry, ...]:
+def _discharge_line(carried: bool, dissolves: bool) -> tuple[FeedbackUnknown, ...]:
     """Return the unknowns of the discharge line (M27): its enthalpy; with carried oil its oil ratio and temperature.
 
     Where oil dissolves gas, also the dissolved gas (M230).
     """
-    ratio = Entry("discharge_oil_ratio", floor=LEAST_OIL)
-    oil = (ratio, Entry("discharge_oil_temperature", of=ratio.name)) if carried else ()
+    ratio = FeedbackUnknown("discharge_oil_ratio", floor=LEAST_OIL)
+    oil = (ratio, FeedbackUnknown("discharge_oil_temperature", of=ratio.name)) if carried else ()
     if dissolves:
-        oil = (*oil, Entry("discharge_held_gas", of=ratio.name, scale=1.0))
-    return Entry("discharge_enthalpy"), *oil
+        oil = (*oil, FeedbackUnknown("discharge_held_gas", of=ratio.name, scale=1.0))
+    return FeedbackUnknown("discharge_enthalpy"), *oil
 
 
 @cache
-def _suction_line(carried: bool, dissolves: bool) -> tuple[Entry, ...]:
+def _suction_line(carried: bool, dissolves: bool) -> tuple[FeedbackUnknown, ...]:
     """Return the unknowns of a suction line that mixes in backflow (M270): its enthalpy, oil, gas dissolved in the oil.
 
     The amounts are per kilogram of gas, and their changes count as they are, not relative to the amount.
     """
     amounts = ("suction_oil", "suction_held_gas")[: carried + dissolves]
-    return Entry("suction_enthalpy"), *(Entry(name, scale=1.0) for name in amounts)
+    return FeedbackUnknown("suction_enthalpy"), *(FeedbackUnknown(name, scale=1.0) for name in amounts)
 
 
-_entries = lru_cache(maxsize=8)(Entries)
+_entries = lru_cache(maxsize=8)(FeedbackUnknowns)

@@ -9,61 +9,63 @@ from functools import lru_cache
 
 import numpy as np
 
+from screwsim.cycle.backflow import NO_FEEDBACK, backflow_feedback
 from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals
-from screwsim.cycle.coordinates import NEAR, change, logarithms, states_of
+from screwsim.cycle.coordinates import WEIGHT, change, logarithms, states_of
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
-from screwsim.cycle.mixing import finer
+from screwsim.cycle.mixing import refined_rtol
 from screwsim.cycle.newton import Correction, Corrections, corrected_start
 from screwsim.cycle.problem import Problem
-from screwsim.cycle.returning import NOTHING, returning
-from screwsim.cycle.solution import ENOUGH, NO_HOPE, CycleSolution, Start, Wanted
+from screwsim.cycle.solution import CLOSED_SHARE, NO_EXPECTATION, ClosingCriteria, CycleSolution, Start
 from screwsim.effects.base import FlowPath
-from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_LIFE, Q_WORK, R_TRAPPED
-from screwsim.numerics.periodic import Anderson
+from screwsim.model.turn_scheduler import reach_station
+from screwsim.numerics.anderson import Anderson
 from screwsim.numerics.settings import WAVEFORMS
 from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
 
 Array = np.ndarray
-DEAR = 80_000  # evaluations that simultaneous closing takes in the median, with steps of
-DEAR_RTOL = 1e-4  # this tolerance; waveform relaxation may take as many
+MOST_EVALUATIONS = 80_000  # evaluations that simultaneous closing takes in the median, with steps of
+RTOL_OF_MOST = 1e-4  # this tolerance; waveform relaxation may take as many
 FIRST_RTOL = 2e-3  # tolerance of a step in the first turn; later ones follow the gap
-THEN = 0.3  # largest ratio of a turn's tolerance to that of the turn before
-AHEAD = 0.015  # tolerance of a turn over the gap of the one before
-LED = 1e-3  # tolerance of a turn over the change that the correction before it made
-GOOD = 0.1  # gap of a guess up to which a loose first turn would do more harm than it saves
+TIGHTENING = 0.3  # largest ratio of a turn's tolerance to that of the turn before
+RTOL_OF_GAP = 0.015  # tolerance of a turn over the gap of the one before
+AFTER_CORRECTION = 1e-3  # tolerance of a turn over the change that the correction before it made
+GOOD_GUESS = 0.1  # gap of a guess up to which a loose first turn would do more harm than it saves
 DEPTH = 5  # of Anderson's method
 TOO_FAR = 0.3  # distance of a mixture from the newest image, in coordinates, above which it is refused
 MAX_TURNS = 40
 LEAKS = 0.13  # mass residual of a first turn, over the charge, above which it is corrected: leaks not yet matched
-SLOW = 0.3  # ratio of a turn's change to that of the turn before, above which Newton corrects it
-SPARED = 6  # turns that a correction must save where lines pulsate: its tangents cost as much
-LASTING = 0.9  # the same ratio, above which changes near the end are noise of the steps
-FAR = 0.02  # gap above which the second turn is corrected: contraction is only known from the third on
-FAR_WITH_OIL = 0.01  # the same with carried oil, which brings its heat back and makes turns dearer
-FARTHEST = 0.1  # change of the states (times `NEAR`) above which a linear correction is useless
+SLOW_CONTRACTION = 0.3  # ratio of a turn's change to that of the turn before, above which Newton corrects it
+LEAST_SAVING = 6  # turns that a correction must save where lines pulsate: its tangents cost as much
+NOISE_RATIO = 0.9  # the same ratio, above which changes near the end are noise of the steps
+FIRST_CHANGE = 0.02  # gap above which the second turn is corrected: contraction is only known from the third on
+FIRST_CHANGE_OIL = 0.01  # the same with carried oil, which brings its heat back and makes turns dearer
+LINEAR_WITHIN = 0.1  # change of the states (times `WEIGHT`) above which a linear correction is useless
 QUICK = 0.2  # ratio of a turn's change to that of the turn before, below which the change to come follows from it
-UNSEEN = 0.1  # share of a turn's change that corrections are assumed to miss before a second one shows it
-FORESEEN = 1.5  # tolerances: change to come, as a correction predicts it, with which the cycle may close
+ASSUMED_MISS = 0.1  # share of a turn's change that corrections are assumed to miss before a second one shows it
+PREDICTED_WITHIN = 1.5  # tolerances: change to come, as a correction predicts it, with which the cycle may close
 HEAVIER = 2.0  # weight of the unknowns' change to come: with much oil the energy balance depends on its temperature
 STALL = 2  # corrected turns near the end without progress, after which steps are refined
 PROGRESS = 0.5  # ratio to the smallest gap before, below which a gap is progress
-REFINED = 0.4  # factor on the tolerance of the steps then
+REFINEMENT = 0.4  # factor on the tolerance of the steps then
 FALLING = 0.5  # ratio of a residual to that of the turn before, below which turns, not finer steps, close the balance
-PASSING = 3.0  # tolerances that the next turn would move the states by, above which a small gap may be chance
-WORTH = 20.0  # tolerances: a smaller change is left to the turns themselves ...
-LITTLE = 2e-3  # ... if it is also below this
-SHOWS = 5.0  # tolerances that a correction must predict for the next turn to show its error
+CHANCE_MOVE = 3.0  # tolerances that the next turn would move the states by, above which a small gap may be chance
+NEAR_TOLERANCES = 20.0  # tolerances: a smaller change is left to the turns themselves ...
+NEAR_GAP = 2e-3  # ... if it is also below this
+TELLING_CHANGE = 5.0  # tolerances that a correction must predict for the next turn to show its error
 
 
-def dear(rtol: float) -> float:
+def affordable_evaluations(rtol: float) -> float:
     """Return the evaluations that waveform relaxation may take at a tolerance of a step, by a method of order 4."""
-    return DEAR * (DEAR_RTOL / rtol) ** 0.25
+    return MOST_EVALUATIONS * (RTOL_OF_MOST / rtol) ** 0.25
 
 
-def relax(problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, last: bool) -> CycleSolution | None:
+def relax(
+    problem: Problem, machinery: Machinery, wanted: ClosingCriteria, start: Start, last: bool
+) -> CycleSolution | None:
     """Close by turns from a start; return None when a turn stops and another way is left to try.
 
     Unless this is the `last` way, it gives up, unclosed, after the evaluations that the other way takes in the
@@ -72,8 +74,8 @@ def relax(problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, 
     which is then integrated as finely as its expected error allows.
     """
     turns = _Turns(problem, machinery, wanted, start)
-    station()
-    most = np.inf if last else machinery.evaluations_of(machinery.counts) + dear(wanted.rtol)
+    reach_station()
+    most = np.inf if last else machinery.evaluations_of(machinery.counts) + affordable_evaluations(wanted.rtol)
     for _ in range(MAX_TURNS):
         angle = turns.integrate()
         if angle is not None:
@@ -98,25 +100,29 @@ class _Turns:
     corrected or mixed. `left` is the estimated change still to come.
     """
 
-    def __init__(self, problem: Problem, machinery: Machinery, wanted: Wanted, start: Start) -> None:
+    def __init__(self, problem: Problem, machinery: Machinery, wanted: ClosingCriteria, start: Start) -> None:
         self.problem, self.machinery, self.wanted, self.y = problem, machinery, wanted, start.y.copy()
-        c, hope = machinery.composition, start.hope
+        c, expected = machinery.composition, start.expected
         c.P[c.widths] = wanted.widths
         self.corrections, self.accelerate = Corrections(problem, machinery, start.tangents), Anderson(DEPTH)
         self.images: list[tuple[Array, Array, int]] = []
         self.seen: list[tuple[float, float]] = []  # mass and work of each image
         self.met, self.q, self.number = unknowns(problem, machinery), np.zeros(machinery.nq), 0
-        self.guessed, self.expected, self.contraction = hope is not NO_HOPE, [hope.seen], hope.contraction
-        self.finest = self.rtol = hope.share * wanted.of_histories * wanted.rtol
-        self.next_rtol = self.finest if hope.gap <= GOOD else FIRST_RTOL
+        self.guessed, self.expected, self.contraction = (
+            expected is not NO_EXPECTATION,
+            [expected.seen],
+            expected.contraction,
+        )
+        self.finest = self.rtol = expected.share * wanted.histories_factor * wanted.rtol
+        self.next_rtol = self.finest if expected.gap <= GOOD_GUESS else FIRST_RTOL
         self.gap = self.first_gap = self.moved = self.left = 1.0
         self.before = 1.0, 1.0  # gap and change of the states in the turn before
         self.corrected = self.corrected_before = False  # whether the last turn was corrected, and the one before it
         self.open: Residuals | None = None  # residuals of a turn with the finest steps
         self.residual = self.residual_before = np.inf  # largest of the balances, where steps were the finest
         self.least_gap, self.stalled = np.inf, 0  # smallest gap near the end, and turns since without progress
-        self.returning = NOTHING  # feedback through the discharge line, where turns are not corrected
-        self.missed = hope.missed  # relative error of a correction's prediction, seen by the next turn
+        self.returning = NO_FEEDBACK  # feedback through the discharge line, where turns are not corrected
+        self.missed = expected.missed  # relative error of a correction's prediction, seen by the next turn
 
     def vector(self, values: Array) -> Array:
         """Return the vector that a turn maps: states at 0° and along the last history, and the unknowns."""
@@ -132,7 +138,7 @@ class _Turns:
         if status != 0:
             return angle
         machinery.swap()
-        station()
+        reach_station()
         self.made = image_of(problem, machinery.trajectory, self.q)
         self.image = self.vector(self.made)
         now = (float(machinery.R[R_TRAPPED]), float(self.q[Q_WORK]))
@@ -140,10 +146,10 @@ class _Turns:
         self.before = self.gap, self.moved
         changed = min(change(now, expected, self.least_work) for expected in self.expected)
         self.gap = max(changed, problem.entries.change(self.made, self.met))
-        self.moved = NEAR * float(np.maximum.reduce(np.abs(self.image - self.point)))
+        self.moved = WEIGHT * float(np.maximum.reduce(np.abs(self.image - self.point)))
         if self.number == 1:  # expected mass and work may agree by chance: the states must agree, too
             self.gap = self.first_gap = max(self.gap, self.moved)
-        if self.corrected_before and self.left >= SHOWS * self.wanted.tolerance:
+        if self.corrected_before and self.left >= TELLING_CHANGE * self.wanted.tolerance:
             self.missed = self.gap / self.left
         self.expected, self.residual_before = [now], self.residual
         self.open = residuals(problem, machinery.R, self.q) if self.rtol <= self.finest else None
@@ -158,10 +164,10 @@ class _Turns:
         """
         if not (self.gap <= self.wanted.tolerance and self.rtol <= self.finest):
             return False
-        if self.residual <= ENOUGH * self.wanted.bound:
+        if self.residual <= CLOSED_SHARE * self.wanted.bound:
             return not self.by_chance()
         if self.moved <= self.wanted.tolerance and self.residual > FALLING * self.residual_before:
-            self.finest = finer(self.finest, self.residual / self.wanted.bound)
+            self.finest = refined_rtol(self.finest, self.residual / self.wanted.bound)
         return False
 
     def by_chance(self) -> bool:
@@ -174,7 +180,7 @@ class _Turns:
         (gap, moved), tolerance = self.before, self.wanted.tolerance
         if self.number == 1 or gap <= tolerance:
             return False
-        return self._swings() or self.moved * min(self.moved / moved, 1.0) > PASSING * tolerance
+        return self._swings() or self.moved * min(self.moved / moved, 1.0) > CHANCE_MOVE * tolerance
 
     def _swings(self) -> bool:
         """Return whether corrected turns go back and forth, so that a small gap says little."""
@@ -182,13 +188,13 @@ class _Turns:
 
     def closes(self, corrected: bool) -> bool:
         """Return whether too little is still to come to need a confirming turn, and the balances are closed well."""
-        little = self.left <= (FORESEEN if corrected else 1.0) * self.wanted.tolerance
+        little = self.left <= (PREDICTED_WITHIN if corrected else 1.0) * self.wanted.tolerance
         return little and self.rtol <= self.finest and self.residual <= self.wanted.ahead * self.wanted.bound
 
     @property
     def near(self) -> bool:
         """Whether the end is so near that turns reach it without corrections."""
-        return self.gap <= min(WORTH * self.wanted.tolerance, LITTLE)
+        return self.gap <= min(NEAR_TOLERANCES * self.wanted.tolerance, NEAR_GAP)
 
     def slow(self) -> bool:
         """Return whether this turn should be corrected: where turns contract slowly, or will.
@@ -204,16 +210,16 @@ class _Turns:
             return not self.guessed and residuals(self.problem, self.machinery.R, self.q).mass > LEAKS
         ratio, known = self.gap / self.before[0], self.number > (1 if self.guessed else 2)
         if self.near:  # where more than two further turns would be needed
-            return known and SLOW < ratio < LASTING and self.gap * ratio * ratio > self.wanted.tolerance
-        far = FAR_WITH_OIL if self.problem.composition.carried else FAR
-        return self.moved < FARTHEST and (ratio > SLOW if self.number > 2 else self.gap > far)
+            return known and SLOW_CONTRACTION < ratio < NOISE_RATIO and self.gap * ratio * ratio > self.wanted.tolerance
+        far = FIRST_CHANGE_OIL if self.problem.composition.carried else FIRST_CHANGE
+        return self.moved < LINEAR_WITHIN and (ratio > SLOW_CONTRACTION if self.number > 2 else self.gap > far)
 
     def _spares(self) -> bool:
         """Return whether turns alone would take so many more that a correction of many unknowns pays."""
         ratio = self.gap / self.before[0]
-        noise = self.near and ratio >= LASTING
-        known = self.number > (1 if self.guessed else 2) and self.moved < FARTHEST and not noise
-        return known and self.gap * ratio**SPARED > self.wanted.tolerance
+        noise = self.near and ratio >= NOISE_RATIO
+        known = self.number > (1 if self.guessed else 2) and self.moved < LINEAR_WITHIN and not noise
+        return known and self.gap * ratio**LEAST_SAVING > self.wanted.tolerance
 
     def correction(self) -> Correction | None:
         """Return Newton's correction of this turn, applied to the last history; set `left`, the change still to come.
@@ -221,7 +227,7 @@ class _Turns:
         None where no correction is due or possible. Without one, the change to come follows from the
         contraction of the turns.
         """
-        self.left, n, corrections, self.returning = self.gap, self.machinery.n, self.corrections, NOTHING
+        self.left, n, corrections, self.returning = self.gap, self.machinery.n, self.corrections, NO_FEEDBACK
         begun = corrections.begun
         if corrections.due(self.slow(), self.moved, self.near):
             self.corrected = True
@@ -241,7 +247,7 @@ class _Turns:
         if not begun:
             if self.number > (1 if self.guessed else 2):
                 self.contraction = max(self.gap / self.before[0], self.moved / self.before[1])
-            self.returning = returning(self.problem, self.q, self.met, self.made)
+            self.returning = backflow_feedback(self.problem, self.q, self.met, self.made)
             pace = max(self.contraction, self.returning.share)  # a small contraction may be chance, the backflow is not
             if self.contraction < QUICK:
                 self.left = self.gap * pace / (1.0 - pace)
@@ -255,9 +261,9 @@ class _Turns:
         if not self.corrections.borrowed:
             return 0.0
         if not self.corrected_before:
-            return UNSEEN
+            return ASSUMED_MISS
         ratio = self.gap / self.before[0]
-        return ratio / (1.0 - ratio) if ratio < LASTING else 0.0
+        return ratio / (1.0 - ratio) if ratio < NOISE_RATIO else 0.0
 
     def refine(self, correction: Correction | None) -> None:
         """Refine the steps where their error is all that is left.
@@ -271,14 +277,14 @@ class _Turns:
         if correction is not None and self.gap <= self.wanted.tolerance:
             foretold = residuals(self.problem, self.machinery.R, self.q + correction.sums).largest
             stays = min(foretold, self.residual)
-            if stays > ENOUGH * self.wanted.bound:
-                self.finest = finer(self.finest, stays / self.wanted.bound)
+            if stays > CLOSED_SHARE * self.wanted.bound:
+                self.finest = refined_rtol(self.finest, stays / self.wanted.bound)
                 return
         if self.corrections.begun and self.near:
             progress = self.gap < PROGRESS * self.least_gap
             self.least_gap, self.stalled = (self.gap, 0) if progress else (self.least_gap, self.stalled + 1)
             if self.stalled > STALL:
-                self.finest, self.least_gap, self.stalled = REFINED * self.finest, np.inf, 0
+                self.finest, self.least_gap, self.stalled = REFINEMENT * self.finest, np.inf, 0
 
     def go_on(self, correction: Correction | None) -> None:
         """Set the start of the next turn: this one's image, corrected or mixed with earlier ones."""
@@ -289,11 +295,11 @@ class _Turns:
             ((mass, work),) = self.expected
             self.expected = [(mass * float(np.exp(correction.mass)), work + correction.work)]
             mixed = self._mixed(self.vector(made), self.stalled > 0)
-            self.next_rtol = LED * self.left
+            self.next_rtol = AFTER_CORRECTION * self.left
         else:
             made = self.returning.extrapolated(made)
             mixed = self._mixed(self.image if made is self.made else self.vector(made))
-            self.next_rtol = min(THEN * self.rtol, AHEAD * self.gap)
+            self.next_rtol = min(TIGHTENING * self.rtol, RTOL_OF_GAP * self.gap)
         self.y[:] = states_of(mixed[:n], self.y, machinery.composition)
         self.met = problem.entries.values(mixed[len(mixed) - len(self.met) :], made)
         set_unknowns(problem, machinery, self.met)
@@ -317,7 +323,7 @@ class _Turns:
     def ended(self, status: str, angle: float = 0.0) -> CycleSolution:
         """Return the cycle as the last turn left it."""
         machinery, ok = self.machinery, status == OK
-        station()
+        reach_station()
         return CycleSolution(
             *(status, machinery.trajectory.copy(), self.q, self.y, self.number, WAVEFORMS),
             rtol=self.rtol if status == FAILED else self.finest,

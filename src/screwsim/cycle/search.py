@@ -22,35 +22,41 @@ from screwsim.cycle.linear_pitch import shifted
 from screwsim.cycle.mixing import MixingRule
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.simultaneous import close_together
-from screwsim.cycle.solution import CycleSolution, Wanted
+from screwsim.cycle.solution import ClosingCriteria, CycleSolution
 from screwsim.cycle.tangents import linearised, slopes_of_image
 from screwsim.model.run import Machinery
 from screwsim.numerics.rodas import EVALUATED
 from screwsim.outputs.variables import NOT_CLOSED
 
 Array = np.ndarray
-SEARCH = "Newton's method from afar"
-FINE = 1e-5  # largest tolerance of an integration step
+FALLBACK_NAME = "Newton's method from afar"
+LARGEST_RTOL = 1e-5  # largest tolerance of an integration step
 SLICES = 48  # of a linearised pitch: far from the cycle a coarse linearisation misleads
-FOUND = 0.1  # tolerances: change over a pitch at which the cycle counts as found
-LONGEST = 1.0  # step, in coordinates
+FOUND_WITHIN = 0.1  # tolerances: change over a pitch at which the cycle counts as found
+LONGEST_STEP = 1.0  # step, in coordinates
 LEAST_SHARE = 0.01  # smallest share of a Newton step; where even that is too long the search has failed
 SINGULAR = 1e-12  # singular value over the largest, below which its direction is left out
 MOST_OF_A_SEARCH = 2_000_000  # evaluations of one chamber's rates in one search ...
 MOST_OF_AN_EARLY_ONE = 700_000  # ... while other fallbacks are still to come ...
 MOST_STEPS = 60  # ... and steps: successful searches took 42 at most
 MOST_TO_VERIFY = 1_000_000  # evaluations for closing by pitches what was found
-BETWEEN = 300_000  # evaluations of damped pitches between two searches
+MOST_BETWEEN = 300_000  # evaluations of damped pitches between two searches
 PITCHES_BETWEEN = 400  # and pitches at most
 
 
-def possible(problem: Problem) -> bool:
+def search_applies(problem: Problem) -> bool:
     """Return whether a search may find a cycle: not with one chamber, nor, as far as tried, with pulsating lines."""
     return problem.composition.chambers > 1 and not problem.composition.pulsating
 
 
-def sought_on(
-    problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, rule: MixingRule, most: int, early: bool = False
+def search_after_pitches(
+    problem: Problem,
+    machinery: Machinery,
+    wanted: ClosingCriteria,
+    y: Array,
+    rule: MixingRule,
+    most: int,
+    early: bool = False,
 ) -> CycleSolution:
     """Return the cycle found from the states y by alternating damped pitches and searches.
 
@@ -60,46 +66,53 @@ def sought_on(
     """
     budget = int(machinery.counts[EVALUATED]) + most
     while True:
-        cycle = close_together(problem, machinery, wanted, y, rule, BETWEEN, PITCHES_BETWEEN)
+        cycle = close_together(problem, machinery, wanted, y, rule, MOST_BETWEEN, PITCHES_BETWEEN)
         if cycle.status != NOT_CLOSED or machinery.counts[EVALUATED] > budget:
             return cycle
         y, met = cycle.y, unknowns(problem, machinery)
-        found = sought(problem, machinery, wanted, y.copy(), MOST_OF_AN_EARLY_ONE if early else MOST_OF_A_SEARCH)
+        found = search_and_close(
+            problem, machinery, wanted, y.copy(), MOST_OF_AN_EARLY_ONE if early else MOST_OF_A_SEARCH
+        )
         if found is not None:
             return found
         set_unknowns(problem, machinery, met)
 
 
-def sought(
-    problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, most: int = MOST_OF_A_SEARCH, judged: bool = True
+def search_and_close(
+    problem: Problem,
+    machinery: Machinery,
+    wanted: ClosingCriteria,
+    y: Array,
+    most: int = MOST_OF_A_SEARCH,
+    judged: bool = True,
 ) -> CycleSolution | None:
     """Return the cycle that a search from the states y finds, then closed by pitches like any other; None if none.
 
     With `judged`, its `growth` says whether pitches converge to it.
     """
-    zero = searched(problem, machinery, wanted, y, most, judged)
+    zero = newton_search(problem, machinery, wanted, y, most, judged)
     if zero is None:
         return None
-    fine = replace(wanted, rtol=min(wanted.rtol, FINE))
+    fine = replace(wanted, rtol=min(wanted.rtol, LARGEST_RTOL))
     cycle = close_together(problem, machinery, fine, zero.y, most=MOST_TO_VERIFY)
-    return replace(cycle, needed=SEARCH, growth=zero.growth) if cycle.closed else None
+    return replace(cycle, needed=FALLBACK_NAME, growth=zero.growth) if cycle.closed else None
 
 
-def judged(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution:
+def with_growth(problem: Problem, machinery: Machinery, wanted: ClosingCriteria, cycle: CycleSolution) -> CycleSolution:
     """Return a cycle with its `growth`, if it closed and searches are possible.
 
     It is the machinery's last history again.
     """
-    if not cycle.closed or not possible(problem):
+    if not cycle.closed or not search_applies(problem):
         return cycle
-    pitch = _Pitch(problem, machinery, wanted)
+    pitch = _PitchMap(problem, machinery, wanted)
     here = pitch.first(cycle.y.copy())
     growth = 0.0 if here is None else pitch.growth(here)
     machinery.put(cycle.trajectory)
     return replace(cycle, growth=growth)
 
 
-class Zero(NamedTuple):
+class PeriodicState(NamedTuple):
     """States of all chambers that a pitch hardly changes, and the growth of a small change over a pitch.
 
     The growth is the largest absolute eigenvalue of the linearised pitch, in the coordinates of closing: above 1
@@ -110,37 +123,42 @@ class Zero(NamedTuple):
     growth: float
 
 
-def searched(
-    problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, most: int = MOST_OF_A_SEARCH, judged: bool = False
-) -> Zero | None:
+def newton_search(
+    problem: Problem,
+    machinery: Machinery,
+    wanted: ClosingCriteria,
+    y: Array,
+    most: int = MOST_OF_A_SEARCH,
+    judged: bool = False,
+) -> PeriodicState | None:
     """Return the zero that Newton's method finds from the states y, with its unknowns set; None if it finds none."""
-    pitch = _Pitch(problem, machinery, wanted)
+    pitch = _PitchMap(problem, machinery, wanted)
     budget = int(machinery.counts[EVALUATED]) + most
     here, share = pitch.first(y), 1.0
     before: tuple[Array, Array] | None = None  # the last step, and the simplified step after it
     for _ in range(MOST_STEPS + 1):
         if here is None or machinery.counts[EVALUATED] >= budget:
             return None
-        if float(np.abs(here.changed).max()) <= FOUND * wanted.tolerance:
+        if float(np.abs(here.changed).max()) <= FOUND_WITHIN * wanted.tolerance:
             growth = pitch.growth(here) if judged else 0.0
             found, met = pitch.values(here.x, here.raw)
             set_unknowns(problem, machinery, met)
-            return Zero(found, growth)
+            return PeriodicState(found, growth)
         inverse = pitch.inverse(here)
         if inverse is None:
             return None
         step = -inverse @ here.changed
         if before is not None:
             share *= _length(before[0]) * _length(before[1]) / max(_length(before[1] - step) * _length(step), 1e-300)
-        share = min(max(share, LEAST_SHARE), LONGEST / max(float(np.abs(step).max()), LONGEST))
-        here, share, rest = _gone(pitch, here, step, inverse, share, budget)
+        share = min(max(share, LEAST_SHARE), LONGEST_STEP / max(float(np.abs(step).max()), LONGEST_STEP))
+        here, share, rest = _shortened_step(pitch, here, step, inverse, share, budget)
         before = step, rest
     return None
 
 
-def _gone(
-    pitch: _Pitch, here: Point, step: Array, inverse: Array, share: float, budget: int
-) -> tuple[Point | None, float, Array]:
+def _shortened_step(
+    pitch: _PitchMap, here: SearchPoint, step: Array, inverse: Array, share: float, budget: int
+) -> tuple[SearchPoint | None, float, Array]:
     """Return the point after a shortened step, its share and the simplified step there; the point may be None.
 
     The share is reduced until the simplified step is shorter than the step; None where that would take too small a
@@ -165,7 +183,7 @@ def _length(step: Array) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class Point:
+class SearchPoint:
     """A point in coordinates, the change of a pitch there, the states and unknowns after it, and its quadratures q."""
 
     x: Array
@@ -174,16 +192,16 @@ class Point:
     q: Array
 
 
-class _Pitch:
+class _PitchMap:
     """The map of a pitch in coordinates of states and unknowns, and its derivatives."""
 
-    def __init__(self, problem: Problem, machinery: Machinery, wanted: Wanted) -> None:
-        self.problem, self.machinery, self.rtol = problem, machinery, min(wanted.rtol, FINE)
+    def __init__(self, problem: Problem, machinery: Machinery, wanted: ClosingCriteria) -> None:
+        self.problem, self.machinery, self.rtol = problem, machinery, min(wanted.rtol, LARGEST_RTOL)
         self.check = wanted.check
         self.c = machinery.composition
         self.c.P[self.c.widths] = wanted.widths
 
-    def first(self, y: Array) -> Point | None:
+    def first(self, y: Array) -> SearchPoint | None:
         """Return the point of the states y and the unknowns as they are set."""
         raw = y, unknowns(self.problem, self.machinery)
         return self.at(self._coordinates(*raw), raw)
@@ -197,16 +215,16 @@ class _Pitch:
         n = len(raw[0])
         return states_of(x[:n], raw[0], self.c), self.problem.entries.values(x[n:], raw[1])
 
-    def at(self, x: Array, raw: tuple[Array, Array]) -> Point | None:
+    def at(self, x: Array, raw: tuple[Array, Array]) -> SearchPoint | None:
         """Integrate a pitch from x and return its point, None where it stops; the pitch becomes the last history."""
         found = next_pitch(self.problem, self.machinery, *self.values(x, raw), self.rtol, self.check)
         if found is None:
             return None
         y, made, q = found
         changed = self._coordinates(y, made) - x
-        return Point(x, changed, (y, made), q) if np.isfinite(changed).all() else None
+        return SearchPoint(x, changed, (y, made), q) if np.isfinite(changed).all() else None
 
-    def inverse(self, here: Point) -> Array | None:
+    def inverse(self, here: SearchPoint) -> Array | None:
         """Return the pseudo-inverse of the derivatives of the change at the start of the last pitch.
 
         None if not finite.
@@ -217,12 +235,12 @@ class _Pitch:
         except np.linalg.LinAlgError:
             return None
 
-    def growth(self, here: Point) -> float:
+    def growth(self, here: SearchPoint) -> float:
         """Return the largest absolute eigenvalue of the pitch's map at the start of the last pitch."""
         J = self._derivatives(here)
         return float(np.abs(np.linalg.eigvals(J + np.eye(len(J)))).max()) if np.isfinite(J).all() else math.inf
 
-    def _derivatives(self, here: Point) -> Array:
+    def _derivatives(self, here: SearchPoint) -> Array:
         """Return the derivatives of the change over a pitch by the coordinates of states and unknowns."""
         problem, machinery = self.problem, self.machinery
         y, met = self.values(here.x, here.raw)

@@ -7,13 +7,13 @@ Each flow between chambers is evaluated once, so that it conserves exactly; it a
 import numpy as np
 
 from screwsim.cycle.balances import LEAST_WORK, residuals
-from screwsim.cycle.coordinates import NEAR, change, logarithms, states_of
+from screwsim.cycle.coordinates import WEIGHT, change, logarithms, states_of
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
-from screwsim.cycle.mixing import FULL, Mixing, MixingRule, Refining
+from screwsim.cycle.mixing import FULL_RULE, Mixing, MixingRule, StepRefinement
 from screwsim.cycle.newton import Corrections
 from screwsim.cycle.problem import Problem
-from screwsim.cycle.solution import ENOUGH, CycleSolution, Wanted
+from screwsim.cycle.solution import CLOSED_SHARE, ClosingCriteria, CycleSolution
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH, Q_WORK, R_TRAPPED
 from screwsim.numerics.rodas import EVALUATED, dense_value
@@ -23,21 +23,21 @@ from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
 Array = np.ndarray
 STALL = 3  # pitches without progress of the states, after which a change is noise of the steps
 MAX_PITCHES = 160
-IN_VAIN = 40  # accelerated pitches, all with a change above `LOST` and the second half with no less than ...
-IN_VAIN_PLAIN = 32  # (the same without acceleration)
-LOST = 0.2  # smallest change, in coordinates, of pitches that lead nowhere
-NEARER = 0.7  # ... this share of the smallest change of the first half, after which closing is given up
+FRUITLESS = 40  # accelerated pitches, all with a change above `SWINGING` and the second half with no less than ...
+FRUITLESS_PLAIN = 32  # (the same without acceleration)
+SWINGING = 0.2  # smallest change, in coordinates, of pitches that lead nowhere
+PROGRESS = 0.7  # ... this share of the smallest change of the first half, after which closing is given up
 FARTHEST = 0.3  # change of a pitch above which a linear correction is meaningless
 MAX_EVALUATIONS = 1_000_000  # of one chamber's rates, after which an unclosed cycle is given up ...
-OF_A_CHECK = 20  # ... times this under a check, one pitch of which may take a million
+CHECK_FACTOR = 20  # ... times this under a check, one pitch of which may take a million
 
 
 def close_together(
     problem: Problem,
     machinery: Machinery,
-    wanted: Wanted,
+    wanted: ClosingCriteria,
     y: Array,
-    rule: MixingRule = FULL,
+    rule: MixingRule = FULL_RULE,
     most: int = MAX_EVALUATIONS,
     pitches: int = MAX_PITCHES,
     patient: bool = False,
@@ -47,7 +47,7 @@ def close_together(
     Unless it is `patient`, iteration ends early where pitches make no progress.
     """
     run = _Pitches(problem, machinery, wanted, y, rule)
-    budget = int(machinery.counts[EVALUATED]) + (OF_A_CHECK * most if wanted.check else most)
+    budget = int(machinery.counts[EVALUATED]) + (CHECK_FACTOR * most if wanted.check else most)
     for run.number in range(1, pitches + 1):
         if machinery.counts[EVALUATED] > budget:
             break
@@ -69,12 +69,14 @@ class _Pitches:
     the change of states and unknowns over a pitch. `astray` keeps those from before the first correction.
     """
 
-    def __init__(self, problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, rule: MixingRule) -> None:
+    def __init__(
+        self, problem: Problem, machinery: Machinery, wanted: ClosingCriteria, y: Array, rule: MixingRule
+    ) -> None:
         self.problem, self.machinery, self.wanted, self.rule, self.y = problem, machinery, wanted, rule, y
         self.c, self.entries = machinery.composition, problem.entries
         self.c.P[self.c.widths] = wanted.widths
         self.corrections = Corrections(problem, machinery)
-        self.mixing, self.refining = Mixing(rule), Refining(wanted.rtol, wanted.tolerance, wanted.bound)
+        self.mixing, self.refining = Mixing(rule), StepRefinement(wanted.rtol, wanted.tolerance, wanted.bound)
         self.met, self.q, self.rtol = unknowns(problem, machinery), np.zeros(machinery.nq), wanted.rtol
         self.astray: tuple[Array, Array] | None = None
         self.seen: list[tuple[float, float]] = []  # trapped mass and work of each pitch
@@ -102,24 +104,24 @@ class _Pitches:
 
     def in_vain(self) -> bool:
         """Return whether undamped pitches of several chambers make no progress."""
-        count = IN_VAIN if self.rule.depth else IN_VAIN_PLAIN
-        return self.c.chambers > 1 and self.rule.damping == 1.0 and _lead_nowhere(self.gaps, count)
+        count = FRUITLESS if self.rule.depth else FRUITLESS_PLAIN
+        return self.c.chambers > 1 and self.rule.damping == 1.0 and _make_no_progress(self.gaps, count)
 
     def closed(self) -> bool:
         """Return whether pitches have settled and the balances close; open balances may refine the next steps."""
         problem, wanted = self.problem, self.wanted
         least = LEAST_WORK * self.seen[-1][0] * problem.pv
-        if not (_settled(self.seen, wanted.tolerance, least) and _stands(self.gaps, wanted.tolerance)):
+        if not (_figures_agree(self.seen, wanted.tolerance, least) and _is_stationary(self.gaps, wanted.tolerance)):
             return False
         residual = residuals(problem, self.machinery.R, self.q).largest
-        if residual <= ENOUGH * wanted.bound:
+        if residual <= CLOSED_SHARE * wanted.bound:
             return True
         self.refining.consider(self.gap, residual)
         return False
 
     def go_on(self) -> None:
         """Set the start of the next pitch: the image, corrected or mixed with earlier ones."""
-        plain = self.rule is FULL and not self.c.pulsating  # a jump of states at a pitch's start would kick a line
+        plain = self.rule is FULL_RULE and not self.c.pulsating  # a jump of states at a pitch's start would kick a line
         near = self.wanted.tolerance < self.gap < FARTHEST
         if self.corrections.due(plain and self.number > 1 and near, self.gap):
             self._correct()
@@ -158,12 +160,12 @@ class _Pitches:
         return CycleSolution(status, life, self.q, self.y, turns, *how, impacts=impacts, lasting=lasting)
 
 
-def _settled(seen: list[tuple[float, float]], tolerance: float, least: float) -> bool:
+def _figures_agree(seen: list[tuple[float, float]], tolerance: float, least: float) -> bool:
     """Return whether trapped mass and work of the last three pitches agree."""
     return len(seen) >= 3 and max(change(seen[-1], old, least) for old in seen[-3:-1]) <= tolerance
 
 
-def _lead_nowhere(gaps: list[float], count: int) -> bool:
+def _make_no_progress(gaps: list[float], count: int) -> bool:
     """Return whether the last `count` pitches changed much, and hardly less at the end.
 
     A machine that oscillates does so.
@@ -171,10 +173,10 @@ def _lead_nowhere(gaps: list[float], count: int) -> bool:
     if len(gaps) < count:
         return False
     before, last = min(gaps[-count : -count // 2]), min(gaps[-count // 2 :])
-    return last > max(LOST, NEARER * before)
+    return last > max(SWINGING, PROGRESS * before)
 
 
-def _stands(gaps: list[float], tolerance: float) -> bool:
+def _is_stationary(gaps: list[float], tolerance: float) -> bool:
     """Return whether the last pitch changed the states within the tolerance, or stalled near it.
 
     What is left is noise then.
@@ -182,7 +184,7 @@ def _stands(gaps: list[float], tolerance: float) -> bool:
     if gaps[-1] <= tolerance:
         return True
     stalled = len(gaps) > 2 * STALL and min(gaps[-STALL:]) >= 0.5 * min(gaps[:-STALL])
-    return stalled and NEAR * gaps[-1] <= tolerance
+    return stalled and WEIGHT * gaps[-1] <= tolerance
 
 
 def chambers_at_pitches(machinery: Machinery) -> Array:

@@ -8,21 +8,21 @@ from typing import TYPE_CHECKING, NamedTuple
 from screwsim.cycle.linear_pitch import Tangents
 from screwsim.model.slots import Q_WORK, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
-from screwsim.numerics.at_once import at_once
+from screwsim.numerics.frozen import fast_init
 from screwsim.numerics.integrators import Check, check_of
 from screwsim.numerics.settings import CLOSINGS, NumericsSettings
 from screwsim.outputs.variables import FAILED, OK
 
 if TYPE_CHECKING:
     from screwsim.cycle.balances import Residuals
-    from screwsim.cycle.newton import Lasting
+    from screwsim.cycle.newton import SlowestMode
 
-ENOUGH = 0.95  # share of the bound on the balances within which a cycle counts as closed
-HISTORIES_FINER = 1e-4  # wanted accuracy below which steps of waveform relaxation are refined in proportion to it ...
-HISTORIES_FINEST = 0.1  # ... down to this factor
+CLOSED_SHARE = 0.95  # share of the bound on the balances within which a cycle counts as closed
+HISTORIES_REFINED = 1e-4  # wanted accuracy below which steps of waveform relaxation are refined in proportion to it ...
+HISTORIES_LEAST = 0.1  # ... down to this factor
 
 
-@at_once
+@fast_init
 @dataclass(frozen=True, eq=False)
 class CycleSolution:
     """The outcome of closing: one chamber's life, its quadratures `q`, and why iteration stopped.
@@ -53,8 +53,8 @@ class CycleSolution:
     made: Array | None = None  # the feedback unknowns that the last turn gave, under the same condition
     left: float = 0.0  # change still to come by Newton's correction, where that closed the cycle
     missed: float = 1.0  # relative error of the corrections' predictions, seen by the turn after; 1: not known
-    lasting: Lasting | None = None  # slowest-decaying change of the unknowns, where Newton's corrections gave it
-    left_at: CycleSolution | None = None  # the unclosed cycle of the way that was given up before this one
+    lasting: SlowestMode | None = None  # slowest-decaying change of the unknowns, where Newton's corrections gave it
+    abandoned_cycle: CycleSolution | None = None  # the unclosed cycle of the way that was given up before this one
 
     @property
     def closed(self) -> bool:
@@ -72,7 +72,7 @@ class CycleSolution:
         return float(self.trajectory.R[R_TRAPPED]), float(self.q[Q_WORK])
 
 
-class Hope(NamedTuple):
+class Expectation(NamedTuple):
     """What is expected of a guess: `seen`, trapped mass [kg] and work [J], and `gap`, the change over the first turn.
 
     `share` is the factor on the wanted tolerance of a step with which the balances should close, `contraction` the
@@ -87,32 +87,32 @@ class Hope(NamedTuple):
     missed: float = 1.0
 
 
-class Led(NamedTuple):
+class CorrectedState(NamedTuple):
     """Where finer lives and a correction have moved a closed cycle: the state at 0°, trapped mass [kg] and work [J]."""
 
     y: Array
     seen: tuple[float, float]
 
 
-NO_HOPE = Hope((0.0, 0.0), 1.0)
+NO_EXPECTATION = Expectation((0.0, 0.0), 1.0)
 
 
 class Start(NamedTuple):
-    """What closing starts with, besides the guessed history already installed: the state at 0°, and its `Hope`.
+    """What closing starts with, besides the guessed history already installed: the state at 0°, and its `Expectation`.
 
     `tangents` are the linearisation about a nearby cycle, where there is one.
     """
 
     y: Array
-    hope: Hope = NO_HOPE
+    expected: Expectation = NO_EXPECTATION
     tangents: Tangents | None = None
 
 
 @dataclass(frozen=True)
-class Wanted:
+class ClosingCriteria:
     """The closing criteria: `tolerance` on changes of mass and work, `bound` on the balances, `rtol` of a step.
 
-    Waveform relaxation multiplies `rtol` by `of_histories`; `widths` [Pa] are those of the regularisation, in the
+    Waveform relaxation multiplies `rtol` by `histories_factor`; `widths` [Pa] are those of the regularisation, in the
     order of `Composition.widths`. `ahead` is the share of the bound within which a cycle may close on a prediction
     that little change is still to come, without a further turn. With a `check`, that method closes the cycle again
     after ours has.
@@ -123,8 +123,8 @@ class Wanted:
     bound: float
     closing: str
     widths: tuple[float, ...]
-    of_histories: float = 1.0
-    ahead: float = ENOUGH
+    histories_factor: float = 1.0
+    ahead: float = CLOSED_SHARE
     check: Check | None = None
 
     @property
@@ -132,15 +132,15 @@ class Wanted:
         """Whether fallbacks are tried where none of the wanted ways closes the cycle."""
         return CLOSINGS[self.closing].fallbacks
 
-    def tighter(self, factor: float) -> Wanted:
+    def tighter(self, factor: float) -> ClosingCriteria:
         """Return the same criteria with tolerances and regularisation widths multiplied by a factor."""
         widths = tuple(factor * width for width in self.widths)
         return replace(self, rtol=factor * self.rtol, tolerance=factor * self.tolerance, widths=widths)
 
 
-def wanted_of(numerics: NumericsSettings, widths: tuple[float, ...]) -> Wanted:
+def closing_criteria(numerics: NumericsSettings, widths: tuple[float, ...]) -> ClosingCriteria:
     """Return the closing criteria for the wanted accuracy (docs/explanation/errors.md), with given widths [Pa]."""
     rtol, accuracy = numerics.rtol or 0.3 * numerics.accuracy, numerics.accuracy
-    of_histories = 1.0 if numerics.rtol else max(HISTORIES_FINEST, min(1.0, accuracy / HISTORIES_FINER))
+    of_histories = 1.0 if numerics.rtol else max(HISTORIES_LEAST, min(1.0, accuracy / HISTORIES_REFINED))
     check = check_of(numerics.integrator)
-    return Wanted(rtol, 0.2 * accuracy, accuracy, numerics.closing, widths, of_histories, check=check)
+    return ClosingCriteria(rtol, 0.2 * accuracy, accuracy, numerics.closing, widths, of_histories, check=check)

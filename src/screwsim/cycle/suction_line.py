@@ -35,7 +35,7 @@ from screwsim.numerics.roots import brentq
 
 Array = np.ndarray
 CLOSE = 1e-13  # relative width of the interval to which the mixture's enthalpy is bracketed
-LEFT_OPEN = 0.01  # relative difference between the line's enthalpy and its inflow's, above which it is not closed
+IMBALANCE = 0.01  # relative difference between the line's enthalpy and its inflow's, above which it is not closed
 REACH = 0.02  # relative distance from the guessed enthalpy that is searched first
 
 
@@ -92,7 +92,7 @@ def set_values(problem: Problem, R: Array, found: Array) -> None:
     if len(found) > 1:
         ratio = max(mixture.oil, 0.0)
         R[R_SUCTION + OIL_RATIO] = ratio
-        R[R_SUCTION + OIL_TEMPERATURE] = T + problem.pressed(problem.suction.pressure)
+        R[R_SUCTION + OIL_TEMPERATURE] = T + problem.oil_pressure_term(problem.suction.pressure)
         if len(found) > 2 and ratio > 0.0:
             R[R_SUCTION + DISSOLVED] = max(mixture.held, 0.0) / ratio
         R[R_SUCTION + DENSITY] *= problem.gas_share(float(port_state[DENSITY]), ratio) ** 2
@@ -118,13 +118,13 @@ def _leak(problem: Problem, R: Array) -> Stream:
     port_state = R[R_DISCHARGE : R_DISCHARGE + PORT_STATE].tolist()
     flux = float(flow(1.0, *_nozzle(suction), *_nozzle(discharge), 0.0))
     flux = max(0.0, flux)
-    gas = flux * sum(part.area * _passing(problem, part, port_state, flux) for part in leaks) / problem.rate
+    gas = flux * sum(part.area * _flux_share(problem, part, port_state, flux) for part in leaks) / problem.rate
     oil = gas * port_state[OIL_RATIO] if problem.composition.carried else 0.0
     held = oil * port_state[DISSOLVED] if problem.parts.dissolves else 0.0
     return Stream(gas, gas * port_state[ENTHALPY], oil, oil * port_state[OIL_TEMPERATURE], held)
 
 
-def _passing(problem: Problem, part: LineLeak, port_state: list[float], flux: float) -> float:
+def _flux_share(problem: Problem, part: LineLeak, port_state: list[float], flux: float) -> float:
     """Return the share of the nozzle's flux [kg/(m² s)] that passes with the oil of a port state (M300)."""
     if part.resistance is None or flux == 0.0:
         return 1.0
@@ -141,19 +141,19 @@ def _nozzle(port_state: list[float]) -> tuple[float, ...]:
     return p, rho, *rest
 
 
-def back(problem: Problem, R: Array, streams: Array) -> Stream:
+def backflow(problem: Problem, R: Array, streams: Array) -> Stream:
     """Return what flows to the suction line from the chambers and through leaks that bypass them."""
     return Stream(*(-streams[SUCTION_OUT]).tolist()).plus(leak(problem, R))
 
 
-def fresh(problem: Problem, R: Array, streams: Array) -> float:
+def fresh_gas(problem: Problem, R: Array, streams: Array) -> float:
     """Return the net gas [kg] that the line takes in per life: what is sucked less what came back."""
     if not problem.parts.suction_line:
         return float(streams[SUCTION_IN, OF_GAS] + streams[SUCTION_OUT, OF_GAS])
-    return Stream(*streams[SUCTION_IN].tolist()).fluid - back(problem, R, streams).fluid
+    return Stream(*streams[SUCTION_IN].tolist()).fluid - backflow(problem, R, streams).fluid
 
 
-def heat(problem: Problem, power: float) -> float:
+def suction_heat(problem: Problem, power: float) -> float:
     """Return the heat flow [W] into the fresh gas on its way to the line, at a shaft power [W] (M275)."""
     return sum(part.power(power, problem.parts.omega) for _, part in problem.parts.all(SuctionHeat))
 
@@ -178,7 +178,7 @@ def _mixture(problem: Problem, R: Array, streams: Array, h_d: float, heat: float
 
     Raise UsageError where it cannot exist.
     """
-    sucked, returned = Stream(*streams[SUCTION_IN].tolist()).fluid, back(problem, R, streams)
+    sucked, returned = Stream(*streams[SUCTION_IN].tolist()).fluid, backflow(problem, R, streams)
     if not sucked > 0.0:
         return None
     share = min(1.0, sucked / returned.fluid) if returned.fluid > 0.0 else 1.0
@@ -187,7 +187,7 @@ def _mixture(problem: Problem, R: Array, streams: Array, h_d: float, heat: float
     return mixed(problem, Stream(own, warmed).plus(returned, share), float(R[R_SUCTION + ENTHALPY]))
 
 
-def left_open(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -> str:
+def imbalance(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -> str:
     """Return why a closed cycle's suction line does not match its inflow; empty where it does.
 
     During iteration a mixture that the gas cannot form leaves the line unchanged; in a closed cycle it is an error.
@@ -202,7 +202,7 @@ def left_open(problem: Problem, R: Array, streams: Array, h_d: float, heat: floa
     off = abs(found.enthalpy / float(R[R_SUCTION + ENTHALPY]) - 1.0)
     return (
         ""
-        if off <= LEFT_OPEN
+        if off <= IMBALANCE
         else f"the suction line does not settle: the enthalpy of its gas is {off:.1%} off that of what enters it"
     )
 
@@ -218,7 +218,7 @@ def mixed(problem: Problem, total: Stream, guess: float) -> Mixture:
     gas, oil, content = parts.gas, parts.oil, parts.oil_content
     assert oil is not None  # the stream has oil
     solution = content if isinstance(content, OilSolution) else None
-    pressed = problem.pressed(p)
+    pressed = problem.oil_pressure_term(p)
     wanted = total.enthalpy + oil.heat_capacity * total.oil_heat
     wanted += solution.enthalpy * total.held if solution else 0.0
 

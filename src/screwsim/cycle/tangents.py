@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.cycle.coordinates import logarithms
-from screwsim.cycle.feedback import LINE_POINTS, IntoLines, into_lines, set_unknowns
+from screwsim.cycle.feedback import LINE_POINTS, LineInflow, into_lines, set_unknowns
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.linear_pitch import Tangents, shifted
 from screwsim.cycle.problem import LEAST_OIL, Problem
@@ -35,13 +35,13 @@ STEP = 1e-4  # factor on changes of quadratures and unknowns for differences of 
 
 Array = np.ndarray
 SLICES = 12  # of a pitch
-EVEN = 0.2  # weight of an even division into slices; the rest follows the density of the integrator's steps
+EVEN_SHARE = 0.2  # weight of an even division into slices; the rest follows the density of the integrator's steps
 LEAST = 1e-6  # share of a pitch: steps that end so near to its ends are ignored
 RELAXED = 3  # Newton steps, at most, that move a slice's middle state to where it changes as the history does ...
-STRAYED = 0.02  # ... while T or ρ would change, relatively, by this much more or less over the slice ...
-AT_MOST = 0.1  # ... of at most this size each
+DEPARTURE = 0.02  # ... while T or ρ would change, relatively, by this much more or less over the slice ...
+LARGEST_MOVE = 0.1  # ... of at most this size each
 SHIFT = 1e-5  # difference of a coordinate for derivatives ...
-OF_LINES = 1e-7  # ... and where lines pulsate: a chamber open to one is within a few pascals of it
+LINE_SHIFT = 1e-7  # ... and where lines pulsate: a chamber open to one is within a few pascals of it
 
 
 def edges_of(machinery: Machinery, slices: int = SLICES) -> Array:
@@ -52,7 +52,7 @@ def edges_of(machinery: Machinery, slices: int = SLICES) -> Array:
     ends = np.concatenate([[0.0], ends[(ends > LEAST * pitch) & (ends < (1.0 - LEAST) * pitch)], [pitch]])
     places = np.linspace(0.0, len(ends) - 1.0, slices + 1)
     even = np.linspace(0.0, pitch, slices + 1)
-    return (1.0 - EVEN) * np.interp(places, np.arange(len(ends)), ends) + EVEN * even
+    return (1.0 - EVEN_SHARE) * np.interp(places, np.arange(len(ends)), ends) + EVEN_SHARE * even
 
 
 def angles_of(angles: Array, c: Composition) -> Array:
@@ -107,14 +107,14 @@ def _slopes(problem: Problem, machinery: Machinery, met: Array, slices: _Slices)
     """
     c, (phi, h, y, changes), N = machinery.composition, slices, slices.states.shape[1]
     logarithmic = np.tile(~np.isin(np.arange(machinery.n), c.signed), c.chambers).astype(float)
-    shift = OF_LINES if c.pulsating else SHIFT
-    R, P = _moved(problem, machinery, met, shift)
+    shift = LINE_SHIFT if c.pulsating else SHIFT
+    R, P = _shifted_numbers(problem, machinery, met, shift)
     u, nq, module = len(met), machinery.nq + 1, machinery.together
     A, Jq, F, G = (np.empty((len(phi), *size)) for size in ((N, N), (nq, N), (u, N), (u, nq)))
-    least_oil, led = (LEAST_OIL if c.carried else 0.0), np.array([RELAXED, AT_MOST, STRAYED], float)
+    least_oil, led = (LEAST_OIL if c.carried else 0.0), np.array([RELAXED, LARGEST_MOVE, DEPARTURE], float)
     states = phi, h, y, changes, logarithmic, machinery.n, least_oil, led
     given = *states, R, P, shift, machinery.coupled_context, c.n_E_all, A, Jq, F, G
-    if "tangents" not in compiled.warm(module):
+    if "tangents" not in compiled.warm_drivers(module):
         at_first = y.copy()
         with machinery.compiling("tangents"):
             module.slices__derivatives_all(*given)
@@ -125,7 +125,7 @@ def _slopes(problem: Problem, machinery: Machinery, met: Array, slices: _Slices)
     return A, F.transpose(0, 2, 1), Jq[:, :-1] * scale[:, None, :], G[:, :, :-1].transpose(0, 2, 1)
 
 
-def _moved(problem: Problem, machinery: Machinery, met: Array, shift: float) -> tuple[Array, Array]:
+def _shifted_numbers(problem: Problem, machinery: Machinery, met: Array, shift: float) -> tuple[Array, Array]:
     """Return R and P with each unknown shifted, one row each, and unshifted in the last row; leave them unshifted."""
     entries, R, P = problem.entries, [], []
     here = entries.coordinates(met)
@@ -192,7 +192,7 @@ def slopes_of_image(
         if j >= first:
             there[j - first] += STEP
         set_unknowns(problem, machinery, entries.values(there, met) if j >= first else met)
-        into = None if base is None or moved is None else IntoLines(base.flow + STEP * moved[j], base.volume)
+        into = None if base is None or moved is None else LineInflow(base.flow + STEP * moved[j], base.volume)
         image = image_of(problem, machinery.trajectory, q + STEP * sums[:, j], into=into)
         found[:, j] = (entries.coordinates(image) - at_made) / STEP
     set_unknowns(problem, machinery, met)

@@ -14,9 +14,9 @@ import numpy as np
 
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.relaxation import relax
-from screwsim.cycle.search import SEARCH, sought
+from screwsim.cycle.search import FALLBACK_NAME, search_and_close
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
-from screwsim.cycle.solution import Array, CycleSolution, Hope, Led, Start, Wanted
+from screwsim.cycle.solution import Array, ClosingCriteria, CorrectedState, CycleSolution, Expectation, Start
 from screwsim.model.run import Machinery
 from screwsim.model.slots import Q_WORK, R_TRAPPED
 from screwsim.numerics.settings import CLOSINGS, TOGETHER, WAVEFORMS
@@ -35,24 +35,29 @@ class Way(ABC):
 
     @abstractmethod
     def close(
-        self, problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, last: bool
+        self, problem: Problem, machinery: Machinery, wanted: ClosingCriteria, start: Start, last: bool
     ) -> CycleSolution | None:
         """Close the cycle from a start; None or an unclosed cycle hands over to the next way (never None if `last`)."""
 
     @abstractmethod
     def again(
-        self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, led: Led | None
+        self,
+        problem: Problem,
+        machinery: Machinery,
+        wanted: ClosingCriteria,
+        cycle: CycleSolution,
+        led: CorrectedState | None,
     ) -> CycleSolution:
         """Close a cycle that this way has closed once more, from where finer lives have moved it, if given."""
 
     @abstractmethod
     def finer(
-        self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, most: int
+        self, problem: Problem, machinery: Machinery, wanted: ClosingCriteria, cycle: CycleSolution, most: int
     ) -> CycleSolution | None:
         """Close a cycle with finer steps, within `most` evaluations where the number is not bounded otherwise."""
 
     @abstractmethod
-    def share(self, cycle: CycleSolution, wanted: Wanted) -> float:
+    def share(self, cycle: CycleSolution, wanted: ClosingCriteria) -> float:
         """Return the factor on the wanted tolerance of a step with which the balances closed."""
 
     @abstractmethod
@@ -60,69 +65,79 @@ class Way(ABC):
         """Return the candidates, `states` numbers each, for the state at which a failed cycle stopped."""
 
 
-class Waveforms(Way):
+class WaveformRelaxation(Way):
     """Waveform relaxation: one chamber's life is integrated among stored earlier ones."""
 
     whole = False
     instead = "numerics.closing: coupled"
 
     def close(
-        self, problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, last: bool
+        self, problem: Problem, machinery: Machinery, wanted: ClosingCriteria, start: Start, last: bool
     ) -> CycleSolution | None:
         """Relax until that has cost as much as simultaneous closing would."""
         return relax(problem, machinery, wanted, start, last)
 
     def again(
-        self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, led: Led | None
+        self,
+        problem: Problem,
+        machinery: Machinery,
+        wanted: ClosingCriteria,
+        cycle: CycleSolution,
+        led: CorrectedState | None,
     ) -> CycleSolution:
         """Relax from the cycle, or from where its finer lives have moved it."""
         y, seen = led or (cycle.y, cycle.seen)
-        hope = Hope(seen, 0.0, 1.0, cycle.contraction, cycle.missed)
-        return by_ways(problem, machinery, wanted, Start(y, hope, cycle.tangents))
+        expected = Expectation(seen, 0.0, 1.0, cycle.contraction, cycle.missed)
+        return close_by_ways(problem, machinery, wanted, Start(y, expected, cycle.tangents))
 
     def finer(
-        self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, most: int
+        self, problem: Problem, machinery: Machinery, wanted: ClosingCriteria, cycle: CycleSolution, most: int
     ) -> CycleSolution | None:
         """Relax from the machinery's last life; relaxation bounds its own length."""
-        hope = Hope((float(machinery.R[R_TRAPPED]), float(cycle.q[Q_WORK])), 0.0)  # the last life's mass
-        return relax(problem, machinery, wanted, Start(cycle.y, hope), last=True)
+        expected = Expectation((float(machinery.R[R_TRAPPED]), float(cycle.q[Q_WORK])), 0.0)  # the last life's mass
+        return relax(problem, machinery, wanted, Start(cycle.y, expected), last=True)
 
-    def share(self, cycle: CycleSolution, wanted: Wanted) -> float:
+    def share(self, cycle: CycleSolution, wanted: ClosingCriteria) -> float:
         """Return the factor relative to the tolerance that waveform relaxation starts with."""
-        return cycle.rtol / (wanted.of_histories * wanted.rtol)
+        return cycle.rtol / (wanted.histories_factor * wanted.rtol)
 
     def stopped(self, cycle: CycleSolution, states: int, chambers: int) -> Iterable[Array]:
         """Return the state of the one chamber."""
         return [cycle.y[:states]]
 
 
-class Together(Way):
+class SimultaneousClosing(Way):
     """Simultaneous closing: all chambers are integrated together over a pitch."""
 
     whole = True
 
     def close(
-        self, problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, last: bool
+        self, problem: Problem, machinery: Machinery, wanted: ClosingCriteria, start: Start, last: bool
     ) -> CycleSolution | None:
         """Close from the states that the installed life has at the chambers' angles."""
         return close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
 
     def again(
-        self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, led: Led | None
+        self,
+        problem: Problem,
+        machinery: Machinery,
+        wanted: ClosingCriteria,
+        cycle: CycleSolution,
+        led: CorrectedState | None,
     ) -> CycleSolution:
         """Close from the states of the cycle, by a search where a search found it."""
         found = None
-        if cycle.needed == SEARCH:
-            found = sought(problem, machinery, wanted, cycle.y.copy(), judged=False)
+        if cycle.needed == FALLBACK_NAME:
+            found = search_and_close(problem, machinery, wanted, cycle.y.copy(), judged=False)
         return found or close_together(problem, machinery, wanted, cycle.y.copy())
 
     def finer(
-        self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, most: int
+        self, problem: Problem, machinery: Machinery, wanted: ClosingCriteria, cycle: CycleSolution, most: int
     ) -> CycleSolution | None:
         """Close from the states of the cycle."""
         return close_together(problem, machinery, wanted, cycle.y.copy(), most=most)
 
-    def share(self, cycle: CycleSolution, wanted: Wanted) -> float:
+    def share(self, cycle: CycleSolution, wanted: ClosingCriteria) -> float:
         """Return 1: what pitches needed says nothing about waveform relaxation."""
         return 1.0
 
@@ -132,7 +147,7 @@ class Together(Way):
         return np.reshape(cycle.y, (-1, states)) if first else [cycle.y[:states]]
 
 
-WAYS: dict[str, Way] = {WAVEFORMS: Waveforms(), TOGETHER: Together()}
+WAYS: dict[str, Way] = {WAVEFORMS: WaveformRelaxation(), TOGETHER: SimultaneousClosing()}
 
 
 def way_of(cycle: CycleSolution) -> Way:
@@ -140,7 +155,7 @@ def way_of(cycle: CycleSolution) -> Way:
     return WAYS[cycle.how]
 
 
-def by_ways(problem: Problem, machinery: Machinery, wanted: Wanted, start: Start) -> CycleSolution:
+def close_by_ways(problem: Problem, machinery: Machinery, wanted: ClosingCriteria, start: Start) -> CycleSolution:
     """Close the cycle by the wanted ways in turn; an unclosed attempt before the last way is kept as `left_at`."""
     *first, last = (WAYS[name] for name in CLOSINGS[wanted.closing].ways)
     left = None
@@ -151,4 +166,4 @@ def by_ways(problem: Problem, machinery: Machinery, wanted: Wanted, start: Start
         left = found or left
     found = last.close(problem, machinery, wanted, start, last=True)
     assert found is not None
-    return found if left is None else replace(found, left_at=left)
+    return found if left is None else replace(found, abandoned_cycle=left)

@@ -6,7 +6,7 @@ import numpy as np
 
 from screwsim.derivatives.slices import NODES
 from screwsim.derivatives.stages import compiled
-from screwsim.numerics.reused import empty
+from screwsim.numerics.reused_arrays import empty
 
 Array = np.ndarray
 

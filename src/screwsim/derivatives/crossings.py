@@ -10,59 +10,59 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.derivatives.phases import border_crossings
-from screwsim.derivatives.pitch import Pitch
-from screwsim.derivatives.slices import CORNERED, SHARES, Crossing
+from screwsim.derivatives.pitch import CollocatedPitch
+from screwsim.derivatives.slices import CORNER_LAYER, SHARES, Crossing
 from screwsim.effects.base import FlowPath
 from screwsim.model.slots import FIRST_OWN, P_GAP_WIDTH, P_PITCH, P_PORT_WIDTH, PORT_STATE, PRESSURE
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.roots import bracketed, brentq
 
 Array = np.ndarray
-PLACED = 1e-10  # tolerance on a crossing, over the distance of its two angles and over the angle
+PLACE_TOLERANCE = 1e-10  # tolerance on a crossing, over the distance of its two angles and over the angle
 OF_LAYER = 1e-6  # of its regularisation: pressure difference at which a crossing is placed well enough
 SLOPE = 1e-3  # of that distance, for the slope of the pressure there
-LOOKED = np.array((0.08, SHARES[0], 0.4, SHARES[1], 0.85, 0.97))  # shares of a slice where pressures are read
+SAMPLED_SHARES = np.array((0.08, SHARES[0], 0.4, SHARES[1], 0.85, 0.97))  # shares of a slice where pressures are read
 STEEP = 1.0  # widths of a slice: wider layers of gaps are resolved anyway
 
 
-class Side(NamedTuple):
+class PathSide(NamedTuple):
     """One side of a path: a chamber, by its angle [rad] when the pitch starts, or a line (no angle), by its number."""
 
     start: float | None
     line: int = 0
 
 
-class Turn(NamedTuple):
+class FlowReversal(NamedTuple):
     """A path whose flow turns round: its sides, the angles [rad] between which it does, its regularisation [Pa].
 
     `wide` [rad] is the width of the slice.
     """
 
-    own: Side
-    beyond: Side
+    own: PathSide
+    beyond: PathSide
     ends: tuple[float, float]
     width: float
     wide: float
 
 
-def crossings(pitch: Pitch) -> list[Crossing]:
+def crossings(pitch: CollocatedPitch) -> list[Crossing]:
     """Return where flows turn round in the last history, by angle: through ports, steep ones through gaps, from oil.
 
     Crossings of phase borders are included. A gap carries little, but near its turning its flow is as steep in the
     pressures as that of a port.
     """
     slices = pitch.slices
-    angles = (slices.edges[:-1, None] + slices.widths[:, None] * LOOKED).ravel()
-    wide = np.repeat(slices.widths, len(LOOKED))
+    angles = (slices.edges[:-1, None] + slices.widths[:, None] * SAMPLED_SHARES).ravel()
+    wide = np.repeat(slices.widths, len(SAMPLED_SHARES))
     c, life = pitch.machinery.composition, pitch.machinery.trajectory
     starts = float(c.P[P_PITCH]) * np.arange(c.chambers)
     states = life.states_at((starts[:, None] + angles).ravel()).reshape(c.chambers, len(angles), -1)
-    turns = list(_turning(pitch, angles, wide, states[..., -1]))
+    turns = list(_reversals(pitch, angles, wide, states[..., -1]))
     others = (*_equilibria(pitch, angles), *border_crossings(pitch, angles, states))
-    return sorted({*_placed(life, turns), *others})
+    return sorted({*_located(life, turns), *others})
 
 
-def _equilibria(pitch: Pitch, angles: Array) -> Iterator[Crossing]:
+def _equilibria(pitch: CollocatedPitch, angles: Array) -> Iterator[Crossing]:
     """Yield where oil changes between releasing and absorbing gas, which have different rates (M231)."""
     c, life = pitch.machinery.composition, pitch.machinery.trajectory
     if not c.dissolves:
@@ -77,10 +77,12 @@ def _equilibria(pitch: Pitch, angles: Array) -> Iterator[Crossing]:
         gas = life.given_off(at)
         for k in np.flatnonzero(gas[:-1] * gas[1:] < 0.0).tolist():
             low, high = at[k : k + 2].tolist()
-            yield Crossing(brentq(given_off, low, high, PLACED * (high - low), PLACED) - start, CORNERED)
+            yield Crossing(
+                brentq(given_off, low, high, PLACE_TOLERANCE * (high - low), PLACE_TOLERANCE) - start, CORNER_LAYER
+            )
 
 
-def _turning(pitch: Pitch, angles: Array, wide: Array, p: Array) -> Iterator[Turn]:
+def _reversals(pitch: CollocatedPitch, angles: Array, wide: Array, p: Array) -> Iterator[FlowReversal]:
     """Yield where, between angles [rad], flows turn round in open paths; `wide` are the widths of their slices [rad].
 
     `p` [Pa] are the pressures of all chambers there. Areas are evaluated only where pressures pass each other,
@@ -96,9 +98,9 @@ def _turning(pitch: Pitch, angles: Array, wide: Array, p: Array) -> Iterator[Tur
         ports, gaps = ports + of_port, gaps + (not of_port)
         number, passes = parts.number(path.to) if of_port else 0, passing.get(path.offset)
         if of_port:
-            passes = _passes(p - _line_pressures(life, number, angles))
+            passes = _sign_changes(p - _line_pressures(life, number, angles))
         elif passes is None:  # ahead of the last chamber is the discharge, treated as a port
-            passes = passing[path.offset] = _passes(p[: c.chambers - path.offset] - p[path.offset :])
+            passes = passing[path.offset] = _sign_changes(p[: c.chambers - path.offset] - p[path.offset :])
         if not len(passes[0]):
             continue
         ends = (starts[passes[0], None] + angles[passes[1][:, None] + (0, 1)]).ravel()
@@ -106,12 +108,14 @@ def _turning(pitch: Pitch, angles: Array, wide: Array, p: Array) -> Iterator[Tur
         life.module.trace__areas_along(ends, index, c.P, c.TAB, areas)
         is_open = (areas.reshape(-1, 2) > 0.0).all(axis=1)
         for j, k in zip(*(each[is_open].tolist() for each in passes), strict=True):
-            beyond = Side(None, number) if of_port else Side(float(starts[j + path.offset]))
+            beyond = PathSide(None, number) if of_port else PathSide(float(starts[j + path.offset]))
             width = float(c.P[P_PORT_WIDTH + number]) if of_port else float(c.P[P_GAP_WIDTH] * p[j, k])
-            yield Turn(Side(float(starts[j])), beyond, (float(angles[k]), float(angles[k + 1])), width, float(wide[k]))
+            yield FlowReversal(
+                PathSide(float(starts[j])), beyond, (float(angles[k]), float(angles[k + 1])), width, float(wide[k])
+            )
 
 
-def _passes(drops: Array) -> tuple[Any, ...]:
+def _sign_changes(drops: Array) -> tuple[Any, ...]:
     """Return after which angles, and for which chambers, pressure differences change sign: rows, columns."""
     return np.nonzero(drops[:, :-1] * drops[:, 1:] < 0.0)
 
@@ -131,7 +135,7 @@ def _line_pressure(life: Trajectory, number: int, angle: float) -> float:
     return pressure * (1.0 + sum(life.module.line_pulse(number, angle, c.P)))
 
 
-def _placed(life: Trajectory, turns: list[Turn]) -> list[Crossing]:
+def _located(life: Trajectory, turns: list[FlowReversal]) -> list[Crossing]:
     """Return where the pressures on both sides of paths are equal, computed from the states themselves.
 
     Between two chambers a crossing is left out where the states show none, or one in a wide layer. The pressure
@@ -141,8 +145,8 @@ def _placed(life: Trajectory, turns: list[Turn]) -> list[Crossing]:
         return []
     low, high = np.array([turn.ends for turn in turns]).T
     widths = np.array([turn.width for turn in turns])
-    drop = _drops(life, turns)
-    at, step = bracketed(drop, low, high, PLACED, OF_LAYER * widths), SLOPE * (high - low)
+    drop = _pressure_differences(life, turns)
+    at, step = bracketed(drop, low, high, PLACE_TOLERANCE, OF_LAYER * widths), SLOPE * (high - low)
     real = np.isfinite(at)
     at, step = np.where(real, at, 0.5 * (low + high)), np.where(real, step, 0.5 * (high - low))
     slopes = (drop(at + step) - drop(at - step)) / (2.0 * step)
@@ -154,7 +158,7 @@ def _placed(life: Trajectory, turns: list[Turn]) -> list[Crossing]:
     ]
 
 
-def _drops(life: Trajectory, turns: list[Turn]) -> Callable[[Array], Array]:
+def _pressure_differences(life: Trajectory, turns: list[FlowReversal]) -> Callable[[Array], Array]:
     """Return a function of angles [rad], one for each path, giving the pressure difference [Pa] between its sides."""
     sides = [turn.own for turn in turns] + [turn.beyond for turn in turns]
     starts = np.array([np.nan if side.start is None else side.start for side in sides])

@@ -11,14 +11,14 @@ import numpy as np
 
 from screwsim.cycle.feedback import set_lines, set_unknowns, unknowns
 from screwsim.cycle.problem import Problem
-from screwsim.derivatives.closed import Closed, Linearised, linearised
-from screwsim.derivatives.linear import Change, Sources
-from screwsim.derivatives.pitch import Numbers
-from screwsim.derivatives.slices import moved
+from screwsim.derivatives.collocation import CollocatedCycle, LinearisedCycle, linearised
+from screwsim.derivatives.linear import ArgumentChange, DirectEffects
+from screwsim.derivatives.pitch import RateNumbers
+from screwsim.derivatives.slices import moved_edges
 from screwsim.inputs.faults import UsageError
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH, R_RATIO, R_SIZE
-from screwsim.numerics.remembered import once
+from screwsim.numerics.identity_cache import once
 
 Array = np.ndarray
 ROOM = 8  # steps in the spare machinery, which does not integrate
@@ -37,9 +37,9 @@ class Direction(NamedTuple):
     """
 
     problem: Problem
-    side: Numbers
+    side: RateNumbers
     step: float
-    change: Change
+    change: ArgumentChange
     start: Array
     cells: Array
     stated: Array
@@ -48,7 +48,7 @@ class Direction(NamedTuple):
 class Directions:
     """Directions of a collocated cycle; a spare machinery holds the numbers of shifted scenes."""
 
-    def __init__(self, cycle: Closed) -> None:
+    def __init__(self, cycle: CollocatedCycle) -> None:
         self.cycle, machinery = cycle, cycle.pitch.machinery
         self.spare = Machinery(machinery.composition, machinery.module, ROOM)
         base = cycle.pitch.problem.composition
@@ -77,12 +77,12 @@ class Directions:
         side, given = self.numbers(problem, self.cycle.met)
         if side.TAB.shape != self.cycle.at.TAB.shape:
             raise Structural("changes the size of the model's tables")
-        numbers = Numbers(*((there - here) / by for there, here in zip(side, own, strict=True)))
+        numbers = RateNumbers(*((there - here) / by for there, here in zip(side, own, strict=True)))
         change = self._change(problem, numbers, by)
         start, cells = self._injected(numbers, step)
         return Direction(problem, side, by, change, start, cells, (given - own_given) / by)
 
-    def numbers(self, problem: Problem, met: Array) -> tuple[Numbers, Array]:
+    def numbers(self, problem: Problem, met: Array) -> tuple[RateNumbers, Array]:
         """Return the numbers of a problem with unknowns `met`, and the coordinates of unknowns that its scene states.
 
         Cells that the injection sets keep the values of the cycle.
@@ -96,16 +96,16 @@ class Directions:
         set_unknowns(problem, machinery, met)
         noted = self.cycle.pitch.noted
         P[noted], machinery.R[R_RATIO:R_SIZE] = at.P[noted], at.R[R_RATIO:R_SIZE]
-        return Numbers(P.copy(), c.TAB, machinery.R.copy()), given
+        return RateNumbers(P.copy(), c.TAB, machinery.R.copy()), given
 
-    def meeting(self, direction: Direction, met: Array) -> Numbers:
+    def meeting(self, direction: Direction, met: Array) -> RateNumbers:
         """Return the numbers of a direction's problem with other unknowns than its cycle's."""
         machinery, at, side, noted = self.spare, self.cycle.at, direction.side, self.cycle.pitch.noted
         P, R = machinery.composition.P, machinery.R
         P[:], R[:] = side.P, side.R
         set_unknowns(direction.problem, machinery, met)
         P[noted], R[R_RATIO:R_SIZE] = at.P[noted], at.R[R_RATIO:R_SIZE]
-        return Numbers(P.copy(), side.TAB, R.copy())
+        return RateNumbers(P.copy(), side.TAB, R.copy())
 
     @once
     def shifted(self) -> Array:
@@ -113,25 +113,25 @@ class Directions:
         return self.cycle.pitch.machinery.shift(np.ascontiguousarray(self.cycle.nodes[-1, -1]))
 
     @once
-    def own(self) -> tuple[Numbers, Array]:
+    def own(self) -> tuple[RateNumbers, Array]:
         """The result of `numbers` for the cycle's own problem."""
         return self.numbers(self.cycle.pitch.problem, self.cycle.met)
 
-    def _change(self, problem: Problem, numbers: Numbers, by: float) -> Change:
+    def _change(self, problem: Problem, numbers: RateNumbers, by: float) -> ArgumentChange:
         """Return the change of the rates: of numbers, and of edges, which move with the breakpoints; with its side."""
         stay = problem.composition.breakpoints is self.cycle.pitch.problem.composition.breakpoints
         if stay and not numbers.P[P_PITCH]:
-            return Change(numbers)
+            return ArgumentChange(numbers)
         there = self.spare.pitch_breakpoints()  # it holds this problem's numbers (`numbers`)
         if len(there) == len(self.breakpoints):
             rates = (there - self.breakpoints) / by
-            edges = moved(self.cycle.pitch.slices, self.breakpoints, rates) if rates.any() else None
-            return Change(numbers, edges)
+            edges = moved_edges(self.cycle.pitch.slices, self.breakpoints, rates) if rates.any() else None
+            return ArgumentChange(numbers, edges)
         ways = np.sign(by) * self._ways(there, float(self.cycle.at.P[P_PITCH]))
         some = ways[ways != 0.0]
         if not len(some) or (some == some[0]).all():
-            return Change(numbers, None, float(some[0]) if len(some) else 1.0)
-        return Change(numbers, None, np.where(ways == 0.0, 1.0, ways))
+            return ArgumentChange(numbers, None, float(some[0]) if len(some) else 1.0)
+        return ArgumentChange(numbers, None, np.where(ways == 0.0, 1.0, ways))
 
     def _ways(self, breakpoints: Array, pitch: float) -> Array:
         """Return the sign of the movement of breakpoints away from the end of each slice; 0 where there is none."""
@@ -146,7 +146,7 @@ class Directions:
         found[on] = np.sign(ways[at[on].argmin(axis=1)])
         return found
 
-    def _injected(self, numbers: Numbers, step: float) -> tuple[Array, Array]:
+    def _injected(self, numbers: RateNumbers, step: float) -> tuple[Array, Array]:
         """Return the change of states after the injection, and of the cells it sets, with numbers."""
         cycle, pitch = self.cycle, self.cycle.pitch
         if pitch.injected is None or numbers.nothing:
@@ -156,12 +156,12 @@ class Directions:
         return (y - y_below) / (2.0 * step), (cells - cells_below) / (2.0 * step)
 
 
-def along(cycle: Closed, directions: Sequence[Direction]) -> Linearised:
+def along(cycle: CollocatedCycle, directions: Sequence[Direction]) -> LinearisedCycle:
     """Return the cycle linearised along directions, a column each; directions without effect are skipped."""
     felt = [j for j, each in enumerate(directions) if not each.change.nothing or each.start.any() or each.cells.any()]
     some = [directions[j] for j in felt] or directions[:1]
     start, cells = (np.stack([getattr(each, name) for each in some], axis=-1) for name in ("start", "cells"))
-    found = linearised(cycle, [each.change for each in some], Sources(start, cells))
+    found = linearised(cycle, [each.change for each in some], DirectEffects(start, cells))
     if len(some) == len(directions):
         return found
     among = np.zeros((len(some), len(directions)))

@@ -13,14 +13,14 @@ import numpy as np
 
 from screwsim.codegen.kinds import LANES
 from screwsim.cycle.linear_pitch import shifted
-from screwsim.derivatives.beside import Asked, rates_of
 from screwsim.derivatives.blocks import Blocks, follow_once
-from screwsim.derivatives.phases import Border
-from screwsim.derivatives.pitch import Numbers, Pitch, Slopes
+from screwsim.derivatives.lane_rates import RateRequest, rates_of
+from screwsim.derivatives.phases import BorderCrossing
+from screwsim.derivatives.pitch import CollocatedPitch, RateNumbers, Slopes
 from screwsim.derivatives.sweeps import compiled
 from screwsim.model.slots import P_GAP_WIDTH, PORT_STATE, PRESSURE, R_RATIO
-from screwsim.numerics.remembered import once
-from screwsim.numerics.reused import zeros
+from screwsim.numerics.identity_cache import once
+from screwsim.numerics.reused_arrays import zeros
 
 Array = np.ndarray
 OF_WIDTH = 1e-5  # step of differences over the regularisation: a tenth of a node's distance from a turning ...
@@ -28,7 +28,7 @@ LEAST, MOST = 1e-10, 1e-9  # ... within these bounds
 SMALL = 1e-3  # least size of a state or a cell, for relative steps
 
 
-class Sources(NamedTuple):
+class DirectEffects(NamedTuple):
     """Direct effects of changes besides those on rates, columns (…, k): on states after the injection, on its cells."""
 
     start: Array
@@ -75,13 +75,13 @@ class Response(NamedTuple):
         return Response(made(self.start), made(self.cells), made(self.sums), made(self.weights), self.followed)
 
 
-def step_of(pitch: Pitch) -> float:
+def step_of(pitch: CollocatedPitch) -> float:
     """Return the relative step of differences: small against the regularisation, far above rounding."""
     width = float(pitch.machinery.composition.P[P_GAP_WIDTH])
     return min(MOST, max(LEAST, OF_WIDTH * width))
 
 
-class Change(NamedTuple):
+class ArgumentChange(NamedTuple):
     """A direction: change of the numbers, and of the slices' edges [rad]; `side` is the sign of its differences.
 
     Where two breakpoints of the laws coincide and one of them moves, edges stay, and the differences are taken on
@@ -89,7 +89,7 @@ class Change(NamedTuple):
     breakpoints move both ways.
     """
 
-    numbers: Numbers
+    numbers: RateNumbers
     edges: Array | None = None
     side: float | Array = 1.0
 
@@ -104,7 +104,9 @@ class Change(NamedTuple):
         return bool(self.numbers.R[PRESSURE:R_RATIO:PORT_STATE].any())
 
 
-def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change], right: Array, first: int) -> Array:
+def along(
+    pitch: CollocatedPitch, Y: Array, at: RateNumbers, changes: Sequence[ArgumentChange], right: Array, first: int
+) -> Array:
     """Return the change of the quadratures with changes of the rates' arguments, a column each.
 
     Changes of the stage equations are added to `right` (slices, NODES, N, …), from column `first` on.
@@ -113,7 +115,7 @@ def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change], right:
     some = [i for i, each in enumerate(changes) if not each.nothing]
     if not some:
         return sums
-    step, asked, of_asked = step_of(pitch), [Asked(at, None)], []
+    step, asked, of_asked = step_of(pitch), [RateRequest(at, None)], []
     for i in some:
         numbers, edges, side = changes[i]
         both = changes[i].both
@@ -121,7 +123,7 @@ def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change], right:
         of_asked += [(i, sign / step * (0.5 if both else np.equal(side, sign)), not both) for sign in signs]
         for sign in signs:
             there = None if edges is None else pitch.slices.edges + sign * step * edges
-            asked.append(Asked(at.plus(sign * step, numbers), there))
+            asked.append(RateRequest(at.plus(sign * step, numbers), there))
     own: list[Array] = []
     for which, *found in rates_of(pitch, Y, asked):
         found = [rates.reshape(-1, *rates.shape[2:]) for rates in found]
@@ -138,7 +140,7 @@ def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change], right:
     return sums
 
 
-def injection(pitch: Pitch, Y: Array) -> tuple[Array, Array]:
+def injection(pitch: CollocatedPitch, Y: Array) -> tuple[Array, Array]:
     """Return the derivatives of states after the injection, and of the cells it sets, by the states before it."""
     N, n, index, at = pitch.N, pitch.n, pitch.injected, pitch.numbers
     states, cells = np.eye(N), np.zeros((len(pitch.cells()), N))
@@ -160,7 +162,7 @@ def injection(pitch: Pitch, Y: Array) -> tuple[Array, Array]:
     return states, cells
 
 
-class Linear:
+class LinearisedPitch:
     """The linearised pitch at states Y and the current numbers, with slices fixed, or bounded by moving phase borders.
 
     `first` is its response to changes, a column each: passing them at once costs little more than the matrices
@@ -170,18 +172,18 @@ class Linear:
 
     def __init__(
         self,
-        pitch: Pitch,
+        pitch: CollocatedPitch,
         Y: Array,
         slopes: Slopes,
-        changes: Sequence[Change] = (),
-        injected: Sources | None = None,
-        borders: Sequence[Border] = (),
+        changes: Sequence[ArgumentChange] = (),
+        injected: DirectEffects | None = None,
+        borders: Sequence[BorderCrossing] = (),
     ) -> None:
         self.pitch, self.slopes = pitch, slopes
         self.inject, self.noted = injection(pitch, Y)
         sizes, N = np.maximum(np.abs(pitch.cells()), SMALL), pitch.N
         self._feels = [i for i in range(len(sizes)) if self._is_felt(i)]
-        felt = [Change(pitch.cells_as_numbers(each)) for each in np.diag(sizes)[self._feels]]
+        felt = [ArgumentChange(pitch.cells_as_numbers(each)) for each in np.diag(sizes)[self._feels]]
         self._known = N + len(felt)  # columns before those of changes
         columns = self._known + len(changes)
         right = zeros(*Y.shape, -(-columns // LANES) * LANES)  # whole registers, as a partial one takes as long
@@ -203,7 +205,7 @@ class Linear:
         return self.slopes.by_states, self.pitch.slices.widths, self.pitch.n, max(1, reach)
 
     def _through(
-        self, now: Array, right: Array, borders: Sequence[Border], numbers: Sequence[Numbers]
+        self, now: Array, right: Array, borders: Sequence[BorderCrossing], numbers: Sequence[RateNumbers]
     ) -> tuple[Array, Array]:
         """Return the changes at all nodes from those at the start, and the effect of phase borders on the quadratures.
 
@@ -261,7 +263,7 @@ class Linear:
         followed = np.concatenate([self._followed[..., : self._known], nodes], axis=-1)
         return self._responded(followed, np.concatenate([self._sums[:, : self._known], self._summed(nodes)], axis=-1))
 
-    def _responded(self, followed: Array, sums: Array, injected: Sources | None = None) -> Response:
+    def _responded(self, followed: Array, sums: Array, injected: DirectEffects | None = None) -> Response:
         """Return the periodic response to what was followed beyond start and felt cells, a column each.
 
         `sums` are the corresponding changes of the quadratures; the last columns also have injected sources.

@@ -20,7 +20,7 @@ SAMPLES = 0.5 * (1.0 - np.cos(np.pi * (np.arange(POINTS) + 0.5) / POINTS))  # Ch
 THROUGH = np.linalg.inv(np.vander(SAMPLES))  # maps values to coefficients of that polynomial, highest power first
 POWERS = np.arange(POINTS - 1.0, 0.0, -1.0)
 BELOW = np.eye(POINTS - 2, k=-1)
-SEEN = 9  # points of a step, ends included, at which a higher top is looked for
+SEARCH_POINTS = 9  # points of a step, ends included, at which a higher top is looked for
 REAL = 1e-9  # imaginary part up to which a root counts as real
 
 
@@ -32,7 +32,7 @@ def peak_pressure(of: Evaluation) -> float:
     return peak(of.life, of.problem.parts.geometry)[0]
 
 
-def turn_of(of: Evaluation) -> tuple[int, float] | None:
+def peak_step(of: Evaluation) -> tuple[int, float] | None:
     """Return the step, and the share of it, of the highest pressure.
 
     None where it is at an end of the range or nowhere. The derivative of the maximum is that of the pressure at
@@ -63,7 +63,7 @@ def peak(life: Trajectory, geometry: Any) -> tuple[float, float]:
     best = int(np.argmax(np.where(inside, steps[:, 1], -np.inf)))
     reached = (times[1:] > first) & (times[:-1] < limit)
     low, high = (np.clip((each - times[:-1]) / np.diff(times), 0.0, 1.0) for each in (first, limit))
-    shares = np.linspace(low, high, SEEN)
+    shares = np.linspace(low, high, SEARCH_POINTS)
     tops = dense_value(shares, *steps.T).max(axis=0)  # a top within a step, or at an end of the range, may be higher
     higher = np.flatnonzero(reached & (tops > steps[best, 1]))
     tried = sorted({best, min(best + 1, life.steps - 1), *higher.tolist()})

@@ -15,21 +15,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.derivatives.pitch import Numbers, Pitch
-from screwsim.derivatives.slices import BEFORE, CORNERED, Crossing
+from screwsim.derivatives.pitch import CollocatedPitch, RateNumbers
+from screwsim.derivatives.slices import CORNER_LAYER, SHARE_BEFORE, Crossing
 from screwsim.model.slots import P_PITCH, S_RHO, S_T
 
 Array = np.ndarray
-PLACED = 1e-10  # rad: tolerance on the angle of a border
+PLACE_TOLERANCE = 1e-10  # rad: tolerance on the angle of a border
 ENDS = 1e-7, 1e-5  # rad: least and largest distance of a slice's end before a border, for the end to stay there
-JUMP = 3e-5  # rad: the slice after a border, in which the response of the states jumps
+JUMP_WIDTH = 3e-5  # rad: the slice after a border, in which the response of the states jumps
 SHIFT = 1e-7  # of numbers ...
-BESIDE = 1e-5  # ... and of the density, for differences of a border's temperature
+DENSITY_STEP = 1e-5  # ... and of the density, for differences of a border's temperature
 NEAREST, FARTHEST = 1e-8, 1e-2  # relative distances from a temperature between which a border is sought
 NARROW = 1e-14  # relative tolerance on the temperature of a border
 
 
-class Border(NamedTuple):
+class BorderCrossing(NamedTuple):
     """A chamber's crossing of a phase border at the end of a slice, and the response to a change there.
 
     The delay [rad] is `by_states` (N,) times the change of the states, plus that by the numbers (`at`); times
@@ -37,28 +37,28 @@ class Border(NamedTuple):
     """
 
     slice: int
-    at: At
+    at: BorderState
     by_states: Array
     states: Array
     sums: Array
 
-    def by_numbers(self, changes: Sequence[Numbers]) -> Array:
+    def by_numbers(self, changes: Sequence[RateNumbers]) -> Array:
         """Return the delays of the border [rad] by changes of the numbers."""
         return np.array([self.at.changed(each) / self.at.steepness for each in changes])
 
 
-class At(NamedTuple):
+class BorderState(NamedTuple):
     """A state T [K], ρ [kg/m³] at a phase border, in a pitch.
 
     `steepness` [K/rad] is the rate at which the temperature passes that of the border.
     """
 
-    pitch: Pitch
+    pitch: CollocatedPitch
     T: float
     rho: float
     steepness: float
 
-    def changed(self, numbers: Numbers) -> float:
+    def changed(self, numbers: RateNumbers) -> float:
         """Return the change of the border's temperature [K] with the numbers."""
         if not (numbers.P.any() or numbers.TAB.any()):
             return 0.0
@@ -67,7 +67,7 @@ class At(NamedTuple):
         return (above - below) / (2.0 * SHIFT)
 
 
-def border_crossings(pitch: Pitch, angles: Array, states: Array) -> Iterator[Crossing]:
+def border_crossings(pitch: CollocatedPitch, angles: Array, states: Array) -> Iterator[Crossing]:
     """Yield where chambers of the last history cross a phase border between angles [rad] of the pitch.
 
     `states` are those of all chambers there (chambers, angles, …).
@@ -80,14 +80,14 @@ def border_crossings(pitch: Pitch, angles: Array, states: Array) -> Iterator[Cro
         start = float(c.P[P_PITCH]) * chamber
         for k in np.flatnonzero(np.diff(phases)).tolist():
             low, high = float(angles[k]), float(angles[k + 1])
-            while high - low > PLACED:
+            while high - low > PLACE_TOLERANCE:
                 middle = 0.5 * (low + high)
                 there = pitch.phases_of(life.states_at(np.array([start + middle])))[0]
                 low, high = (middle, high) if there == phases[k] else (low, middle)
-            yield Crossing(_as_it_stands(pitch, chamber, high), CORNERED, JUMP)
+            yield Crossing(_existing_edge(pitch, chamber, high), CORNER_LAYER, JUMP_WIDTH)
 
 
-def _as_it_stands(pitch: Pitch, chamber: int, angle: float) -> float:
+def _existing_edge(pitch: CollocatedPitch, chamber: int, angle: float) -> float:
     """Return the angle [rad] of a border, or the one for which a slice already ends close before it.
 
     After that end the gas is held in its other phase, whose rates determine the border: it would alternate
@@ -96,17 +96,17 @@ def _as_it_stands(pitch: Pitch, chamber: int, angle: float) -> float:
     end = int(np.searchsorted(pitch.slices.edges, angle)) - 1
     at = float(pitch.slices.edges[end])
     passes = end > 0 and pitch.phases[end - 1, chamber] != pitch.phases[end, chamber]
-    return at + BEFORE * CORNERED if passes and ENDS[0] < angle - at < ENDS[1] else angle
+    return at + SHARE_BEFORE * CORNER_LAYER if passes and ENDS[0] < angle - at < ENDS[1] else angle
 
 
-def borders(pitch: Pitch, Y: Array) -> list[Border]:
+def borders(pitch: CollocatedPitch, Y: Array) -> list[BorderCrossing]:
     """Return the phase borders that chambers cross, each at the end of a slice."""
     passed = np.argwhere(np.diff(pitch.phases, axis=0)).tolist()
     found = (_border(pitch, Y, k, chamber, pitch.phases[k : k + 2]) for k, chamber in passed)
     return [each for each in found if each is not None]
 
 
-def _border(pitch: Pitch, Y: Array, k: int, chamber: int, phases: Array) -> Border | None:
+def _border(pitch: CollocatedPitch, Y: Array, k: int, chamber: int, phases: Array) -> BorderCrossing | None:
     """Return the border that a chamber crosses at the end of slice k, with all chambers' phases before and after it.
 
     None where the border is only touched: there is no derivative.
@@ -116,17 +116,17 @@ def _border(pitch: Pitch, Y: Array, k: int, chamber: int, phases: Array) -> Bord
     behind[chamber] = phases[1, chamber]
     (f, g), (f_behind, g_behind) = (pitch.rates_in(each, k + 1, y) for each in (before, behind))
     T, rho = y[own].tolist()
-    sides = [border_temperature(pitch, T, rho * (1.0 + by), pitch.numbers) for by in (BESIDE, -BESIDE)]
-    passes = np.array([1.0, (sides[1] - sides[0]) / (2.0 * BESIDE * rho)])
+    sides = [border_temperature(pitch, T, rho * (1.0 + by), pitch.numbers) for by in (DENSITY_STEP, -DENSITY_STEP)]
+    passes = np.array([1.0, (sides[1] - sides[0]) / (2.0 * DENSITY_STEP * rho)])
     steepness = float(passes @ f[own])
     if not steepness * float(passes @ f_behind[own]) > 0.0:
         return None
     by_states = np.zeros(pitch.N)
     by_states[own] = -passes / steepness
-    return Border(k, At(pitch, T, rho, steepness), by_states, f - f_behind, (g - g_behind)[:-1])
+    return BorderCrossing(k, BorderState(pitch, T, rho, steepness), by_states, f - f_behind, (g - g_behind)[:-1])
 
 
-def border_temperature(pitch: Pitch, T: float, rho: float, numbers: Numbers) -> float:
+def border_temperature(pitch: CollocatedPitch, T: float, rho: float, numbers: RateNumbers) -> float:
     """Return the temperature [K] of the phase border at ρ [kg/m³], next to T; NaN where none is near."""
     P, TAB, phase = numbers.P, numbers.TAB, pitch.machinery.module.gas_phase
     own, apart = phase(T, rho, P, TAB), NEAREST

@@ -24,13 +24,13 @@ from screwsim.model.numbers import oil_places
 from screwsim.model.run import Machinery
 from screwsim.model.slots import FREE, P_INJECTION, P_LIFE, P_PITCH, PORT_STATE, R_RATIO, R_SIZE
 from screwsim.model.trajectory import Trajectory
-from screwsim.numerics.reused import empty
+from screwsim.numerics.reused_arrays import empty
 
 Array = np.ndarray
 INSIDE = 1e-9  # share of a pitch before its end that still belongs to the same chamber
 
 
-class Numbers(NamedTuple):
+class RateNumbers(NamedTuple):
     """The arguments of the rates besides states and angle: parameters, tables and run-time cells.
 
     Also a change of these.
@@ -40,9 +40,9 @@ class Numbers(NamedTuple):
     TAB: Array
     R: Array
 
-    def plus(self, by: float, change: Numbers) -> Numbers:
+    def plus(self, by: float, change: RateNumbers) -> RateNumbers:
         """Return these plus a multiple of a change."""
-        return Numbers(*(one + by * more for one, more in zip(self, change, strict=True)))
+        return RateNumbers(*(one + by * more for one, more in zip(self, change, strict=True)))
 
     @property
     def nothing(self) -> bool:
@@ -60,7 +60,7 @@ class Slopes(NamedTuple):
 
 
 @dataclass
-class Pitch:
+class CollocatedPitch:
     """All chambers over one pitch on slices, using a machinery on loan whose numbers are those of the cycle.
 
     Its tables are a copy that may be written to. On each slice chambers are held in `phases` (slices, chambers),
@@ -86,12 +86,12 @@ class Pitch:
     # ---- numbers -----------------------------------------------------------------------------------------------
 
     @property
-    def numbers(self) -> Numbers:
+    def numbers(self) -> RateNumbers:
         """A copy of the current numbers."""
         c = self.machinery.composition
-        return Numbers(c.P.copy(), c.TAB.copy(), self.machinery.R.copy())
+        return RateNumbers(c.P.copy(), c.TAB.copy(), self.machinery.R.copy())
 
-    def put(self, numbers: Numbers) -> None:
+    def put(self, numbers: RateNumbers) -> None:
         """Set the numbers that the rates use."""
         c = self.machinery.composition
         c.P[:], c.TAB[:], self.machinery.R[:] = numbers
@@ -112,7 +112,7 @@ class Pitch:
         self.machinery.inject(y)
         return y
 
-    def injects(self, y: Array, numbers: Numbers) -> tuple[Array, Array]:
+    def injects(self, y: Array, numbers: RateNumbers) -> tuple[Array, Array]:
         """Return states y after the injection with given numbers (which it overwrites), and the cells it sets."""
         states, (P, TAB, R) = y.copy(), numbers
         self.machinery.module.chamber__inject(states, (self.injected or 0) * self.n, P, TAB, R)
@@ -131,12 +131,12 @@ class Pitch:
         """Return the run-time cells that the injection sets, and the parameters that it may set."""
         return np.concatenate([self.machinery.R[R_RATIO:R_SIZE], self.machinery.composition.P[self.noted]])
 
-    def cells_as_numbers(self, change: Array) -> Numbers:
+    def cells_as_numbers(self, change: Array) -> RateNumbers:
         """Return a change of the cells as a change of all numbers."""
         c, R = self.machinery.composition, np.zeros_like(self.machinery.R)
         R[R_RATIO:R_SIZE], P = change[: self.run_cells], np.zeros_like(c.P)
         P[self.noted] = change[self.run_cells :]
-        return Numbers(P, np.zeros_like(c.TAB), R)
+        return RateNumbers(P, np.zeros_like(c.TAB), R)
 
     @property
     def noted(self) -> list[int]:
@@ -232,7 +232,7 @@ class Pitch:
     def _derived(self, *asked: Any) -> None:
         """Call the kernel of derivatives, compiling it first where necessary."""
         module = self.machinery.together
-        if "tangents" not in compiled.warm(module):
+        if "tangents" not in compiled.warm_drivers(module):
             with self.machinery.compiling("tangents"):
                 module.slices__derivatives_at_all(*asked)
         module.slices__derivatives_at_all(*asked)

@@ -34,7 +34,7 @@ NODES = len(SHARES)
 EIGENVALUE = 1.0 / (1.0 / 30.0 * (6.0 + 81.0 ** (1.0 / 3.0) - 9.0 ** (1.0 / 3.0)))  # real one of INTEGRALS⁻¹
 EMBEDDED = np.array((-(13.0 + 7.0 * _ROOT) / 3.0, (-13.0 + 7.0 * _ROOT) / 3.0, -1.0 / 3.0))  # of the error estimate
 CORNER = 1e-6  # rad: corners nearer than this to a breakpoint or to each other are merged
-APART = 1e-7  # rad: ends of steps nearer than this to each other are merged
+LEAST_GAP = 1e-7  # rad: ends of steps nearer than this to each other are merged
 OF_WIDTH = 1e-6  # share of a segment: ends of steps so near to its ends are ignored
 
 
@@ -42,11 +42,11 @@ LEAST = 1e-9  # rad: shortest slice ...
 LONGEST = math.radians(1.0)  # ... and longest one: errors of the states do not show a law that moves
 MOST = 4  # parts into which one refinement divides a slice
 POWER = 0.25  # of the error of a slice, in choosing its width: that of the estimate
-RING = 0.3  # first slices on both sides of a turning flow, in widths of its layer ...
+FIRST_RING = 0.3  # first slices on both sides of a turning flow, in widths of its layer ...
 AROUND_PEAK = 2e-4  # rad: half the width of the slice around the highest pressure
-WIDER = 2.5  # ... and ratio of each slice to the one before
-BEFORE = 1e-4  # widths of a layer by which a slice ends before the flow turns, to keep its last node on that side
-CORNERED = 1e-2  # rad: layer assumed for a corner or jump of a rate; the slice before it ends 1e-6 rad from it
+RING_GROWTH = 2.5  # ... and ratio of each slice to the one before
+SHARE_BEFORE = 1e-4  # widths of a layer by which a slice ends before the flow turns, to keep its last node on that side
+CORNER_LAYER = 1e-2  # rad: layer assumed for a corner or jump of a rate; the slice before it ends 1e-6 rad from it
 
 
 class Crossing(NamedTuple):
@@ -85,7 +85,7 @@ def between(edges: Array) -> Slices:
     return Slices(edges, 0.5 * (edges[:-1] + edges[1:]))
 
 
-def seams_of(machinery: Machinery, parts: Parts) -> Array:
+def fixed_edges(machinery: Machinery, parts: Parts) -> Array:
     """Return the angles in a pitch [rad] where slices always end: breakpoints, and corners of gap areas.
 
     A number that moves such a corner has a derivative with a corner itself, which within a slice would lower the
@@ -105,7 +105,7 @@ def edges_of(machinery: Machinery, seams: Array, steps: float, longest: float) -
     """
     c, (times, _, _, count) = machinery.composition, machinery.last()
     ends = np.sort(np.mod(times[1:count], float(c.P[P_PITCH])))
-    ends = ends[np.diff(ends, prepend=-1.0) > APART]  # chambers integrated together share their steps
+    ends = ends[np.diff(ends, prepend=-1.0) > LEAST_GAP]  # chambers integrated together share their steps
     edges = [np.zeros(1)]
     for low, high in pairwise(seams.tolist()):
         near = OF_WIDTH * (high - low)
@@ -122,20 +122,20 @@ def refined(edges: Array, errors: Array, tolerance: float) -> Array:
     return np.append(np.concatenate(found), edges[-1])
 
 
-def ringed(
+def with_rings(
     edges: Array, seams: Array, crossings: Sequence[Crossing], growth: tuple[float, float], peak: float = math.nan
 ) -> Array:
     """Return edges with rings around crossings in place of others nearby; slices grow with distance from the crossing.
 
-    `growth` are factors on `RING` and on `WIDER`. Where the pressure is highest [rad], if known, a slice is short:
-    the highest pressure is read inside it, where polynomials are less accurate than at their ends.
+    `growth` are factors on `FIRST_RING` and on `RING_GROWTH`. Where the pressure is highest [rad], if known, a slice is
+    short: the highest pressure is read inside it, where polynomials are less accurate than at their ends.
     """
     kept, added = edges[~(np.abs(edges - peak) < AROUND_PEAK)], [seams]
     if math.isfinite(peak):
         around = np.array([peak - AROUND_PEAK, peak + AROUND_PEAK])
         added.append(around[(around > edges[0] + LEAST) & (around < edges[-1] - LEAST)])
     for angle, layer, jump in crossings:
-        at, first, wider = angle - BEFORE * layer, growth[0] * RING * layer, growth[1] * WIDER
+        at, first, wider = angle - SHARE_BEFORE * layer, growth[0] * FIRST_RING * layer, growth[1] * RING_GROWTH
         after = int(np.clip(np.searchsorted(edges, at), 1, len(edges) - 1))
         room = float(edges[after] - edges[after - 1])
         count = max(0, int(np.ceil(np.log(max(0.5 * room / first, 1e-300)) / np.log(wider))))
@@ -154,6 +154,6 @@ def ringed(
     return found[~near | marked]
 
 
-def moved(slices: Slices, breakpoints: Array, by: Array) -> Array:
+def moved_edges(slices: Slices, breakpoints: Array, by: Array) -> Array:
     """Return the movement of edges with the breakpoints of the pitch, interpolated between these."""
     return np.interp(slices.edges, breakpoints, by)

@@ -13,38 +13,38 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.build import Temperatures, filled, open_temperatures
-from screwsim.build.sought import is_sought
+from screwsim.build import Temperatures, open_temperatures, with_temperatures
+from screwsim.build.open_values import has_open_values
 from screwsim.codegen.program import CannotCompile
-from screwsim.cycle.guess import leased
-from screwsim.cycle.problem import Built, Problem, Series, leave, one_alone, problem_of
-from screwsim.derivatives.closed import FINE, Closed, Fineness, NotClosed, collocated
-from screwsim.derivatives.closed import solved as solved_pitch
+from screwsim.cycle.guess import lease_for
+from screwsim.cycle.problem import BuiltParts, Problem, Series, problem_of, release_series, series_of_one
+from screwsim.derivatives.collocation import FINE, CollocatedCycle, Fineness, NotClosed, collocated
+from screwsim.derivatives.collocation import solve_unknowns as solved_pitch
 from screwsim.derivatives.directions import Direction, Directions, Structural, along
 from screwsim.derivatives.linear import Response
-from screwsim.derivatives.peak import peak_pressure, turn_of
-from screwsim.derivatives.pitch import Numbers, Pitch
-from screwsim.derivatives.placed import Placed, Turning, in_step
+from screwsim.derivatives.peak import peak_pressure, peak_step
+from screwsim.derivatives.pitch import CollocatedPitch, RateNumbers
+from screwsim.derivatives.shifted_life import PeakPlace, ShiftedLife, in_step
 from screwsim.effects.base import PressureLosses
 from screwsim.evaluate.evaluation import Evaluation
-from screwsim.inputs.faults import Impossible, UsageError
+from screwsim.inputs.faults import ImpossibleValue, UsageError
 from screwsim.model import leases
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.garbage import no_search
 from screwsim.scene import Scene, with_values
-from screwsim.solve.circuit import KPA, asked_of, solved, steady, unknowns_of
+from screwsim.solve.circuit import KPA, implied_surroundings, solve_with_surroundings, steady_state, unknowns_of
 
 Array = np.ndarray
 STEP = 2e-7  # relative shift of a number, for differences
-AROUND = 100.0  # [K, kPa], the size that unknowns of the surroundings are shifted relative to
-LEFT = 1e-5  # [K, kPa], largest admissible residual of the surroundings of the collocated cycle ...
-TIMES = 3  # ... unless so many Newton steps were made
+SURROUNDINGS_SIZE = 100.0  # [K, kPa], the size that unknowns of the surroundings are shifted relative to
+LARGEST_RESIDUAL = 1e-5  # [K, kPa], largest admissible residual of the surroundings of the collocated cycle ...
+MOST_STEPS = 3  # ... unless so many Newton steps were made
 ONE_CHAMBER = "chambers are integrated one at a time, with valve and seat events of their own"
 DRIVEN = "the speed follows from the drive"
-SOUGHT = "the oil flow, an economizer or a valve is found with the cycle"
+OPEN_VALUES = "the oil flow, an economizer or a valve is found with the cycle"
 
 
-class Sides(NamedTuple):
+class SideReadings(NamedTuple):
     """The results on one side of a number: figures, and the changes of its surroundings that the cycle implies."""
 
     figures: dict[str, float]
@@ -52,14 +52,17 @@ class Sides(NamedTuple):
 
 
 def derivatives(
-    cycle: Closed, values: Mapping[str, float], built: Built | None = None
+    cycle: CollocatedCycle, values: Mapping[str, float], built: BuiltParts | None = None
 ) -> tuple[dict[str, dict[str, float]], dict[str, str]]:
     """Return the derivatives [SI] of the figures by numbers of the scene, by path; and why some paths have none.
 
     `values` are the numbers [SI] at the paths, `built` the parts and composer of the scene's series.
     """
     made, series = Directions(cycle), Series(built)
-    around = [made.of(_around(cycle.pitch.problem, series, i), STEP) for i in _open(cycle.pitch.problem)]
+    around = [
+        made.of(_with_surroundings_shifted(cycle.pitch.problem, series, i), STEP)
+        for i in _open_unknowns(cycle.pitch.problem)
+    ]
     directions, refused = {}, {}
     for path, value in values.items():
         try:
@@ -70,28 +73,30 @@ def derivatives(
     if not every:
         return {}, refused
     moves, read = responses(cycle, every, made), []
-    turn = turn_of(standing(cycle, made))
-    here = _read(standing(cycle, made, turn), bool(around))
+    turn = peak_step(unshifted_evaluation(cycle, made))
+    here = _readings_of(unshifted_evaluation(cycle, made, turn), bool(around))
     for j, direction in enumerate(every):
-        there = _read(placed(cycle, direction, moves.by(j), made, turn), bool(around))
-        figures = differenced(there.figures, here.figures, direction.step)
-        read.append(Sides(figures, (there.asked - here.asked) / direction.step))
+        there = _readings_of(shifted_evaluation(cycle, direction, moves.by(j), made, turn), bool(around))
+        figures = difference_quotients(there.figures, here.figures, direction.step)
+        read.append(SideReadings(figures, (there.asked - here.asked) / direction.step))
     through, own = read[: len(around)], dict(zip(directions, read[len(around) :], strict=True))
     found = {}
     for path, each in own.items():
-        closed = _closed(each, through, _open(cycle.pitch.problem))
-        found[path] = {name: slope / _size(values[path]) for name, slope in closed.items()}
+        closed = _with_response(each, through, _open_unknowns(cycle.pitch.problem))
+        found[path] = {name: slope / _shift_size(values[path]) for name, slope in closed.items()}
     return found, refused
 
 
-def settled(cycle: Closed, life: Trajectory, built: Built | None = None, fineness: Fineness = FINE) -> Closed:
-    """Return the collocated cycle of a life with its surroundings converged to `LEFT`.
+def with_settled_surroundings(
+    cycle: CollocatedCycle, life: Trajectory, built: BuiltParts | None = None, fineness: Fineness = FINE
+) -> CollocatedCycle:
+    """Return the collocated cycle of a life with its surroundings converged to `LARGEST_RESIDUAL`.
 
     A solution leaves a residual within its accuracy: 3 mK of the oil's temperature changed a derivative by 1e-4.
     """
-    rows, series = _open(cycle.pitch.problem), Series(built)
-    for _ in range(TIMES if rows else 0):
-        asked = _asked_for(cycle, series, rows)
+    rows, series = _open_unknowns(cycle.pitch.problem), Series(built)
+    for _ in range(MOST_STEPS if rows else 0):
+        asked = _newton_step(cycle, series, rows)
         if asked is None:
             break
         problem, numbers = asked
@@ -102,31 +107,33 @@ def settled(cycle: Closed, life: Trajectory, built: Built | None = None, finenes
     return cycle
 
 
-def _asked_for(cycle: Closed, series: Series, rows: Sequence[int]) -> tuple[Problem, Numbers] | None:
+def _newton_step(cycle: CollocatedCycle, series: Series, rows: Sequence[int]) -> tuple[Problem, RateNumbers] | None:
     """Return the problem and its numbers after a Newton step of the surroundings; None where these have converged."""
     problem, made = cycle.pitch.problem, Directions(cycle)
-    here = _asked(standing(cycle, made))[rows]
-    if float(np.abs(here).max()) <= LEFT:
+    here = _implied_changes(unshifted_evaluation(cycle, made))[rows]
+    if float(np.abs(here).max()) <= LARGEST_RESIDUAL:
         return None
-    around = [made.of(_around(problem, series, i), STEP) for i in rows]
+    around = [made.of(_with_surroundings_shifted(problem, series, i), STEP) for i in rows]
     moves = responses(cycle, around, made)
-    asked = [_asked(placed(cycle, each, moves.by(j), made))[rows] for j, each in enumerate(around)]
+    asked = [
+        _implied_changes(shifted_evaluation(cycle, each, moves.by(j), made))[rows] for j, each in enumerate(around)
+    ]
     matrix = np.array([(there - here) / each.step for there, each in zip(asked, around, strict=True)]).T
     by = np.linalg.solve(matrix, -here)
     x, entries = unknowns_of(problem), problem.entries
-    x[rows] += by * AROUND
-    moved = _posed(problem, series, x)
+    x[rows] += by * SURROUNDINGS_SIZE
+    moved = _problem_at(problem, series, x)
     met = entries.values(entries.coordinates(cycle.met) + moves.unknowns @ by, cycle.met)
     return moved, made.numbers(moved, met)[0]
 
 
-def _asked(of: Evaluation) -> Array:
+def _implied_changes(of: Evaluation) -> Array:
     """Return the changes of its surroundings [K, kPa] that a cycle implies, of all four unknowns that may be open."""
-    asked = asked_of(of)
+    asked = implied_surroundings(of)
     return np.zeros(4) if asked is None else np.resize(np.append(asked.off, (0.0, 0.0)), 4)
 
 
-def _closed(own: Sides, through: Sequence[Sides], rows: Sequence[int]) -> dict[str, float]:
+def _with_response(own: SideReadings, through: Sequence[SideReadings], rows: Sequence[int]) -> dict[str, float]:
     """Return derivatives including the response of the surroundings."""
     if not through:
         return own.figures
@@ -137,49 +144,49 @@ def _closed(own: Sides, through: Sequence[Sides], rows: Sequence[int]) -> dict[s
     return dict(zip(names, (slopes[0] + by @ slopes[1:]).tolist(), strict=True))
 
 
-def _read(of: Evaluation, whole: bool) -> Sides:
+def _readings_of(of: Evaluation, whole: bool) -> SideReadings:
     """Return the results of an evaluation; with `whole` also what it implies for its surroundings."""
-    return Sides(figures_of(of), _asked(of) if whole else np.zeros(4))
+    return SideReadings(figures_of(of), _implied_changes(of) if whole else np.zeros(4))
 
 
-def _size(value: float) -> float:
+def _shift_size(value: float) -> float:
     """Return the size that a number is shifted relative to: its magnitude, or 1 for zero."""
     return abs(value) or 1.0
 
 
 def _shifted(problem: Problem, series: Series, path: str, value: float) -> Callable[[float], Problem]:
     """Return a function that poses the problem with a number shifted by a share of its size."""
-    return lambda by: problem_of(with_values(problem.scene, {path: value + by * _size(value)}), series)
+    return lambda by: problem_of(with_values(problem.scene, {path: value + by * _shift_size(value)}), series)
 
 
-def _open(problem: Problem) -> list[int]:
+def _open_unknowns(problem: Problem) -> list[int]:
     """Return the indices of the circuit's open unknowns: temperatures of supply and separator, lost pressures."""
     temperatures = [i for i, each in enumerate(open_temperatures(problem.scene)) if each]
     return [*temperatures, *((2, 3) if problem.scene.losses is not None else ())]
 
 
-def _around(problem: Problem, series: Series, i: int) -> Callable[[float], Problem]:
+def _with_surroundings_shifted(problem: Problem, series: Series, i: int) -> Callable[[float], Problem]:
     """Return a function that poses the problem with one of the circuit's unknowns shifted by a share of its size."""
 
     def posed(by: float) -> Problem:
         x = unknowns_of(problem)
-        x[i] += by * AROUND
-        return _posed(problem, series, x)
+        x[i] += by * SURROUNDINGS_SIZE
+        return _problem_at(problem, series, x)
 
     return posed
 
 
-def _posed(problem: Problem, series: Series, x: Array) -> Problem:
+def _problem_at(problem: Problem, series: Series, x: Array) -> Problem:
     """Return the problem with the circuit's unknowns at x [K, kPa]."""
     scene = problem.scene
     if any(open_temperatures(scene)):
-        scene = filled(scene, Temperatures(*x[:2].tolist()))
+        scene = with_temperatures(scene, Temperatures(*x[:2].tolist()))
     if len(x) > 2:
         scene = replace(scene, losses=PressureLosses(*(KPA * x[2:]).tolist()))
     return problem_of(scene, series)
 
 
-class Found(NamedTuple):
+class SceneDerivatives(NamedTuple):
     """Derivatives [SI] by path and figure; why paths have none; why there are none at all (empty: there are)."""
 
     derivatives: Mapping[str, Mapping[str, float]]
@@ -187,49 +194,51 @@ class Found(NamedTuple):
     why: str = ""
 
 
-def found(scene: Scene, values: Mapping[str, float], fineness: Fineness = FINE) -> Found:
+def scene_derivatives(scene: Scene, values: Mapping[str, float], fineness: Fineness = FINE) -> SceneDerivatives:
     """Return the derivatives of a scene's figures by numbers [SI] at paths of it."""
     try:
         with no_search():  # many objects are created, hardly any in reference cycles
             return _found(scene, values, fineness)
     except NotClosed as error:
-        return Found({}, {}, str(error))
-    except (Impossible, CannotCompile) as error:
-        return Found({}, {}, f"the cycle cannot be linearised: {error}")
+        return SceneDerivatives({}, {}, str(error))
+    except (ImpossibleValue, CannotCompile) as error:
+        return SceneDerivatives({}, {}, f"the cycle cannot be linearised: {error}")
 
 
-def _found(scene: Scene, values: Mapping[str, float], fineness: Fineness) -> Found:
+def _found(scene: Scene, values: Mapping[str, float], fineness: Fineness) -> SceneDerivatives:
     """Solve the scene, collocate its cycle and return the derivatives."""
-    series = one_alone()
+    series = series_of_one()
     if not fineness.estimated:
         scene = replace(scene, numerics=replace(scene.numerics, error="none"))
-    problem, search = steady(problem_of(scene, series), series)
+    problem, search = steady_state(problem_of(scene, series), series)
     why = _refused(problem)
     if why:
-        return Found({}, {}, why)
-    machinery = leased(problem)
-    accurate = solved(problem, machinery, None, search)
+        return SceneDerivatives({}, {}, why)
+    machinery = lease_for(problem)
+    accurate = solve_with_surroundings(problem, machinery, None, search)
     if not accurate.cycle.closed:
-        return Found({}, {}, "the cycle does not close")
+        return SceneDerivatives({}, {}, "the cycle does not close")
     cycle = collocated(accurate.evaluation.problem, machinery, accurate.evaluation.life, fineness)
     if fineness.estimated:
-        cycle = settled(cycle, accurate.evaluation.life, (series.stock.lent(), series.composer.lent()), fineness)
-    slopes, refused = derivatives(cycle, values, (series.stock.lent(), series.composer.lent()))
+        cycle = with_settled_surroundings(
+            cycle, accurate.evaluation.life, (series.parts_cache.lent(), series.composer.lent()), fineness
+        )
+    slopes, refused = derivatives(cycle, values, (series.parts_cache.lent(), series.composer.lent()))
     leases.give_back(machinery)
-    leave(series)
-    return Found(slopes, refused)
+    release_series(series)
+    return SceneDerivatives(slopes, refused)
 
 
 def _refused(problem: Problem) -> str:
     """Return why this method cannot give a problem's derivatives; empty where it can."""
     if problem.parts.shaft is not None:
         return DRIVEN
-    if is_sought(problem.scene):
-        return SOUGHT
+    if has_open_values(problem.scene):
+        return OPEN_VALUES
     return ONE_CHAMBER if problem.composition.chambers == 1 else ""
 
 
-class Moved(NamedTuple):
+class CycleResponses(NamedTuple):
     """The response of the cycle to numbers, one per column: states, cells, quadratures, and unknowns in coordinates.
 
     `lives` returns the response of its dense output, numbers first; it is computed on first use.
@@ -239,31 +248,31 @@ class Moved(NamedTuple):
     unknowns: Array
     lives: Callable[[], Array]
 
-    def by(self, j: int) -> Move:
+    def by(self, j: int) -> CycleResponse:
         """Return the response to one of the numbers."""
-        return Move(self.response.of(j), self.unknowns[:, j], lambda: self.lives()[j])
+        return CycleResponse(self.response.of(j), self.unknowns[:, j], lambda: self.lives()[j])
 
 
-class Move(NamedTuple):
-    """The response of the cycle to one number, otherwise like `Moved`."""
+class CycleResponse(NamedTuple):
+    """The response of the cycle to one number, otherwise like `CycleResponses`."""
 
     response: Response
     unknowns: Array
     life: Callable[[], Array]
 
 
-def _moved(pitch: Pitch, response: Response, unknowns: Array) -> Moved:
+def _moved(pitch: CollocatedPitch, response: Response, unknowns: Array) -> CycleResponses:
     """Return the response with its dense output still to be computed."""
-    return Moved(response, unknowns, cache(lambda: pitch.life(response.start, response.nodes)))
+    return CycleResponses(response, unknowns, cache(lambda: pitch.life(response.start, response.nodes)))
 
 
-def responses(cycle: Closed, directions: Sequence[Direction], made: Directions) -> Moved:
+def responses(cycle: CollocatedCycle, directions: Sequence[Direction], made: Directions) -> CycleResponses:
     """Return the response of the cycle and its unknowns to directions (at least one), a column each."""
     linear, off, pitch = along(cycle, directions), np.zeros((len(cycle.met), len(directions))), cycle.pitch
     held = _moved(pitch, linear.by_changes, off.copy())
-    own = _coordinates(standing(cycle, made))
+    own = _coordinates(unshifted_evaluation(cycle, made))
     for j, direction in enumerate(directions):
-        image = _coordinates(placed(cycle, direction, held.by(j), made))
+        image = _coordinates(shifted_evaluation(cycle, direction, held.by(j), made))
         off[:, j] = np.where(linear.given, direction.stated, (image - own) / direction.step)
     unknowns = np.stack([solved_pitch(linear.back, each, linear.given) for each in off.T], axis=-1)
     return _moved(pitch, linear.by_changes.added(linear.by_unknowns.weighted(unknowns)), unknowns)
@@ -274,16 +283,20 @@ def _coordinates(of: Evaluation) -> Array:
     return of.problem.entries.coordinates(of.image)
 
 
-def standing(cycle: Closed, made: Directions, turn: tuple[int, float] | None = None) -> Evaluation:
-    """Return the evaluation of the unchanged cycle, read in the same way as one that is `placed`."""
+def unshifted_evaluation(cycle: CollocatedCycle, made: Directions, turn: tuple[int, float] | None = None) -> Evaluation:
+    """Return the evaluation of the unchanged cycle, read in the same way as one that is `shifted_evaluation`."""
     pitch = cycle.pitch
     pitch.put(made.own[0])
-    turning = None if turn is None else Turning(*turn, in_step(pitch, cycle.start, cycle.nodes.__getitem__, turn[0]))
-    return Evaluation(pitch.problem, Placed.of(pitch, lambda: pitch.install_life(made.life), turning), cycle.sums)
+    turning = None if turn is None else PeakPlace(*turn, in_step(pitch, cycle.start, cycle.nodes.__getitem__, turn[0]))
+    return Evaluation(pitch.problem, ShiftedLife.of(pitch, lambda: pitch.install_life(made.life), turning), cycle.sums)
 
 
-def placed(
-    cycle: Closed, direction: Direction, moves: Move, made: Directions, turn: tuple[int, float] | None = None
+def shifted_evaluation(
+    cycle: CollocatedCycle,
+    direction: Direction,
+    moves: CycleResponse,
+    made: Directions,
+    turn: tuple[int, float] | None = None,
 ) -> Evaluation:
     """Return the evaluation of the cycle after a shift of a number; with a `turn`, its highest pressure is read there.
 
@@ -304,24 +317,24 @@ def placed(
     turning = None
     if turn is not None:
         here = in_step(pitch, cycle.start, cycle.nodes.__getitem__, turn[0])
-        turning = Turning(*turn, here + by * in_step(pitch, response.start, response.inside, turn[0]))
-    return Evaluation(problem, Placed.of(pitch, fill, turning), cycle.sums + by * response.sums)
+        turning = PeakPlace(*turn, here + by * in_step(pitch, response.start, response.inside, turn[0]))
+    return Evaluation(problem, ShiftedLife.of(pitch, fill, turning), cycle.sums + by * response.sums)
 
 
 def figures_of(of: Evaluation) -> dict[str, float]:
     """Return the figures that have a value, except residuals of balances.
 
-    The highest pressure is that at the turning point within a step, where this is known (`placed`).
+    The highest pressure is that at the turning point within a step, where this is known (`shifted_evaluation`).
     """
     told = {name for name, each in of.figures.about.items() if not each.scale.unasked}
     found = {
         name: float(value) for name, value in of.figures.items() if isinstance(value, int | float) and name in told
     }
-    if "peak_pressure" in found and not (isinstance(of.life, Placed) and of.life.turning is not None):
+    if "peak_pressure" in found and not (isinstance(of.life, ShiftedLife) and of.life.turning is not None):
         found["peak_pressure"] = peak_pressure(of)
     return found
 
 
-def differenced(there: dict[str, float], here: dict[str, float], step: float) -> dict[str, float]:
+def difference_quotients(there: dict[str, float], here: dict[str, float], step: float) -> dict[str, float]:
     """Return the differences over the step, of figures that exist on both sides."""
     return {name: (there[name] - here[name]) / step for name in there if name in here}

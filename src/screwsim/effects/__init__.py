@@ -10,7 +10,7 @@ from functools import cache
 
 from screwsim.effects.base import Effect
 from screwsim.numerics import sources
-from screwsim.numerics.trial import found_in
+from screwsim.numerics.trial import registry_entry
 
 _PORTS = ("suction_port", "discharge_port", "check_valves", "reed_valves", "ring_leakage", "cylinder_heat")
 _GAPS = ("tip_leakage", "interlobe_leakage", "blow_hole", "end_face_leakage", "slide_valve", "bypass")
@@ -41,7 +41,7 @@ def stating(parameters: type) -> str:
 
 def imported() -> dict[str, Effect]:
     """Return {name: effect} of the user's own effects that this program has imported."""
-    return {name: made for name, made in sources.noted().items() if isinstance(made, Effect)}
+    return {name: made for name, made in sources.recorded_modules().items() if isinstance(made, Effect)}
 
 
 def find_effect(name: str) -> Effect:
@@ -49,4 +49,4 @@ def find_effect(name: str) -> Effect:
 
     Raise KeyError where there is none, ImportError where a dotted one cannot be imported.
     """
-    return found_in(catalogue(), name, "EFFECT", Effect)
+    return registry_entry(catalogue(), name, "EFFECT", Effect)

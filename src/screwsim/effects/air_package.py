@@ -24,7 +24,7 @@ from dataclasses import dataclass
 from screwsim.effects.base import Effect, Faults, Given, LosesPressure, PressureLosses, Reading, SuctionChange
 from screwsim.effects.parts.rating import isentropic_power
 from screwsim.inputs.declare import choice, quantity
-from screwsim.inputs.faults import Fault, Unfound
+from screwsim.inputs.faults import Fault, QuantityNotFound
 from screwsim.outputs import (
     AFTERCOOLED,
     CHANGED,
@@ -98,7 +98,7 @@ def _loss() -> float:
 
 
 @dataclass(frozen=True)
-class Loss:
+class PressureLoss:
     """A part with a pressure loss."""
 
     pressure_loss: float = _loss()
@@ -150,9 +150,9 @@ class Parameters(LosesPressure):
     rated_flow: float = quantity("volume_flow", "V_r: free air delivered at which the losses are stated", gt=0.0)
     state: str = choice("loaded, or unloaded as section unloaded states", ("loaded", UNLOADED), "loaded")
     unloaded: Unloaded | None = None
-    inlet_filter: Loss | None = None
-    inlet_valve: Loss | None = None
-    separator_element: Loss | None = None
+    inlet_filter: PressureLoss | None = None
+    inlet_valve: PressureLoss | None = None
+    separator_element: PressureLoss | None = None
     minimum_pressure_valve: MinimumPressureValve | None = None
     aftercooler: Aftercooler | None = None
     fan: Fan | None = None
@@ -240,7 +240,7 @@ def _heats(parameters: Parameters, known, outlet: float, power: float) -> Given:
     share, passed = known.drained(found["discharge_pressure"], T)  # water that has condensed before leaves at T
     try:
         h_2 = h - share * passed.enthalpy(found["discharge_pressure"], T) + share * passed.enthalpy(outlet, T_2)
-    except Unfound as wrong:
+    except QuantityNotFound as wrong:
         return dict.fromkeys(OF_HEAT, f"behind the aftercooler {wrong}")
     h_2 = min(h_2, h)  # a cooler never heats: uncooled air keeps its enthalpy
     return dict(zip(OF_HEAT, (T_2, flow * (h - h_2), power - flow * (h_2 - h_1)), strict=True))

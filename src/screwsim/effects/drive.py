@@ -24,7 +24,7 @@ from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.drive.collocation import POINTS
 from screwsim.machine.drive.motor_line import Motor, check_motor
-from screwsim.machine.drive.response import NoMotion, Response, extremes, respond, swing
+from screwsim.machine.drive.response import NoMotion, Response, extremes, peak_to_peak, respond
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, check_coupling
 from screwsim.machine.drive.train import LinearCoupling, Train
 from screwsim.outputs import Figure, Trace, names_of, power_figure
@@ -160,12 +160,12 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
             found.mean_speed,
             found.no_load_speed,
             found.ripple,
-            swing(found.motor_speed) / found.mean_speed,
+            peak_to_peak(found.motor_speed) / found.mean_speed,
             float(torque.mean()),
-            0.5 * swing(torque),
+            0.5 * peak_to_peak(torque),
             max(map(abs, extremes(torque))),
             mean_twist,
-            0.5 * swing(twist),
+            0.5 * peak_to_peak(twist),
             train.frequency(mean_twist),
             train.resonance_speed(mean_twist),
             power,

@@ -24,10 +24,10 @@ from screwsim.effects.parts.usual import Sized
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.inputs.declare import Found, choice, quantity
+from screwsim.inputs.declare import FoundWithCycle, choice, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import HOLES, SHELL, WIDEST
-from screwsim.outputs import BESIDE, BESIDE_RATIO, COOLED, Figure, Scale, power_figure
+from screwsim.outputs import BESIDE, BESIDE_RATIO, NEEDS_CONDENSER, Figure, Scale, power_figure
 from screwsim.outputs.customary import celsius, in_bar, in_celsius
 
 NAME = "economizer"
@@ -49,10 +49,10 @@ FIGURES = (
     Figure("economizer_mass_flow", "kg s-1", "net mass flow from the economizer", BESIDE, by_port=True),
     _over_each_other("economizer_flow_ratio", "1", "economizer flow over net suction flow", BESIDE_RATIO),
     _over_each_other(
-        DRAW, "1", "vapour drawn by its port, over the vapour that the liquid gives off", OF_VAPOUR, COOLED
+        DRAW, "1", "vapour drawn by its port, over the vapour that the liquid gives off", OF_VAPOUR, NEEDS_CONDENSER
     ),
     _over_each_other(
-        GAIN, "1", "cooling capacity that the economizer adds, at the same suction flow", BESIDE_RATIO, COOLED
+        GAIN, "1", "cooling capacity that the economizer adds, at the same suction flow", BESIDE_RATIO, NEEDS_CONDENSER
     ),
     power_figure(HEAT_LOSS, "heat that gas pushed back into the economizer loses there"),
 )
@@ -95,8 +95,8 @@ class Parameters(WindowParameters, Sought):
 
     def __post_init__(self):
         """Where the pressure is to be found (`auto`), find the temperature in its place: they are one state."""
-        if isinstance(self.pressure, Found) and self.temperature is None:
-            object.__setattr__(self, "temperature", Found(self.pressure))
+        if isinstance(self.pressure, FoundWithCycle) and self.temperature is None:
+            object.__setattr__(self, "temperature", FoundWithCycle(self.pressure))
             object.__setattr__(self, "pressure", None)
 
     @property
@@ -114,7 +114,7 @@ class Parameters(WindowParameters, Sought):
     @property
     def is_open(self) -> bool:
         """Whether the temperature is to be found with the cycle."""
-        return isinstance(self.temperature, Found)
+        return isinstance(self.temperature, FoundWithCycle)
 
     @property
     def stands(self) -> float | None:
@@ -142,7 +142,7 @@ class Parameters(WindowParameters, Sought):
 
     def placed(self, x: float) -> dict[str, Any]:
         """Return the parameter that a coordinate stands for: the temperature."""
-        return {"temperature": Found(x)}
+        return {"temperature": FoundWithCycle(x)}
 
     def off(self, figures: Mapping[str, Any], oil_follows: bool) -> tuple[float, float] | None:
         """Return the approximate error of the temperature [K] and its scale `PER_FOLD`; None without a draw ratio.
@@ -248,7 +248,7 @@ def check(parameters: Parameters, facts) -> Faults:
     yield from check_window(NAME, parameters)
     p, T, fluid = parameters.pressure, parameters.temperature, facts.gas.name
     stated, limits = "temperature" if p is None else "pressure", constants.limits(fluid)
-    if isinstance(T, Found):
+    if isinstance(T, FoundWithCycle):
         yield from _found(parameters, facts)
     elif T is None and p is None:
         yield Fault(f"effects.{NAME}.temperature", "is missing (write e.g. temperature: 15 degC, or pressure: 5 bar)")

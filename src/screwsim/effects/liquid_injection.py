@@ -25,7 +25,7 @@ from screwsim.effects.parts.usual import Sized
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.inputs.declare import Found, number, quantity
+from screwsim.inputs.declare import FoundWithCycle, number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import HOLES, SHELL, WIDEST
 from screwsim.outputs import BESIDE, BESIDE_RATIO, Figure
@@ -93,7 +93,7 @@ class Parameters(WindowParameters, Sought):
 
     def placed(self, x: float) -> dict[str, Any]:
         """Return the parameter that a coordinate stands for: the opening."""
-        return {"opening": Found(math.exp(x / VALVE))}
+        return {"opening": FoundWithCycle(math.exp(x / VALVE))}
 
     def off(self, figures: Mapping[str, Any], oil_follows: bool) -> tuple[float, float] | None:
         """Return the approximate error of the coordinate [K], by how much the liquid cools, and its scale `VALVE`.
@@ -171,7 +171,7 @@ def _thermostat(parameters: Parameters, facts) -> Faults:
     wanted, path = parameters.discharge_temperature, f"effects.{NAME}.discharge_temperature"
     if wanted is None:
         return
-    if parameters.opening is not None and not isinstance(parameters.opening, Found):
+    if parameters.opening is not None and not isinstance(parameters.opening, FoundWithCycle):
         yield Fault(f"effects.{NAME}.opening", f"is given as well as {path}, which finds it (remove one of the two)")
     if wanted <= facts.operation.condensing_temperature:
         what = f"{in_celsius(wanted)} is not above condensation, {in_celsius(facts.operation.condensing_temperature)}"

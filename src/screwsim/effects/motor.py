@@ -29,7 +29,7 @@ from screwsim.effects.parts import inverter, motor_classes
 from screwsim.effects.parts.usual import DRIVE
 from screwsim.inputs.declare import Derived, choice, count, file, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
-from screwsim.inputs.sheets import read_sheet, usable
+from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
 from screwsim.machine.protocol import ROTORS
 from screwsim.numerics.pchip import Pchip
 from screwsim.outputs import Figure, cooling_figure, efficiency, names_of, power_figure
@@ -122,7 +122,7 @@ def loss_of_shares(parameters: Parameters) -> Loss:
 
 def read_table(path: str) -> list[tuple[float, float]]:
     """Return (load, efficiency) of a CSV file, two rows or more; raise UsageError in one line where there are none."""
-    with usable("name a CSV file with the columns load, efficiency"):
+    with sheet_or_usage_error("name a CSV file with the columns load, efficiency"):
         cells = read_sheet(path).columns("load", "efficiency")
     try:
         rows = [(float(load), float(efficiency)) for _, (load, efficiency) in cells]

@@ -28,7 +28,7 @@ from screwsim.effects.parts.line_valve import Valve
 from screwsim.inputs.declare import count, number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import PORTS
-from screwsim.numerics.made import Entry
+from screwsim.numerics.feedback_unknowns import FeedbackUnknown
 from screwsim.outputs import Figure, Trace, names_of, over
 
 Array = np.ndarray
@@ -120,7 +120,7 @@ def offset(line: LineFlow, area: float | None, loss: float) -> float:
     return 0.0 if area is None else 0.5 * loss * mean * abs(mean) / (line.rho * area**2) / line.p
 
 
-class Mean(NamedTuple):
+class ValvedState(NamedTuple):
     """State of a plenum with a check valve after a turn: offset, amplitudes, whether it stays shut, its least flow.
 
     Offset and amplitudes a_k − i b_k are over the line's pressure; the least flow [kg/s] counts along the valve,
@@ -166,12 +166,14 @@ def _steadily(net: float) -> float:
     return max(net, 0.0)
 
 
-def _least(valve: Valve, given: Array, behind: line_valve.Behind, passed: line_valve.Passed, net: float) -> float:
+def _least(
+    valve: Valve, given: Array, behind: line_valve.ValveSurroundings, passed: line_valve.ValveFlow, net: float
+) -> float:
     """Return the least flow [kg/s] through a valve, the mean of the `given` flow being `net`."""
     return line_valve.least_flow(valve, given + (net - float(np.mean(given))), behind, passed) if net > 0.0 else 0.0
 
 
-class Behind:
+class PlenumWithLine:
     """What lies behind one port: the plenum and its line."""
 
     def __init__(self, to: str, parameters: Parameters) -> None:
@@ -180,11 +182,11 @@ class Behind:
         self.area, self.loss = getattr(parameters, f"{to}_area"), getattr(parameters, f"{to}_loss")
         self.valve: Valve | None = getattr(parameters, f"{to}_valve")
         self.along = 1.0 if to == DISCHARGE else -1.0
-        self.downstream: Behind | None = None  # of a suction valve: the plenum of the other check valve
+        self.downstream: PlenumWithLine | None = None  # of a suction valve: the plenum of the other check valve
         self.names = [f"{to}_{part}_{k}" for k in range(1, self.count + 1) for part in ("cos", "sin")]
-        self._last: tuple[Any, Mean | None, list[float]] = None, None, []
+        self._last: tuple[Any, ValvedState | None, list[float]] = None, None, []
 
-    def _found(self, turn: Turn) -> tuple[Mean | None, list[float]]:
+    def _found(self, turn: Turn) -> tuple[ValvedState | None, list[float]]:
         """Return the state of a plenum with a valve (else None) and its coefficients after a turn.
 
         Computed once a turn.
@@ -203,13 +205,13 @@ class Behind:
             self._last = turn.line, mean, coefficients
         return mean, coefficients
 
-    def _valved(self, valve: Valve, line: LineFlow, before: Array, turn: Turn, frequency: float) -> Mean:
+    def _valved(self, valve: Valve, line: LineFlow, before: Array, turn: Turn, frequency: float) -> ValvedState:
         """Return the state of a plenum with a check valve after a turn, integrated with a held offset (M220–M222)."""
         flow, p, held = self.along * line.flow, line.p, turn.held[f"{self.to}_offset"]
         given = self.along * answer(line, before, line.open_volume / line.sound**2, frequency)
         impedance = 0.0 if self.area is None else line.sound / self.area
         capacity = (self.volume + line.open_volume) / line.sound**2
-        behind = line_valve.Behind(capacity, impedance, frequency, line.rho)
+        behind = line_valve.ValveSurroundings(capacity, impedance, frequency, line.rho)
         mean, least = max(float(flow.mean()), 0.0), _nothing_passes
         answering = (1.0 + held) * p * line.open_volume / line.sound**2 * frequency / (2.0 * pi)
         pressure = line_valve.closed(given, behind)
@@ -217,7 +219,7 @@ class Behind:
         if mean > 0.0 and self.area is None:
             level, least = float(valve.drop(np.array([mean]), line.rho)[0][0]), _steadily
         elif mean > 0.0:
-            passed = line_valve.through(valve, given, behind)
+            passed = line_valve.valve_flow(valve, given, behind)
             pressure, least = passed.pressure, partial(_least, valve, given, behind, passed)
             level = float(pressure.mean()) + abs(offset(line, self.area, self.loss)) * p
         near = abs(self.along * level / p - held) <= line_valve.MOST_CHANGE * (1.0 + held)
@@ -229,7 +231,7 @@ class Behind:
             pressure = line_valve.closed(given + self.along * leaking * p * _wave(before, len(given)), behind, leaking)
         spectrum = np.fft.rfft(pressure)[1 : self.count + 1] * (2.0 / len(pressure))
         along = self.along * (stands if shut else level / p)
-        return Mean(along, self.along * spectrum / p, shut, _nothing_passes if shut else least)
+        return ValvedState(along, self.along * spectrum / p, shut, _nothing_passes if shut else least)
 
     def _far(self, turn: Turn) -> float:
         """Return the mean pressure [Pa] beyond the machine's other port."""
@@ -267,10 +269,11 @@ class Behind:
         """Return the declared parts: offset, coefficients one after the other, and the pressure that they describe."""
         first = f"{self.to}_offset"
         least = LOWEST if self.valve is None else EMPTY
-        entry = Entry(first, scale=1.0) if self.valve is None else Entry(first, shift=1.0)
+        entry = FeedbackUnknown(first, scale=1.0) if self.valve is None else FeedbackUnknown(first, shift=1.0)
         made = [Made(entry, _nothing, self.offset, least, SHUT.format(to=self.to))]
         made += [
-            Made(Entry(name, scale=1.0), _nothing, partial(self.coefficient, i)) for i, name in enumerate(self.names)
+            Made(FeedbackUnknown(name, scale=1.0), _nothing, partial(self.coefficient, i))
+            for i, name in enumerate(self.names)
         ]
         shut = None if self.valve is None else self.shut
         unknown = None if self.downstream is None else self.downstream.unknown
@@ -297,7 +300,7 @@ def _nothing(site: Site) -> float:
 
 
 def build(parameters: Parameters, machine) -> list[Made | Pulsation | Reading]:
-    behind = [Behind(to, parameters) for to in LINES if getattr(parameters, f"{to}_volume") is not None]
+    behind = [PlenumWithLine(to, parameters) for to in LINES if getattr(parameters, f"{to}_volume") is not None]
     if len(behind) == len(LINES) and all(one.valve is not None for one in behind):
         behind[0].downstream = behind[1]
 

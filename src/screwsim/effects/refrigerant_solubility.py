@@ -96,7 +96,7 @@ def _saturation() -> tuple[Pchip, Pchip]:
 
 
 @lru_cache(maxsize=256)
-def pair(T: float) -> solubility.Pair:
+def pair(T: float) -> solubility.RefrigerantOilPair:
     """Return the constants of the pair R134a and oil at T [K]."""
     log_pressure, density = _saturation()
     return solubility.pair(T, math.exp(log_pressure(1.0 / T)), density(T))

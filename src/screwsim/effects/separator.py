@@ -19,7 +19,7 @@ from dataclasses import dataclass, fields
 
 from screwsim.effects.base import CoolsOil, Effect, Faults, InSeparator, Separator
 from screwsim.effects.parts.usual import SEPARATOR
-from screwsim.fluid.separator import Outflow, Separated, separated
+from screwsim.fluid.separator import Separated, SeparatorInflow, separated
 from screwsim.fluid.settings import oil_temperature
 from screwsim.inputs.declare import number, quantity
 from screwsim.inputs.faults import Fault
@@ -102,7 +102,7 @@ def build(parameters: Parameters, machine) -> list[Separator]:
     cooler = parameters.cooler or Cooler()
     losses = parameters.friction_share, parameters.ambient_loss
 
-    def balance(outflow: Outflow, supply_open: bool) -> Separated:
+    def balance(outflow: SeparatorInflow, supply_open: bool) -> Separated:
         """Return the state in which gas and oil part and, for an open supply, how it has to change (M283, M284)."""
         found = separated(outflow, *losses)
         if not supply_open:

@@ -20,7 +20,7 @@ from screwsim.effects.parts.usual import Sized
 from screwsim.inputs.declare import quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import DIAMETER, ROTORS, SPAN
-from screwsim.numerics.made import Entry
+from screwsim.numerics.feedback_unknowns import FeedbackUnknown
 from screwsim.outputs import Figure, names_of
 
 NAME, WALLS = "thermal_clearances", "wall_heat"
@@ -122,7 +122,10 @@ def build(parameters: Parameters, machine) -> list[Made | Scaled | Reading]:
             f"warm rotors touch: {GAPS[effect].replace('_', ' ')} closes (choose a wider effects.{effect}.gap, or "
             "cool them more)"
         )
-        parts += [Made(Entry(name), none, widening(effect, length), CLOSED, beyond), Scaled(effect, name, True)]
+        parts += [
+            Made(FeedbackUnknown(name), none, widening(effect, length), CLOSED, beyond),
+            Scaled(effect, name, True),
+        ]
 
     def read(figures) -> dict[str, float | None]:
         """Return the warm gaps [m]."""

@@ -21,8 +21,8 @@ from screwsim.effects.parts.usual import Sized
 from screwsim.inputs.declare import number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import DIAMETER, ROTORS, SHELL
+from screwsim.numerics.feedback_unknowns import FeedbackUnknown
 from screwsim.numerics.kernel import kernel
-from screwsim.numerics.made import Entry
 from screwsim.outputs import WALLED, Figure, names_of, power_figure
 
 NAME = "wall_heat"
@@ -148,7 +148,9 @@ def build(parameters: Parameters, machine) -> list[Made | Wall | Reading]:
             f"effects.{NAME}.{lump}_cooling)"
         )
         parts += [
-            Made(Entry(name), partial(first, stated), partial(settled, lump, cooling, stated), COLDEST, beyond),
+            Made(
+                FeedbackUnknown(name), partial(first, stated), partial(settled, lump, cooling, stated), COLDEST, beyond
+            ),
             Wall(lump, conductance, values, name),
         ]
 

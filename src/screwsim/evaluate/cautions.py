@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from screwsim.build import in_separator, sought
+from screwsim.build import open_values, separator_effects
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects import having, stating
 from screwsim.effects.base import CoolsOil, FlowPath
@@ -19,7 +19,7 @@ from screwsim.model.slots import OF_ENERGY, OF_GAS, OF_OIL, OF_OIL_HEAT, R_OIL_B
 from screwsim.outputs import Figures
 from screwsim.outputs.customary import celsius
 from screwsim.scene.plausible import scene_warnings
-from screwsim.scene.types import Found
+from screwsim.scene.types import FoundWithCycle
 
 CONTRADICTS = 1.0  # [K] between a stated separator temperature and that of its balance, tolerated
 OPEN_TO_SUCTION = math.radians(1.0)  # of a plenum's port before the end of suction, tolerated
@@ -43,13 +43,13 @@ def warnings(of: Evaluation) -> Iterator[str]:
             f"leaks already bring more oil ({of.life.R[R_OIL_BEFORE]:.3g} kg) into the chamber than oil_supply.ratio "
             f"asks for; no oil is injected, and the ratio is {ratio:.4g}"
         )
-    yield from _drowned(of)
+    yield from _oil_exceeds_chamber(of)
     yield from _unfitted_bore(of)
     yield from _open_to_suction(of)
     yield from _lost_to_suction(of)
-    yield from _separated(of)
+    yield from _separator_warnings(of)
     yield from humidity.warnings(problem, of.life, found, of.circuit)
-    yield from sought.warnings(problem.scene, found)
+    yield from open_values.warnings(problem.scene, found)
     for active in problem.scene.effects.values():
         yield from active.effect.warnings(found) if active.effect.warnings else ()
     idle = [part.idle for part in parts.pulsations if part.shut is not None]
@@ -62,7 +62,7 @@ def warnings(of: Evaluation) -> Iterator[str]:
             "no net gas is delivered; gas that flows in from the discharge line, beyond what flowed out, is taken at "
             "operation.discharge.temperature, or if that is not given at the temperature of isentropic compression"
         )
-    yield from next_to_nothing(problem.scene.numerics.accuracy, found)
+    yield from little_flow(problem.scene.numerics.accuracy, found)
     if flow is not None and flow < 0.0 and of.problem.suction.changed and sucks:
         yield (
             "gas flows back to the suction line, but throttle, filter and bypass before the machine are modelled for "
@@ -70,7 +70,7 @@ def warnings(of: Evaluation) -> Iterator[str]:
         )
 
 
-def next_to_nothing(accuracy: float, found: Figures) -> Iterator[str]:
+def little_flow(accuracy: float, found: Figures) -> Iterator[str]:
     """Yield a warning where the net gas flow is so small that figures over it are hardly known (M41)."""
     filling = found.get("volumetric_efficiency") or 0.0
     if filling <= 0.0:
@@ -85,16 +85,16 @@ def next_to_nothing(accuracy: float, found: Figures) -> Iterator[str]:
         )
 
 
-def _separated(of: Evaluation) -> Iterator[str]:
+def _separator_warnings(of: Evaluation) -> Iterator[str]:
     """Yield warnings on the separator: an idle thermostat, a stated temperature that contradicts its balance."""
     circuit = of.circuit
     if not isinstance(circuit, Circuit):
         return
     if circuit.parted.told:
         yield circuit.parted.told
-    stated = next((one.separator_temperature for one in in_separator(of.problem.scene)), None)
+    stated = next((one.separator_temperature for one in separator_effects(of.problem.scene)), None)
     found, T = circuit.outflow, circuit.parted.T_separator
-    if stated is None or isinstance(stated, Found) or abs(stated - T) <= CONTRADICTS:
+    if stated is None or isinstance(stated, FoundWithCycle) or abs(stated - T) <= CONTRADICTS:
         return
     try:
         needed = found.heat_of(stated) + found.oil_capacity * (stated - found.T_supply)
@@ -111,8 +111,8 @@ def _separated(of: Evaluation) -> Iterator[str]:
 def doubts(problem: Problem, found: Figures, error: Figures) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the implausibilities of a scene and of its cycle's figures, and the figures that no machine can have."""
     scene, parts = problem.scene, problem.parts
-    of_figures = plausible.doubts(plausible.Told(scene, parts, problem.lines, found, error))
-    words = (*scene_warnings(scene), *plausible.shut_ways(scene, parts), *(each.words for each in of_figures))
+    of_figures = plausible.doubts(plausible.CheckedCycle(scene, parts, problem.lines, found, error))
+    words = (*scene_warnings(scene), *plausible.blocked_paths(scene, parts), *(each.words for each in of_figures))
     return words, tuple(each.figure for each in of_figures if each.figure is not None)
 
 
@@ -123,7 +123,7 @@ def _lost_to_suction(of: Evaluation) -> Iterator[str]:
     if parts.suction_line or parts.geometry.expands or not of.problem.composition.carried or not delivers:
         return
     assert parts.oil is not None  # carried
-    T_s = of.problem.lines.T_s + of.problem.pressed(of.problem.lines.p_s)
+    T_s = of.problem.lines.T_s + of.problem.oil_pressure_term(of.problem.lines.p_s)
     heat = -float(out[OF_ENERGY] - of.problem.inlet.enthalpy * out[OF_GAS])
     heat -= parts.oil.heat_capacity * float(out[OF_OIL_HEAT] - T_s * out[OF_OIL])
     heat *= of.problem.rate
@@ -136,7 +136,7 @@ def _lost_to_suction(of: Evaluation) -> Iterator[str]:
         )
 
 
-def _drowned(of: Evaluation) -> Iterator[str]:
+def _oil_exceeds_chamber(of: Evaluation) -> Iterator[str]:
     """Yield a warning where a chamber's oil exceeds its volume when the discharge port opens.
 
     For an expander the volume is that when its inlet closes.

@@ -3,24 +3,24 @@
 from dataclasses import dataclass, replace
 
 from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals, streams_of
+from screwsim.cycle.cycle_figures import CycleFigures, LazyPitch, cycle_figures, oil_lift, power_losses, shaft_power
 from screwsim.cycle.feedback import image, turn_of
-from screwsim.cycle.known import CycleFigures, LazyPitch, known_of, oil_lift, power_losses, shaft_power
 from screwsim.cycle.pitch import Pitch
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
 from screwsim.effects.base import Reading, Turn
 from screwsim.evaluate.figures import Read, figures_of
-from screwsim.evaluate.separator import Circuit, Package, circuit_of, package_off
+from screwsim.evaluate.separator import Circuit, Package, circuit_of, package_residual
 from screwsim.figures import Performance
-from screwsim.model.exchange import station
 from screwsim.model.slots import Q_HEAT, R_INJECTED, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
-from screwsim.numerics.at_once import at_once
-from screwsim.numerics.remembered import once
+from screwsim.model.turn_scheduler import reach_station
+from screwsim.numerics.frozen import fast_init
+from screwsim.numerics.identity_cache import once
 from screwsim.outputs import Figures
 
 
-@at_once
+@fast_init
 @dataclass(frozen=True, eq=False)
 class Evaluation:
     """A life of a problem's chambers with its quadratures q; `left` and `made` where closing knows them.
@@ -66,7 +66,7 @@ class Evaluation:
         """What a power loss or a reading may use."""
         parts = self.problem.parts
         turn = self.turn if parts.made or parts.all(Reading) else None
-        return known_of(self.problem, self.life, self.q, self.lazy_pitch, turn)
+        return cycle_figures(self.problem, self.life, self.q, self.lazy_pitch, turn)
 
     @once
     def losses(self) -> dict[str, float]:
@@ -87,15 +87,15 @@ class Evaluation:
     def read(self) -> Read:
         """The performance figures, and the reasons for those that are None."""
         self.known  # noqa: B018 - first: the steps below use it
-        station()
+        reach_station()
         circuit = self.circuit
-        station()
+        reach_station()
         return figures_of(self.problem, self.life, self.q, self.known, self.losses, circuit)
 
     @once
     def package(self) -> Package | None:
         """The difference between a package's assumed losses and those at the flow; None without a package."""
-        return package_off(self.problem, self.figures["gas_mass_flow"])
+        return package_residual(self.problem, self.figures["gas_mass_flow"])
 
     @property
     def figures(self) -> Performance:

@@ -8,24 +8,24 @@ import numpy as np
 
 from screwsim.build import build_site
 from screwsim.cycle import suction_line
-from screwsim.cycle.balances import crossed, discharge_held, outflow_of, streams_of
-from screwsim.cycle.known import CycleFigures, oil_lift
+from screwsim.cycle.balances import flow_past_suction_port, outflow_dissolved_gas, outflow_of, streams_of
+from screwsim.cycle.cycle_figures import CycleFigures, oil_lift
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import SUCTION, Drawn, Plenum, Separator, Turn
 from screwsim.evaluate import humidity, performance
 from screwsim.evaluate.separator import Circuit
-from screwsim.figures import Performance, borrowed
+from screwsim.figures import Performance, figures_declared_elsewhere
 from screwsim.machine.built_in import built_in_volume_ratio
 from screwsim.machine.settings import TURN
 from screwsim.model import slots
-from screwsim.model.exchange import station
 from screwsim.model.trajectory import Trajectory
+from screwsim.model.turn_scheduler import reach_station
 from screwsim.outputs import Figure
 
 Array = np.ndarray
 Read = tuple[Performance, dict[str, str]]  # figures, and the reasons for those that are None
-PARTED = "mixture_discharge_temperature", "separator_temperature", "oil_cooler_duty"
-PARTED = (*PARTED, "oil_circuit_residual", "oil_flow_volume")
+OF_SEPARATOR = "mixture_discharge_temperature", "separator_temperature", "oil_cooler_duty"
+OF_SEPARATOR = (*OF_SEPARATOR, "oil_circuit_residual", "oil_flow_volume")
 NONE_LEAVES = "nothing flows out to the discharge line"
 NO_REASON = "this cycle has none"
 WHY_NONE = {
@@ -48,12 +48,12 @@ def figures_of(
     about: dict[str, Figure] = dict(problem.called)  # joined by figures whose declaration an effect borrows
     parts, rate, streams = problem.parts, problem.rate, streams_of(problem.composition, q)
     delivered = 0.0 if _shut(problem, known.turn) else 1.0 - problem.suction.returned  # share not returned (M163)
-    sucked = suction_line.fresh(problem, life.R, streams) + crossed(problem, life)
+    sucked = suction_line.fresh_gas(problem, life.R, streams) + flow_past_suction_port(problem, life)
     flow = delivered * (sucked * rate) + 0.0  # + 0.0 turns −0 into 0
     lift = oil_lift(parts, known) if parts.oil is not None else None
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
-    station()
-    drawn = performance.drawn(parts, streams, rate)
+    reach_station()
+    drawn = performance.plenum_products(parts, streams, rate)
     found, notes = performance.efficiencies(parts.gas, problem.lines, problem.inlet, flow, shaft, drawn)
     mean = outflow_of(streams)
     leaving = None if mean is None else mean.enthalpy
@@ -65,26 +65,26 @@ def figures_of(
         found.update(own)
         notes.update(reasons)
 
-    station()
+    reach_station()
     if parts.oil is not None:
         found |= _of_oil(problem, life, known, flow) | {"oil_lift_power": lift}
     if circuit is not None and parts.all(Separator):
         take(*_of_circuit(problem, circuit))
     if parts.dissolves:
-        found["discharge_dissolved_gas_ratio"] = discharge_held(streams)
+        found["discharge_dissolved_gas_ratio"] = outflow_dissolved_gas(streams)
     take(*_of_plenums(problem, sucked, streams, about))
-    station()
+    reach_station()
     take(*humidity.figures(problem, life, streams, found, circuit))
     take(*performance.refrigeration(found, problem.inlet.density, _refrigerating_effect(problem, found)))
     if problem.refrigerating_effect is not None:
         condensed = flow + sum(net for net, _ in drawn)
-        take(*performance.heating(found, condensed, *_rejected(problem, circuit, leaving)))
+        take(*performance.heating(found, condensed, *_condenser_heat(problem, circuit, leaving)))
     take(*performance.saturation_figures(problem, found))
     if "intake_pressure" in problem.called:
         found["intake_pressure"] = problem.suction.pressure
         found["intake_temperature"] = _intake_temperature(problem, life)
     if parts.suction_line:
-        found |= _of_suction_line(problem, life, streams, suction_line.heat(problem, shaft))
+        found |= _of_suction_line(problem, life, streams, suction_line.suction_heat(problem, shaft))
     if parts.geometry.expands:
         changed, reasons = _of_expander(problem, life, found)
         for name in changed:
@@ -182,8 +182,8 @@ def _of_suction_line(problem: Problem, life: Trajectory, streams: Array, heat: f
     `heat` [W] is what the fresh gas takes up before the line.
     """
     rate, R = problem.rate, life.R
-    back, leak = suction_line.back(problem, R, streams), suction_line.leak(problem, R)
-    fresh = suction_line.fresh(problem, R, streams)
+    back, leak = suction_line.backflow(problem, R, streams), suction_line.leak(problem, R)
+    fresh = suction_line.fresh_gas(problem, R, streams)
     warmed = (
         float(R[slots.R_SUCTION + slots.ENTHALPY])
         - problem.suction.port_state(float(R[slots.R_DISCHARGE + slots.ENTHALPY]))[slots.ENTHALPY]
@@ -197,7 +197,7 @@ def _of_suction_line(problem: Problem, life: Trajectory, streams: Array, heat: f
     }
 
 
-def _rejected(problem: Problem, circuit: Circuit | str | None, leaving: float | None) -> tuple[float | None, str]:
+def _condenser_heat(problem: Problem, circuit: Circuit | str | None, leaving: float | None) -> tuple[float | None, str]:
     """Return the heat that a kilogram of gas gives off in the condenser [J/kg] (M410), or None and the reason.
 
     The gas comes from the separator, or without one from the chambers, with the enthalpy `leaving`.
@@ -220,10 +220,10 @@ def _of_circuit(problem: Problem, circuit: Circuit | str) -> tuple[dict[str, flo
     T = problem.parts.oil.temperature
     found: dict[str, float | None] = {"oil_supply_temperature": float(T)}
     if isinstance(circuit, str):
-        return found | dict.fromkeys(PARTED), dict.fromkeys(PARTED, circuit)
+        return found | dict.fromkeys(OF_SEPARATOR), dict.fromkeys(OF_SEPARATOR, circuit)
     parted, volume = circuit.parted, circuit.outflow.oil_flow / oil.at(T).density
     values = parted.T_mixture, parted.T_separator, parted.duty, circuit.residual, volume
-    return found | dict(zip(PARTED, values, strict=True)), {}
+    return found | dict(zip(OF_SEPARATOR, values, strict=True)), {}
 
 
 def _shut(problem: Problem, turn: Turn | None) -> bool:
@@ -253,8 +253,8 @@ def _of_plenums(
         site = build_site(problem.scene, parts.gas)
         brought = float(gas[i + 1] * state.h - energy[i + 1]) * problem.rate
         drawn = Drawn(float(gas[i] + gas[i + 1]) * problem.rate, suction, state, site, brought)
-        given, reasons = performance.valued(plenum.figures(drawn), name, why)
-        about |= borrowed(name, problem.scene.effects[name].effect, given)
+        given, reasons = performance.effect_figures(plenum.figures(drawn), name, why)
+        about |= figures_declared_elsewhere(name, problem.scene.effects[name].effect, given)
         found |= given
         notes |= reasons
     return found, notes

@@ -58,7 +58,7 @@ def figures(
     dew = own["pressure_dew_point"]
     margin = MARGIN if scene.gas.dew_point_margin is None else scene.gas.dew_point_margin
     own["lowest_safe_oil_temperature"] = None if dew is None else dew + margin
-    T, out = leaving(found, circuit), _out(problem, life, streams, circuit)
+    T, out = outlet_temperature(found, circuit), _discharge_flow(problem, life, streams, circuit)
     names = ("condensate_flow", "vapour_flow", "water_residual", AFTERCOOLER, PACKAGE_VAPOUR, PACKAGE_DEW)
     if T is None or not (out > 0.0 and found["gas_mass_flow"] > 0.0):
         why = NOTHING_OUT if T is None else NONE_DELIVERED
@@ -103,17 +103,17 @@ def cooled_to(problem: Problem, T: float) -> float | None:
     return scene.operation.aftercooler_temperature if by_package is None else by_package
 
 
-def leaving(found: Mapping[str, Any], circuit: Circuit | str | None) -> float | None:
+def outlet_temperature(found: Mapping[str, Any], circuit: Circuit | str | None) -> float | None:
     """Return the temperature [K] at which gas leaves the separator, or the chambers where there is no oil."""
     return circuit.parted.T_separator if isinstance(circuit, Circuit) else found.get("discharge_temperature")
 
 
-def _out(problem: Problem, life: Trajectory, streams: Array, circuit: Circuit | str | None) -> float:
+def _discharge_flow(problem: Problem, life: Trajectory, streams: Array, circuit: Circuit | str | None) -> float:
     """Return the net flow to the discharge line [kg/s], by the flows through its ports."""
     if isinstance(circuit, Circuit):
         return circuit.outflow.gas_flow
     leak = suction_line.leak(problem, life.R).gas
-    returned = problem.suction.returned * suction_line.fresh(problem, life.R, streams)
+    returned = problem.suction.returned * suction_line.fresh_gas(problem, life.R, streams)
     return problem.rate * (-float(streams[DISCHARGE_IN, OF_GAS] + streams[DISCHARGE_OUT, OF_GAS]) - leak - returned)
 
 
@@ -138,7 +138,7 @@ def warnings(
     problem: Problem, life: Trajectory, found: Mapping[str, Any], circuit: Circuit | str | None
 ) -> Iterator[str]:
     """Yield warnings where water condenses, or nearly does (M328)."""
-    gas, T, dew = problem.parts.gas, leaving(found, circuit), found.get("pressure_dew_point")
+    gas, T, dew = problem.parts.gas, outlet_temperature(found, circuit), found.get("pressure_dew_point")
     if not isinstance(gas, MoistAir) or dew is None:
         return
     safe, flow = found["lowest_safe_oil_temperature"], found.get("condensate_flow")

@@ -30,7 +30,7 @@ BEYOND = np.radians((0.0, 1e-6, 1e-3, 0.01, 0.03, 0.1, 0.3, 1.0))  # [rad] after
 AROUND = (1.0, 0.999, 1.001, 0.99, 1.01, 0.9, 1.1)  # factors on the temperature there
 
 
-class Point(NamedTuple):
+class ChamberPoint(NamedTuple):
     """A chamber at an angle [rad]: its states, pressure [Pa], volume [m³] and gas mass [kg]."""
 
     phi: float
@@ -40,13 +40,13 @@ class Point(NamedTuple):
     m: float
 
 
-class Asked(NamedTuple):
+class KernelCheck(NamedTuple):
     """A kernel of an own effect: its value at a point, and the least and the largest value that is possible."""
 
     effect: str
     what: str
     unit: str
-    at: Callable[[Point], float]
+    at: Callable[[ChamberPoint], float]
     least: float = -math.inf
     most: float = math.inf
 
@@ -62,7 +62,7 @@ def impossible(problem: Problem, cycle: CycleSolution) -> str:
     wrong = next(_declared(parts, own), "")
     if wrong:
         return wrong
-    phi, rows = _along(life) if not cycle.failed else (np.empty(0), np.empty((0, 1)))
+    phi, rows = _states_along(life) if not cycle.failed else (np.empty(0), np.empty((0, 1)))
     degrees = np.radians(np.arange(0.0, math.degrees(parts.geometry.life), 1.0))
     wrong = next(_areas(parts, life, own, np.union1d(phi, degrees)), "")
     if wrong:
@@ -71,11 +71,11 @@ def impossible(problem: Problem, cycle: CycleSolution) -> str:
     rates = [asked for asked in _rates(parts, life) if asked.effect in own and (stopped or asked.least > -math.inf)]
     if not rates:
         return ""
-    points = list(_points(parts, life, phi, rows)), *(_stopped(parts, cycle) if stopped else ())
-    return next(filter(None, (_first(asked, some) for some in points for asked in rates)), "")
+    points = list(_points(parts, life, phi, rows)), *(_points_at_stop(parts, cycle) if stopped else ())
+    return next(filter(None, (_first_message(asked, some) for some in points for asked in rates)), "")
 
 
-def _first(asked: Asked, points: Sequence[Point]) -> str:
+def _first_message(asked: KernelCheck, points: Sequence[ChamberPoint]) -> str:
     """Return a message on the first point at which a kernel returns something impossible; empty where none does."""
     values = [asked.at(point) for point in points]
     finite = [abs(value) for value in values if math.isfinite(value)]
@@ -86,7 +86,7 @@ def _first(asked: Asked, points: Sequence[Point]) -> str:
     return ""
 
 
-def _message(effect: str, what: str, unit: str, point: Point, value: float) -> str:
+def _message(effect: str, what: str, unit: str, point: ChamberPoint, value: float) -> str:
     """Return the message on an impossible value."""
     states = f", T = {in_celsius(point.y[S_T])}, p = {in_bar(point.p)}" if point.m else ""
     shown = f"{value:.6g} {unit}".rstrip()
@@ -108,7 +108,7 @@ def _declared(parts: Parts, own: set[str]) -> Iterator[str]:
             yield f"effects.{name}: its breakpoint at {breakpoints[0]:.6g} rad is impossible; fix that module"
 
 
-def _along(life: Trajectory) -> tuple[Array, Array]:
+def _states_along(life: Trajectory) -> tuple[Array, Array]:
     """Return angles [rad] of the last cycle, and the states and pressure there, a row each."""
     times, dense, steps = life.rows
     curves = [dense[:steps, k, : len(life.composition.states) + 1] for k in range(4)]
@@ -116,7 +116,7 @@ def _along(life: Trajectory) -> tuple[Array, Array]:
     return np.concatenate(phis), np.concatenate([dense_value(share, *curves) for share in SHARES])
 
 
-def _points(parts: Parts, life: Trajectory, phi: Array, rows: Array) -> Iterator[Point]:
+def _points(parts: Parts, life: Trajectory, phi: Array, rows: Array) -> Iterator[ChamberPoint]:
     """Yield the points of a cycle at angles, with states and pressure from the rows, in the order of the angles."""
     order = np.argsort(phi, kind="stable")
     y = np.ascontiguousarray(rows[order, :-1])
@@ -124,7 +124,7 @@ def _points(parts: Parts, life: Trajectory, phi: Array, rows: Array) -> Iterator
         yield _point(parts, life, angle, state, p)
 
 
-def _stopped(parts: Parts, cycle: CycleSolution) -> tuple[list[Point], list[Point]]:
+def _points_at_stop(parts: Parts, cycle: CycleSolution) -> tuple[list[ChamberPoint], list[ChamberPoint]]:
     """Return points at, and around, the states of the chambers where an integration stopped."""
     geometry, n = parts.geometry, len(cycle.trajectory.composition.states)
     here, around = [], []
@@ -140,14 +140,14 @@ def _stopped(parts: Parts, cycle: CycleSolution) -> tuple[list[Point], list[Poin
     return here, around
 
 
-def _point(parts: Parts, life: Trajectory, phi: float, y: Array, p: float | None = None) -> Point:
+def _point(parts: Parts, life: Trajectory, phi: float, y: Array, p: float | None = None) -> ChamberPoint:
     """Return the point of a chamber at an angle [rad] with states y; its pressure [Pa] is computed if not given."""
     c, module, oil = life.composition, life.module, parts.oil
     V, rho = module.volume_at(phi, c.P, c.TAB), float(y[S_RHO])
     if p is None:
         p = float(module.gas_state(float(y[S_T]), rho, c.P, c.TAB)[0])
     room = 1.0 + float(y[S_X_OIL]) * rho / oil.density if c.oil_room and oil is not None else 1.0
-    return Point(phi, y, p, V, rho * V / room)
+    return ChamberPoint(phi, y, p, V, rho * V / room)
 
 
 def _areas(parts: Parts, life: Trajectory, own: set[str], angles: Array) -> Iterator[str]:
@@ -162,17 +162,17 @@ def _areas(parts: Parts, life: Trajectory, own: set[str], angles: Array) -> Iter
         slack = ROUNDING * float(np.max(np.abs(areas), initial=0.0, where=finite))
         wrong = np.flatnonzero(~(finite & (areas >= -slack)))
         if len(wrong):
-            where = Point(float(angles[wrong[0]]), areas, 0.0, 0.0, 0.0)
+            where = ChamberPoint(float(angles[wrong[0]]), areas, 0.0, 0.0, 0.0)
             yield _message(name, "area", "m²", where, float(areas[wrong[0]]))
 
 
-def _rates(parts: Parts, life: Trajectory) -> Iterator[Asked]:
+def _rates(parts: Parts, life: Trajectory) -> Iterator[KernelCheck]:
     """Yield the kernels of own effects that depend on the state of a chamber."""
     c, R, module = life.composition, life.R, life.module
     P, TAB = c.P, c.TAB
     lines = [float(R[parts.number(line) * PORT_STATE + PRESSURE]) for line in LINES]
 
-    def oil_of(point: Point) -> float:
+    def oil_of(point: ChamberPoint) -> float:
         """Return the oil per gas of a chamber."""
         if c.carried:
             return float(point.y[S_X_OIL])
@@ -180,39 +180,41 @@ def _rates(parts: Parts, life: Trajectory) -> Iterator[Asked]:
 
     for i, (name, _) in enumerate(parts.all(HeatRate)):
 
-        def heat(point: Point, i=i) -> float:
+        def heat(point: ChamberPoint, i=i) -> float:
             T, rho, T_oil = (float(value) for value in point.y[: S_T_OIL + 1])
             oil = oil_of(point) * point.m
             around = point.m, point.p, rho, point.V, point.phi
             return float(module.heat_part(i, T, *around, T_oil, oil, float(R[R_RATIO]), P))
 
-        yield Asked(name, "heat rate", "W", heat)
+        yield KernelCheck(name, "heat rate", "W", heat)
     for i, (name, _) in enumerate(parts.walls):
 
-        def conductance(point: Point, i=i) -> float:
+        def conductance(point: ChamberPoint, i=i) -> float:
             T, rho = float(point.y[S_T]), float(point.y[S_RHO])
             return float(module.wall_conductance(i, T, point.m, point.p, rho, point.V, point.phi, P))
 
-        yield Asked(name, "conductance", "W/K", conductance, 0.0)
+        yield KernelCheck(name, "conductance", "W/K", conductance, 0.0)
     for i, (name, part) in enumerate(parts.all(ChamberState)):
 
-        def rate(point: Point, i=i) -> float:
+        def rate(point: ChamberPoint, i=i) -> float:
             T, rho = float(point.y[S_T]), float(point.y[S_RHO])
             return float(module.state_rate(i, T, point.m, point.p, rho, point.V, point.phi, *lines, point.y, 0, P))
 
-        yield Asked(name, f"rate of {part.name}", "1/s", rate)
+        yield KernelCheck(name, f"rate of {part.name}", "1/s", rate)
     for k, (name, _) in enumerate(parts.all(Stops)):
 
-        def push(point: Point, k=k) -> float:
+        def push(point: ChamberPoint, k=k) -> float:
             return float(module.stop_push(k, point.p, *lines, point.y, 0, P))
 
-        yield Asked(name, "push", "", push)
+        yield KernelCheck(name, "push", "", push)
     for name, _ in parts.all(OilPort):
-        yield Asked(name, "oil flow", "kg/s", lambda point: float(module.oil_inflow(point.phi, point.p, P, TAB)), 0.0)
+        yield KernelCheck(
+            name, "oil flow", "kg/s", lambda point: float(module.oil_inflow(point.phi, point.p, P, TAB)), 0.0
+        )
     yield from _shares(parts, life, oil_of)
 
 
-def _shares(parts: Parts, life: Trajectory, oil_of: Callable[[Point], float]) -> Iterator[Asked]:
+def _shares(parts: Parts, life: Trajectory, oil_of: Callable[[ChamberPoint], float]) -> Iterator[KernelCheck]:
     """Yield the kernels of the shares of valves and gaps, and of the oil films of gaps."""
     module, R, P = life.module, life.R, life.composition.P
     for i, (name, path) in enumerate(parts.ports):
@@ -220,31 +222,31 @@ def _shares(parts: Parts, life: Trajectory, oil_of: Callable[[Point], float]) ->
             continue
         number = parts.number(path.to)
 
-        def opening(point: Point, i=i, number=number) -> float:
+        def opening(point: ChamberPoint, i=i, number=number) -> float:
             drop = float(R[number * PORT_STATE + PRESSURE]) - point.p
             return float(module.path_opening(i, drop, float(P[P_PORT_WIDTH + number]), LOOSE, point.y, 0, P))
 
-        yield Asked(name, "opening", "", opening, 0.0, 1.0)
+        yield KernelCheck(name, "opening", "", opening, 0.0, 1.0)
     for i, (name, path) in enumerate(parts.gaps):
         if path.resistance is None:
             continue
 
-        def share(point: Point, i=i) -> float:
+        def share(point: ChamberPoint, i=i) -> float:
             """Return the share that is farthest from 0.5, over several speeds."""
             rho = float(point.y[S_RHO])
             found = [float(module.gap_share(i, rho * speed, rho, oil_of(point), P)) for speed in SPEEDS]
             return max(found, key=lambda value: abs(value - 0.5) if math.isfinite(value) else math.inf)
 
-        yield Asked(name, "share of a gap", "", share, 0.0, 1.0)
+        yield KernelCheck(name, "share of a gap", "", share, 0.0, 1.0)
         if path.resistance.film is not None:
 
-            def film(point: Point, i=i) -> float:
+            def film(point: ChamberPoint, i=i) -> float:
                 return float(module.gap_film(i, point.p, oil_of(point), P))
 
-            yield Asked(name, "film of oil", "kg/(m² s)", film, 0.0)
+            yield KernelCheck(name, "film of oil", "kg/(m² s)", film, 0.0)
         if path.resistance.drag is not None:
 
-            def drag(point: Point, i=i) -> float:
+            def drag(point: ChamberPoint, i=i) -> float:
                 return float(module.gap_drag(i, oil_of(point), P))
 
-            yield Asked(name, "dragged oil", "kg/(m² s)", drag, 0.0)
+            yield KernelCheck(name, "dragged oil", "kg/(m² s)", drag, 0.0)

@@ -9,16 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.cycle.known import CycleFigures
+from screwsim.cycle.cycle_figures import CycleFigures
 from screwsim.cycle.problem import Inlet, Problem
 from screwsim.effects.base import Given, Plenum, Reading
 from screwsim.fluid import constants
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.inputs.faults import UsageError, own_number
+from screwsim.inputs.faults import UsageError, checked_own_number
 from screwsim.model.parts import Parts
 from screwsim.model.slots import OF_GAS
-from screwsim.numerics.at_once import changed
+from screwsim.numerics.frozen import with_changes
 from screwsim.scene.lines import Lines
 
 WET = "the intake is wet"
@@ -72,7 +72,7 @@ def _plenum_works(gas: Gas, p_d: float, state: Reservoir) -> tuple[tuple[float |
     return (isothermal, gas.ideal_isothermal_work(state.p, p_d, state.T), isentropic), obstacle
 
 
-def drawn(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reservoir]]:
+def plenum_products(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reservoir]]:
     """Return the net flow [kg/s] and state of each own plenum whose gas is a product."""
     products = {part.name for _, part in parts.all(Plenum) if part.product}
     rows = ((2 * parts.number(name), state) for name, state in parts.plenums.items() if name in products)
@@ -116,7 +116,9 @@ def heating(
     return {"heating_capacity": capacity, "heating_cop": cop}, reasons
 
 
-def valued(given: Given, effect: str, why: str = "", finite: bool = True) -> tuple[dict[str, Any], dict[str, str]]:
+def effect_figures(
+    given: Given, effect: str, why: str = "", finite: bool = True
+) -> tuple[dict[str, Any], dict[str, str]]:
     """Return the figures that an effect gives, and the reasons for those that are None.
 
     Raises Impossible for a figure that is not a number, unless `finite` is False.
@@ -124,7 +126,7 @@ def valued(given: Given, effect: str, why: str = "", finite: bool = True) -> tup
     found = {name: None if isinstance(value, str) else value for name, value in given.items()}
     for name, value in found.items():
         if finite:
-            own_number(effect, f"its figure {name}", 0.0 if value is None else value)
+            checked_own_number(effect, f"its figure {name}", 0.0 if value is None else value)
     reasons = {name: value if isinstance(value, str) else why for name, value in given.items()}
     none = f"effects.{effect} finds no value in this cycle"
     return found, {name: reasons[name] or none for name, value in found.items() if value is None}
@@ -139,21 +141,21 @@ def readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tup
     notes: dict[str, str] = {}
     reading = parts.all(Reading)
     names = ("shaft_power", "isothermal_efficiency", "isentropic_efficiency", "cop", "heating_cop")
-    complete = changed(known, **{name: found.get(name) for name in names}) if reading else known
+    complete = with_changes(known, **{name: found.get(name) for name in names}) if reading else known
     for name, part in sorted(reading, key=lambda each: MOTOR_POWER not in each[1].figures):  # others may read it
-        given = part.read(changed(complete, motor_power=values.get(MOTOR_POWER), found={**found, **values}))
-        read, reasons = valued(given, name, finite=bool(np.isfinite(known.indicated_power)))
+        given = part.read(with_changes(complete, motor_power=values.get(MOTOR_POWER), found={**found, **values}))
+        read, reasons = effect_figures(given, name, finite=bool(np.isfinite(known.indicated_power)))
         values |= read
         notes |= reasons
     return values, notes
 
 
-def judged(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:
+def judge_readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:
     """Return why effects that read the cycle reject it (empty: none does), and their warnings."""
     judges = [part.judge for _, part in parts.all(Reading) if part.judge is not None]
     if not judges:
         return "", ()
-    complete = changed(known, shaft_power=found["shaft_power"], motor_power=found.get(MOTOR_POWER))
+    complete = with_changes(known, shaft_power=found["shaft_power"], motor_power=found.get(MOTOR_POWER))
     told = [judge(complete) for judge in judges]
     return next((why for why, _ in told if why), ""), tuple(each for _, warnings in told for each in warnings)
 

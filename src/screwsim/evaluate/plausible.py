@@ -20,10 +20,10 @@ from screwsim.scene.types import Scene
 
 DELIVERED = 1e-3  # volumetric efficiency above which a machine counts as one that delivers
 ROUNDING = 1e-3  # tolerated excess of an efficiency above 1, besides its estimated error
-RAM = 0.05  # overfilling of a chamber, relative to its volume, that gas in motion may cause
-BACK = 0.5  # of the displacement: leakage beyond the delivered flow above which gaps are implausible
-HOT = 700.0  # [K], more than oil, seals and rotors endure
-BURST = 20.0  # times the higher line's pressure
+RAM_FILLING = 0.05  # overfilling of a chamber, relative to its volume, that gas in motion may cause
+LARGEST_LEAKAGE = 0.5  # of the displacement: leakage beyond the delivered flow above which gaps are implausible
+HOTTEST = 700.0  # [K], more than oil, seals and rotors endure
+LARGEST_PRESSURE = 20.0  # times the higher line's pressure
 NO_MACHINE = "so that it is impossible (check its effects)"
 
 
@@ -35,7 +35,7 @@ class Doubt(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Told:
+class CheckedCycle:
     """A closed cycle as it is checked: scene, parts, lines, figures and their errors."""
 
     scene: Scene
@@ -56,20 +56,20 @@ class Told:
         return value if value is not None and value > limit + slack * max(1.0, abs(limit)) else None
 
 
-def _isothermal(told: Told) -> Iterator[Doubt]:
+def _isothermal(checked: CheckedCycle) -> Iterator[Doubt]:
     """Yield a doubt about an isothermal efficiency above 1."""
-    eta = told.above("isothermal_efficiency", 1.0)
-    if eta is None or told.expands:
+    eta = checked.above("isothermal_efficiency", 1.0)
+    if eta is None or checked.expands:
         return
     words = f"the isothermal efficiency of {eta:.4g} is above 1"
-    oil, T_s = told.parts.oil, told.lines.T_s
-    if oil is not None and oil.temperature < T_s and told.parts.all(HeatRate):
+    oil, T_s = checked.parts.oil, checked.lines.T_s
+    if oil is not None and oil.temperature < T_s and checked.parts.all(HeatRate):
         yield Doubt(
             f"{words}: the oil comes in at {in_celsius(oil.temperature)}, colder than the suction gas of "
             f"{in_celsius(T_s)}, while the ideal of that figure is isothermal at the gas's temperature; the cooling "
             "of the oil is not counted"
         )
-    elif told.parts.all(Wall) or any(plenum.evaporates for _, plenum in told.parts.all(Plenum)):
+    elif checked.parts.all(Wall) or any(plenum.evaporates for _, plenum in checked.parts.all(Plenum)):
         yield Doubt(
             f"{words}: that requires walls, or evaporating liquid, colder than the suction gas; is that intended?"
         )
@@ -78,34 +78,37 @@ def _isothermal(told: Told) -> Iterator[Doubt]:
         yield Doubt(what, "isothermal_efficiency")
 
 
-def _isentropic(told: Told) -> Iterator[Doubt]:
+def _isentropic(checked: CheckedCycle) -> Iterator[Doubt]:
     """Yield a doubt about an isentropic efficiency above 1."""
-    eta = told.above("isentropic_efficiency", 1.0)
+    eta = checked.above("isentropic_efficiency", 1.0)
     if eta is None:
         return
     words = f"the isentropic efficiency of {eta:.4g} is above 1"
     ideal = "the gas during compression, while the ideal of that figure has no cooling"
-    if told.expands:
+    if checked.expands:
         yield Doubt(f"{words}: no expander gives more than the ideal one (check its effects)", "isentropic_efficiency")
-    elif told.parts.all(HeatRate):
+    elif checked.parts.all(HeatRate):
         yield Doubt(f"{words}: oil cools {ideal}")
-    elif told.parts.all(Wall) or any(plenum.evaporates for _, plenum in told.parts.all(Plenum)):
+    elif checked.parts.all(Wall) or any(plenum.evaporates for _, plenum in checked.parts.all(Plenum)):
         yield Doubt(f"{words}: walls or liquid cool {ideal}")
     else:
         yield Doubt(f"{words}: nothing in the scene cools the gas, {NO_MACHINE}", "isentropic_efficiency")
 
 
-def _volumetric(told: Told) -> Iterator[Doubt]:
+def _volumetric(checked: CheckedCycle) -> Iterator[Doubt]:
     """Yield a doubt about a volumetric efficiency that is too large, or too far below zero."""
-    filled, found = told.above("volumetric_efficiency", 1.0 + RAM), told.found.get("volumetric_efficiency")
-    if told.expands:
+    filled, found = (
+        checked.above("volumetric_efficiency", 1.0 + RAM_FILLING),
+        checked.found.get("volumetric_efficiency"),
+    )
+    if checked.expands:
         return
     if filled is not None:
         yield Doubt(
             f"the volumetric efficiency of {filled:.4g} is above 1: the chambers take in more gas than fills them at "
             "the state of the suction line; colder oil, or the inertia of the gas, can add a few percent"
         )
-    elif found is not None and found < -BACK:
+    elif found is not None and found < -LARGEST_LEAKAGE:
         yield Doubt(
             f"the volumetric efficiency is {found:.4g}: more flows back through leaks than the rotors displace; no "
             "machine has gaps or areas so wide (check gaps and speed)",
@@ -113,17 +116,17 @@ def _volumetric(told: Told) -> Iterator[Doubt]:
         )
 
 
-def _driven(told: Told) -> Iterator[Doubt]:
+def _driven(checked: CheckedCycle) -> Iterator[Doubt]:
     """Yield a doubt about a compressor that delivers gas and gives power."""
-    power, filled = told.found.get("shaft_power"), told.found.get("volumetric_efficiency")
-    if not (told.expands or power is None or filled is None or power > 0.0 or filled < DELIVERED):
+    power, filled = checked.found.get("shaft_power"), checked.found.get("volumetric_efficiency")
+    if not (checked.expands or power is None or filled is None or power > 0.0 or filled < DELIVERED):
         what = f"the shaft power is {power:.4g} W: no compressor that delivers gas produces power (check its effects)"
         yield Doubt(what, "shaft_power")
 
 
-def _carnot(told: Told) -> Iterator[Doubt]:
+def _carnot(checked: CheckedCycle) -> Iterator[Doubt]:
     """Yield a doubt about a COP above Carnot's."""
-    operation, cop = told.scene.operation, told.found.get("cop")
+    operation, cop = checked.scene.operation, checked.found.get("cop")
     T_e, T_c = operation.evaporating_temperature, operation.condensing_temperature
     if not (cop is None or T_e is None or T_c is None or T_c <= T_e or cop <= T_e / (T_c - T_e)):
         yield Doubt(
@@ -133,18 +136,18 @@ def _carnot(told: Told) -> Iterator[Doubt]:
         )
 
 
-def _hot(told: Told) -> Iterator[Doubt]:
+def _hot(checked: CheckedCycle) -> Iterator[Doubt]:
     """Yield a doubt about a discharge temperature that no machine endures."""
-    T = told.found.get("discharge_temperature")
-    if not (T is None or T <= HOT or told.expands):
-        words = f"the gas leaves at {in_celsius(T)}, and no machine withstands {in_celsius(HOT)}"
+    T = checked.found.get("discharge_temperature")
+    if not (T is None or T <= HOTTEST or checked.expands):
+        words = f"the gas leaves at {in_celsius(T)}, and no machine withstands {in_celsius(HOTTEST)}"
         yield Doubt(f"{words} (use more or cooler oil, or a lower pressure ratio)", "discharge_temperature")
 
 
-def _burst(told: Told) -> Iterator[Doubt]:
+def _burst(checked: CheckedCycle) -> Iterator[Doubt]:
     """Yield a doubt about a peak pressure that no housing endures."""
-    peak, line = told.found.get("peak_pressure"), max(told.lines.p_s, told.lines.p_d)
-    if not (peak is None or peak <= BURST * line):
+    peak, line = checked.found.get("peak_pressure"), max(checked.lines.p_s, checked.lines.p_d)
+    if not (peak is None or peak <= LARGEST_PRESSURE * line):
         what = f"the chamber reaches {in_bar(peak)}, {peak / line:.3g} times the higher line's pressure"
         yield Doubt(f"{what}, which no housing withstands (open the discharge port earlier or wider)", "peak_pressure")
 
@@ -152,9 +155,9 @@ def _burst(told: Told) -> Iterator[Doubt]:
 DOUBTS = (_isothermal, _isentropic, _volumetric, _driven, _carnot, _hot, _burst)
 
 
-def doubts(told: Told) -> tuple[Doubt, ...]:
+def doubts(checked: CheckedCycle) -> tuple[Doubt, ...]:
     """Return the implausibilities among the figures of a closed cycle."""
-    return tuple(doubt for ask in DOUBTS for doubt in ask(told))
+    return tuple(doubt for ask in DOUBTS for doubt in ask(checked))
 
 
 def lines_met(parts: Parts) -> set[str]:
@@ -162,7 +165,7 @@ def lines_met(parts: Parts) -> set[str]:
     return {path.to for _, path in parts.all(FlowPath) if not path.beside}
 
 
-def shut_ways(scene: Scene, parts: Parts) -> tuple[str, ...]:
+def blocked_paths(scene: Scene, parts: Parts) -> tuple[str, ...]:
     """Return messages where nothing leads from the suction line into a chamber, or from it to the discharge line."""
     found, leads = [], lines_met(parts)
     kind, roles = kind_of(scene.machine), (WAY_IN, WAY_OUT)

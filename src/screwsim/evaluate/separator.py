@@ -6,14 +6,14 @@ Source: docs/model.md M280–M285, M343.
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from screwsim.build import in_separator, open_temperatures, package_of
+from screwsim.build import open_temperatures, package_of, separator_effects
 from screwsim.cycle import suction_line
 from screwsim.cycle.balances import streams_of, walls_of
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import OilSolution, PowerLoss
 from screwsim.effects.base import Separator as SeparatorPart
 from screwsim.fluid.moist_air import MoistAir
-from screwsim.fluid.separator import Outflow, Separated, separated
+from screwsim.fluid.separator import Separated, SeparatorInflow, separated
 from screwsim.inputs.faults import UsageError
 from screwsim.model.numbers import oil_places
 from screwsim.model.slots import (
@@ -49,7 +49,7 @@ class Circuit(NamedTuple):
     `unclosed` [K] is the effect of the cycle's energy residual on the mixture's temperature.
     """
 
-    outflow: Outflow
+    outflow: SeparatorInflow
     parted: Separated
     supply: float
     separator: float
@@ -69,7 +69,7 @@ def circuit_of(
     """
     parts, scene = problem.parts, problem.scene
     part = next((part for _, part in parts.all(SeparatorPart)), None)
-    asking = in_separator(scene)
+    asking = separator_effects(scene)
     if parts.oil is None or not (part or asking or isinstance(parts.gas, MoistAir)):
         return None
     outflow = _outflow(problem, life, q, losses, lift)
@@ -83,13 +83,13 @@ def circuit_of(
     used = asking[0].separator_temperature if asking and separator_open else None
     change = 0.0 if used is None else parted.T_separator - used
     power = abs(problem.rate * float(q[Q_WORK]) + lift + sum(losses.values()))
-    unexplained = _unexplained(outflow, parted)
+    unexplained = _unexplained_power(outflow, parted)
     shares = [abs(each) / max(power, 1e-300) for each in (parted.open, outflow.oil_capacity * change, unexplained)]
     unclosed = abs(unexplained) / max(outflow.oil_capacity + outflow.gas_flow * parts.gas.c_p, 1e-300)
     return Circuit(outflow, parted, parted.supply, change, max(shares[:2]), max(shares), unclosed)
 
 
-def _unexplained(outflow: Outflow, parted: Separated) -> float:
+def _unexplained_power(outflow: SeparatorInflow, parted: Separated) -> float:
     """Return the power [W] that comes in beyond what gas, cooler and surroundings take (M285).
 
     0 where gas condenses.
@@ -101,7 +101,7 @@ def _unexplained(outflow: Outflow, parted: Separated) -> float:
     return comes - goes
 
 
-def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, float], lift: float) -> Outflow:
+def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, float], lift: float) -> SeparatorInflow:
     """Return the flows of a life with quadratures q into the separator (M280, M282)."""
     parts, c, rate, h_ref = problem.parts, problem.composition, problem.rate, problem.inlet.enthalpy
     oil = parts.oil
@@ -111,7 +111,7 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
     leak = suction_line.leak(problem, life.R).times(rate)
     out = -float(streams[DISCHARGE_IN, OF_GAS] + streams[DISCHARGE_OUT, OF_GAS]) - leak.gas
     energy = -(beyond[DISCHARGE_IN] + beyond[DISCHARGE_OUT]) - (leak.enthalpy - h_ref * leak.gas)
-    returned = problem.suction.returned * suction_line.fresh(problem, life.R, streams / rate) * rate
+    returned = problem.suction.returned * suction_line.fresh_gas(problem, life.R, streams / rate) * rate
     sent_back = returned * (float(life.R[R_DISCHARGE + ENTHALPY]) - h_ref)
     flashing = {parts.number(parts.oil_gas.plenum)} if parts.oil_gas is not None else set()
     own = range(FIRST_OWN, FIRST_OWN + len(parts.plenums))
@@ -122,7 +122,7 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
     taken_up = sum(beyond[2 * i] + beyond[2 * i + 1] for i in flashing)
     injected = rate * float(streams_of(c, q)[PORT_OIL, OF_OIL] if c.ported else life.R[R_INJECTED])
     if c.carried:
-        T_in = oil.temperature + problem.pressed(max(oil.source_pressure, float(life.R[R_PRESSURE])))
+        T_in = oil.temperature + problem.oil_pressure_term(max(oil.source_pressure, float(life.R[R_PRESSURE])))
         if c.ported:
             T_in = float(c.P[oil_places(parts)["P_H_PORT"]])
             taken_up += oil.heat_capacity * float(streams[PORT_OIL, OF_OIL_HEAT] - T_in * streams[PORT_OIL, OF_OIL])
@@ -144,7 +144,7 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
     else:
         energy -= rate * float(q[Q_HEAT])
     friction = sum(losses[name] for name in {part.figure for _, part in parts.all(PowerLoss) if part.friction})
-    return Outflow(
+    return SeparatorInflow(
         parts.gas,
         problem.lines.p_d,
         out - returned - absorbed,
@@ -170,7 +170,7 @@ class Package(NamedTuple):
     open: float
 
 
-def package_off(problem: Problem, flow: float | None) -> Package | None:
+def package_residual(problem: Problem, flow: float | None) -> Package | None:
     """Return the difference between a problem's losses and those at a mass flow [kg/s]; None without a package."""
     package, posed = package_of(problem.scene), problem.scene.losses
     if package is None or posed is None:

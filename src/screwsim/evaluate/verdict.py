@@ -23,35 +23,35 @@ from screwsim.outputs.variables import NOT_CLOSED
 
 ALL_BUT_LOCKED = 0.9  # share of oil in a chamber's volume above which a stopped integration is a hydraulic lock
 REMEDIES: dict[Limit, Callable[[Problem], str]] = {  # of the limits of an equation of state
-    Limit.HOT: lambda problem: _cooler(problem),
-    Limit.PRESSED: lambda problem: _cooler(problem),
+    Limit.HOT: lambda problem: _cooling_remedy(problem),
+    Limit.PRESSED: lambda problem: _cooling_remedy(problem),
     Limit.COLD: lambda problem: f"use warmer suction gas{_or_oil(problem)}, or a wider suction port",
-    Limit.WET: lambda problem: f"use {_warmer(problem)}, or gas.two_phase: equilibrium",
-    Limit.GLIDING: lambda problem: f"use {_warmer(problem)}",
+    Limit.WET: lambda problem: f"use {_warming_remedy(problem)}, or gas.two_phase: equilibrium",
+    Limit.GLIDING: lambda problem: f"use {_warming_remedy(problem)}",
     Limit.CRITICAL: lambda problem: (
-        f"use a wider discharge port{_larger(problem)}, a lower discharge pressure or warmer {_warming(problem)}"
+        f"use a wider discharge port{_dead_volume(problem)}, a lower discharge pressure or warmer {_warmed_by(problem)}"
     ),
 }
 
-NO_MATTER = 3e4  # [kg/m³], denser than any fluid: a diverged iterate, not a state of the gas
+LARGEST_DENSITY = 3e4  # [kg/m³], denser than any fluid: a diverged iterate, not a state of the gas
 HOT = 1000.0  # [K], more than a machine endures
 PHASES = 120  # angles of a pitch at which a plenum's pressure is checked
-STANDING = 86_400.0  # [s] of a turn of the rotors, beyond which a machine practically stands still
-RESTLESS = 500  # impacts per turn above which reeds are blamed for a cycle that does not settle
-UNSETTLED = 0.05  # change of the states over a pitch above which a cycle is far from closed
+STANDING_TIME = 86_400.0  # [s] of a turn of the rotors, beyond which a machine practically stands still
+MANY_IMPACTS = 500  # impacts per turn above which reeds are blamed for a cycle that does not settle
+FAR_FROM_CLOSED = 0.05  # change of the states over a pitch above which a cycle is far from closed
 
 
-def refused(problem: Problem, life: Trajectory) -> str:
+def outside_gas_range(problem: Problem, life: Trajectory) -> str:
     """Return where and why a closed cycle leaves the range of the gas's equation of state; empty where it does not."""
     (T, rho), gas = life.ends, problem.parts.gas
     i = gas.first_outside(T, rho)
     found = None if i is None else gas.why_outside(float(T[i]), float(rho[i]))
     if i is None or found is None:
         return ""
-    return f"at {math.degrees(life.times[i + 1]):.2f} deg {_remedied(problem, found, life)}"
+    return f"at {math.degrees(life.times[i + 1]):.2f} deg {_violated_limit(problem, found, life)}"
 
 
-def _remedied(problem: Problem, found: Outside, life: Trajectory) -> str:
+def _violated_limit(problem: Problem, found: Outside, life: Trajectory) -> str:
     """Return which limit of the gas a state of a life violates, with the remedy.
 
     If the gas of an expander ends hotter than it came, it was recompressed because the outlet did not let it out.
@@ -60,31 +60,31 @@ def _remedied(problem: Problem, found: Outside, life: Trajectory) -> str:
     if hot and float(life.ends[0][-1]) > problem.lines.T_s:
         return (
             f"{found.what}: gas that does not get out through the outlet is recompressed; use a wider "
-            f"machine.suction_port, through which an expander's gas leaves{_larger(problem)}, or a lower speed"
+            f"machine.suction_port, through which an expander's gas leaves{_dead_volume(problem)}, or a lower speed"
         )
     return f"{found.what}; {REMEDIES[found.limit](problem)}"
 
 
-def _cooler(problem: Problem) -> str:
+def _cooling_remedy(problem: Problem) -> str:
     """Return the remedy, for this machine, for gas that gets too hot or its pressure too high."""
     oil = "more or cooler oil" if problem.parts.oil is not None else "cooler gas in the suction line"
     if problem.parts.geometry.expands:
         return f"use {oil}, or a lower pressure there"
-    return f"use {oil}, a wider discharge port{_larger(problem)} or smaller leaks"
+    return f"use {oil}, a wider discharge port{_dead_volume(problem)} or smaller leaks"
 
 
-def _larger(problem: Problem) -> str:
+def _dead_volume(problem: Problem) -> str:
     """Return the scene's path of the dead volume as a further remedy; empty where a table sets it."""
     dead, _ = find_machine(problem.scene.machine.kind).dead_volume(problem.scene.machine)
     return f", a larger {dead}" if dead else ""
 
 
-def _warming(problem: Problem) -> str:
+def _warmed_by(problem: Problem) -> str:
     """Return what warms the gas of this machine."""
     return "oil" if problem.parts.oil is not None else "suction gas"
 
 
-def _warmer(problem: Problem) -> str:
+def _warming_remedy(problem: Problem) -> str:
     """Return what keeps the gas of this machine from condensing."""
     return "warmer oil or gas" if problem.parts.oil is not None else "warmer gas in the suction line"
 
@@ -108,7 +108,7 @@ def beyond_its_mean(problem: Problem, life: Trajectory) -> str:
     return ""
 
 
-def open_question(of: Evaluation, closed: bool) -> str:
+def unanswered_question(of: Evaluation, closed: bool) -> str:
     """Return which question about a cycle the scene leaves open, and what to do; empty where there is none."""
     asked = (part.open_question for part in of.problem.parts.pulsations if part.open_question is not None)
     return next(filter(None, (ask(of.turn, closed) for ask in asked)), "")
@@ -117,15 +117,15 @@ def open_question(of: Evaluation, closed: bool) -> str:
 def unclosed(of: Evaluation, cycle: CycleSolution) -> str:
     """Return what may help a cycle that did not close."""
     problem, numerics = of.problem, of.problem.scene.numerics
-    if cycle.impacts > RESTLESS:
-        return f"its turns do not settle, with {_restless(problem, cycle)}"
+    if cycle.impacts > MANY_IMPACTS:
+        return f"its turns do not settle, with {_impacts_remedy(problem, cycle)}"
     for part in problem.parts.pulsations:
         if part.shut is not None and part.shut(of.turn):
             return part.stuck or f"the {part.to} line stays shut and the turns do not settle"
     if check_of(numerics.integrator) or not problem.wanted.fallbacks or cycle.status != NOT_CLOSED:
         instead = way_of(cycle).instead
         return f"try {f'{instead}, or ' if instead else ''}a tighter numerics.accuracy"
-    if cycle.change < UNSETTLED:
+    if cycle.change < FAR_FROM_CLOSED:
         return "no fallback closed it either: the wanted accuracy may be too fine (choose a larger numerics.accuracy)"
     hottest = of.life.ends[0].max()
     if hottest < HOT:
@@ -137,7 +137,7 @@ def unclosed(of: Evaluation, cycle: CycleSolution) -> str:
     )
 
 
-def _restless(problem: Problem, cycle: CycleSolution) -> str:
+def _impacts_remedy(problem: Problem, cycle: CycleSolution) -> str:
     """Return what to do about reeds that hardly come to rest."""
     remedies = dict.fromkeys(part.remedy for _, part in problem.parts.all(Stops) if part.remedy)
     what = "impacts of its reeds in one turn; reeds that lose so little at an impact keep bouncing"
@@ -147,10 +147,10 @@ def _restless(problem: Problem, cycle: CycleSolution) -> str:
 def failure(problem: Problem, cycle: CycleSolution) -> str:
     """Return where and why an integration stopped, and what to do."""
     turn = TURN / problem.parts.omega
-    if turn > STANDING:
+    if turn > STANDING_TIME:
         return (
             f"the integration stopped at {math.degrees(cycle.angle):.2f} deg: the machine almost stands still: a turn "
-            f"takes {turn / STANDING:.3g} days, and its gas comes to rest long before that (choose a higher "
+            f"takes {turn / STANDING_TIME:.3g} days, and its gas comes to rest long before that (choose a higher "
             "operation.speed)"
         )
     states = zip(problem.composition.states, cycle.y, strict=False)
@@ -159,19 +159,19 @@ def failure(problem: Problem, cycle: CycleSolution) -> str:
     if lock:
         return lock
     if cycle.impacts > MOST_IMPACTS:
-        return f"the turn was given up at {math.degrees(cycle.angle):.2f} deg after {_restless(problem, cycle)}"
+        return f"the turn was given up at {math.degrees(cycle.angle):.2f} deg after {_impacts_remedy(problem, cycle)}"
     n, gas = len(problem.composition.states), problem.parts.gas
     for i, (T, rho) in enumerate(zip(cycle.y[S_T::n], cycle.y[S_RHO::n], strict=True)):  # each of all chambers
         reason = gas.why_outside(float(T), float(rho))
         if reason is not None:
             angle = cycle.angle + i * problem.parts.geometry.pitch
-            why = _remedied(problem, reason, cycle.trajectory)
+            why = _violated_limit(problem, reason, cycle.trajectory)
             return f"the integration stopped at {math.degrees(angle):.2f} deg: {why}"
-    elsewhere = refused(problem, cycle.trajectory)
+    elsewhere = outside_gas_range(problem, cycle.trajectory)
     if elsewhere:  # a chamber that such gas reaches through a leak
         return f"the integration stopped at {math.degrees(cycle.angle):.2f} deg; in its last turn {elsewhere}"
     densest = float(np.max(cycle.y[S_RHO::n]))
-    if densest > NO_MATTER:
+    if densest > LARGEST_DENSITY:
         pulsates = ", wider openings between plenum and line" if problem.parts.pulsations else ""
         return (
             f"no closed cycle was found: the last attempt diverged, to a density of {densest:.1e} kg/m3; the openings "
@@ -209,12 +209,12 @@ def _hydraulic_lock(problem: Problem, cycle: CycleSolution) -> str:
     )
 
 
-def of_package(of: Evaluation) -> float:
+def package_verdict(of: Evaluation) -> float:
     """Return the relative residual of a package's losses over their line's pressure; 0 without a package."""
     return 0.0 if of.package is None else of.package.open
 
 
-def of_circuit(of: Evaluation) -> tuple[str, float]:
+def circuit_verdict(of: Evaluation) -> tuple[str, float]:
     """Return why the oil's circuit of a cycle is impossible (empty: it is not), and its residual over the shaft power.
 
     The residual is 0 without effects.separator.

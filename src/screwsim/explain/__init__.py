@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from screwsim.build import build_parts, faults_of_own, regularisation
-from screwsim.cycle.solution import wanted_of
+from screwsim.cycle.solution import closing_criteria
 from screwsim.effects import base, catalogue
 from screwsim.effects.base import LINES
 from screwsim.explain.media import gas_rows, oil_rows
@@ -17,7 +17,7 @@ from screwsim.explain.rows import NO_BREAK, WIDTH, parameters_text, row
 from screwsim.figures import called_for
 from screwsim.inputs.declare import KINDS
 from screwsim.machine.kinds import kind_of
-from screwsim.machine.profile_law import Laid
+from screwsim.machine.profile_law import LaidCurves
 from screwsim.machine.protocol import ROTORS
 from screwsim.machine.rotors.curves import closed_in
 from screwsim.machine.settings import TwinScrew
@@ -26,10 +26,10 @@ from screwsim.model.compose import HELD_GAS, compose
 from screwsim.model.composition import Composition
 from screwsim.model.parts import Parts
 from screwsim.numerics.settings import CLOSINGS
-from screwsim.outputs.customary import in_bar, in_celsius, raised
+from screwsim.outputs.customary import in_bar, in_celsius, with_printed_units
 from screwsim.scene.fields import Section, section_of
 from screwsim.scene.grid import FLUID, case_count, dimensions
-from screwsim.scene.plausible import leaks_told
+from screwsim.scene.plausible import leaks_in_words
 from screwsim.scene.types import ActiveEffect, Scene
 from screwsim.scene.units import readable_quantity
 
@@ -56,7 +56,7 @@ class Explanation:
 
     def __str__(self) -> str:
         blocks = ["\n".join([heading, *lines]) for heading, lines in self.sections]
-        return raised("\n\n".join([self.title, *blocks] if self.title else blocks))
+        return with_printed_units("\n\n".join([self.title, *blocks] if self.title else blocks))
 
 
 def code(scene: Scene) -> str:
@@ -78,7 +78,7 @@ def explain(scene: Scene) -> Explanation:
     left_out = tuple(name for name, effect in catalogue().items() if name not in scene.effects and effect.fits(kind))
     sections = [
         ("Machine", _machine(scene, parts)),
-        (f"Active effects ({_counted(scene, left_out)})", _effects(scene, parts)),
+        (f"Active effects ({_effect_counts(scene, left_out)})", _effects(scene, parts)),
         ("Left out: adds no term, no state and no computing time", _left_out(left_out)),
         ("Chamber", _chamber(parts, model, "male rotor" if ROTORS in kind.offers else "shaft")),
         ("Flow paths", _paths(parts)),
@@ -93,7 +93,7 @@ def explain(scene: Scene) -> Explanation:
     return Explanation(scene.title, tuple(scene.effects), left_out, model.states, filled)
 
 
-def _counted(scene: Scene, left_out: tuple[str, ...]) -> str:
+def _effect_counts(scene: Scene, left_out: tuple[str, ...]) -> str:
     """Return how many effects are active, how many this kind of machine can have, and how many there are."""
     every = catalogue()
     active = sum(name in every for name in scene.effects)
@@ -130,7 +130,7 @@ def _screws(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     yield row(
         "kind", f"{machine.kind}, {machine.mode}, lobes {machine.male_lobes}/{machine.female_lobes}, rotor {size}"
     )
-    yield from _otherwise(machine, parts)
+    yield from _size_rows(machine, parts)
     if parts.geometry.expands:
         yield row(
             "", "the machine below runs backwards: its laws at one life minus the angle, its lines swapped (M150)"
@@ -144,7 +144,7 @@ def _screws(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     yield from _rotors(machine, parts)
 
 
-def _otherwise(machine: TwinScrew, parts: Parts) -> Iterator[str]:
+def _size_rows(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     """Yield the rows on a displacement or volume ratio that replaces lengths or angles."""
     stated = machine.displacement
     if stated is not None:
@@ -180,7 +180,7 @@ def _rotors(machine: Any, parts: Parts) -> Iterator[str]:
     )
 
 
-def _slide(slide: Any, laid: Laid) -> str:
+def _slide(slide: Any, laid: LaidCurves) -> str:
     """Return the position of a slide valve, and its effect on a chamber."""
     told = parameters_text(slide, skip=())
     if not laid.moved:
@@ -204,15 +204,15 @@ def _effects(scene: Scene, parts: Parts) -> Iterator[str]:
     for name, active in scene.effects.items():
         yield row(name, active.effect.title)
         given = [each.name for each in active.effect.figures if each.name in called]
-        yield from (row("", text) for text in _about(active, parts.effects[name], parts.dissolves, given))
+        yield from (row("", text) for text in _effect_rows(active, parts.effects[name], parts.dissolves, given))
     if not scene.effects:
         yield row("none", "a closed chamber, whose gas is compressed and expands again")
-    told = leaks_told(scene)
+    told = leaks_in_words(scene)
     if told:
         yield row("leaks", told.removeprefix("leaks "))
 
 
-def _about(active: ActiveEffect, built: Any, dissolves: bool, given: list[str]) -> Iterator[str]:
+def _effect_rows(active: ActiveEffect, built: Any, dissolves: bool, given: list[str]) -> Iterator[str]:
     effect = active.effect
     yield f"{', '.join(effect.equations)}; source: {effect.source}"
     parameters = parameters_text(active.parameters, skip=())
@@ -292,12 +292,12 @@ def _paths(parts: Parts) -> Iterator[str]:
 
 
 def _numerics(scene: Scene) -> Iterator[str]:
-    numerics, wanted = scene.numerics, wanted_of(scene.numerics, regularisation(scene))
+    numerics, wanted = scene.numerics, closing_criteria(scene.numerics, regularisation(scene))
     yield row(
         "accuracy", f"{numerics.accuracy:g} requested for the performance figures; also the bound of the balances"
     )
     origin = "given" if numerics.rtol is not None else "from the accuracy"
-    histories = f", of histories {wanted.of_histories * wanted.rtol:.3g}" if wanted.of_histories < 1.0 else ""
+    histories = f", of histories {wanted.histories_factor * wanted.rtol:.3g}" if wanted.histories_factor < 1.0 else ""
     yield row("integrator", f"{numerics.integrator}, rtol {wanted.rtol:.3g}{histories} ({origin})")
     yield row("closing", f"{numerics.closing}: {CLOSINGS[numerics.closing].text}")
     suction, discharge, gaps = regularisation(scene)

@@ -39,9 +39,12 @@ def gas_rows(scene: Scene, parts: Parts) -> Iterator[str]:
         told = f"below {in_celsius(DRIEST)}" if water_dew is None else in_celsius(water_dew)
         yield row("dew point", f"{told} at {where} (M327)")
     condensing = "dew" if is_blend(scene.gas.name) else "bubble"
-    dew = _stated(operation.evaporating_temperature, "dew")
-    bubble = _stated(operation.condensing_temperature, condensing)
-    dew, bubble = dew or _over(scene, operation.suction.pressure), bubble or _over(scene, operation.discharge.pressure)
+    dew = _saturation_remark(operation.evaporating_temperature, "dew")
+    bubble = _saturation_remark(operation.condensing_temperature, condensing)
+    dew, bubble = (
+        dew or _gauge_remark(scene, operation.suction.pressure),
+        bubble or _gauge_remark(scene, operation.discharge.pressure),
+    )
     yield row("suction line", f"{in_bar(at.p_s)}{dew}, {in_celsius(at.T_s)}")
     T_d = operation.discharge.temperature
     back = "mean temperature of the outflow (M27)" if T_d is None else readable_quantity(KINDS["temperature"], T_d)
@@ -63,13 +66,13 @@ def gas_rows(scene: Scene, parts: Parts) -> Iterator[str]:
         yield row("cooling", f"leaves the gas cooler at {T}; enthalpies of the real fluid (M330)")
 
 
-def _over(scene: Scene, p: float | None) -> str:
+def _gauge_remark(scene: Scene, p: float | None) -> str:
     """Return the remark on a pressure that was stated as a gauge pressure."""
     ambient = readable_quantity(KINDS["pressure"], scene.operation.ambient_pressure)
     return f" ({p.written} above ambient {ambient})" if isinstance(p, Gauge) else ""
 
 
-def _stated(T: float | None, point: str) -> str:
+def _saturation_remark(T: float | None, point: str) -> str:
     """Return the remark on a line whose pressure is that of saturation at T [K] (M42)."""
     return "" if T is None else f" ({point} point at {in_celsius(T)}, M42)"
 

@@ -5,10 +5,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from screwsim.effects import catalogue, find_effect
 from screwsim.effects.base import Effect
 from screwsim.explain.rows import NO_BREAK, row
-from screwsim.inputs.declare import Found, is_derived
+from screwsim.inputs.declare import FoundWithCycle, is_derived
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import kind_of
-from screwsim.scene.fields import unknown, value_at
+from screwsim.scene.fields import unknown_key, value_at
 from screwsim.scene.keys import ABSENT, SECTIONS, Key, effect_keys_of, section_keys
 from screwsim.scene.types import Scene
 from screwsim.scene.units import readable_quantity
@@ -24,23 +24,23 @@ def parameters(scene: Scene, names: Sequence[str] = ()) -> str:
     fitting = {name: effect for name, effect in catalogue().items() if effect.fits(kind_of(scene.machine))}
     known = fitting | {name: active.effect for name, active in scene.effects.items()}
     asked = [name.removeprefix("effects.") for name in names] or [*SECTIONS, *known]
-    return "\n\n".join("\n".join(_part(scene, name, known, kind)) for name in asked)
+    return "\n\n".join("\n".join(_section_or_effect(scene, name, known, kind)) for name in asked)
 
 
-def _part(scene: Scene, name: str, known: dict[str, Effect], kind: str) -> Iterator[str]:
+def _section_or_effect(scene: Scene, name: str, known: dict[str, Effect], kind: str) -> Iterator[str]:
     head, _, rest = name.partition(".")
     if rest and (head in SECTIONS or head in known):
-        heading, *_ = _part(scene, head, known, kind)
+        heading, *_ = _section_or_effect(scene, head, known, kind)
         yield heading
         section = head in SECTIONS
         keys = list(section_keys(head, kind) if section else effect_keys_of(head, known[head], kind))
         asked = [key for key in keys if key.path == rest or key.path.startswith(f"{rest}.")]
         if not asked:
-            raise UsageError(f"--parameters {head}.{rest}: {unknown(rest, [key.path for key in keys])}")
+            raise UsageError(f"--parameters {head}.{rest}: {unknown_key(rest, [key.path for key in keys])}")
         yield from _rows(scene, head if section else f"effects.{head}", asked)
         return
     if name in SECTIONS:
-        yield f"{name}{_absent(scene, name)}"
+        yield f"{name}{_absent_section(scene, name)}"
         yield from _rows(scene, name, section_keys(name, kind))
         return
     if name not in known and name in catalogue():
@@ -48,21 +48,21 @@ def _part(scene: Scene, name: str, known: dict[str, Effect], kind: str) -> Itera
             f"--parameters {name}: is not an effect of a {kind} (screwsim explain lists the possible ones)"
         )
     if name not in known and "." not in name:
-        raise UsageError(f"--parameters {name}: {unknown(name, [*SECTIONS, *known])}")
-    effect = known.get(name) or _own(name)
+        raise UsageError(f"--parameters {name}: {unknown_key(name, [*SECTIONS, *known])}")
+    effect = known.get(name) or _own_keys(name)
     state = "simulated" if name in scene.effects else "left out"
     yield f"effects.{name} ({state}): {effect.title}"
     yield from _rows(scene, f"effects.{name}", effect_keys_of(name, effect, kind))
 
 
-def _own(name: str) -> Effect:
+def _own_keys(name: str) -> Effect:
     try:
         return find_effect(name)
     except (KeyError, ImportError) as error:
         raise UsageError(f"--parameters {name}: cannot be imported ({error})") from None
 
 
-def _absent(scene: Scene, name: str) -> str:
+def _absent_section(scene: Scene, name: str) -> str:
     return " (not in this scene)" if getattr(scene, name) is None else ""
 
 
@@ -73,17 +73,17 @@ def _rows(scene: Scene, under: str, keys: Iterable[Key]) -> Iterator[str]:
         none = False
         about = [key.meaning, f"unit: {key.unit}", f"default: {key.default}"]
         about += [] if key.range == ABSENT else [f"range: {key.range}"]
-        yield row(key.path, "; ".join([*about, *_here(scene, f"{under}.{key.path}", key)]))
+        yield row(key.path, "; ".join([*about, *_scene_value(scene, f"{under}.{key.path}", key)]))
     if none:
         yield "  no keys"
 
 
-def _here(scene: Scene, path: str, key: Key) -> Iterator[str]:
+def _scene_value(scene: Scene, path: str, key: Key) -> Iterator[str]:
     value = value_at(scene, path)
     if value is None or value == "":
         return
     kind = key.leaf.dimension
-    found = kind is None or isinstance(value, Found)
+    found = kind is None or isinstance(value, FoundWithCycle)
     text = text_of(key.leaf, value) if found or kind is None else readable_quantity(kind, value)
     follows = " (follows)" if is_derived(value) and text != key.default else ""
     yield f"here: {text}{follows}".replace(" ", NO_BREAK)

@@ -3,7 +3,7 @@
 import textwrap
 from typing import Any
 
-from screwsim.inputs.declare import Found, is_derived
+from screwsim.inputs.declare import FoundWithCycle, is_derived
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.units import customary_unit, readable_quantity, to_customary
 from screwsim.scene.values import text_of
@@ -38,6 +38,6 @@ def _text(leaf: Leaf, value: Any) -> str:
         return f"{to_customary(leaf.dimension, value):.6g} {customary_unit(leaf.dimension)}"
     return (
         text_of(leaf, value)
-        if leaf.dimension is None or isinstance(value, Found)
+        if leaf.dimension is None or isinstance(value, FoundWithCycle)
         else readable_quantity(leaf.dimension, value)
     )

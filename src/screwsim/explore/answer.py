@@ -22,7 +22,7 @@ FILE = "file"  # a file, in `text`
 REFUSED = "refused"  # settings that make no scene; `message` has one line per fault
 
 
-def packed(head: Mapping[str, Any], arrays: Iterable[np.ndarray] = ()) -> bytes:
+def pack_message(head: Mapping[str, Any], arrays: Iterable[np.ndarray] = ()) -> bytes:
     """Return a message: the length of its head, the head and the arrays.
 
     The length has 4 bytes, little-endian; the head is JSON, padded with blanks to a multiple of four; the arrays follow
@@ -33,18 +33,18 @@ def packed(head: Mapping[str, Any], arrays: Iterable[np.ndarray] = ()) -> bytes:
     return b"".join((struct.pack("<I", len(text)), text, *(np.asarray(each, "<f4").tobytes() for each in arrays)))
 
 
-def unpacked(message: bytes) -> tuple[dict[str, Any], np.ndarray]:
+def unpack_message(message: bytes) -> tuple[dict[str, Any], np.ndarray]:
     """Return head and numbers of a message."""
     (size,) = struct.unpack_from("<I", message)
     return json.loads(message[4 : 4 + size]), np.frombuffer(message, "<f4", offset=4 + size)
 
 
-def solved(result: Result, more: Mapping[str, Any]) -> bytes:
+def result_answer(result: Result, more: Mapping[str, Any]) -> bytes:
     """Return the answer for a result, with further entries of its head."""
     traces = {name: np.asarray(values, float) for name, values in result.cycle.items()}
     head = {
         "kind": SOLVED,
-        **_told(result),
+        **_figures_document(result),
         "warnings": list(result.warnings),
         "notes": dict(result.notes),
         "effects": list(result.effects),
@@ -55,30 +55,30 @@ def solved(result: Result, more: Mapping[str, Any]) -> bytes:
         "about": [about_figure(figure) for name, figure in _about(result).items() if name not in known()],
         **more,
     }
-    return packed(head, traces.values())
+    return pack_message(head, traces.values())
 
 
-def point(result: Result, more: Mapping[str, Any]) -> bytes:
+def point_answer(result: Result, more: Mapping[str, Any]) -> bytes:
     """Return the answer for a point of a small sweep: only its figures."""
-    return packed({"kind": CURVE, **_told(result), **more})
+    return pack_message({"kind": CURVE, **_figures_document(result), **more})
 
 
-def slopes(derivatives: Mapping[str, Mapping[str, float]], more: Mapping[str, Any]) -> bytes:
+def derivatives_answer(derivatives: Mapping[str, Mapping[str, float]], more: Mapping[str, Any]) -> bytes:
     """Return the answer with derivatives [SI] by path and figure."""
-    return packed({"kind": SLOPES, "slopes": {path: _finite(each) for path, each in derivatives.items()}, **more})
+    return pack_message({"kind": SLOPES, "slopes": {path: _finite(each) for path, each in derivatives.items()}, **more})
 
 
-def file(text: str) -> bytes:
+def file_answer(text: str) -> bytes:
     """Return the answer with a file."""
-    return packed({"kind": FILE, "text": text})
+    return pack_message({"kind": FILE, "text": text})
 
 
-def refused(message: str, more: Mapping[str, Any]) -> bytes:
+def refused_answer(message: str, more: Mapping[str, Any]) -> bytes:
     """Return the answer to settings that make no scene, or for which no solution was found."""
-    return packed({"kind": REFUSED, "status": REFUSED, "message": message, **more})
+    return pack_message({"kind": REFUSED, "status": REFUSED, "message": message, **more})
 
 
-def _told(result: Result) -> dict[str, Any]:
+def _figures_document(result: Result) -> dict[str, Any]:
     return {"status": result.status, "message": result.message, "performance": _finite(result.performance)}
 
 

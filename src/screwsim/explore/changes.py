@@ -25,13 +25,14 @@ from screwsim.scene.values import convert, shown, text_of
 from screwsim.scene.write import quoted
 from screwsim.study.calibration.scene import lines_of
 
-CHANGED = {*KINDS, "number", "count", "choice"}  # kinds of fields; only the command may state a fluid, a file or a word
-LONGEST = 60  # characters of a value
-MOST = 400  # most changes at once
+# kinds of fields; only the command may state a fluid, a file or a word
+CHANGEABLE_KINDS = {*KINDS, "number", "count", "choice"}
+LONGEST_VALUE = 60  # characters of a value
+MOST_CHANGES = 400  # most changes at once
 
 
 @dataclass(frozen=True)
-class Base:
+class SceneArguments:
     """The command's arguments: a scene's file, overrides including the effects left out; and the resulting scene.
 
     Two watches guard the scene's own files, and those that it names, user-defined modules among them.
@@ -60,8 +61,8 @@ def read_changes(raw: Any) -> Changes:
     if not isinstance(raw, dict) or not raw.keys() <= {"set", "effects"}:
         raise Refused("the settings are not a mapping of set and effects (reload the page)")
     values, effects = raw.get("set", {}), raw.get("effects", {})
-    if not isinstance(values, dict) or not isinstance(effects, dict) or len(values) + len(effects) > MOST:
-        raise Refused(f"set and effects are not mappings, or hold more than {MOST} changes (reload the page)")
+    if not isinstance(values, dict) or not isinstance(effects, dict) or len(values) + len(effects) > MOST_CHANGES:
+        raise Refused(f"set and effects are not mappings, or hold more than {MOST_CHANGES} changes (reload the page)")
     if not all(isinstance(each, bool) for each in effects.values()):
         raise Refused("an effect is neither on nor off: true or false (reload the page)")
     if not all(map(str.isprintable, (*values, *effects))):  # half a character could not even be reported
@@ -69,48 +70,48 @@ def read_changes(raw: Any) -> Changes:
     return Changes(values, effects)
 
 
-def open_base(file: str, overrides: Iterable[str] = (), without: Iterable[str] = ()) -> Base:
+def open_base(file: str, overrides: Iterable[str] = (), without: Iterable[str] = ()) -> SceneArguments:
     """Return the scene that a command names, without its sweep; raise SceneError and UsageError as `load` does."""
     overrides, without = tuple(overrides), tuple(without)
     own = Watch(files_of(file))
     scene = load(file, [*overrides, "sweep=null"], without)
     watches = (own, Watch([*named_files(scene).values(), *modules_of(scene.own)]))
-    return Base(file, (*overrides, *(f"effects.{name}=off" for name in without)), scene, watches)
+    return SceneArguments(file, (*overrides, *(f"effects.{name}=off" for name in without)), scene, watches)
 
 
-def possible(scene: Scene) -> dict[str, Effect]:
+def possible_effects(scene: Scene) -> dict[str, Effect]:
     """Return the effects that a page may switch on: those of the scene, and the catalogue's that fit its machine."""
     kind = find_machine(scene.machine.kind)
     named = {name: active.effect for name, active in scene.effects.items()}
     return named | {name: effect for name, effect in catalogue().items() if effect.fits(kind)}
 
 
-def active(scene: Scene, effects: Mapping[str, bool]) -> dict[str, Effect]:
+def active_effects(scene: Scene, effects: Mapping[str, bool]) -> dict[str, Effect]:
     """Return the effects that are on with these switches; raise Refused for one that a page may not switch."""
-    known = possible(scene)
+    known = possible_effects(scene)
     for name in effects:
         if name not in known:
-            raise Refused(f"effects.{name[:LONGEST]}: a page can switch the effects of this machine only")
+            raise Refused(f"effects.{name[:LONGEST_VALUE]}: a page can switch the effects of this machine only")
     return {name: effect for name, effect in known.items() if effects.get(name, name in scene.effects)}
 
 
-def changeable(scene: Scene, effects: Mapping[str, Effect]) -> dict[str, Leaf]:
+def changeable_fields(scene: Scene, effects: Mapping[str, Effect]) -> dict[str, Leaf]:
     """Return the fields that a page may change, by dotted path, with the given effects on."""
     leaves = leaf_paths({name: effect.parameters for name, effect in effects.items()}, scene.machine.kind)
-    return {path: leaf for path, leaf in leaves.items() if leaf.kind in CHANGED and path not in FIXED}
+    return {path: leaf for path, leaf in leaves.items() if leaf.kind in CHANGEABLE_KINDS and path not in FIXED}
 
 
-def overrides_of(base: Base, changes: Changes) -> list[str]:
+def overrides_of(base: SceneArguments, changes: Changes) -> list[str]:
     """Return the changes as PATH=VALUE of `--set`, each value as the program itself writes it; raise Refused.
 
     Values of effects that are off are ignored. A value that has a tolerance in the scene keeps it.
     """
-    on = active(base.scene, changes.effects)
-    leaves, found = changeable(base.scene, on), []
+    on = active_effects(base.scene, changes.effects)
+    leaves, found = changeable_fields(base.scene, on), []
     for name, wanted in changes.effects.items():
         if wanted != (name in base.scene.effects):
             found.append(f"effects.{name}={'{}' if wanted else 'off'}")
-    off = [f"effects.{name}." for name in possible(base.scene) if name not in on]
+    off = [f"effects.{name}." for name in possible_effects(base.scene) if name not in on]
     for path, raw in changes.values.items():
         if not path.startswith(tuple(off)):
             found.append(f"{path}={_value(leaves.get(path), path, raw)}{_tolerance(base.scene, leaves, path, raw)}")
@@ -126,11 +127,11 @@ def _tolerance(scene: Scene, leaves: Mapping[str, Leaf], path: str, raw: Any) ->
 def _value(leaf: Leaf | None, path: str, raw: Any) -> str:
     """Return a value as YAML text; raise Refused."""
     if leaf is None:
-        raise Refused(f"{path[:LONGEST]}: a page can change numbers, choices and effects of the scene only")
+        raise Refused(f"{path[:LONGEST_VALUE]}: a page can change numbers, choices and effects of the scene only")
     if raw is None:
         return "null"
-    if isinstance(raw, str) and len(raw) > LONGEST:
-        raise Refused(f"{path}: has more than {LONGEST} characters")
+    if isinstance(raw, str) and len(raw) > LONGEST_VALUE:
+        raise Refused(f"{path}: has more than {LONGEST_VALUE} characters")
     if leaf.kind == "choice" and raw not in leaf.limits["options"]:
         raise Refused(f"{path}: {shown(raw)} is not an option (choose from: {', '.join(leaf.limits['options'])})")
     try:
@@ -139,12 +140,12 @@ def _value(leaf: Leaf | None, path: str, raw: Any) -> str:
         raise Refused(f"{path}: {refusal}") from None
 
 
-def scene_of(base: Base, overrides: Iterable[str]) -> Scene:
+def scene_of(base: SceneArguments, overrides: Iterable[str]) -> Scene:
     """Return the scene with these changes, as loaded by `screwsim run`."""
-    return load(base.file, [*_every(base, overrides), "sweep=null"])
+    return load(base.file, [*_all_overrides(base, overrides), "sweep=null"])
 
 
-def _every(base: Base, overrides: Iterable[str]) -> list[str]:
+def _all_overrides(base: SceneArguments, overrides: Iterable[str]) -> list[str]:
     """Return the overrides of the command and of a page; an effect switched on by the page is no longer off."""
     later = list(overrides)
     again = {each for each in base.overrides if each.endswith("=off") and each.replace("=off", "={}") in later}
@@ -152,27 +153,27 @@ def _every(base: Base, overrides: Iterable[str]) -> list[str]:
     return [*(each for each in base.overrides if each not in again), *kept]
 
 
-def shell_command(base: Base, overrides: Iterable[str]) -> str:
+def shell_command(base: SceneArguments, overrides: Iterable[str]) -> str:
     """Return the shell command for the same simulation."""
     words = ["screwsim", "run", base.file]
-    for override in _every(base, overrides):
+    for override in _all_overrides(base, overrides):
         words += ["--set", override]
     return shlex.join(words)
 
 
-def python_text(base: Base, overrides: Iterable[str]) -> str:
+def python_text(base: SceneArguments, overrides: Iterable[str]) -> str:
     """Return the Python code for the same simulation."""
-    every = _every(base, overrides)
+    every = _all_overrides(base, overrides)
     inner = "".join(f"\n    {json.dumps(each, ensure_ascii=False)}," for each in every)
     sets = f", [{inner}\n]" if every else ""
     called = f"screwsim.load({json.dumps(base.file, ensure_ascii=False)}{sets})"
     return f"import screwsim\n\nscene = {called}\nresult = screwsim.simulate(scene)\nprint(result.performance)\n"
 
 
-def yaml_text(base: Base, overrides: Iterable[str]) -> str:
+def yaml_text(base: SceneArguments, overrides: Iterable[str]) -> str:
     """Return a scene file of its own: the command's scene as base, by its full path, and the changes."""
     tree: dict[str, Any] = {}
-    for override in _every(base, overrides):
+    for override in _all_overrides(base, overrides):
         path, _, value = override.partition("=")
         keys = _keys(path.strip(), base)
         place = tree
@@ -187,7 +188,7 @@ def yaml_text(base: Base, overrides: Iterable[str]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _keys(path: str, base: Base) -> list[str]:
+def _keys(path: str, base: SceneArguments) -> list[str]:
     """Return the keys of a path; names of user-defined effects have dots."""
     for name in base.scene.effects:
         if "." in name and (path == f"effects.{name}" or path.startswith(f"effects.{name}.")):

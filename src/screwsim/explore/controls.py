@@ -5,8 +5,15 @@ from collections.abc import Mapping
 from dataclasses import MISSING
 from typing import Any, NamedTuple
 
-from screwsim.explore.changes import Base, Changes, changeable, overrides_of, possible, scene_of
-from screwsim.inputs.declare import Found
+from screwsim.explore.changes import (
+    Changes,
+    SceneArguments,
+    changeable_fields,
+    overrides_of,
+    possible_effects,
+    scene_of,
+)
+from screwsim.inputs.declare import FoundWithCycle
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.machine import protocol
 from screwsim.scene import Scene, value_at
@@ -15,9 +22,9 @@ from screwsim.scene.types import Tolerance
 from screwsim.scene.units import ZERO_CELSIUS, Refused, customary_unit, parse_quantity
 from screwsim.scene.values import limits_text
 
-AROUND = 4.0  # a slider extends from the value over this factor to the value times it
-DEGREES = 30.0  # [K] on both sides of a temperature
-ANGLE = math.radians(40.0)  # on both sides of an angle
+SLIDER_FACTOR = 4.0  # a slider extends from the value over this factor to the value times it
+SLIDER_KELVIN = 30.0  # [K] on both sides of a temperature
+SLIDER_ANGLE = math.radians(40.0)  # on both sides of an angle
 _SMALL = (("m", 1e-3, "um"), ("m^2", 1e-4, "mm^2"))  # below this size a smaller unit is used
 GROUPS = {
     "operation": "Operation",
@@ -27,10 +34,10 @@ GROUPS = {
     "oil": "Oil",
     "numerics": "Numerics",
 }
-APART = {"output.keep", "output.derivatives", "title"}
+OMITTED_PATHS = {"output.keep", "output.derivatives", "title"}
 
 
-class Span(NamedTuple):
+class SliderRange(NamedTuple):
     """Range of a slider [SI], and whether its steps are equal ratios."""
 
     low: float
@@ -38,7 +45,7 @@ class Span(NamedTuple):
     log: bool
 
 
-class Shown(NamedTuple):
+class ShownUnit(NamedTuple):
     """A unit as written in a scene: its size and its zero [SI]."""
 
     name: str
@@ -50,18 +57,18 @@ class Shown(NamedTuple):
         return float(f"{(value - self.zero) / self.size:.12g}")
 
 
-def document(base: Base) -> dict[str, Any]:
+def document(base: SceneArguments) -> dict[str, Any]:
     """Return the data from which the page builds its fields: groups of controls, and effects with theirs."""
     scene = base.scene
-    every = possible(scene)
-    leaves = {path: leaf for path, leaf in changeable(scene, every).items() if path not in APART}
+    every = possible_effects(scene)
+    leaves = {path: leaf for path, leaf in changeable_fields(scene, every).items() if path not in OMITTED_PATHS}
     controls = {
         path: control(path, leaf, value_at(scene, path), _is_needed(scene, path, leaf)) for path, leaf in leaves.items()
     }
     for path in scene.uncertain.keys() & controls.keys():
         controls[path]["tolerance"] = _tolerance(leaves[path], value_at(scene, path), scene.uncertain[path])
     groups = [
-        {"name": name, "words": words, "controls": [each for path, each in controls.items() if _under(path, name)]}
+        {"name": name, "words": words, "controls": [each for path, each in controls.items() if _is_below(path, name)]}
         for name, words in GROUPS.items()
     ]
     effects = [
@@ -70,7 +77,7 @@ def document(base: Base) -> dict[str, Any]:
             "words": name.replace("_", " "),
             "about": effect.title,
             "on": name in scene.effects,
-            "controls": [each for path, each in controls.items() if _under(path, f"effects.{name}")],
+            "controls": [each for path, each in controls.items() if _is_below(path, f"effects.{name}")],
         }
         for name, effect in every.items()
     ]
@@ -84,7 +91,7 @@ def _tolerance(leaf: Leaf, value: float, tolerance: Tolerance) -> str:
     return f"± {tolerance.size / shown_unit(leaf, value).size:.4g}"
 
 
-def _under(path: str, name: str) -> bool:
+def _is_below(path: str, name: str) -> bool:
     return path.startswith(f"{name}.")
 
 
@@ -100,7 +107,7 @@ def control(path: str, leaf: Leaf, value: Any, needed: bool = False) -> dict[str
 
     `value` is None if it is left open, or found with the cycle (auto).
     """
-    value = None if isinstance(value, Found) else value
+    value = None if isinstance(value, FoundWithCycle) else value
     keys = path.split(".")
     inner = keys[2:] if keys[0] == "effects" else keys[1:]
     about: dict[str, Any] = {
@@ -114,7 +121,7 @@ def control(path: str, leaf: Leaf, value: Any, needed: bool = False) -> dict[str
         return about | {"options": list(leaf.limits["options"]), "value": value, "open": leaf.default is None}
     unit = shown_unit(leaf, value)
     start = _example(leaf) if value is None else float(value)
-    span = span_of(leaf, start)
+    span = slider_range(leaf, start)
     limits = limits_text(leaf)
     return about | {
         "about": f"{leaf.doc} ({limits})" if limits else leaf.doc,
@@ -127,18 +134,18 @@ def control(path: str, leaf: Leaf, value: Any, needed: bool = False) -> dict[str
     }
 
 
-def shown_unit(leaf: Leaf, value: Any) -> Shown:
+def shown_unit(leaf: Leaf, value: Any) -> ShownUnit:
     """Return the unit in which a number is shown: the customary one, a smaller one for small numbers, or °C."""
     kind = leaf.dimension
     if kind is None:
-        return Shown("", 1.0)
+        return ShownUnit("", 1.0)
     if kind.name == "temperature":
-        return Shown("degC", 1.0, ZERO_CELSIUS)
+        return ShownUnit("degC", 1.0, ZERO_CELSIUS)
     unit = customary_unit(kind)
     for si, below, smaller in _SMALL:
         if kind.si == si and value is not None and abs(value) < below:
             unit = smaller
-    return Shown(unit, parse_quantity(kind, f"1 {unit}"))
+    return ShownUnit(unit, parse_quantity(kind, f"1 {unit}"))
 
 
 def _example(leaf: Leaf) -> float:
@@ -153,7 +160,7 @@ def _example(leaf: Leaf) -> float:
     return max(example, 2.0 * low) if low is not None and low > 0.0 else example
 
 
-def span_of(leaf: Leaf, value: float) -> Span:
+def slider_range(leaf: Leaf, value: float) -> SliderRange:
     """Return the range of a slider around a value, limited to usual and to possible values."""
     low, high, log = _around(leaf, value)
     usual_low, usual_high = leaf.hardly
@@ -170,7 +177,7 @@ def span_of(leaf: Leaf, value: float) -> Span:
         if name in limits:
             high = min(high, limits[name] - margin * width)
     low, high = min(low, value), max(high, value)
-    return Span(low, high, log and low > 0.0)
+    return SliderRange(low, high, log and low > 0.0)
 
 
 def _around(leaf: Leaf, value: float) -> tuple[float, float, bool]:
@@ -181,13 +188,13 @@ def _around(leaf: Leaf, value: float) -> tuple[float, float, bool]:
     if leaf.kind == "count":
         return max(0.0, value - 6.0), value + 6.0, False
     if leaf.kind == "temperature":
-        return value - DEGREES, value + DEGREES, False
+        return value - SLIDER_KELVIN, value + SLIDER_KELVIN, False
     if leaf.kind == "temperature_difference":
         return 0.0, max(2.0 * value, 20.0), False
     if leaf.kind == "angle":
-        return value - ANGLE, value + ANGLE, False
+        return value - SLIDER_ANGLE, value + SLIDER_ANGLE, False
     if value > 0.0:
-        return value / AROUND, value * AROUND, True
+        return value / SLIDER_FACTOR, value * SLIDER_FACTOR, True
     size = abs(value) or leaf.hardly[1] or _example(leaf)
     return (-size, size, False) if value < 0.0 else (0.0, size, False)
 
@@ -195,7 +202,7 @@ def _around(leaf: Leaf, value: float) -> tuple[float, float, bool]:
 _SPEED = "operation.speed"
 
 
-def presets(base: Base) -> list[dict[str, Any]]:
+def presets(base: SceneArguments) -> list[dict[str, Any]]:
     """Return useful sets of changes, if the scene has the changed values and allows the changes."""
     scene = base.scene
     gaps = [name for name, active in scene.effects.items() if active.effect.needs & protocol.GAPS]
@@ -207,10 +214,10 @@ def presets(base: Base) -> list[dict[str, Any]]:
         _scaled(scene, "gaps twice as wide", clearances, 2.0),
         {"words": "no gaps", "set": {}, "effects": dict.fromkeys(gaps, False)},
     ]
-    return [preset for preset in found if (preset["set"] or preset["effects"]) and _can_be(base, preset)]
+    return [preset for preset in found if (preset["set"] or preset["effects"]) and _preset_fits(base, preset)]
 
 
-def _can_be(base: Base, preset: Mapping[str, Any]) -> bool:
+def _preset_fits(base: SceneArguments, preset: Mapping[str, Any]) -> bool:
     try:
         scene_of(base, overrides_of(base, Changes(preset["set"], preset["effects"])))
     except (SceneError, UsageError, Refused):
@@ -220,7 +227,7 @@ def _can_be(base: Base, preset: Mapping[str, Any]) -> bool:
 
 def _scaled(scene: Scene, words: str, paths: list[str], factor: float) -> dict[str, Any]:
     """Return a set of changes that multiplies quantities of the scene by a factor."""
-    leaves, values = changeable(scene, possible(scene)), {}
+    leaves, values = changeable_fields(scene, possible_effects(scene)), {}
     for path in paths:
         value = float(value_at(scene, path))
         unit = shown_unit(leaves[path], value)

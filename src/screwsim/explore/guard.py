@@ -16,12 +16,12 @@ Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
-LARGEST = 64_000  # [byte] of the body of a request
-SAFE = ("same-origin", "none")  # Sec-Fetch-Site of requests by the user or by our own page
+LARGEST_BODY = 64_000  # [byte] of the body of a request
+SAFE_FETCH_SITES = ("same-origin", "none")  # Sec-Fetch-Site of requests by the user or by our own page
 
 
 @dataclass(frozen=True)
-class Rules:
+class AccessRules:
     """Where the server answers: the names by which it may be called (none: any), and the required token."""
 
     names: frozenset[str]
@@ -40,15 +40,15 @@ class Rules:
             return 403, "called under another host name (open the address that screwsim explore printed)"
         if origin is not None and origin not in (f"http://{host}", f"https://{host}"):
             return 403, "asked by another page"
-        if headers.get("sec-fetch-site", "none") not in SAFE and not _is_navigation(scope, headers):
+        if headers.get("sec-fetch-site", "none") not in SAFE_FETCH_SITES and not _is_navigation(scope, headers):
             return 403, "asked by another page"
         if scope["type"] == "websocket" and origin is None and "sec-fetch-site" in headers:
             return 403, "requested by a page without an origin"
         if self.token and not hmac.compare_digest(_token(scope).encode(), self.token.encode()):
             return 403, "the token is missing or wrong (open the full address that screwsim explore printed)"
         length = headers.get("content-length", "0")
-        if not length.isdigit() or int(length) > LARGEST:
-            return 413, f"the body is larger than {LARGEST} bytes"
+        if not length.isdigit() or int(length) > LARGEST_BODY:
+            return 413, f"the body is larger than {LARGEST_BODY} bytes"
         return 0, ""
 
 
@@ -62,9 +62,9 @@ def _token(scope: Scope) -> str:
 
 
 class Guard:
-    """Middleware that passes requests not refused by `Rules`, and no body beyond `LARGEST`."""
+    """Middleware that passes requests not refused by `AccessRules`, and no body beyond `LARGEST_BODY`."""
 
-    def __init__(self, app: App, rules: Rules) -> None:
+    def __init__(self, app: App, rules: AccessRules) -> None:
         self._app, self._rules = app, rules
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -75,18 +75,18 @@ class Guard:
         if status:
             await _refuse(scope, receive, send, status, reason)
         else:
-            await self._app(scope, _bounded(receive) if scope["type"] == "http" else receive, send)
+            await self._app(scope, _limited_receiver(receive) if scope["type"] == "http" else receive, send)
 
 
-def _bounded(receive: Receive) -> Receive:
-    """Return a receiver that reports a disconnect once a body, sent in parts, exceeds `LARGEST`."""
+def _limited_receiver(receive: Receive) -> Receive:
+    """Return a receiver that reports a disconnect once a body, sent in parts, exceeds `LARGEST_BODY`."""
     taken = 0
 
     async def bounded() -> MutableMapping[str, Any]:
         nonlocal taken
         message = await receive()
         taken += len(message.get("body", b""))
-        return {"type": "http.disconnect"} if taken > LARGEST else message
+        return {"type": "http.disconnect"} if taken > LARGEST_BODY else message
 
     return bounded
 

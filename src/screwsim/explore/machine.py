@@ -11,7 +11,7 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import TWIN_SCREW, kind_of, twin_screw
-from screwsim.machine.profile_law import lay
+from screwsim.machine.profile_law import laid_curves
 from screwsim.machine.rotors.closed_form import circular
 from screwsim.machine.rotors.pair import Pair
 from screwsim.machine.rotors.rotors import Rotors
@@ -34,7 +34,7 @@ def document(settings: Any) -> dict[str, Any]:
         return {"kind": "cylinder", **common}
     machine = twin_screw(settings)
     if machine.volume.from_rotors:
-        laid = lay(machine)
+        laid = laid_curves(machine)
         start = DEG * (laid.rotors.start - laid.born)
         return {"kind": "rotors", "sketch": False, **common, **drawing(laid.rotors), "start": start, **_sizes(machine)}
     rotors = _sketched(machine, geometry.life)

@@ -12,20 +12,20 @@ from collections.abc import Awaitable, Callable
 from typing import Any, NamedTuple
 
 from screwsim.explore import answer
-from screwsim.explore.crew import Crew
 from screwsim.explore.worker import Job
+from screwsim.explore.worker_pool import WorkerPool
 
 MOST_POINTS = 200  # of a curve, or of variations around the settings
-LONGEST = 64_000  # characters of a message
+LONGEST_MESSAGE = 64_000  # characters of a message
 RATE, BURST = 200.0, 400.0  # messages per second that a page may send, and in a burst
-LANES = ("curve", "around")  # of points, in order of priority
+POINT_QUEUES = ("curve", "around")  # of points, in order of priority
 
 
-class Wrong(Exception):
+class InvalidMessage(Exception):
     """Reason why a message cannot come from our page."""
 
 
-class Asked(NamedTuple):
+class PageRequest(NamedTuple):
     """The newest settings, their number, and the key of the machine that the page draws."""
 
     number: int
@@ -33,7 +33,7 @@ class Asked(NamedTuple):
     machine: str
 
 
-class Pace:
+class RateLimit:
     """Rate limit for pages that send too much."""
 
     def __init__(self, rate: float = RATE, burst: float = BURST) -> None:
@@ -50,11 +50,11 @@ class Pace:
 class Page:
     """One open page."""
 
-    def __init__(self, crew: Crew, send: Callable[[bytes], Awaitable[None]]) -> None:
+    def __init__(self, crew: WorkerPool, send: Callable[[bytes], Awaitable[None]]) -> None:
         self._crew, self._send = crew, send
-        self._newest: Asked | None = None
+        self._newest: PageRequest | None = None
         self._asked, self._answered = 0, 0
-        self._lanes: dict[str, deque[Job]] = {lane: deque() for lane in LANES}
+        self._lanes: dict[str, deque[Job]] = {lane: deque() for lane in POINT_QUEUES}
         self._awake = asyncio.Event()
         self._aside: Job | None = None
         self._aside_awake = asyncio.Event()
@@ -63,27 +63,27 @@ class Page:
 
     def take(self, text: str) -> None:
         """Accept a message; raise Wrong if it is not a valid one."""
-        if len(text) > LONGEST:
-            raise Wrong("a message is too long")
+        if len(text) > LONGEST_MESSAGE:
+            raise InvalidMessage("a message is too long")
         try:
             asked = json.loads(text)
         except (ValueError, RecursionError):
-            raise Wrong("a message is not JSON") from None
+            raise InvalidMessage("a message is not JSON") from None
         if not isinstance(asked, dict):
-            raise Wrong("a message is not a mapping")
+            raise InvalidMessage("a message is not a mapping")
         if asked.get("kind") == "point":
             number, machine = asked.get("number"), asked.get("machine", "")
             if type(number) is not int or number != self._asked + 1 or not isinstance(machine, str):
-                raise Wrong("settings are not numbered 1, 2, 3 and so on")
+                raise InvalidMessage("settings are not numbered 1, 2, 3 and so on")
             self._asked = number
-            self._newest = Asked(number, asked.get("changes"), machine[:16])
-        elif asked.get("kind") in LANES:
+            self._newest = PageRequest(number, asked.get("changes"), machine[:16])
+        elif asked.get("kind") in POINT_QUEUES:
             self._take_points(asked["kind"], asked)
         elif asked.get("kind") == "slopes" and type(asked.get("id")) is int:
             self._aside = Job("slopes", asked.get("changes"), {"lane": "slopes", "id": asked["id"]})
             self._aside_awake.set()
         else:
-            raise Wrong("a message is of no known kind")
+            raise InvalidMessage("a message is of no known kind")
         self._awake.set()
 
     def _take_points(self, lane: str, asked: dict[str, Any]) -> None:
@@ -91,10 +91,10 @@ class Page:
         points, changes, name = asked.get("points"), asked.get("changes"), asked.get("id")
         values = changes.get("set", {}) if isinstance(changes, dict) else None
         if not isinstance(points, list) or len(points) > MOST_POINTS or type(name) is not int:
-            raise Wrong("points are not a list, or too many")
+            raise InvalidMessage("points are not a list, or too many")
         pairs = (isinstance(each, list) and len(each) == 2 and isinstance(each[0], str) for each in points)
         if not isinstance(changes, dict) or not isinstance(values, dict) or not all(pairs):
-            raise Wrong("points are not pairs [path, value] for the settings")
+            raise InvalidMessage("points are not pairs [path, value] for the settings")
         self._lanes[lane].clear()
         for index, (path, value) in enumerate(points):
             changed = {**changes, "set": {**values, path: value}}
@@ -107,7 +107,7 @@ class Page:
             tag = {"first": self._answered + 1, "number": number}
             self._newest, self._answered = None, number
             return Job("point", changes, tag, machine)
-        return next((self._lanes[lane].popleft() for lane in LANES if self._lanes[lane]), None)
+        return next((self._lanes[lane].popleft() for lane in POINT_QUEUES if self._lanes[lane]), None)
 
     async def work(self) -> None:
         """Answer the page's requests, one after another, as long as it is open."""
@@ -140,7 +140,7 @@ class Page:
     def _note(self, text: str) -> None:
         """Send a worker's remark while it solves."""
         if not self.gone:
-            task = asyncio.ensure_future(self._send(answer.packed({"kind": "note", "text": text})))
+            task = asyncio.ensure_future(self._send(answer.pack_message({"kind": "note", "text": text})))
             self._notes.add(task)
             task.add_done_callback(self._note_sent)
 

@@ -25,20 +25,20 @@ from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from screwsim.explore.answer import FILE, unpacked
-from screwsim.explore.changes import Base, open_base
-from screwsim.explore.crew import Crew, Patience
-from screwsim.explore.guard import App, Guard, Rules
+from screwsim.explore.answer import FILE, unpack_message
+from screwsim.explore.changes import SceneArguments, open_base
+from screwsim.explore.guard import AccessRules, App, Guard
 from screwsim.explore.page import page_text
-from screwsim.explore.pages import LONGEST, Pace, Page, Wrong
+from screwsim.explore.pages import LONGEST_MESSAGE, InvalidMessage, Page, RateLimit
 from screwsim.explore.worker import Job
+from screwsim.explore.worker_pool import Timeouts, WorkerPool
 from screwsim.inputs.faults import UsageError
 from screwsim.study.workers import cores
 
 MOST_PAGES = 32  # most pages open at once
 WRONG, FULL = 1008, 1013  # close codes of a connection
-SENDING = 30.0  # [s] within which a page must accept an answer
-FILES = {"report": "text/html; charset=utf-8", "scene": "application/yaml; charset=utf-8"}
+SEND_TIMEOUT = 30.0  # [s] within which a page must accept an answer
+FILE_TYPES = {"report": "text/html; charset=utf-8", "scene": "application/yaml; charset=utf-8"}
 HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "X-Frame-Options": "DENY",
@@ -50,8 +50,8 @@ HEADERS = {
 LOOPBACK = "127.0.0.1"
 PORT = 8421  # if it is free
 MOST_WORKERS = 4
-MOST_LINES = 128  # most connections at once
-CLOSING = 2  # [s] left to pages at the end
+MOST_CONNECTIONS = 128  # most connections at once
+CLOSE_TIMEOUT = 2  # [s] left to pages at the end
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Address:
 
     socket: socket.socket
     url: str
-    rules: Rules
+    rules: AccessRules
 
 
 def listen(host: str, port: int | None) -> Address:
@@ -73,10 +73,10 @@ def listen(host: str, port: int | None) -> Address:
     shown = f"[{host}]" if ":" in host else host
     if is_loopback(host):
         names = frozenset(f"{name}:{number}" for name in (shown, LOOPBACK, "localhost", "[::1]"))
-        return Address(bound, f"http://{shown}:{number}/", Rules(names))
+        return Address(bound, f"http://{shown}:{number}/", AccessRules(names))
     token = secrets.token_urlsafe(24)
     name = socket.gethostname() if host in ("0.0.0.0", "::") else shown
-    return Address(bound, f"http://{name}:{number}/?token={token}", Rules(frozenset(), token))
+    return Address(bound, f"http://{name}:{number}/?token={token}", AccessRules(frozenset(), token))
 
 
 def is_loopback(host: str) -> bool:
@@ -107,10 +107,15 @@ def _bound(host: str, port: int | None) -> socket.socket:
     raise AssertionError
 
 
-def prepared(base: Base, rules: Rules, workers: int | None = None, patience: Patience = Patience()) -> App:  # noqa: B008
+def prepared_server(
+    base: SceneArguments,
+    rules: AccessRules,
+    workers: int | None = None,
+    patience: Timeouts = Timeouts(),  # noqa: B008
+) -> App:
     """Return the server of a scene."""
     count = workers or max(1, min(cores(), MOST_WORKERS))
-    return application(Desk(page_text(base, slopes=count > 1), Crew(base, count, patience)), rules)
+    return application(ServerState(page_text(base, slopes=count > 1), WorkerPool(base, count, patience)), rules)
 
 
 def configured(app: App) -> uvicorn.Config:
@@ -120,10 +125,10 @@ def configured(app: App) -> uvicorn.Config:
         http="h11",
         ws="websockets-sansio",
         loop="asyncio",
-        ws_max_size=LONGEST,
+        ws_max_size=LONGEST_MESSAGE,
         ws_per_message_deflate=False,  # takes longer than the loopback transfer
-        limit_concurrency=MOST_LINES,
-        timeout_graceful_shutdown=CLOSING,
+        limit_concurrency=MOST_CONNECTIONS,
+        timeout_graceful_shutdown=CLOSE_TIMEOUT,
         log_config=None,
         log_level="error",  # not each request that is not HTTP, of which anyone can send many
         access_log=False,
@@ -147,20 +152,20 @@ def serve(
     say(f"{address.url} shows {base.scene.title or file} (Ctrl-C ends it)")
     if browser:
         threading.Timer(0.5, webbrowser.open, (address.url,)).start()
-    uvicorn.Server(configured(prepared(base, address.rules))).run(sockets=[address.socket])
+    uvicorn.Server(configured(prepared_server(base, address.rules))).run(sockets=[address.socket])
 
 
 @dataclass
-class Desk:
+class ServerState:
     """State of the server: the page's text, the workers, the open pages."""
 
     text: str  # with @NONCE@ in place of its policy's nonce
-    crew: Crew
+    crew: WorkerPool
     pages: set[Page] = field(default_factory=set)
     files: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(2))
 
 
-def application(desk: Desk, rules: Rules) -> App:
+def application(desk: ServerState, rules: AccessRules) -> App:
     """Return the server as an ASGI application."""
 
     @asynccontextmanager
@@ -178,7 +183,7 @@ def application(desk: Desk, rules: Rules) -> App:
         await _line(desk, socket)
 
     async def made(request: Request) -> Response:
-        return await _made(desk, request)
+        return await _file_response(desk, request)
 
     routes = [
         Route("/", page, methods=["GET"]),
@@ -188,7 +193,7 @@ def application(desk: Desk, rules: Rules) -> App:
     return Guard(Starlette(routes=routes, lifespan=lifespan), rules)
 
 
-def _page(desk: Desk, request: Request) -> Response:
+def _page(desk: ServerState, request: Request) -> Response:
     """Return the page; its policy forbids loading anything, and allows connections to this server only."""
     nonce, host = secrets.token_urlsafe(16), request.headers.get("host", "")
     policy = (
@@ -198,7 +203,7 @@ def _page(desk: Desk, request: Request) -> Response:
     return HTMLResponse(desk.text.replace("@NONCE@", nonce), headers={**HEADERS, "Content-Security-Policy": policy})
 
 
-async def _line(desk: Desk, socket: WebSocket) -> None:
+async def _line(desk: ServerState, socket: WebSocket) -> None:
     """Serve the connection of a page while it is open."""
     await socket.accept()
     if len(desk.pages) >= MOST_PAGES:
@@ -207,7 +212,7 @@ async def _line(desk: Desk, socket: WebSocket) -> None:
     sending = asyncio.Lock()
 
     async def send(message: bytes) -> None:
-        async with sending, asyncio.timeout(SENDING):
+        async with sending, asyncio.timeout(SEND_TIMEOUT):
             await socket.send_bytes(message)
 
     page = Page(desk.crew, send)
@@ -215,7 +220,7 @@ async def _line(desk: Desk, socket: WebSocket) -> None:
     tasks = [asyncio.create_task(each) for each in (_read(socket, page), page.work(), page.work_aside())]
     try:
         done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-        wrong = next((error for task in done if isinstance(error := task.exception(), Wrong)), None)
+        wrong = next((error for task in done if isinstance(error := task.exception(), InvalidMessage)), None)
         if wrong is not None:
             await socket.close(WRONG, str(wrong)[:120])
     finally:
@@ -229,22 +234,22 @@ async def _line(desk: Desk, socket: WebSocket) -> None:
 
 
 async def _read(socket: WebSocket, page: Page) -> None:
-    pace = Pace()
+    pace = RateLimit()
     with suppress(WebSocketDisconnect):
         while True:
             try:
                 text = await socket.receive_text()
             except KeyError:
-                raise Wrong("a message is not text") from None
+                raise InvalidMessage("a message is not text") from None
             page.take(text)
             if wait := pace.wait():
                 await asyncio.sleep(wait)
 
 
-async def _made(desk: Desk, request: Request) -> Response:
+async def _file_response(desk: ServerState, request: Request) -> Response:
     """Return a file made from settings: a report's page, or the complete scene."""
     kind = request.path_params["kind"]
-    if kind not in FILES:
+    if kind not in FILE_TYPES:
         return PlainTextResponse("there is no such file\n", 404, HEADERS)
     try:
         changes = _changes((await request.body()).decode(), request.headers.get("content-type", ""))
@@ -266,7 +271,7 @@ def _changes(body: str, kind: str) -> Any:
 
 
 def _file(kind: str, found: bytes) -> Response:
-    head, _ = unpacked(found)
+    head, _ = unpack_message(found)
     if head["kind"] != FILE:
         return PlainTextResponse(f"{head['message']}\n", 422, HEADERS)
-    return Response(head["text"], media_type=FILES[kind], headers=HEADERS)
+    return Response(head["text"], media_type=FILE_TYPES[kind], headers=HEADERS)

@@ -4,9 +4,9 @@ import os
 import sys
 from collections.abc import Iterable
 
-from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped, stamp
+from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name, stamp
 from screwsim.results.identity import file_identity
-from screwsim.scene.yaml_tree import Place, compose
+from screwsim.scene.yaml_tree import Position, compose
 
 
 class Watch:
@@ -31,7 +31,7 @@ class Watch:
 def files_of(file: str) -> list[str]:
     """Return the paths of a scene's file and its bases, as far as they can be read."""
     found: list[str] = []
-    path: str | None = shipped(file)
+    path: str | None = shipped_name(file)
     while path is not None and path not in found:
         found.append(path)
         path = _base_of(path)
@@ -46,7 +46,7 @@ def modules_of(names: Iterable[str]) -> list[str]:
 def _base_of(path: str) -> str | None:
     """Return the path of the base of a scene's file; None where it has none."""
     try:
-        root = compose(read_text(path, MOST_YAML), Place(0, path), [])
+        root = compose(read_text(path, MOST_YAML), Position(0, path), [])
     except Unreadable:
         return None
     base = root.value.get("base") if root is not None and isinstance(root.value, dict) else None

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 from screwsim.explore import answer
 from screwsim.explore.changes import (
-    Base,
+    SceneArguments,
     open_base,
     overrides_of,
     python_text,
@@ -31,7 +31,7 @@ from screwsim.explore.changes import (
 )
 from screwsim.explore.machine import document as drawn_machine
 from screwsim.inputs.faults import SceneError, UsageError
-from screwsim.numerics.folder import take_over
+from screwsim.numerics.folder import adopt_worker_state
 from screwsim.scene.types import Scene
 from screwsim.scene.units import Refused
 from screwsim.simulate import simulate
@@ -39,8 +39,8 @@ from screwsim.study.workers import end_with_parent
 
 NOTE, DONE = "note", "done"
 SECTIONS = ("machine", "gas", "oil", "operation", "oil_supply", "effects", "numerics", "output", "sweep")
-DRAWINGS = 8  # most drawings of machines that are cached
-MEMORY = 4 << 30  # [byte] of address space beyond the initial one, where the system can limit it
+MOST_DRAWINGS = 8  # most drawings of machines that are cached
+MEMORY_LIMIT = 4 << 30  # [byte] of address space beyond the initial one, where the system can limit it
 
 
 class Job(NamedTuple):
@@ -55,7 +55,7 @@ class Job(NamedTuple):
     machine: str = ""
 
 
-class _Told(io.TextIOBase):
+class _PageStream(io.TextIOBase):
     """Replacement for stderr that sends each line to the page."""
 
     def __init__(self, pipe: Connection) -> None:
@@ -69,18 +69,18 @@ class _Told(io.TextIOBase):
         return len(text)
 
 
-def serve(pipe: Connection, file: str, overrides: tuple[str, ...], known: Any) -> None:
+def serve_jobs(pipe: Connection, file: str, overrides: tuple[str, ...], known: Any) -> None:
     """Answer jobs until the pipe ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    take_over(known)
-    sys.stderr = _Told(pipe)
+    adopt_worker_state(known)
+    sys.stderr = _PageStream(pipe)
     threading.Thread(target=end_with_parent, daemon=True).start()
     _bound_memory()
     with contextlib.suppress(EOFError, OSError):
         while True:
             job = pipe.recv()
-            pipe.send((DONE, answered((file, overrides), job)))
+            pipe.send((DONE, answer_job((file, overrides), job)))
 
 
 def _bound_memory() -> None:
@@ -90,15 +90,15 @@ def _bound_memory() -> None:
 
         with open("/proc/self/statm", encoding="ascii") as file:
             used = int(file.read().split()[0]) * resource.getpagesize()
-        resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, resource.getrlimit(resource.RLIMIT_AS)[1]))
+        resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY_LIMIT, resource.getrlimit(resource.RLIMIT_AS)[1]))
 
 
 @lru_cache(maxsize=1)
-def _base(file: str, overrides: tuple[str, ...]) -> Base:
+def _base(file: str, overrides: tuple[str, ...]) -> SceneArguments:
     return open_base(file, overrides)
 
 
-def answered(named: tuple[str, tuple[str, ...]], job: Job) -> bytes:
+def answer_job(named: tuple[str, tuple[str, ...]], job: Job) -> bytes:
     """Return the answer to a job on the named scene; every failure is an answer too."""
     try:
         base = _base(*named)
@@ -111,17 +111,17 @@ def answered(named: tuple[str, tuple[str, ...]], job: Job) -> bytes:
             [match[1], match[2]] if match else ["", line] for match, line in zip(matches, error.lines, strict=True)
         ]
         text = "\n".join(": ".join(filter(None, each)) for each in faults)
-        return answer.refused(text, {**job.tag, "faults": faults})
+        return answer.refused_answer(text, {**job.tag, "faults": faults})
     except (Refused, UsageError) as error:
-        return answer.refused(str(error), job.tag)
+        return answer.refused_answer(str(error), job.tag)
     except MemoryError:
-        return answer.refused("the solution needs too much memory (change the settings)", job.tag)
+        return answer.refused_answer("the solution needs too much memory (change the settings)", job.tag)
     except Exception as error:  # noqa: BLE001 - the page reports it and continues
         text = " ".join(f"{type(error).__name__}: {error}".split())
-        return answer.refused(f"internal error: {text}; please report it with these settings", job.tag)
+        return answer.refused_answer(f"internal error: {text}; please report it with these settings", job.tag)
 
 
-def _point(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
+def _point(base: SceneArguments, overrides: list[str], scene: Scene, job: Job) -> bytes:
     """Return the complete answer for one point, with commands and texts that reproduce it."""
     text = {
         "overrides": overrides,
@@ -129,28 +129,28 @@ def _point(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
         "python": python_text(base, overrides),
         "yaml": yaml_text(base, overrides),
     }
-    key, drawn = _drawn(scene.machine)
+    key, drawn = _machine_drawing(scene.machine)
     machine = {} if key == job.machine else {"machine": drawn}
-    return answer.solved(
+    return answer.result_answer(
         simulate(scene), {**job.tag, "texts": text, "machine_key": key, "process": os.getpid(), **machine}
     )
 
 
-def _curve(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
-    return answer.point(simulate(scene, trace=False), job.tag)
+def _curve(base: SceneArguments, overrides: list[str], scene: Scene, job: Job) -> bytes:
+    return answer.point_answer(simulate(scene, trace=False), job.tag)
 
 
-def _slopes(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
+def _slopes(base: SceneArguments, overrides: list[str], scene: Scene, job: Job) -> bytes:
     """Return the exact derivatives of all figures by the numbers of the scene, as far as they exist.
 
     They come with the uncertainties due to the tolerances of the scene.
     """
-    from screwsim.derivatives.solving import found
+    from screwsim.derivatives.solving import scene_derivatives
     from screwsim.study.local import numeric_paths
     from screwsim.study.uncertain import spreads_of
 
     values = numeric_paths(scene)[0]
-    by_path = found(scene, values).derivatives
+    by_path = scene_derivatives(scene, values).derivatives
     by_figure: dict[str, dict[str, float]] = {}
     for path, each in by_path.items():
         for name, slope in each.items():
@@ -158,10 +158,10 @@ def _slopes(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
     there = {path: value for path, value in values.items() if path in by_path}
     halves = {name: spread.expanded for name, spread in spreads_of(scene, there, by_figure).items()}
     lost = [path for path in scene.uncertain if path not in by_path]
-    return answer.slopes(by_path, {**job.tag, "halves": halves, "lost": lost})
+    return answer.derivatives_answer(by_path, {**job.tag, "halves": halves, "lost": lost})
 
 
-def _report(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
+def _report(base: SceneArguments, overrides: list[str], scene: Scene, job: Job) -> bytes:
     """Return the page of a results file of one point."""
     from screwsim.report.page import page_of
     from screwsim.results import open_results, save
@@ -170,31 +170,31 @@ def _report(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
     with tempfile.TemporaryDirectory(prefix="screwsim-") as folder:
         path = Path(folder) / "explored.h5"
         save(path, scene, with_uncertainty(scene, simulate(scene)))
-        return answer.file(page_of(open_results(path)))
+        return answer.file_answer(page_of(open_results(path)))
 
 
-def _whole(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
+def _complete_scene(base: SceneArguments, overrides: list[str], scene: Scene, job: Job) -> bytes:
     """Return the scene as YAML that needs no base."""
-    return answer.file(scene.text)
+    return answer.file_answer(scene.text)
 
 
-_known: dict[str, dict[str, Any]] = {}  # drawings by the key of their machines
+_drawings: dict[str, dict[str, Any]] = {}  # drawings by the key of their machines
 
 
-def _drawn(settings: Any) -> tuple[str, dict[str, Any]]:
+def _machine_drawing(settings: Any) -> tuple[str, dict[str, Any]]:
     """Return the key of a machine, a short text that differs between machines, and its drawing."""
     key = f"{zlib.crc32(repr(settings).encode()):08x}"
-    if key not in _known:
-        while len(_known) >= DRAWINGS:
-            _known.pop(next(iter(_known)))
-        _known[key] = drawn_machine(settings)
-    return key, _known[key]
+    if key not in _drawings:
+        while len(_drawings) >= MOST_DRAWINGS:
+            _drawings.pop(next(iter(_drawings)))
+        _drawings[key] = drawn_machine(settings)
+    return key, _drawings[key]
 
 
-JOBS: Mapping[str, Callable[[Base, list[str], Scene, Job], bytes]] = {
+JOBS: Mapping[str, Callable[[SceneArguments, list[str], Scene, Job], bytes]] = {
     "point": _point,
     "curve": _curve,
     "slopes": _slopes,
     "report": _report,
-    "scene": _whole,
+    "scene": _complete_scene,
 }

@@ -6,15 +6,15 @@ from importlib import resources
 
 import numpy as np
 
-from screwsim.export.table import Table
+from screwsim.export.table import MapTable
 
 SOURCES = {"2": ("map.c", "model.c", "fmi2.c"), "3": ("map.c", "model.c", "fmi3.c")}
 HEADERS = ("map.h", "model.h", "fmi.h")
 DATA = "map_data.h"
-_A_LINE = 6  # numbers per line
+_NUMBERS_PER_LINE = 6  # numbers per line
 
 
-def data_header(table: Table, version: str = "2") -> str:
+def data_header(table: MapTable, version: str = "2") -> str:
     """Return the header with a map's numbers; its token is a hash of them, of the names and of the FMI version."""
     grid = table.grid
     count = len(grid.nodes)
@@ -55,7 +55,7 @@ def source(name: str) -> str:
     return (resources.files("screwsim.export") / "c" / name).read_text(encoding="utf-8")
 
 
-def source_files(table: Table, version: str) -> dict[str, str]:
+def source_files(table: MapTable, version: str) -> dict[str, str]:
     """Return {name: text} of all files to be compiled for a version of FMI, and of those that they include."""
     names = (*SOURCES[version], *HEADERS)
     return {name: source(name) for name in names} | {DATA: data_header(table, version)}
@@ -74,7 +74,7 @@ def _ints(name: str, values: list[int], kind: str = "int") -> str:
 
 
 def _array(kind: str, name: str, words: list[str]) -> str:
-    step = _A_LINE if kind == "double" else 20
+    step = _NUMBERS_PER_LINE if kind == "double" else 20
     rows = [", ".join(words[i : i + step]) for i in range(0, len(words), step)]
     inner = ",\n    ".join(rows)
     return f"static const {kind} {name}[{len(words)}] = {{\n    {inner}}};"

@@ -3,15 +3,15 @@
 import itertools
 
 from screwsim.export.inputs import plain
-from screwsim.export.table import Table
+from screwsim.export.table import MapTable
 
-BETWEEN = "; SI units; error between the nodes "  # in the first line of a table
+TITLE_SEPARATOR = "; SI units; error between the nodes "  # in the first line of a table
 
 
-def csv_table(table: Table) -> str:
+def csv_table(table: MapTable) -> str:
     """Return the rows of all nodes, the last input fastest; `closed` is 0 where a cycle did not close."""
     heads = [f"{each.name} [{plain(each.units)}]" for each in (*table.inputs, *table.outputs)]
-    lines = [f"# {table.title}{BETWEEN}{table.error_in_words}"]
+    lines = [f"# {table.title}{TITLE_SEPARATOR}{table.error_in_words}"]
     lines.append(",".join([*heads, "closed"]))
     nodes = [one.at(u) for one, u in zip(table.inputs, table.grid.nodes, strict=True)]
     values = table.grid.data[(0,) * len(nodes)]

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.export.polynomials import KEYS, Polynomials, document, in_fahrenheit, limits
-from screwsim.results.kept import keep_other_documents, keep_without
-from screwsim.study.performance_map import NAMES, PerformanceMap
+from screwsim.export.polynomials import DOCUMENT_KEYS, Polynomials, document, in_fahrenheit, temperature_limits
+from screwsim.results.protection import protect_other_json, protect_unmarked
+from screwsim.study.performance_map import COEFFICIENT_NAMES, PerformanceMap
 
 FIGURES = ("cooling_capacity", "shaft_power", "gas_mass_flow")
-BESIDE = ("electrical_power", "heating_capacity")  # included where a result has them
+OPTIONAL_FIGURES = ("electrical_power", "heating_capacity")  # included where a result has them
 POUND, BTU = 0.45359237, 1055.05585262  # [kg], [J]
 _IP = {
     "cooling_capacity": ("Btu/h", 3600.0 / BTU),
@@ -19,8 +19,8 @@ _IP = {
     "heating_capacity": ("Btu/h", 3600.0 / BTU),
     "gas_mass_flow": ("lb/h", 3600.0 / POUND),
 }
-HEAD = "table,map,figure,unit"  # of the coefficients' table
-STEPS = 6  # rated temperatures along each axis
+HEAD_LINE = "table,map,figure,unit"  # of the coefficients' table
+RATED_STEPS = 6  # rated temperatures along each axis
 
 
 def en12900_csv(found: Polynomials, ip: bool = False) -> str:
@@ -31,7 +31,7 @@ def en12900_csv(found: Polynomials, ip: bool = False) -> str:
         f"# {document(found)['formula']}",
         f"# S evaporating (dew), D condensing ({found.condensing}) temperature, {degree}",
         *(f"# {path} = {value:.6g} (SI)" for path, value in found.conditions.items()),
-        f"{HEAD}," + ",".join(NAMES) + ",largest_error,left_out_error",
+        f"{HEAD_LINE}," + ",".join(COEFFICIENT_NAMES) + ",largest_error,left_out_error",
     ]
     for one in found.maps:
         for figure, fit in one.fits.items():
@@ -43,16 +43,16 @@ def en12900_csv(found: Polynomials, ip: bool = False) -> str:
     heads = ",".join(f"{figure} [{unit_of(found, figure, ip)[0]}]" for figure in found.units)
     lines += ["", f"table,map,evaporating_{degree},condensing_{degree},{heads}"]
     for one in found.maps:
-        lines += [f"rating,{found.name(one)},{row}" for row in _rated(found, one, ip)]
+        lines += [f"rating,{found.name(one)},{row}" for row in _rated_points(found, one, ip)]
     return "\n".join(lines) + "\n"
 
 
-def keep_other_coefficients(path: Path) -> None:
+def protect_other_coefficients(path: Path) -> None:
     """Raise UsageError where a file at `path` holds anything but such coefficients, as it would be lost."""
     if path.suffix.lower() == ".csv":
-        keep_without(path, HEAD)
+        protect_unmarked(path, HEAD_LINE)
     else:
-        keep_other_documents(path, *KEYS, "maps", alone=True)
+        protect_other_json(path, *DOCUMENT_KEYS, "maps", alone=True)
 
 
 def unit_of(found: Polynomials, figure: str, ip: bool) -> tuple[str, float]:
@@ -60,12 +60,12 @@ def unit_of(found: Polynomials, figure: str, ip: bool) -> tuple[str, float]:
     return _IP[figure] if ip and figure in _IP else (found.units[figure].replace("kg s-1", "kg/s"), 1.0)
 
 
-def _rated(found: Polynomials, one: PerformanceMap, ip: bool) -> list[str]:
+def _rated_points(found: Polynomials, one: PerformanceMap, ip: bool) -> list[str]:
     """Return the rows of the rated points: a regular grid over the envelope's box, without points outside."""
-    (s0, s1), (d0, d1) = limits(one)
+    (s0, s1), (d0, d1) = temperature_limits(one)
     rows = []
-    for S in np.linspace(s0, s1, STEPS):
-        for D in np.linspace(d0, d1, STEPS):
+    for S in np.linspace(s0, s1, RATED_STEPS):
+        for D in np.linspace(d0, d1, RATED_STEPS):
             if not one.inside(S, D).all():
                 continue
             shown = [1.8 * T + 32.0 if ip else T for T in (S, D)]
@@ -84,7 +84,7 @@ def en12900_document(found: Polynomials, ip: bool = False) -> dict[str, Any]:
             own = in_fahrenheit(fit, factor) if ip else fit.coefficients
             figures[figure] = {
                 "unit": unit,
-                "coefficients": dict(zip(NAMES, own, strict=True)),
+                "coefficients": dict(zip(COEFFICIENT_NAMES, own, strict=True)),
                 "largest_error": fit.largest,
                 "left_out_error": fit.left_out,
             }

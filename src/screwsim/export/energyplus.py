@@ -5,8 +5,8 @@ from collections.abc import Container
 from pathlib import Path
 from typing import Any
 
-from screwsim.export.polynomials import Polynomials, by_terms, limits, quadratic, rated
-from screwsim.results.kept import keep_other_documents, keep_without
+from screwsim.export.polynomials import Polynomials, by_terms, quadratic, rated_temperatures, temperature_limits
+from screwsim.results.protection import protect_other_json, protect_unmarked
 from screwsim.scene.operation import SUBCOOLING
 
 CAPACITY, POWERS = "cooling_capacity", ("electrical_power", "shaft_power")  # the motor's power where there is one
@@ -14,7 +14,7 @@ BICUBIC = ((0, 0), (1, 0), (2, 0), (0, 1), (0, 2), (1, 1), (3, 0), (0, 3), (2, 1
 _CUBIC_KEYS = ("1_constant", "2_x", "3_x_2", "4_y", "5_y_2", "6_x_y", "7_x_3", "8_y_3", "9_x_2_y", "10_x_y_2")
 _KEYS = tuple(f"coefficient{key}" for key in _CUBIC_KEYS)
 CLASSES = ("Curve:Bicubic", "Curve:Biquadratic", "Refrigeration:Compressor")
-WRITTEN = "; written by screwsim"
+WRITTEN_MARK = "; written by screwsim"
 VERSION = "24.1"  # EnergyPlus version whose input data dictionary has these names
 
 Objects = dict[str, dict[str, dict[str, Any]]]  # {class: {name: {field: value}}}
@@ -29,14 +29,14 @@ def energyplus_objects(found: Polynomials, name: str) -> Objects:
     objects: Objects = {name: {} for name in CLASSES}
     for one in found.maps:
         own = re.sub(r"[^\w.-]+", "_", f"{name} {found.name(one)}".strip())
-        (s0, s1), (d0, d1) = limits(one)
+        (s0, s1), (d0, d1) = temperature_limits(one)
         ends = {"minimum_value_of_x": s0, "maximum_value_of_x": s1, "minimum_value_of_y": d0, "maximum_value_of_y": d1}
         units = {"input_unit_type_for_x": "Temperature", "input_unit_type_for_y": "Temperature"}
         for figure, word in ((power_of(one.fits), "power"), (CAPACITY, "capacity")):
             values = dict(zip(_KEYS, by_terms(one.fits[figure], BICUBIC), strict=True))
             curve = values | ends | units
             objects["Curve:Bicubic"][f"{own} {word}"] = curve
-        at = rated(one)
+        at = rated_temperatures(one)
         for word, (coefficients, _) in normalised(one, at).items():
             values = dict(zip(_KEYS[:6], coefficients, strict=True))
             objects["Curve:Biquadratic"][f"{own} {word}"] = values | ends | units
@@ -49,12 +49,12 @@ def energyplus_objects(found: Polynomials, name: str) -> Objects:
     return objects
 
 
-def keep_other_objects(path: Path) -> None:
+def protect_other_objects(path: Path) -> None:
     """Raise UsageError where a file at `path` has anything but such objects, as a building model would be lost."""
     if path.suffix.lower() == ".idf":
-        keep_without(path, WRITTEN)
+        protect_unmarked(path, WRITTEN_MARK)
     else:
-        keep_other_documents(path, "Version", *CLASSES, alone=True)
+        protect_other_json(path, "Version", *CLASSES, alone=True)
 
 
 def power_of(figures: Container[str]) -> str:
@@ -67,11 +67,11 @@ def normalised(one: Any, at: tuple[float, float]) -> dict[str, tuple[tuple[float
 
     The errors are relative, with respect to the cubics.
     """
-    ratio = quadratic(_Ratio(one), "power_over_capacity", at)  # type: ignore[arg-type]
+    ratio = quadratic(_PowerOverCapacity(one), "power_over_capacity", at)  # type: ignore[arg-type]
     return {"CAPFT": quadratic(one, CAPACITY, at), "EIRFT": ratio}
 
 
-class _Ratio:
+class _PowerOverCapacity:
     """The power over capacity of a map, with the interface of a figure."""
 
     def __init__(self, one: Any) -> None:
@@ -123,14 +123,14 @@ def _text(value: Any) -> str:
 
 def notes(found: Polynomials) -> list[str]:
     """Return the notes before the objects: what they are, their range of validity, their errors."""
-    lines = [f"{found.title}: {found.fluid}{WRITTEN}"]
+    lines = [f"{found.title}: {found.fluid}{WRITTEN_MARK}"]
     y = f"saturated discharge temperature ({found.condensing})"
     lines.append(f"x: saturated suction temperature (dew), y: {y}, deg C; W")
     for one in found.maps:
         errors = ", ".join(f"{figure.replace('_', ' ')} {100 * fit.largest:.2g} %" for figure, fit in one.fits.items())
-        over = "/".join(f"{T:g}" for T in rated(one))
+        over = "/".join(f"{T:g}" for T in rated_temperatures(one))
         lines.append(f"{found.name(one) or 'map'}: largest errors of the cubics: {errors}")
-        off = " and ".join(f"{100 * error:.2g} %" for _, error in normalised(one, rated(one)).values())
+        off = " and ".join(f"{100 * error:.2g} %" for _, error in normalised(one, rated_temperatures(one)).values())
         lines.append(
             f"CAPFT, EIRFT: capacity, power per capacity relative to those at {over} deg C; off by {off} at most"
         )

@@ -19,9 +19,9 @@ from xml.sax.saxutils import escape, quoteattr
 
 from screwsim.export.c_data import SOURCES, source_files, token_of
 from screwsim.export.inputs import BASE, DISPLAYS, Input, Output, exponents, plain
-from screwsim.export.table import Table
+from screwsim.export.table import MapTable
 from screwsim.inputs.faults import UsageError
-from screwsim.results.atomic import OTHERS, check_target_kind, replacing
+from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, replacing
 
 ERROR, VALID = "error_estimate", "valid"
 _ERROR_MEANS = "largest relative error of the map at points inside; 1 outside, where it is unknown"
@@ -30,10 +30,10 @@ _BITS = {"x86_64": "x86_64", "amd64": "x86_64", "arm64": "aarch64", "aarch64": "
 _SYSTEMS = {"linux": ("linux", "so"), "darwin": ("darwin", "dylib"), "win32": ("windows", "dll")}
 _OLD = {("linux", "x86_64"): "linux64", ("darwin", "x86_64"): "darwin64", ("windows", "x86_64"): "win64"}
 GENERATED = 'generationTool="screwsim"'
-_MOMENT = (1980, 1, 1, 0, 0, 0)  # of each file in the archive: the same map gives the same archive
+_ARCHIVE_TIME = (1980, 1, 1, 0, 0, 0)  # of each file in the archive: the same map gives the same archive
 
 
-def write_fmu(table: Table, path: Path, version: str = "2", *, compiled: bool = True) -> list[str]:
+def write_fmu(table: MapTable, path: Path, version: str = "2", *, compiled: bool = True) -> list[str]:
     """Write the unit of a map; return the files in it. Raise UsageError if no C compiler is found, or if it fails."""
     name = identifier(path)
     sources = source_files(table, version)
@@ -45,15 +45,15 @@ def write_fmu(table: Table, path: Path, version: str = "2", *, compiled: bool = 
         folder, ending = binary_place(version)
         held[f"binaries/{folder}/{name}.{ending}"] = compile_shared(sources, SOURCES[version], ending)
     held["modelDescription.xml"] = description(table, name, token, version).encode()
-    held["documentation/index.html"] = page(table, name).encode()
-    held["resources/map.json"] = (json.dumps(about(table), indent=1, allow_nan=False) + "\n").encode()
+    held["documentation/index.html"] = documentation_page(table, name).encode()
+    held["resources/map.json"] = (json.dumps(map_description(table), indent=1, allow_nan=False) + "\n").encode()
     with replacing(path) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as archive:
         for file, content in held.items():
-            archive.writestr(zipfile.ZipInfo(file, _MOMENT), content, zipfile.ZIP_DEFLATED)
+            archive.writestr(zipfile.ZipInfo(file, _ARCHIVE_TIME), content, zipfile.ZIP_DEFLATED)
     return list(held)
 
 
-def keep_other_units(path: Path) -> None:
+def protect_other_units(path: Path) -> None:
     """Raise UsageError where a file at `path` is not a unit of a map, as it would be lost."""
     check_target_kind(path)
     try:
@@ -64,7 +64,7 @@ def keep_other_units(path: Path) -> None:
     except (OSError, zipfile.BadZipFile, KeyError, RuntimeError):  # RuntimeError: an archive with a password
         ours = False
     if not ours:
-        raise UsageError(OTHERS.format(path))
+        raise UsageError(FOREIGN_FILE.format(path))
 
 
 def identifier(path: Path) -> str:
@@ -112,7 +112,7 @@ def compile_shared(sources: dict[str, str], names: tuple[str, ...], ending: str)
         return Path(folder, target).read_bytes()
 
 
-def about(table: Table) -> dict[str, object]:
+def map_description(table: MapTable) -> dict[str, object]:
     """Return the description of a map, for people and programs."""
     return {
         "title": table.title,
@@ -128,7 +128,7 @@ def about(table: Table) -> dict[str, object]:
             for one in table.inputs
         ],
         "outputs": [
-            {"name": each.name, "units": plain(each.units), "meaning": each.long_name, "error": known(error)}
+            {"name": each.name, "units": plain(each.units), "meaning": each.long_name, "error": known_error(error)}
             for each, error in zip(table.outputs, table.errors, strict=True)
         ],
         "nodes": [[float(x) for x in one.at(u)] for one, u in zip(table.inputs, table.grid.nodes, strict=True)],
@@ -138,27 +138,27 @@ def about(table: Table) -> dict[str, object]:
     }
 
 
-def known(error: float) -> float | None:
+def known_error(error: float) -> float | None:
     """Return an error; None if it is unknown."""
     return error if math.isfinite(error) else None
 
 
-def share(error: float) -> str:
+def error_text(error: float) -> str:
     """Return an error as text."""
     return f"{error:.2g}" if math.isfinite(error) else "not known"
 
 
-def description(table: Table, name: str, token: str, version: str) -> str:
+def description(table: MapTable, name: str, token: str, version: str) -> str:
     """Return modelDescription.xml."""
     return (_description2 if version == "2" else _description3)(table, name, token)
 
 
-def _head(table: Table) -> str:
+def _head(table: MapTable) -> str:
     ranges = "; ".join(f"{one.name} {one.low:.6g} to {one.high:.6g} {plain(one.units)}" for one in table.inputs)
     return quoteattr(f"{table.title or 'compressor map'}: map over {ranges}; error {table.error_in_words}")
 
 
-def _units(table: Table) -> str:
+def _units(table: MapTable) -> str:
     lines = []
     for text in dict.fromkeys(plain(each.units) for each in (*table.inputs, *table.outputs)):
         powers = exponents(text)
@@ -177,7 +177,7 @@ def _unit_attributes(each: Input | Output) -> str:
     return f" unit={quoteattr(text)}" + (f' displayUnit="{shown[0].name}"' if shown else "")
 
 
-def _description2(table: Table, name: str, token: str) -> str:
+def _description2(table: MapTable, name: str, token: str) -> str:
     count, outputs = len(table.inputs), len(table.outputs)
     variables = []
     for i, one in enumerate(table.inputs):
@@ -226,7 +226,7 @@ def _description2(table: Table, name: str, token: str) -> str:
 """
 
 
-def _description3(table: Table, name: str, token: str) -> str:
+def _description3(table: MapTable, name: str, token: str) -> str:
     count, outputs = len(table.inputs), len(table.outputs)
     variables = [
         f'    <Float64 name="time" valueReference="{count + outputs + 2}" causality="independent" '
@@ -276,7 +276,7 @@ def build_description(name: str) -> str:
 """
 
 
-def page(table: Table, name: str) -> str:
+def documentation_page(table: MapTable, name: str) -> str:
     """Return the page shown by an importing tool: inputs with their ranges, outputs with their errors."""
     inputs = "".join(
         f"<tr><td>{one.name}</td><td>{one.low:.6g} … {one.high:.6g} {escape(plain(one.units))}</td>"
@@ -284,7 +284,7 @@ def page(table: Table, name: str) -> str:
         for one in table.inputs
     )
     outputs = "".join(
-        f"<tr><td>{each.name}</td><td>{escape(plain(each.units))}, error {share(error)}</td>"
+        f"<tr><td>{each.name}</td><td>{escape(plain(each.units))}, error {error_text(error)}</td>"
         f"<td>{escape(each.long_name)}</td></tr>"
         for each, error in zip(table.outputs, table.errors, strict=True)
     )
@@ -295,6 +295,7 @@ def page(table: Table, name: str) -> str:
 100 K; of other figures, over their size or a tenth of their largest). Outside the ranges, and among points without
 a closed cycle, <code>{VALID}</code> is false, and the outputs are the values at the border.</p>
 <table>{inputs}{outputs}
-<tr><td>{ERROR}</td><td>1</td><td>{_ERROR_MEANS}</td></tr><tr><td>{VALID}</td><td>Boolean</td><td>{_VALID_MEANS}</td></tr>
+<tr><td>{ERROR}</td><td>1</td><td>{_ERROR_MEANS}</td></tr>
+<tr><td>{VALID}</td><td>Boolean</td><td>{_VALID_MEANS}</td></tr>
 </table></body></html>
 """

@@ -152,7 +152,7 @@ def check_names(inputs: Sequence[Input], outputs: Sequence[Output]) -> None:
             raise UsageError(f"no map: figure {each.name} {what} (name other figures with --figure)")
 
 
-def one_line(text: str) -> str:
+def title_on_one_line(text: str) -> str:
     """Return a title on one line, as in a comment."""
     return " ".join(text.split())
 
@@ -168,7 +168,7 @@ def range_of(scene: Scene, one: Input) -> str:
     return " … ".join(shown_value(scene, one.path, end) for end in (one.low, one.high))
 
 
-def spread(one: Input, count: int) -> np.ndarray:
+def evenly_spaced_nodes(one: Input, count: int) -> np.ndarray:
     """Return `count` evenly spaced nodes on the axis of an input."""
     low, high = one.coordinate(one.low), one.coordinate(one.high)
     return np.linspace(float(low), float(high), count)

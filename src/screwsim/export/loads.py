@@ -18,17 +18,17 @@ from screwsim.export.rotor_surface import surfaces
 from screwsim.export.xdmf import write_surface
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import TWIN_SCREW, twin_screw
-from screwsim.machine.profile_law import lay
+from screwsim.machine.profile_law import laid_curves
 from screwsim.outputs import Result
 from screwsim.results.atomic import make_folder, write_csv, write_text
-from screwsim.results.kept import keep_in, keep_other_documents
+from screwsim.results.protection import protect_folder, protect_other_json
 from screwsim.scene import Scene
 
 HARMONICS = 20
 FLOW_POINTS = 360  # points of a pitch
 PORTS = {"suction": ("mass_flow_suction_port", 1.0), "discharge": ("mass_flow_discharge_port", -1.0)}
-STEPS = 48  # of one revolution of a rotor
-PIECES = 60  # of a pitch of the profile, on the written surfaces
+REVOLUTION_STEPS = 48  # of one revolution of a rotor
+PROFILE_PIECES = 60  # of a pitch of the profile, on the written surfaces
 WHOLE, ANGLE, ORDER = "loads.json", "angle [deg]", "harmonic"  # file of everything; first heads of the other files
 _UNITS = {"force": "N", "bearing": "N", "torque": "N m", "mass_flow": "kg/s", "volume_flow": "m^3/s"}
 
@@ -93,7 +93,7 @@ def _densities(gas, figures: Mapping[str, float]) -> dict[str, float]:
 
 
 @dataclass(frozen=True, eq=False)
-class Exported:
+class ExportedLoads:
     """Results to export: curves over one pitch [rad] by group, spectra by curve, lobe frequency [Hz], and omissions."""
 
     title: str
@@ -105,7 +105,7 @@ class Exported:
 
 def loads(
     scene: Scene, result: Result, spans: tuple[float, float], shafts: tuple[float, float] = (0.0, 0.0)
-) -> Exported:
+) -> ExportedLoads:
     """Return loads and flows of a result that keeps its cycle; for rotors without a profile only the flows.
 
     `spans` and `shafts` [m] are those of `rotor_loads.loads_of`.
@@ -115,10 +115,10 @@ def loads(
     if not has_rotors(scene):
         without = "forces and surfaces need rotors with a profile (machine.volume.law: profile), of a compressor"
     else:
-        found, without = loads_of(pressures_of(lay(twin_screw(scene.machine)), result), spans, shafts), ""
+        found, without = loads_of(pressures_of(laid_curves(twin_screw(scene.machine)), result), spans, shafts), ""
         curves["forces"] = (found.angle, dict(found.columns))
     spectra = {name: harmonics(values, frequency) for _, columns in curves.values() for name, values in columns.items()}
-    return Exported(scene.title, frequency, curves, spectra, without)
+    return ExportedLoads(scene.title, frequency, curves, spectra, without)
 
 
 def has_rotors(scene: Scene) -> bool:
@@ -127,14 +127,18 @@ def has_rotors(scene: Scene) -> bool:
     return machine.kind == TWIN_SCREW and not machine.expands and twin_screw(machine).volume.from_rotors
 
 
-def keep_other_loads(folder: Path) -> None:
+def protect_other_loads(folder: Path) -> None:
     """Raise UsageError where a folder holds other files under the names of curves, spectra or the whole document."""
     groups = ("flows", "forces")
-    keep_in(folder, {f"{group}.csv": ANGLE for group in groups} | {f"{group}_spectrum.csv": ORDER for group in groups})
-    keep_other_documents(folder / WHOLE, "lobe_frequency", "curves", "spectra")
+    protect_folder(
+        folder, {f"{group}.csv": ANGLE for group in groups} | {f"{group}_spectrum.csv": ORDER for group in groups}
+    )
+    protect_other_json(folder / WHOLE, "lobe_frequency", "curves", "spectra")
 
 
-def write_loads(scene: Scene, result: Result, found: Exported, folder: Path, steps: int = STEPS) -> list[str]:
+def write_loads(
+    scene: Scene, result: Result, found: ExportedLoads, folder: Path, steps: int = REVOLUTION_STEPS
+) -> list[str]:
     """Write curves and spectra as CSV, all of it as JSON, the surfaces as XDMF; return the paths."""
     make_folder(folder)
     files = []
@@ -146,8 +150,8 @@ def write_loads(scene: Scene, result: Result, found: Exported, folder: Path, ste
     text = json.dumps(document(found), indent=1, allow_nan=False) + "\n"
     files.append(write_text(folder / WHOLE, text))
     if has_rotors(scene):
-        pressures = pressures_of(lay(twin_screw(scene.machine)), result)
-        for name, surface in zip(("male", "female"), surfaces(pressures.laid.rotors, PIECES), strict=True):
+        pressures = pressures_of(laid_curves(twin_screw(scene.machine)), result)
+        for name, surface in zip(("male", "female"), surfaces(pressures.laid.rotors, PROFILE_PIECES), strict=True):
             files += write_surface(folder / f"{name}_rotor", surface, pressures, steps, scene.operation.speed)
     return files
 
@@ -165,7 +169,7 @@ def _write_spectra(path: Path, spectra: Mapping[str, Sequence[Harmonic]]) -> str
     return write_csv(path, heads, rows)
 
 
-def document(found: Exported) -> dict[str, Any]:
+def document(found: ExportedLoads) -> dict[str, Any]:
     """Return everything as one document, in SI units."""
     return {
         "title": found.title,

@@ -7,23 +7,23 @@ import numpy as np
 
 from screwsim.export.hermite import Array, Grid, evaluate
 from screwsim.export.inputs import Input, Output, plain
-from screwsim.export.table import Table, scales
+from screwsim.export.table import MapTable, scales
 from screwsim.inputs.faults import UsageError
 from screwsim.study.performance_map import TERMS
 
-WRITTEN = "written by screwsim; error "  # in the first line of a package
-FINE = 25  # points along an axis to which polynomials are fitted, and at which errors are evaluated
+WRITTEN_MARK = "written by screwsim; error "  # in the first line of a package
+FINE_POINTS = 25  # points along an axis to which polynomials are fitted, and at which errors are evaluated
 _TABLE = "Modelica.Blocks.Tables.CombiTable2Ds"
 _TAKEN = {"real", "integer", "boolean", "string", "complex", "clock", "modelica", "modelicaservices", "stateselect"}
 
 
-def package(table: Table, name: str) -> str:
+def package(table: MapTable, name: str) -> str:
     """Return the text of a package; raise UsageError unless the map has two inputs."""
     if len(table.inputs) != 2:
         inputs = ", ".join(one.name for one in table.inputs)
         what = f"has {len(table.inputs)} inputs ({inputs}), and {_TABLE} two"
         raise UsageError(f"the map {what} (name two with --over; fmu takes any number)")
-    words = _quoted(f"{table.title or name}: {WRITTEN}{_error_in_words(table)}")
+    words = _quoted(f"{table.title or name}: {WRITTEN_MARK}{_error_in_words(table)}")
     return "\n".join(
         (
             f"package {name} {words}",
@@ -47,7 +47,7 @@ def identifier(stem: str) -> str:
     return name[:1].upper() + name[1:]
 
 
-def _error_in_words(table: Table) -> str:
+def _error_in_words(table: MapTable) -> str:
     """Return the error of the tables as interpolated by Modelica: that of the map, plus the difference between both."""
     if not math.isfinite(table.error):
         return table.error_in_words
@@ -55,7 +55,7 @@ def _error_in_words(table: Table) -> str:
     return f"{off:.2g}, of the map ({table.how}) and of Akima's interpolation against it"
 
 
-def akima_differences(table: Table) -> Array:
+def akima_differences(table: MapTable) -> Array:
     """Return the largest difference of Akima's interpolation (1974) of the nodes from the map, relative to each output.
 
     CombiTable2Ds interpolates so with continuous derivatives, whereas the map uses a spline.
@@ -81,9 +81,9 @@ def _akima_slopes(x: Array, values: Array, axis: int) -> Array:
     return Akima1DInterpolator(x, values, axis=axis).derivative()(x)
 
 
-def _mesh(table: Table) -> Array:
+def _mesh(table: MapTable) -> Array:
     """Return points of a regular grid over both inputs' ranges (n, inputs)."""
-    mesh = np.meshgrid(*(np.linspace(one.low, one.high, FINE) for one in table.inputs), indexing="ij")
+    mesh = np.meshgrid(*(np.linspace(one.low, one.high, FINE_POINTS) for one in table.inputs), indexing="ij")
     return np.column_stack([each.ravel() for each in mesh])
 
 
@@ -96,7 +96,7 @@ def _port(kind: str, each: Input | Output, indent: str) -> str:
     return f"{indent}{head} {_quoted(each.long_name)};"
 
 
-def _tables(table: Table) -> str:
+def _tables(table: MapTable) -> str:
     one, two = table.inputs
     nodes = [x.at(u) for x, u in zip(table.inputs, table.grid.nodes, strict=True)]
     values = table.grid.data[0, 0]
@@ -129,7 +129,7 @@ def _matrix(nodes: list[np.ndarray], values: np.ndarray) -> str:
     return "[" + ";\n        ".join(", ".join(f"{float(v):.12g}" for v in row) for row in rows) + "]"
 
 
-def cubic(table: Table, number: int) -> tuple[np.ndarray, list[tuple[float, float]], float]:
+def cubic(table: MapTable, number: int) -> tuple[np.ndarray, list[tuple[float, float]], float]:
     """Return the coefficients of an output over scaled inputs, (middle, half width) of each, and the error inside."""
     ends = [(one.low, one.high) for one in table.inputs]
     x = _mesh(table)
@@ -145,7 +145,7 @@ def cubic(table: Table, number: int) -> tuple[np.ndarray, list[tuple[float, floa
     return found, middles, float(np.max(np.abs(matrix @ found - wanted) / size))
 
 
-def _function(table: Table, number: int) -> str:
+def _function(table: MapTable, number: int) -> str:
     each = table.outputs[number]
     coefficients, middles, error = cubic(table, number)
     terms = []

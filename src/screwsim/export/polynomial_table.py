@@ -14,15 +14,15 @@ import numpy as np
 
 from screwsim.export.hermite import Array, Grid, evaluate, slopes
 from screwsim.export.inputs import Input
-from screwsim.export.table import Table, scales
+from screwsim.export.table import MapTable, scales
 from screwsim.inputs.faults import UsageError
 from screwsim.scene.operation import CONDENSING, EVAPORATING
 from screwsim.study.performance_map import TERMS
 
-FITTED = 6  # values of each temperature to which a polynomial is fitted
+FITTED_VALUES = 6  # values of each temperature to which a polynomial is fitted
 
 
-def polynomial_table(table: Table, wanted: float | None = None) -> Table:
+def polynomial_table(table: MapTable, wanted: float | None = None) -> MapTable:
     """Return a map whose figures are polynomials fitted to another's; raise UsageError without both temperatures.
 
     Its errors are the largest differences from that table, at its nodes and half-way between, plus the table's own.
@@ -83,7 +83,7 @@ def _fitted(
     table: Grid, temperatures: Sequence[int], others: Sequence[int], ends: Sequence[tuple[float, float]]
 ) -> Array:
     """Return least-squares coefficients (others …, terms, outputs), with temperatures scaled to −1 … 1."""
-    fitted = [np.linspace(*both, FITTED) for both in ends]
+    fitted = [np.linspace(*both, FITTED_VALUES) for both in ends]
     S, D = (x.ravel() for x in np.meshgrid(*fitted, indexing="ij"))
     powers = [_powers(x, both, 0) for x, both in zip((S, D), ends, strict=True)]
     design = np.stack([powers[0][p] * powers[1][q] for p, q in TERMS], axis=-1)

@@ -11,19 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.export.inputs import Input, one_line, read_inputs, spread
+from screwsim.export.inputs import Input, evenly_spaced_nodes, read_inputs, title_on_one_line
 from screwsim.export.source import is_results
 from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.scene import Scene, load, scene_text
 from screwsim.scene.operation import CONDENSING, EVAPORATING, QUALITY, SUPERHEAT
-from screwsim.study.performance_map import FORMULA, TERMS, Fit, PerformanceMap, conditions, performance_maps
+from screwsim.study.performance_map import FORMULA, TERMS, PerformanceMap, PolynomialFit, conditions, performance_maps
 from screwsim.study.progress import Progress
 from screwsim.study.sweep import run_sweep
 
 SATURATION_NODES, OTHER_NODES = 6, 3  # number of values where --over gives ranges
-RATED = {"S": 5.0, "D": 45.0}  # [°C] used where the envelope contains it, else its middle
+RATED_TEMPERATURES = {"S": 5.0, "D": 45.0}  # [°C] used where the envelope contains it, else its middle
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ class Polynomials:
 
 
 @contextmanager
-def swept(
+def swept_results(
     source: str,
     over: Sequence[str] | None = None,
     overrides: Sequence[str] | None = None,
@@ -83,7 +83,8 @@ def swept(
         inputs = read_inputs(scene, over)
         counts = [SATURATION_NODES if one.path in (EVAPORATING, CONDENSING) else OTHER_NODES for one in inputs]
         sweep = {
-            one.path: tuple(map(float, one.at(spread(one, count)))) for one, count in zip(inputs, counts, strict=True)
+            one.path: tuple(map(float, one.at(evenly_spaced_nodes(one, count))))
+            for one, count in zip(inputs, counts, strict=True)
         }
         scene = replace(scene, sweep=sweep, joints=())
         scene = replace(scene, text=scene_text(replace(scene, text="")))
@@ -110,11 +111,11 @@ def polynomials(results: Results, figures: Sequence[str]) -> Polynomials:
     units = {name: results.figure(name).units for name in maps[0].fits}
     fluid, blend = fluid_of(results)
     point = "dew" if blend else "bubble"
-    title = one_line(results.attributes["title"])
-    return Polynomials(title, fluid, maps, units, conditions(results), axes, point, _within(results))
+    title = title_on_one_line(results.attributes["title"])
+    return Polynomials(title, fluid, maps, units, conditions(results), axes, point, _paths_along(results))
 
 
-def _within(results: Results) -> frozenset[str]:
+def _paths_along(results: Results) -> frozenset[str]:
     varied = results.varied
     own = {varied[path][0] for path in (EVAPORATING, CONDENSING)}
     return frozenset(path for path, (axis, _) in varied.items() if axis in own) - {EVAPORATING, CONDENSING}
@@ -128,16 +129,16 @@ def fluid_of(results: Results) -> tuple[str, bool]:
     return (fluid, is_blend(fluid)) if isinstance(fluid, str) else ("/".join(fluid), True)
 
 
-def limits(one: PerformanceMap) -> tuple[tuple[float, float], tuple[float, float]]:
+def temperature_limits(one: PerformanceMap) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return the lowest and highest value of both temperatures [°C] in the envelope of a map."""
     S, D = zip(*one.envelope, strict=True)
     return (min(S), max(S)), (min(D), max(D))
 
 
-def rated(one: PerformanceMap) -> tuple[float, float]:
+def rated_temperatures(one: PerformanceMap) -> tuple[float, float]:
     """Return the temperatures [°C] at which a map is normalised: 5/45 if in its envelope, else its middle."""
-    if one.inside(RATED["S"], RATED["D"]).all():
-        return RATED["S"], RATED["D"]
+    if one.inside(RATED_TEMPERATURES["S"], RATED_TEMPERATURES["D"]).all():
+        return RATED_TEMPERATURES["S"], RATED_TEMPERATURES["D"]
     points = np.array(one.envelope)
     S, D = points.mean(axis=0)
     return float(round(S, 1)), float(round(D, 1))
@@ -149,7 +150,7 @@ def quadratic(one: PerformanceMap, figure: str, at: tuple[float, float]) -> tupl
     It is fitted to the cubic at 11 × 11 points of the envelope's box that lie inside; the error is relative to the
     cubic.
     """
-    (s0, s1), (d0, d1) = limits(one)
+    (s0, s1), (d0, d1) = temperature_limits(one)
     S, D = (x.ravel() for x in np.meshgrid(np.linspace(s0, s1, 11), np.linspace(d0, d1, 11)))
     inside = one.inside(S, D)
     S, D = S[inside], D[inside]
@@ -159,13 +160,13 @@ def quadratic(one: PerformanceMap, figure: str, at: tuple[float, float]) -> tupl
     return tuple(map(float, found)), float(np.max(np.abs(matrix @ found / wanted - 1.0)))
 
 
-def by_terms(fit: Fit, order: Sequence[tuple[int, int]]) -> list[float]:
+def by_terms(fit: PolynomialFit, order: Sequence[tuple[int, int]]) -> list[float]:
     """Return the coefficients of a fit in another order of terms (powers of S and D)."""
     place = dict(zip(TERMS, fit.coefficients, strict=True))
     return [place[term] for term in order]
 
 
-def in_fahrenheit(fit: Fit, factor: float) -> tuple[float, ...]:
+def in_fahrenheit(fit: PolynomialFit, factor: float) -> tuple[float, ...]:
     """Return the coefficients for °F from those for °C, for the figure times a factor."""
     scaled = np.zeros((4, 4))
     for (i, j), c in zip(TERMS, fit.coefficients, strict=True):
@@ -179,7 +180,7 @@ def _powers(n: int) -> list[tuple[int, float]]:
     return [(k, math.comb(n, k) * (-32.0) ** (n - k) / 1.8**n) for k in range(n + 1)]
 
 
-KEYS = ("title", "fluid", "formula", "S", "D", "units", "conditions")  # keys of a document
+DOCUMENT_KEYS = ("title", "fluid", "formula", "S", "D", "units", "conditions")  # keys of a document
 
 
 def document(found: Polynomials) -> dict[str, Any]:

@@ -21,11 +21,11 @@ from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.pair import Array, Chain
 from screwsim.machine.rotors.rotors import Rotors
 
-STEEPEST = 30.0  # tan α of the normal: more than 88 deg from the pitch circle's tangent
+STEEPEST_NORMAL = 30.0  # tan α of the normal: more than 88 deg from the pitch circle's tangent
 
 
 @dataclass(frozen=True, eq=False)
-class Face:
+class EndFace:
     """Areas [m²] and first moments [m³] about the rotor's axis of the sectors of an end face (lobes, profile)."""
 
     area: Array
@@ -33,7 +33,7 @@ class Face:
     y: Array
 
 
-def face(surface: Surface, rotors: Rotors, phi: float, z: float, shaft: float = 0.0) -> Face:
+def end_face(surface: Surface, rotors: Rotors, phi: float, z: float, shaft: float = 0.0) -> EndFace:
     """Return an end face's sectors at `z` [m], without a shaft of radius `shaft` [m], with the rotor at `phi`."""
     x, y = (points[:, :, 0] for points in positions(surface, rotors, phi, np.array([z])))
     x = x - surface.centre
@@ -42,7 +42,7 @@ def face(surface: Surface, rotors: Rotors, phi: float, z: float, shaft: float = 
     length1, length2 = np.hypot(x1, y1), np.hypot(x2, y2)
     turned = surface.outward * np.arctan2(x1 * y2 - x2 * y1, x1 * x2 + y1 * y2)
     cut = shaft**3 / 3.0 * surface.outward
-    return Face(
+    return EndFace(
         whole - 0.5 * shaft**2 * turned,
         whole * (x1 + x2) / 3.0 - cut * (y2 / length2 - y1 / length1),
         whole * (y1 + y2) / 3.0 + cut * (x2 / length2 - x1 / length1),
@@ -58,7 +58,7 @@ def end_forces(
     """
     forces, moment_x, moment_y = [], 0.0, 0.0
     for z, push in ((0.0, 1.0), (rotors.length, -1.0)):
-        sectors = face(surface, rotors, phi, z, shaft)
+        sectors = end_face(surface, rotors, phi, z, shaft)
         p = push * excess(chamber_angles(surface, rotors, phi, np.array([z])))[:, :, 0]
         forces.append(float((p * sectors.area).sum()))
         moment_x -= float((p * sectors.x).sum())
@@ -105,12 +105,12 @@ def _tangent(chain: Chain, one: int, two: int) -> float:
     angle = -0.5 * (chain.psi[one] + chain.psi[two])  # from the rotor's frame
     dx, dy = x[two] - x[one], y[two] - y[one]
     along, across = np.cos(angle) * dx - np.sin(angle) * dy, np.sin(angle) * dx + np.cos(angle) * dy
-    if abs(across) > STEEPEST * abs(along):
+    if abs(across) > STEEPEST_NORMAL * abs(along):
         raise UsageError("the flanks of this profile lie along the pitch circle, so they transmit no torque there")
     return float(abs(across / along))
 
 
-def contact(rotors: Rotors, torque: Array) -> dict[str, dict[str, Array]]:
+def contact_force(rotors: Rotors, torque: Array) -> dict[str, dict[str, Array]]:
     """Return the contact's force [N] on each rotor, its torque about the axis, and its moments [N m], by angle.
 
     `torque` [N m] holds the female against the gas, as `female_torque` does; its sign decides which flank is in

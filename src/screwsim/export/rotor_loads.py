@@ -12,22 +12,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from screwsim.export.rotor_balance import check_shafts, contact, end_forces
+from screwsim.export.rotor_balance import check_shafts, contact_force, end_forces
 from screwsim.export.rotor_surface import ALONG, Surface, areas, centres, chamber_angles, positions, surfaces
-from screwsim.machine.profile_law import Laid
+from screwsim.machine.profile_law import LaidCurves
 from screwsim.machine.rotors.pair import Array
 from screwsim.outputs import Result
 
 NAMES = ("male", "female")
-POINTS = 48  # points of a pitch
-DOWN = 1.02  # over the suction pressure: from there the remainder of a chamber's last charge has expanded
+PITCH_POINTS = 48  # points of a pitch
+EXPANDED_RATIO = 1.02  # over the suction pressure: from there the remainder of a chamber's last charge has expanded
 
 
 @dataclass(frozen=True, eq=False)
 class Pressures:
     """Pressure [Pa] of a chamber over its angle φ, with the origin of `machine.rotors.rotors`; `low` is suction's."""
 
-    laid: Laid
+    laid: LaidCurves
     angle: Array  # [rad], on the scene's axis
     pressure: Array
     low: float
@@ -43,7 +43,7 @@ class Pressures:
         return self.at(phi) - self.low
 
 
-def pressures_of(laid: Laid, result: Result) -> Pressures:
+def pressures_of(laid: LaidCurves, result: Result) -> Pressures:
     """Return the pressures of a result that keeps its cycle.
 
     A chamber is born with the remainder of its last charge in almost no volume, which presses on nothing: until its
@@ -51,7 +51,7 @@ def pressures_of(laid: Laid, result: Result) -> Pressures:
     """
     angle, pressure = np.radians(result.cycle["angle"]), np.array(result.cycle["pressure"])
     low = float(result.performance["suction_pressure"])
-    down = np.flatnonzero((angle >= laid.born) & (pressure <= DOWN * low))
+    down = np.flatnonzero((angle >= laid.born) & (pressure <= EXPANDED_RATIO * low))
     pressure[: int(down[0]) if len(down) else 0] = low
     return Pressures(laid, angle, pressure, low)
 
@@ -75,26 +75,26 @@ def loads_of(
     rotors = pressures.laid.rotors
     check_shafts(rotors, shafts)
     z = np.linspace(0.0, rotors.length, ALONG + 1)
-    angle = np.arange(POINTS) * rotors.pair.pitch / POINTS
+    angle = np.arange(PITCH_POINTS) * rotors.pair.pitch / PITCH_POINTS
     columns: dict[str, Array] = {}
     both = surfaces(rotors)
     for name, surface in zip(NAMES, both, strict=True):
-        rows = [_at(pressures, surface, float(phi), z) for phi in angle]
+        rows = [_gas_loads_at(pressures, surface, float(phi), z) for phi in angle]
         found = {key: np.array([row[key] for row in rows]) for key in rows[0]}
         columns |= {f"{name}_{key}": values for key, values in found.items()}
         columns |= _bearings(name, found, rotors.length, spans)
-    columns |= _virtual(pressures, angle)
+    columns |= _torques_by_virtual_work(pressures, angle)
     moments = {key: value for key, value in columns.items() if "_moment_" in key}
     columns = {key: value for key, value in columns.items() if key not in moments}
-    touching = contact(rotors, columns["female_torque"])
+    touching = contact_force(rotors, columns["female_torque"])
     for name, surface, shaft in zip(NAMES, both, shafts, strict=True):
         ends = [end_forces(surface, rotors, float(phi), 0.5 * shaft, pressures.excess) for phi in angle]
-        columns |= _whole(name, columns, moments, touching[name], ends, rotors.length, spans)
+        columns |= _with_bearings(name, columns, moments, touching[name], ends, rotors.length, spans)
     columns["shaft_torque"] = columns["male_torque"] + touching["male"]["contact_torque"]
     return Loads(angle, columns)
 
 
-def _whole(
+def _with_bearings(
     name: str,
     gas: Mapping[str, Array],
     moments: Mapping[str, Array],
@@ -117,7 +117,7 @@ def _whole(
     return columns | {key.replace("_bearing", "_bearing_total"): values for key, values in carried.items()}
 
 
-def _at(pressures: Pressures, surface: Surface, phi: float, z: Array) -> dict[str, float]:
+def _gas_loads_at(pressures: Pressures, surface: Surface, phi: float, z: Array) -> dict[str, float]:
     """Return force [N], torque about the axis [N m], and moments about the suction end [N m] at one angle."""
     rotors = pressures.laid.rotors
     x, y = positions(surface, rotors, phi, z)
@@ -150,7 +150,7 @@ def _bearings(name: str, found: Mapping[str, Array], length: float, spans: tuple
     return columns
 
 
-def _virtual(pressures: Pressures, angle: Array) -> dict[str, Array]:
+def _torques_by_virtual_work(pressures: Pressures, angle: Array) -> dict[str, Array]:
     """Return the torques [N m] of both rotors by virtual work (M144, M145), as a check of those from the surfaces."""
     rotors = pressures.laid.rotors
     pitch = rotors.pair.pitch

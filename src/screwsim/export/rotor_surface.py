@@ -45,7 +45,7 @@ class Surface:
 def surfaces(rotors: Rotors, pieces: int = PROFILE) -> tuple[Surface, Surface]:
     """Return the surfaces of male and female rotor."""
     pair, chain = rotors.pair, rotors.chain
-    kept = _kept(rotors, pieces)
+    kept = _kept_points(rotors, pieces)
     psi, middles = chain.psi[kept], 0.5 * (kept[1:] + kept[:-1])
     tip = chain.tip
     male = np.select([middles <= tip, middles <= chain.trail], [0, 1], 2)
@@ -71,7 +71,7 @@ def _changes(rotors: Rotors, kept: Array) -> tuple[Array, Array]:
     return male, female
 
 
-def _kept(rotors: Rotors, pieces: int) -> Array:
+def _kept_points(rotors: Rotors, pieces: int) -> Array:
     """Return the indices of chain points to keep: evenly spaced along both profiles together, plus the marked ones."""
     chain = rotors.chain
     steps = [np.hypot(np.diff(x), np.diff(y)) for x, y in (chain.male(), chain.female(rotors.pair))]

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from screwsim.export.inputs import Input, read_inputs, read_outputs
-from screwsim.export.table import Table, table_of, tabulate
+from screwsim.export.table import MapTable, table_of, tabulated_map
 from screwsim.figures import Performance, known
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import SceneError, UsageError
@@ -19,7 +19,7 @@ from screwsim.simulate import simulate
 from screwsim.study.figures import figure_named
 from screwsim.study.progress import Progress
 
-WANTED = 0.005  # relative error of a map, if none is requested
+DEFAULT_ERROR = 0.005  # relative error of a map, if none is requested
 MOST_CASES = 5000
 _HDF5 = b"\x89HDF"
 
@@ -44,7 +44,7 @@ def map_of(
     jobs: int | None = None,
     progress: Callable[[], Progress] | None = None,
     told: Callable[[Scene, tuple[Input, ...]], None] | None = None,
-) -> Table:
+) -> MapTable:
     """Return the map of a scene's file or of a results file; raise `SceneError` or `UsageError`.
 
     `told` is called with the scene and the inputs before anything is simulated.
@@ -61,7 +61,7 @@ def map_of(
             raise UsageError(f"{source}: has no {absent[0]} (it has {', '.join(results.figures)})")
         return table_of(results, names or None)
     scene = load(source, overrides or (), without or ())
-    asked = WANTED if wanted is None else wanted
+    asked = DEFAULT_ERROR if wanted is None else wanted
     if not scene.numerics.accuracy < asked < 1.0:
         what = f"is not between the scene's numerics.accuracy {scene.numerics.accuracy:g} and 1"
         raise UsageError(
@@ -71,7 +71,7 @@ def map_of(
     if told is not None:
         told(scene, inputs)
     most = MOST_CASES if most is None else most
-    return tabulate(scene, inputs, outputs, asked, most=most, jobs=jobs, progress=progress)
+    return tabulated_map(scene, inputs, outputs, asked, most=most, jobs=jobs, progress=progress)
 
 
 def run_of(source: str, overrides: Sequence[str] = (), without: Sequence[str] = ()) -> tuple[Scene, Result]:

@@ -17,7 +17,15 @@ from typing import Any
 import numpy as np
 
 from screwsim.export.hermite import Array, Grid, evaluate, grid_of
-from screwsim.export.inputs import Input, Output, check_names, input_name, one_line, output_of, spread
+from screwsim.export.inputs import (
+    Input,
+    Output,
+    check_names,
+    evenly_spaced_nodes,
+    input_name,
+    output_of,
+    title_on_one_line,
+)
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.scene import Scene, scene_text
@@ -25,16 +33,16 @@ from screwsim.scene.types import Joint
 from screwsim.study.progress import Progress
 from screwsim.study.sweep import run_sweep
 
-CHECKS = 32  # check points drawn
-SAFE = 0.7  # of the requested error: required at the check points, so that other points meet the requested one
+CHECK_POINTS = 32  # check points drawn
+SAFETY_SHARE = 0.7  # of the requested error: required at the check points, so that other points meet the requested one
 FEW_INPUTS = 2  # up to so many, each axis begins with five nodes, beyond with three
 LEAST_SCALE = 0.1  # of the largest value: least scale of relative errors
-KELVIN = 100.0  # [K] scale of errors of temperatures
-TOO_FEW = 4  # number of nodes of an axis up to which no error is estimated from it
+TEMPERATURE_SCALE = 100.0  # [K] scale of errors of temperatures
+FEW_NODES = 4  # number of nodes of an axis up to which no error is estimated from it
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class MapTable:
     """A map: `grid` over the inputs' coordinates; relative `errors` of the outputs, and how they were found.
 
     `cases` is the number of cases simulated, `not_ok` that of nodes without a closed cycle; `met` tells whether the
@@ -84,13 +92,13 @@ def scales(outputs: Sequence[Output], values: Array) -> Array:
     largest = np.nanmax(size.reshape(-1, size.shape[-1]), axis=0)
     found = np.maximum(size, LEAST_SCALE * largest)
     kelvin = np.array([each.units == "K" for each in outputs])
-    return np.where(kelvin, KELVIN, np.where(found > 0.0, found, 1.0))
+    return np.where(kelvin, TEMPERATURE_SCALE, np.where(found > 0.0, found, 1.0))
 
 
 Solve = Callable[[dict[str, Array], bool], tuple[Array, Array]]  # {path: values}, together? -> values, sound
 
 
-def tabulate(
+def tabulated_map(
     scene: Scene,
     inputs: Sequence[Input],
     outputs: Sequence[Output],
@@ -100,16 +108,16 @@ def tabulate(
     jobs: int | None = None,
     progress: Callable[[], Progress] | None = None,
     simulate: Any = None,
-) -> Table:
-    """Return the map of a scene with an error at the check points of at most `SAFE` times `wanted`.
+) -> MapTable:
+    """Return the map of a scene with an error at the check points of at most `SAFETY_SHARE` times `wanted`.
 
-    At most `most` nodes are simulated; a table that remains coarser because of them says so (`Table.met`). Raise
+    At most `most` nodes are simulated; a table that remains coarser because of them says so (`MapTable.met`). Raise
     UsageError where nothing closes.
     """
     check_names(inputs, outputs)
     solve = _Solver(scene, outputs, jobs, progress, simulate)
-    nodes = [spread(one, 5 if len(inputs) <= FEW_INPUTS else 3) for one in inputs]
-    points = _drawn(inputs)
+    nodes = [evenly_spaced_nodes(one, 5 if len(inputs) <= FEW_INPUTS else 3) for one in inputs]
+    points = _drawn_check_points(inputs)
     known = solve.grid(inputs, nodes)
     at_points, sound_points = solve.points(inputs, points)
     while True:
@@ -119,7 +127,7 @@ def tabulate(
             raise UsageError(f"no map: none of {sound.size} points closed ({why})")
         table = _table(scene, inputs, outputs, nodes, values, sound, wanted)
         errors, checked, open_ = _errors(table, points, at_points, sound_points)
-        if checked and max(errors) <= SAFE * wanted:
+        if checked and max(errors) <= SAFETY_SHARE * wanted:
             break
         axis = _coarsest(nodes, values, sound, outputs)
         x = nodes[axis]
@@ -136,7 +144,7 @@ def tabulate(
     return replace(table, errors=tuple(errors), checked=checked, how=how, cases=solve.cases)
 
 
-def table_of(results: Results, figures: Sequence[str] | None = None) -> Table:
+def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable:
     """Return the map in a sweep's results file, over all its axes; raise UsageError where there is none."""
     if not results.axis_list or any(axis.joined for axis in results.axis_list):
         raise UsageError(
@@ -169,10 +177,10 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> Table:
         for one, axis, order in zip(inputs, axes, orders, strict=True)
     ]
     table = _table(None, inputs, outputs, nodes, values, sound, None)
-    errors, checked = _left_out(nodes, values, sound, outputs)
+    errors, checked = _errors_of_leaving_out(nodes, values, sound, outputs)
     how = f"largest at {checked} nodes when every second one of an axis is left out: for a table twice as coarse"
     how = how if checked else "unknown, as no axis has five values"
-    title, yaml = one_line(results.attributes["title"]), results.scene_yaml
+    title, yaml = title_on_one_line(results.attributes["title"]), results.scene_yaml
     return replace(table, title=title, scene_yaml=yaml, errors=errors, checked=checked, how=how, cases=sound.size)
 
 
@@ -190,19 +198,19 @@ def _table(
     values: Array,
     sound: Array,
     wanted: float | None,
-) -> Table:
+) -> MapTable:
     grid = grid_of(nodes, values, sound)
-    title = "" if scene is None else one_line(scene.title)
+    title = "" if scene is None else title_on_one_line(scene.title)
     text = "" if scene is None else scene_text(replace(scene, sweep={}, joints=()))
     not_ok = int((~sound).sum())
-    return Table(title, tuple(inputs), tuple(outputs), grid, (math.inf,), 0, "", 0, not_ok, wanted, text)
+    return MapTable(title, tuple(inputs), tuple(outputs), grid, (math.inf,), 0, "", 0, not_ok, wanted, text)
 
 
-def _drawn(inputs: Sequence[Input]) -> Array:
+def _drawn_check_points(inputs: Sequence[Input]) -> Array:
     """Return the check points in the box [SI] (n, inputs); always the same for the same box."""
     from scipy.stats import qmc
 
-    shares = qmc.Sobol(len(inputs), rng=1).random(CHECKS)
+    shares = qmc.Sobol(len(inputs), rng=1).random(CHECK_POINTS)
     ends = [(float(one.coordinate(one.low)), float(one.coordinate(one.high))) for one in inputs]
     columns = [
         one.at(low + share * (high - low)) for one, (low, high), share in zip(inputs, ends, shares.T, strict=True)
@@ -210,7 +218,7 @@ def _drawn(inputs: Sequence[Input]) -> Array:
     return np.column_stack(columns)
 
 
-def _errors(table: Table, points: Array, values: Array, sound: Array) -> tuple[list[float], int, int]:
+def _errors(table: MapTable, points: Array, values: Array, sound: Array) -> tuple[list[float], int, int]:
     """Return each output's largest error at inside points that closed, and how many inside points did, and did not."""
     found, inside = table(points)
     there = inside & sound
@@ -221,11 +229,11 @@ def _errors(table: Table, points: Array, values: Array, sound: Array) -> tuple[l
     return [float(each) for each in relative.max(axis=0)], int(there.sum()), not_closed
 
 
-def _left_out(
+def _errors_of_leaving_out(
     nodes: Sequence[Array], values: Array, sound: Array, outputs: Sequence[Output]
 ) -> tuple[tuple[float, ...], int]:
     """Return the largest errors from leaving out every second node of each axis that has five or more; their number."""
-    each = [_axis_error(nodes, values, sound, outputs, axis) for axis, x in enumerate(nodes) if len(x) > TOO_FEW]
+    each = [_axis_error(nodes, values, sound, outputs, axis) for axis, x in enumerate(nodes) if len(x) > FEW_NODES]
     each = [one for one in each if one[1]]
     if not each:
         return (math.nan,) * len(outputs), 0

@@ -15,7 +15,7 @@ from screwsim.scene.operation import EVAPORATING, SUBCOOLING
 
 FIGURES = ("isentropic_efficiency", "volumetric_efficiency")
 SEPARATOR = "separator_temperature"
-SAME = 1e-6  # relative difference up to which the values of one map are considered equal
+SAME_VALUE = 1e-6  # relative difference up to which the values of one map are considered equal
 _NEEDED = (
     "displacement",
     "displacement_flow",
@@ -53,15 +53,15 @@ def _map(results: Results, found: Polynomials, number: int) -> dict[str, Any]:
         there = there & (results.along(path) == value)
     cases = np.flatnonzero(there.ravel())
     displaced, swept = (results.performance[name].ravel()[cases] for name in ("displacement_flow", "displacement"))
-    frequency = _one(displaced / swept, results, "operation.speed")
+    frequency = _common_value(displaced / swept, results, "operation.speed")
     superheat = found.superheat(one)
-    shares = dissipated(results, found.fluid, superheat, cases)
+    shares = dissipated_share(results, found.fluid, superheat, cases)
     eta_s, eta_v = (one.fits[name] for name in FIGURES)
     reference = {
         "T_sh": superheat,
         "T_sc": found.condition(one, SUBCOOLING),
         "frequency_poly": frequency,
-        "swept_volume": _one(swept, results, "displacement"),
+        "swept_volume": _common_value(swept, results, "displacement"),
     }
     return {
         "at": {path: float(value) for path, value in one.values.items()},
@@ -74,27 +74,27 @@ def _map(results: Results, found: Polynomials, number: int) -> dict[str, Any]:
         "frequency": frequency,
         "frequency_unit": "Hz",
         "envelope": [list(corner) for corner in one.envelope],
-        "leaves_at": leaving(results),
+        "leaves_at": leaving_temperature_figure(results),
         "largest_error": {name: one.fits[name].largest for name in FIGURES},
         "dissipation_ratio_range": [float(shares.min()), float(shares.max())],
     }
 
 
-def _one(values: np.ndarray, results: Results, name: str) -> float:
+def _common_value(values: np.ndarray, results: Results, name: str) -> float:
     """Return the common value of all cases of a map; raise UsageError where they differ."""
     value = float(np.mean(values))
-    if np.ptp(values) > SAME * value:
+    if np.ptp(values) > SAME_VALUE * value:
         what = f"{name} varies together with a temperature, but TESPy's compressor takes a single one"
         raise UsageError(f"{results.path}: {what} (vary it on an axis of its own)")
     return value
 
 
-def leaving(results: Results) -> str:
+def leaving_temperature_figure(results: Results) -> str:
     """Return the figure for the temperature of the leaving gas: that behind the separator, where there is one."""
     return SEPARATOR if SEPARATOR in results.figures else "discharge_temperature"
 
 
-def dissipated(results: Results, fluid: str, superheat: float, cases: np.ndarray) -> np.ndarray:
+def dissipated_share(results: Results, fluid: str, superheat: float, cases: np.ndarray) -> np.ndarray:
     """Return the share of the shaft power that does not leave with the gas, at cases with a superheat [K].
 
     It is negative where other heat enters the gas, such as that of a motor in the suction gas.
@@ -102,7 +102,7 @@ def dissipated(results: Results, fluid: str, superheat: float, cases: np.ndarray
     from CoolProp.CoolProp import PropsSI
 
     figures = {name: results.performance[name].ravel()[cases] for name in _NEEDED}
-    leaves = results.performance[leaving(results)].ravel()[cases]
+    leaves = results.performance[leaving_temperature_figure(results)].ravel()[cases]
     evaporating = results.along(EVAPORATING).ravel()[cases]
     shares = []
     for i in range(len(cases)):

@@ -16,11 +16,11 @@ from screwsim.machine.rotors.pair import Array
 from screwsim.results.atomic import replacing, write_text
 from screwsim.results.guarded import new_hdf5
 
-ALONG = 60  # cells along the rotor
+CELLS_ALONG = 60  # cells along the rotor
 DATA = "/mesh/points", "/mesh/cells"
 
 
-def mesh(surface: Surface, pressures: Pressures, along: int = ALONG) -> tuple[Array, Array]:
+def mesh(surface: Surface, pressures: Pressures, along: int = CELLS_ALONG) -> tuple[Array, Array]:
     """Return points (n, 3) [m] and cells (m, 4) of a rotor in its own frame."""
     rotors = pressures.laid.rotors
     z = np.linspace(0.0, rotors.length, along + 1)
@@ -42,7 +42,7 @@ def write_surface(stem: Path, surface: Surface, pressures: Pressures, steps: int
     angles = np.arange(steps) * turn / steps
     points, cells = mesh(surface, pressures)
     rotors = pressures.laid.rotors
-    z = np.linspace(0.0, rotors.length, ALONG + 1)
+    z = np.linspace(0.0, rotors.length, CELLS_ALONG + 1)
     middle = 0.5 * (z[1:] + z[:-1])
     found = [pressures.at(chamber_angles(surface, rotors, float(phi), middle)) - pressures.low for phi in angles]
     values = np.stack([each.ravel() for each in found])

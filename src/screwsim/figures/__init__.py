@@ -2,10 +2,10 @@
 
 from screwsim.figures.registry import (
     Performance,
-    borrowed,
     called_for,
     declaration,
     declared,
+    figures_declared_elsewhere,
     known,
     known_traces,
     merged,

@@ -13,7 +13,7 @@ from screwsim.outputs.customary import (
     printed_celsius,
     quantity,
     scale,
-    small,
+    small_number_text,
 )
 
 __all__ = [
@@ -25,7 +25,7 @@ __all__ = [
     "quantity",
     "scale",
     "shown_name",
-    "small",
+    "small_number_text",
 ]
 
 
@@ -64,7 +64,7 @@ def figure_unit(figure: Figure, size: float) -> tuple[float, str]:
     return next(((f, u) for least, f, u in figure_scales(figure) if abs(size) >= least), (1.0, figure.units))
 
 
-def read_in(figure: Figure, size: float) -> tuple[float, str, float]:
+def reading_unit(figure: Figure, size: float) -> tuple[float, str, float]:
     """Return factor and unit in which people read a figure of a given size [SI], and the offset taken off: °C for K."""
     return (1.0, "°C", ZERO_CELSIUS) if figure.units == "K" else (*figure_unit(figure, size), 0.0)
 

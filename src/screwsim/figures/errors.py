@@ -75,7 +75,7 @@ def error_of(name: str, size: float, figures: Mapping[str, Any]) -> float:
     return size / max(error_scale(name, declared(name, figures).scale, known), 1e-300)
 
 
-def needed(name: str, scale: Scale) -> tuple[str, ...]:
+def figures_for_scale(name: str, scale: Scale) -> tuple[str, ...]:
     """Return the figures that `error_scale` needs."""
     return tuple(filter(None, (name, *scale.of, scale.where, TIMES[scale.times])))
 

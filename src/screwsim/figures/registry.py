@@ -13,9 +13,9 @@ from typing import Any
 from screwsim.effects import catalogue, having, imported
 from screwsim.effects.base import Effect, PowerLoss, Reading, SuctionChange
 from screwsim.fluid.composition import is_blend
-from screwsim.inputs.faults import Impossible, UsageError
+from screwsim.inputs.faults import ImpossibleValue, UsageError
 from screwsim.model.parts import Parts
-from screwsim.numerics.remembered import Remembered
+from screwsim.numerics.identity_cache import IdentityCache
 from screwsim.outputs import (
     AFTERCOOLED,
     CHANGED,
@@ -36,7 +36,7 @@ from screwsim.outputs import (
     shown,
     shown_of,
 )
-from screwsim.outputs.display import Shown, table_html, table_text
+from screwsim.outputs.display import ShownFigure, table_html, table_text
 from screwsim.scene.lines import saturates
 from screwsim.scene.types import ActiveEffect, Scene
 
@@ -70,7 +70,7 @@ class Performance(Figures):
             raise AttributeError(f"no figure {name!r} here: it needs {needs}")
         return super().__getattr__(name)
 
-    def described(self, name: str) -> Shown | None:
+    def described(self, name: str) -> ShownFigure | None:
         """Return unit and meaning of a figure; None where it is not declared."""
         about = self.about.get(name) or PERFORMANCE.get(name)
         return None if about is None else shown_of(about, self.get(name))
@@ -132,7 +132,7 @@ def needs_of(name: str) -> str:
         return " or ".join(map(_with_effects, PERFORMANCE[name].needs))
     every = (catalogue() | imported()).items()
     givers = ((effect, each) for effect, declares in every for each in declares.figures if each.name == name)
-    return " or ".join(dict.fromkeys(_giver(effect, figure) for effect, figure in givers))
+    return " or ".join(dict.fromkeys(_giving_effect(effect, figure) for effect, figure in givers))
 
 
 def _with_effects(need: str) -> str:
@@ -147,13 +147,13 @@ def _has(scene: Scene, role: str) -> bool:
     return any(key is not None and (not key or _states(scene, active.parameters, key)) for active, key in every)
 
 
-def _giver(effect: str, figure: Figure) -> str:
+def _giving_effect(effect: str, figure: Figure) -> str:
     own = [f"effects.{effect}{need}" for need in figure.needs if need.startswith(".")]
     others = [_with_effects(need) for need in figure.needs if not need.startswith(".")]
     return " or ".join(own or [f"effects.{effect}"]) + (f", and {' or '.join(others)}" if others and not own else "")
 
 
-_last: tuple[tuple[Any, ...], Any, dict[str, Figure]] = (), None, {}
+_last_called_for: tuple[tuple[Any, ...], Any, dict[str, Figure]] = (), None, {}
 
 
 def called_for(scene: Scene, parts: Parts) -> dict[str, Figure]:
@@ -161,18 +161,18 @@ def called_for(scene: Scene, parts: Parts) -> dict[str, Figure]:
 
     Raise UsageError, in one line, where an effect gives a figure that is declared nowhere.
     """
-    global _last
+    global _last_called_for
     same = scene.effects, parts.effects, scene.machine, scene.gas, scene.oil, parts.geometry
     operation = _stated(scene.operation), _stated(scene.oil_supply), parts.oil is None, parts.set_speed is None
     operation = *operation, saturates(scene)
-    last, stated, found = _last  # read as one: threads share it
+    last, stated, found = _last_called_for  # read as one: threads share it
     if len(last) != len(same) or stated != operation or not all(map(is_, same, last)):
         found = _called_for(scene, parts)
-        _last = same, operation, found
+        _last_called_for = same, operation, found
     return dict(found)
 
 
-@Remembered
+@IdentityCache
 def _stated(part: Any) -> Any:
     """Return which values a section states, and its words: these decide which figures are called for."""
     if isinstance(part, float) or part is None:  # most of them
@@ -185,7 +185,7 @@ def _stated(part: Any) -> Any:
 
 def _called_for(scene: Scene, parts: Parts) -> dict[str, Figure]:
     """Return the core's figures, with the effects' losses before the shaft power, then other figures."""
-    given = dict(_given(scene, parts))
+    given = dict(_given_figures(scene, parts))
     losses = {part.figure for _, part in parts.all(PowerLoss)}
     called: dict[str, Figure] = {}
     met = {needs: _is_met(needs, scene, parts) for needs in {each.needs for each in PERFORMANCE.values()}}
@@ -197,7 +197,7 @@ def _called_for(scene: Scene, parts: Parts) -> dict[str, Figure]:
     return called | given
 
 
-def _given(scene: Scene, parts: Parts) -> Iterator[tuple[str, Figure]]:
+def _given_figures(scene: Scene, parts: Parts) -> Iterator[tuple[str, Figure]]:
     """Yield the figures that effects give, as they declare them, or as the core or another effect declares them."""
     whose: dict[str, tuple[str, Figure]] = {}
     for name, active in scene.effects.items():
@@ -218,12 +218,12 @@ def _given(scene: Scene, parts: Parts) -> Iterator[tuple[str, Figure]]:
                 yield figure, about
 
 
-def borrowed(name: str, effect: Effect, given: Iterable[str]) -> dict[str, Figure]:
+def figures_declared_elsewhere(name: str, effect: Effect, given: Iterable[str]) -> dict[str, Figure]:
     """Return the figures that an effect gives but others declare; raise Impossible where one is declared nowhere."""
     own = {each.name for each in effect.figures}
     nobody = next((figure for figure in given if figure not in own and figure not in known()), None)
     if nobody is not None:
-        raise Impossible(name, f"its figure {nobody} is declared nowhere (EFFECT.figures)")
+        raise ImpossibleValue(name, f"its figure {nobody} is declared nowhere (EFFECT.figures)")
     return {figure: known()[figure] for figure in given if figure not in own}
 
 

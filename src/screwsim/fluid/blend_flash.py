@@ -17,10 +17,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from screwsim.fluid.coolprop_cache import cached_answer
 from screwsim.fluid.description import Description, describe
 from screwsim.fluid.fugacity import Fugacities
 from screwsim.fluid.helmholtz import potentials_kernel, vectorised
-from screwsim.fluid.kept import kept
 from screwsim.fluid.phase_envelope import TINY, R, envelope
 from screwsim.fluid.saturation import saturation
 from screwsim.inputs.faults import UsageError
@@ -235,5 +235,5 @@ def dome(fluid: str) -> Dome:
     """Return the table of a blend, from the cache folder if it is there. Raises UsageError where it cannot be made."""
     saturation(fluid)
     with announced("dome", f"{describe(fluid).name} in two phases", "some seconds"):
-        found = kept(table_name(fluid), lambda: _solve(fluid))
+        found = cached_answer(table_name(fluid), lambda: _solve(fluid))
     return Dome(*(np.array(found[name]) for name in ("edges", "border", "c")))

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
-from screwsim.fluid.kept import kept
+from screwsim.fluid.coolprop_cache import cached_answer
 from screwsim.inputs.faults import UsageError
 
 ENDING = ".mix"
@@ -19,7 +19,7 @@ _OWN = re.compile(r"(?P<names>[^ ]+/[^ ]+) \((?P<mole>mole )?(?P<fractions>[0-9.
 _NUMBER = re.compile(r"[0-9]*\.?[0-9]+(e[+-]?[0-9]{1,3})?|[0-9]+\.")
 
 
-class Composition(NamedTuple):
+class BlendComposition(NamedTuple):
     """The components of a blend, by their names, and their fractions, by mass or by mole."""
 
     components: tuple[str, ...]
@@ -32,17 +32,17 @@ def own_blend(components: Sequence[str], fractions: Sequence[float], by_mole: bo
     return f"{'/'.join(components)} ({'mole ' if by_mole else ''}{'/'.join(repr(float(x)) for x in fractions)})"
 
 
-def stated(fluid: str) -> Composition | None:
+def stated_composition(fluid: str) -> BlendComposition | None:
     """Return the composition that the name of a user's own blend states, as written; None for any other name."""
     found = _OWN.fullmatch(fluid)
     numbers = [] if found is None else found["fractions"].split("/")
     if found is None or not all(_NUMBER.fullmatch(each) for each in numbers):
         return None
-    return Composition(tuple(found["names"].split("/")), tuple(map(float, numbers)), found["mole"] is not None)
+    return BlendComposition(tuple(found["names"].split("/")), tuple(map(float, numbers)), found["mole"] is not None)
 
 
-def _own(fluid: str) -> Composition | None:
-    found = stated(fluid)
+def _own(fluid: str) -> BlendComposition | None:
+    found = stated_composition(fluid)
     total = sum(found.fractions) if found is not None else 0.0
     return found._replace(fractions=tuple(x / total for x in found.fractions)) if found and total > 0.0 else None
 
@@ -64,7 +64,7 @@ def predefined() -> dict[str, str]:
         names = [each for each in listed if each.endswith(ENDING)]
         return {each if pure(each.removesuffix(ENDING)) else each.removesuffix(ENDING): each for each in names}
 
-    return kept("predefined mixtures", question)
+    return cached_answer("predefined mixtures", question)
 
 
 def predefined_name(name: str) -> str | None:
@@ -81,7 +81,7 @@ def is_blend(fluid: str) -> bool:
 
 
 @lru_cache(maxsize=256)
-def composition(fluid: str) -> Composition | None:
+def composition(fluid: str) -> BlendComposition | None:
     """Return the composition of a blend; None for any other name. Predefined blends are by mole."""
     own = _own(fluid)
     name = None if own is not None else predefined_name(fluid)
@@ -92,8 +92,8 @@ def composition(fluid: str) -> Composition | None:
         state = abstract_state(name, predefined()[name])
         return [state.fluid_names(), state.get_mole_fractions()]
 
-    components, fractions = kept(f"composition {name}", question)
-    return Composition(tuple(components), tuple(fractions), True)
+    components, fractions = cached_answer(f"composition {name}", question)
+    return BlendComposition(tuple(components), tuple(fractions), True)
 
 
 def abstract_state(fluid: str, called: str) -> Any:

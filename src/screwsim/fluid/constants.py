@@ -20,9 +20,9 @@ from screwsim.fluid.blend_border import BlendBorder, blend_border
 from screwsim.fluid.blend_flash import table_name
 from screwsim.fluid.blend_wet import blend_wet
 from screwsim.fluid.composition import is_blend
-from screwsim.fluid.kept import no_fluid
+from screwsim.fluid.coolprop_cache import no_fluid
 from screwsim.inputs.faults import UsageError
-from screwsim.numerics.store import append_line, read_lines, sound
+from screwsim.numerics.store import append_line, checked_line, read_lines
 from screwsim.outputs.customary import in_bar, in_celsius
 
 _FULL = 1_000_000  # [byte] largest size of the file, some 10 000 answers; it is read at every start, in 10 ms
@@ -63,7 +63,7 @@ def _known() -> dict[str, Any]:
 
 
 @cache
-def _left() -> dict[str, str]:
+def _stored_lines() -> dict[str, str]:
     """Return the lines of the file by their keys; a line is parsed when it is needed."""
     return {line.partition('["')[2].partition('", ')[0]: line for line in read_lines(_file(), _FULL)}
 
@@ -76,7 +76,7 @@ def ask(key: str, question: Callable[[], Any]) -> Any:
     with _alone:
         known = _known()
         if key not in known:
-            text = sound(_left().get(json.dumps(key)[1:-1], ""))
+            text = checked_line(_stored_lines().get(json.dumps(key)[1:-1], ""))
             answer = question() if text is None else json.loads(text)[1]
             while len(known) >= _MOST:
                 del known[next(iter(known))]

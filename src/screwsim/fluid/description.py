@@ -11,14 +11,14 @@ from functools import lru_cache
 from itertools import combinations
 from typing import Any, NamedTuple
 
-from screwsim.fluid.composition import Composition, abstract_state, composition, predefined_name
-from screwsim.fluid.kept import kept, no_fluid
+from screwsim.fluid.composition import BlendComposition, abstract_state, composition, predefined_name
+from screwsim.fluid.coolprop_cache import cached_answer, no_fluid
 from screwsim.inputs.faults import UsageError
 
-PAIR = ("betaT", "gammaT", "betaV", "gammaV", "Fij")  # CoolProp's names of the first fields of a `Pair`
+PAIR = ("betaT", "gammaT", "betaV", "gammaV", "Fij")  # CoolProp's names of the first fields of a `ComponentPair`
 
 
-class Pair(NamedTuple):
+class ComponentPair(NamedTuple):
     """Two components of a blend: parameters of the reducing functions, weight and name of the departure function."""
 
     beta_T: float
@@ -57,7 +57,7 @@ class Description:
     ideal: Sequence[Mapping[str, Any]] = ()
     components: Sequence[str] = ()
     fractions: Sequence[float] = ()
-    pairs: Sequence[Pair] = ()
+    pairs: Sequence[ComponentPair] = ()
     ideal_state: Sequence[float] = ()
     acentric: float = 0.0
 
@@ -114,7 +114,7 @@ def _departure(coolprop: Any, first: str, second: str) -> str:
         return coolprop.get_mixture_binary_pair_data(second, first, "function")
 
 
-def _ask_blend(fluid: str, made: Composition) -> dict[str, Any]:
+def _ask_blend(fluid: str, made: BlendComposition) -> dict[str, Any]:
     """Return the description of a blend: its reducing state, and as its limits the narrowest of its components'."""
     import CoolProp.CoolProp as coolprop
 
@@ -168,6 +168,6 @@ def describe(fluid: str) -> Description:
     """Return the description of a fluid by any of CoolProp's names, or of a blend. Raises UsageError for others."""
     made = composition(fluid)
     if made is None:
-        return Description(**kept(f"fluid equation {fluid}", lambda: _ask(fluid)))
-    found = Description(**kept(f"equation of blend {fluid}", lambda: _ask_blend(fluid, made)))
-    return replace(found, pairs=tuple(Pair(*each) for each in found.pairs))
+        return Description(**cached_answer(f"fluid equation {fluid}", lambda: _ask(fluid)))
+    found = Description(**cached_answer(f"equation of blend {fluid}", lambda: _ask_blend(fluid, made)))
+    return replace(found, pairs=tuple(ComponentPair(*each) for each in found.pairs))

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from screwsim.fluid.limits import Outside
 from screwsim.fluid.nozzle import choking
 from screwsim.fluid.reservoir import Reservoir
+from screwsim.numerics.identity_cache import once
 from screwsim.numerics.kernel import kernel
-from screwsim.numerics.remembered import once
 
 T_ZERO = 273.15  # [K] temperature of the entropy's reference state
 

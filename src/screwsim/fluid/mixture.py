@@ -21,7 +21,7 @@ from typing import Any
 
 from screwsim.fluid import terms
 from screwsim.fluid.composition import REMEDY
-from screwsim.fluid.description import Description, Pair, describe
+from screwsim.fluid.description import ComponentPair, Description, describe
 from screwsim.fluid.terms import NONE, Factor, Ideal, NonAnalytic, Product
 from screwsim.inputs.faults import UsageError
 
@@ -69,7 +69,7 @@ def departure_terms(name: str) -> list[Product]:
     ]
 
 
-def paired(known: Description) -> list[tuple[int, int, Pair]]:
+def paired(known: Description) -> list[tuple[int, int, ComponentPair]]:
     """Return (i, j, pair) of all pairs of a blend's components."""
     return [
         (i, j, pair) for (i, j), pair in zip(combinations(range(len(known.components)), 2), known.pairs, strict=True)

@@ -13,10 +13,10 @@ from screwsim.fluid.gas import Gas
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.settings import GasSettings
-from screwsim.numerics.trial import found_in
+from screwsim.numerics.trial import registry_entry
 
 
-class Asked(NamedTuple):
+class GasRequest(NamedTuple):
     """The settings of a scene's gas: CoolProp's name of the fluid, k and `two_phase` as stated.
 
     `suction_temperature` returns T_s [K], from a saturation state where the line is stated by one.
@@ -39,31 +39,31 @@ class GasModel:
     its settings, or None where there is no such dependence; without `told` the gas is made anew for every scene.
     """
 
-    make: Callable[[Asked], Gas]
+    make: Callable[[GasRequest], Gas]
     condenses: bool = False
     blind: bool = False
     finds_exponent: bool = False
     phases: bool = False
     by_coolprop: bool = False
     back_end: str = "own"
-    told: Callable[[Asked], float | None] | None = None
+    told: Callable[[GasRequest], float | None] | None = None
 
 
-def _ideal(asked: Asked) -> IdealGas:
+def _ideal(request: GasRequest) -> IdealGas:
     """Return an ideal gas; k is CoolProp's at suction temperature where none is stated (M6)."""
-    k = asked.isentropic_exponent
+    k = request.isentropic_exponent
     if k is None:
-        k = constants.isentropic_exponent(asked.fluid, asked.suction_temperature())
-    return IdealGas(constants.gas_constant(asked.fluid), k)
+        k = constants.isentropic_exponent(request.fluid, request.suction_temperature())
+    return IdealGas(constants.gas_constant(request.fluid), k)
 
 
-def _real(asked: Asked) -> RealGas:
-    return RealGas(asked.fluid, asked.two_phase)
+def _real(request: GasRequest) -> RealGas:
+    return RealGas(request.fluid, request.two_phase)
 
 
-def _of_line(asked: Asked) -> float | None:
+def _of_line(request: GasRequest) -> float | None:
     """Return the temperature [K] on which the k of an ideal gas depends; None where k is stated."""
-    return asked.suction_temperature() if asked.isentropic_exponent is None else None
+    return request.suction_temperature() if request.isentropic_exponent is None else None
 
 
 MODELS: dict[str, GasModel] = {
@@ -75,14 +75,14 @@ MODELS: dict[str, GasModel] = {
         phases=True,
         by_coolprop=True,
         back_end="compiled",
-        told=lambda asked: None,
+        told=lambda request: None,
     ),
 }
 
 
 def find_gas_model(name: str) -> GasModel:
     """Return the model of a name; raise KeyError where there is none, ImportError for a dotted one that fails."""
-    return found_in(MODELS, name, "GAS", GasModel)
+    return registry_entry(MODELS, name, "GAS", GasModel)
 
 
 def condenses(settings: GasSettings) -> bool:

@@ -24,7 +24,7 @@ from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.limits import Outside
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.inputs.faults import Unfound, UsageError
+from screwsim.inputs.faults import QuantityNotFound, UsageError
 from screwsim.numerics.kept_text import flat_module
 from screwsim.numerics.kernel import Kernel
 from screwsim.numerics.roots import brentq
@@ -136,7 +136,9 @@ class MoistAir:
         T, rho = self._compiled("at_pressure", p, wanted, entropy, T_LOW, T_HIGH, self.R)
         if not rho > 0.0:
             what = f"s = {wanted:.6g} J/(kg K)" if entropy else f"h = {wanted:.6g} J/kg"
-            raise Unfound(f"moist air at {in_bar(p)}, {what} is below the range of the equation; use warmer gas or oil")
+            raise QuantityNotFound(
+                f"moist air at {in_bar(p)}, {what} is below the range of the equation; use warmer gas or oil"
+            )
         return T, rho
 
     def temperature(self, p: float, h: float) -> float:
@@ -256,7 +258,7 @@ def _caller(gas: MoistAir) -> Callable[..., Any]:
     return call
 
 
-def passed_on(gas: Gas, p: float, T: float) -> tuple[float, Gas | MoistAir]:
+def after_draining(gas: Gas, p: float, T: float) -> tuple[float, Gas | MoistAir]:
     """Return the share of any gas that remains at p [Pa], T [K] once condensed water is drained, and that gas."""
     return gas.drained(p, T) if isinstance(gas, MoistAir) else (1.0, gas)
 

@@ -42,7 +42,7 @@ def _bare(name: str) -> str:
     return re.sub(r"[^a-z0-9]", "", name.lower())
 
 
-def blend(name: str) -> str | None:
+def suggested_blend(name: str) -> str | None:
     """Return what to write for a blend that is misspelt; None for a name that is not a blend's."""
     wanted = _bare(name.removesuffix(ENDING))
     for each in predefined():

@@ -20,7 +20,7 @@ from screwsim.fluid.composition import REMEDY
 from screwsim.fluid.description import Description
 from screwsim.fluid.fugacity import Fugacities
 from screwsim.inputs.faults import UsageError
-from screwsim.numerics.remembered import Remembered
+from screwsim.numerics.identity_cache import IdentityCache
 from screwsim.outputs.customary import in_celsius
 
 Array = np.ndarray
@@ -261,7 +261,7 @@ def _followed(known: Description) -> Envelope:
     return Envelope(f, known.molar_mass, T_low, T_m, log_z_m, CubicSpline(theta[kept], u[:, kept].T))
 
 
-envelope = Remembered(_followed)  # takes a second for three components, and serves all states of a blend
+envelope = IdentityCache(_followed)  # takes a second for three components, and serves all states of a blend
 
 
 def _untraced(known: Description) -> UsageError:

@@ -25,7 +25,7 @@ from screwsim.fluid.real_kernels import compiled, entropy_of, state_of, two_phas
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.saturation import saturation
 from screwsim.fluid.settings import EQUILIBRIUM, REFUSE
-from screwsim.inputs.faults import Unfound, UsageError
+from screwsim.inputs.faults import QuantityNotFound, UsageError
 from screwsim.numerics.kernel import Kernel
 from screwsim.outputs.customary import in_bar, in_celsius
 
@@ -168,7 +168,7 @@ class RealGas:
         found = saturation(self.fluid)
         if p > self.saturation_pressure(T) * (1.0 + AT_SATURATION):
             what = "is liquid, or wet: it condenses below" if self.known.glides else "is liquid: it boils at"
-            raise Unfound(
+            raise QuantityNotFound(
                 f"{self.known.name} at {in_bar(p)}, {in_celsius(T)} {what} "
                 f"{in_celsius(self.saturation_temperature(p) or found.T_c)}; "
                 "give a higher temperature or a lower pressure"
@@ -180,7 +180,7 @@ class RealGas:
         T, rho = _at_pressure(self, p, wanted, entropy)
         if not rho > 0.0:
             what = f"s = {wanted:.6g} J/(kg K)" if entropy else f"h = {wanted:.6g} J/kg"
-            raise Unfound(
+            raise QuantityNotFound(
                 f"{self.known.name} at {in_bar(p)}, {what} is below the range of the equation; use warmer gas or oil"
             )
         return T, rho
@@ -241,7 +241,7 @@ class RealGas:
         vapour, liquid = (self._kernels[what](T) for what in ("vapour", "liquid")) if below else (rho, rho)
         if vapour * (1.0 + AT_SATURATION) < rho < liquid * (1.0 - LIQUID):
             what = f"{self.known.name} at {in_bar(p)}, s = {s:.6g} J/(kg K), at the end of an isentrope, is wet"
-            raise Unfound(f"{what}; use warmer gas in the suction line, or gas.two_phase: equilibrium")
+            raise QuantityNotFound(f"{what}; use warmer gas in the suction line, or gas.two_phase: equilibrium")
         return T, rho, float(self._kernels["state"](T, rho)[1])
 
     # ---- work ------------------------------------------------------------------------------------------------

@@ -20,9 +20,9 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.fluid.coolprop_cache import cached_answer
 from screwsim.fluid.description import Description, describe
 from screwsim.fluid.helmholtz import potentials_kernel, vectorised
-from screwsim.fluid.kept import kept
 from screwsim.fluid.phase_envelope import envelope
 
 Array = np.ndarray
@@ -256,7 +256,7 @@ def saturation(fluid: str) -> Saturation:
     sources = (Path(__file__), *map(Path(__file__).with_name, ("phase_envelope.py", "fugacity.py")))
     method = hashlib.sha256(b"".join(each.read_bytes() for each in sources)).hexdigest()[:10]
     equation = potentials_kernel(fluid).flat_name  # holds a hash of the equation
-    found = kept(f"saturation {equation} {method}", lambda: _solve(fluid))
+    found = cached_answer(f"saturation {equation} {method}", lambda: _solve(fluid))
     numbers = (found[name] for name in ("T_low", "T_c", "p_c", "rho_c"))
     names = [name for name in ("log_rho", "log_p", "gibbs", "T_of_log_p", "log_p_of_theta") if name in found]
     return Saturation(*numbers, *(Table(*map(np.array, found[name])) for name in names))

@@ -16,7 +16,7 @@ CONDENSES = (
 )
 
 
-class Outflow(NamedTuple):
+class SeparatorInflow(NamedTuple):
     """The flows that a cycle delivers to the separator (SI units).
 
     `gas_flow` [kg/s] is what leaves as gas once the oil has reabsorbed the gas that it had released. `energy` [W] is
@@ -100,7 +100,7 @@ class Separated(NamedTuple):
     told: str = ""
 
 
-def separated(outflow: Outflow, friction_share: float = 1.0, ambient_loss: float = 0.0) -> Separated:
+def separated(outflow: SeparatorInflow, friction_share: float = 1.0, ambient_loss: float = 0.0) -> Separated:
     """Return the temperatures of mixture and separator, and the duty at the present supply temperature (M280–M283)."""
     heating = outflow.heating + friction_share * outflow.friction
     T_mixture, wet = outflow.temperature(heating)

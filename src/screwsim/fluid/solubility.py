@@ -19,7 +19,7 @@ ITERATIONS = 60  # most Newton steps
 NEAR = 1e-12  # last step of ln x
 
 
-class Pair(NamedTuple):
+class RefrigerantOilPair(NamedTuple):
     """The pair at one temperature: p_sat [Pa] of the refrigerant, Heil's Λ and τ, and the ratio of molar masses."""
 
     p_sat: float
@@ -30,13 +30,13 @@ class Pair(NamedTuple):
     mass_ratio: float
 
 
-def pair(T: float, p_sat: float, liquid_density: float) -> Pair:
+def pair(T: float, p_sat: float, liquid_density: float) -> RefrigerantOilPair:
     """Return the pair's constants at T [K] from the refrigerant's saturation pressure [Pa] and its liquid's density."""
     fahrenheit = 1.8 * (T - 273.15) + 32.0
     v_1 = M_REFRIGERANT / liquid_density
     v_2 = M_OIL / (16.0185 * (61.387 - 0.024138 * fahrenheit))
     tau_12, tau_21 = TAU_12 / (R * T), TAU_21 / (R * T)
-    return Pair(
+    return RefrigerantOilPair(
         p_sat, v_2 / v_1 * math.exp(-tau_12), v_1 / v_2 * math.exp(-tau_21), tau_12, tau_21, M_REFRIGERANT / M_OIL
     )
 

@@ -22,16 +22,16 @@ class Kind(NamedTuple):
     words: str
 
 
-def takes(**own: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:
+def checked_arguments(**own: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """Return a decorator that checks the kinds of arguments and raises UsageError; None passes where it is the default.
 
-    Arguments not stated here have the kind of their name in `USUAL`. Of a mapping only the type is checked: the
+    Arguments not stated here have the kind of their name in `KIND_BY_NAME`. Of a mapping only the type is checked: the
     function checks its values itself.
     """
 
     def around(function: Callable[P, R]) -> Callable[P, R]:
         parameters = inspect.signature(function).parameters
-        kinds = {name: USUAL[name] for name in parameters if name in USUAL} | own
+        kinds = {name: KIND_BY_NAME[name] for name in parameters if name in KIND_BY_NAME} | own
         names = tuple(parameters)
         open_to_none = {name for name, each in parameters.items() if each.default is None}
         assert kinds.keys() <= parameters.keys()
@@ -144,16 +144,16 @@ QUANTITY = Kind(lambda given: _number(given) or _text(given), "neither a number 
 TEXT = Kind(lambda given: isinstance(given, str), "no text")
 TEXTS = Kind(_texts, "neither a text nor a list of texts")
 FILE = Kind(_file, "not the path of a file")
-CALLED = Kind(callable, "not a function")
+CALLABLE = Kind(callable, "not a function")
 PROGRESS = Kind(_progress, "not a setting of progress (pass True, False or None)")
 NUMBERS = Kind(_numbers, "neither a text such as '140, 163 mm' nor a list of numbers")
 MAPPING = Kind(lambda given: isinstance(given, Mapping), "no dict")
 # arguments that mean the same in every function
-USUAL: dict[str, Kind] = {"figure": TEXT, "jobs": JOBS, "output": FILE, "progress": PROGRESS, "seed": SEED}
-USUAL |= dict.fromkeys(("figures", "overrides", "without"), TEXTS) | dict.fromkeys(("restart", "minimum"), FLAG)
-USUAL |= dict.fromkeys(("simulate", "simulate_many", "warm_up"), CALLED)
+KIND_BY_NAME: dict[str, Kind] = {"figure": TEXT, "jobs": JOBS, "output": FILE, "progress": PROGRESS, "seed": SEED}
+KIND_BY_NAME |= dict.fromkeys(("figures", "overrides", "without"), TEXTS) | dict.fromkeys(("restart", "minimum"), FLAG)
+KIND_BY_NAME |= dict.fromkeys(("simulate", "simulate_many", "warm_up"), CALLABLE)
 
 
-def listed(given: str | Iterable[T] | None) -> list[str] | list[T]:
+def as_list(given: str | Iterable[T] | None) -> list[str] | list[T]:
     """Return an argument as a list: a single text, though iterable, becomes a list of that text."""
     return [] if given is None else [given] if isinstance(given, str) else list(given)

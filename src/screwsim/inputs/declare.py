@@ -24,7 +24,7 @@ class Derived(float):
     """A quantity that the scene does not state itself: it follows from other values."""
 
 
-class Found(float):
+class FoundWithCycle(float):
     """A quantity that a scene leaves open, found with the cycle: the current value of the search, 0 before it."""
 
 
@@ -102,7 +102,7 @@ KINDS = {
 
 
 Bounds = tuple[float | None, float | None]
-ANY: Bounds = (None, None)
+UNBOUNDED: Bounds = (None, None)
 LIMITS = ("gt", "ge", "lt", "le", "options", "own", "curve")  # what a field may have beside its plausible range
 
 
@@ -110,7 +110,7 @@ def _field(
     kind: str,
     default: Any,
     doc: str,
-    hardly: Bounds = ANY,
+    hardly: Bounds = UNBOUNDED,
     remedy: str = "",
     otherwise: tuple[str, ...] = (),
     auto: bool = False,

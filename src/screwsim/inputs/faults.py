@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
-MOST_TOLD = 100  # faults of a file, a line each: more of them are counted
+MOST_LINES = 100  # faults of a file, a line each: more of them are counted
 
 
 @dataclass(frozen=True)
@@ -28,8 +28,8 @@ class SceneError(Exception):
     """
 
     def __init__(self, lines: list[str]) -> None:
-        more = len(lines) - MOST_TOLD
-        told = [*lines[:MOST_TOLD], f"… and {more} more fault{'s' * (more > 1)} (fix these first)"]
+        more = len(lines) - MOST_LINES
+        told = [*lines[:MOST_LINES], f"… and {more} more fault{'s' * (more > 1)} (fix these first)"]
         super().__init__("\n".join(told if more > 0 else lines))
         self.lines = lines
 
@@ -38,24 +38,24 @@ class UsageError(Exception):
     """Report a wrong use of a command, or of a function, in one line."""
 
 
-class Impossible(UsageError):
+class ImpossibleValue(UsageError):
     """Report, in one line, that a user's effect returned an impossible value: the case has failed."""
 
     def __init__(self, effect: str, what: str) -> None:
         super().__init__(f"effects.{effect}: {what}, which is impossible; fix that module")
 
 
-class Unfound(Impossible):
+class QuantityNotFound(ImpossibleValue):
     """Report, in one line, that a quantity determined by the cycle cannot be found: the case has failed."""
 
     def __init__(self, what: str) -> None:
         UsageError.__init__(self, what)
 
 
-def own_number(effect: str, what: str, value: Any, least: float = -math.inf) -> None:
+def checked_own_number(effect: str, what: str, value: Any, least: float = -math.inf) -> None:
     """Raise Impossible where a user's effect gives no finite number, or one below `least`."""
     if "." not in effect:
         return
     size = float(value) if isinstance(value, Real) and not isinstance(value, bool) else None
     if size is None or not (math.isfinite(size) and size >= least):
-        raise Impossible(effect, f"{what} is {repr(value)[:40] if size is None else f'{size:.6g}'}")
+        raise ImpossibleValue(effect, f"{what} is {repr(value)[:40] if size is None else f'{size:.6g}'}")

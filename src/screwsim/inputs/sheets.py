@@ -73,7 +73,7 @@ def read_sheet(path: str | os.PathLike[str], most: int = MOST_TABLE) -> Sheet:
 
 
 @contextmanager
-def usable(remedy: str, where: str = "") -> Iterator[None]:
+def sheet_or_usage_error(remedy: str, where: str = "") -> Iterator[None]:
     """Turn a failure to read a table into a one-line UsageError, which begins with `where`.
 
     `remedy` is given where the file cannot be read at all.

@@ -32,7 +32,7 @@ def shipped_root() -> Path:
     return PACKAGE.parents[1] if PACKAGE.parent.name == "src" and not inside.is_dir() else inside
 
 
-def shipped(name: str | os.PathLike[str]) -> str:
+def shipped_name(name: str | os.PathLike[str]) -> str:
     """Return a file's name; where no such file exists and it begins with configs/, the path of the shipped file."""
     text = os.fspath(name)
     if not text.startswith(f"{CONFIGS}/") or os.path.lexists(text):
@@ -83,7 +83,7 @@ def read_text(path: str | os.PathLike[str], most: int = MOST_TABLE) -> str:
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-def irregular(path: str | os.PathLike[str]) -> str:
+def irregular_kind(path: str | os.PathLike[str]) -> str:
     """Return in words what is at a path if that is not a regular file; empty if it is one, or nothing is there."""
     try:
         _check_regular(os.stat(path))

@@ -20,7 +20,7 @@ from screwsim.machine.protocol import END_GAP, TIP_GAP, AreaLaw, MachineGeometry
 from screwsim.machine.settings import LIFE, TURN, TwinScrew
 
 if TYPE_CHECKING:
-    from screwsim.machine.profile_law import Interface, Laid
+    from screwsim.machine.profile_law import Interface, LaidCurves
 
 WRAP, CENTRES = radians(300.0), 0.8  # wrap angle, and axis distance over D, of the 4/6 pair of M20 and M21
 
@@ -46,17 +46,18 @@ class Geometry(MachineGeometry):
         return wall_speeds(self.settings).get(gap, 0.0)
 
     @property
-    def profile(self) -> Laid | None:
+    def profile(self) -> LaidCurves | None:
         """The curves that the rotor profile gives by angle; None where the volume follows another law."""
         return self._profile
 
     @cached_property  # read a thousand times a cycle
-    def _profile(self) -> Laid | None:
+    def _profile(self) -> LaidCurves | None:
         if not self.settings.volume.from_rotors:
             return None
-        from screwsim.machine.profile_law import lay  # here: rotors take long to import, and closed forms need none
+        # here: rotors take long to import, and closed forms need none
+        from screwsim.machine.profile_law import laid_curves
 
-        return lay(self.settings)
+        return laid_curves(self.settings)
 
     @property
     def life(self) -> float:

@@ -23,7 +23,7 @@ from screwsim.machine.protocol import (
 )
 from screwsim.machine.settings import TwinScrew
 from screwsim.machine.slider_crank import cylinder as _slider_crank
-from screwsim.numerics.trial import found_in
+from screwsim.numerics.trial import registry_entry
 
 Array = np.ndarray
 GAPS = TIP_GAP, CONTACT_GAP, BLOW_HOLE, END_GAP
@@ -41,7 +41,7 @@ def find_machine(name: str) -> MachineKind:
 
     Raise KeyError where there is none, ImportError where a dotted one cannot be imported.
     """
-    return found_in(MACHINES, name, "MACHINE", MachineKind)
+    return registry_entry(MACHINES, name, "MACHINE", MachineKind)
 
 
 def kind_of(machine: MachineSettings) -> MachineKind:
@@ -49,7 +49,7 @@ def kind_of(machine: MachineSettings) -> MachineKind:
     return find_machine(machine.kind)
 
 
-def offering(needs: frozenset[str]) -> str:
+def kinds_offering(needs: frozenset[str]) -> str:
     """Return in words the built-in kinds that offer what is needed."""
     return " or ".join(name for name, kind in MACHINES.items() if needs <= kind.offers)
 
@@ -106,7 +106,7 @@ def _port(geometry: MachineGeometry, name: str, law_of: Callable[[], AreaLaw | N
 def _gap(geometry: MachineGeometry, name: str, gap: Interface) -> str:
     """Return what is impossible about a gap: the chamber that it leads to, its angles, its lengths."""
     chambers, angles, lengths = geometry.life / geometry.pitch, gap.table.angle, gap.table.value
-    if not (_whole(gap.offset) and 1 <= gap.offset <= chambers):
+    if not (_is_whole(gap.offset) and 1 <= gap.offset <= chambers):
         return f"its {name} leads to a chamber {gap.offset} pitches ahead, and a life has {chambers:g} pitches"
     if not np.all(np.diff(angles) > 0.0):
         first = float(angles[1:][np.argmin(np.diff(angles) > 0.0)])
@@ -131,10 +131,10 @@ def _angles(life: float) -> Array:
 def _volume(geometry: MachineGeometry) -> str:
     """Return what is impossible about a geometry's angles, its volume, or the slope of its volume."""
     life, pitch, at = geometry.life, geometry.pitch, geometry.injection_angle
-    if not (0.0 < pitch <= life and _whole(life / pitch)):
+    if not (0.0 < pitch <= life and _is_whole(life / pitch)):
         return f"its life of {_degrees(life)} is not a whole number of pitches of {_degrees(pitch)}"
     alone = geometry.chambers == 1
-    if not (0.0 < at < life if alone else at <= life - pitch + ROUNDING and at > 0.0 and _whole(at / pitch)):
+    if not (0.0 < at < life if alone else at <= life - pitch + ROUNDING and at > 0.0 and _is_whole(at / pitch)):
         where = "inside its life" if alone else f"a whole number of pitches of {_degrees(pitch)} inside its life"
         return f"its injection_angle of {_degrees(at)} is not {where}"
     law = geometry.volume_law()
@@ -158,7 +158,7 @@ def _volume(geometry: MachineGeometry) -> str:
     return ""
 
 
-def _whole(number: float) -> bool:
+def _is_whole(number: float) -> bool:
     return abs(number - round(number)) <= ROUNDING
 
 

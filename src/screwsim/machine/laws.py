@@ -15,7 +15,7 @@ from screwsim.machine import moved_port, paper_law
 from screwsim.machine.paper_law import LIFE, TURN
 from screwsim.machine.protocol import AreaLaw, VolumeKernels
 from screwsim.numerics.kernel import kernel
-from screwsim.numerics.spline import features, read_curve, table_slope, table_value, to_and_fro
+from screwsim.numerics.spline import features, read_curve, slope_oscillation, table_slope, table_value
 
 if TYPE_CHECKING:
     from screwsim.machine.geometry import Geometry
@@ -38,7 +38,7 @@ def volume_rows(angles: np.ndarray, volumes: np.ndarray) -> tuple[float, ...]:
     While a port is open the gas has its line's pressure whatever the volume does, so the error control of the states
     does not see how the work follows the volume's slope between the rows.
     """
-    by_rows = _apart(angles) >= COARSE_VOLUMES or to_and_fro(angles, volumes)[0] > ROUGH
+    by_rows = _apart(angles) >= COARSE_VOLUMES or slope_oscillation(angles, volumes)[0] > ROUGH
     return tuple(angles) if by_rows else ()
 
 
@@ -136,7 +136,7 @@ class TableLaw(Law):
         law, ratio = geometry.settings.discharge_port, geometry.settings.built_in_volume_ratio
         assert law is not None  # checked with the scene
         rows = read_curve(str(law.file), "area_m2")
-        return _rows(*(rows if ratio is None else moved_port.moved(*rows, geometry.opening_angle(ratio), ratio)))
+        return _rows(*(rows if ratio is None else moved_port.moved_area(*rows, geometry.opening_angle(ratio), ratio)))
 
 
 class ProfileLaw(PaperLaw):

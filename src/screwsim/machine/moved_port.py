@@ -12,7 +12,7 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.protocol import VolumeKernels
-from screwsim.numerics.spline import pack_curve, shut, table_value
+from screwsim.numerics.spline import negligible_areas, pack_curve, table_value
 
 PATH = "machine.built_in_volume_ratio"
 LAST = math.radians(10.0)  # a port opens at least this long before the end of discharge (see `Rotors.discharge_angle`)
@@ -38,17 +38,17 @@ def opening_angle(volume: VolumeKernels, closes: float, end: float, ratio: float
     return _first(under, float(rows[below[0] - 1]), float(rows[below[0]]))
 
 
-def moved(angles: Array, areas: Array, opens: float | None, ratio: float) -> tuple[Array, Array]:
+def moved_area(angles: Array, areas: Array, opens: float | None, ratio: float) -> tuple[Array, Array]:
     """Return a table of areas [m²] over angles [rad] with its opening shifted to `opens`, as the volume ratio requires.
 
     Raises UsageError, in one line with the remedy, where the table cannot be shifted so far.
     """
     widest = int(np.argmax(areas))
-    before = np.flatnonzero(shut(areas)[:widest])
+    before = np.flatnonzero(negligible_areas(areas)[:widest])
     if not len(before):
         what = "cannot be met: the table of machine.discharge_port is open from its first row, so that it does not show"
         raise UsageError(f"{PATH}: {what} where it opens (begin its file with a row of area 0, or remove this)")
-    behind = np.flatnonzero(shut(areas)[widest:])
+    behind = np.flatnonzero(negligible_areas(areas)[widest:])
     end = float(angles[widest + behind[0]] if len(behind) else angles[-1])
     if opens is None or opens > end - LAST:
         what = f"{ratio:.4g} leaves the port less than 10 deg before the end of discharge"

@@ -17,7 +17,7 @@ from screwsim.inputs.faults import Fault, UsageError
 from screwsim.machine.profile_tables import Table, area_table, volume_table
 from screwsim.machine.protocol import BLOW_HOLE, CONTACT_GAP, END_GAP, TIP_GAP
 from screwsim.machine.rotors.curves import OVERLAP, Curve, Curves, Path, closed_in, make_curves
-from screwsim.machine.rotors.rotors import KEPT, Rotors, make_rotors
+from screwsim.machine.rotors.rotors import MOST_CACHED, Rotors, make_rotors
 from screwsim.machine.rotors.settings import SlideValve
 from screwsim.machine.settings import TwinScrew
 from screwsim.numerics.spline import LEAST
@@ -50,7 +50,7 @@ class Interface:
 
 
 @dataclass(frozen=True, eq=False)
-class Laid:
+class LaidCurves:
     """All curves of a machine on the scene's angle axis; angles [rad], volumes [m³], areas [m²], lengths [m]."""
 
     rotors: Rotors
@@ -82,7 +82,7 @@ class Laid:
         return closed_in(self.rotors, self.curves)[1] if self.moved else None
 
 
-def lay(machine: TwinScrew) -> Laid:
+def laid_curves(machine: TwinScrew) -> LaidCurves:
     """Return the curves of a machine with a profile; raise UsageError with one line per fault."""
     profile, ratio = machine.profile, machine.built_in_volume_ratio
     if profile is None or ratio is None:
@@ -91,13 +91,13 @@ def lay(machine: TwinScrew) -> Laid:
     return _laid(make_rotors(profile, *sizes), ratio, machine.axial_volume_ratio, machine.slide_valve)
 
 
-@lru_cache(maxsize=KEPT)
-def _laid(rotors: Rotors, ratio: float, axial_ratio: float | None, slide: SlideValve | None) -> Laid:
+@lru_cache(maxsize=MOST_CACHED)
+def _laid(rotors: Rotors, ratio: float, axial_ratio: float | None, slide: SlideValve | None) -> LaidCurves:
     curves, pitch = make_curves(rotors, ratio, axial_ratio, slide), rotors.pair.pitch
     before = math.ceil(curves.suction_closes / pitch - 1e-9)
     after = math.ceil((curves.life - curves.suction_closes) / pitch - 1e-9)
     born = before * pitch - curves.suction_closes
-    return Laid(
+    return LaidCurves(
         rotors,
         curves,
         (before + after) * pitch,
@@ -143,14 +143,14 @@ def _interfaces(curves: Curves, groups: Sequence[Sequence[str]], born: float) ->
                 by_offset.setdefault((i, path.offset), []).append(path)
     found = []
     for (_, offset), paths in sorted(by_offset.items()):
-        whole = _summed([_alive(path, curves.suction_closes) for path in paths])
+        whole = _summed([_path_while_alive(path, curves.suction_closes) for path in paths])
         if whole.value.max() > 0.0:
             table = area_table(whole, born)
             found.append(Interface(offset, table.landing(born + curves.discharge_opens + AFTER_OPENING)))
     return tuple(found)
 
 
-def _alive(path: Path, closes: float) -> Curve:
+def _path_while_alive(path: Path, closes: float) -> Curve:
     """Return a path from the birth of its trailing chamber on; one with a length there opens over 20°.
 
     A path on the suction side opens over the 20° before the suction of the leading chamber closes: until then it lies
@@ -181,7 +181,7 @@ def check_profile_law(machine: TwinScrew) -> list[Fault]:
         what = f"is not used: machine.volume.law is {machine.volume.law} (write law: profile there, or remove this)"
         return [Fault("machine.profile", what)] if machine.profile is not None else []
     try:
-        lay(machine)
+        laid_curves(machine)
     except UsageError as error:
         return [_fault(line) for line in str(error).splitlines()]
     return []

@@ -12,7 +12,7 @@ import numpy as np
 
 from screwsim.inputs.faults import Fault
 from screwsim.numerics.kernel import Kernel
-from screwsim.numerics.spline import pack_curve, shut
+from screwsim.numerics.spline import negligible_areas, pack_curve
 
 # features that a machine may offer and an effect may need
 PORTS = "ports"  # area laws: `suction_law`, `discharge_law`
@@ -60,7 +60,7 @@ class AreaLaw:
     def opens(self) -> float | None:
         """Angle up to which the port is shut before its widest [rad]; None where it is open from the first row on."""
         angles, areas = self.rows
-        before = np.flatnonzero(shut(areas)[: int(np.argmax(areas))])
+        before = np.flatnonzero(negligible_areas(areas)[: int(np.argmax(areas))])
         return float(angles[before[-1]]) if len(before) else None
 
 

@@ -5,10 +5,10 @@ from operator import attrgetter
 
 from screwsim.inputs.faults import Fault
 from screwsim.machine import protocol
+from screwsim.machine.derived_sizes import stated_faults, table_port_faults, with_derived_sizes
 from screwsim.machine.geometry import Geometry
 from screwsim.machine.protocol import WIDEST, MachineKind, Measure, Size, Speed
 from screwsim.machine.settings import TwinScrew, check_twin_screw
-from screwsim.machine.stated import derived, stated_faults, table_port_faults
 
 
 def _a_turn(machine: TwinScrew) -> float:
@@ -97,6 +97,6 @@ MACHINE = MachineKind(
     called=("screw", "double_screw"),
     chamber="a chamber",
     dead_volume=_dead_volume,
-    derived=derived,
+    derived=with_derived_sizes,
     stated=stated_faults,
 )

@@ -18,7 +18,7 @@ COMPILED = {  # by driver: its description, and roughly its time to compile
     "ledger": ("the ledger of this combination", "a second"),
 }
 
-alone = threading.RLock()  # held while compiling, so that another thread finds the result
+compiling_lock = threading.RLock()  # held while compiling, so that another thread finds the result
 
 
 def load(text: str) -> ModuleType:
@@ -26,20 +26,20 @@ def load(text: str) -> ModuleType:
     return modules.load(text, "model")
 
 
-def warm(module: ModuleType) -> set[str]:
+def warm_drivers(module: ModuleType) -> set[str]:
     """Return the set of a module's drivers that this process has compiled or loaded; callers add to it."""
     return module.__dict__.setdefault("drivers_ready", set())
 
 
 @contextmanager
-def first(module: ModuleType, driver: str) -> Iterator[None]:
+def announce_first(module: ModuleType, driver: str) -> Iterator[None]:
     """Announce on stderr that a driver's first compilation takes time; silent once it is done."""
-    if driver in warm(module):
+    if driver in warm_drivers(module):
         yield
         return
-    with alone, compiling.announced(driver, *COMPILED[driver]):
+    with compiling_lock, compiling.announced(driver, *COMPILED[driver]):
         yield
-    warm(module).add(driver)
+    warm_drivers(module).add(driver)
 
 
 def equation_announced(fluid: str) -> AbstractContextManager[None]:

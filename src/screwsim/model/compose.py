@@ -13,7 +13,7 @@ from screwsim.effects.base import DISCHARGE, LINES, ChamberState, FlowPath, Heat
 from screwsim.fluid import nozzle
 from screwsim.model import ledger, line_flow, slots, trace, writing, writing_oil
 from screwsim.model.breakpoints import breakpoints
-from screwsim.model.composition import Composition, Recipe
+from screwsim.model.composition import Composition, NumbersRecipe
 from screwsim.model.module_text import module_text
 from screwsim.model.network import balances, port_states, steps, stops, surroundings
 from screwsim.model.network.cell import RESERVED, Cell
@@ -22,10 +22,10 @@ from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Gap, Network, Port, identifier
 from screwsim.model.numbers import fixed_numbers, oil_places, symbols_of
 from screwsim.model.parts import Parts
-from screwsim.model.renumbered import angles_of, held
+from screwsim.model.renumbering import angles_of, stored_numbers
 from screwsim.model.slots import FIRST_OWN, PORT_STATE, R_SIZE
 from screwsim.model.trajectory import with_numbers
-from screwsim.model.writing import Writer, scales
+from screwsim.model.writing import ModelWriter, scales
 from screwsim.numerics.kernel import Kernel
 
 SHARED = {name: getattr(slots, name) for name in slots.FIXED}  # constants that texts use by name
@@ -37,7 +37,7 @@ def compose(parts: Parts) -> Composition:
     """Return the composition of a scene's parts."""
     network = _network(parts)
     _refuse(network, parts)
-    writer, law = Writer(symbols_of(parts), fixed_numbers(parts), parts.made, network), parts.geometry.volume_law()
+    writer, law = ModelWriter(symbols_of(parts), fixed_numbers(parts), parts.made, network), parts.geometry.volume_law()
     _write(writer, parts, law)
     numbers, port = writer.numbers, parts.oil_port
     found = structured(
@@ -55,11 +55,11 @@ def compose(parts: Parts) -> Composition:
         np.array(numbers.values),
         TAB=np.concatenate([*numbers.tables, np.zeros(1)]),
         breakpoints=breakpoints(parts, law, parts.all(FlowPath), () if port is None else port.breakpoints),
-        recipe=Recipe(
+        recipe=NumbersRecipe(
             np.array(numbers.values),
             list(numbers.named),
             list(numbers.named.values()),
-            None if numbers.lost else held(parts, law, numbers.held),
+            None if numbers.lost else stored_numbers(parts, law, numbers.held),
             angles_of(parts, law),
             law,
         ),
@@ -110,7 +110,7 @@ def structured(
         n_E_all=network.chambers * layout.size + held,
         chambers=network.chambers,
         carried=network.carried,
-        recipe=Recipe(NO_NUMBERS, [], []),
+        recipe=NumbersRecipe(NO_NUMBERS, [], []),
         n_widths=lines,
         n_R=lines * PORT_STATE if lines > FIRST_OWN or network.pulsating else R_SIZE,
         ported=network.ported,
@@ -157,7 +157,7 @@ def _network(parts: Parts) -> Network:
     return network
 
 
-def _write(writer: Writer, parts: Parts, law: Any) -> None:
+def _write(writer: ModelWriter, parts: Parts, law: Any) -> None:
     """Write the composition's own functions, and register the kernels it calls in the network."""
     network, geometry, oil, port = writer.network, parts.geometry, parts.oil, parts.oil_port
     ports, between_chambers = [path for _, path in parts.ports], [path for _, path in parts.gaps]

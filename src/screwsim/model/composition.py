@@ -9,22 +9,22 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.model.slots import P_PORT_WIDTH, Q_WALLS, R_SIZE
-from screwsim.numerics.remembered import once
+from screwsim.numerics.identity_cache import once
 
 
 @dataclass(frozen=True)
-class Recipe:
+class NumbersRecipe:
     """P as composed, and which of its numbers may change, by index and name, while the structure stays."""
 
     P: np.ndarray
     places: list[int]
     names: list[str]  # as in `numbers.operating`
-    held: tuple[Held, ...] | None = None  # where the other numbers are stored in parts; None where some are not
+    held: tuple[StoredNumber, ...] | None = None  # where the other numbers are stored in parts; None where some are not
     angles: tuple[Any, ...] = ()  # from which the breakpoints follow
     law: Any = None  # of the volume, as read: its file may have changed since
 
 
-class Held(NamedTuple):
+class StoredNumber(NamedTuple):
     """A number of P that is stored in parts: its index, which holder has it, under which name, and how."""
 
     place: int
@@ -54,7 +54,7 @@ class Composition:
     n_E_all: int
     chambers: int
     carried: bool
-    recipe: Recipe
+    recipe: NumbersRecipe
     width: int = 2  # sums in each category
     n_widths: int = 3  # of the regularisation, from P_PORT_WIDTH on
     n_R: int = R_SIZE

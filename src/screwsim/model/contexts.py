@@ -37,7 +37,7 @@ class Changes(NamedTuple):
     R: Array
 
 
-class Sides(NamedTuple):
+class ShiftedArguments(NamedTuple):
     """Parameters, tables and run-time cells shifted along a direction, shifted back, and unshifted: three rows each."""
 
     P: Array

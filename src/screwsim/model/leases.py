@@ -8,7 +8,7 @@ from screwsim.model.composition import Composition
 from screwsim.model.run import Machinery
 
 STRUCTURES = 8  # for which free arrays are kept
-KEPT = 32  # free arrays for each structure: as many points may be solved side by side
+MOST_FREE = 32  # free arrays for each structure: as many points may be solved side by side
 
 _free: dict[str, list[Machinery]] = {}  # by the text of the module; every operation on it is atomic in the interpreter
 
@@ -26,7 +26,7 @@ def lease(composition: Composition) -> Machinery:
 def give_back(machinery: Machinery) -> None:
     """Keep working arrays for the next composition of the same structure."""
     shelf = _free.setdefault(machinery.composition.text, [])
-    if len(shelf) < KEPT:
+    if len(shelf) < MOST_FREE:
         shelf.append(machinery)
     for oldest in list(_free)[:-STRUCTURES]:
         _free.pop(oldest, None)

@@ -9,7 +9,7 @@ import numpy as np
 from screwsim.machine.protocol import MachineSettings
 from screwsim.model.parts import Parts
 from screwsim.model.slots import OIL_NUMBERS, P_FIRST_OIL
-from screwsim.numerics.remembered import Remembered
+from screwsim.numerics.identity_cache import IdentityCache
 from screwsim.numerics.spline import pack_curve
 
 # kernels' names for the numbers of the injection orifice
@@ -42,7 +42,7 @@ class Numbers:
         """Append a number and return how the text reads it, by a name made of its label; `name` is that of `operating`.
 
         A number without such a name is stored in a mapping under a key or in an object as a field (`of`,
-        `model.renumbered`), or it is `structural`: the same in all scenes of the structure.
+        `model.renumbering`), or it is `structural`: the same in all scenes of the structure.
         """
         self.values.append(float(value))
         at = len(self.values) - 1
@@ -83,7 +83,7 @@ def symbols_of(parts: Parts) -> dict[str, float]:
     return found
 
 
-@Remembered
+@IdentityCache
 def _of_machine(settings: MachineSettings) -> dict[str, float]:
     """Return those of the machine's settings."""
     return settings.symbols()

@@ -9,8 +9,8 @@ from screwsim.fluid.gas import Gas
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.protocol import MachineGeometry
 from screwsim.model.slots import FIRST_OWN
-from screwsim.numerics.at_once import at_once
-from screwsim.numerics.remembered import once
+from screwsim.numerics.frozen import fast_init
+from screwsim.numerics.identity_cache import once
 
 # regularisation widths: suction port, discharge port [Pa], gaps (share of the pressure), ports to own plenums [Pa]
 Widths = tuple[float, float, float, float]
@@ -57,7 +57,7 @@ class Effects(dict[str, Sequence[Any]]):
         return self.by_type
 
 
-@at_once
+@fast_init
 @dataclass(frozen=True)
 class Parts:
     """The built parts of a scene: machine geometry, gas, operation, oil, and every effect's parts.

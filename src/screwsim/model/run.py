@@ -16,12 +16,12 @@ from screwsim.codegen.calls import Context
 from screwsim.model import compiled, under_scipy
 from screwsim.model.composition import Composition
 from screwsim.model.contexts import ChamberContext, CoupledContext
-from screwsim.model.exchange import here
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PORT_STATE
 from screwsim.model.trajectory import Trajectory, with_numbers
+from screwsim.model.turn_scheduler import scheduler
 from screwsim.numerics.compiling import clock
 from screwsim.numerics.integrators import Check
-from screwsim.numerics.reused import room
+from screwsim.numerics.reused_arrays import room
 from screwsim.numerics.rodas import EVALUATED, JACOBIANS
 
 MAX_STEPS = 60000  # capacity of a history; unwritten pages cost nothing
@@ -100,7 +100,7 @@ class Machinery:
 
     def warm_up(self, start: Callable[[], Array]) -> None:
         """Compile (or load) the driver of one chamber, announced if it takes long; not counted as solution time."""
-        if "one" not in compiled.warm(self.module):
+        if "one" not in compiled.warm_drivers(self.module):
             with self.compiling("one"):
                 self.own_turn(start(), 1e-2, 1e-3)
                 self.swap()
@@ -113,7 +113,7 @@ class Machinery:
     def compiling(self, driver: str) -> Iterator[None]:
         """Announce what is compiled inside, unless it is ready; none of it counts as solution time or evaluations."""
         started, counts, R = clock(), self.counts.copy(), self.R.copy()
-        with compiled.first(self.module if driver == "one" else self.together, driver):
+        with compiled.announce_first(self.module if driver == "one" else self.together, driver):
             yield
         self.counts[:], self.R[:] = counts, R
         self.compile_time += clock() - started
@@ -121,8 +121,8 @@ class Machinery:
     def turn(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
         """Integrate one life from y (changed in place); return (status, angle reached, last step, quadratures)."""
         self.watch()
-        if here.turn is not None:
-            return here.turn(self, y, rtol, h)
+        if scheduler.turn is not None:
+            return scheduler.turn(self, y, rtol, h)
         return self.own_turn(y, rtol, h)
 
     def own_turn(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
@@ -264,7 +264,7 @@ class Machinery:
         """
         if self.alone:
             return self.turn(y, rtol, h) if check is None else under_scipy.life(self, check, y, rtol, h)
-        if "all" not in compiled.warm(self.together):
+        if "all" not in compiled.warm_drivers(self.together):
             with self.compiling("all"):
                 self.own_pitch(y.copy(), 1e-2, h)
         self.watch()

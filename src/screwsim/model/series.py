@@ -8,7 +8,7 @@ from screwsim.model.compose import compose
 from screwsim.model.composition import Composition
 from screwsim.model.numbers import fixed_numbers, operating
 from screwsim.model.parts import Parts
-from screwsim.model.renumbered import beside_alike, renumbered
+from screwsim.model.renumbering import differ_in_numbers_only, renumbered
 from screwsim.model.trajectory import with_numbers
 
 MOST = 16  # kept of each: as many points of different machines may be solved side by side
@@ -42,8 +42,8 @@ class Composer:
         """Return the composition of parts, reusing an earlier text where possible."""
         key = id(parts.geometry), id(parts.effects)
         last = self._known.get(key)
-        if last is not None and _alike(parts, last[0]):
-            return _filled(last[1], parts)
+        if last is not None and _same_structure(parts, last[0]):
+            return _with_numbers(last[1], parts)
         self._known.pop(key, None)
         found = None if self._last is None else renumbered(*self._last, parts)
         if found is None:
@@ -52,16 +52,16 @@ class Composer:
         return keep(self._known, key, (parts, found))[1]
 
 
-def _alike(parts: Parts, other: Parts) -> bool:
+def _same_structure(parts: Parts, other: Parts) -> bool:
     """Return whether only `fixed_numbers`, `operating` and the cycle's unknowns differ.
 
     Machine and effects must be the same objects; their contents are not compared.
     """
     same = parts.geometry is other.geometry and parts.effects is other.effects and parts.gas == other.gas
-    return same and beside_alike(parts, other)
+    return same and differ_in_numbers_only(parts, other)
 
 
-def _filled(composition: Composition, parts: Parts) -> Composition:
+def _with_numbers(composition: Composition, parts: Parts) -> Composition:
     """Return a composition with the numbers of similar parts."""
     recipe, head = composition.recipe, fixed_numbers(parts)
     P = recipe.P.copy()

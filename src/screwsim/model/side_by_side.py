@@ -16,7 +16,7 @@ from screwsim.model.run import Machinery
 
 Array = np.ndarray
 TURN = "rodas__integrate_one"
-BESIDE = ("P", "R", "kept", "hints", "state", "own")  # arrays of a context that are interleaved
+LANE_ARRAYS = ("P", "R", "kept", "hints", "state", "own")  # arrays of a context that are interleaved
 WHOLE = ("kept", "hints")  # integer arrays
 
 
@@ -29,7 +29,7 @@ AXES = {"d_old": 3, "d_new": 3}
 _CONTEXT = Kind(
     "c",
     tuple(
-        _kind("p" if name in BESIDE else "v", INTEGER if name in WHOLE else FLOAT, AXES.get(name, 1))
+        _kind("p" if name in LANE_ARRAYS else "v", INTEGER if name in WHOLE else FLOAT, AXES.get(name, 1))
         for name in ChamberContext._fields
     ),
     names=ChamberContext._fields,
@@ -43,7 +43,7 @@ KINDS = (
 )
 
 
-class Asked(NamedTuple):
+class TurnRequest(NamedTuple):
     """A turn to be integrated: machinery, initial state (changed in place), tolerance and first step."""
 
     machinery: Machinery
@@ -55,7 +55,7 @@ class Asked(NamedTuple):
 Answer = tuple[int, float, float, Array]  # as returned by `Machinery.turn`
 
 
-def arrays_of(each: Asked) -> dict[str, Array]:
+def arrays_of(each: TurnRequest) -> dict[str, Array]:
     """Return all arrays that a turn reads and writes, by name; its quadratures are new."""
     machinery = each.machinery
     c, (old, new) = machinery.composition, machinery.histories
@@ -95,33 +95,33 @@ class Lanes:
         self._n_E = c.n_E
         self._alone = threading.Lock()  # serialises two threads of a worker
 
-    def turns(self, asked: Sequence[Asked]) -> list[Answer]:
+    def turns(self, requests: Sequence[TurnRequest]) -> list[Answer]:
         """Integrate a life of each, at most as many as there are lanes."""
         with self._alone:
-            return self._turns(asked)
+            return self._turns(requests)
 
-    def _turns(self, asked: Sequence[Asked]) -> list[Answer]:
+    def _turns(self, requests: Sequence[TurnRequest]) -> list[Answer]:
         """Return the answers of at most as many turns as there are lanes.
 
         Interleave their arrays and copy them back.
         """
-        named = [arrays_of(each) for each in asked]
+        named = [arrays_of(each) for each in requests]
         for name, rows in self._rows.items():
             for lane, arrays in enumerate(named):
                 rows[:, lane] = arrays[name]
         self._out[:] = 0.0
-        words = self._words(asked, named)  # keeps the memory alive during the call
+        words = self._words(requests, named)  # keeps the memory alive during the call
         self.entry(words.ctypes.data, self._out.ctypes.data)
         for name, rows in self._rows.items():
             for lane, arrays in enumerate(named):
                 arrays[name][:] = rows[:, lane]
         status, (angles, steps) = self._out[:LANES].view(np.int64), self._out[LANES:].reshape(2, LANES)
-        return [(int(status[i]), float(angles[i]), float(steps[i]), named[i]["q"]) for i in range(len(asked))]
+        return [(int(status[i]), float(angles[i]), float(steps[i]), named[i]["q"]) for i in range(len(requests))]
 
-    def _words(self, asked: Sequence[Asked], named: Sequence[dict[str, Array]]) -> Array:
+    def _words(self, requests: Sequence[TurnRequest], named: Sequence[dict[str, Array]]) -> Array:
         """Return the arguments of the call in words of 64 bits; idle lanes repeat those of the first."""
-        words: list[float | int] = [(1 << len(asked)) - 1]
-        idle = LANES - len(asked)
+        words: list[float | int] = [(1 << len(requests)) - 1]
+        idle = LANES - len(requests)
 
         def each(numbers: Sequence[Any]) -> None:
             words.extend(numbers)
@@ -143,8 +143,8 @@ class Lanes:
         each([len(arrays["breakpoints"]) for arrays in named])
         for name in ("y", "q", *ChamberContext._fields):
             array(name)
-        floats([one.rtol for one in asked])
-        floats([one.h for one in asked])
+        floats([one.rtol for one in requests])
+        floats([one.h for one in requests])
         words.append(self._n_E)
         for name in ("t_new", "d_new", "quads", "kept", "counts"):
             array(name)

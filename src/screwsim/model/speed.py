@@ -71,7 +71,7 @@ def curve_at(composition: Composition) -> Array:
     return composition.P[at : at + 5 * ROWS - 3].copy() if at is not None else np.empty(0)
 
 
-def put_back(composition: Composition, course: Array) -> None:
+def restore_curve(composition: Composition, course: Array) -> None:
     """Store a curve, or a weighted sum of curves, unless its speed falls nearly to zero."""
     at = composition.speed_curve
     if at is not None and len(course) and squares_at(course, 0).min() > (1.0 - TOO_LARGE) ** 2:

@@ -153,7 +153,7 @@ class Trajectory(NamedTuple):
         paths = np.zeros((len(c.plenum_paths) + len(c.gap_paths), ledger.PATH_SUMS))
         warming = len(c.heats) + len(c.walls)
         heats, oil = np.zeros((max(warming, 1), ledger.HEAT_SUMS)), np.zeros(ledger.OIL_SUMS)
-        with self.alone, compiled.first(self.module, "ledger"):
+        with self.alone, compiled.announce_first(self.module, "ledger"):
             sums = paths, heats, oil
             self.module.ledger__account(*self.rows, self.context, c.n_E, s_suction, s_discharge, *sums)
         return paths, heats[:warming], oil

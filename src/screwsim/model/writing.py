@@ -1,7 +1,7 @@
 """Write the functions of a composition itself (slots.py): calls of kernels with their numbers filled in.
 
 Numbers go into P and TAB; whatever affects the terms goes into the text. Where the speed varies over the pitch,
-quantities per time are multiplied by `Writer.slow`.
+quantities per time are multiplied by `ModelWriter.slow`.
 """
 
 import math
@@ -31,7 +31,7 @@ WALL_SYMBOLS = HEAT_SYMBOLS[:6]
 NO_FACTORS: Mapping[str, Sequence[str]] = MappingProxyType({})
 
 
-class Writer:
+class ModelWriter:
     """Writes the composition's own small functions and collects the kernels they call."""
 
     def __init__(
@@ -104,7 +104,9 @@ class Writer:
             self.chosen(f"{name}(i, {', '.join(arguments)}, P)", calls, "0.0", [*before, *slow])
 
 
-def write_areas(writer: Writer, paths: Sequence[tuple[str, FlowPath]], scales: Mapping[str, Sequence[str]]) -> None:
+def write_areas(
+    writer: ModelWriter, paths: Sequence[tuple[str, FlowPath]], scales: Mapping[str, Sequence[str]]
+) -> None:
     """Write the area [m²] of each port and gap at an angle, flow coefficient included."""
     layout = Layout(writer.network)
     openings = [*writer.network.ports, *writer.network.gaps]
@@ -134,7 +136,7 @@ def _at(slow: str, path: FlowPath) -> str:
     return slow if path.mirror is None else slow.replace("(phi,", "(here,")
 
 
-def write_heat(writer: Writer, heats: Sequence[tuple[str, HeatRate]]) -> None:
+def write_heat(writer: ModelWriter, heats: Sequence[tuple[str, HeatRate]]) -> None:
     """Add the heat [W] from the oil to the gas to the network."""
     for effect, part in heats:
         call = writer.in_time(writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS, of=identifier(effect)))
@@ -142,7 +144,7 @@ def write_heat(writer: Writer, heats: Sequence[tuple[str, HeatRate]]) -> None:
     writer.asked("heat_part", HEAT_SYMBOLS, [each.call for each in writer.network.heats])
 
 
-def write_walls(writer: Writer, walls: Sequence[tuple[str, Wall]]) -> None:
+def write_walls(writer: ModelWriter, walls: Sequence[tuple[str, Wall]]) -> None:
     """Add each wall's conductance [W/K] and temperature [K] to the network (M170)."""
     for effect, wall in walls:
         held, of = wall.temperature, (wall, "temperature")
@@ -153,7 +155,7 @@ def write_walls(writer: Writer, walls: Sequence[tuple[str, Wall]]) -> None:
     writer.asked("wall_conductance", WALL_SYMBOLS, [each.call for each in writer.network.walls])
 
 
-def write_pulsations(writer: Writer, parts: Parts) -> None:
+def write_pulsations(writer: ModelWriter, parts: Parts) -> None:
     """Write the relative offset and harmonics of each pulsating line's pressure (M185)."""
     if not parts.pulsations:
         return
@@ -172,14 +174,14 @@ def write_pulsations(writer: Writer, parts: Parts) -> None:
     writer.chosen("line_pulse(i, phi, P)", calls, "0.0, 0.0")
 
 
-def made(writer: Writer, name: str) -> str:
+def made(writer: ModelWriter, name: str) -> str:
     """Return how the text reads an unknown of the cycle; raise TypeError where no effect declares it."""
     if name not in writer.made:
         raise TypeError(f"no effect declares {name!r} as made by the cycle; known: {', '.join(writer.made) or 'none'}")
     return writer.made[name]
 
 
-def scales(writer: Writer, parts: Parts, clearances: bool = False) -> dict[str, list[str]]:
+def scales(writer: ModelWriter, parts: Parts, clearances: bool = False) -> dict[str, list[str]]:
     """Return for each effect the factors on its areas that the cycle determines.
 
     With `clearances` those of its gap only.
@@ -191,7 +193,7 @@ def scales(writer: Writer, parts: Parts, clearances: bool = False) -> dict[str, 
     return found
 
 
-def write_gas(writer: Writer, gas: Any) -> None:
+def write_gas(writer: ModelWriter, gas: Any) -> None:
     """Write the gas's phase, state and specific entropy at a temperature and density (`fluid.gas.Gas`)."""
     free = ("phase", "T", "rho")
     if gas.phased_state is None:
@@ -206,7 +208,7 @@ def write_gas(writer: Writer, gas: Any) -> None:
     writer.function("gas_entropy(T, rho, P, TAB)", [f"return {entropy}"])
 
 
-def write_volume(writer: Writer, law: Any) -> None:
+def write_volume(writer: ModelWriter, law: Any) -> None:
     """Write the volume of a chamber and its slope."""
     for name, of_law, sign in (("volume_at", law.volume, ""), ("volume_slope_at", law.slope, "-")):
         call = writer.call(of_law, law.values, law.tables, ("phi", "TAB"))
@@ -217,7 +219,7 @@ def write_volume(writer: Writer, law: Any) -> None:
         writer.function(f"{name}(phi, P, TAB)", body)
 
 
-def write_speed(writer: Writer, pitch: float) -> None:
+def write_speed(writer: ModelWriter, pitch: float) -> None:
     """Make all quantities per time follow the speed over the pitch."""
     start = writer.speed_curve = len(writer.numbers.values) + 1
     curve = writer.numbers.add(float(start), "speed_curve")
@@ -230,7 +232,7 @@ def write_speed(writer: Writer, pitch: float) -> None:
 LAW_SYMBOLS = tuple(f"{name}_{side}" for name in ("p", "rho", "h", "exponent", "oil_ratio") for side in "12")
 
 
-def write_laws(writer: Writer, paths: Sequence[FlowPath], openings: list[Any]) -> None:
+def write_laws(writer: ModelWriter, paths: Sequence[FlowPath], openings: list[Any]) -> None:
     """Write paths' own flow laws into the ports or gaps of the network."""
     layout = Layout(writer.network)
     for index, path in enumerate(paths):
@@ -242,7 +244,7 @@ def write_laws(writer: Writer, paths: Sequence[FlowPath], openings: list[Any]) -
 
 
 def write_resistances(
-    writer: Writer, gaps: Sequence[tuple[str, FlowPath]], clearances: Mapping[str, Sequence[str]]
+    writer: ModelWriter, gaps: Sequence[tuple[str, FlowPath]], clearances: Mapping[str, Sequence[str]]
 ) -> None:
     """Write the resistances of gaps, and the oil that passes as a film or dragged by a wall (M190, M252, M256)."""
     layout = Layout(writer.network)
@@ -268,7 +270,7 @@ def named_states(body: list[str], states: Sequence[str], asked: set[str]) -> lis
     return [*(f"{name} = y[at + S_{name}]" for name in states[2:] if name in asked), *body]
 
 
-def write_own_states(writer: Writer, own: Sequence[ChamberState], states: Sequence[str]) -> None:
+def write_own_states(writer: ModelWriter, own: Sequence[ChamberState], states: Sequence[str]) -> None:
     """Add the rates [1/s] of the effects' own states to the network."""
     for part in own:
         call = writer.call(part.rate, part.values, {}, (*STATE_SYMBOLS, *states), of=part.name)
@@ -278,7 +280,7 @@ def write_own_states(writer: Writer, own: Sequence[ChamberState], states: Sequen
     writer.asked("state_rate", (*STATE_SYMBOLS, "y", "at"), writer.network.rates, before)
 
 
-def write_openings(writer: Writer, paths: Sequence[FlowPath], states: Sequence[str]) -> None:
+def write_openings(writer: ModelWriter, paths: Sequence[FlowPath], states: Sequence[str]) -> None:
     """Write the open share of each port whose opening depends on the chamber's state (a valve)."""
     layout, calls = Layout(writer.network), [""] * len(paths)
     for index, path in enumerate(paths):
@@ -292,7 +294,7 @@ def write_openings(writer: Writer, paths: Sequence[FlowPath], states: Sequence[s
     writer.chosen("path_opening(i, drop, width, held, y, at, P)", calls, "1.0")
 
 
-def write_stops(writer: Writer, stops: Sequence[Stops], states: Sequence[str]) -> None:
+def write_stops(writer: ModelWriter, stops: Sequence[Stops], states: Sequence[str]) -> None:
     """Write the push on what moves between a seat and a stop: its acceleration at rest, by pressures or by the gas."""
     lines = ", ".join(line_pressures(writer.network).values())
     arguments = f"{', '.join(PUSH_SYMBOLS)}, y, at, P"

@@ -11,14 +11,14 @@ from screwsim.fluid.orifice import orifice_flow, orifice_flow_behind_line
 from screwsim.model.network.network import identifier
 from screwsim.model.numbers import SPAN, SUPPLY
 from screwsim.model.parts import OilPart, Parts
-from screwsim.model.writing import Writer
+from screwsim.model.writing import ModelWriter
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.spline import table_value
 
 BEGINS = "flash_begins"  # the pressure [Pa] below which gas flashes out of oil that enters
 
 
-def write_supply(writer: Writer, oil: OilPart | None, pitch: float, omega: float) -> None:
+def write_supply(writer: ModelWriter, oil: OilPart | None, pitch: float, omega: float) -> None:
     """Write the oil [kg] injected at one angle, in a ratio to the gas or through an orifice during a pitch."""
     if oil is None:
         body = ["return 0.0"]
@@ -38,7 +38,7 @@ def write_supply(writer: Writer, oil: OilPart | None, pitch: float, omega: float
     writer.function("injected_oil(p, m, P)", body)
 
 
-def write_ports(writer: Writer, parts: Parts, port: OilPort) -> None:
+def write_ports(writer: ModelWriter, parts: Parts, port: OilPort) -> None:
     """Write the oil [kg/s] that enters through a port, driven by pressures or dosed by a pump."""
     if parts.pumped:
         assert port.pumped is not None and parts.oil is not None
@@ -52,7 +52,7 @@ def write_ports(writer: Writer, parts: Parts, port: OilPort) -> None:
     writer.function("oil_inflow(phi, p, P, TAB)", [*before, f"return {inflow}"])
 
 
-def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> None:
+def write_flash(writer: ModelWriter, parts: Parts, oil: OilPart, part: OilGas) -> None:
     """Write the gas that flashes out of entering oil at once, or that oil releases over time where it dissolves gas."""
     content, state = parts.oil_content, parts.plenums[part.plenum]
     assert content is not None
@@ -68,7 +68,7 @@ def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> Non
     writer.network.flash_begins = writer.numbers.add(content.begins, BEGINS)
 
 
-def write_solution(writer: Writer, content: OilSolution) -> None:
+def write_solution(writer: ModelWriter, content: OilSolution) -> None:
     """Write the gas that a chamber's oil releases over time, and its entropy (M230–M233)."""
     z, s, rise = content.log_held, content.entropy, content.slope
     values = {"enthalpy": content.enthalpy, "release": content.release, "uptake": content.uptake}

@@ -79,14 +79,14 @@ def _flaw(folder: Path) -> str:
         link, found = folder.lstat(), folder.stat()
     except OSError as error:
         return f"cannot be read: {_reason(error)}"
-    if not (own(link) and own(found)):
+    if not (is_own(link) and is_own(found)):
         return "belongs to another user"
     if os.name == "posix" and found.st_mode & OTHERS:
         return SHARED
     return "" if os.access(folder, os.W_OK | os.X_OK) else "cannot be written"
 
 
-def own(found: os.stat_result) -> bool:
+def is_own(found: os.stat_result) -> bool:
     """Tell whether a file is this user's; always true where there are no user ids (not POSIX)."""
     user = getattr(os, "geteuid", None)
     return user is None or found.st_uid == user()
@@ -123,13 +123,13 @@ def _discard(folder: Path, owner: int) -> None:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def handed_on() -> tuple[str, set[str]]:
+def worker_state() -> tuple[str, set[str]]:
     """Return what a worker process needs, however it is started: the private folder, and messages printed so far."""
     cache_folder()
     return os.environ.get(PRIVATE, ""), _told
 
 
-def take_over(known: tuple[str, set[str]]) -> None:
+def adopt_worker_state(known: tuple[str, set[str]]) -> None:
     """Share the private folder of the parent process, and print none of its messages again."""
     folder, told = known
     if folder:
@@ -137,7 +137,7 @@ def take_over(known: tuple[str, set[str]]) -> None:
     _told.update(told)
 
 
-def refused(folder: Path, error: OSError) -> None:
+def report_unwritable(folder: Path, error: OSError) -> None:
     """Print once that the cache cannot be written, so that compiled code only serves this command."""
     if str(folder) not in _told:
         _told.add(str(folder))

@@ -15,7 +15,7 @@ import numpy as np
 
 from screwsim.numerics import rodas, rodas3
 from screwsim.numerics.kernel import constant_text
-from screwsim.numerics.trial import found_in
+from screwsim.numerics.trial import registry_entry
 
 ROUNDING = 1e-9  # allowance for rounding of published coefficients
 
@@ -125,7 +125,7 @@ CHECKS = tuple(name for name, each in (INTEGRATORS | STUDIED).items() if isinsta
 
 def find_integrator(name: str) -> Integrator:
     """Return the integrator of a name; raise KeyError where there is none, ImportError for a dotted one that fails."""
-    return found_in(INTEGRATORS | STUDIED, name, "INTEGRATOR", Rosenbrock, Check)
+    return registry_entry(INTEGRATORS | STUDIED, name, "INTEGRATOR", Rosenbrock, Check)
 
 
 def check_of(name: str) -> Check | None:

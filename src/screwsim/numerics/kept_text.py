@@ -9,7 +9,7 @@ from typing import Any
 
 from screwsim.numerics import sources, store
 from screwsim.numerics.garbage import no_search
-from screwsim.numerics.kernel import HEADER, Kernel, flatten, spelled
+from screwsim.numerics.kernel import HEADER, Kernel, flatten, kernels_digest
 
 FASTEST = 1  # zlib's level: a sixth of the size, in a millisecond
 NO_SLOTS: Mapping[str, str] = MappingProxyType({})
@@ -23,10 +23,10 @@ def kept_text(by: Sequence[str], kernels: Iterable[Kernel], of: Sequence[Any], w
     gives another text. Where the code was edited after this process began, the digest of the folders is not that of the
     running code, and nothing is cached.
     """
-    code = sources.of_folders(*by)
+    code = sources.folders_digest(*by)
     if code is None:
         return write()
-    parts = (code, spelled(kernels), sys.version, *map(repr, of))
+    parts = (code, kernels_digest(kernels), sys.version, *map(repr, of))
     name = f"screwsim_{by[0]}_{hashlib.sha256(chr(0).join(parts).encode()).hexdigest()[:24]}.text"
     text = _read(name)
     if text is None:

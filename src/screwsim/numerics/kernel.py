@@ -195,7 +195,7 @@ def _renamed(source: str, renames: tuple[tuple[str, str], ...]) -> str:
     return ast.unparse(tree)
 
 
-def spelled(kernels: Iterable[Kernel]) -> str:
+def kernels_digest(kernels: Iterable[Kernel]) -> str:
     """Return the digest of kernels and everything that they use; kernels that differ anywhere give other texts."""
     found, seen = hashlib.sha256(), set[int]()
     left = list(kernels)

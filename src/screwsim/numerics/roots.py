@@ -42,7 +42,7 @@ def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2
         tried = inf
         if abs(step_before) > delta and abs(f_x) < abs(f_before):
             with suppress(ZeroDivisionError):  # places or values may be equal by rounding
-                tried = _tried((x_before, x, x_across), (f_before, f_x, f_across))
+                tried = _interpolated_step((x_before, x, x_across), (f_before, f_x, f_across))
         if 2.0 * abs(tried) < min(abs(step_before), 3.0 * abs(half) - delta):
             step_before, step = step, tried
         else:
@@ -53,7 +53,7 @@ def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2
     raise RuntimeError(f"no zero found in {MOST} steps, last tried at {x}")
 
 
-def _tried(x: tuple[float, float, float], f: tuple[float, float, float]) -> float:
+def _interpolated_step(x: tuple[float, float, float], f: tuple[float, float, float]) -> float:
     """Return the step to the zero of the line, or the hyperbola, through the last places."""
     (x_before, x_now, x_across), (f_before, f_now, f_across) = x, f
     if x_before == x_across:
@@ -82,8 +82,8 @@ def bracketed(
         tried = np.where(open_, x + along * (other - x), x)
         f_tried = f(tried)
         same = np.signbit(f_tried) == np.signbit(f_x)
-        third, f_third = _chosen(open_, (same, x, other), third), _chosen(open_, (same, f_x, f_other), f_third)
-        other, f_other = _chosen(open_, (same, other, x), other), _chosen(open_, (same, f_other, f_x), f_other)
+        third, f_third = _where(open_, (same, x, other), third), _where(open_, (same, f_x, f_other), f_third)
+        other, f_other = _where(open_, (same, other, x), other), _where(open_, (same, f_other, f_x), f_other)
         x, f_x = np.where(open_, tried, x), np.where(open_, f_tried, f_x)
         along = _share_of((x, other, third), (f_x, f_other, f_third))
         shortest = np.minimum(0.5, 0.5 * within / np.maximum(np.abs(other - x), 1e-300))
@@ -91,7 +91,7 @@ def bracketed(
     return np.where(none, np.nan, np.where(np.abs(f_x) <= np.abs(f_other), x, other))
 
 
-def _chosen(open_: np.ndarray, of: tuple[np.ndarray, np.ndarray, np.ndarray], old: np.ndarray) -> np.ndarray:
+def _where(open_: np.ndarray, of: tuple[np.ndarray, np.ndarray, np.ndarray], old: np.ndarray) -> np.ndarray:
     """Return the first of two where `same` holds, else the second; the old value where a search is finished."""
     same, first, second = of
     return np.where(open_, np.where(same, first, second), old)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from screwsim.inputs.declare import choice, number
-from screwsim.numerics.estimates import ERRORS, ESTIMATE
+from screwsim.numerics.error_options import ERRORS, ESTIMATE
 from screwsim.numerics.integrators import DEFAULT, INTEGRATORS
 
 

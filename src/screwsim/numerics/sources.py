@@ -27,7 +27,7 @@ _noted: dict[str, tuple[Any, Mapping[str, str]]] = {}
 
 
 @cache
-def of_package() -> str:
+def package_digest() -> str:
     """Return the digest of all sources of this package that can change a result."""
     root = Path(__file__).parents[1]
     files = (file for file in root.rglob("*.py") if file.relative_to(root).parts[0] not in _SHOWS)
@@ -35,7 +35,7 @@ def of_package() -> str:
 
 
 @cache
-def of_folders(*names: str) -> str | None:
+def folders_digest(*names: str) -> str | None:
     """Return the digest of the sources in some folders of this package, as imported by this process.
 
     None where that is unknown, because one was written after the import of the package began.
@@ -60,7 +60,7 @@ def digest(content: bytes) -> str:
     return hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()[:_LETTERS]
 
 
-def note(name: str, made: Any) -> None:
+def record_module(name: str, made: Any) -> None:
     """Record the texts of a user's module that has just been imported.
 
     `made` is the object that a new import replaces.
@@ -68,22 +68,22 @@ def note(name: str, made: Any) -> None:
     if name not in _noted or _noted[name][0] is not made:
         top = name.partition(".")[0]
         found: dict[str, str] = {}
-        if top != "screwsim":  # covered by `of_package`
+        if top != "screwsim":  # covered by `package_digest`
             _add(name, top, found)
         _noted[name] = made, found
 
 
-def made_of(name: str) -> Any:
+def recorded_object(name: str) -> Any:
     """Return the object that a recorded user's module defines."""
     return _noted[name][0]
 
 
-def noted() -> dict[str, Any]:
+def recorded_modules() -> dict[str, Any]:
     """Return {module: object that it defines} of the recorded user's modules."""
     return {name: made for name, (made, _) in _noted.items()}
 
 
-def of_module(name: str) -> Mapping[str, str]:
+def module_digests(name: str) -> Mapping[str, str]:
     """Return {file: digest} of a user's module as it was recorded, and of the user's own modules that it imports."""
     return _noted[name][1]
 

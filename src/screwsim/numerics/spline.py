@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.sheets import read_sheet, usable
+from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
 from screwsim.inputs.textfiles import stamp
 from screwsim.numerics import pchip
 from screwsim.numerics.kernel import kernel
@@ -35,7 +35,7 @@ def read_curve(path: str, column: str) -> tuple[Array, Array]:
 @lru_cache(maxsize=32)
 def _read(path: str, column: str, _stamp: tuple[int, ...]) -> tuple[Array, Array]:
     """Read a curve; `_stamp` changes when the file does."""
-    with usable("name an existing CSV file", path):
+    with sheet_or_usage_error("name an existing CSV file", path):
         rows = read_sheet(path).columns("angle_deg", column)
     angles, values = [], []
     for line, cells in rows:
@@ -58,14 +58,14 @@ def _read(path: str, column: str, _stamp: tuple[int, ...]) -> tuple[Array, Array
     return curve
 
 
-def shut(areas: Array) -> np.ndarray:
+def negligible_areas(areas: Array) -> np.ndarray:
     """Return which areas are negligible beside the largest."""
     return np.asarray(areas) <= LEAST * np.max(areas)
 
 
 def edges(angles: Array, areas: Array) -> tuple[float, ...]:
     """Return the rows [rad] at which a table of areas opens or has closed: zeros next to an open row."""
-    none = shut(areas)
+    none = negligible_areas(areas)
     beside = np.append(~none[1:], False) | np.append(False, ~none[:-1])
     return tuple(np.asarray(angles)[none & beside].tolist())
 
@@ -82,7 +82,7 @@ def features(angles: Array, areas: Array) -> tuple[float, ...]:
     return tuple(sorted({*found, *points[near].tolist(), *points[near + 1].tolist()}))
 
 
-def to_and_fro(x: Array, y: Array) -> tuple[float, float]:
+def slope_oscillation(x: Array, y: Array) -> tuple[float, float]:
     """Return the largest back-and-forth jump of a table's slope between rows, over its largest slope, and where it is.
 
     At a corner of a curve the slope jumps only once, so the smaller of two successive opposite jumps counts.

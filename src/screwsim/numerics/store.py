@@ -11,7 +11,7 @@ import stat
 import tempfile
 from pathlib import Path
 
-from screwsim.numerics.folder import cache_folder, own, refused
+from screwsim.numerics.folder import cache_folder, is_own, report_unwritable
 
 DIGEST = 32  # [byte]
 OF_A_LINE = 16  # [characters] length of a line's digest
@@ -54,7 +54,7 @@ def _bytes_of(path: Path) -> bytes | None:
     try:
         with open(path, "rb", opener=_unlinked) as stream:
             found = os.fstat(stream.fileno())
-            return stream.read() if own(found) and stat.S_ISREG(found.st_mode) else None
+            return stream.read() if is_own(found) and stat.S_ISREG(found.st_mode) else None
     except OSError:
         return None
 
@@ -75,7 +75,7 @@ def _write(name: str, content: bytes) -> None:
     try:
         write_atomically(folder / name, content, durably=False)
     except OSError as error:
-        refused(folder, error)
+        report_unwritable(folder, error)
 
 
 # ---- files of many lines -------------------------------------------------------------------------------------
@@ -84,7 +84,7 @@ def _write(name: str, content: bytes) -> None:
 def read_lines(name: str, full: int) -> list[str]:
     """Return the lines of a file unchecked, oldest first; a file of `full` bytes or more is removed, to be begun anew.
 
-    Checking each line takes longer than reading them all: `sound` does it where a line is used.
+    Checking each line takes longer than reading them all: `checked_line` does it where a line is used.
     """
     folder = cache_folder()
     held = None if folder is None else _bytes_of(folder / name)
@@ -95,7 +95,7 @@ def read_lines(name: str, full: int) -> list[str]:
     return held.decode(errors="replace").splitlines()
 
 
-def sound(line: str) -> str | None:
+def checked_line(line: str) -> str | None:
     """Return the text that was appended as a line; None for a line that is torn or damaged."""
     digest, _, text = line.partition(" ")
     return text if digest == _digest_of_line(text) else None

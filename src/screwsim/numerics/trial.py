@@ -19,7 +19,7 @@ PR_SET_PDEATHSIG = 1  # of Linux's prctl
 DEFINED = ("EFFECT", "MACHINE", "INTEGRATOR", "GAS")  # variables that a user's own module may define
 
 
-def own_module(name: str) -> ModuleType:
+def import_own_module(name: str) -> ModuleType:
     """Return a user's own module, imported and recorded; raise ImportError where importing it ends the process."""
     how = "" if name in sys.modules else how_it_died(lambda: importlib.import_module(name))
     if how:
@@ -28,18 +28,18 @@ def own_module(name: str) -> ModuleType:
         module = importlib.import_module(name)
     except SystemExit as error:  # would end this program silently, too
         raise ImportError(f"it ends the program, by SystemExit: {error}") from error
-    sources.note(name, next((vars(module)[each] for each in DEFINED if each in vars(module)), None))
+    sources.record_module(name, next((vars(module)[each] for each in DEFINED if each in vars(module)), None))
     return module
 
 
-def found_in(registry: Mapping[str, T], name: str, defined: str, *kinds: type) -> T:
+def registry_entry(registry: Mapping[str, T], name: str, defined: str, *kinds: type) -> T:
     """Return the entry of a registry, or for a dotted name the variable `defined` of a user's own module.
 
     Raise KeyError where there is none, ImportError where a dotted one cannot be imported or defines none.
     """
     if "." not in name:
         return registry[name]
-    found = getattr(own_module(name), defined, None)
+    found = getattr(import_own_module(name), defined, None)
     if not isinstance(found, kinds):
         raise ImportError(f"module {name} defines no {defined}")
     return cast("T", found)

@@ -14,7 +14,7 @@ from screwsim.outputs.declared import (
     power_figure,
 )
 
-UNASKED = Scale(unasked=True)
+UNCHECKED_SCALE = Scale(unasked=True)
 
 _STAGES = (  # figures of two stages in series
     Figure("intermediate_pressure", "Pa", "pressure between the stages, in the first one's discharge line"),
@@ -54,13 +54,16 @@ _STAGES = (  # figures of two stages in series
     Figure("heating_capacity", "W", "heating capacity of both stages together, without that of the oil coolers"),
     Figure("heating_cop", "1", "heating coefficient of performance of both stages together"),
     Figure(
-        "flow_mismatch", "1", "relative difference between the flow into the second stage and what it takes in", UNASKED
+        "flow_mismatch",
+        "1",
+        "relative difference between the flow into the second stage and what it takes in",
+        UNCHECKED_SCALE,
     ),
 )
 STAGES = {figure.name: figure for figure in _STAGES}
 # conditions that call for a figure of the core, beside keys of a scene (`figures.called_for`)
 OILED, EXPANDED = ("oil_supply",), ("machine.mode: expander",)
-COOLED = ("operation.condensing_temperature and machine.mode: compressor", "operation.gas_cooler")
+NEEDS_CONDENSER = ("operation.condensing_temperature and machine.mode: compressor", "operation.gas_cooler")
 HUMID = ("gas.relative_humidity",)
 # roles of effects, declared by the effects themselves (`effects.base`)
 HEATED = ("an effect that gives the oil a temperature",)
@@ -73,11 +76,12 @@ AFTERCOOLED = ("operation.aftercooler_temperature", "with gas.relative_humidity,
 # of condensate: relatively, saturation changes at least 15 times as much as temperature
 CONDENSED = Scale(15.0, ("water_flow",))
 
-_oiled, _cooled, _changed = (partial(Figure, needs=needs) for needs in (OILED, COOLED, CHANGED))
+_oiled, _cooled, _changed = (partial(Figure, needs=needs) for needs in (OILED, NEEDS_CONDENSER, CHANGED))
 _saturating, _gliding = (partial(Figure, needs=needs) for needs in (SUBCRITICAL, GLIDING))
 _humid = partial(Figure, needs=HUMID)
 _water = partial(_humid, shown="kg h-1")
-cooling_figure = partial(Figure, scale=NET_FLOW, needs=COOLED, by_flow=True)  # proportional to the net gas flow
+# proportional to the net gas flow
+cooling_figure = partial(Figure, scale=NET_FLOW, needs=NEEDS_CONDENSER, by_flow=True)
 _CORE = (
     efficiency("isothermal_efficiency", "isothermal efficiency of the shaft power", by_flow=True),
     efficiency(

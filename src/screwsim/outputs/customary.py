@@ -71,12 +71,12 @@ def digits(value: float) -> str:
     return f"{value:.5g}"
 
 
-def small(value: float | None) -> str:
+def small_number_text(value: float | None) -> str:
     """Return an error or a residual as text; empty where there is none."""
     return "" if value is None else f"{value:.1e}"
 
 
-def raised(text: str) -> str:
+def with_printed_units(text: str) -> str:
     """Return a text with units as they are printed: cm³, W/(m² K), °C. Scenes write cm^3 and degC."""
     text = re.sub(r"\bdegC\b", "°C", text)
     return re.sub(r"(?<=[a-z])\^([23])(?![0-9])", lambda found: "²³"[int(found[1]) - 2], text)

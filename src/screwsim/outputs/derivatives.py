@@ -6,18 +6,19 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import Any, Protocol
 
-from screwsim.inputs.near import nearest
+from screwsim.inputs.suggestions import nearest
 from screwsim.outputs import display
 from screwsim.outputs.display import si_unit
 from screwsim.outputs.figures import Figures, shown
 
 EXACT, ROUGH, DIFFERENCES = "exact", "quick", "differences"  # methods
-STORED = {DIFFERENCES: 0, EXACT: 1, ROUGH: 2}  # codes of the methods in files
-SHOWN = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power")  # in texts, if present
-MOST = 15  # largest number of paths in a text, the most influential first
+METHOD_CODES = {DIFFERENCES: 0, EXACT: 1, ROUGH: 2}  # codes of the methods in files
+# in texts, if present
+USUAL_FIGURES = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power")
+MOST_PATHS = 15  # largest number of paths in a text, the most influential first
 
 
-class Slopes(Protocol):
+class ComputedDerivatives(Protocol):
     """Computed derivatives [SI] by figure and path, with the numbers [SI] at the paths and their SI units.
 
     `method` gives 'exact', 'quick' (usually good to 1e-3) or 'differences' by path; `left_out` says why paths have
@@ -45,25 +46,28 @@ class Derivatives(Mapping[tuple[str, str], float]):
     """
 
     def __init__(
-        self, find: Callable[[], Slopes] | None = None, performance: Figures | None = None, scene: Any = None
+        self,
+        find: Callable[[], ComputedDerivatives] | None = None,
+        performance: Figures | None = None,
+        scene: Any = None,
     ) -> None:
         self._find, self.scene = find, scene
         self._performance = Figures() if performance is None else performance
 
     @classmethod
-    def of(cls, found: Slopes, performance: Figures) -> Derivatives:
+    def of(cls, found: ComputedDerivatives, performance: Figures) -> Derivatives:
         """Return derivatives that have already been computed."""
         known = cls(lambda: found, performance)
         known.__dict__["found"] = found
         return known
 
     @property
-    def known(self) -> Slopes | None:
+    def known(self) -> ComputedDerivatives | None:
         """What has already been computed; None where it would have to be computed."""
         return self.__dict__.get("found")
 
     @cached_property
-    def found(self) -> Slopes:
+    def found(self) -> ComputedDerivatives:
         """All results: the derivatives, the numbers themselves, and the method for each."""
         if self._find is None:
             raise KeyError(
@@ -85,7 +89,7 @@ class Derivatives(Mapping[tuple[str, str], float]):
     def units(self, figure: str, path: str) -> str:
         """Return the unit of a derivative as people write it: 'W/m' for a power by a length."""
         figure, path = self._key((figure, path))
-        return per(self._units()[figure], self.found.units[path])
+        return unit_of_ratio(self._units()[figure], self.found.units[path])
 
     def relative(self, figure: str, path: str) -> float | None:
         """Return a derivative in percent per percent; None where the figure or the number is zero or missing."""
@@ -109,11 +113,11 @@ class Derivatives(Mapping[tuple[str, str], float]):
         if self._find is None:
             return "Derivatives: none (the result is not linked to its scene)"
         found = self.found
-        figures = [name for name in SHOWN if name in found.derivatives] or list(found.derivatives)[:3]
+        figures = [name for name in USUAL_FIGURES if name in found.derivatives] or list(found.derivatives)[:3]
         size = f"{len(found.derivatives)} figures by {len(found.values)} numbers"
         if not figures:
             return f"Derivatives: none ({size})"
-        paths = sorted(found.values, key=lambda path: -self._weight(figures[0], path))[:MOST]
+        paths = sorted(found.values, key=lambda path: -self._weight(figures[0], path))[:MOST_PATHS]
         rows = [["", *figures], *([path, *(self._told(figure, path) for figure in figures)] for path in paths)]
         widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
         lines = ("  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True)) for row in rows)
@@ -121,7 +125,7 @@ class Derivatives(Mapping[tuple[str, str], float]):
 
     def __reduce__(self) -> tuple[Any, ...]:
         found = self.__dict__.get("found")
-        return Derivatives, (self._find if found is None else _Known(found), self._performance, self.scene)
+        return Derivatives, (self._find if found is None else _StoredDerivatives(found), self._performance, self.scene)
 
     def _weight(self, figure: str, path: str) -> float:
         return abs(self.relative(figure, path) or 0.0) if path in self.found.derivatives[figure] else 0.0
@@ -142,7 +146,7 @@ class Derivatives(Mapping[tuple[str, str], float]):
         if not found.derivatives:
             raise KeyError("no derivatives: the point has no figures (result.status, result.message say why)")
         if figure not in found.derivatives:
-            raise KeyError(_unknown(f"no derivatives of {figure!r}", figure, list(found.derivatives)))
+            raise KeyError(_unknown_key(f"no derivatives of {figure!r}", figure, list(found.derivatives)))
         same = [each for each in found.values if each == path or each.endswith(f".{path}")]
         whole = path if path in same else same[0] if len(same) == 1 else None
         if whole is None and same:
@@ -150,21 +154,21 @@ class Derivatives(Mapping[tuple[str, str], float]):
         if whole is None or whole not in found.derivatives[figure]:
             why = found.left_out.get(path, "")
             nothing = f"no derivative by {path!r}"
-            raise KeyError(f"{nothing}: {why}" if why else _unknown(nothing, path, list(found.values)))
+            raise KeyError(f"{nothing}: {why}" if why else _unknown_key(nothing, path, list(found.values)))
         return figure, whole
 
 
-class _Known:
+class _StoredDerivatives:
     """Return what was computed earlier: a picklable function for `Derivatives`."""
 
-    def __init__(self, found: Slopes) -> None:
+    def __init__(self, found: ComputedDerivatives) -> None:
         self._found = found
 
-    def __call__(self) -> Slopes:
+    def __call__(self) -> ComputedDerivatives:
         return self._found
 
 
-def per(above: str, below: str) -> str:
+def unit_of_ratio(above: str, below: str) -> str:
     """Return the unit of one quantity over another, as people write it."""
     if below == "1":
         return si_unit(above)
@@ -174,6 +178,6 @@ def per(above: str, below: str) -> str:
     return f"{over}/{under}" if "/" not in over else f"({over})/{under}"
 
 
-def _unknown(what: str, name: str, known: list[str]) -> str:
+def _unknown_key(what: str, name: str, known: list[str]) -> str:
     offer = nearest(name, known)
     return f"{what}; {f'did you mean {offer!r}?' if offer else 'there are: ' + ', '.join(known)}"

@@ -12,12 +12,12 @@ import numpy as np
 from screwsim.outputs.customary import digits, printed_celsius, scale
 
 ANGLE = "angle"
-MOST_LETTERS = 100  # largest number of characters of a meaning or a cell, in text
+MOST_CHARACTERS = 100  # largest number of characters of a meaning or a cell, in text
 MOST_ROWS, MOST_HTML_ROWS = 10, 60  # largest number of rows of a table, in text and in HTML
 MOST_COLUMNS, MOST_HTML_COLUMNS = 5, 12
 
 
-class Shown(NamedTuple):
+class ShownFigure(NamedTuple):
     """A figure to show: value and unit (SI, CF style), meaning, the unit people write, whether it is in percent."""
 
     name: str
@@ -36,9 +36,9 @@ class Value(float):
 
     units: str
     long_name: str
-    _about: Shown
+    _about: ShownFigure
 
-    def __new__(cls, value: float, about: Shown) -> Value:
+    def __new__(cls, value: float, about: ShownFigure) -> Value:
         """Make a number from a value and its description."""
         made = super().__new__(cls, value)
         made.units, made.long_name, made._about = about.units, about.long_name, about
@@ -53,7 +53,7 @@ class Value(float):
     def __str__(self) -> str:
         return float.__repr__(self)
 
-    def __reduce__(self) -> tuple[type[Value], tuple[float, Shown]]:
+    def __reduce__(self) -> tuple[type[Value], tuple[float, ShownFigure]]:
         return Value, (float(self), self._about)
 
 
@@ -96,10 +96,10 @@ def _left_out(rows: int, columns: int) -> list[str]:
 
 def _short(text: str) -> str:
     line = " ".join(text.split())
-    return line if len(line) <= MOST_LETTERS else f"{line[: MOST_LETTERS - 1]}…"
+    return line if len(line) <= MOST_CHARACTERS else f"{line[: MOST_CHARACTERS - 1]}…"
 
 
-def value_text(figure: Shown) -> str:
+def value_text(figure: ShownFigure) -> str:
     """Return a figure's value in its customary unit, else in SI."""
     return customary(figure) or _value(figure)
 
@@ -116,7 +116,7 @@ def si_unit(units: str) -> str:
     return f"{' '.join(above) or '1'}/{f'({under})' if len(below) > 1 else under}"
 
 
-def customary(figure: Shown) -> str:
+def customary(figure: ShownFigure) -> str:
     """Return a value in its customary unit; empty where that is the SI unit."""
     if figure.value is None or isinstance(figure.value, str):
         return ""
@@ -128,23 +128,23 @@ def customary(figure: Shown) -> str:
     return "" if unit in (figure.units, si_unit(figure.units)) else f"{digits(factor * figure.value)} {unit}"
 
 
-def table_text(figures: Sequence[Shown]) -> str:
+def table_text(figures: Sequence[ShownFigure]) -> str:
     """Return one line for each figure: name, value with its SI unit, meaning."""
     values = [_value(each) for each in figures]
     names, widths = max((len(each.name) for each in figures), default=0), max(map(len, values), default=0)
     return "\n".join(
-        f"{each.name:<{names}}  {value:<{widths}}  {each.long_name[:MOST_LETTERS]}".rstrip()
+        f"{each.name:<{names}}  {value:<{widths}}  {each.long_name[:MOST_CHARACTERS]}".rstrip()
         for each, value in zip(figures, values, strict=True)
     )
 
 
-def _value(figure: Shown) -> str:
+def _value(figure: ShownFigure) -> str:
     if figure.value is None or isinstance(figure.value, str):
         return figure.value or "none"
     return f"{figure.value:.6g} {si_unit(figure.units)}".rstrip()
 
 
-def table_html(heading: str, notes: Iterable[str], figures: Sequence[Shown]) -> str:
+def table_html(heading: str, notes: Iterable[str], figures: Sequence[ShownFigure]) -> str:
     """Return a heading, notes and a table of figures as an HTML fragment that takes the colours of its page."""
     rows = [
         [f"<code>{escape(each.name)}</code>", escape(_value(each)), escape(customary(each)), escape(each.long_name)]

@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from typing import Any
 
-from screwsim.inputs.near import nearest
+from screwsim.inputs.suggestions import nearest
 from screwsim.outputs.core import PERFORMANCE
 from screwsim.outputs.declared import EFFICIENCY, Figure, Variable
-from screwsim.outputs.display import Shown, Value, table_html, table_text
+from screwsim.outputs.display import ShownFigure, Value, table_html, table_text
 from screwsim.outputs.variables import BALANCE, NUMERICS, NUMERICS_TEXT, ledger_variable
 
 
@@ -27,7 +27,7 @@ class Figures(dict[str, Any]):
             return Value(value, about)
         return value
 
-    def described(self, name: str) -> Shown | None:
+    def described(self, name: str) -> ShownFigure | None:
         """Return unit and meaning of a figure; None where they are not known."""
         return None
 
@@ -45,44 +45,44 @@ class _Listed(Figures):
     def _repr_html_(self) -> str:
         return table_html(type(self).__name__.lower(), (), self._rows())
 
-    def _rows(self) -> list[Shown]:
-        rows = ((name, self.described(name) or Shown(name, None, "1", "")) for name in self)
+    def _rows(self) -> list[ShownFigure]:
+        rows = ((name, self.described(name) or ShownFigure(name, None, "1", "")) for name in self)
         return [about._replace(value=self[name]) for name, about in rows]
 
 
 class Balance(_Listed):
     """Residuals of the balances, and their bound."""
 
-    def described(self, name: str) -> Shown | None:
+    def described(self, name: str) -> ShownFigure | None:
         """Return unit and meaning of a residual."""
-        return Shown(name, None, *BALANCE[name]) if name in BALANCE else None
+        return ShownFigure(name, None, *BALANCE[name]) if name in BALANCE else None
 
 
 class Error(_Listed):
     """Estimated numerical errors of the figures, each relative to its scale."""
 
-    def described(self, name: str) -> Shown | None:
+    def described(self, name: str) -> ShownFigure | None:
         """Return unit and meaning of an error."""
-        return Shown(name, None, "1", f"relative numerical error of {name.replace('_', ' ')}")
+        return ShownFigure(name, None, "1", f"relative numerical error of {name.replace('_', ' ')}")
 
 
 class Numerics(_Listed):
     """Effort of the solution: steps, evaluations, times."""
 
-    def described(self, name: str) -> Shown | None:
+    def described(self, name: str) -> ShownFigure | None:
         """Return unit and meaning of a number."""
-        return Shown(name, None, *(NUMERICS.get(name) or Variable("1", NUMERICS_TEXT.get(name, ""))))
+        return ShownFigure(name, None, *(NUMERICS.get(name) or Variable("1", NUMERICS_TEXT.get(name, ""))))
 
 
 class Ledger(_Listed):
     """Ledger of the shaft power: totals, and `<quantity>_<effect>` of each effect."""
 
-    def described(self, name: str) -> Shown | None:
+    def described(self, name: str) -> ShownFigure | None:
         """Return unit and meaning of a total or an entry."""
-        return Shown(name, None, *ledger_variable(name))
+        return ShownFigure(name, None, *ledger_variable(name))
 
 
-def shown(figures: Mapping[str, Any]) -> list[Shown]:
+def shown(figures: Mapping[str, Any]) -> list[ShownFigure]:
     """Return figures with their values, units and meanings, where these are declared."""
     about: Mapping[str, Figure] = getattr(figures, "about", PERFORMANCE)
     found = []
@@ -91,6 +91,6 @@ def shown(figures: Mapping[str, Any]) -> list[Shown]:
     return found
 
 
-def shown_of(about: Figure, value: Any) -> Shown:
+def shown_of(about: Figure, value: Any) -> ShownFigure:
     """Return a value of a figure with the figure's unit and meaning."""
-    return Shown(about.name, value, about.units, about.long_name, about.shown, about.scale == EFFICIENCY)
+    return ShownFigure(about.name, value, about.units, about.long_name, about.shown, about.scale == EFFICIENCY)

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import engineering, engineering_temperature, scale, shown_name, small
+from screwsim.figures.engineering import engineering, engineering_temperature, scale, shown_name, small_number_text
 from screwsim.outputs import STATUSES, Result, sorted_entries
-from screwsim.outputs.customary import raised
+from screwsim.outputs.customary import with_printed_units
 from screwsim.printing.tables import WIDTH, plain_table, wrapped
 from screwsim.printing.uncertain import ranges_text, uncertainty_ranges
 from screwsim.results.atomic import write_text
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from screwsim.report.accuracy import Drawing
     from screwsim.study.accuracy import Study
 
-SEEN = 5e-5  # of the shaft power: smaller losses would be shown as 0.00 %
+LEAST_SHOWN_LOSS = 5e-5  # of the shaft power: smaller losses would be shown as 0.00 %
 MOST_FAILURES = 20  # listed for one sweep; all are in its file
 MOST_WARNINGS = 8  # kinds of warnings, likewise
 
@@ -65,13 +65,13 @@ def print_result(title: str, result: Result, left_out: Iterable[str] = (), chang
 
     console = Console(highlight=False, markup=False, emoji=False)
     console.width = max(console.width, WIDTH)  # a narrower terminal breaks lines, where a table would cut its numbers
-    doubted = no_machine(result)
+    doubted = impossible_figures(result)
     if title or doubted:
-        first = ": ".join(filter(None, (raised(title), doubted)))
+        first = ": ".join(filter(None, (with_printed_units(title), doubted)))
         console.print(printable(first), style="bold", soft_wrap=bool(doubted))  # always in the first line, however long
     if changed:
         console.print(wrapped(printable(", ".join(changed))))
-    console.print(wrapped(printable(f"status: {_ended(result)}")))
+    console.print(wrapped(printable(f"status: {_status_line(result)}")))
     for warning in result.warnings:
         console.print(wrapped(printable(f"warning: {warning}")))
     if result.performance:
@@ -84,11 +84,11 @@ def print_result(title: str, result: Result, left_out: Iterable[str] = (), chang
         console.print()
         console.print("\n".join(_knock_out(result.knock_out)))
     console.print()
-    for line in (*_account(result), *left_out):
+    for line in (*_remarks(result), *left_out):
         console.print(wrapped(printable(line)))
 
 
-def no_machine(result: Result) -> str:
+def impossible_figures(result: Result) -> str:
     """Return the figures of a result that no machine can have; empty if all are possible."""
     names = dict.fromkeys(result.impossible)
     if (result.performance.get("volumetric_efficiency") or 0.0) < 0.0:
@@ -100,7 +100,7 @@ def no_machine(result: Result) -> str:
     return f"physically impossible: {told}" if told else ""
 
 
-def _ended(result: Result) -> str:
+def _status_line(result: Result) -> str:
     """Return the status with the number of warnings and the message, if any."""
     count = len(result.warnings)
     warned = f", with {count} {'warning' if count == 1 else 'warnings'}" if count else ""
@@ -120,7 +120,7 @@ def _table(result: Result) -> Any:
         table.add_column("error", justify="right", no_wrap=True)
     for name, value in result.performance.items():
         if value is not None:
-            error = [small(result.error.get(name))] if result.error else []
+            error = [small_number_text(result.error.get(name))] if result.error else []
             table.add_row(shown_name(name), *engineering(declared(name, result.performance), value), *error)
     return table
 
@@ -151,7 +151,7 @@ def _ledger(ledger: Mapping[str, Any]) -> Any:
         row(name, entry["exergy_destroyed"], entry)
     row("residual", ledger["residue"], {})
     table.caption = f"W/K: entropy generated; exergy at {engineering_temperature(ledger['ambient_temperature'])}"
-    if any(entry["exergy_destroyed"] < -SEEN * abs(whole) for _, entry in sorted_entries(ledger)):
+    if any(entry["exergy_destroyed"] < -LEAST_SHOWN_LOSS * abs(whole) for _, entry in sorted_entries(ledger)):
         table.caption += "\nbelow zero: recovers exergy that other entries count as lost (M54, M286)"
     table.caption_justify = "left"
     return table
@@ -189,7 +189,7 @@ def _knock_out(costs: Iterable[Mapping[str, Any]]) -> list[str]:
     return plain_table(heads, rows, left=1)
 
 
-def _account(result: Result) -> Iterable[str]:
+def _remarks(result: Result) -> Iterable[str]:
     """Yield the lines below the figures, one subject each."""
     absent = [name for name, value in result.performance.items() if value is None]
     reasons: dict[str, list[str]] = {}
@@ -228,7 +228,7 @@ def _numerics(numerics: Mapping[str, Any]) -> str:
 def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
     """Return what `sweep --json` prints: numbers of cases, the first that are not ok, the kinds of warnings."""
     from screwsim.results import open_results
-    from screwsim.results.warned import warned, warns
+    from screwsim.results.warning_kinds import cases_with_warnings, warning_summary
     from screwsim.scene import case_values
 
     document = {
@@ -242,10 +242,10 @@ def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
     for case, message in zip(bad.tolist(), messages, strict=True):
         told = {"case": case, "status": STATUSES[status[case]], "values": case_values(scene, case), "message": message}
         document["failures"].append(told)
-    found = warned(results)
+    found = warning_summary(results)
     document["warned"] = found.cases
     document["warned_by_status"] = {
-        name: int((warns(results).ravel() & (status == code)).sum()) for code, name in enumerate(STATUSES)
+        name: int((cases_with_warnings(results).ravel() & (status == code)).sum()) for code, name in enumerate(STATUSES)
     }
     document["warnings"] = [
         {"cases": kind.cases, "case": kind.first, "values": case_values(scene, kind.first), "warning": kind.text}
@@ -256,7 +256,7 @@ def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
     return document
 
 
-def _counts(document: Mapping[str, Any]) -> str:
+def _status_counts(document: Mapping[str, Any]) -> str:
     """Return how many cases have each status, and how many of those warn: `28 ok (3 of them with warnings)`."""
     told = []
     for name in ("ok", "not_closed", "failed"):
@@ -276,7 +276,7 @@ def print_sweep(document: Mapping[str, Any], scene: Scene) -> None:
     def where(values: Mapping[str, Any]) -> str:
         return ", ".join(f"{path} = {shown_value(scene, path, value)}" for path, value in values.items())
 
-    counts = f"{document['cases']} cases: {_counts(document)}"
+    counts = f"{document['cases']} cases: {_status_counts(document)}"
     counts += f" ({document['reused']} from an earlier run)" if document["reused"] else ""
     say(document["path"])
     alike: dict[tuple[str, str], list[str]] = {}
@@ -303,9 +303,9 @@ def print_sweep(document: Mapping[str, Any], scene: Scene) -> None:
 def accuracy_drawing(study: Study) -> Drawing:
     """Return the contents of a study's work-precision figure."""
     from screwsim.report.accuracy import Drawing, Line
-    from screwsim.study.accuracy.words import competing, front, limit_of_regularisation
+    from screwsim.study.accuracy.words import comparable_cases, limit_of_regularisation, pareto_front
 
-    cases = [each for each in competing(study) if each.status == "ok"]
+    cases = [each for each in comparable_cases(study) if each.status == "ok"]
     lines = []
     for label in dict.fromkeys(each.label for each in cases):
         mine = [each for each in cases if each.label == label]
@@ -313,8 +313,8 @@ def accuracy_drawing(study: Study) -> Drawing:
         lines.append(Line(label.replace("scipy-", "scipy "), *columns))
     return Drawing(
         lines,
-        [(each.time, each.error) for each in front(cases)],
-        [(each.evaluations, each.error) for each in front(cases, "evaluations")],
+        [(each.time, each.error) for each in pareto_front(cases)],
+        [(each.evaluations, each.error) for each in pareto_front(cases, "evaluations")],
         study.reference.difference,
         limit_of_regularisation(study),
     )

@@ -7,24 +7,26 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import digits, read_in, shown_name
+from screwsim.figures.engineering import digits, reading_unit, shown_name
 from screwsim.printing import write_json
 from screwsim.printing.fits import print_title
-from screwsim.printing.tables import plain_table, tell, wrapped
+from screwsim.printing.tables import plain_table, print_wrapped, wrapped
 from screwsim.report.calibration import draw
 from screwsim.results.atomic import make_folder, write_text
-from screwsim.results.kept import keep_in, keep_other_documents
-from screwsim.results.warned import kinds_of
+from screwsim.results.protection import protect_folder, protect_other_json
+from screwsim.results.warning_kinds import kinds_of
 from screwsim.screen import say
-from screwsim.study.calibration.fit import TOLERANCE, Parameter, Prior
-from screwsim.study.calibration.hypotheses import CHANCE, by_chance
-from screwsim.study.calibration.judge import CORRELATED, WEAK
-from screwsim.study.calibration.scene import BEGINS, fitted_text
-from screwsim.study.calibration.solve import Calibration, Compared
+from screwsim.study.calibration.fit import TOLERANCE_REMEDY, Parameter, Prior
+from screwsim.study.calibration.hypotheses import LEAST_CHANCE, chance_of_misfit
+from screwsim.study.calibration.identifiability import CORRELATED, WEAK_VALUE
+from screwsim.study.calibration.scene import FIRST_LINE, fitted_text
+from screwsim.study.calibration.solve import Calibration, ComparedMeasurement
 from screwsim.study.inputs import in_customary, shown_number, shown_value
 
 SCENE, DOCUMENT, FIGURE = "scene.yaml", "fit.json", "residuals"
-_ABOUT_TOLERANCES = f"{TOLERANCE}: taken as half of a 95 % interval, two standard deviations (prior: none omits it)"
+_ABOUT_TOLERANCES = (
+    f"{TOLERANCE_REMEDY}: taken as half of a 95 % interval, two standard deviations (prior: none omits it)"
+)
 
 
 def calibration_document(found: Calibration) -> dict[str, Any]:
@@ -85,7 +87,7 @@ def _prior(prior: Prior) -> dict[str, Any]:
     }
 
 
-def _compared(each: Compared) -> dict[str, Any]:
+def _compared(each: ComparedMeasurement) -> dict[str, Any]:
     return {
         "point": each.point.name,
         "fitted": each.point.fitted,
@@ -111,7 +113,7 @@ def print_calibration(found: Calibration) -> None:
     print_title(found.fit)
     count = f"{found.solutions} solutions" + (f", {found.failed} without figures" if found.failed else "")
     say(wrapped(f"{len(found.starts)} starts, seed {found.fit.seed}, {count}, {found.jacobians} Jacobians"))
-    tell(_methods(found))
+    print_wrapped(_methods(found))
     if found.message:
         say(wrapped(f"{found.status}: {found.message}"))
     if not found.values:
@@ -121,7 +123,7 @@ def print_calibration(found: Calibration) -> None:
     rows = [_row(found, index, each) for index, each in enumerate(found.fit.parameters)]
     tolerances = [_tolerance(found, each) for each in found.fit.parameters]
     if any(tolerances):
-        heads.append(TOLERANCE)
+        heads.append(TOLERANCE_REMEDY)
         rows = [[*row, cell] for row, cell in zip(rows, tolerances, strict=True)]
     say("\n".join(plain_table(heads, rows, 1)))
     if any(tolerances):
@@ -132,7 +134,7 @@ def print_calibration(found: Calibration) -> None:
     say()
     say("\n".join(_points(found)))
     say()
-    tell((*_quality(found), *_warnings(found)))
+    print_wrapped((*_quality(found), *_warnings(found)))
 
 
 def _methods(found: Calibration) -> Iterator[str]:
@@ -178,7 +180,7 @@ def _per_unit(found: Calibration, parameter: Parameter) -> float:
 def _points(found: Calibration) -> list[str]:
     rows = []
     for each in found.compared:
-        factor, unit, zero = read_in(declared(each.figure), each.measured.value)
+        factor, unit, zero = reading_unit(declared(each.figure), each.measured.value)
         ours = "none" if each.ours is None else digits(factor * each.ours - zero)
         residual = "" if each.residual is None else f"{each.residual:+.2f}"
         measured = digits(factor * each.measured.value - zero)
@@ -196,8 +198,8 @@ def _quality(found: Calibration) -> Iterator[str]:
     per = f", {found.chi_squared / found.freedom:.3g} per degree of freedom" if found.freedom > 0 else ""
     yield f"chi squared {found.chi_squared:.4g} with {found.freedom} degrees of freedom{per}"
     if found.scale > 1.0:
-        chance = by_chance(found.chi_squared, found.freedom)
-        doubt = "; the model or the uncertainties do not suit the data" if chance < CHANCE else ""
+        chance = chance_of_misfit(found.chi_squared, found.freedom)
+        doubt = "; the model or the uncertainties do not suit the data" if chance < LEAST_CHANCE else ""
         yield (
             f"the residuals exceed the stated uncertainties, which chance alone does in {chance:.1g} of all "
             f"cases{doubt}; standard errors are multiplied by {found.scale:.3g}"
@@ -223,10 +225,11 @@ def _warnings(found: Calibration) -> Iterator[str]:
             yield f"warning: {parameter.path} is at its {border} bound, {shown}; a better fit may lie beyond it"
     for each in known.open:
         yield f"warning: {each.says} (a standard error along it is {each.span:.2g} of the bounds' distance)"
-    if any(not each.strength >= WEAK for each in known.open):
+    if any(not each.strength >= WEAK_VALUE for each in known.open):
         yield (
-            f"a combination is not determined if its singular value (scaled slopes) is below {WEAK:g} of the largest; "
-            f"two parameters are not distinguished if |r| is above {CORRELATED:g} (fix one, add data, or state a prior)"
+            f"a combination is not determined if its singular value (scaled slopes) is below {WEAK_VALUE:g} of the "
+            f"largest; two parameters are not distinguished if |r| is above {CORRELATED:g} (fix one, add data, or "
+            "state a prior)"
         )
     yield from _correlations(found)
 
@@ -249,8 +252,8 @@ def _correlations(found: Calibration) -> Iterator[str]:
 
 def check_folder(folder: Path) -> None:
     """Raise UsageError where a folder has a foreign file under the name of a calibration's scene or document."""
-    keep_in(folder, {SCENE: BEGINS})
-    keep_other_documents(folder / DOCUMENT, "parameters", "chi_squared", "starts")
+    protect_folder(folder, {SCENE: FIRST_LINE})
+    protect_other_json(folder / DOCUMENT, "parameters", "chi_squared", "starts")
 
 
 def write_calibration(found: Calibration, folder: Path) -> list[str]:
@@ -273,7 +276,7 @@ def _panels(found: Calibration) -> dict[str, list[tuple[int, bool, float, float]
     panels: dict[str, list[tuple[int, bool, float, float]]] = {}
     for figure in dict.fromkeys(each.figure for each in found.compared):
         of = [each for each in found.compared if each.figure == figure]
-        factor, unit, _ = read_in(declared(figure), max(abs(each.measured.value) for each in of))
+        factor, unit, _ = reading_unit(declared(figure), max(abs(each.measured.value) for each in of))
         unit = {"%": "points", "°C": "K"}.get(unit, unit)
         label = f"{shown_name(figure)} ({unit})" if unit else shown_name(figure)
         panels[label] = []

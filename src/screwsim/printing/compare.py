@@ -9,16 +9,16 @@ from typing import Any
 from screwsim.outputs.customary import printed_celsius
 from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import plain_table, wrapped
-from screwsim.report.beside import draw_both
+from screwsim.report.overlay import draw_overlay
 from screwsim.report.quantities import short, shown_axis
 from screwsim.results import Results
 from screwsim.results.schema import Axis
 from screwsim.screen import say
-from screwsim.study.columns import Column, keep_other_columns, write_columns
+from screwsim.study.columns import Column, protect_other_columns, write_columns
 from screwsim.study.compare import Comparison, FigureChange, common_points
 
 TABLE, TITLE = "comparison.csv", "comparison"
-OWN = "status_a", "status_b"  # columns that identify such a table
+OWN_COLUMNS = "status_a", "status_b"  # columns that identify such a table
 MOST_NAMES = 3  # most figures named for one point of largest change
 
 
@@ -131,9 +131,9 @@ def write_comparison(a: Results, b: Results, folder: Path) -> list[str]:
         for end, (column, words) in named.items():
             columns[f"{name}_{end}"] = Column(_cells_of(column), about.units, f"{about.long_name}, {words}")
     table = folder / TABLE
-    keep_other_columns(table, TITLE, *OWN)
+    protect_other_columns(table, TITLE, *OWN_COLUMNS)
     write_columns(table, TITLE, columns)
-    return [str(table), *draw_both(a, b, folder)]
+    return [str(table), *draw_overlay(a, b, folder)]
 
 
 def _cells_of(values: Any) -> list[float | None]:

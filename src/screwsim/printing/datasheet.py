@@ -2,14 +2,14 @@
 
 import textwrap
 
-from screwsim.printing.tables import WIDTH, plain_table, tell, wrapped
+from screwsim.printing.tables import WIDTH, plain_table, print_wrapped, wrapped
 from screwsim.screen import say
 from screwsim.study.datasheet import Sheet
 
 
 def print_sheet(sheet: Sheet) -> None:
     """Print a data sheet: its lines, its tables, the verdict, notes."""
-    tell(filter(None, (sheet.title, sheet.heading)))
+    print_wrapped(filter(None, (sheet.title, sheet.heading)))
     say()
     width = max((len(name) for name, _ in sheet.lines), default=0) + 2
     for name, text in sheet.lines:
@@ -26,4 +26,4 @@ def print_sheet(sheet: Sheet) -> None:
         say()
         say(wrapped(f"{what}: {text}"))
     say()
-    tell(sheet.notes)
+    print_wrapped(sheet.notes)

@@ -5,17 +5,24 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.printing.fits import print_left_out, print_title
-from screwsim.printing.tables import plain_table, tell, wrapped
+from screwsim.printing.tables import plain_table, print_wrapped, wrapped
 from screwsim.screen import say
 from screwsim.study.calibration.diagnosis import Diagnosis
-from screwsim.study.calibration.hypotheses import CHANCE, LEVEL, LIKELY, NONE, Change, Hypothesis
-from screwsim.study.calibration.judge import BORDER
+from screwsim.study.calibration.hypotheses import (
+    INTERVAL_LEVEL,
+    LEAST_CHANCE,
+    LIKELY_PROBABILITY,
+    NO_CHANGE,
+    Change,
+    Hypothesis,
+)
+from screwsim.study.calibration.identifiability import BOUND_DISTANCE
 from screwsim.study.inputs import shown_value, unit_of_change
 
-NOTHING = "nothing changed"
-ANY = "any"  # value of a parameter about which the points say almost nothing
-TOLD = 0.01  # probability above which a hypothesis is put into words, ...
-MOST_TOLD = 4  # ... and how many are at most
+NOTHING_CHANGED = "nothing changed"
+ANY_VALUE = "any"  # value of a parameter about which the points say almost nothing
+LEAST_PROBABILITY_IN_WORDS = 0.01  # probability above which a hypothesis is put into words, ...
+MOST_IN_WORDS = 4  # ... and how many are at most
 
 
 def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
@@ -24,7 +31,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "title": found.fit.title,
         "status": found.status,
         "message": found.message,
-        "level": LEVEL,
+        "level": INTERVAL_LEVEL,
         "unchanged": dict(found.unchanged),
         "odds_of_two_changes_against_one": found.odds,
         "hypotheses": [_hypothesis(each) for each in found.hypotheses],
@@ -60,18 +67,18 @@ def print_diagnosis(found: Diagnosis) -> None:
         say(wrapped(f"{found.status}: {found.message}"))
         return
     say()
-    heads = ["what changed", "probable", "by", f"{LEVEL:.0%} interval", "now", "", "misfit"]
-    shown = [each for each in found.hypotheses if len(each.changes) < 2 or each.probability > LIKELY]
+    heads = ["what changed", "probable", "by", f"{INTERVAL_LEVEL:.0%} interval", "now", "", "misfit"]
+    shown = [each for each in found.hypotheses if len(each.changes) < 2 or each.probability > LIKELY_PROBABILITY]
     say("\n".join(plain_table(heads, [row for each in shown for row in _rows(found, each)], 1)))
     say()
-    tell(_told(found))
+    print_wrapped(_findings(found))
 
 
 def _rows(found: Diagnosis, each: Hypothesis) -> Iterator[list[str]]:
     """Yield the row of a hypothesis; for one of two changes, a row for each."""
     beside = [_probability(each.probability), f"{each.misfit:.3g}"]
-    if each.path == NONE:
-        yield [NOTHING, beside[0], "", "", "", "", beside[1]]
+    if each.path == NO_CHANGE:
+        yield [NOTHING_CHANGED, beside[0], "", "", "", "", beside[1]]
     for number, change in enumerate(each.changes):
         name = "+ " * (number > 0) + _name(found, change.path)
         mark = " *" if each.linear and number + 1 == len(each.changes) else ""
@@ -80,22 +87,22 @@ def _rows(found: Diagnosis, each: Hypothesis) -> Iterator[list[str]]:
         probability, misfit = ("", "") if number else beside
         sizes = [f"{per * change.change:+.3g}", f"{low} … {high}", f"{per * change.value:.4g}", unit]
         if change.path in found.untold:
-            sizes = [ANY, f"{low} … {high}", "", unit]
+            sizes = [ANY_VALUE, f"{low} … {high}", "", unit]
         yield [name + mark, probability, *sizes, misfit]
 
 
-def _by(found: Diagnosis, change: Change) -> str:
+def _change_text(found: Diagnosis, change: Change) -> str:
     """Return by how much a parameter has changed; any amount, if the points say nothing about it."""
     if change.path in found.untold:
-        return f"{ANY} amount"
+        return f"{ANY_VALUE} amount"
     per, unit = unit_of_change(found.fit.scene, change.path, change.value)
     return f"{per * change.change:+.3g} {unit}".strip()
 
 
-def _short(found: Diagnosis, each: Hypothesis) -> str:
+def _hypothesis_text(found: Diagnosis, each: Hypothesis) -> str:
     """Return a hypothesis in a few words, with its probability."""
-    parts = [f"{_name(found, change.path)} {_by(found, change)}" for change in each.changes]
-    return f"{' and '.join(parts) or NOTHING}: {_probability(each.probability)}"
+    parts = [f"{_name(found, change.path)} {_change_text(found, change)}" for change in each.changes]
+    return f"{' and '.join(parts) or NOTHING_CHANGED}: {_probability(each.probability)}"
 
 
 def _name(found: Diagnosis, path: str) -> str:
@@ -108,31 +115,37 @@ def _probability(value: float) -> str:
     return "> 99.99 %" if value > 0.9999 else f"{100.0 * value:.3g} %" if value < 0.9995 else f"{100.0 * value:.2f} %"
 
 
-def _told(found: Diagnosis) -> Iterator[str]:
+def _findings(found: Diagnosis) -> Iterator[str]:
     best = found.hypotheses[0]
-    first, *rest = [f"{change.path} has changed by {_by(found, change)}" for change in best.changes] or [NOTHING]
+    first, *rest = [f"{change.path} has changed by {_change_text(found, change)}" for change in best.changes] or [
+        NOTHING_CHANGED
+    ]
     what = " and ".join([first, *(text.replace(" has changed", "") for text in rest)])
     yield f"most probable: {what} ({_probability(best.probability)})"
     for change in best.changes:
         parameter = next(each for each in found.fit.parameters if each.path == change.path)
         for end, bound in (("lower", parameter.low), ("upper", parameter.high)):
-            if abs(change.value - bound) <= BORDER * (parameter.high - parameter.low):
+            if abs(change.value - bound) <= BOUND_DISTANCE * (parameter.high - parameter.low):
                 at = shown_value(found.fit.scene, change.path, bound, 4)
                 yield f"warning: {change.path} is at its {end} bound, {at}; it may have changed by more"
-    others = [each for each in found.hypotheses[1:] if each.probability > TOLD]
+    others = [each for each in found.hypotheses[1:] if each.probability > LEAST_PROBABILITY_IN_WORDS]
     if others:
-        yield f"then {'; '.join(_short(found, each) for each in others[:MOST_TOLD])}"
+        yield f"then {'; '.join(_hypothesis_text(found, each) for each in others[:MOST_IN_WORDS])}"
     two = [each for each in found.hypotheses if len(each.changes) == 2]
     if two:
-        changed = [f"{_name(found, path)} {_probability(each)}" for path, each in found.changed.items() if each > TOLD]
-        if changed and best.path != NONE:
+        changed = [
+            f"{_name(found, path)} {_probability(each)}"
+            for path, each in found.changed.items()
+            if each > LEAST_PROBABILITY_IN_WORDS
+        ]
+        if changed and best.path != NO_CHANGE:
             yield f"changed, alone or with another: {', '.join(changed)}"
-        hidden = [each.probability for each in two if each.probability <= LIKELY]
+        hidden = [each.probability for each in two if each.probability <= LIKELY_PROBABILITY]
         shown = f", of which {len(hidden)} are not shown: {_probability(sum(hidden))} together" if hidden else ""
         count = "1 pair of changes was" if len(two) == 1 else f"{len(two)} pairs of changes were"
         yield f"{count} considered{shown}; two changes at once are a priori {found.odds:g} times as probable as one"
     for each in found.hypotheses:
-        if each.also and each.probability > LIKELY and each.path not in found.untold:
+        if each.also and each.probability > LIKELY_PROBABILITY and each.path not in found.untold:
             per, unit = unit_of_change(found.fit.scene, each.path, each.changes[0].value)
             values = ", ".join(f"{per * value:.4g} {unit}".strip() for value in each.also)
             yield f"{each.path} = {values} fits nearly as well as its best value"
@@ -143,7 +156,7 @@ def _told(found: Diagnosis) -> Iterator[str]:
         )
     for path in found.untold:
         yield f"warning: the points hardly constrain {path}: any value within its bounds fits as well"
-    if found.chance is not None and found.chance < CHANCE:
+    if found.chance is not None and found.chance < LEAST_CHANCE:
         several = "more than two" if two else "several"
         yield (
             f"warning: the best misfit is {best.misfit:.4g} of {best.freedom} degrees of freedom, which chance alone "

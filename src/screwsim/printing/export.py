@@ -3,20 +3,20 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from screwsim.export.fmu import about, known
+from screwsim.export.fmu import known_error, map_description
 from screwsim.export.inputs import plain
-from screwsim.export.loads import Exported, unit_of
-from screwsim.export.table import Table
+from screwsim.export.loads import ExportedLoads, unit_of
+from screwsim.export.table import MapTable
 from screwsim.outputs import Result
-from screwsim.printing.tables import plain_table, say_title, wrapped
+from screwsim.printing.tables import plain_table, print_scene_title, wrapped
 from screwsim.screen import say
 
 
-def map_document(table: Table, files: Sequence[str]) -> dict[str, Any]:
+def map_document(table: MapTable, files: Sequence[str]) -> dict[str, Any]:
     """Return what `--json` prints."""
     return {
-        **about(table),
-        "error": known(table.error),
+        **map_description(table),
+        "error": known_error(table.error),
         "error_wanted": table.wanted,
         "cases": table.cases,
         "points_checked": table.checked,
@@ -24,9 +24,9 @@ def map_document(table: Table, files: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def print_map(table: Table, files: Sequence[str]) -> None:
+def print_map(table: MapTable, files: Sequence[str]) -> None:
     """Print a map, in SI units."""
-    say_title(table.title)
+    print_scene_title(table.title)
     rows = [
         [one.name, f"{one.low:.6g}", f"{one.high:.6g}", plain(one.units), str(len(nodes))]
         for one, nodes in zip(table.inputs, table.grid.nodes, strict=True)
@@ -60,9 +60,9 @@ def print_polynomials(
         say(file)
 
 
-def print_loads(found: Exported, result: Result, files: Sequence[str]) -> None:
+def print_loads(found: ExportedLoads, result: Result, files: Sequence[str]) -> None:
     """Print mean and first harmonics of each curve, and the files."""
-    say_title(found.title or "loads")
+    print_scene_title(found.title or "loads")
     say(wrapped(f"status: {result.told if result.message else result.status}; lobe frequency {found.frequency:.5g} Hz"))
     rows = [
         [name, unit_of(name), *(f"{each.amplitude:.4g}" for each in spectrum[:4])]
@@ -74,10 +74,10 @@ def print_loads(found: Exported, result: Result, files: Sequence[str]) -> None:
 
 
 def _percent(error: float) -> str:
-    return "not known" if known(error) is None else f"{100.0 * error:.2g} %"
+    return "not known" if known_error(error) is None else f"{100.0 * error:.2g} %"
 
 
-def shortfall(table: Table, remedy: str) -> str:
+def accuracy_shortfall(table: MapTable, remedy: str) -> str:
     """Return why a map is not as accurate as requested; empty if it is."""
     if table.met:
         return ""

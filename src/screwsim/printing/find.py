@@ -6,21 +6,21 @@ from typing import Any
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import error_text, figure_text, shown_name
-from screwsim.outputs.customary import raised
-from screwsim.printing.tables import plain_table, say_title, tell, wrapped
+from screwsim.outputs.customary import with_printed_units
+from screwsim.printing.tables import plain_table, print_scene_title, print_wrapped, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.inputs import shown_value, unit_of_change
-from screwsim.study.seek import DIGITS, Found, Question
+from screwsim.study.seek import VALUE_DIGITS, GoalSeekAnswer, Question
 
 MOST_NOTES = 4  # most notes printed
-BESIDE = ("cooling_capacity", "shaft_power", "cop", "heating_capacity", "heating_cop")
-BESIDE += ("isentropic_efficiency", "volumetric_efficiency")
-BESIDE += ("discharge_temperature", "gas_mass_flow")  # for a single answer, shown beside the figures sought
+OTHER_FIGURES = ("cooling_capacity", "shaft_power", "cop", "heating_capacity", "heating_cop")
+OTHER_FIGURES += ("isentropic_efficiency", "volumetric_efficiency")
+OTHER_FIGURES += ("discharge_temperature", "gas_mass_flow")  # for a single answer, shown beside the figures sought
 
 
-def find_document(scene: Scene, asked: Question, rows: Sequence[Found]) -> dict[str, Any]:
+def find_document(scene: Scene, asked: Question, rows: Sequence[GoalSeekAnswer]) -> dict[str, Any]:
     """Return what `find --json` prints: the question, one row per point of the other axes, counts; in SI units."""
     return {
         "title": scene.title,
@@ -33,7 +33,7 @@ def find_document(scene: Scene, asked: Question, rows: Sequence[Found]) -> dict[
     }
 
 
-def _row_document(row: Found) -> dict[str, Any]:
+def _row_document(row: GoalSeekAnswer) -> dict[str, Any]:
     size = row.size
     performance = {} if row.result is None else dict(row.result.performance)
     return {
@@ -53,9 +53,9 @@ def _row_document(row: Found) -> dict[str, Any]:
     }
 
 
-def print_find(scene: Scene, asked: Question, rows: Sequence[Found]) -> None:
+def print_find(scene: Scene, asked: Question, rows: Sequence[GoalSeekAnswer]) -> None:
     """Print the values for each point of the other axes, the figures there, and remarks."""
-    say_title(scene.title)
+    print_scene_title(scene.title)
     for span in asked.spans:
         low, high = (shown_value(scene, span.path, end) for end in (span.low, span.high))
         say(wrapped(f"{span.path}, {low} … {high}"))
@@ -72,12 +72,12 @@ def print_find(scene: Scene, asked: Question, rows: Sequence[Found]) -> None:
     heads += [*(["size"] if asked.sizes else []), *(shown_name(goal.figure) for goal in asked.goals), "simulated"]
     say("\n".join(plain_table(heads, [_cells(scene, asked, paths, row) for row in rows])))
     notes = [line for row in rows for line in _notes(scene, paths, row)]
-    tell(notes[:MOST_NOTES])
+    print_wrapped(notes[:MOST_NOTES])
     if len(notes) > MOST_NOTES:
         say(f"… and {len(notes) - MOST_NOTES} more (all with --json, or in the file of -o)")
 
 
-def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: Found) -> list[str]:
+def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: GoalSeekAnswer) -> list[str]:
     cells = [shown_value(scene, path, row.at[path]) for path in paths]
     ok = row.status == "ok"
     for span in asked.spans:
@@ -85,7 +85,7 @@ def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: Found) -> l
         mark = {"lower border": " <", "upper border": " >"}.get(row.borders.get(span.path, ""), "")
         cells.append((shown + mark) if ok else row.status)
         if len(asked.spans) == 1:
-            cells.append(_width(scene, span.path, row.uncertainties.get(span.path)) if ok else "")
+            cells.append(_difference_text(scene, span.path, row.uncertainties.get(span.path)) if ok else "")
     if asked.sizes:
         cells.append("" if row.size is None else shown_value(scene, asked.spans[0].path, row.size.value))
     for goal in asked.goals:
@@ -94,13 +94,13 @@ def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: Found) -> l
     return [*cells, str(row.solutions)]
 
 
-def _notes(scene: Scene, paths: Sequence[str], row: Found) -> Iterator[str]:
+def _notes(scene: Scene, paths: Sequence[str], row: GoalSeekAnswer) -> Iterator[str]:
     where = ", ".join(shown_value(scene, path, row.at[path]) for path in paths)
     if row.message:
         yield f"{where}: {row.message}" if where else row.message
 
 
-def _print_one(scene: Scene, asked: Question, row: Found) -> None:
+def _print_one(scene: Scene, asked: Question, row: GoalSeekAnswer) -> None:
     """Print one answer, with other figures beside those that were sought."""
     if row.status == "ok":
         for span in asked.spans:
@@ -111,7 +111,7 @@ def _print_one(scene: Scene, asked: Question, row: Found) -> None:
         for name, text in _figures(asked, row):
             say(f"  {name:<24}{text}")
         say()
-    tell(_notes(scene, (), row))
+    print_wrapped(_notes(scene, (), row))
     if row.status == "ok" and row.result is not None:
         for warning in row.result.warnings:
             say(wrapped(f"warning: {warning}"))
@@ -119,7 +119,7 @@ def _print_one(scene: Scene, asked: Question, row: Found) -> None:
     say(f"{row.solutions} point{'s' * (row.solutions != 1)} simulated{failed}")
 
 
-def _print_size(scene: Scene, asked: Question, row: Found) -> None:
+def _print_size(scene: Scene, asked: Question, row: GoalSeekAnswer) -> None:
     assert row.size is not None
     path, goal = asked.spans[0].path, asked.goals[0]
     over = f"{100.0 * (row.size.figure / goal.value - 1.0):+.1f} %" if declared(goal.figure).units != "K" else ""
@@ -127,22 +127,22 @@ def _print_size(scene: Scene, asked: Question, row: Found) -> None:
     say(wrapped(f"next size of the catalogue: {shown_value(scene, path, row.size.value)}, {gives} {over}".rstrip()))
 
 
-def _value(scene: Scene, path: str, row: Found) -> str:
-    text, width = shown_value(scene, path, row.values[path], DIGITS), row.uncertainties.get(path)
+def _value(scene: Scene, path: str, row: GoalSeekAnswer) -> str:
+    text, width = shown_value(scene, path, row.values[path], VALUE_DIGITS), row.uncertainties.get(path)
     if row.size is not None and not row.uncertainties:  # all sizes exceed the goal
         return f"{text} ({row.borders.get(path, 'nearest')}: the goal lies below every size)"
-    return f"{text} ± {_width(scene, path, width)}" if width is not None else text
+    return f"{text} ± {_difference_text(scene, path, width)}" if width is not None else text
 
 
-def _width(scene: Scene, path: str, width: float | None) -> str:
+def _difference_text(scene: Scene, path: str, width: float | None) -> str:
     """Return a difference of a path's values in its customary unit."""
     if width is None:
         return ""
     per, unit = unit_of_change(scene, path, 1.0)  # in the unit of the value, not in µm
-    return f"{per * width:.1g} {raised(unit)}".strip()
+    return f"{per * width:.1g} {with_printed_units(unit)}".strip()
 
 
-def _figures(asked: Question, row: Found) -> Iterator[tuple[str, str]]:
+def _figures(asked: Question, row: GoalSeekAnswer) -> Iterator[tuple[str, str]]:
     """Yield the figures sought with their errors, then some of the others; for a size, those at that size."""
     performance = {} if row.result is None else row.result.performance
     sought = [goal.figure for goal in asked.goals]
@@ -152,12 +152,12 @@ def _figures(asked: Question, row: Found) -> Iterator[tuple[str, str]]:
             shown_name(name),
             f"{figure_text(name, value)}, error {error_text(name, row.figures[name], row.errors[name])}",
         )
-    for name in BESIDE:
+    for name in OTHER_FIGURES:
         if name not in sought and performance.get(name) is not None:
             yield shown_name(name), figure_text(name, performance[name])
 
 
-def write_find(path: Path, scene: Scene, asked: Question, rows: Sequence[Found]) -> None:
+def write_find(path: Path, scene: Scene, asked: Question, rows: Sequence[GoalSeekAnswer]) -> None:
     """Write one row per point of the other axes as CSV or HDF5, in SI units."""
     columns = {}
     for axis in rows[0].at:

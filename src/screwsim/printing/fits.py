@@ -2,14 +2,14 @@
 
 from collections.abc import Mapping
 
-from screwsim.printing.tables import say_title, wrapped
+from screwsim.printing.tables import print_scene_title, wrapped
 from screwsim.screen import say
 from screwsim.study.calibration.fit import Fit
 
 
 def print_title(fit: Fit) -> None:
     """Print the title of a fit, or else that of its scene, if it has one."""
-    say_title(fit.title or fit.scene.title)
+    print_scene_title(fit.title or fit.scene.title)
 
 
 def print_left_out(reasons: Mapping[str, str]) -> None:

@@ -3,16 +3,16 @@
 from collections.abc import Iterator
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import read_in, shown_name
+from screwsim.figures.engineering import reading_unit, shown_name
 from screwsim.outputs import Result
-from screwsim.printing.tables import plain_table, tell, wrapped
+from screwsim.printing.tables import plain_table, print_wrapped, wrapped
 from screwsim.scene import Scene
 from screwsim.scene.types import COVERAGE
 from screwsim.screen import printable, say
 from screwsim.study.inputs import shown_number, shown_value, unit_of_change
-from screwsim.study.measured import AGREES, Compared, Comparison, Explanation
+from screwsim.study.measured import AGREEMENT_LIMIT, ComparedFigure, Comparison, Explanation
 
-MOST = 8  # most explanations printed; all are in --json
+MOST_EXPLANATIONS = 8  # most explanations printed; all are in --json
 
 
 def print_measured(scene: Scene, result: Result, found: Comparison) -> None:
@@ -24,11 +24,11 @@ def print_measured(scene: Scene, result: Result, found: Comparison) -> None:
         say("\n".join(table[:-count]))
         for line, row in zip(table[-count:], found.rows, strict=True):
             say(line)
-            say(wrapped(f"    {_parts(scene, result, row)}"))
+            say(wrapped(f"    {_uncertainty_parts(scene, result, row)}"))
     for name, why in found.none.items():
         say(wrapped(printable(f"no {shown_name(name)} to compare: {why}")))
     if found.rows:
-        tell(_verdict(scene, found))
+        print_wrapped(_verdict(scene, found))
     if found.why and found.why != "nothing to explain":
         say(wrapped(printable(found.why)))
     if found.explanations:
@@ -36,8 +36,8 @@ def print_measured(scene: Scene, result: Result, found: Comparison) -> None:
         _print_explanations(scene, found)
 
 
-def _row(result: Result, row: Compared) -> list[str]:
-    factor, unit, zero = read_in(declared(row.figure, result.performance), row.value)
+def _row(result: Result, row: ComparedFigure) -> list[str]:
+    factor, unit, zero = reading_unit(declared(row.figure, result.performance), row.value)
     measured = f"{factor * row.measured.value - zero:.5g}"
     if row.measured.standard is not None:
         measured += f" ± {factor * COVERAGE * row.measured.standard:.2g}"
@@ -49,9 +49,9 @@ def _row(result: Result, row: Compared) -> list[str]:
     return [shown_name(row.figure), ours, measured, unit, f"{factor * row.off:+.3g}{share}", sigma]
 
 
-def _parts(scene: Scene, result: Result, row: Compared) -> str:
+def _uncertainty_parts(scene: Scene, result: Result, row: ComparedFigure) -> str:
     """Return the three uncertainties of the scene's own figure, separately."""
-    factor, unit, _ = read_in(declared(row.figure, result.performance), row.value)
+    factor, unit, _ = reading_unit(declared(row.figure, result.performance), row.value)
     unit = {"%": "points", "°C": "K"}.get(unit, unit)
     inputs = f"inputs ± {factor * COVERAGE * row.inputs:.2g}" if scene.uncertain else "inputs not stated"
     model = "model not stated"
@@ -62,13 +62,13 @@ def _parts(scene: Scene, result: Result, row: Compared) -> str:
 
 def _verdict(scene: Scene, found: Comparison) -> Iterator[str]:
     """Yield what the differences show, and which missing information would show more."""
-    far = [row for row in found.rows if row.sigma is not None and abs(row.sigma) > AGREES]
+    far = [row for row in found.rows if row.sigma is not None and abs(row.sigma) > AGREEMENT_LIMIT]
     bare = [row for row in found.rows if row.sigma is None]
     if far:
         told = (shown_name(row.figure) + (" (within the model's error)" if row.within_model else "") for row in far)
-        yield f"differ by more than {AGREES:g} sigma: {', '.join(told)}"
+        yield f"differ by more than {AGREEMENT_LIMIT:g} sigma: {', '.join(told)}"
     elif not bare:
-        yield f"agree: no difference beyond {AGREES:g} sigma"
+        yield f"agree: no difference beyond {AGREEMENT_LIMIT:g} sigma"
     if bare:
         names = ", ".join(shown_name(row.figure) for row in bare)
         yield (
@@ -92,14 +92,14 @@ def _print_explanations(scene: Scene, found: Comparison) -> None:
     heads = ["alone would explain it", "is", "would be", "change"]
     heads += ["of tolerance"] * tolerant + ["leaves"] * several
     rows = []
-    for each in found.explanations[:MOST]:
+    for each in found.explanations[:MOST_EXPLANATIONS]:
         now = shown_number(scene, each.path, each.value)
         cells = [each.path, now, shown_value(scene, each.path, each.wanted, 4), _change(scene, each)]
         if tolerant:
             cells.append("" if each.tolerances is None else f"{each.tolerances:+.2g}")
         rows.append([*cells, *([f"{100.0 * each.left:.0f} %"] if several else [])])
     say("\n".join(plain_table(heads, rows, 1)))
-    more = len(found.explanations) - MOST
+    more = len(found.explanations) - MOST_EXPLANATIONS
     lines = [f"and {more} more number{'s' if more > 1 else ''} (--json)"] if more > 0 else []
     lines.append("estimated from derivatives; check one with --set PATH=VALUE")
     if several:

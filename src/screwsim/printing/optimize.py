@@ -6,16 +6,17 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures.engineering import error_text, figure_text, shown_name
-from screwsim.printing.tables import plain_table, say_title, tell, wrapped
-from screwsim.results.warned import kinds_of
+from screwsim.printing.tables import plain_table, print_scene_title, print_wrapped, wrapped
+from screwsim.results.warning_kinds import kinds_of
 from screwsim.screen import say
 from screwsim.study.inputs import shown_number, shown_value
-from screwsim.study.optimize import Optimum, Question, Reach
-from screwsim.study.seek import DIGITS
+from screwsim.study.optimize import EquallyGoodRange, Optimum, Question
+from screwsim.study.seek import VALUE_DIGITS
 
-SHOWN = 12  # most rows of a front printed; all are in the file
-REASONS = 3  # most reasons for failed evaluations
-BESIDE = ("cooling_capacity", "shaft_power", "cop", "discharge_temperature")  # for operating points, beside objectives
+MOST_FRONT_ROWS = 12  # most rows of a front printed; all are in the file
+MOST_REASONS = 3  # most reasons for failed evaluations
+# for operating points, beside objectives
+OTHER_FIGURES = ("cooling_capacity", "shaft_power", "cop", "discharge_temperature")
 
 
 def optimize_document(found: Optimum) -> dict[str, Any]:
@@ -67,14 +68,14 @@ def _point(asked: Question, number: int) -> dict[str, Any]:
 def print_optimize(found: Optimum) -> None:
     """Print the question, the best or the front, remarks, and the counts."""
     asked = found.asked
-    say_title(asked.scene.title)
+    print_scene_title(asked.scene.title)
     senses = (f"{'lowest' if aim.minimum else 'highest'} {shown_name(aim.figure)}" for aim in asked.aims)
     over = "" if asked.points.single else f" over {asked.points.name}"
     ranges = ", ".join(_range(asked, i) for i in range(len(asked.spans)))
     say(wrapped(f"{' and '.join(senses)}{over}, varying {ranges}"))
     for bound in asked.bounds:
         say(wrapped(f"subject to {shown_name(bound.figure)} {bound.sign} {figure_text(bound.figure, bound.value)}"))
-    tell(asked.points.told)
+    print_wrapped(asked.points.told)
     say()
     if found.status != "ok":
         say(wrapped(found.message))
@@ -86,7 +87,7 @@ def print_optimize(found: Optimum) -> None:
         of_front = "" if len(found.front) == 1 else f" in {count} of the {len(found.front)}"
         say(wrapped(f"warning{of_front}: {text}"))
     say()
-    tell(_counts(found))
+    print_wrapped(_counts(found))
 
 
 def _range(asked: Question, number: int) -> str:
@@ -102,7 +103,7 @@ def _print_best(found: Optimum) -> None:
     for path, value in found.values.items():
         reach = found.reach[path]
         mark = {"lower border": " <", "upper border": " >"}.get(reach.border, "")
-        rows.append([path, shown_value(asked.scene, path, value, DIGITS) + mark, _reach(found, path, reach)])
+        rows.append([path, shown_value(asked.scene, path, value, VALUE_DIGITS) + mark, _reach(found, path, reach)])
     say("\n".join(plain_table(["", "best", "as good"], rows, 1)))
     value, error = found.aims[row, 0], found.errors[row, 0]
     say()
@@ -120,7 +121,7 @@ def _print_best(found: Optimum) -> None:
         say(wrapped(f"another local optimum at {where}: {figure_text(aim.figure, height)}"))
 
 
-def _reach(found: Optimum, path: str, reach: Reach) -> str:
+def _reach(found: Optimum, path: str, reach: EquallyGoodRange) -> str:
     if reach.low == reach.high:
         return "no other"
     low, high = (shown_number(found.asked.scene, path, end, 5) for end in (reach.low, reach.high))
@@ -131,7 +132,7 @@ def _points(found: Optimum) -> Iterator[str]:
     """Yield the lines of a table of the operating points at the best evaluation."""
     asked, points = found.asked, found.asked.points
     sought = [aim.figure for aim in asked.aims]
-    names = list(dict.fromkeys((*sought, *(bound.figure for bound in asked.bounds), *BESIDE)))
+    names = list(dict.fromkeys((*sought, *(bound.figure for bound in asked.bounds), *OTHER_FIGURES)))
     there = [name for name in names if all(each.result.performance.get(name) is not None for each in found.points)]
     weight = "energy share" if points.energy else "weight"
     paths = list(dict.fromkeys(path for each in found.points for path in each.values))
@@ -148,7 +149,7 @@ def _points(found: Optimum) -> Iterator[str]:
 def _print_front(found: Optimum) -> None:
     """Print some rows of the front, evenly spread along it and including both ends."""
     asked, front = found.asked, found.front
-    picked = spread(found.aims[front], SHOWN)
+    picked = evenly_spread(found.aims[front], MOST_FRONT_ROWS)
     heads = [*(shown_name(aim.figure) for aim in asked.aims), "error"]
     heads += [*(span.path.rpartition(".")[2].replace("_", " ") for span in asked.spans), "evaluation"]
     say("\n".join(plain_table(heads, [_front_cells(found, int(front[i])) for i in picked])))
@@ -158,7 +159,7 @@ def _print_front(found: Optimum) -> None:
     say(wrapped(f"{some} evaluation{many} that no other beats in all aims; {error}"))
 
 
-def spread(aims: np.ndarray, most: int) -> np.ndarray:
+def evenly_spread(aims: np.ndarray, most: int) -> np.ndarray:
     """Return the indices of at most `most` rows, evenly spread along the line through all of them."""
     if len(aims) <= most:
         return np.arange(len(aims))
@@ -183,7 +184,7 @@ def _counts(found: Optimum) -> Iterator[str]:
     words += [f"{found.outside} outside the bounds"] if found.outside else []
     words += [f"{found.failed} failed"] if found.failed else []
     yield ", ".join(words) + f", seed {found.asked.seed}"
-    shown: Sequence[tuple[str, int]] = list(found.reasons.items())[:REASONS]
+    shown: Sequence[tuple[str, int]] = list(found.reasons.items())[:MOST_REASONS]
     yield from (f"{count}: {reason}" for reason, count in shown)
     rest = sum(found.reasons.values()) - sum(count for _, count in shown)
     if rest:

@@ -8,7 +8,7 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import figure_text
 from screwsim.printing import engineering, shown_name
-from screwsim.printing.tables import plain_table, say_title, tell, wrapped
+from screwsim.printing.tables import plain_table, print_scene_title, print_wrapped, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
@@ -35,7 +35,7 @@ def print_optimum(scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
     """Print one row per point of the other axes, then remarks on single ones."""
     word = "lowest" if asked.minimum else "highest"
     ends = f"{shown_value(scene, asked.path, asked.low)} … {shown_value(scene, asked.path, asked.high)}"
-    say_title(scene.title)
+    print_scene_title(scene.title)
     say(wrapped(f"{word} {shown_name(asked.figure)} over {asked.path}, {ends}"))
     say()
     paths = [path for path in scene.sweep if path != asked.path]
@@ -45,7 +45,7 @@ def print_optimum(scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
     notes = [note for row in rows for note in _notes(scene, asked, paths, row)]
     if notes:
         say()
-    tell(notes)
+    print_wrapped(notes)
     if any(row.value is not None for row in rows):
         say(wrapped("as good: range in which the figure is within its estimated error of the best"))
 

@@ -7,16 +7,16 @@ from typing import Any
 
 from screwsim.figures.engineering import engineering
 from screwsim.printing import shown_name, write_json
-from screwsim.printing.tables import plain_table, say_title, wrapped
+from screwsim.printing.tables import plain_table, print_scene_title, wrapped
 from screwsim.results import Results
 from screwsim.results.atomic import make_folder
-from screwsim.results.kept import keep_other_documents
-from screwsim.results.warned import kinds
+from screwsim.results.protection import protect_other_json
+from screwsim.results.warning_kinds import warning_kinds_of_file
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
-from screwsim.study.columns import Column, keep_other_columns, write_columns
+from screwsim.study.columns import Column, protect_other_columns, write_columns
 from screwsim.study.map_points import MapPoint
-from screwsim.study.performance_map import ELECTRICAL, FORMULA, NAMES, SHAFT, PerformanceMap, conditions
+from screwsim.study.performance_map import COEFFICIENT_NAMES, ELECTRICAL, FORMULA, SHAFT, PerformanceMap, conditions
 
 
 def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, Any]:
@@ -31,13 +31,13 @@ def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, 
         "units": {figure: results.figure(figure).units for figure in figures},
         "conditions": conditions(results),
         "maps": [asdict(each) for each in maps],
-        "warnings": [{"cases": kind.cases, "warning": kind.text} for kind in kinds(results)],
+        "warnings": [{"cases": kind.cases, "warning": kind.text} for kind in warning_kinds_of_file(results)],
     }
 
 
 def print_maps(results: Results, maps: Sequence[PerformanceMap]) -> None:
     """Print the coefficients of each map with errors and envelope."""
-    say_title(results.attributes["title"])
+    print_scene_title(results.attributes["title"])
     say(wrapped(FORMULA))
     say(wrapped("S evaporating, D condensing temperature in °C; X in the unit of its column"))
     say(wrapped("left-out error: the largest error at a point of the fit to all others"))
@@ -46,19 +46,19 @@ def print_maps(results: Results, maps: Sequence[PerformanceMap]) -> None:
     for each in maps:
         say()
         if each.values:
-            say(wrapped(", ".join(_at(results, path, value) for path, value in each.values.items())))
+            say(wrapped(", ".join(_axis_value_text(results, path, value) for path, value in each.values.items())))
         _print_map(results, each)
     _print_warnings(results)
 
 
 def _print_warnings(results: Results) -> None:
     """Print the warnings of points of the sweep."""
-    for kind in kinds(results):
+    for kind in warning_kinds_of_file(results):
         cases = f"{kind.cases} {'point' if kind.cases == 1 else 'points'}"
         say(wrapped(f"warning in {cases} of the sweep: {kind.text}"))
 
 
-def _at(results: Results, path: str, value: Any) -> str:
+def _axis_value_text(results: Results, path: str, value: Any) -> str:
     number = value if isinstance(value, str) else f"{value:.6g}"
     return f"{path} = {number} {_units(results, path)}".strip()
 
@@ -71,7 +71,9 @@ def _print_map(results: Results, one: PerformanceMap) -> None:
     if one.message:
         say(wrapped(f"no map: {one.message}"))
         return
-    rows = [[name, *(f"{fit.coefficients[i]:.9e}" for fit in one.fits.values())] for i, name in enumerate(NAMES)]
+    rows = [
+        [name, *(f"{fit.coefficients[i]:.9e}" for fit in one.fits.values())] for i, name in enumerate(COEFFICIENT_NAMES)
+    ]
     for label, name in (("largest error", "largest"), ("rms error", "rms"), ("left-out error", "left_out")):
         found = (getattr(fit, name) for fit in one.fits.values())
         rows.append([label, *("" if value is None else f"{100.0 * value:.2g} %" for value in found)])
@@ -95,11 +97,11 @@ def points_document(results: Results, points: Sequence[MapPoint]) -> dict[str, A
 
 def print_points(results: Results, points: Sequence[MapPoint]) -> None:
     """Print the figures of the map at each point, in customary units."""
-    say_title(results.attributes["title"])
+    print_scene_title(results.attributes["title"])
     for each in points:
         temperatures = (each.evaporating_temperature, each.condensing_temperature)
         at = " / ".join(f"{round(T - ZERO_CELSIUS, 6):g}" for T in temperatures)
-        others = "".join(f", {_at(results, path, value)}" for path, value in each.values.items())
+        others = "".join(f", {_axis_value_text(results, path, value)}" for path, value in each.values.items())
         say()
         say(wrapped(f"evaporating / condensing temperature {at} °C{others}"))
         rows = [[shown_name(name), *engineering(results.figure(name), value)] for name, value in each.figures.items()]
@@ -107,12 +109,12 @@ def print_points(results: Results, points: Sequence[MapPoint]) -> None:
     _print_warnings(results)
 
 
-def keep_other_maps(path: Path) -> None:
+def protect_other_maps(path: Path) -> None:
     """Raise UsageError where a file at `path` is not a map, as it would be lost."""
     if path.suffix.lower() == ".csv":
-        keep_other_columns(path, "compressor map", "figure", "units", "largest_error", "rms_error")
+        protect_other_columns(path, "compressor map", "figure", "units", "largest_error", "rms_error")
         return
-    keep_other_documents(path, "file", "formula", "maps")
+    protect_other_json(path, "file", "formula", "maps")
 
 
 def write_maps(path: Path, results: Results, maps: Sequence[PerformanceMap]) -> None:
@@ -125,7 +127,7 @@ def write_maps(path: Path, results: Results, maps: Sequence[PerformanceMap]) -> 
         }
         columns["figure"] = Column([figure for _, figure, _ in rows], "", "figure")
         columns["units"] = Column([results.figure(figure).units for _, figure, _ in rows], "", "its unit")
-        for number, name in enumerate(NAMES):
+        for number, name in enumerate(COEFFICIENT_NAMES):
             columns[name] = Column([fit.coefficients[number] for _, _, fit in rows], "1", name)
         for name in ("largest", "rms", "left_out"):
             columns[f"{name}_error"] = Column([getattr(fit, name) for _, _, fit in rows], "1", f"{name} relative error")

@@ -7,16 +7,16 @@ from typing import Any
 
 from screwsim.inputs.faults import UsageError
 from screwsim.printing.fits import print_left_out, print_title
-from screwsim.printing.tables import plain_table, tell, wrapped
-from screwsim.results.atomic import OTHERS, check_target_kind, make_folder, write_csv
+from screwsim.printing.tables import plain_table, print_wrapped, wrapped
+from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, make_folder, write_csv
 from screwsim.scene import Scene
 from screwsim.screen import say
-from screwsim.study.calibration.data import UNCERTAINTY, units_of
+from screwsim.study.calibration.data import UNCERTAINTY_SUFFIX, units_of
 from screwsim.study.calibration.plan import Plan, point_name
 from screwsim.study.columns import first_line
 from screwsim.study.inputs import in_customary, unit_of_change
 
-MOST = 6  # most points for which the table shows the deviations
+MOST_DEVIATIONS = 6  # most points for which the table shows the deviations
 
 
 def plan_document(found: Plan) -> dict[str, Any]:
@@ -62,13 +62,15 @@ def print_plan(found: Plan) -> None:
     rows = [[f"{i}", each.point.name, f"{each.gain:.3f}"] for i, each in enumerate(found.steps, 1)]
     say("\n".join(plain_table(["", "measure next", "gain"], rows, 2)))
     say()
-    shown = found.steps if len(found.steps) <= MOST else (*found.steps[: MOST - 1], found.steps[-1])
+    shown = (
+        found.steps if len(found.steps) <= MOST_DEVIATIONS else (*found.steps[: MOST_DEVIATIONS - 1], found.steps[-1])
+    )
     numbers = [*range(1, len(shown)), len(found.steps)]
     heads = ["standard deviation", "now", *(f"with {number}" for number in numbers), "", "less by"]
     rows = [_row(found, i, [found.before, *(each.deviations for each in shown)]) for i in range(len(fit.parameters))]
     say("\n".join(plain_table(heads, rows, 1)))
     say()
-    tell(_told(found))
+    print_wrapped(_plan_notes(found))
 
 
 def _row(found: Plan, index: int, deviations: Sequence[Sequence[float]]) -> list[str]:
@@ -79,7 +81,7 @@ def _row(found: Plan, index: int, deviations: Sequence[Sequence[float]]) -> list
     return [found.fit.short_names()[parameter.path], *cells, unit, f"{100.0 * less:.0f} %"]
 
 
-def _told(found: Plan) -> Iterator[str]:
+def _plan_notes(found: Plan) -> Iterator[str]:
     first = found.steps[0].point
     if first.name == point_name(found.fit.scene, first.values):
         yield f"points: {', '.join(first.values)}"
@@ -93,13 +95,13 @@ def _told(found: Plan) -> Iterator[str]:
         yield f"not known exactly, and not determined: {', '.join(found.inputs)}"
 
 
-def keep_measured(path: Path) -> None:
+def protect_measured(path: Path) -> None:
     """Raise UsageError where a file at `path` is not a plan, or has measured figures filled in."""
     check_target_kind(path)
     heads = [head.partition(" [")[0] for head in first_line(path)]
-    figures = [number for number, head in enumerate(heads) if f"{head}{UNCERTAINTY}" in heads]
+    figures = [number for number, head in enumerate(heads) if f"{head}{UNCERTAINTY_SUFFIX}" in heads]
     if heads and not figures:
-        raise UsageError(OTHERS.format(path))
+        raise UsageError(FOREIGN_FILE.format(path))
     if heads:
         with path.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
             rows = list(csv.reader(stream))[1:]

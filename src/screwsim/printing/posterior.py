@@ -7,19 +7,19 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import digits, read_in, shown_name
+from screwsim.figures.engineering import digits, reading_unit, shown_name
 from screwsim.inputs.faults import UsageError
 from screwsim.printing.fits import print_left_out
-from screwsim.printing.tables import plain_table, tell, wrapped
-from screwsim.report.calibration import Drawn, draw_posterior
-from screwsim.results.atomic import OTHERS, write_csv
+from screwsim.printing.tables import plain_table, print_wrapped, wrapped
+from screwsim.report.calibration import ParameterSample, draw_posterior
+from screwsim.results.atomic import FOREIGN_FILE, write_csv
 from screwsim.scene import leaf_of
 from screwsim.screen import say
-from screwsim.study.calibration.answers import LEVEL, Posterior, Predicted, Predictions
+from screwsim.study.calibration.answers import LEVEL, Posterior, Predictions, PredictiveCheck
 from screwsim.study.calibration.fit import Fit
-from screwsim.study.calibration.posterior import UNTOLD
+from screwsim.study.calibration.posterior import UNDETERMINED_SHARE
 from screwsim.study.calibration.solve import Calibration
-from screwsim.study.columns import Column, first_line, keep_other_columns, write_columns
+from screwsim.study.columns import Column, first_line, protect_other_columns, write_columns
 from screwsim.study.inputs import in_customary, shown_number, shown_value
 
 PREDICTIONS, WIDTH = "predictions of a calibration's posterior", "discrepancy_"
@@ -91,7 +91,7 @@ def print_posterior(fit: Calibration, found: Posterior) -> None:
     say()
     rows = [_row(each) for each in found.predicted]
     say("\n".join(plain_table(["point", "figure", "measured", f"predicted, {LEVEL:.0%}", ""], rows, 2)))
-    tell(_notes(found))
+    print_wrapped(_notes(found))
     if found.predictions is not None:
         print_predictions(found.predictions)
 
@@ -105,7 +105,7 @@ def print_predictions(found: Predictions) -> None:
     rows = []
     for name in dict.fromkeys(each.figure for each in found.figures):
         of = [each for each in found.figures if each.figure == name]
-        factor, unit, zero = read_in(declared(name), max(abs(each.median) for each in of))
+        factor, unit, zero = reading_unit(declared(name), max(abs(each.median) for each in of))
         rows.append([f"{shown_name(name)} [{unit}]" if unit else shown_name(name), *[""] * 5])
         for each in of:
             low, high = (digits(factor * value - zero) for value in (each.low, each.high))
@@ -157,8 +157,8 @@ def _width(found: Posterior, name: str) -> list[str]:
     return [f"{100.0 * spread.median / size:.2g} %", f"{100.0 * spread.high / size:.2g} %"]
 
 
-def _row(each: Predicted) -> list[str]:
-    factor, unit, zero = read_in(declared(each.figure), each.measured)
+def _row(each: PredictiveCheck) -> list[str]:
+    factor, unit, zero = reading_unit(declared(each.figure), each.measured)
     measured, low, high = (digits(factor * value - zero) for value in (each.measured, each.low, each.high))
     name = each.point + ("" if each.fitted else " *")
     mark = "" if each.inside else " outside"
@@ -169,7 +169,7 @@ def _notes(found: Posterior) -> Iterator[str]:
     if not all(each.fitted for each in found.predicted):
         checked = [each for each in found.predicted if not each.fitted]
         yield f"* not fitted: {sum(each.inside for each in checked)} of {len(checked)} inside"
-    untold = [each.name for each in found.parameters if (each.of_prior or 0.0) > UNTOLD]
+    untold = [each.name for each in found.parameters if (each.of_prior or 0.0) > UNDETERMINED_SHARE]
     if untold:
         yield (
             f"the points do not constrain {', '.join(untold)}: as wide as the prior (of prior: width over that of "
@@ -182,12 +182,12 @@ def _notes(found: Posterior) -> Iterator[str]:
     )
 
 
-def keep_other_samples(folder: Path) -> None:
+def protect_other_samples(folder: Path) -> None:
     """Raise UsageError where a folder has a foreign file under the name of a posterior's samples or predictions."""
     heads = first_line(folder / SAMPLES)
     if not all("." in head or head.startswith(WIDTH) for head in heads):  # paths of parameters, then widths
-        raise UsageError(OTHERS.format(folder / SAMPLES))
-    keep_other_columns(folder / PREDICTED, PREDICTIONS)
+        raise UsageError(FOREIGN_FILE.format(folder / SAMPLES))
+    protect_other_columns(folder / PREDICTED, PREDICTIONS)
 
 
 def write_posterior(fit: Calibration, found: Posterior, folder: Path) -> list[str]:
@@ -198,11 +198,11 @@ def write_posterior(fit: Calibration, found: Posterior, folder: Path) -> list[st
     widths = [f"{WIDTH}{each.name} [{declared(each.name).units}]" for each in found.discrepancies]
     rows = ([*a, *b] for a, b in zip(found.samples.tolist(), found.widths.tolist(), strict=True))
     written = [write_csv(folder / SAMPLES, [*names, *widths], rows)]
-    written += draw_posterior([_drawn(fit, found, i) for i in range(len(names))], LEVEL, folder, PAIRS)
+    written += draw_posterior([_parameter_samples(fit, found, i) for i in range(len(names))], LEVEL, folder, PAIRS)
     return written if found.predictions is None else written + write_predictions(fit.fit, found.predictions, folder)
 
 
-def _drawn(fit: Calibration, found: Posterior, number: int) -> Drawn:
+def _parameter_samples(fit: Calibration, found: Posterior, number: int) -> ParameterSample:
     """Return a parameter for drawing, in its customary unit."""
     scene, spread = fit.fit.scene, found.parameters[number]
     ends = np.array([spread.low, spread.high])
@@ -215,4 +215,4 @@ def _drawn(fit: Calibration, found: Posterior, number: int) -> Drawn:
     label = f"{name} ({unit.replace('um', 'µm')})" if unit else name
     assert found.samples is not None
     low, high = per * ends + zero
-    return Drawn(label, per * found.samples[:, number] + zero, float(low), float(high))
+    return ParameterSample(label, per * found.samples[:, number] + zero, float(low), float(high))

@@ -9,19 +9,19 @@ from screwsim.figures.engineering import figure_text, figure_unit
 from screwsim.outputs import EFFICIENCY
 from screwsim.outputs.derivatives import DIFFERENCES
 from screwsim.printing import shown_name
-from screwsim.printing.tables import plain_table, say_title, wrapped
+from screwsim.printing.tables import plain_table, print_scene_title, wrapped
 from screwsim.results.write import save
 from screwsim.scene import Scene, leaf_of
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.inputs import shown_value, unit_of_change, usual_efficiency
 from screwsim.study.local import Sensitivities
-from screwsim.study.sensitivity import CONFIDENCE, NOISY, Sensitivity, Shares
+from screwsim.study.sensitivity import CONFIDENCE, LARGEST_NOISE_SHARE, FigureIndices, Sensitivity
 
-SHOWN = ("gas_mass_flow", "shaft_power")  # beside the efficiency, if no figures are chosen
-MOST = 15  # most numbers in the table, in order of importance
-NONE = 5e-5  # per cent per per cent, below which a figure is independent of a number
-ROUND = (1.0, 2.0, 5.0)  # of a power of ten: changes of a number in sentences
+USUAL_FIGURES = ("gas_mass_flow", "shaft_power")  # beside the efficiency, if no figures are chosen
+MOST_NUMBERS = 15  # most numbers in the table, in order of importance
+LEAST_SENSITIVITY = 5e-5  # per cent per per cent, below which a figure is independent of a number
+ROUND_CHANGES = (1.0, 2.0, 5.0)  # of a power of ten: changes of a number in sentences
 
 
 def sensitivity_document(scene: Scene, found: Sensitivity) -> dict[str, Any]:
@@ -51,7 +51,7 @@ def sensitivity_document(scene: Scene, found: Sensitivity) -> dict[str, Any]:
 
 def print_sensitivity(scene: Scene, found: Sensitivity) -> None:
     """Print one table per figure, with inputs of the largest total index first."""
-    say_title(scene.title)
+    print_scene_title(scene.title)
     samples = f"{found.samples} samples of {len(found.ranges)} input{'s' * (len(found.ranges) > 1)}, seed {found.seed}"
     say(wrapped(f"{found.solutions} solutions: {samples}"))
     if found.message:
@@ -77,7 +77,7 @@ def print_sensitivity(scene: Scene, found: Sensitivity) -> None:
         say(wrapped(text + "the effect of an input jointly with others"))
 
 
-def _head(shares: Shares) -> str:
+def _head(shares: FigureIndices) -> str:
     name = shown_name(shares.figure)
     if shares.mean is None or shares.deviation is None:
         return f"{name}: {shares.message}"
@@ -87,7 +87,7 @@ def _head(shares: Shares) -> str:
     factor, unit = figure_unit(declared(shares.figure), shares.mean)
     deviation = f"{factor * shares.deviation:.2g} {'points' if unit == '%' else unit}".rstrip()
     text = f"{name}: mean {mean}, standard deviation {deviation}"
-    if shares.noise is not None and shares.noise > NOISY:
+    if shares.noise is not None and shares.noise > LARGEST_NOISE_SHARE:
         text += f"; numerical errors may cause {shares.noise:.0%} of the variance (tighten numerics.accuracy)"
     return text
 
@@ -127,28 +127,31 @@ def local_document(scene: Scene, found: Sensitivities) -> dict[str, Any]:
 
 def print_local(scene: Scene, found: Sensitivities, chosen: Sequence[str] = ()) -> None:
     """Print a table of numbers by figures [%/%], the most important first, and the first of them in words."""
-    say_title(scene.title)
+    print_scene_title(scene.title)
     if found.result.status != "ok":
         say(wrapped(f"status: {found.result.status}; {found.result.message}"))
     for warning in found.result.warnings:
         say(wrapped(f"warning: {warning}"))
     if found.result.status != "ok":
         return
-    wanted = chosen or (usual_efficiency(scene), *SHOWN)
+    wanted = chosen or (usual_efficiency(scene), *USUAL_FIGURES)
     figures = [name for name in wanted if name in found.derivatives]
     sizes = {path: [found.relative(name, path) for name in figures] for path in found.values}
     ranked = sorted(found.values, key=lambda path: -max((abs(each) for each in sizes[path] if each), default=0.0))
-    felt = [path for path in ranked if any(each is not None and abs(each) >= NONE for each in sizes[path])]
-    rows = [[_marked(found, path), _value(scene, path, found), *map(_percent, sizes[path])] for path in felt[:MOST]]
+    felt = [path for path in ranked if any(each is not None and abs(each) >= LEAST_SENSITIVITY for each in sizes[path])]
+    rows = [
+        [_marked_value(found, path), _value(scene, path, found), *map(_percent, sizes[path])]
+        for path in felt[:MOST_NUMBERS]
+    ]
     say("change of a figure, in percent per percent of a number")
     say("\n".join(plain_table(["", "value", *map(shown_name, figures)], rows, 1)))
-    if len(felt) > MOST:
-        say(wrapped(f"and {len(felt) - MOST} more with less effect (--json lists all)"))
+    if len(felt) > MOST_NUMBERS:
+        say(wrapped(f"and {len(felt) - MOST_NUMBERS} more with less effect (--json lists all)"))
     if idle := len(found.values) - len(felt):
         say(wrapped(f"{idle} of {len(found.values)} numbers change none of these figures"))
     say()
     for path in felt[:3]:
-        say(wrapped(f"{sentence(scene, found, figures[0], path)}"))
+        say(wrapped(f"{effect_sentence(scene, found, figures[0], path)}"))
     _print_methods(found)
 
 
@@ -166,7 +169,7 @@ def _print_methods(found: Sensitivities) -> None:
         say(wrapped(f"left out: {told}"))
 
 
-def sentence(scene: Scene, found: Sensitivities, figure: str, path: str) -> str:
+def effect_sentence(scene: Scene, found: Sensitivities, figure: str, path: str) -> str:
     """Return in words the effect of a round change of a number on a figure: '1 um … = -0.14 points of …'."""
     change, shown = _round_change(scene, path, found.values[path])
     slope, value = found.derivatives[figure][path], found.result.performance[figure]
@@ -185,11 +188,11 @@ def _round_change(scene: Scene, path: str, value: float) -> tuple[float, str]:
         return 1.0 / per, f"1 {unit}"
     about = abs(value * per) / 20.0 or 1.0
     power = 10.0 ** int(f"{about:e}".partition("e")[2])
-    size = max((each * power for each in ROUND if each * power <= about * 1.0001), default=power)
+    size = max((each * power for each in ROUND_CHANGES if each * power <= about * 1.0001), default=power)
     return size / per, f"{size:g} {unit}".strip()
 
 
-def _marked(found: Sensitivities, path: str) -> str:
+def _marked_value(found: Sensitivities, path: str) -> str:
     return f"{path} *" if found.method[path] == DIFFERENCES else path
 
 
@@ -198,7 +201,7 @@ def _value(scene: Scene, path: str, found: Sensitivities) -> str:
 
 
 def _percent(value: float | None) -> str:
-    return "" if value is None else "0" if abs(value) < NONE else f"{value:+.3g}"
+    return "" if value is None else "0" if abs(value) < LEAST_SENSITIVITY else f"{value:+.3g}"
 
 
 def write_local(path: Path, scene: Scene, found: Sensitivities) -> None:

@@ -3,23 +3,23 @@
 from collections.abc import Iterable, Iterator, Sequence
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import engineering, shown_name, small
+from screwsim.figures.engineering import engineering, shown_name, small_number_text
 from screwsim.outputs import Result
-from screwsim.outputs.customary import raised
-from screwsim.printing import no_machine
-from screwsim.printing.tables import plain_table, tell, wrapped
+from screwsim.outputs.customary import with_printed_units
+from screwsim.printing import impossible_figures
+from screwsim.printing.tables import plain_table, print_wrapped, wrapped
 from screwsim.screen import printable, say
 
-MOST = 10  # most figures
-LINES = 3  # most lines of warnings and of a message, each
+MOST_FIGURES = 10  # most figures
+MOST_LINES = 3  # most lines of warnings and of a message, each
 # in reading order: what the machine delivers, what it takes, how well, how hot, how much oil
-FIRST = (
+FIRST_FIGURES = (
     *("free_air_delivered", "cooling_capacity", "heating_capacity", "gas_mass_flow", "output_power", "shaft_power"),
     *("electrical_power", "package_input_power", "package_specific_power", "cop", "electrical_cop"),
     *("isentropic_efficiency", "isothermal_efficiency", "volumetric_efficiency", "discharge_temperature"),
     *("pressure_ratio", "oil_flow_volume", "oil_flow_ratio", "peak_pressure", "specific_power", "shaft_torque"),
 )
-INSTEAD = {  # the first is replaced by the second, if that is present
+REPLACED_FIGURES = {  # the first is replaced by the second, if that is present
     "cop": "electrical_cop",
     "electrical_power": "package_input_power",
     "isothermal_efficiency": "cooling_capacity",
@@ -30,31 +30,35 @@ INSTEAD = {  # the first is replaced by the second, if that is present
 
 def print_short(title: str, result: Result, changed: Sequence[str] = ()) -> None:
     """Print title, status, the first warning, ten figures with their numerical errors, if any, and the balances."""
-    first = ": ".join(filter(None, (raised(title), no_machine(result))))
+    first = ": ".join(filter(None, (with_printed_units(title), impossible_figures(result))))
     if first:
-        say(_cut(printable(first), 1))
+        say(_cut_to_lines(printable(first), 1))
     if changed:
-        say(_cut(printable(", ".join(changed)), 1))
-    say(_cut(printable(f"status: {result.status}" + (f"; {result.message}" if result.message else "")), LINES))
+        say(_cut_to_lines(printable(", ".join(changed)), 1))
+    say(
+        _cut_to_lines(
+            printable(f"status: {result.status}" + (f"; {result.message}" if result.message else "")), MOST_LINES
+        )
+    )
     if result.warnings:
-        say(_cut(printable(f"warning: {result.warnings[0]}"), LINES))
-    there = [name for name in FIRST if result.performance.get(name) is not None]
-    names = [name for name in there if INSTEAD.get(name) not in there][:MOST]
+        say(_cut_to_lines(printable(f"warning: {result.warnings[0]}"), MOST_LINES))
+    there = [name for name in FIRST_FIGURES if result.performance.get(name) is not None]
+    names = [name for name in there if REPLACED_FIGURES.get(name) not in there][:MOST_FIGURES]
     if names:
         say()
         say("\n".join(plain_table(("figure", "value", "unit", "error"), _rows(result, names), 1)))
     say()
-    tell(_last(result, names))
+    print_wrapped(_last_line(result, names))
 
 
 def _rows(result: Result, names: Iterable[str]) -> Iterator[list[str]]:
     for name in names:
         number, unit = engineering(declared(name, result.performance), result.performance[name])
         error = result.error.get(name)  # exactly zero for a stated quantity, such as the pressure ratio
-        yield [shown_name(name), number, unit, small(error) if error else ""]
+        yield [shown_name(name), number, unit, small_number_text(error) if error else ""]
 
 
-def _last(result: Result, names: Sequence[str]) -> Iterator[str]:
+def _last_line(result: Result, names: Sequence[str]) -> Iterator[str]:
     if result.balance:
         mass, energy = (result.balance[name] for name in ("mass", "energy"))
         yield f"balance: mass {mass:.1e}, energy {energy:.1e} (bound {result.balance['bound']:.1e})"
@@ -68,7 +72,7 @@ def _last(result: Result, names: Sequence[str]) -> Iterator[str]:
         yield f"without --short: {', '.join(more)}"
 
 
-def _cut(text: str, most: int) -> str:
+def _cut_to_lines(text: str, most: int) -> str:
     """Return a text limited to `most` lines."""
     lines = wrapped(text).splitlines()
     return "\n".join(lines if len(lines) <= most else [*lines[: most - 1], f"{lines[most - 1][:76]} …"])

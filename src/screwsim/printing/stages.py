@@ -5,42 +5,48 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
-from screwsim.figures.engineering import engineering, engineering_temperature, quantity, shown_name, small
+from screwsim.figures.engineering import engineering, engineering_temperature, quantity, shown_name, small_number_text
 from screwsim.outputs import EFFICIENCY, STAGES
-from screwsim.printing.tables import say_title
+from screwsim.printing.tables import print_scene_title
 from screwsim.screen import say
 
 if TYPE_CHECKING:
     from screwsim.study.stages import ChainResult
 
 WIDTH = 80
-WHICH = ("first", "second")
-OF_STAGES = ("gas_mass_flow", "shaft_power", "volumetric_efficiency", "isentropic_efficiency", "discharge_temperature")
+STAGE_NAMES = ("first", "second")
+STAGE_FIGURES = (
+    "gas_mass_flow",
+    "shaft_power",
+    "volumetric_efficiency",
+    "isentropic_efficiency",
+    "discharge_temperature",
+)
 
 
 def print_stages(title: str, found: ChainResult) -> None:
     """Print the figures of a chain, and some figures of both stages."""
-    say_title(title)
+    print_scene_title(title)
     say(textwrap.fill(f"status: {found.status}" + (f"; {found.message}" if found.message else ""), WIDTH - 1))
     for warning in found.warnings:
         say(textwrap.fill(f"warning: {warning}", WIDTH - 1, subsequent_indent="  "))
-    for which, result in zip(WHICH, found.stages, strict=False):
+    for which, result in zip(STAGE_NAMES, found.stages, strict=False):
         for warning in result.warnings:
             say(textwrap.fill(f"warning: {which} stage: {warning}", WIDTH - 1, subsequent_indent="  "))
     if found.error:
         say(" " * 54 + "error")
     for name, value in found.performance.items():
         if value is not None:
-            error = small(found.error.get(name)) if found.error else ""
-            say(f"{shown_name(name):<32}{_shown(name, value):<22}{error}".rstrip())
-    for which, result in zip(WHICH, found.stages, strict=False):
+            error = small_number_text(found.error.get(name)) if found.error else ""
+            say(f"{shown_name(name):<32}{_figure_cell(name, value):<22}{error}".rstrip())
+    for which, result in zip(STAGE_NAMES, found.stages, strict=False):
         if result.performance:
-            figures = ((name, result.performance[name]) for name in OF_STAGES)
+            figures = ((name, result.performance[name]) for name in STAGE_FIGURES)
             words = [_figure(name, value) for name, value in figures if value is not None]
             say(textwrap.fill(f"{which} stage: {', '.join(words)}", WIDTH - 1, subsequent_indent="  "))
 
 
-def _shown(name: str, value: float) -> str:
+def _figure_cell(name: str, value: float) -> str:
     about = STAGES[name]
     if about.units == "K":
         return engineering_temperature(value)

@@ -3,14 +3,14 @@
 import math
 from pathlib import Path
 
-from screwsim.outputs.customary import raised
+from screwsim.outputs.customary import with_printed_units
 from screwsim.printing.tables import wrapped
-from screwsim.results.atomic import keep_others, write_csv
+from screwsim.results.atomic import protect_others, write_csv
 from screwsim.solve.start_up import StartUp
 
 TRACES = "startup.csv"
 RPM = 30.0 / math.pi
-ROWS = (
+FIGURE_ROWS = (
     ("time", "s", 1.0),
     ("turns", "", 1.0),
     ("end_speed", "rpm", RPM),
@@ -31,23 +31,23 @@ ROWS = (
 )
 
 
-def text(title: str, found: StartUp) -> str:
+def startup_text(title: str, found: StartUp) -> str:
     """Return the figures of a start-up as text for a terminal."""
-    lines = [raised(title)] if title else []
+    lines = [with_printed_units(title)] if title else []
     lines.append(wrapped(f"status: {found.status}{f', {found.message}' if found.message else ''}"))
     lines += [wrapped(f"warning: {warning}") for warning in found.warnings]
     if found.figures:
         lines.append("")
-    for name, unit, factor in ROWS:
+    for name, unit, factor in FIGURE_ROWS:
         value = found.figures.get(name)
         if value is not None:
             lines.append(f"{name.replace('_', ' '):<28}{factor * value:>10.5g}  {unit}".rstrip())
     return "\n".join(lines)
 
 
-def keep_other_traces(path: Path) -> None:
+def protect_other_traces(path: Path) -> None:
     """Raise UsageError where a file at `path` does not hold such traces, as it would be lost."""
-    keep_others(path, b"time,angle,speed,")
+    protect_others(path, b"time,angle,speed,")
 
 
 def write_traces(path: Path, found: StartUp) -> str:

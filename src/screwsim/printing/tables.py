@@ -3,7 +3,7 @@
 import textwrap
 from collections.abc import Iterable, Sequence
 
-from screwsim.outputs.customary import raised
+from screwsim.outputs.customary import with_printed_units
 from screwsim.screen import say
 
 WIDTH = 80
@@ -16,9 +16,9 @@ def plain_table(heads: Sequence[str], rows: Iterable[Sequence[str]], left: int =
     Columns are two spaces apart, or one if the table would be wider than the terminal; heads break between words. A
     name in the first column that leaves too little space for its row gets a line of its own above it.
     """
-    body = [[raised(cell) for cell in row] for row in rows]
+    body = [[with_printed_units(cell) for cell in row] for row in rows]
     widths = [max((len(row[i]) for row in body), default=0) for i in range(len(heads))]
-    words = [_broken(head, width) for head, width in zip(heads, widths, strict=True)]
+    words = [_broken_head(head, width) for head, width in zip(heads, widths, strict=True)]
     deep = max(map(len, words))
     top = [[""] * (deep - len(lines)) + lines for lines in words]
     head = [[column[i] for column in top] for i in range(deep)]
@@ -39,7 +39,7 @@ def plain_table(heads: Sequence[str], rows: Iterable[Sequence[str]], left: int =
     return lines
 
 
-def _broken(head: str, width: int) -> list[str]:
+def _broken_head(head: str, width: int) -> list[str]:
     """Return a head broken into lines about as wide as its column."""
     longest = max(map(len, head.split()), default=1)
     return textwrap.wrap(head, max(width, longest), break_long_words=False) or [""]
@@ -50,12 +50,12 @@ def wrapped(text: str) -> str:
     return textwrap.fill(text, WIDTH - 1, subsequent_indent="  ", break_on_hyphens=False)
 
 
-def say_title(title: str) -> None:
+def print_scene_title(title: str) -> None:
     """Print a title, if any, in lines that fit, with its units as printed."""
-    tell(filter(None, [raised(title)]))
+    print_wrapped(filter(None, [with_printed_units(title)]))
 
 
-def tell(texts: Iterable[str]) -> None:
+def print_wrapped(texts: Iterable[str]) -> None:
     """Print texts in lines that fit, each starting on a new line."""
     for text in texts:
         say(wrapped(text))

@@ -5,13 +5,13 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.outputs.customary import printed_celsius
 from screwsim.printing import engineering, shown_name
-from screwsim.printing.tables import plain_table, say_title, wrapped
+from screwsim.printing.tables import plain_table, print_scene_title, wrapped
 from screwsim.scene import Scene
 from screwsim.screen import say
-from screwsim.study.tolerance import Tolerances
+from screwsim.study.tolerance import ToleranceStudy
 
 
-def tolerance_document(scene: Scene, found: Tolerances) -> dict[str, Any]:
+def tolerance_document(scene: Scene, found: ToleranceStudy) -> dict[str, Any]:
     """Return what `tolerance --json` prints."""
     return {
         "title": scene.title,
@@ -27,9 +27,9 @@ def tolerance_document(scene: Scene, found: Tolerances) -> dict[str, Any]:
     }
 
 
-def print_tolerance(scene: Scene, found: Tolerances) -> None:
+def print_tolerance(scene: Scene, found: ToleranceStudy) -> None:
     """Print the kinematic table by grades, and the scatter of the figures over the sampled machines."""
-    say_title(scene.title)
+    print_scene_title(scene.title)
     say("\nlaw of motion, worst corner of crank and rod")
     rows = []
     for row in found.table:
@@ -47,7 +47,7 @@ def print_tolerance(scene: Scene, found: Tolerances) -> None:
         say(wrapped(f"{found.failed} of {found.count} machines: {found.message}"))
 
 
-def _spreads(found: Tolerances) -> list[str]:
+def _spreads(found: ToleranceStudy) -> list[str]:
     rows = []
     for each in found.spreads:
         values = (each.nominal, each.low, each.high)

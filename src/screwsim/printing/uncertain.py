@@ -10,18 +10,18 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, figure_unit, shown_name
 from screwsim.figures.errors import error_in_unit
 from screwsim.outputs import Result
-from screwsim.printing.tables import plain_table, tell, wrapped
+from screwsim.printing.tables import plain_table, print_wrapped, wrapped
 from screwsim.results.read import Results
 from screwsim.screen import say
 from screwsim.study.uncertain import COVERAGE, Uncertainty
 
-TOLD = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power")
+USUAL_FIGURES = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power")
 MOST_FIGURES = 3
-EFFICIENCY = "efficiency"
-NAMED = 3  # most contributors named for a figure ...
-LEAST = 0.01  # ... and their least share of its variance
-NOTHING = 1e-6  # of a figure: smaller uncertainties are ignored
-USUAL = (
+EFFICIENCY_SUFFIX = "efficiency"
+MOST_CONTRIBUTORS = 3  # most contributors named for a figure ...
+LEAST_SHARE = 0.01  # ... and their least share of its variance
+NEGLIGIBLE = 1e-6  # of a figure: smaller uncertainties are ignored
+RANGE_FIGURES = (
     *("isothermal_efficiency", "isentropic_efficiency", "volumetric_efficiency", "gas_mass_flow", "cooling_capacity"),
     *("cop", "shaft_power", "electrical_power", "discharge_temperature", "oil_mass_flow", "work_per_cycle"),
 )
@@ -35,11 +35,11 @@ def print_uncertainty(result: Result) -> None:
     found, model = result.uncertainty.get("figures", {}), result.uncertainty.get("model", {})
     by_model = model.get("figures", {})
     rows, named = [], []
-    for name in (name for name in USUAL if name in found or name in by_model):
+    for name in (name for name in RANGE_FIGURES if name in found or name in by_model):
         value, spread = result.performance[name], found.get(name, {"expanded": 0.0, "contributors": ()})
-        if spread["expanded"] > NOTHING * abs(value) or name in by_model:
-            rows.append([shown_name(name), *_shown(result, name, spread["expanded"], model)])
-            some = [one for one in spread["contributors"][:NAMED] if one["share"] >= LEAST]
+        if spread["expanded"] > NEGLIGIBLE * abs(value) or name in by_model:
+            rows.append([shown_name(name), *_uncertainty_row(result, name, spread["expanded"], model)])
+            some = [one for one in spread["contributors"][:MOST_CONTRIBUTORS] if one["share"] >= LEAST_SHARE]
             named.append(", ".join(f"{' + '.join(map(_short, one['paths']))} {one['share']:.0%}" for one in some))
     parts = [("numerical", True), ("inputs", bool(found)), ("model", bool(by_model))]
     kept = [True, True, True, *(there for _, there in parts)]
@@ -57,10 +57,10 @@ def print_uncertainty(result: Result) -> None:
         told = f"inputs: half of the 95 % interval (coverage factor {COVERAGE:g}), linear, by their tolerances alone"
         other = "" if model else "; the model's own error comes on top (screwsim validate)"
         say(wrapped(f"{told}; shares are those of the variance{other}"))
-    tell(model_lines(model))
+    print_wrapped(model_lines(model))
 
 
-def _shown(result: Result, name: str, expanded: float, model: Mapping[str, Any]) -> list[str]:
+def _uncertainty_row(result: Result, name: str, expanded: float, model: Mapping[str, Any]) -> list[str]:
     value, about = result.performance[name], declared(name, result.performance)
     factor, unit = figure_unit(about, value)
     error = error_in_unit(name, result.performance, result.error)
@@ -110,7 +110,7 @@ def print_check(found: Uncertainty) -> None:
     rows, wrong = [], []
     for name, sampled in found.sampled.items():
         value = found.slopes.result.performance[name]
-        if found.spreads[name].expanded <= NOTHING * abs(value):
+        if found.spreads[name].expanded <= NEGLIGIBLE * abs(value):
             continue
         factor, unit = figure_unit(declared(name, found.slopes.result.performance), value)
         two = (COVERAGE * found.spreads[name].standard, COVERAGE * sampled.standard)
@@ -120,7 +120,7 @@ def print_check(found: Uncertainty) -> None:
             wrong.append(f"warning: the linear estimate is wrong for {shown_name(name)}: {sampled.wrong}")
     say("\n".join(plain_table(["", "value", "mean", "linear", "sampled", "unit"], rows, 1)))
     say(wrapped(f"{found.samples} samples (Sobol's sequence) of the inputs within their tolerances"))
-    tell(wrong)
+    print_wrapped(wrong)
     if rows and not wrong:
         say("the linear estimate holds for all of these figures")
 
@@ -156,16 +156,16 @@ def uncertainty_ranges(results: Results) -> dict[str, Any]:
 def ranges_text(found: Mapping[str, Any]) -> str:
     """Return in words the uncertainty of the first figures, and the input that contributes most."""
     parts = []
-    for name in [name for name in TOLD if name in found["figures"]][:MOST_FIGURES]:
+    for name in [name for name in USUAL_FIGURES if name in found["figures"]][:MOST_FIGURES]:
         each = found["figures"][name]
         factor, unit = figure_unit(declared(name), each["largest"])
-        unit = "points" if unit == "%" and name.endswith(EFFICIENCY) else unit
+        unit = "points" if unit == "%" and name.endswith(EFFICIENCY_SUFFIX) else unit
         low, high = (f"{factor * each[end]:.2g}" for end in ("least", "largest"))
         reach = f"± {low}" if low == high else f"± {low} to {high}"
         parts.append(f"{shown_name(name)} {reach} {unit}".strip())
     if not parts:
         return "none of the usual figures (all are in group uncertainty of the file)"
-    shares = next(found["figures"][name]["shares"] for name in TOLD if name in found["figures"])
+    shares = next(found["figures"][name]["shares"] for name in USUAL_FIGURES if name in found["figures"])
     path, share = max(shares.items(), key=lambda item: item[1])
     most = f"{path.replace('effects.', '')} causes {share:.0%} of the first one's variance"
     return f"{'; '.join(parts)} (95 %, linear; {most}; all in the file)"

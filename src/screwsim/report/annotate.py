@@ -13,8 +13,8 @@ _MOST = 9  # most labels at the ends of curves
 _LEADER = {"arrowstyle": "-", "color": GREY, "linewidth": 0.4, "shrinkA": 1.0, "shrinkB": 2.0}
 _LOOSE = 8.0  # [pt] labels farther from their point than this have a leader
 Point = tuple[float, float]
-Way = tuple[int, int]  # −1, 0 or 1 to the right and up
-_AROUND: tuple[Way, ...] = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1))
+Direction = tuple[int, int]  # −1, 0 or 1 to the right and up
+_AROUND: tuple[Direction, ...] = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1))
 
 
 def spread(wanted: np.ndarray, gap: float, low: float, high: float) -> np.ndarray:
@@ -83,7 +83,7 @@ def label_along(axes: Any, x: np.ndarray, y: np.ndarray, texts: Sequence[str], m
     label_points(axes, [((x[i], y[i]), texts[i], _AROUND) for i in _evenly(points, most)], points)
 
 
-def label_points(axes: Any, labels: Sequence[tuple[Point, str, Sequence[Way]]], line: np.ndarray) -> None:
+def label_points(axes: Any, labels: Sequence[tuple[Point, str, Sequence[Direction]]], line: np.ndarray) -> None:
     """Label points: each (x, y) has a text and directions to try first; texts avoid the line [pixel] and each other."""
     path = _dense(line[np.isfinite(line).all(axis=1)])
     taken: list[Any] = []
@@ -104,7 +104,7 @@ def _dense(points: np.ndarray) -> np.ndarray:
     return np.concatenate(pieces) if pieces else points
 
 
-def _label_one(axes: Any, xy: Point, text: str, path: np.ndarray, taken: list[Any], ways: Sequence[Way]) -> None:
+def _label_one(axes: Any, xy: Point, text: str, path: np.ndarray, taken: list[Any], ways: Sequence[Direction]) -> None:
     """Place one text beside its point in the first free direction."""
     from matplotlib.text import Text
 

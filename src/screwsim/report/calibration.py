@@ -11,19 +11,19 @@ import numpy as np
 from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, grid, new_figure, note, plain_ticks, write_all
 
 BINS, FINE = 40, 28  # bins of a parameter, of each of a pair
-SHARES = (0.5, 0.9)  # of the samples, enclosed by the contours of a pair
-CELL = 34.0  # [mm] of a panel, at least
+CONTOUR_SHARES = (0.5, 0.9)  # of the samples, enclosed by the contours of a pair
+LEAST_PANEL = 34.0  # [mm] of a panel, at least
 HEIGHT = 62.0  # [mm] of a panel
 MOST_NAMES = 16  # most points whose names fit below an axis
-Left = tuple[int, bool, float, float]  # number of the point, fitted, residual, uncertainty
+ResidualPoint = tuple[int, bool, float, float]  # number of the point, fitted, residual, uncertainty
 
 
-def draw(panels: Mapping[str, Sequence[Left]], names: Sequence[str], folder: Path, name: str) -> list[str]:
+def draw(panels: Mapping[str, Sequence[ResidualPoint]], names: Sequence[str], folder: Path, name: str) -> list[str]:
     """Write the residuals over the points, one panel per figure, as PNG and PDF; return the paths."""
     return write_all({name: partial(_figure, panels, names)}, folder)
 
 
-def _figure(panels: Mapping[str, Sequence[Left]], names: Sequence[str]) -> Any:
+def _figure(panels: Mapping[str, Sequence[ResidualPoint]], names: Sequence[str]) -> Any:
     columns = min(2, len(panels))
     figure = new_figure(DOUBLE if columns == 2 else 1.4 * SINGLE, HEIGHT * -(-len(panels) // columns))
     for axes, (label, left) in zip(grid(figure, len(panels), columns), panels.items(), strict=True):
@@ -47,7 +47,7 @@ def _figure(panels: Mapping[str, Sequence[Left]], names: Sequence[str]) -> Any:
     return figure
 
 
-class Drawn(NamedTuple):
+class ParameterSample(NamedTuple):
     """A parameter: its label with the unit, its samples, and the ends of the stated interval, in that unit."""
 
     label: str
@@ -56,14 +56,14 @@ class Drawn(NamedTuple):
     high: float
 
 
-def draw_posterior(parameters: Sequence[Drawn], level: float, folder: Path, name: str) -> list[str]:
+def draw_posterior(parameters: Sequence[ParameterSample], level: float, folder: Path, name: str) -> list[str]:
     """Write distributions on the diagonal and pairs below it, as PNG and PDF; return the paths."""
     return write_all({name: partial(_pairs, parameters, level)}, folder)
 
 
-def _pairs(parameters: Sequence[Drawn], level: float) -> Any:
+def _pairs(parameters: Sequence[ParameterSample], level: float) -> Any:
     count = len(parameters)
-    width = 0.9 * SINGLE if count == 1 else min(DOUBLE, max(1.2 * SINGLE, CELL * count))
+    width = 0.9 * SINGLE if count == 1 else min(DOUBLE, max(1.2 * SINGLE, LEAST_PANEL * count))
     figure = new_figure(width, max(60.0, 0.9 * width))
     cells = figure.subplots(count, count, squeeze=False)
     for i, row in enumerate(cells):
@@ -72,9 +72,9 @@ def _pairs(parameters: Sequence[Drawn], level: float) -> Any:
                 axes.set_axis_off()
                 continue
             if i == j:
-                _one(axes, parameters[i])
+                _draw_distribution(axes, parameters[i])
             else:
-                _pair(axes, parameters[j], parameters[i])
+                _draw_pair(axes, parameters[j], parameters[i])
                 axes.set_ylim(_range(parameters[i]))
                 plain_ticks(axes.yaxis, most=4)
             axes.set_xlim(_range(parameters[j]))
@@ -87,7 +87,7 @@ def _pairs(parameters: Sequence[Drawn], level: float) -> Any:
                 axes.set_ylabel(_wrapped(parameters[i].label, count))
             else:
                 axes.tick_params(labelleft=False)
-    inside = " and ".join(f"{share:.0%}" for share in SHARES)
+    inside = " and ".join(f"{share:.0%}" for share in CONTOUR_SHARES)
     note(
         figure,
         f"posterior; dashed: {level:.0%} interval",
@@ -101,31 +101,31 @@ def _wrapped(label: str, count: int) -> str:
     return textwrap.fill(label, 30 if count < 4 else 16, break_long_words=False)
 
 
-def _range(one: Drawn) -> tuple[float, float]:
+def _range(one: ParameterSample) -> tuple[float, float]:
     low, high = np.quantile(one.samples, (0.001, 0.999))
     margin = 0.04 * (high - low) or 1.0
     return float(low - margin), float(high + margin)
 
 
-def _one(axes: Any, one: Drawn) -> None:
+def _draw_distribution(axes: Any, one: ParameterSample) -> None:
     axes.hist(one.samples, bins=np.linspace(*_range(one), BINS + 1), color=COLOURS[5], linewidth=0)
     for end in (one.low, one.high):
         axes.axvline(end, color=GREY, linestyle="--", linewidth=0.8)
     axes.set_yticks([])
 
 
-def _pair(axes: Any, x: Drawn, y: Drawn) -> None:
+def _draw_pair(axes: Any, x: ParameterSample, y: ParameterSample) -> None:
     counts, *edges = np.histogram2d(x.samples, y.samples, bins=FINE, range=[_range(x), _range(y)])
-    counts = _smooth(counts)
+    counts = _smoothed(counts)
     middles = [0.5 * (each[1:] + each[:-1]) for each in edges]
     axes.plot(x.samples[::4], y.samples[::4], ".", color=COLOURS[5], markersize=0.7, rasterized=True)
     ranked = np.sort(counts.ravel())[::-1]
     held = np.cumsum(ranked) / ranked.sum()
-    levels = sorted({float(ranked[np.searchsorted(held, share)]) for share in SHARES})
+    levels = sorted({float(ranked[np.searchsorted(held, share)]) for share in CONTOUR_SHARES})
     axes.contour(*middles, counts.T, levels=levels, colors=[COLOURS[1]], linewidths=0.8)
 
 
-def _smooth(counts: Any) -> Any:
+def _smoothed(counts: Any) -> Any:
     from scipy.ndimage import gaussian_filter
 
     return gaussian_filter(counts, 1.0)

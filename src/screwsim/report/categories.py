@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.report.families import FLUID, Layout, efficiency_name, is_design, layout_of, slices
+from screwsim.report.families import FLUID, Layout, efficiency_name, is_joint_sample, layout_of, slices
 from screwsim.report.quantities import is_numeric, shown_figure
 from screwsim.report.style import COLOURS, DOUBLE, GREY, grid, new_figure, note, plain_ticks
-from screwsim.report.sweeps import OTHERS, Plan
+from screwsim.report.sweeps import OTHER_FIGURES, Plan
 from screwsim.results import Results
-from screwsim.results.warned import warns
+from screwsim.results.warning_kinds import cases_with_warnings
 
 _FEWEST = 2
 _MARGIN = 0.08  # of the span of the values, on either side
@@ -21,26 +21,32 @@ def plans(results: Results) -> Iterator[Plan]:
     """Yield the figures over the longest axis of words (over fluids, if they vary); none where numbers vary."""
     axes = results.axis_list
     lengths = [0 if is_numeric(axis) else len(axis.values) + (axis.path == FLUID) * 10_000 for axis in axes]
-    if is_design(results) or layout_of(results) is not None or max(lengths, default=0) < _FEWEST:
+    if is_joint_sample(results) or layout_of(results) is not None or max(lengths, default=0) < _FEWEST:
         return
     place = int(np.argmax(lengths))
     layout = Layout(place, None, tuple(number for number in range(len(axes)) if number != place))
     for suffix, constant, chosen in slices(results, layout):
-        shown = [name for name in (efficiency_name(results), *OTHERS) if name and _there(results, chosen, name).any()]
+        shown = [
+            name
+            for name in (efficiency_name(results), *OTHER_FIGURES)
+            if name and _has_value(results, chosen, name).any()
+        ]
         if shown and len(axes[place].values) >= _FEWEST:
             name = axes[place].path.rpartition(".")[2]
             yield f"{name}{suffix}", partial(_draw, results, place, chosen, constant, shown)
 
 
-def _row(values: np.ndarray, chosen: dict[int, int]) -> np.ndarray:
+def _values_of_slice(values: np.ndarray, chosen: dict[int, int]) -> np.ndarray:
     return np.asarray(values)[tuple(chosen.get(number, slice(None)) for number in range(np.ndim(values)))]
 
 
-def _there(results: Results, chosen: dict[int, int], name: str) -> np.ndarray:
+def _has_value(results: Results, chosen: dict[int, int], name: str) -> np.ndarray:
     """Return for which words a figure has a value."""
     if name not in results.performance:
         return np.zeros(1, bool)
-    return np.isfinite(_row(results.performance[name], chosen)) & (_row(results.status, chosen) != "failed")
+    return np.isfinite(_values_of_slice(results.performance[name], chosen)) & (
+        _values_of_slice(results.status, chosen) != "failed"
+    )
 
 
 def _draw(results: Results, place: int, chosen: dict[int, int], constant: str, shown: list[str]) -> Any:
@@ -48,20 +54,20 @@ def _draw(results: Results, place: int, chosen: dict[int, int], constant: str, s
     words = [str(value) for value in results.axis_list[place].values]
     rows = (len(shown) + 1) // 2
     figure = new_figure(DOUBLE, 10.0 + rows * (16.0 + 5.0 * len(words)))
-    closed = _row(results.status, chosen) == "ok"
-    warned = _row(warns(results), chosen) & closed
+    closed = _values_of_slice(results.status, chosen) == "ok"
+    warned = _values_of_slice(cases_with_warnings(results), chosen) & closed
     for axes, name in zip(grid(figure, len(shown), sharey=True), shown, strict=True):
-        how, kept = shown_figure(results, name), _there(results, chosen, name)
-        values = how.of(_row(results.performance[name], chosen))
+        how, kept = shown_figure(results, name), _has_value(results, chosen, name)
+        values = how.of(_values_of_slice(results.performance[name], chosen))
         _panel(axes, values[kept], np.flatnonzero(kept), closed[kept], warned[kept])
         axes.set_xlabel(how.label)
         axes.set_yticks(range(len(words)), words)
         axes.set_ylim(len(words) - 0.4, -0.6)
         axes.grid(axis="y", color=GREY, linewidth=0.3, linestyle=(0, (1, 3)))
         axes.tick_params(axis="y", which="both", left=False, right=False)
-    missing = len(words) - int(np.max([_there(results, chosen, name).sum() for name in shown]))
+    missing = len(words) - int(np.max([_has_value(results, chosen, name).sum() for name in shown]))
     told = (
-        f"× not closed ({np.count_nonzero(~closed & (_row(results.status, chosen) != 'failed'))})",
+        f"× not closed ({np.count_nonzero(~closed & (_values_of_slice(results.status, chosen) != 'failed'))})",
         f"△ with warnings ({np.count_nonzero(warned)})",
     )
     left_out = f"{missing} of {len(words)} cases without a result left out" if missing else ""

@@ -8,13 +8,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, band, central_angle, crossing_angle
+from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, central_angle, crossing_angle, torque_band
 from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
 
 MM = 1e3  # [mm/m]
 
 
-class Lean(NamedTuple):
+class CordLean(NamedTuple):
     """A measured lean of cords: mean, lowest, highest [rad]."""
 
     mean: float
@@ -23,7 +23,11 @@ class Lean(NamedTuple):
 
 
 def draw_coupling(
-    coupling: RubberCordCoupling, drawn: RubberCordCoupling, leans: tuple[Lean, ...], nominal: float, folder: str | Path
+    coupling: RubberCordCoupling,
+    drawn: RubberCordCoupling,
+    leans: tuple[CordLean, ...],
+    nominal: float,
+    folder: str | Path,
 ) -> list[str]:
     """Write the figures (PNG, PDF) and return their paths; `drawn` has few cords, so that they can be seen."""
     plans = {
@@ -76,14 +80,14 @@ def crossing_figure(coupling: RubberCordCoupling) -> Any:
 
 
 def torque_figure(
-    coupling: RubberCordCoupling, leans: tuple[Lean, ...], nominal: float, most: float = math.radians(3.0)
+    coupling: RubberCordCoupling, leans: tuple[CordLean, ...], nominal: float, most: float = math.radians(3.0)
 ) -> Any:
     """Draw torque and tangent stiffness over the twist for measured leans; the band is the scatter of the last one."""
     figure = new_figure(DOUBLE, 78.0)
     left, right = figure.subplots(1, 2, sharex=True)
     twists = np.linspace(0.0, most, 121)
     degrees = np.degrees(twists)
-    scattered = [band(coupling, float(theta), leans[-1].low, leans[-1].high) for theta in twists]
+    scattered = [torque_band(coupling, float(theta), leans[-1].low, leans[-1].high) for theta in twists]
     low, high = ([1e-3 * getattr(each, name) for each in scattered] for name in ("least", "largest"))
     left.fill_between(degrees, low, high, color="#dddddd", linewidth=0.0, label="scatter of the lean")
     for i, lean in enumerate(leans):

@@ -9,18 +9,18 @@ from typing import Any
 
 from screwsim.inputs.faults import UsageError
 from screwsim.results.atomic import make_folder, write_text
-from screwsim.results.kept import PAGE, PDF, keep_without
+from screwsim.results.protection import PAGE, PDF, protect_unmarked
 from screwsim.version import version
 
 WIDE, HIGH = 640.0, 300.0  # size of a drawing
 LEFT, RIGHT, TOP, BOTTOM = 58.0, 14.0, 26.0, 44.0  # margins of a drawing
-TICKS = 6
-ROOM = 0.08  # of the range, left free on each side of the curves
+TICK_COUNT = 6
+AXIS_MARGIN = 0.08  # of the range, left free on each side of the curves
 COLOURS, DASHES = 6, ("", "7 3", "2 3", "9 3 2 3")  # of several curves: colours of the page, then dashes
-CLASSES = {True: "holds", False: "fails", None: ""}
-WORDS = {True: "met", False: "not met", None: "no verdict"}
-MANY = 2  # number of tables, or of drawings, from which they are side by side
-LONG = 42  # characters of a table's heads from which units move below, so that two tables fit side by side
+VERDICT_CLASSES = {True: "holds", False: "fails", None: ""}
+VERDICT_WORDS = {True: "met", False: "not met", None: "no verdict"}
+SIDE_BY_SIDE_FROM = 2  # number of tables, or of drawings, from which they are side by side
+LONG_HEADS = 42  # characters of a table's heads from which units move below, so that two tables fit side by side
 
 
 def check_sheet(output: Path) -> None:
@@ -29,7 +29,7 @@ def check_sheet(output: Path) -> None:
     if mark is None:
         good = " or ".join(str(output.with_suffix(ending)) for ending in (".html", ".pdf"))
         raise UsageError(f"-o {output}: a data sheet is an HTML page or a PDF (write -o {good})")
-    keep_without(output, mark)
+    protect_unmarked(output, mark)
 
 
 def write_sheet(sheet: Any, output: Path) -> str:
@@ -52,8 +52,8 @@ def page(sheet: Any) -> str:
         "HEADING": escape(sheet.heading),
         "STYLE": "".join(source.joinpath("page", f"{name}.css").read_text("utf-8") for name in ("theme", "page")),
         "LINES": "".join(lines),
-        "TABLES": _beside("tables", [_table(each) for each in sheet.tables], len(sheet.tables)),
-        "DRAWINGS": _beside("drawings", [_figure(each) for each in sheet.drawings], len(sheet.drawings)),
+        "TABLES": _side_by_side("tables", [_table(each) for each in sheet.tables], len(sheet.tables)),
+        "DRAWINGS": _side_by_side("drawings", [_figure(each) for each in sheet.drawings], len(sheet.drawings)),
         "VERDICT": _verdict(sheet.verdict),
         "NOTES": "".join(f"<li>{escape(note)}</li>" for note in sheet.notes),
     }
@@ -61,14 +61,16 @@ def page(sheet: Any) -> str:
     return "".join(parts.get(piece, piece) if i % 2 else piece for i, piece in enumerate(pieces))
 
 
-def _beside(name: str, parts: Sequence[str], count: int) -> str:
-    many = " many" if count >= MANY else ""
+def _side_by_side(name: str, parts: Sequence[str], count: int) -> str:
+    many = " many" if count >= SIDE_BY_SIDE_FROM else ""
     return f'<div class="{name}{many}">{"".join(parts)}</div>' if parts else ""
 
 
 def _table(table: Any) -> str:
     kinds = ["" if i < table.left else ' class="n"' for i in range(len(table.heads))]
-    named = table.heads if sum(map(len, table.heads)) < LONG else [head.replace("\xa0", " ") for head in table.heads]
+    named = (
+        table.heads if sum(map(len, table.heads)) < LONG_HEADS else [head.replace("\xa0", " ") for head in table.heads]
+    )
     heads = "".join(
         f'<th scope="col"{kind}>{escape(head.replace("/ (", "/("))}</th>'
         for kind, head in zip(kinds, named, strict=True)
@@ -90,13 +92,13 @@ def _verdict(verdict: tuple[str, str, bool | None] | None) -> str:
     if verdict is None:
         return ""
     what, text, good = verdict
-    mark = f'<span class="verdict {CLASSES[good]}">{WORDS[good]}</span>'
+    mark = f'<span class="verdict {VERDICT_CLASSES[good]}">{VERDICT_WORDS[good]}</span>'
     return f"<h2>{escape(what)}</h2><p>{mark} {escape(text)}</p>"
 
 
 def ticks(low: float, high: float) -> list[float]:
     """Return round numbers between two values, in steps of 1, 2 or 5 times a power of ten."""
-    rough = (high - low) / TICKS
+    rough = (high - low) / TICK_COUNT
     scale = 10.0 ** math.floor(math.log10(rough))
     step = next(scale * each for each in (1.0, 2.0, 5.0, 10.0) if scale * each >= rough)
     first = math.ceil(low / step - 1e-9)
@@ -104,7 +106,7 @@ def ticks(low: float, high: float) -> list[float]:
 
 
 def _figure(one: Any) -> str:
-    named = [(curve.name, *_look(i)) for i, curve in enumerate(one.curves) if curve.name]
+    named = [(curve.name, *_curve_style(i)) for i, curve in enumerate(one.curves) if curve.name]
     keys = "".join(
         f'<li><i style="border-top-style: {"dashed" if dashes else "solid"}; border-color: {colour}"></i>'
         f"{escape(name)}</li>"
@@ -114,7 +116,7 @@ def _figure(one: Any) -> str:
     return f"<section><h2>{escape(one.title)}</h2>{legend}{drawing(one)}</section>"
 
 
-def _look(number: int) -> tuple[str, str]:
+def _curve_style(number: int) -> tuple[str, str]:
     """Return colour and dashes of one of several curves; the first has the page's accent colour."""
     colour = "var(--accent)" if number == 0 else f"var(--c{number % COLOURS})"
     return colour, DASHES[number % len(DASHES)]
@@ -123,7 +125,7 @@ def _look(number: int) -> tuple[str, str]:
 def drawing(one: Any) -> str:
     """Return curves with their points as an SVG whose text takes the colours of the page."""
     x, y = ([value for curve in one.curves for value in getattr(curve, name)] for name in ("x", "y"))
-    (x_0, x_1), (y_0, y_1) = (0.0, max(x) * (1.0 + ROOM)) if one.from_zero else _range(x), _range(y)
+    (x_0, x_1), (y_0, y_1) = (0.0, max(x) * (1.0 + AXIS_MARGIN)) if one.from_zero else _range(x), _range(y)
 
     def across(value: float) -> float:
         return LEFT + (WIDE - LEFT - RIGHT) * (value - x_0) / (x_1 - x_0)
@@ -143,7 +145,7 @@ def drawing(one: Any) -> str:
         drawn.append(f'<path d="M{LEFT:g},{up(at):.1f}H{WIDE - RIGHT:g}" stroke="var(--line)"/>')
         drawn.append(f'<text x="{LEFT - 6:g}" y="{up(at) + 4:.1f}" text-anchor="end">{_digits(at)}</text>')
     for number, curve in enumerate(one.curves):
-        drawn += _drawn([(across(a), up(b)) for a, b in zip(curve.x, curve.y, strict=True)], *_look(number))
+        drawn += _svg_curve([(across(a), up(b)) for a, b in zip(curve.x, curve.y, strict=True)], *_curve_style(number))
     middle = 0.5 * (LEFT + WIDE - RIGHT)
     drawn.append(f'<text x="{middle:g}" y="{HIGH - 6:g}" text-anchor="middle">{escape(one.x_label)}</text>')
     above = "" if one.y_label == one.title else escape(one.y_label)  # left out where the heading says the same
@@ -151,7 +153,7 @@ def drawing(one: Any) -> str:
     return "".join(drawn)
 
 
-def _drawn(points: Sequence[tuple[float, float]], colour: str, dashes: str) -> Iterator[str]:
+def _svg_curve(points: Sequence[tuple[float, float]], colour: str, dashes: str) -> Iterator[str]:
     joined, dashed = " ".join(f"{x:.1f},{y:.1f}" for x, y in points), f' stroke-dasharray="{dashes}"' if dashes else ""
     yield f'<polyline points="{joined}" fill="none" stroke="{colour}" stroke-width="1.8"{dashed}/>'
     yield from (f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colour}"/>' for x, y in points)
@@ -163,5 +165,5 @@ def _digits(value: float) -> str:
 
 def _range(values: Sequence[float]) -> tuple[float, float]:
     low, high = min(values), max(values)
-    room = ROOM * (high - low) or 0.05 * abs(high) or 1.0
+    room = AXIS_MARGIN * (high - low) or 0.05 * abs(high) or 1.0
     return low - room, high + room

@@ -4,27 +4,33 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from screwsim.report.datasheet import WORDS
-from screwsim.report.sheet_paper import EDGE, HIGH, LEAST, POINT, WIDE, Paper, width_of, wrapped
-from screwsim.report.sheet_tables import GUTTER, TEXT, tables_on
+from screwsim.report.datasheet import VERDICT_WORDS
+from screwsim.report.sheet_paper import HIGH, LEAST_PT, MARGIN, POINT_SIZE, WIDE, Paper, width_of, wrapped
+from screwsim.report.sheet_tables import TABLE_GAP, TEXT, tables_on
 from screwsim.report.style import GREY, journal, line_style, plain_ticks
 from screwsim.results.atomic import replacing
 
-TITLE = 1.6  # size of the title over that of the text
+TITLE_SCALE = 1.6  # size of the title over that of the text
 PLOT, MOST = 33.0, 54.0  # [mm] least and greatest height of a drawing without its title and legend
-SWATCH = 4.5  # [mm] length of a line in a legend
-TICK = 9.0, 5.5  # [mm] least distance between ticks: horizontal, vertical
+LEGEND_LINE = 4.5  # [mm] length of a line in a legend
+TICK_DISTANCE = 9.0, 5.5  # [mm] least distance between ticks: horizontal, vertical
 FITTED, NEAR = 6, 2e-4  # most iterations and tolerance (of the page) for fitting axes to a box, as ticks move
 
 
-class Form(NamedTuple):
+class Typesetting(NamedTuple):
     """Typesetting of a sheet: font size [pt], and number of drawings side by side."""
 
     size: float
     abreast: int
 
 
-FORMS = (Form(8.0, 2), Form(7.5, 2), Form(7.5, 4), Form(7.0, 4), Form(LEAST, 4))
+TYPESETTINGS = (
+    Typesetting(8.0, 2),
+    Typesetting(7.5, 2),
+    Typesetting(7.5, 4),
+    Typesetting(7.0, 4),
+    Typesetting(LEAST_PT, 4),
+)
 
 
 def write_pdf(sheet: Any, output: Path) -> str:
@@ -42,44 +48,43 @@ def write_pdf(sheet: Any, output: Path) -> str:
                 book.savefig(page)
     if len(pages) == 1:
         return str(output)
-    return (
-        f"{output} ({len(pages)} pages: one page cannot hold that much in type of {LEAST:g} pt; ask for fewer points)"
-    )
+    why = f"one page cannot hold that much in type of {LEAST_PT:g} pt; ask for fewer points"
+    return f"{output} ({len(pages)} pages: {why})"
 
 
 def pages_of(sheet: Any) -> list[Any]:
     """Return the pages of a data sheet as figures; drawings fill the remaining height."""
-    papers: list[tuple[Paper, Form]] = []
-    for form in FORMS:
-        papers.append((_set(sheet, form, PLOT), form))
+    papers: list[tuple[Paper, Typesetting]] = []
+    for form in TYPESETTINGS:
+        papers.append((_typeset(sheet, form, PLOT), form))
         if len(papers[-1][0].pages) == 1:
             break
     paper, form = min(papers, key=lambda each: len(each[0].pages))
-    count = -(-len(sheet.drawings) // _abreast(sheet, form)) if sheet.drawings else 0
+    count = -(-len(sheet.drawings) // _side_by_side(sheet, form)) if sheet.drawings else 0
     if count:
-        higher = _set(sheet, form, min(MOST, PLOT + (paper.left - 0.1) / count))
+        higher = _typeset(sheet, form, min(MOST, PLOT + (paper.left - 0.1) / count))
         paper = higher if len(higher.pages) == len(paper.pages) else paper
     return paper.figures()
 
 
-def _set(sheet: Any, form: Form, plot: float) -> Paper:
+def _typeset(sheet: Any, form: Typesetting, plot: float) -> Paper:
     """Return a sheet typeset in a form, with drawings of height `plot` [mm]."""
     paper = Paper(sheet.title or sheet.heading, form.size)
     paper.room(HIGH)
-    paper.paragraph(sheet.title or sheet.heading, size=TITLE * form.size, bold=True)
+    paper.paragraph(sheet.title or sheet.heading, size=TITLE_SCALE * form.size, bold=True)
     paper.paragraph(sheet.heading, color=GREY)
     paper.down(0.5 * paper.line)
     names = max((width_of(name, form.size) for name, _ in sheet.lines), default=0.0) + 4.0
     for name, words in sheet.lines:
         _line(paper, name, words, names)
     tables_on(paper, sheet.tables)
-    abreast = _abreast(sheet, form)
+    abreast = _side_by_side(sheet, form)
     for i in range(0, len(sheet.drawings), abreast):
         _drawings(paper, sheet.drawings[i : i + abreast], abreast, plot)
     if sheet.verdict is not None:
         what, words, good = sheet.verdict
         _heading(paper, what)
-        paper.paragraph(f"{WORDS[good]}: {words}")
+        paper.paragraph(f"{VERDICT_WORDS[good]}: {words}")
     if sheet.notes:
         _heading(paper, "Notes")
         for note in sheet.notes:
@@ -87,7 +92,7 @@ def _set(sheet: Any, form: Form, plot: float) -> Paper:
     return paper
 
 
-def _abreast(sheet: Any, form: Form) -> int:
+def _side_by_side(sheet: Any, form: Typesetting) -> int:
     count = len(sheet.drawings)
     return form.abreast if count > 3 else max(count, 2)
 
@@ -103,12 +108,12 @@ def _line(paper: Paper, name: str, words: str, names: float) -> None:
         paper.room(paper.line)
         paper.down(paper.line)
         if number == 0:
-            paper.text(EDGE, name, color=GREY)
-        paper.text(EDGE + names, row)
+            paper.text(MARGIN, name, color=GREY)
+        paper.text(MARGIN + names, row)
 
 
 def _drawings(paper: Paper, drawings: Sequence[Any], abreast: int, plot: float) -> None:
-    width = (TEXT - (abreast - 1) * GUTTER) / abreast
+    width = (TEXT - (abreast - 1) * TABLE_GAP) / abreast
     titles = [wrapped(one.title, width, paper.size, bold=True) for one in drawings]
     legends = [_legend(one, width, paper.size) for one in drawings]
     deep, rows = max(map(len, titles)), max(legend[-1][2] + 1 if legend else 0 for legend in legends)
@@ -116,7 +121,7 @@ def _drawings(paper: Paper, drawings: Sequence[Any], abreast: int, plot: float) 
     paper.room(above + plot)
     top = paper.at
     for number, (one, title, legend) in enumerate(zip(drawings, titles, legends, strict=True)):
-        x = EDGE + number * (width + GUTTER)
+        x = MARGIN + number * (width + TABLE_GAP)
         paper.at = top + 0.35 * paper.line
         for words in title:
             paper.down(paper.line)
@@ -124,8 +129,8 @@ def _drawings(paper: Paper, drawings: Sequence[Any], abreast: int, plot: float) 
         for k, at, row in legend:
             paper.at = top + (deep + 1.6 + row) * paper.line
             look = line_style(k, len(one.curves))
-            paper.rule(x + at, paper.at - 0.35 * paper.size * POINT, SWATCH, linewidth=0.9, **look)
-            paper.text(x + at + SWATCH + 0.8, one.curves[k].name)
+            paper.rule(x + at, paper.at - 0.35 * paper.size * POINT_SIZE, LEGEND_LINE, linewidth=0.9, **look)
+            paper.text(x + at + LEGEND_LINE + 0.8, one.curves[k].name)
         paper.draw(_drawer(one, (x, top + above, width, plot), paper.size))
     paper.at = top + above + plot
 
@@ -136,7 +141,7 @@ def _legend(one: Any, width: float, size: float) -> list[tuple[int, float, int]]
     at, row = 0.0, 0
     for i, curve in enumerate(one.curves):
         if curve.name:
-            long = SWATCH + 0.8 + width_of(curve.name, size)
+            long = LEGEND_LINE + 0.8 + width_of(curve.name, size)
             if found and at + long > width:
                 at, row = 0.0, row + 1
             found.append((i, at, row))
@@ -147,7 +152,7 @@ def _legend(one: Any, width: float, size: float) -> list[tuple[int, float, int]]
 def _drawer(one: Any, box: tuple[float, float, float, float], size: float) -> Any:
     """Return a function that draws curves into a box: x, y of its upper left corner, width and height [mm]."""
     x, y, width, high = box
-    size = max(size - 0.5, LEAST)
+    size = max(size - 0.5, LEAST_PT)
     below = "\n".join(wrapped(one.x_label, width, size))
 
     def call(figure: Any) -> None:
@@ -161,14 +166,14 @@ def _drawer(one: Any, box: tuple[float, float, float, float], size: float) -> An
         if one.from_zero:
             axes.set_xlim(left=0.0)
         axes.tick_params(labelsize=size)
-        plain_ticks(axes.xaxis, most=max(int(width / TICK[0]), 2))
-        plain_ticks(axes.yaxis, most=max(int(high / TICK[1]), 2))
-        _fit(figure, axes, box)
+        plain_ticks(axes.xaxis, most=max(int(width / TICK_DISTANCE[0]), 2))
+        plain_ticks(axes.yaxis, most=max(int(high / TICK_DISTANCE[1]), 2))
+        _place_axes(figure, axes, box)
 
     return call
 
 
-def _fit(figure: Any, axes: Any, box: tuple[float, float, float, float]) -> None:
+def _place_axes(figure: Any, axes: Any, box: tuple[float, float, float, float]) -> None:
     """Place axes so that they fill a box together with their labels."""
     x, y, width, high = box
     asked = x / WIDE, 1.0 - (y + high) / HIGH, (x + width) / WIDE, 1.0 - y / HIGH

@@ -13,7 +13,7 @@ from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SMALL, new_figu
 RPM = 30.0 / math.pi
 
 
-class Point(NamedTuple):
+class DrivePoint(NamedTuple):
     """A drive at one speed [rad/s]: torsional frequency [Hz], coupling torque [N m], ripple; None where it failed."""
 
     speed: float
@@ -23,12 +23,12 @@ class Point(NamedTuple):
     ripple: float | None
 
 
-def draw_campbell(cases: Mapping[str, Sequence[Point]], lobes: int, folder: Path, name: str) -> list[str]:
+def draw_campbell(cases: Mapping[str, Sequence[DrivePoint]], lobes: int, folder: Path, name: str) -> list[str]:
     """Write the Campbell diagram of named drives over the speed (PNG, PDF); return the paths."""
-    return write_all({name: partial(campbell, cases, lobes, "", 3)}, folder)
+    return write_all({name: partial(campbell_figure, cases, lobes, "", 3)}, folder)
 
 
-def campbell(cases: Mapping[str, Sequence[Point]], lobes: int, title: str, orders: int) -> Any:
+def campbell_figure(cases: Mapping[str, Sequence[DrivePoint]], lobes: int, title: str, orders: int) -> Any:
     """Draw frequencies over the speed with the lobe harmonics, and the amplitude of the coupling torque."""
     figure = new_figure(DOUBLE, 84.0)
     left, right = figure.subplots(1, 2, sharex=True)
@@ -83,10 +83,10 @@ def crossing(x: np.ndarray, y: np.ndarray) -> float | None:
 
 def draw_start(found: Any, title: str, folder: str | Path) -> list[str]:
     """Write the figure of a start-up (PNG, PDF) and return the paths."""
-    return write_all({"startup": partial(start, found, title)}, folder)
+    return write_all({"startup": partial(start_figure, found, title)}, folder)
 
 
-def start(found: Any, title: str) -> Any:
+def start_figure(found: Any, title: str) -> Any:
     """Draw speeds and torques over time."""
     figure = new_figure(DOUBLE, 100.0)
     upper, lower = figure.subplots(2, 1, sharex=True)

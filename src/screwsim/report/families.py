@@ -9,7 +9,7 @@ import numpy as np
 from screwsim.report.quantities import EFFICIENCIES, is_numeric, short, shown_axis, shown_figure, value_of
 from screwsim.results import Results
 from screwsim.results.schema import Axis
-from screwsim.results.warned import warns
+from screwsim.results.warning_kinds import cases_with_warnings
 from screwsim.scene.types import COVERAGE
 
 SPEED, RATIO, FLUID = "operation.speed", "oil_supply.ratio", "gas.fluid"
@@ -58,7 +58,7 @@ def efficiency_name(results: Results) -> str | None:
     return "isothermal_efficiency" if isothermal >= isentropic else "isentropic_efficiency"
 
 
-def is_design(results: Results) -> bool:
+def is_joint_sample(results: Results) -> bool:
     """Tell whether several quantities vary together (a sample, a list of cases), so that there are no curves."""
     return any(axis.joined for axis in results.axis_list)
 
@@ -70,7 +70,7 @@ def layout_of(results: Results, by_fluid: bool = True) -> Layout | None:
     """
     axes = results.axis_list
     lengths = [len(axis.values) if is_numeric(axis) else 0 for axis in axes]
-    if not axes or max(lengths) < FEWEST or is_design(results):
+    if not axes or max(lengths) < FEWEST or is_joint_sample(results):
         return None
     return _layout(axes, _preferred(axes, lengths, RATIO), by_fluid)
 
@@ -79,7 +79,7 @@ def outcome_layout(results: Results) -> Layout | None:
     """Return the layout over the speed if the oil ratio is an outcome that varies along it; else None."""
     axes = results.axis_list
     paths = [axis.path for axis in axes]
-    if SPEED not in paths or RATIO in paths or is_design(results) or "oil_ratio" not in results.performance:
+    if SPEED not in paths or RATIO in paths or is_joint_sample(results) or "oil_ratio" not in results.performance:
         return None
     place = paths.index(SPEED)
     ratio = np.moveaxis(results.performance["oil_ratio"], place, -1)
@@ -118,7 +118,9 @@ def slices(results: Results, layout: Layout) -> Iterator[tuple[str, str, dict[in
         yield f"_{number}" if layout.rest and constant else "", constant, chosen
 
 
-def family(results: Results, layout: Layout, chosen: dict[int, int], x_name: str | None, y_name: str) -> list[Curve]:
+def curves_of_slice(
+    results: Results, layout: Layout, chosen: dict[int, int], x_name: str | None, y_name: str
+) -> list[Curve]:
     """Return the curves of one slice: figure `y_name` over the axis x, or over the figure `x_name`.
 
     Cases without a value are left out, and so are curves of fewer than two points. A figure that no case calls for has
@@ -137,7 +139,7 @@ def family(results: Results, layout: Layout, chosen: dict[int, int], x_name: str
     low, high = (_rows(results, layout, chosen, shown_figure(results, y_name).of(end)) for end in ends)
     closed = _rows(results, layout, chosen, np.asarray(results.status) == "ok")
     failed = _rows(results, layout, chosen, np.asarray(results.status) == "failed")
-    warned = _rows(results, layout, chosen, warns(results)) & closed
+    warned = _rows(results, layout, chosen, cases_with_warnings(results)) & closed
     curves = []
     for i, text in enumerate(_texts(results, layout)):
         kept = np.flatnonzero(np.isfinite(x[i]) & np.isfinite(y[i]) & ~failed[i])
@@ -231,7 +233,7 @@ def optimum(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:
     return (float(np.exp(u0 + step)) if log else u0 + step), peak
 
 
-def arc(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+def optimum_arc(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     """Return the parabola in ln x with its maximum at `optimum`, between the highest point's neighbours; else None.
 
     Where points are far apart it shows why the optimum is not on the straight lines between them.

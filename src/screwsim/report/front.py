@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.report.quantities import Shown, is_numeric, shown_axis, shown_figure
+from screwsim.report.quantities import Display, is_numeric, shown_axis, shown_figure
 from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, grid, new_figure, note, plain_ticks
 from screwsim.report.sweeps import Plan, label_axes
 from screwsim.results import Results
@@ -19,19 +19,19 @@ _LIGHT = "#b9b9b9"  # evaluations that are not best
 
 def plans(results: Results) -> Iterator[Plan]:
     """Yield the figures of an optimisation; none for other results."""
-    names = aims(results)
+    names = objective_names(results)
     if len(names) > 1:
         yield "front", partial(_front, results, names)
     if names:
         yield "evaluations", partial(_evaluations, results, names)
 
 
-def aims(results: Results) -> list[str]:
+def objective_names(results: Results) -> list[str]:
     """Return the figures that are objectives."""
     return [name.removeprefix(AIM) for name in results.optimum if name.startswith(AIM)]
 
 
-def _columns(results: Results, name: str) -> tuple[Shown, np.ndarray]:
+def _columns(results: Results, name: str) -> tuple[Display, np.ndarray]:
     how = shown_figure(results, name)
     return how, how.of(results.optimum[AIM + name])
 
@@ -39,7 +39,7 @@ def _columns(results: Results, name: str) -> tuple[Shown, np.ndarray]:
 def _rows(results: Results) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the evaluations to be drawn: within the bounds, outside, and on the front."""
     feasible, front = results.optimum["feasible"] == 1, results.optimum["front"] == 1
-    solved = np.all([np.isfinite(results.optimum[AIM + name]) for name in aims(results)], axis=0)
+    solved = np.all([np.isfinite(results.optimum[AIM + name]) for name in objective_names(results)], axis=0)
     inside, outside = np.flatnonzero(feasible & ~front), np.flatnonzero(solved & ~feasible)
     return inside[:: 1 + len(inside) // _MOST], outside[:: 1 + len(outside) // _MOST], np.flatnonzero(front)
 

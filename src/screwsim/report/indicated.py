@@ -8,15 +8,15 @@ import numpy as np
 
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.sheets import read_sheet, usable
+from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
 from screwsim.report.quantities import PRESSURE, VOLUME
 from screwsim.report.style import COLOURS
 from screwsim.report.trace import Trace
 from screwsim.scene.units import Refused, parse_quantity
 
-COLUMN = re.compile(r"pressure_(bar|mbar|kPa|MPa|Pa)")
+PRESSURE_COLUMN = re.compile(r"pressure_(bar|mbar|kPa|MPa|Pa)")
 _EXAMPLE = "write angle_deg,pressure_bar; absolute pressures, also _kPa, _MPa or _Pa"
-HOLDS = 5.0  # [degree] by which a point may exceed the ends of the cycle
+ANGLE_SLACK = 5.0  # [degree] by which a point may exceed the ends of the cycle
 
 
 class Indicated(NamedTuple):
@@ -29,9 +29,9 @@ class Indicated(NamedTuple):
 def read_indicated(path: str | os.PathLike[str]) -> Indicated:
     """Return the measured points of a CSV file with columns angle_deg and pressure_UNIT; raise UsageError."""
     where = os.fspath(path)
-    with usable("name a CSV file of measured pressures", where):
+    with sheet_or_usage_error("name a CSV file of measured pressures", where):
         sheet = read_sheet(path)
-    named = [name for name in sheet.names if COLUMN.fullmatch(name)]
+    named = [name for name in sheet.names if PRESSURE_COLUMN.fullmatch(name)]
     if "angle_deg" not in sheet.names or len(named) != 1:
         found = ", ".join(name for name in sheet.names if name) or "none"
         raise UsageError(f"{where}: needs the columns angle_deg and one pressure (found: {found}; {_EXAMPLE})")
@@ -57,7 +57,7 @@ def _point(where: str, line: int, cells: tuple[str, ...], unit: str) -> tuple[fl
 def check_angles(points: Indicated, trace: Trace) -> None:
     """Raise UsageError for points outside the life of the chamber."""
     first, last = float(trace.angle[0]), float(trace.angle[-1])
-    out = points.angle[(points.angle < first - HOLDS) | (points.angle > last + HOLDS)]
+    out = points.angle[(points.angle < first - ANGLE_SLACK) | (points.angle > last + ANGLE_SLACK)]
     if len(out):
         what = (
             f"{len(out)} of the measured angles, as {out[0]:g} deg, lie outside the cycle's {first:g} to {last:g} deg"
@@ -65,7 +65,7 @@ def check_angles(points: Indicated, trace: Trace) -> None:
         raise UsageError(f"{what} (count angles from where the chamber starts to grow; docs/how-to/indicator.md)")
 
 
-def told(points: Indicated, trace: Trace) -> str:
+def deviation_in_words(points: Indicated, trace: Trace) -> str:
     """Return in words the deviation of computed from measured pressures: mean, root mean square, largest [bar]."""
     off = (np.interp(points.angle, trace.angle, trace.values["pressure"]) - points.pressure) * PRESSURE.factor
     worst = int(np.argmax(np.abs(off)))

@@ -16,7 +16,7 @@ _LEAST = 1e-3  # of the shaft power: smaller entries are combined
 _SHAFT, _LOSS, _GAIN, _OIL, _GAS = COLOURS[0], COLOURS[2], COLOURS[4], COLOURS[3], COLOURS[1]
 
 
-class Step(NamedTuple):
+class WaterfallBar(NamedTuple):
     """One bar of the waterfall: words, power [W] (positive: consumed), colour; `total` bars begin at zero."""
 
     words: str
@@ -30,24 +30,27 @@ def plans(results: Results) -> Iterator[tuple[str, Any]]:
     if "shaft_power" not in results.ledger or (index := best_case(results)) is None:
         return
     ledger = {name: float(results.ledger[name][index]) for name in results.ledger}
-    if np.isfinite(whole := spent(ledger)) and whole > 0.0:
+    if np.isfinite(whole := exergy_supplied(ledger)) and whole > 0.0:
         yield "shaft_power", partial(_draw, ledger, case_title(results, index))
 
 
-def spent(ledger: Mapping[str, float]) -> float:
+def exergy_supplied(ledger: Mapping[str, float]) -> float:
     """Return the exergy supplied [W]: the shaft power, or for an expander the exergy given up by the gas."""
     return ledger["shaft_power"] if ledger["shaft_power"] > 0.0 else -ledger["gas_exergy_rise"]
 
 
-def steps(ledger: Mapping[str, float]) -> list[Step]:
+def waterfall_bars(ledger: Mapping[str, float]) -> list[WaterfallBar]:
     """Return the bars from the shaft power to the gas: losses by size, small ones combined, then the oil's share.
 
     For an expander they lead from the gas to the shaft.
     """
-    whole, shaft, gas = spent(ledger), ledger["shaft_power"], ledger["gas_exergy_rise"]
-    ends = (Step("shaft power", shaft, _SHAFT, True), Step("exergy rise of the gas", gas, _GAS, True))
+    whole, shaft, gas = exergy_supplied(ledger), ledger["shaft_power"], ledger["gas_exergy_rise"]
+    ends = (WaterfallBar("shaft power", shaft, _SHAFT, True), WaterfallBar("exergy rise of the gas", gas, _GAS, True))
     if shaft <= 0.0:
-        ends = (Step("exergy given by the gas", -gas, _GAS, True), Step("power at the shaft", -shaft, _SHAFT, True))
+        ends = (
+            WaterfallBar("exergy given by the gas", -gas, _GAS, True),
+            WaterfallBar("power at the shaft", -shaft, _SHAFT, True),
+        )
     losses = {name: entry["exergy_destroyed"] for name, entry in ledger_entries(ledger).items()}
     losses = {name: power for name, power in losses.items() if np.isfinite(power)}
     large = {name: power for name, power in losses.items() if abs(power) >= _LEAST * whole}
@@ -58,18 +61,18 @@ def steps(ledger: Mapping[str, float]) -> list[Step]:
         found.append(_loss(f"others ({len(small)})", sum(small)))
     oil = ledger.get("oil_exergy_rise", np.nan)
     if np.isfinite(oil) and abs(oil) >= _LEAST * whole:
-        found.append(Step("exergy rise of the oil", oil, _OIL))
+        found.append(WaterfallBar("exergy rise of the oil", oil, _OIL))
     return [*found, ends[1]]
 
 
-def _loss(words: str, power: float) -> Step:
-    return Step(words, power, _LOSS if power >= 0.0 else _GAIN)
+def _loss(words: str, power: float) -> WaterfallBar:
+    return WaterfallBar(words, power, _LOSS if power >= 0.0 else _GAIN)
 
 
 def _draw(ledger: Mapping[str, float], title: str) -> Any:
     """Draw the waterfall: each bar begins where the one above ends; power and share are to the right."""
-    bars = steps(ledger)
-    whole = spent(ledger)
+    bars = waterfall_bars(ledger)
+    whole = exergy_supplied(ledger)
     factor, unit = (1e-3, "kW") if whole >= 1e3 else (1.0, "W")
     decimals = max(0, 3 - int(np.log10(whole * factor)))
     figure = new_figure(DOUBLE, 16.0 + 4.6 * len(bars))

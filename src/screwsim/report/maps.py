@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from screwsim.report import families
-from screwsim.report.families import Layout, family, is_log, left_out, slices
+from screwsim.report.families import Layout, curves_of_slice, is_log, left_out, slices
 from screwsim.report.quantities import is_numeric, short, shown_axis, shown_figure
 from screwsim.report.style import SINGLE, log_scale, new_figure, note, plain_ticks
 from screwsim.report.sweeps import Plan
 from screwsim.results import Results
 
-HAS_OPTIMUM = "efficiency"
+OPTIMUM_FIGURES = "efficiency"
 _FEWEST = 3  # least number of values on each axis of a map
 _LEVELS = 18
 _COOLING = ("cooling_capacity", "cop")
@@ -34,7 +34,7 @@ def plans(results: Results) -> Iterator[Plan]:
         return
     for suffix, constant, chosen in slices(results, layout):
         for name, word in (("map", families.efficiency_name(results)), *((f"map_{each}", each) for each in _COOLING)):
-            if word is not None and len(family(results, layout, chosen, None, word)) >= _FEWEST:
+            if word is not None and len(curves_of_slice(results, layout, chosen, None, word)) >= _FEWEST:
                 yield f"{name}{suffix}", partial(_draw, results, layout, chosen, constant, word)
 
 
@@ -42,7 +42,7 @@ def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: st
     """Draw filled contours with a scale; the map is white where a case has no result."""
     figure = new_figure(SINGLE, 76.0)
     found = draw_contours(figure.subplots(), results, layout, chosen, name)
-    curves = family(results, layout, chosen, None, name)
+    curves = curves_of_slice(results, layout, chosen, None, name)
     optima = "○ optimum of a row, by a parabola through three points" if found else ""
     counts = ((families.not_closed(curves), "not closed"), (families.with_warnings(curves), "with warnings"))
     told = [f"{count} cases {words}" if count > 1 else f"1 case {words}" for count, words in counts if count]
@@ -74,7 +74,7 @@ def draw_contours(axes: Any, results: Results, layout: Layout, chosen: dict[int,
     bar.set_label(shown_figure(results, name).label)
     if len(points) <= _POINTS_SHOWN:
         axes.plot(*points.T, ".", color="black", markersize=1.6, clip_on=False, in_layout=False)
-    found = _optima(axes, results, layout, chosen, name) if HAS_OPTIMUM in name else 0
+    found = _optima(axes, results, layout, chosen, name) if OPTIMUM_FIGURES in name else 0
     for axis, set_label, place in ((axes.xaxis, axes.set_xlabel, layout.x), (axes.yaxis, axes.set_ylabel, _y(layout))):
         set_label(shown_axis(results.axis_list[place]).label)
         values = shown_axis(results.axis_list[place]).of(results.axis_list[place].values)

@@ -6,7 +6,7 @@ from typing import Any
 
 from screwsim.report import families
 from screwsim.report.annotate import label_along
-from screwsim.report.families import Layout, family, left_out, slices
+from screwsim.report.families import Layout, curves_of_slice, left_out, slices
 from screwsim.report.quantities import RATIO, SPEED, shown_figure
 from screwsim.report.style import DOUBLE, new_figure, note
 from screwsim.report.sweeps import Plan, draw_curves, label_axes, label_curves, remarks
@@ -19,7 +19,7 @@ def plans(results: Results) -> Iterator[Plan]:
     if layout is None or name is None:
         return
     for suffix, constant, chosen in slices(results, layout):
-        if family(results, layout, chosen, "oil_ratio", name):
+        if curves_of_slice(results, layout, chosen, "oil_ratio", name):
             yield f"efficiency_ratio{suffix}", partial(_draw, results, layout, chosen, constant, name)
 
 
@@ -28,13 +28,13 @@ def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: st
     figure = new_figure(DOUBLE, 82.0)
     grid = figure.add_gridspec(2, 2, width_ratios=(1.15, 1.0))
     main, upper, lower = (figure.add_subplot(place) for place in (grid[:, 0], grid[0, 1], grid[1, 1]))
-    over_ratio = family(results, layout, chosen, "oil_ratio", name)
+    over_ratio = curves_of_slice(results, layout, chosen, "oil_ratio", name)
     found = draw_curves(main, over_ratio, optima=True)
     label_axes(main, RATIO.label, shown_figure(results, name).label, [curve.x for curve in over_ratio])
     main.margins(x=0.06)
     main.autoscale(axis="x")
     for axes, figure_name in ((upper, name), (lower, "oil_ratio")):
-        curves = family(results, layout, chosen, None, figure_name)
+        curves = curves_of_slice(results, layout, chosen, None, figure_name)
         draw_curves(axes, curves, optima=False)
         label_axes(axes, SPEED.label, shown_figure(results, figure_name).quantity, [curve.x for curve in curves])
     upper.set_xlabel("")
@@ -46,5 +46,5 @@ def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: st
         label_along(main, over_ratio[0].x, over_ratio[0].y, [f"{speed:.0f} rpm" for speed in over_ratio[0].at])
         return figure
     names = ((upper, name), (lower, "oil_ratio"))
-    label_curves(((axes, family(results, layout, chosen, None, shown)) for axes, shown in names), heading)
+    label_curves(((axes, curves_of_slice(results, layout, chosen, None, shown)) for axes, shown in names), heading)
     return figure

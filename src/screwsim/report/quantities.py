@@ -14,7 +14,7 @@ from screwsim.results.schema import Axis
 from screwsim.scene.units import ZERO_CELSIUS
 
 
-class Shown(NamedTuple):
+class Display(NamedTuple):
     """Words, symbol (mathtext), customary unit ('' for none), factor from SI, and the offset added after it."""
 
     words: str
@@ -47,24 +47,24 @@ class Shown(NamedTuple):
         return f"{self.symbol or self.words} = {short(self.of(number))}{unit}"
 
 
-def celsius(words: str, symbol: str) -> Shown:
+def celsius(words: str, symbol: str) -> Display:
     """Return the display of a temperature."""
-    return Shown(words, symbol, "°C", 1.0, -ZERO_CELSIUS)
+    return Display(words, symbol, "°C", 1.0, -ZERO_CELSIUS)
 
 
 RPM = 30.0 / math.pi
 DEGREE = 180.0 / math.pi
 
-ANGLE = Shown("male-rotor angle", r"$\varphi$", "°", 1.0)
-CRANK_ANGLE = Shown("crank angle", r"$\varphi$", "°", 1.0)
-PRESSURE = Shown("pressure", "$p$", "bar", 1e-5)
-VOLUME = Shown("chamber volume", "$V$", "cm³", 1e6)
+ANGLE = Display("male-rotor angle", r"$\varphi$", "°", 1.0)
+CRANK_ANGLE = Display("crank angle", r"$\varphi$", "°", 1.0)
+PRESSURE = Display("pressure", "$p$", "bar", 1e-5)
+VOLUME = Display("chamber volume", "$V$", "cm³", 1e6)
 TEMPERATURE = celsius("temperature", "$T$")
-GAS_MASS = Shown("gas mass", "$m$", "g", 1e3)
-MASS_FLOW = Shown("mass flow into the chamber", r"$\dot m$", "g/s", 1e3)
-SPEED = Shown("male-rotor speed", "$n$", "rpm", RPM)
-RATIO = Shown("oil-to-gas mass ratio", "$d$", "kg/kg", 1.0)
-_RATIOS = {"oil_ratio": RATIO, "cop": Shown("COP", "", "W/W", 1.0)}  # shown as a ratio of units
+GAS_MASS = Display("gas mass", "$m$", "g", 1e3)
+MASS_FLOW = Display("mass flow into the chamber", r"$\dot m$", "g/s", 1e3)
+SPEED = Display("male-rotor speed", "$n$", "rpm", RPM)
+RATIO = Display("oil-to-gas mass ratio", "$d$", "kg/kg", 1.0)
+_RATIOS = {"oil_ratio": RATIO, "cop": Display("COP", "", "W/W", 1.0)}  # shown as a ratio of units
 
 EFFICIENCIES = ("isothermal_efficiency", "isentropic_efficiency")  # the one with more values is shown
 _SYMBOLS = {
@@ -80,16 +80,16 @@ _SYMBOLS = {
 
 _AXES = {
     "operation.speed": SPEED,
-    "machine.built_in_volume_ratio": Shown("built-in volume ratio", "", "", 1.0),
+    "machine.built_in_volume_ratio": Display("built-in volume ratio", "", "", 1.0),
     "oil_supply.ratio": RATIO,
     "oil_supply.temperature": celsius("oil temperature", r"$T_\mathrm{oil}$"),
-    "operation.suction.pressure": Shown("suction pressure", "$p_s$", "bar", 1e-5),
+    "operation.suction.pressure": Display("suction pressure", "$p_s$", "bar", 1e-5),
     "operation.suction.temperature": celsius("suction temperature", "$T_s$"),
-    "operation.discharge.pressure": Shown("discharge pressure", "$p_d$", "bar", 1e-5),
+    "operation.discharge.pressure": Display("discharge pressure", "$p_d$", "bar", 1e-5),
     "operation.evaporating_temperature": celsius("evaporating temperature", "$T_e$"),
     "operation.condensing_temperature": celsius("condensing temperature", "$T_c$"),
-    "operation.superheat": Shown("superheat", r"$\Delta T_\mathrm{sh}$", "K", 1.0),
-    "operation.subcooling": Shown("subcooling", r"$\Delta T_\mathrm{sc}$", "K", 1.0),
+    "operation.superheat": Display("superheat", r"$\Delta T_\mathrm{sh}$", "K", 1.0),
+    "operation.subcooling": Display("subcooling", r"$\Delta T_\mathrm{sc}$", "K", 1.0),
 }
 _CUSTOMARY = {
     "Pa": ("bar", 1e-5),
@@ -104,7 +104,7 @@ _CUSTOMARY = {
 }
 
 
-def shown_axis(axis: Axis) -> Shown:
+def shown_axis(axis: Axis) -> Display:
     """Return the display of a sweep's axis; paths without their own symbol show their last words."""
     if axis.path in _AXES:
         return _AXES[axis.path]
@@ -114,10 +114,10 @@ def shown_axis(axis: Axis) -> Shown:
     unit, factor = _CUSTOMARY.get(axis.units, (axis.units, 1.0))
     if axis.units in ("m", "m^2"):
         unit, factor = _length(axis)
-    return Shown(words, "", unit, factor)
+    return Display(words, "", unit, factor)
 
 
-def shown_figure(results: Results, name: str) -> Shown:
+def shown_figure(results: Results, name: str) -> Display:
     """Return the display of a performance figure over all cases of a file: one unit, that of the largest value."""
     if name in _RATIOS:
         return _RATIOS[name]
@@ -128,7 +128,7 @@ def shown_figure(results: Results, name: str) -> Shown:
     values = results.performance[name]
     largest = float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0))
     factor, unit = next((factor, unit) for least, factor, unit in figure_scales(about) if largest >= least)
-    return Shown(words, symbol, unit, factor)
+    return Display(words, symbol, unit, factor)
 
 
 def _length(axis: Axis) -> tuple[str, float]:

@@ -15,11 +15,11 @@ from screwsim.machine.rotors.rotors import Rotors
 from screwsim.machine.rotors.settings import SlideValve
 from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
 from screwsim.results.atomic import make_folder, write_text
-from screwsim.results.kept import keep_other_beginnings
+from screwsim.results.protection import protect_other_text
 
 POSITIONS = (0.0, 0.25, 0.5, 0.75, 1.0)
 CM2 = 1e4  # [cm²/m²]
-LEAST = 1e-6  # of the travel: the slot is open, but as narrow as possible
+LEAST_TRAVEL = 1e-6  # of the travel: the slot is open, but as narrow as possible
 MM = 1e3  # [mm/m]
 _FILL = "#e4e4e4"
 
@@ -53,7 +53,7 @@ def draw_rotors(
         **{f"curves/{name}": text for name, text in curves_csv(curves).items()},
     }
     files = {target / name: text for name, text in texts.items()}
-    keep_other_beginnings(files)
+    protect_other_text(files)
     written = write_all(plans, target)
     make_folder(target / "curves")
     return written + [write_text(path, text) for path, text in files.items()]
@@ -246,7 +246,7 @@ def slide_figure(rotors: Rotors, volume_ratio: float, axial_ratio: float | None,
 def _over_position(
     rotors: Rotors, volume_ratio: float, axial_ratio: float | None, slide: SlideValve, panels: Any
 ) -> None:
-    moved = np.linspace(LEAST, 1.0, 21)
+    moved = np.linspace(LEAST_TRAVEL, 1.0, 21)
     found = [
         closed_in(rotors, make_curves(rotors, volume_ratio, axial_ratio, replace(slide, position=x))) for x in moved
     ]

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.machine.profile_law import Laid
+from screwsim.machine.profile_law import LaidCurves
 from screwsim.machine.rotors.pair import Array, outlines
 from screwsim.machine.rotors.rotors import Rotors
 
 MM, DEG = 1e3, 180.0 / math.pi
-FINE = 4e-3  # [mm] tolerance of drawn outlines
+OUTLINE_TOLERANCE = 4e-3  # [mm] tolerance of drawn outlines
 
 
-def thinned(x: Array, y: Array, off: float) -> list[int]:
+def polygon_points(x: Array, y: Array, off: float) -> list[int]:
     """Return the indices of points to keep, such that no point is farther from their polygon than `off`."""
     keep, todo = {0, len(x) - 1}, [(0, len(x) - 1)]
     while todo:
@@ -36,13 +36,13 @@ def thinned(x: Array, y: Array, off: float) -> list[int]:
 
 
 def _path(x: Array, y: Array) -> str:
-    index = thinned(MM * x, MM * y, FINE)
+    index = polygon_points(MM * x, MM * y, OUTLINE_TOLERANCE)
     return "M" + "L".join(f"{MM * x[i]:.2f},{MM * y[i]:.2f}" for i in index) + "Z"
 
 
 def _curve(angle: Array, value: Array, factor: float) -> list[list[float]]:
     x, y = DEG * angle, factor * value
-    return [[round(float(x[i]), 2), float(f"{y[i]:.4g}")] for i in thinned(x, y / y.max() * x.max(), 0.3)]
+    return [[round(float(x[i]), 2), float(f"{y[i]:.4g}")] for i in polygon_points(x, y / y.max() * x.max(), 0.3)]
 
 
 def drawing(rotors: Rotors) -> dict[str, Any]:
@@ -52,7 +52,7 @@ def drawing(rotors: Rotors) -> dict[str, Any]:
     """
     pair, chain = rotors.pair, rotors.chain
     male, female = outlines(pair, chain)
-    index = thinned(MM * chain.x, MM * chain.y, FINE)
+    index = polygon_points(MM * chain.x, MM * chain.y, OUTLINE_TOLERANCE)
     return {
         "A": MM * pair.centre_distance,
         "R1": MM * pair.male_radius,
@@ -67,7 +67,7 @@ def drawing(rotors: Rotors) -> dict[str, Any]:
     }
 
 
-def page(laid: Laid, title: str) -> str:
+def page(laid: LaidCurves, title: str) -> str:
     """Return the HTML text of the page."""
     drawn = drawing(laid.rotors)
     male, female = drawn.pop("male"), drawn.pop("female")

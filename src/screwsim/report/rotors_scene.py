@@ -11,23 +11,23 @@ import numpy as np
 from screwsim.inputs.declare import plain
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import TWIN_SCREW, twin_screw
-from screwsim.machine.profile_law import Interface, Laid, lay
+from screwsim.machine.profile_law import Interface, LaidCurves, laid_curves
 from screwsim.machine.profile_tables import Table
 from screwsim.machine.protocol import END_GAP, GAPS
 from screwsim.machine.rotors import leakage
 from screwsim.machine.rotors.curves import Curve, closed_in
 from screwsim.machine.rotors.export import curve_csv
-from screwsim.outputs.customary import raised
+from screwsim.outputs.customary import with_printed_units
 from screwsim.report.rotors import draw_rotors
 from screwsim.report.rotors_page import page
 from screwsim.results.atomic import make_folder, write_text
-from screwsim.results.kept import keep_other_beginnings
+from screwsim.results.protection import protect_other_text
 from screwsim.scene import scene_text
 from screwsim.scene.types import Scene
 
-WIDE = 79  # line width of the table, for a terminal
+TABLE_WIDTH = 79  # line width of the table, for a terminal
 DEG = 180.0 / math.pi
-RATIOS = (2.2, 2.6, 3.2, 4.0)  # built-in volume ratios whose angles are listed beside the scene's
+LISTED_RATIOS = (2.2, 2.6, 3.2, 4.0)  # built-in volume ratios whose angles are listed beside the scene's
 _SHOWN = {"m^2": (1e6, "mm²"), "m^3": (1e6, "cm³"), "rad": (DEG, "°"), "m": (1e3, "mm"), "1": (1.0, "")}
 _TABLE_NOTE = """\
 # Written by `screwsim rotors`: the machine as tables, in place of its profile. A table of an effect holds one path, so
@@ -35,7 +35,7 @@ _TABLE_NOTE = """\
 """
 
 
-def laid_of(scene: Scene) -> Laid:
+def curves_of(scene: Scene) -> LaidCurves:
     """Return the curves of a scene's rotors; raise UsageError where its machine has none."""
     kind = scene.machine.kind
     if kind != TWIN_SCREW:
@@ -45,12 +45,12 @@ def laid_of(scene: Scene) -> Laid:
         raise UsageError(
             f"machine.volume.law is {law.law}: there are no rotors (write machine.profile and law: profile)"
         )
-    return lay(twin_screw(scene.machine))
+    return laid_curves(twin_screw(scene.machine))
 
 
 def coefficients(scene: Scene) -> dict[str, tuple[float, str, str]]:
     """Return {name: (value [SI], unit, meaning)} of the rotors, and of their position on the scene's angle axis."""
-    laid = laid_of(scene)
+    laid = curves_of(scene)
     rotors, own = laid.rotors, laid.rotors.coefficients()
     ratio = float(twin_screw(scene.machine).built_in_volume_ratio or 0.0)
     longest = {path.name: float(path.curve.value.max()) for path in laid.curves.paths}
@@ -66,7 +66,7 @@ def coefficients(scene: Scene) -> dict[str, tuple[float, str, str]]:
     )
     over = longest["sealing_line_over_tip"]
     own["sealing_line_over_tip"] = (over, "m", "its part over the male tip: `tip_length` of interlobe_leakage")
-    for wanted in dict.fromkeys((ratio, *RATIOS)):
+    for wanted in dict.fromkeys((ratio, *LISTED_RATIOS)):
         try:
             angle = rotors.discharge_angle(wanted) - rotors.start
         except UsageError:
@@ -90,7 +90,7 @@ def coefficients(scene: Scene) -> dict[str, tuple[float, str, str]]:
     return own | {name: (value, "rad", meaning) for name, (value, meaning) in axis.items()}
 
 
-def _longest_line(laid: Laid) -> float:
+def _longest_line(laid: LaidCurves) -> float:
     """Return the largest sum of both branches [m], over all angles of either, as their tables have different rows."""
     parts = [path.curve for path in laid.curves.paths if path.name.startswith("sealing_line")]
     angle = np.unique(np.concatenate([part.angle for part in parts]))
@@ -100,13 +100,13 @@ def _longest_line(laid: Laid) -> float:
 def table_text(scene: Scene) -> str:
     """Return the coefficients as printed lines."""
     found = coefficients(scene)
-    lines = [raised(scene.title), ""] if scene.title else []
-    faired = laid_of(scene).rotors.chain.faired
+    lines = [with_printed_units(scene.title), ""] if scene.title else []
+    faired = curves_of(scene).rotors.chain.faired
     lines += [f"measured points: {faired}", ""] if faired else []
     for name, (value, unit, meaning) in found.items():
         factor, shown = _SHOWN[unit]
         line = f"{name.replace('_', ' '):<26}{factor * value:>11.5g} {shown:<4} {meaning}"
-        lines.append(textwrap.fill(line, WIDE, subsequent_indent=" " * 43))
+        lines.append(textwrap.fill(line, TABLE_WIDTH, subsequent_indent=" " * 43))
     return "\n".join(lines)
 
 
@@ -115,7 +115,7 @@ def document(scene: Scene, files: list[str]) -> dict[str, Any]:
     found = coefficients(scene)
     return {
         "title": scene.title,
-        **({"faired": faired} if (faired := laid_of(scene).rotors.chain.faired) else {}),
+        **({"faired": faired} if (faired := curves_of(scene).rotors.chain.faired) else {}),
         "coefficients": {
             name: {"value": value, "units": unit, "long_name": meaning}
             for name, (value, unit, meaning) in found.items()
@@ -126,13 +126,13 @@ def document(scene: Scene, files: list[str]) -> dict[str, Any]:
 
 def write(scene: Scene, folder: Path) -> list[str]:
     """Write figures, profiles, page, and tables with their scene; return all paths."""
-    laid = laid_of(scene)
+    laid = curves_of(scene)
     machine = twin_screw(scene.machine)
     ratio, axial = float(machine.built_in_volume_ratio or 0.0), machine.axial_volume_ratio
     tables = folder / "table"
-    texts = {folder / "rotors.html": page(laid, raised(scene.title))}
+    texts = {folder / "rotors.html": page(laid, with_printed_units(scene.title))}
     texts |= {tables / name: text for name, text in table_files(scene, tables).items()}
-    keep_other_beginnings(texts)
+    protect_other_text(texts)
     written = draw_rotors(laid.rotors, ratio, folder, axial, machine.slide_valve)
     make_folder(tables)
     return written + [write_text(path, text) for path, text in texts.items()]
@@ -140,7 +140,7 @@ def write(scene: Scene, folder: Path) -> list[str]:
 
 def table_files(scene: Scene, folder: Path) -> dict[str, str]:
     """Return {name: text} of curves over the scene's angle, with its clearances, and of a scene that reads them."""
-    laid = laid_of(scene)
+    laid = curves_of(scene)
     files = {
         "volume.csv": _csv(laid.volume, "m^3"),
         "suction_port.csv": _csv(laid.suction, "m^2"),
@@ -160,7 +160,11 @@ def table_files(scene: Scene, folder: Path) -> dict[str, str]:
         parameters = replace(effects["slide_valve"].parameters, area_file=str(folder.resolve() / "slide_valve.csv"))
         effects["slide_valve"] = replace(effects["slide_valve"], parameters=parameters)
     tabled = replace(
-        scene, machine=_tabled(scene, laid, folder.resolve()), effects=effects, sweep={}, folder=str(folder.resolve())
+        scene,
+        machine=_tabled_curves(scene, laid, folder.resolve()),
+        effects=effects,
+        sweep={},
+        folder=str(folder.resolve()),
     )
     return {**files, "scene.yaml": _TABLE_NOTE + scene_text(tabled)}
 
@@ -177,7 +181,7 @@ def _path_csv(interfaces: tuple[Interface, ...], gap: float | None) -> str:
     return curve_csv(Curve(angle, (gap or 1.0) * value, "m^2", ()))
 
 
-def _tabled(scene: Scene, laid: Laid, folder: Path) -> Any:
+def _tabled_curves(scene: Scene, laid: LaidCurves, folder: Path) -> Any:
     machine = twin_screw(scene.machine)
     sizes = ("rotor_diameter", "rotor_length", "male_lobes", "female_lobes")
     volume = replace(

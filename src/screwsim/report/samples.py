@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.report.families import efficiency_name, is_design
+from screwsim.report.families import efficiency_name, is_joint_sample
 from screwsim.report.quantities import is_numeric, shown_axis, shown_figure
 from screwsim.report.style import COLOURS, DOUBLE, grid, new_figure, note
 from screwsim.report.sweeps import Plan, label_axes
 from screwsim.results import Results
 from screwsim.results.schema import Axis
-from screwsim.results.warned import warns
+from screwsim.results.warning_kinds import cases_with_warnings
 
 _MOST = 5000  # most points drawn in a panel
 
@@ -20,11 +20,16 @@ _MOST = 5000  # most points drawn in a panel
 def plans(results: Results) -> Iterator[Plan]:
     """Yield the scatter figure of a design; none for a product of axes."""
     name = efficiency_name(results)
-    if is_design(results) and not len(results.optimum) and name is not None and (shown := columns(results)):
+    if (
+        is_joint_sample(results)
+        and not len(results.optimum)
+        and name is not None
+        and (shown := varied_columns(results))
+    ):
         yield "samples", partial(_draw, results, shown, name)
 
 
-def columns(results: Results) -> list[tuple[Axis, np.ndarray]]:
+def varied_columns(results: Results) -> list[tuple[Axis, np.ndarray]]:
     """Return each varied numeric quantity with its values [SI] on the axes of the results."""
     axes = (inner for axis in results.axis_list for inner in axis.joined or (axis,))
     return [(axis, results.along(axis.path)) for axis in axes if is_numeric(axis) and np.ptp(axis.values) > 0.0]
@@ -50,7 +55,7 @@ def _draw(results: Results, shown: list[tuple[Axis, np.ndarray]], name: str) -> 
         axes.autoscale(axis="x")
     missing = f"{len(y) - len(kept)} of {len(y)} cases without a result left out" if len(kept) < len(y) else ""
     thinned = f"{len(drawn)} of {len(kept)} points drawn" if len(drawn) < len(kept) else ""
-    warned = int(np.count_nonzero(warns(results).reshape(-1)[kept]))
+    warned = int(np.count_nonzero(cases_with_warnings(results).reshape(-1)[kept]))
     told = f"{warned} of {len(kept)} cases with warnings" if warned else ""
     note(figure, f"× not closed ({len(open_)})" if len(open_) else "", told, missing, thinned)
     return figure

@@ -10,9 +10,9 @@ from screwsim.report.style import DPI, GREY, MM, new_figure
 from screwsim.version import version
 
 WIDE, HIGH = 210.0, 297.0  # [mm] size of a page
-EDGE = 12.0  # [mm] margin
-POINT = 1.0 / (72.0 * MM)  # [mm]
-LEAST = 6.5  # [pt] smallest type
+MARGIN = 12.0  # [mm] margin
+POINT_SIZE = 1.0 / (72.0 * MM)  # [mm]
+LEAST_PT = 6.5  # [pt] smallest type
 LINE, FALL = 1.28, 0.25  # of the font size: line spacing, and depth of letters below the baseline
 _UNIT = re.compile(r"(?<=\d) (?=[^\s\d])")
 _FIXED = "\u00a0"  # no-break space
@@ -25,7 +25,7 @@ def width_of(words: str, size: float, bold: bool = False) -> float:
     from matplotlib.textpath import text_to_path
 
     font = FontProperties(family="DejaVu Sans", weight="bold" if bold else "normal", size=size)
-    return text_to_path.get_text_width_height_descent(words, font, False)[0] * POINT
+    return text_to_path.get_text_width_height_descent(words, font, False)[0] * POINT_SIZE
 
 
 def wrapped(words: str, width: float, size: float, bold: bool = False) -> list[str]:
@@ -61,18 +61,18 @@ class Paper:
     @property
     def line(self) -> float:
         """Height [mm] of a line of text."""
-        return self.size * LINE * POINT
+        return self.size * LINE * POINT_SIZE
 
     @property
     def left(self) -> float:
         """Remaining height [mm] of the last page."""
-        return HIGH - EDGE - self.at
+        return HIGH - MARGIN - self.at
 
     def room(self, height: float) -> None:
         """Begin a new page if this one has less than that height left."""
         if height > self.left or not self.pages:
             self.pages.append([])
-            self.at = EDGE
+            self.at = MARGIN
 
     def down(self, height: float) -> None:
         """Leave a height free."""
@@ -100,11 +100,11 @@ class Paper:
 
         self.draw(call)
 
-    def paragraph(self, words: str, x: float = EDGE, width: float = WIDE - 2.0 * EDGE, **look: Any) -> None:
+    def paragraph(self, words: str, x: float = MARGIN, width: float = WIDE - 2.0 * MARGIN, **look: Any) -> None:
         """Write words in lines of a width [mm], on the next page when this one is full."""
         size = look.get("size") or self.size
         for row in wrapped(words, width, size, look.get("bold", False)):
-            high = size * LINE * POINT
+            high = size * LINE * POINT_SIZE
             self.room(high)
             self.down(high)
             self.text(x, row, **look)
@@ -121,7 +121,7 @@ class Paper:
             call(figure)
         tail = f"  ·  screwsim {version()}"
         tail += f"  ·  page {number + 1} of {len(self.pages)}" if len(self.pages) > 1 else ""
-        title, *more = wrapped(self.title, WIDE - 2.0 * EDGE - width_of(tail + " …", LEAST), LEAST)
+        title, *more = wrapped(self.title, WIDE - 2.0 * MARGIN - width_of(tail + " …", LEAST_PT), LEAST_PT)
         foot = f"{title}{' …' if more else ''}{tail}"
-        figure.text(EDGE / WIDE, 0.5 * EDGE / HIGH, foot, fontsize=LEAST, color=GREY, parse_math=False)
+        figure.text(MARGIN / WIDE, 0.5 * MARGIN / HIGH, foot, fontsize=LEAST_PT, color=GREY, parse_math=False)
         return figure

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from screwsim.outputs.customary import raised
+from screwsim.outputs.customary import with_printed_units
 from screwsim.report.quantities import short
 from screwsim.results.atomic import make_folder, replacing
 
@@ -131,7 +131,7 @@ def note(figure: Any, *parts: str, share: float = 1.0) -> None:
     if not text:
         return
     columns = int(share * figure.get_figwidth() * 72.0 / (0.56 * SMALL)) - 2  # 0.56 em: mean width of a letter
-    figure.suptitle("\n".join(textwrap.wrap(raised(text), columns)), x=0.01, ha="left", linespacing=1.25)
+    figure.suptitle("\n".join(textwrap.wrap(with_printed_units(text), columns)), x=0.01, ha="left", linespacing=1.25)
 
 
 def plain_ticks(*axes: Any, most: int = 7) -> None:

@@ -8,13 +8,20 @@ import numpy as np
 
 from screwsim.report import families
 from screwsim.report.annotate import label_ends
-from screwsim.report.families import Curve, Layout, family, is_log, left_out, slices
+from screwsim.report.families import Curve, Layout, curves_of_slice, is_log, left_out, slices
 from screwsim.report.quantities import shown_axis, shown_figure
 from screwsim.report.style import DOUBLE, SINGLE, grid, line_style, log_scale, new_figure, note, plain_ticks
 from screwsim.results import Results
 
 Plan = tuple[str, Callable[[], Any]]  # name of a figure, and the function that draws it
-OTHERS = ("volumetric_efficiency", "shaft_power", "gas_mass_flow", "discharge_temperature", "cooling_capacity", "cop")
+OTHER_FIGURES = (
+    "volumetric_efficiency",
+    "shaft_power",
+    "gas_mass_flow",
+    "discharge_temperature",
+    "cooling_capacity",
+    "cop",
+)
 _LEAST_SPAN = 0.01  # of an axis over its values, so that numerical noise is not magnified
 _BAND = 0.16  # opacity of a band
 _MOST_CURVES, _CURVES_SHOWN = 16, 9  # more curves than the first number are unreadable: the second is drawn
@@ -28,15 +35,15 @@ def plans(results: Results) -> Iterator[Plan]:
         return
     name = families.efficiency_name(results)
     for suffix, constant, chosen in slices(results, layout):
-        if name and family(results, layout, chosen, None, name):
+        if name and curves_of_slice(results, layout, chosen, None, name):
             yield f"efficiency{suffix}", partial(_efficiency, results, layout, chosen, constant, name)
-        if any(family(results, layout, chosen, None, other) for other in OTHERS):
+        if any(curves_of_slice(results, layout, chosen, None, other) for other in OTHER_FIGURES):
             yield f"performance{suffix}", partial(_performance, results, layout, chosen, constant)
 
 
 def _efficiency(results: Results, layout: Layout, chosen: dict[int, int], constant: str, name: str) -> Any:
     """Draw an efficiency over x, with the optimum of each curve marked (the paper's Fig. 1)."""
-    curves, kept = thinned(every := family(results, layout, chosen, None, name))
+    curves, kept = thinned(every := curves_of_slice(results, layout, chosen, None, name))
     figure = new_figure(SINGLE, 70.0)
     axes = figure.subplots()
     found = draw_curves(axes, curves, optima=True)
@@ -52,7 +59,7 @@ def _efficiency(results: Results, layout: Layout, chosen: dict[int, int], consta
 
 def _performance(results: Results, layout: Layout, chosen: dict[int, int], constant: str) -> Any:
     """Draw the other figures over x, one panel each."""
-    every = {name: curves for name in OTHERS if (curves := family(results, layout, chosen, None, name))}
+    every = {name: curves for name in OTHER_FIGURES if (curves := curves_of_slice(results, layout, chosen, None, name))}
     shown = {name: thinned(curves)[0] for name, curves in every.items()}
     rows, x_label = (len(shown) + 1) // 2, shown_axis(results.axis_list[layout.x]).label
     figure = new_figure(DOUBLE, 18.0 + 52.0 * rows)
@@ -96,7 +103,7 @@ def draw_curves(axes: Any, curves: list[Curve], optima: bool) -> int:
         _mark(axes, curve.x[curve.warned], curve.y[curve.warned], "^", style["color"])
         _mark(axes, curve.x[~curve.closed], curve.y[~curve.closed], "x", style["color"])
         best = families.optimum(curve.x, curve.y) if optima else None
-        fitted = families.arc(curve.x, curve.y) if best is not None else None
+        fitted = families.optimum_arc(curve.x, curve.y) if best is not None else None
         if best is not None and fitted is not None:
             axes.plot(*fitted, color=style["color"], linewidth=0.5, linestyle="-")
             axes.plot(*best, "o", color=style["color"], markerfacecolor="white", markeredgewidth=0.9, zorder=3)

@@ -12,8 +12,8 @@ from screwsim.machine.slider_crank.tolerance import FUNCTIONS, Array, Grade, Lin
 from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
 
 MM = 1e3  # [mm/m]
-SHARE = 0.05  # of the lengths, on either side
-SHOWN = ("gas_mass_flow", "shaft_power", "isentropic_efficiency")
+LENGTH_SHARE = 0.05  # of the lengths, on either side
+SHOWN_FIGURES = ("gas_mass_flow", "shaft_power", "isentropic_efficiency")
 MARKERS = "o^s"
 _NAMES = {"right": "d$x$/d$α$", "printed": "formula as printed", "tabulated": "formula behind the table"}
 
@@ -36,7 +36,7 @@ def functions_figure(nominal: Links, points: tuple[Array, Array]) -> Any:
     degrees = np.degrees(alpha)
     axes.axhline(0.0, color=GREY, linewidth=0.4)
     values = MM * FUNCTIONS["right"](alpha, nominal)
-    axes.fill_between(degrees, (1 - SHARE) * values, (1 + SHARE) * values, color="#d8d8d8", linewidth=0.0)
+    axes.fill_between(degrees, (1 - LENGTH_SHARE) * values, (1 + LENGTH_SHARE) * values, color="#d8d8d8", linewidth=0.0)
     for i, (name, function) in enumerate(FUNCTIONS.items()):
         colour = COLOURS[(0, 2, 4)[i]]
         axes.plot(degrees, MM * function(alpha, nominal), color=colour, linestyle=DASHES[i], label=_NAMES[name])
@@ -63,13 +63,13 @@ def surface_figure(alpha: Array, nominal: Links) -> Any:
 
 def _surface(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
     """Draw one surface of deviations and its plane."""
-    errors = np.linspace(-SHARE, SHARE, 41)
+    errors = np.linspace(-LENGTH_SHARE, LENGTH_SHARE, 41)
     rods, cranks = np.meshgrid(100.0 * errors, 100.0 * errors)
-    found, level = MM * surface(function, alpha, nominal, errors), MM * plane(function, alpha, nominal, SHARE)
+    found, level = MM * surface(function, alpha, nominal, errors), MM * plane(function, alpha, nominal, LENGTH_SHARE)
     look = {"cmap": "viridis", "linewidth": 0.0, "vmin": 0.0, "vmax": found.max(), "rcount": 41, "ccount": 41}
     axes.plot_surface(cranks, rods, np.minimum(found, level), zorder=1, **look)
     axes.plot_surface(cranks, rods, np.full_like(found, level), color=GREY, alpha=0.35, linewidth=0.0, zorder=2)
-    axes.plot_surface(cranks, rods, _above(found, level), zorder=3, **look)
+    axes.plot_surface(cranks, rods, _part_above(found, level), zorder=3, **look)
     axes.set_xlabel("error of the crank (%)", labelpad=-3)
     axes.set_ylabel("error of the rod (%)", labelpad=-3)
     axes.set_zlabel("standard deviation (mm/rad)", labelpad=-3)
@@ -81,7 +81,7 @@ def _surface(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
         axis._axinfo["grid"].update(color="#dddddd", linewidth=0.4)  # matplotlib has no public way for a single figure
 
 
-def _above(found: Array, level: float) -> Array:
+def _part_above(found: Array, level: float) -> Array:
     """Return the part above a level with the cells that it cuts; the rest is NaN and so not drawn."""
     high = np.pad(found > level, 1)
     near = high[1:-1, 1:-1] | high[:-2, 1:-1] | high[2:, 1:-1] | high[1:-1, :-2] | high[1:-1, 2:]
@@ -101,9 +101,9 @@ def contour_figure(alpha: Array, nominal: Links) -> Any:
 
 def _contours(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
     """Draw the contours of one function."""
-    errors = 1.1 * np.linspace(-SHARE, SHARE, 81)
+    errors = 1.1 * np.linspace(-LENGTH_SHARE, LENGTH_SHARE, 81)
     share = 100.0 * surface(function, alpha, nominal, errors) / plane(function, alpha, nominal, 1.0)
-    for levels, width in (((1, 2, 3, 4, 6, 7, 8, 9), 0.8), ((100 * SHARE,), 1.8)):
+    for levels, width in (((1, 2, 3, 4, 6, 7, 8, 9), 0.8), ((100 * LENGTH_SHARE,), 1.8)):
         at = 100 * errors
         lines = axes.contour(at, at, share, levels=levels, colors=COLOURS[1 if width < 1 else 0], linewidths=width)
         axes.clabel(lines, fmt="%g %%", fontsize=SMALL)
@@ -143,7 +143,7 @@ def spread_figure(table: Sequence[Grade], shifts: np.ndarray, deviations: Mappin
     left.set(xlabel="grade of crank and rod", title="(a) law of motion")
     left.legend(loc="upper left")
     right.axhline(0.0, color=GREY, linewidth=0.4)
-    for i, name in enumerate(name for name in SHOWN if name in deviations):
+    for i, name in enumerate(name for name in SHOWN_FIGURES if name in deviations):
         style = {"color": COLOURS[i], "markersize": 2.4, "label": shown_name(name)}
         right.plot(1e3 * shifts, 100.0 * deviations[name], MARKERS[i], **style)
     low, high = right.get_ylim()

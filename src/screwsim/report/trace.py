@@ -7,10 +7,10 @@ import numpy as np
 
 from screwsim.outputs import Result
 from screwsim.report.families import efficiency_name
-from screwsim.report.quantities import ANGLE, CRANK_ANGLE, DEGREE, Shown, value_of
+from screwsim.report.quantities import ANGLE, CRANK_ANGLE, DEGREE, Display, value_of
 from screwsim.results import Results
 from screwsim.results.schema import variable_name
-from screwsim.results.warned import caption, warnings_of
+from screwsim.results.warning_kinds import warning_caption, warnings_of
 
 _SLACK = 0.1  # of the distance of two samples, for rounding of volume and ratio
 _INJECTION = 360.0  # [degree] where oil is injected (docs/model.md)
@@ -27,10 +27,10 @@ class Trace(NamedTuple):
     values: Mapping[str, np.ndarray]
     pressures: Mapping[str, float]
     marks: Mapping[str, float]
-    axis: Shown = ANGLE
+    axis: Display = ANGLE
 
 
-def angle_axis(results: Results) -> Shown:
+def angle_axis(results: Results) -> Display:
     """Return how the angle of a file's machine is shown."""
     return ANGLE if variable_name("machine.crank_radius") not in results.inputs else CRANK_ANGLE
 
@@ -69,7 +69,7 @@ def case_title(results: Results, index: tuple[int, ...]) -> str:
     """Return the title of a case: its values in a sweep, whether it failed to close, its warnings; '' if none apply."""
     title = ", ".join(value_of(axis, i) for axis, i in zip(results.axis_list, index, strict=True))
     status = "" if np.asarray(results.status)[index] == "ok" else "not closed"
-    told = (f"best case: {title}" if title else "", status, caption(warnings_of(results, index)))
+    told = (f"best case: {title}" if title else "", status, warning_caption(warnings_of(results, index)))
     return "; ".join(part for part in told if part)
 
 

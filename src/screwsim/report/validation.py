@@ -9,10 +9,10 @@ from screwsim.report.style import COLOURS, DASHES, DOUBLE, SINGLE, grid, new_fig
 
 HEIGHT = 74.0  # [mm] of one row of panels
 MARKERS = "os^Dv<>P"
-THEIRS = COLOURS[2]
-OURS = tuple(colour for colour in COLOURS if colour != THEIRS)
-LEGEND = 58  # characters that fit side by side above a panel, including handles
-HANDLE = 7  # width of a handle in characters
+SOURCE_COLOUR = COLOURS[2]
+OWN_COLOURS = tuple(colour for colour in COLOURS if colour != SOURCE_COLOUR)
+LEGEND_CHARACTERS = 58  # characters that fit side by side above a panel, including handles
+HANDLE_CHARACTERS = 7  # width of a handle in characters
 
 
 def draw(document: Mapping[str, Any], folder: Path) -> list[str]:
@@ -39,14 +39,14 @@ def _draw_panel(axes: Any, panel: Mapping[str, Any]) -> None:
             bands += 1
         elif series["theirs"]:
             mark = {"fmt": MARKERS[theirs % len(MARKERS)], "markersize": 4.0, "capsize": 1.5, "elinewidth": 0.6}
-            mark |= {"color": THEIRS, "markerfacecolor": "white" if theirs % 2 else THEIRS}
+            mark |= {"color": SOURCE_COLOUR, "markerfacecolor": "white" if theirs % 2 else SOURCE_COLOUR}
             axes.errorbar(series["x"], series["y"], yerr=series["error"], label=series["name"], zorder=4, **mark)
             theirs += 1
         else:
             line, marker = DASHES[ours % len(DASHES)], None
             if series["points"]:
                 line, marker = "none", MARKERS[ours % len(MARKERS)]
-            look = {"color": OURS[ours % len(OURS)], "linestyle": line, "marker": marker}
+            look = {"color": OWN_COLOURS[ours % len(OWN_COLOURS)], "linestyle": line, "marker": marker}
             axes.plot(series["x"], series["y"], label=series["name"], zorder=3, **look)
             ours += 1
     axes.set(xlabel=panel["x_label"], ylabel=panel["y_label"])
@@ -55,9 +55,12 @@ def _draw_panel(axes: Any, panel: Mapping[str, Any]) -> None:
             _logarithmic(axes, which)
     # above the axes, so that it covers no curve
     _, labels = axes.get_legend_handles_labels()
-    longest = max(map(len, labels), default=1) + HANDLE
+    longest = max(map(len, labels), default=1) + HANDLE_CHARACTERS
     axes.legend(
-        loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=max(1, min(3, LEGEND // longest)), columnspacing=1.2
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.01),
+        ncols=max(1, min(3, LEGEND_CHARACTERS // longest)),
+        columnspacing=1.2,
     )
 
 
@@ -73,6 +76,6 @@ def _logarithmic(axes: Any, which: str) -> None:
 
 
 def _band(axes: Any, series: Mapping[str, Any], index: int) -> None:
-    colour = OURS[index % len(OURS)]
+    colour = OWN_COLOURS[index % len(OWN_COLOURS)]
     label = series["name"] or "_nolegend_"
     axes.fill_between(series["x"], series["y"], series["upper"], color=colour, alpha=0.2, linewidth=0.0, label=label)

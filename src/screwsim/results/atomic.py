@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.textfiles import irregular
+from screwsim.inputs.textfiles import irregular_kind
 
-HDF5 = b"\x89HDF\r\n\x1a\n"  # first bytes of an HDF5 file
-OTHERS = "{}: already exists, and is not a file of this kind (choose another -o, or remove it)"
+HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"  # first bytes of an HDF5 file
+FOREIGN_FILE = "{}: already exists, and is not a file of this kind (choose another -o, or remove it)"
 
 
 def _sync(path: Path) -> None:
@@ -37,12 +37,12 @@ def replacing(path: Path) -> Iterator[Path]:
     stays. Raise UsageError, in one line, when the system refuses.
     """
     check_target_kind(path)
-    path = followed(path)
-    temporary = beside(path)
+    path = link_target(path)
+    temporary = temporary_name(path)
     try:
         with refused(path):
             yield temporary
-            put(temporary, path)
+            put_file(temporary, path)
     finally:
         remove(temporary)
 
@@ -63,17 +63,17 @@ def write_csv(path: Path, names: Iterable[str], rows: Iterable[Iterable[Any]]) -
     return str(path)
 
 
-def followed(path: Path) -> Path:
+def link_target(path: Path) -> Path:
     """Return the final target of a symbolic link, whether it exists or not; for anything else the path itself."""
     return Path(os.path.realpath(path)) if path.is_symlink() else path
 
 
-def beside(path: Path, folder: Path | None = None) -> Path:
+def temporary_name(path: Path, folder: Path | None = None) -> Path:
     """Return the temporary name of a file being written: in `folder`, on the same disk (default: that of `path`)."""
     return (folder or path.parent) / f".{path.name}.{os.getpid()}.tmp"
 
 
-def put(temporary: Path, path: Path) -> None:
+def put_file(temporary: Path, path: Path) -> None:
     """Move a complete file to `path` and force it to disk; raise OSError when the system refuses."""
     _sync(temporary)
     os.replace(temporary, path)
@@ -92,7 +92,7 @@ def stamp_of(path: Path) -> Stamp:
     return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns
 
 
-def put_beside_none(temporary: Path, path: Path, before: Stamp) -> None:
+def put_new_file(temporary: Path, path: Path, before: Stamp) -> None:
     """Move a complete file to `path`; raise FileExistsError, and keep the file there, if it is not that of `before`."""
     _sync(temporary)
     if before is None:
@@ -148,12 +148,12 @@ def remove(path: Path) -> None:
 
 def check_target_kind(path: Path) -> None:
     """Raise UsageError where `path` is a folder, a pipe or a device, which would be replaced or block."""
-    what = irregular(path)
+    what = irregular_kind(path)
     if what:
         raise UsageError(f"{path}: is {what} (choose another -o)")
 
 
-def holds(path: Path) -> bool:
+def has_content(path: Path) -> bool:
     """Tell whether `path` exists and is not an empty file, such as programs create in advance."""
     try:
         found = path.stat()
@@ -162,7 +162,7 @@ def holds(path: Path) -> bool:
     return found.st_size > 0 or not stat.S_ISREG(found.st_mode)
 
 
-def keep_others(path: Path, begins: bytes) -> None:
+def protect_others(path: Path, begins: bytes) -> None:
     """Raise UsageError where a non-empty file at `path` does not begin with `begins`, and so is of another kind."""
     check_target_kind(path)
     try:
@@ -171,4 +171,4 @@ def keep_others(path: Path, begins: bytes) -> None:
     except OSError:  # missing, or not readable: if it cannot be replaced either, that is reported then
         return
     if found and found.lower() != begins.lower():
-        raise UsageError(OTHERS.format(path))
+        raise UsageError(FOREIGN_FILE.format(path))

@@ -10,7 +10,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import KNOCK_OUT_STATUSES, STATUSES, Variable
 from screwsim.results import stored
 from screwsim.results.netcdf import SEPARATOR
-from screwsim.results.stored import REMEDY, Odd, opened
+from screwsim.results.stored import REMEDY, MalformedFile, opened
 
 _LONG_TEXTS = 1 << 24  # characters; beyond this texts are objects, since numpy pads every text to the longest
 # the coordinate that a group has of its own
@@ -118,7 +118,7 @@ def _in_range(data: Any, count: int, first: int = 0) -> np.ndarray:
     """Return a variable of indices of words; raise Odd if any is outside `first` to `count` - 1 (`first` = 0 or -1)."""
     values = stored.values(data)
     if values.dtype.kind not in "iu" or (values.size and not first <= values.min() <= values.max() < count):
-        raise Odd(f"is damaged: {data.name} refers to texts that are missing")
+        raise MalformedFile(f"is damaged: {data.name} refers to texts that are missing")
     return values
 
 

@@ -14,14 +14,14 @@ from typing import Any
 
 from screwsim.figures import known
 from screwsim.numerics import sources
-from screwsim.numerics.trial import own_module
+from screwsim.numerics.trial import import_own_module
 from screwsim.version import release
 
 LIBRARIES = ("CoolProp", "llvmlite", "numpy", "scipy")
 Identity = Mapping[str, str]
 Files = Mapping[str, str]  # {file as named in the scene: its path}
 _FILE, _MODULE, _SOURCES, _NONE = "file ", "module ", "screwsim sources", "none"
-_TOLD = 3  # number of differences listed
+_MOST_DIFFERENCES = 3  # number of differences listed
 
 
 def code_identity(own: Iterable[str]) -> dict[str, str]:
@@ -30,11 +30,11 @@ def code_identity(own: Iterable[str]) -> dict[str, str]:
     For this package that is its release and a digest of its sources: a version between tags changes with each commit,
     even of a documentation page, and would refuse results that are still valid.
     """
-    found = {"screwsim": release(version()), _SOURCES: sources.of_package()}
+    found = {"screwsim": release(version()), _SOURCES: sources.package_digest()}
     found |= {name: _library(name) for name in LIBRARIES}
     for name in own:
-        own_module(name)  # imports it, if a worker has not yet
-        found |= {_MODULE + file: text for file, text in sources.of_module(name).items()}
+        import_own_module(name)  # imports it, if a worker has not yet
+        found |= {_MODULE + file: text for file, text in sources.module_digests(name).items()}
     return found
 
 
@@ -69,7 +69,7 @@ def unpacked(text: Any) -> Identity | None:
 
 def differences(stored: Identity, wanted: Identity) -> str:
     """Return in words the differences, at most a few; '' if there are none."""
-    return _few(list(_differences(stored, wanted)))
+    return _first_few(list(_differences(stored, wanted)))
 
 
 def changed_values(stored: Mapping[str, str], wanted: Mapping[str, str]) -> str:
@@ -77,12 +77,12 @@ def changed_values(stored: Mapping[str, str], wanted: Mapping[str, str]) -> str:
     none = "not there"
     changed = [path for path in dict.fromkeys((*stored, *wanted)) if stored.get(path) != wanted.get(path)]
     told = [f"{path}: {stored.get(path, none)}, now {wanted.get(path, none)}" for path in changed]
-    return f", {_few(told)}" if told else ""
+    return f", {_first_few(told)}" if told else ""
 
 
-def _few(told: list[str]) -> str:
-    more = f", and {len(told) - _TOLD} more differences" if len(told) > _TOLD else ""
-    return ", ".join(told[:_TOLD]) + more
+def _first_few(told: list[str]) -> str:
+    more = f", and {len(told) - _MOST_DIFFERENCES} more differences" if len(told) > _MOST_DIFFERENCES else ""
+    return ", ".join(told[:_MOST_DIFFERENCES]) + more
 
 
 def disagreement(found: Identity, wanted: Identity) -> str:
@@ -99,7 +99,7 @@ def disagreement(found: Identity, wanted: Identity) -> str:
             told.append(f"has different sources of screwsim {wanted.get('screwsim')}")
         else:
             told.append(f"has {name} {here}, not {now}")
-    return _few(told)
+    return _first_few(told)
 
 
 def _differences(stored: Identity, wanted: Identity) -> Iterator[str]:

@@ -17,7 +17,8 @@ from screwsim.outputs import Variable
 _COMPRESS_FROM = 4096  # [byte] below this a chunk's index costs more than compression saves
 _CHUNK = 262144  # [byte]
 _ITEM = 8  # [byte] same size for all types, so that the chunks of all variables cover the same cases
-_BARE = "This is a netCDF dimension but not a netCDF variable.{:10d}"  # name prescribed by the format for such a scale
+# name prescribed by the format for such a scale
+_BARE_DIMENSION = "This is a netCDF dimension but not a netCDF variable.{:10d}"
 SEPARATOR = "\n\n"  # separates the texts of a sweep
 _TEXT_LIMIT = 2000  # [byte]
 
@@ -61,7 +62,7 @@ def _space(shape: tuple[int, ...]) -> Any:
     return h5s.create_simple(shape)
 
 
-class Made(NamedTuple):
+class FileVariable(NamedTuple):
     """A variable as HDF5's own identifier, since an h5py dataset takes as long to create as HDF5's."""
 
     id: Any
@@ -95,7 +96,7 @@ class Layout:
     def dimension(self, group: Any, name: str, size: int) -> None:
         """Create a dimension without values, unless the group has it already."""
         if name not in group:
-            self._scale(group, group.create_dataset(name, (size,), ">f4"), name, _BARE.format(size))
+            self._scale(group, group.create_dataset(name, (size,), ">f4"), name, _BARE_DIMENSION.format(size))
 
     def _scale(self, group: Any, data: Any, name: str, shown: str | None = None) -> None:
         data.make_scale(shown or name)
@@ -110,7 +111,7 @@ class Layout:
 
     def empty(
         self, group: Any, name: str, shape: tuple[int, ...], dtype: Any, dimensions: Sequence[str], about: Mapping
-    ) -> Made:
+    ) -> FileVariable:
         """Create a variable whose values are written later, and return it."""
         from h5py import h5ds  # pyright: ignore[reportAttributeAccessIssue]
 
@@ -120,16 +121,16 @@ class Layout:
             h5ds.attach_scale(data.id, self._scales[group.id.id, dimension], index)
         return data
 
-    def _made(self, group: Any, name: str, shape: tuple[int, ...], dtype: np.dtype, fill: Any) -> Made:
+    def _made(self, group: Any, name: str, shape: tuple[int, ...], dtype: np.dtype, fill: Any) -> FileVariable:
         """Create a dataset with the properties of the first one of its kind, which h5py creates."""
         from h5py import h5d  # pyright: ignore[reportAttributeAccessIssue]
 
         kind = shape, dtype.str, None if fill is None else fill.tobytes()
         if kind in self._kinds:
-            return Made(h5d.create(group.id, name.encode(), *self._kinds[kind]))
+            return FileVariable(h5d.create(group.id, name.encode(), *self._kinds[kind]))
         data = group.create_dataset(name, shape, dtype, fillvalue=fill, **_storage(shape))
         self._kinds[kind] = data.id.get_type(), data.id.get_space(), data.id.get_create_plist()
-        return Made(data.id)
+        return FileVariable(data.id)
 
     def texts(
         self, group: Any, name: str, words: Sequence[str], shape: tuple[int, ...], dimensions: Sequence[str], about: str

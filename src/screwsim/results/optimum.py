@@ -13,7 +13,7 @@ AIM, ERROR, EXCESS = "aim_", "error_", "excess_"  # prefixes of names
 
 
 @dataclass(frozen=True)
-class Evaluated:
+class EvaluationColumns:
     """Columns over the evaluations, by figure: objectives, their errors, excess over bounds; the question as text."""
 
     aims: Mapping[str, np.ndarray]
@@ -26,7 +26,7 @@ class Evaluated:
     question: str  # JSON
 
 
-def write_optimum(layout: Layout, found: Evaluated) -> None:
+def write_optimum(layout: Layout, found: EvaluationColumns) -> None:
     """Write the group `optimum`."""
     group, count = layout.group("optimum"), len(found.feasible)
     about = {"units": "1", "long_name": "number of the evaluation, from 0", "path": EVALUATION}

@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures import declaration, unpacked
-from screwsim.figures.errors import error_scale, needed
-from screwsim.inputs.arguments import FILE, one_of, takes
+from screwsim.figures.errors import error_scale, figures_for_scale
+from screwsim.inputs.arguments import FILE, checked_arguments, one_of
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import EFFICIENCY, ITSELF, STATUSES, Figure, Variable
-from screwsim.outputs.display import About, Brief, Shown, value_text
+from screwsim.outputs.display import About, Brief, ShownFigure, value_text
 from screwsim.results import stored
 from screwsim.results.group import OWN, Group, labels_of, values_of
 from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis
-from screwsim.results.stored import REMEDY, Odd, opened
+from screwsim.results.stored import REMEDY, MalformedFile, opened
 
 # the first two come with traces, the next two with their studies, two with tolerances, the last on request
 _ALWAYS = ("inputs", "performance", "balance", "error", "numerics")
@@ -105,7 +105,7 @@ class Results(Brief):
         Where none was estimated, the relative error `unknown` is used.
         """
         scale = self.figure(name).scale
-        asked = (each for each in needed(name, scale) if each in self.performance)
+        asked = (each for each in figures_for_scale(name, scale) if each in self.performance)
         known = {each: np.nan_to_num(self.performance[each]) for each in asked}
         relative = np.where(np.isfinite(self.error[name]), self.error[name], unknown)
         return relative * error_scale(name, scale, known, np.maximum)
@@ -117,14 +117,14 @@ class Results(Brief):
         self.performance.take(names)
         return [name for name in names if np.isfinite(self.performance[name]).any()]
 
-    @takes(group=one_of(None, *_ALWAYS, *_OPTIONAL))
+    @checked_arguments(group=one_of(None, *_ALWAYS, *_OPTIONAL))
     def to_xarray(self, group: str | None = "performance") -> Any:
         """Return one group as an xarray.Dataset; None: all in one, with prefixes to names of groups but performance."""
         from screwsim.results.dataset import dataset
 
         return dataset(self, group)
 
-    @takes(group=one_of(*_ALWAYS, *_OPTIONAL))
+    @checked_arguments(group=one_of(*_ALWAYS, *_OPTIONAL))
     def to_pandas(self, group: str = "performance") -> Any:
         """Return one group as a pandas.DataFrame, one row per case: varied inputs, then the variables, in SI units."""
         from screwsim.results.dataset import frame
@@ -141,13 +141,15 @@ class Results(Brief):
     def _range(self, name: str) -> tuple[str, str, str, str]:
         about, values = self.figure(name), self.performance[name]
         least, most = (
-            value_text(Shown(name, float(end), about.units, about.long_name, about.shown, about.scale == EFFICIENCY))
+            value_text(
+                ShownFigure(name, float(end), about.units, about.long_name, about.shown, about.scale == EFFICIENCY)
+            )
             for end in (np.nanmin(values), np.nanmax(values))
         )
         return name, least, most, about.long_name
 
 
-@takes(path=FILE)
+@checked_arguments(path=FILE)
 def open_results(path: str | os.PathLike[str]) -> Results:
     """Return the results in a file; raise UsageError if it is not a valid results file of screwsim."""
     path = Path(path)
@@ -201,7 +203,7 @@ def _own_length(group: Any, coordinate: str | None) -> tuple[int, ...]:
         return ()
     found = stored.shape(stored.member(group, coordinate))
     if len(found) != 1 or not found[0]:
-        raise Odd(f"is not a results file: {group.name}/{coordinate} is not a coordinate")
+        raise MalformedFile(f"is not a results file: {group.name}/{coordinate} is not a coordinate")
     return found
 
 
@@ -225,7 +227,9 @@ class _Shapes:
         else:
             fits = found == (*self.axes, *self.own)
         if not fits:
-            raise Odd(f"is not a results file: {data.name} has the shape {found}, which does not match the axes")
+            raise MalformedFile(
+                f"is not a results file: {data.name} has the shape {found}, which does not match the axes"
+            )
 
 
 def _axes(group: Any) -> tuple[Axis, ...]:
@@ -239,10 +243,10 @@ def _axes(group: Any) -> tuple[Axis, ...]:
     )
     for axis in found:
         if any(len(inner.values) != len(axis.values) for inner in axis.joined):
-            raise Odd(f"is not a results file: what varies along {axis.path} differs in length")
+            raise MalformedFile(f"is not a results file: what varies along {axis.path} differs in length")
     names = [inner.name for axis in found for inner in (axis, *axis.joined)]
     if len(set(names)) != len(coordinates):
-        raise Odd(f"is not a results file: the coordinates of {group.name} do not form axes")
+        raise MalformedFile(f"is not a results file: the coordinates of {group.name} do not form axes")
     return found
 
 
@@ -265,13 +269,13 @@ def _about(data: Any) -> Variable:
 
 def _axis(data: Any) -> Axis:
     if len(stored.shape(data)) != 1 or not stored.is_numbers(data):
-        raise Odd(f"is not a results file: {data.name} is not a coordinate")
+        raise MalformedFile(f"is not a results file: {data.name} is not a coordinate")
     values = labels_of(data) if stored.has_attribute(data, "labels") else stored.values(data)
     if not len(values) or (values.dtype.kind == "f" and not np.all(np.abs(values) < _LARGEST)):
-        raise Odd(f"is not a results file: {data.name} has values that no coordinate has")
+        raise MalformedFile(f"is not a results file: {data.name} has values that no coordinate has")
     axis = Axis(stored.text_attribute(data, "path"), values, *_about(data))
     if axis.name != data.name.rpartition("/")[2]:
-        raise Odd(f"is not a results file: {data.name} is the coordinate of another path")
+        raise MalformedFile(f"is not a results file: {data.name} is the coordinate of another path")
     return axis
 
 
@@ -282,11 +286,11 @@ def _root(path: Path, file: Any) -> dict[str, Any]:
     attributes = stored.attributes(file)
     schema = attributes.get("screwsim_schema")
     if not isinstance(schema, int | np.integer):
-        raise Odd("is not a results file: its schema is not a whole number")
+        raise MalformedFile("is not a results file: its schema is not a whole number")
     if schema > SCHEMA:
         source = attributes.get("source", "a newer screwsim")
         raise UsageError(f"{path}: was written by {source} in schema {schema}, newer than {SCHEMA} (update screwsim)")
     for name in _TEXTS:
         if not isinstance(attributes.get(name), str):
-            raise Odd(f"is not a complete results file: its attribute {name} is missing")
+            raise MalformedFile(f"is not a complete results file: its attribute {name} is missing")
     return attributes

@@ -20,11 +20,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.inputs.declare import KINDS, Found, files_in, inputs_of
+from screwsim.inputs.declare import KINDS, FoundWithCycle, files_in, inputs_of
 from screwsim.outputs import Variable
 from screwsim.results import identity
 from screwsim.results.identity import version
-from screwsim.scene.model_errors import stored
+from screwsim.scene.model_errors import stored_model_errors
 from screwsim.scene.types import Scene
 
 RELATIVE_TO = "relative_to"  # attribute of an error: its scale (`outputs.Scale`)
@@ -87,7 +87,8 @@ def numeric_inputs(scene: Scene) -> Iterator[tuple[str, Variable, float]]:
     """Yield (path, unit and meaning, value [SI]) of each numeric input; NaN where it is not given or is to be found."""
     for path, kind, doc, value in inputs_of(scene):
         if kind in _NUMERIC:
-            given = None if isinstance(value, Found) else value  # what is to be found holds where the search begins
+            # what is to be found holds where the search begins
+            given = None if isinstance(value, FoundWithCycle) else value
             yield path, Variable(_NUMERIC[kind], doc), np.nan if given is None else float(given)
 
 
@@ -155,5 +156,5 @@ def root_attributes(scene: Scene, command: str) -> dict[str, str | int]:
         "numba_version": "not used",  # replaced by LLVM, through llvmlite
     }
     if scene.model_error:
-        attributes[MODEL_ERROR] = json.dumps({"of": scene.model_error, **stored()[scene.model_error]})
+        attributes[MODEL_ERROR] = json.dumps({"of": scene.model_error, **stored_model_errors()[scene.model_error]})
     return attributes | {f"{name.lower()}_version": _library_version(name) for name in _LIBRARIES}

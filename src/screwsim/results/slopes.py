@@ -3,7 +3,7 @@
 import numpy as np
 
 from screwsim.outputs import Figures, Variable, shown
-from screwsim.outputs.derivatives import STORED, Slopes
+from screwsim.outputs.derivatives import METHOD_CODES, ComputedDerivatives
 from screwsim.results.netcdf import Layout, flag_attributes, flag_type, number_attributes
 from screwsim.results.table import EXACT, VALUE
 
@@ -15,7 +15,7 @@ IS_EXACT = {
 }
 
 
-def write_slopes(layout: Layout, found: Slopes, performance: Figures) -> None:
+def write_slopes(layout: Layout, found: ComputedDerivatives, performance: Figures) -> None:
     """Write the group `derivatives`; its coordinate `number` counts the paths, listed in its attribute `labels`."""
     group, paths = layout.group(DERIVATIVES), list(found.values)
     about = flag_attributes(paths, "number of the scene")
@@ -25,7 +25,7 @@ def write_slopes(layout: Layout, found: Slopes, performance: Figures) -> None:
     data = layout.texts(group, UNITS, words, (len(paths),), (NUMBER,), "SI unit of the number")
     data.write([words.index(found.units[path]) for path in paths])
     layout.variable(group, VALUE, np.array([found.values[path] for path in paths], float), (NUMBER,), about_value())
-    exact = np.array([STORED[found.method[path]] for path in paths], np.int8)
+    exact = np.array([METHOD_CODES[found.method[path]] for path in paths], np.int8)
     layout.variable(group, EXACT, exact, (NUMBER,), IS_EXACT)
     units = {each.name: each.units for each in shown(performance)}
     for figure, slopes in found.derivatives.items():

@@ -13,20 +13,20 @@ from typing import Any
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.textfiles import irregular
+from screwsim.inputs.textfiles import irregular_kind
 
 REMEDY = "give a file that `screwsim run` or `screwsim sweep` wrote"
 MOST_ATTRIBUTE = 4_000_000  # [byte] the scene is the longest attribute
 MOST_TEXTS = 256_000_000  # [byte] of the distinct texts of one variable
 _FILTERS = {1, 2, 3}  # deflate, shuffle, checksum: HDF5's own
-_DENSEST = 1100  # deflate compresses to no less than 1/1032
+_LARGEST_COMPRESSION = 1100  # deflate compresses to no less than 1/1032
 _SLACK = 4096  # [byte]
-_NUMBERS = "fiu"
+_NUMBER_KINDS = "fiu"
 _LARGEST = 1e60  # in SI units
-_SENSELESS = (OSError, RuntimeError, KeyError, ValueError, TypeError, OverflowError, AttributeError)
+_READ_ERRORS = (OSError, RuntimeError, KeyError, ValueError, TypeError, OverflowError, AttributeError)
 
 
-class Odd(Exception):
+class MalformedFile(Exception):
     """A deviation of a file from a results file, worded to follow the file's name."""
 
 
@@ -37,7 +37,7 @@ def opened(path: Path) -> Iterator[Any]:
     try:
         with file:
             yield file
-    except Odd as flaw:
+    except MalformedFile as flaw:
         raise UsageError(f"{path}: {flaw} ({REMEDY})") from None
     except OSError as error:
         raise UsageError(f"{path}: is damaged or cut short (write it again, or {REMEDY})") from error
@@ -51,7 +51,7 @@ def _open(path: Path) -> Any:
     try:
         if not path.exists():
             raise UsageError(f"{path}: there is no such file ({REMEDY})")
-        what = irregular(path)
+        what = irregular_kind(path)
         if what:
             raise UsageError(f"{path}: is {what} ({REMEDY})")
         with path.open("rb"):
@@ -66,7 +66,7 @@ def _open(path: Path) -> Any:
         raise UsageError(f"{path}: {why} (write it again, or {REMEDY})") from error
 
 
-class _told:
+class _malformed_on_error:
     """Raise Odd where HDF5 fails to read something, which it reports by many types of errors.
 
     The item is named only after a failure: asking HDF5 for a name takes as long as reading an attribute.
@@ -80,11 +80,11 @@ class _told:
     def __enter__(self) -> None: ...
 
     def __exit__(self, kind: Any, error: BaseException | None, trace: object) -> None:
-        if isinstance(error, _SENSELESS):
-            raise Odd(f"is damaged: {_where(self._item, self._name)} cannot be read") from error
+        if isinstance(error, _READ_ERRORS):
+            raise MalformedFile(f"is damaged: {_item_name(self._item, self._name)} cannot be read") from error
 
 
-def _where(item: Any, name: str = "") -> str:
+def _item_name(item: Any, name: str = "") -> str:
     """Return the position of an item: `/group/variable`, or an attribute after an @."""
     place = str(item.name)
     return f"{place}{name}" if name.startswith("@") else f"{place.rstrip('/')}/{name}" if name else place
@@ -92,7 +92,7 @@ def _where(item: Any, name: str = "") -> str:
 
 def names(group: Any) -> list[str]:
     """Return the names in a group, in the group's order."""
-    with _told(group):
+    with _malformed_on_error(group):
         return [name for name in group if isinstance(name, str)]
 
 
@@ -101,26 +101,28 @@ def member(group: Any, name: str, dataset: bool = True) -> Any:
     import h5py
     from h5py import h5d, h5l, h5o  # pyright: ignore[reportAttributeAccessIssue] - compiled, without types
 
-    with _told(group, name):
+    with _malformed_on_error(group, name):
         links, known = group.id.links, name.encode()
         try:
             link = links.get_info(known)
-        except _SENSELESS:
+        except _READ_ERRORS:
             if links.exists(known):
                 raise
-            raise Odd(f"is not a complete results file: {_where(group, name)} is missing") from None
+            raise MalformedFile(f"is not a complete results file: {_item_name(group, name)} is missing") from None
         if link.type != h5l.TYPE_HARD:
-            raise Odd(f"has a link at {_where(group, name)}, which may lead to other files")
+            raise MalformedFile(f"has a link at {_item_name(group, name)}, which may lead to other files")
         lies = h5o.open(group.id, known)
         found = h5py.Dataset(lies, readonly=True) if isinstance(lies, h5d.DatasetID) else group[name]
     if not isinstance(found, h5py.Dataset if dataset else h5py.Group):
-        raise Odd(f"is not a results file: {_where(group, name)} is no {'variable' if dataset else 'group'}")
+        raise MalformedFile(
+            f"is not a results file: {_item_name(group, name)} is no {'variable' if dataset else 'group'}"
+        )
     return found
 
 
 def has(group: Any, name: str) -> bool:
     """Tell whether a group has a member of this name, whatever its link leads to."""
-    with _told(group, name):
+    with _malformed_on_error(group, name):
         return bool(group.id.links.exists(name.encode()))
 
 
@@ -128,7 +130,7 @@ def has_attribute(item: Any, name: str) -> bool:
     """Tell whether a group or dataset has an attribute."""
     from h5py import h5a  # pyright: ignore[reportAttributeAccessIssue] - compiled, without types
 
-    with _told(item, f"@{name}"):
+    with _malformed_on_error(item, f"@{name}"):
         return bool(h5a.exists(item.id, name.encode()))
 
 
@@ -138,16 +140,16 @@ def attribute(item: Any, name: str) -> Any:
 
     try:
         found = h5a.open(item.id, name.encode())
-    except _SENSELESS as error:
+    except _READ_ERRORS as error:
         if has_attribute(item, name):
-            raise Odd(f"is damaged: {_where(item, f'@{name}')} cannot be read") from error
-        raise Odd(f"is not a complete results file: {_where(item, f'@{name}')} is missing") from None
-    with _told(item, f"@{name}"):
+            raise MalformedFile(f"is damaged: {_item_name(item, f'@{name}')} cannot be read") from error
+        raise MalformedFile(f"is not a complete results file: {_item_name(item, f'@{name}')} is missing") from None
+    with _malformed_on_error(item, f"@{name}"):
         kind, size = found.get_type(), found.get_storage_size()
         text = kind.get_class() == h5t.STRING
         one = kind.get_size() == size  # a file has hundreds of attributes, and asking for the space takes 25 % longer
         if not (one or found.get_space().get_simple_extent_npoints() == 1) or size > MOST_ATTRIBUTE:
-            raise Odd(f"is not a results file: {_where(item, f'@{name}')} is not one text or number")
+            raise MalformedFile(f"is not a results file: {_item_name(item, f'@{name}')} is not one text or number")
         plain = text and one and not kind.is_variable_str() and kind.get_strpad() == h5t.STR_NULLPAD
         value = np.zeros(() if plain else found.shape, f"S{size}" if plain else found.dtype)
         found.read(value, kind if plain else None)  # `item.attrs[name]` would take twice as long
@@ -156,11 +158,11 @@ def attribute(item: Any, name: str) -> Any:
         return _decoded(value, item, name)
     if isinstance(value, int | float | np.integer | np.floating):
         return value
-    raise Odd(f"is not a results file: {_where(item, f'@{name}')} is neither text nor number")
+    raise MalformedFile(f"is not a results file: {_item_name(item, f'@{name}')} is neither text nor number")
 
 
 def _decoded(value: Any, item: Any, name: str) -> str:
-    with _told(item, f"@{name}"):
+    with _malformed_on_error(item, f"@{name}"):
         text = value.decode() if isinstance(value, bytes) else str(value)
         text.encode()
     return text
@@ -170,74 +172,74 @@ def text_attribute(item: Any, name: str) -> str:
     """Return an attribute that is a text; raise Odd for any other."""
     value = attribute(item, name)
     if not isinstance(value, str):
-        raise Odd(f"is not a results file: {item.name}@{name} is not text")
+        raise MalformedFile(f"is not a results file: {item.name}@{name} is not text")
     return value
 
 
 def attributes(item: Any) -> dict[str, Any]:
     """Return all attributes that are a single text or number; others are not ours."""
-    with _told(item, "@"):
+    with _malformed_on_error(item, "@"):
         every = [name for name in item.attrs if isinstance(name, str)]
     found = {}
     for name in every:
         try:
             found[name] = attribute(item, name)
-        except Odd:
+        except MalformedFile:
             continue
     return found
 
 
 def is_scale(data: Any) -> bool:
     """Tell whether a variable is a dimension or its coordinate."""
-    with _told(data):
+    with _malformed_on_error(data):
         return bool(data.is_scale)
 
 
 def scale_of(data: Any) -> Any:
     """Return the coordinate along which a one-dimensional variable lies; raise Odd if there is none."""
-    with _told(data):
+    with _malformed_on_error(data):
         if data.ndim != 1 or len(data.dims[0]) != 1:
-            raise Odd(f"is not a results file: {data.name} lies along no coordinate")
+            raise MalformedFile(f"is not a results file: {data.name} lies along no coordinate")
         return data.dims[0][0]
 
 
 def shape(data: Any) -> tuple[int, ...]:
     """Return the shape of a variable; raise Odd if it has none."""
-    with _told(data):
+    with _malformed_on_error(data):
         found = data.shape
     if found is None:
-        raise Odd(f"is not a results file: {data.name} has no values")
+        raise MalformedFile(f"is not a results file: {data.name} has no values")
     return tuple(int(size) for size in found)
 
 
 def is_numbers(data: Any) -> bool:
     """Tell whether a variable holds plain numbers; raise Odd if it holds neither these nor single characters."""
-    with _told(data):
+    with _malformed_on_error(data):
         kind = data.dtype
-    if kind.kind in _NUMBERS and kind.itemsize <= 8:
+    if kind.kind in _NUMBER_KINDS and kind.itemsize <= 8:
         return True
     if kind.kind == "S" and kind.itemsize == 1:
         return False
-    raise Odd(f"is not a results file: {data.name} holds neither numbers nor characters")
+    raise MalformedFile(f"is not a results file: {data.name} holds neither numbers nor characters")
 
 
 def values(data: Any, index: Any = ()) -> np.ndarray:
     """Return the values of a variable, or a part of them; raise Odd if they are not stored in the file itself."""
     is_numbers(data)
     _check_storage(data)
-    with _told(data):
+    with _malformed_on_error(data):
         found = np.asarray(data[index])
     if found.dtype.kind == "f" and np.any(np.isfinite(found) & (np.abs(found) > _LARGEST)):
-        raise Odd(f"is damaged: {data.name} has values that no result can have")
+        raise MalformedFile(f"is damaged: {data.name} has values that no result can have")
     return found
 
 
 def characters(data: Any) -> str:
     """Return the text of a variable of single characters."""
     if is_numbers(data) or len(shape(data)) != 1 or shape(data)[0] > MOST_TEXTS:
-        raise Odd(f"is not a results file: {data.name} is not text")
+        raise MalformedFile(f"is not a results file: {data.name} is not text")
     found = values(data)
-    with _told(data):
+    with _malformed_on_error(data):
         return found.tobytes().decode().rstrip("\0")
 
 
@@ -245,7 +247,7 @@ def _check_storage(data: Any) -> None:
     """Raise Odd unless the values are in the file, with HDF5's own filters only, and in a plausible number of bytes."""
     import h5py
 
-    with _told(data):
+    with _malformed_on_error(data):
         how = data.id.get_create_plist()
         layout, elsewhere = how.get_layout(), how.get_external_count()
         filters = {how.get_filter(number)[0] for number in range(how.get_nfilters())}
@@ -253,9 +255,9 @@ def _check_storage(data: Any) -> None:
         size = math.prod(data.shape or ()) * data.dtype.itemsize
         whole = Path(data.file.filename).stat().st_size
     if elsewhere or layout == h5py.h5d.VIRTUAL:
-        raise Odd(f"keeps the values of {data.name} in other files, which are not read")
+        raise MalformedFile(f"keeps the values of {data.name} in other files, which are not read")
     if filters - _FILTERS:
-        raise Odd(f"packs {data.name} in a way that results never use")
-    dense = _DENSEST if 1 in filters else 1
+        raise MalformedFile(f"packs {data.name} in a way that results never use")
+    dense = _LARGEST_COMPRESSION if 1 in filters else 1
     if stored > whole + _SLACK or size > dense * stored + (_SLACK if dense > 1 else 0):
-        raise Odd(f"is damaged: {data.name} states {size} bytes and has {stored}")
+        raise MalformedFile(f"is damaged: {data.name} states {size} bytes and has {stored}")

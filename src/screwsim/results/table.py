@@ -12,24 +12,24 @@ import numpy as np
 from screwsim.figures import declared, known, known_traces, merged
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import BALANCE, LEDGER, NUMERICS, NUMERICS_TEXT, STATUSES, Figure, Result, names_of
-from screwsim.outputs.derivatives import STORED
+from screwsim.outputs.derivatives import METHOD_CODES
 
-GROUPS = ("performance", "balance", "error", "numerics")
+FIGURE_GROUPS = ("performance", "balance", "error", "numerics")
 Columns = Mapping[tuple[str, str], int]  # column of (group, figure)
-TEXTS = ("message", "warnings", "notes", *NUMERICS_TEXT)
+TEXT_NAMES = ("message", "warnings", "notes", *NUMERICS_TEXT)
 NOT_COMPUTED = -1  # status of a case without a result
-BY_NAME = ("traces", "ledger", "changes", "slopes")  # mappings of a table from names to arrays, one row per case
+MAPPING_FIELDS = ("traces", "ledger", "changes", "slopes")  # mappings of a table from names to arrays, one row per case
 VALUE, EXACT = "number_value", "number_exact"  # variables beside the derivatives: the number, its method
 
 
 @lru_cache(maxsize=64)
 def columns_of(names: tuple[str, ...]) -> Columns:
     """Return the column of each figure of each group; `names` are the figures of performance and of its errors."""
-    groups = zip(GROUPS, (names, tuple(BALANCE), names, tuple(NUMERICS)), strict=True)
+    groups = zip(FIGURE_GROUPS, (names, tuple(BALANCE), names, tuple(NUMERICS)), strict=True)
     return {figure: i for i, figure in enumerate((group, name) for group, names in groups for name in names)}
 
 
-class Texts(NamedTuple):
+class CaseTexts(NamedTuple):
     """One text per case: its index `number` into `words`, int32 (cases,); most cases share their texts."""
 
     words: tuple[str, ...]
@@ -55,7 +55,7 @@ class Table:
 
     status: np.ndarray
     figures: np.ndarray
-    texts: Mapping[str, Texts]
+    texts: Mapping[str, CaseTexts]
     effects: tuple[str, ...] = ()
     states: tuple[str, ...] = ()
     angle: np.ndarray = field(default_factory=lambda: np.empty(0))
@@ -74,7 +74,9 @@ class Table:
     def size(self) -> int:
         """Size of the numeric arrays [byte]."""
         arrays = [self.status, self.figures, self.angle, *(texts.number for texts in self.texts.values())]
-        return sum(array.nbytes for array in (*arrays, *(v for part in BY_NAME for v in getattr(self, part).values())))
+        return sum(
+            array.nbytes for array in (*arrays, *(v for part in MAPPING_FIELDS for v in getattr(self, part).values()))
+        )
 
     def column(self, group: str, name: str) -> np.ndarray:
         """Return one figure of all cases (cases,); NaN where no case calls for it."""
@@ -83,12 +85,12 @@ class Table:
 
     def rows(self, chosen: slice | np.ndarray) -> Table:
         """Return a table of some of the cases."""
-        texts = {name: Texts(each.words, each.number[chosen]) for name, each in self.texts.items()}
-        by_name = {part: {name: v[chosen] for name, v in getattr(self, part).items()} for part in BY_NAME}
+        texts = {name: CaseTexts(each.words, each.number[chosen]) for name, each in self.texts.items()}
+        by_name = {part: {name: v[chosen] for name, v in getattr(self, part).items()} for part in MAPPING_FIELDS}
         return replace(self, status=self.status[chosen], figures=self.figures[chosen], texts=texts, **by_name)
 
     def part(self, part: str, name: str, *width: int) -> np.ndarray:
-        """Return an array of one of the mappings `BY_NAME` (cases, width); NaN if it lacks that name."""
+        """Return an array of one of the mappings `MAPPING_FIELDS` (cases, width); NaN if it lacks that name."""
         found = getattr(self, part)
         return found[name] if name in found else np.full((len(self), *width), np.nan)
 
@@ -138,7 +140,7 @@ def table_of(results: Sequence[Result], *, keep_cycle: bool, keep_slopes: bool =
     return Table(
         status=np.array([STATUSES.index(result.status) for result in results], np.int8),
         figures=figures,
-        texts={name: numbered(_text(result, name) for result in results) for name in TEXTS},
+        texts={name: numbered(_text(result, name) for result in results) for name in TEXT_NAMES},
         effects=next((result.effects for result in results if result.effects), ()),
         states=next((result.states for result in results if result.states), ()),
         angle=angle,
@@ -158,7 +160,7 @@ def _about(result: Result) -> Mapping[str, Figure]:
 
 
 def _fill_row(row: np.ndarray, result: Result, about: tuple[str, ...]) -> None:
-    for group in GROUPS:
+    for group in FIGURE_GROUPS:
         figures = getattr(result, group)
         names, columns = _columns(group, tuple(figures), about)
         row[columns] = np.array([figures[name] for name in names], float)  # None becomes NaN
@@ -180,11 +182,11 @@ def warnings_at(table: Table, row: int) -> list[str]:
     return [text for text in texts.words[texts.number[row]].split("\n") if text]
 
 
-def numbered(texts: Iterable[str]) -> Texts:
+def numbered(texts: Iterable[str]) -> CaseTexts:
     """Return texts as indices into their distinct ones, in order of first appearance."""
     found: dict[str, int] = {}
     number = np.array([found.setdefault(text, len(found)) for text in texts], np.int32)
-    return Texts(tuple(found), number)
+    return CaseTexts(tuple(found), number)
 
 
 def _text(result: Result, name: str) -> str:
@@ -253,7 +255,7 @@ def _slopes(results: Sequence[Result]) -> dict[str, Any]:
     numbers = {path: unit for found in told.values() for path, unit in found.units.items()}
     slopes: dict[str, np.ndarray] = {}
     for row, found in told.items():
-        about = {VALUE: found.values, EXACT: {path: float(STORED[way]) for path, way in found.method.items()}}
+        about = {VALUE: found.values, EXACT: {path: float(METHOD_CODES[way]) for path, way in found.method.items()}}
         for name, by_path in {**about, **found.derivatives}.items():
             there = slopes.setdefault(name, np.full((len(results), len(numbers)), np.nan))
             there[row] = [by_path.get(path, np.nan) for path in numbers]
@@ -330,7 +332,7 @@ def join(tables: Sequence[Table]) -> Table:
     return Table(
         status=np.concatenate([table.status for table in tables]),
         figures=np.concatenate([_figures_of(table, names.about) for table in tables]),
-        texts={name: _joined_texts([table.texts[name] for table in tables]) for name in TEXTS},
+        texts={name: _joined_texts([table.texts[name] for table in tables]) for name in TEXT_NAMES},
         effects=names.effects,
         states=names.states,
         angle=np.array(names.angle, float),
@@ -351,15 +353,15 @@ def _figures_of(table: Table, about: tuple[Figure, ...]) -> np.ndarray:
     return np.column_stack([table.column(*figure) for figure in columns_of(names_of(about))])
 
 
-def _joined_texts(parts: Sequence[Texts]) -> Texts:
+def _joined_texts(parts: Sequence[CaseTexts]) -> CaseTexts:
     place: dict[str, int] = {}
     for part in parts:
         for word in part.words:
             place.setdefault(word, len(place))
-    return Texts(tuple(place), np.concatenate([renumbered(part, place) for part in parts]))
+    return CaseTexts(tuple(place), np.concatenate([renumbered(part, place) for part in parts]))
 
 
-def renumbered(texts: Texts, place: Mapping[str, int]) -> np.ndarray:
+def renumbered(texts: CaseTexts, place: Mapping[str, int]) -> np.ndarray:
     """Return the indices of texts in another list of words; `place` is the new index of each word."""
     return np.array([place[word] for word in texts.words], np.int32)[texts.number]
 

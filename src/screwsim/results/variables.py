@@ -13,7 +13,7 @@ from screwsim.results import slopes
 from screwsim.results import table as tables
 from screwsim.results.netcdf import Layout, flag_attributes, flag_type, number_attributes, set_attributes, text_lines
 from screwsim.results.schema import RELATIVE_TO, Axis, numeric_inputs, root_attributes, variable_name
-from screwsim.results.table import GROUPS, NOT_COMPUTED, TEXTS, Names, Table
+from screwsim.results.table import FIGURE_GROUPS, NOT_COMPUTED, TEXT_NAMES, Names, Table
 from screwsim.scene.types import Scene
 
 _CASE_TEXTS = {
@@ -38,10 +38,10 @@ class Column:
 
 def names_of(heads: Iterable[Table]) -> tuple[Names, dict[str, tuple[str, ...]]]:
     """Return the names of tables, and the distinct words of each of their texts."""
-    names, words = Names(), {name: set[str]() for name in TEXTS}
+    names, words = Names(), {name: set[str]() for name in TEXT_NAMES}
     for head in heads:
         names = names.joined(head)
-        for name in TEXTS:
+        for name in TEXT_NAMES:
             words[name].update(map(text_lines, head.texts[name].words))
     about = merged(names.about, _ALWAYS)
     changes, sloped = (tuple(each.name for each in about if each.name in of) for of in (names.changes, names.slopes))
@@ -61,7 +61,7 @@ class Plan:
         self._axes = axes
         self._dimensions = [axis.name for axis in axes]
         self._along = {inner.name for axis in axes for inner in (axis, *axis.joined)}  # in every group
-        self._beside = _beside(axes)
+        self._beside = _coordinates_attribute(axes)
         self._groups: dict[str, Any] = {}
         group, there = self._group("inputs"), set(self._along)
         for path, variable, value in numeric_inputs(scene):
@@ -70,7 +70,7 @@ class Plan:
                 there.add(name)
                 about = number_attributes(variable) | {"path": path}
                 self.layout.variable(group, name, np.array(value), (), about)
-        self.columns = [column for group in GROUPS for column in self._figures(group)]
+        self.columns = [column for group in FIGURE_GROUPS for column in self._figures(group)]
         self.traces = list(self._cycle()) if names.traces else []
         self.columns += list(self._ledger()) if names.ledger else []
         self.columns += list(self._uncertainty()) if names.inputs else []
@@ -196,7 +196,7 @@ class Plan:
         return table.part("changes", name, len(self.names.inputs))
 
 
-def _beside(axes: Sequence[Axis]) -> dict[str, str]:
+def _coordinates_attribute(axes: Sequence[Axis]) -> dict[str, str]:
     """Return the attribute that names coordinates other than the dimensions' own (CF, section 5)."""
     names = " ".join(inner.name for axis in axes for inner in axis.joined)
     return {"coordinates": names} if names else {}

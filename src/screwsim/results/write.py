@@ -13,7 +13,7 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import KNOCK_OUT, KNOCK_OUT_STATUSES, Figures, Result
-from screwsim.outputs.derivatives import Slopes
+from screwsim.outputs.derivatives import ComputedDerivatives
 from screwsim.results import atomic
 from screwsim.results.guarded import GuardedFile
 from screwsim.results.netcdf import Layout, Selection, chunks_of, flag_attributes, number_attributes, text_lines
@@ -35,7 +35,7 @@ def save(
     scene: Scene,
     results: Result | Sequence[Result],
     command: str = "run",
-    derivatives: Slopes | None = None,
+    derivatives: ComputedDerivatives | None = None,
 ) -> None:
     """Write one result, or those of all cases of the scene's sweep (last axis fastest), to an HDF5 file.
 
@@ -72,10 +72,10 @@ class Draft:
     def __init__(
         self, path: Path, scene: Scene, axes: Sequence[Axis], command: str, folder: Path | None = None
     ) -> None:
-        path = atomic.followed(path)
+        path = atomic.link_target(path)
         self._path = path
         self._about = scene, axes, command
-        self._temporary = atomic.beside(path, folder)
+        self._temporary = atomic.temporary_name(path, folder)
         self._folder = folder
         self._before = atomic.stamp_of(path)
         self._target: GuardedFile | None = None
@@ -137,10 +137,10 @@ class Draft:
 
     def _put(self) -> None:
         if self._folder is None:
-            atomic.put(self._temporary, self._path)
+            atomic.put_file(self._temporary, self._path)
             return
         try:
-            atomic.put_beside_none(self._temporary, self._path, self._before)
+            atomic.put_new_file(self._temporary, self._path, self._before)
         except FileExistsError:
             raise UsageError(
                 f"{self._path}: another file was put there meanwhile, and is kept; all cases are finished, in "
@@ -181,7 +181,7 @@ def _fill(
     columns: Sequence[Column], shape: tuple[int, ...], full: tuple[int, ...], tables: Iterator[Table]
 ) -> Iterator[None]:
     """Write columns chunk by chunk over cases of `shape`; the variables have the shape `full`."""
-    places = list(_places(shape, chunks_of(full)[: len(shape)]))
+    places = list(_chunks(shape, chunks_of(full)[: len(shape)]))
     pieces = regrouped(tables, (size for _, size, _ in places))
     for (first, _, part), table in zip(places, pieces, strict=True):
         selection = Selection(full, first, part)
@@ -190,7 +190,7 @@ def _fill(
         yield
 
 
-def _places(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Iterator[tuple[tuple[int, ...], int, tuple[int, ...]]]:
+def _chunks(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Iterator[tuple[tuple[int, ...], int, tuple[int, ...]]]:
     """Yield (index of its first case, number of cases, shape) of each chunk, in the order of the cases."""
     split = next((index for index, size in enumerate(chunk) if size > 1), len(shape) - 1)
     if not shape:

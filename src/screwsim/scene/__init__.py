@@ -1,8 +1,8 @@
 """Scenes: from a YAML file to a typed scene in SI units, with each fault at its line; and the grid of a sweep."""
 
+from screwsim.scene.argument import scene_of
 from screwsim.scene.checks import cross_check
 from screwsim.scene.fields import value_at
-from screwsim.scene.given import scene_of
 from screwsim.scene.grid import (
     axis_label,
     case,
@@ -10,8 +10,8 @@ from screwsim.scene.grid import (
     case_values,
     dimensions,
     leaf_of,
-    only,
     read_value,
+    with_sweep_over,
     with_values,
 )
 from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy

@@ -9,21 +9,22 @@ from screwsim.effects.base import CoolsOil
 from screwsim.effects.parts.roles import PUMPS
 from screwsim.fluid.oils import OILS
 from screwsim.fluid.orifice import FITTED_SLENDERNESS, NO_FLOW
-from screwsim.inputs.declare import AREA, VOLUME, Found
+from screwsim.inputs.declare import AREA, VOLUME, FoundWithCycle
 from screwsim.inputs.faults import Fault, UsageError
-from screwsim.machine.kinds import check_machine, kind_of, offering
+from screwsim.machine.kinds import check_machine, kind_of, kinds_offering
 from screwsim.machine.protocol import OIL
 from screwsim.outputs.customary import in_celsius
+from screwsim.scene.derived_values import stated_faults
 from screwsim.scene.fields import leaves_of, value_at
 from screwsim.scene.operation import check_operation
 from screwsim.scene.sizes import area_fault, size_faults
-from screwsim.scene.stated import stated_faults
 from screwsim.scene.types import Scene
 
 FLUID = "gas.fluid"
 KIND = "machine.kind"
-IN_RADIANS = math.radians(4.0 * math.pi)  # last angle of an area table over 720 deg whose angles are written in radians
-ROUNDED = math.radians(0.01)  # tolerance on the angle of a table's last row at the end of the life
+# last angle of an area table over 720 deg whose angles are written in radians
+ANGLE_IN_RADIANS = math.radians(4.0 * math.pi)
+ANGLE_ROUNDING = math.radians(0.01)  # tolerance on the angle of a table's last row at the end of the life
 LEAST_SPAN = 0.5  # least share of a chamber's life that a table of its volume must cover
 
 
@@ -41,7 +42,7 @@ def cross_check(scene: Scene) -> list[Fault]:
         *size_faults(scene),
         *operation,
         *([] if operation else _expander(scene)),
-        *_dry(scene),
+        *_oil_without_injection(scene),
         *oil_faults(scene),
         *_oil_supply(scene),
         *_effects(scene),
@@ -53,12 +54,12 @@ def cross_check(scene: Scene) -> list[Fault]:
     return [fault for fault in found if f"{FLUID}: " not in fault.what]  # drop faults that follow from an unknown fluid
 
 
-def _dry(scene: Scene) -> Iterator[Fault]:
+def _oil_without_injection(scene: Scene) -> Iterator[Fault]:
     """Yield faults for oil stated with a machine into which no oil is injected."""
     kind = kind_of(scene.machine)
     for name in ("oil", "oil_supply") if OIL not in kind.offers else ():
         if getattr(scene, name) is not None:
-            fitting = offering(frozenset({OIL}))
+            fitting = kinds_offering(frozenset({OIL}))
             yield Fault(
                 name, f"applies only to machine.kind: {fitting}; no oil is injected into {kind.chamber} (remove it)"
             )
@@ -95,7 +96,7 @@ def oil_faults(scene: Scene) -> Iterator[Fault]:
 def _into_range(scene: Scene, hot: bool) -> str:
     """Return how oil comes into the range of its properties: its temperature is stated, or follows from its cooler."""
     cooling = _cooling(scene)
-    if cooling is None or scene.oil_supply is None or not isinstance(scene.oil_supply.temperature, Found):
+    if cooling is None or scene.oil_supply is None or not isinstance(scene.oil_supply.temperature, FoundWithCycle):
         return "choose one inside, or state the properties of the oil as numbers"
     if not hot:
         return "choose another duty or temperature of the cooler"
@@ -125,11 +126,11 @@ def _pump(scene: Scene) -> Iterator[Fault]:
     supply = scene.oil_supply
     assert supply is not None
     if supply.discharge_temperature is not None:
-        yield from _sought(scene)
+        yield from _sought_oil_flow(scene)
     elif supply.ratio is None and supply.flow is None:
         yield Fault("oil_supply.ratio", "is missing (kind: pump needs it, e.g. ratio: 3)")
     if supply.flow is not None:
-        beside = "oil_supply.ratio" if supply.ratio is not None and not isinstance(supply.ratio, Found) else ""
+        beside = "oil_supply.ratio" if supply.ratio is not None and not isinstance(supply.ratio, FoundWithCycle) else ""
         beside = beside or ("oil_supply.discharge_temperature" if supply.discharge_temperature is not None else "")
         if beside:
             what = f"is given as well as {beside} (remove one of the two; null drops a base's value)"
@@ -144,19 +145,19 @@ def _pump(scene: Scene) -> Iterator[Fault]:
         yield Fault("oil_supply.line", f"{what} (write it under {having(PUMPS)[0]})")
 
 
-def _sought(scene: Scene) -> Iterator[Fault]:
+def _sought_oil_flow(scene: Scene) -> Iterator[Fault]:
     """Yield faults of what cannot be combined with an oil flow sought for a discharge temperature."""
     supply, path = scene.oil_supply, "oil_supply.discharge_temperature"
     assert supply is not None and supply.discharge_temperature is not None
     cooling = _cooling(scene)
-    if supply.ratio is not None and not isinstance(supply.ratio, Found):
+    if supply.ratio is not None and not isinstance(supply.ratio, FoundWithCycle):
         yield Fault("oil_supply.ratio", f"is given as well as {path}, which finds it (remove one of the two)")
     if cooling is None:
         yield Fault(path, f"needs effects.{stating(CoolsOil)}, where gas and oil have one temperature (name it)")
         return
     name, parameters = cooling
     cold = parameters.outlet or supply.temperature
-    if cold is None or isinstance(supply.temperature, Found):
+    if cold is None or isinstance(supply.temperature, FoundWithCycle):
         what = "needs oil at a stated temperature (write oil_supply.temperature, or"
         if cold is None:
             yield Fault(path, f"{what} effects.{name}.{parameters.outlet_key}: 50 degC)")
@@ -198,7 +199,7 @@ def _effects(scene: Scene) -> Iterator[Fault]:
     for name, active in scene.effects.items():
         path = f"effects.{name}"
         if not active.effect.fits(kind):
-            fitting = offering(active.effect.needs)
+            fitting = kinds_offering(active.effect.needs)
             fitting = f"applies only to machine.kind: {fitting}" if fitting else f"is not for a {scene.machine.kind}"
             yield Fault(path, f"{fitting} (remove the effect, or change the machine)")
             continue
@@ -250,7 +251,7 @@ def _curve_fault(name: str, column: str, scene: Scene) -> str | None:
             f"{shown}: the volume must end as it begins (the volume left at 720 deg is the one that the chamber "
             "starts with)"
         )
-    if column == AREA and angles[-1] <= IN_RADIANS:
+    if column == AREA and angles[-1] <= ANGLE_IN_RADIANS:
         return f"{shown}: has no angle above {math.degrees(float(angles[-1])):.6g} deg (are the angles in degrees?)"
     beyond = area_fault(scene, float(max(values))) if column == AREA else None
     return None if beyond is None else f"{shown}: {beyond}"
@@ -260,7 +261,7 @@ def _span_fault(scene: Scene, first: float, last: float) -> str | None:
     """Return what is wrong with the first and last angle [rad] of a chamber's volume table; None if nothing is."""
     life = kind_of(scene.machine).geometry(scene.machine).life
     ends = f"goes from {math.degrees(first):.6g} to {math.degrees(last):.6g} deg"
-    if first < -ROUNDED or last > life + ROUNDED:
+    if first < -ANGLE_ROUNDING or last > life + ANGLE_ROUNDING:
         remedy = "write machine.volume.life, or rows from 0 deg to its end"
         return f"{ends}, beyond the chamber's life of {math.degrees(life):.6g} deg ({remedy})"
     if last - first < LEAST_SPAN * life:

@@ -10,14 +10,14 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from screwsim.inputs.declare import ANY, KINDS, Bounds, Kind
-from screwsim.inputs.near import containing, ending, nearest
+from screwsim.inputs.declare import KINDS, UNBOUNDED, Bounds, Kind
+from screwsim.inputs.suggestions import names_containing, nearest, paths_ending_in
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW, find_machine
 from screwsim.scene.types import Scene
 from screwsim.scene.units import Refused
 
 # parts of a scene that are not plain sections
-APART = ("effects", "sweep", "joints", "text", "folder", "losses", "uncertain", "correlated", "model_error")
+NOT_SECTIONS = ("effects", "sweep", "joints", "text", "folder", "losses", "uncertain", "correlated", "model_error")
 SWEEPABLE = {*KINDS, "number", "count", "choice", "fluid"}
 FIXED = {"machine.kind", "operation.ambient_pressure"}  # another scene; gauge pressures depend on the ambient one
 _MANY = 4  # most paths that a message lists
@@ -35,7 +35,7 @@ class Leaf:
     doc: str
     default: Any
     limits: Mapping[str, Any]
-    hardly: Bounds = ANY
+    hardly: Bounds = UNBOUNDED
     remedy: str = ""
     otherwise: tuple[str, ...] = ()
     auto: bool = False
@@ -67,7 +67,7 @@ def section_of(cls: type, required: bool = True) -> Section:
     fields = {
         item.name: _describe(cls, item, hints[item.name])
         for item in dataclasses.fields(cls)
-        if not (cls is Scene and item.name in APART)
+        if not (cls is Scene and item.name in NOT_SECTIONS)
     }
     if "title" in fields:  # users write the title first
         fields = {"title": fields.pop("title"), **fields}
@@ -165,24 +165,24 @@ def sweep_leaf(path: str, parameters: Mapping[str, type], known: Iterable[str] =
     if below:
         raise Refused(f"is a section, not a value (write e.g. {below[0]})")
     options = [name for name, item in leaves.items() if varies(name, item)]
-    raise Refused(unknown(path, options, "a dotted path of the scene"))
+    raise Refused(unknown_key(path, options, "a dotted path of the scene"))
 
 
-def unknown(name: str, options: Iterable[str], otherwise: str = "", paths: Iterable[str] = ()) -> str:
+def unknown_key(name: str, options: Iterable[str], otherwise: str = "", paths: Iterable[str] = ()) -> str:
     """Return 'is not known' with a suggestion where the intended name is clear, else with the names that are known.
 
     `paths` are those of the whole scene; those that end in `name` are listed. Without `paths` the options take their
     place.
     """
     options = list(options)
-    elsewhere = ending(name, paths or options)
+    elsewhere = paths_ending_in(name, paths or options)
     near = elsewhere[0] if len(elsewhere) == 1 else None if elsewhere else nearest(name, options)
     if near is not None:
         return f"is not known; did you mean '{near}'?"
     if elsewhere:
         more = ", …" if len(elsewhere) > _MANY else ""
         return f"is not known; there are {', '.join(elsewhere[:_MANY])}{more} (write the whole path)"
-    parts = containing(name, options)
+    parts = names_containing(name, options)
     if 0 < len(parts) <= _MANY:
         return f"is not known; there {'is' if len(parts) == 1 else 'are'} {', '.join(parts)} (write the whole name)"
     beside = [option for option in options if option.rpartition(".")[0] == name.rpartition(".")[0] != ""]
@@ -191,11 +191,11 @@ def unknown(name: str, options: Iterable[str], otherwise: str = "", paths: Itera
     return f"is not known (use {otherwise})" if otherwise else f"is not known; known here: {', '.join(options) or '-'}"
 
 
-def stray(name: str, options: Iterable[str], paths: Iterable[str] = ()) -> str:
+def stray_key(name: str, options: Iterable[str], paths: Iterable[str] = ()) -> str:
     """Return what is wrong with an unknown key of a mapping in a file; `paths` are those of the whole scene."""
     if name[:1].isdigit():
         return "is not a name (in { } and [ ] a comma begins another entry; write decimals with a point)"
     if "." in name and name in paths:
         above, _, last = name.rpartition(".")
         return f"is a path, which only --set and sweep take (here write {last} under {above.replace('.', ', under ')})"
-    return unknown(name, options, paths=paths)
+    return unknown_key(name, options, paths=paths)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from screwsim.fluid import constants, names, water
-from screwsim.fluid.composition import is_blend, own_blend, stated
+from screwsim.fluid.composition import is_blend, own_blend, stated_composition
 from screwsim.fluid.description import describe
 from screwsim.fluid.settings import GasSettings
 from screwsim.inputs.declare import KINDS
@@ -18,10 +18,10 @@ from screwsim.scene.values import convert, shown
 HUMIDITY, MARGIN = "gas.relative_humidity", "gas.dew_point_margin"
 AFTERCOOLER = "operation.aftercooler_temperature"
 AIR = "air"
-P_MOST = 1e7  # [Pa] highest pressure of the lines: beyond it third virial coefficients matter (M324)
-SUM = 1e-6  # tolerance on the sum of fractions
+HIGHEST_PRESSURE = 1e7  # [Pa] highest pressure of the lines: beyond it third virial coefficients matter (M324)
+FRACTION_SUM_TOLERANCE = 1e-6  # tolerance on the sum of fractions
 _PURE = "is not a fluid or predefined blend of CoolProp"
-_LEAVES = {name: item for name, item in section_of(GasSettings).fields.items() if isinstance(item, Leaf)}
+_GAS_LEAVES = {name: item for name, item in section_of(GasSettings).fields.items() if isinstance(item, Leaf)}
 _AS_LISTED = "write NAME, or for a blend {fluid: [NAME, NAME], mass_fractions: [0.7, 0.3]}"
 _FRACTIONS = ("mass_fractions", "mole_fractions")
 
@@ -43,7 +43,7 @@ def listed_fluid(raw: Any) -> str:
     if isinstance(raw, str):
         gas = GasSettings(fluid=raw)
     elif isinstance(raw, dict) and "fluid" in raw and raw.keys() <= {"fluid", *_FRACTIONS}:
-        gas = GasSettings(**{name: convert(_LEAVES[name], node.value) for name, node in raw.items()})
+        gas = GasSettings(**{name: convert(_GAS_LEAVES[name], node.value) for name, node in raw.items()})
     else:
         raise Refused(f"{shown(raw)} is not a fluid ({_AS_LISTED})")
     faults = list(_stated(gas))
@@ -52,7 +52,7 @@ def listed_fluid(raw: Any) -> str:
         raise Refused("; ".join(what if name == "fluid" else f"{name}: {what}" for name, what in told))
     if not is_blend(gas.name) and constants.limits(gas.name) is None:
         raise Refused(_unknown_fluid(gas.name))
-    own = stated(gas.name)
+    own = stated_composition(gas.name)
     return gas.name if own is None else own_blend(*own)
 
 
@@ -65,7 +65,7 @@ def _stated(gas: GasSettings) -> Iterator[Fault]:
         if getattr(gas, name) is not None:
             what = "applies only to the components of a blend of your own"
             yield Fault(f"gas.{name}", f"{what} (write fluid: [NAME, NAME], or remove it; null drops a base's value)")
-    own = stated(gas.fluid)
+    own = stated_composition(gas.fluid)
     if own is not None:
         by_mass, by_mole = (None, own.fractions) if own.by_mole else (own.fractions, None)
         blend = GasSettings(fluid=own.components, mass_fractions=by_mass, mole_fractions=by_mole)
@@ -97,7 +97,7 @@ def _fractions(path: str, fractions: tuple[float, ...], fluids: tuple[str, ...])
     elif not all(x > 0.0 for x in fractions):
         absent = ", ".join(fluid for fluid, x in zip(fluids, fractions, strict=True) if not x > 0.0)
         yield Fault(path, f"has a share of 0 for {absent} (leave that component out)")
-    elif abs(total - 1.0) > SUM:
+    elif abs(total - 1.0) > FRACTION_SUM_TOLERANCE:
         scaled = ", ".join(f"{x / total:.6g}" for x in fractions)
         yield Fault(path, f"add up to {total:.7g}, not to 1 (if they are ratios, write [{scaled}])")
 
@@ -116,7 +116,7 @@ def _component(name: str) -> str | None:
 def _unknown_fluid(fluid: str, such: str = "R134a, R1234yf, R32, R744, Ammonia or R454B") -> str:
     """Return what is wrong with the name of a fluid; another fluid is never suggested in its place."""
     shown = repr(fluid[:40])
-    same, blend = names.same_fluid(fluid), names.blend(fluid)
+    same, blend = names.same_fluid(fluid), names.suggested_blend(fluid)
     if same is not None:
         return f"{shown} {_PURE}; did you mean '{same}'?"
     if blend is not None:
@@ -156,6 +156,6 @@ def line_faults(gas: GasSettings, lines: Lines) -> Iterator[Fault]:
     if vapour >= water.saturation(water.T_MOST)[0]:
         what = f"brings so much water that it condenses above {in_celsius(water.T_MOST)} at {told}"
         yield Fault(HUMIDITY, f"{what}, where that is not modelled (choose drier or colder air, or a lower pressure)")
-    elif max(lines.p_s, lines.p_d) > P_MOST:
-        most = f"{1e-5 * P_MOST:g} bar"
+    elif max(lines.p_s, lines.p_d) > HIGHEST_PRESSURE:
+        most = f"{1e-5 * HIGHEST_PRESSURE:g} bar"
         yield Fault(HUMIDITY, f"is modelled up to {most}, not at {told} (remove it, or lower the pressure)")

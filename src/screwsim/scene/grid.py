@@ -6,12 +6,12 @@ from typing import Any, NamedTuple
 
 from screwsim.effects import catalogue
 from screwsim.inputs.faults import UsageError
-from screwsim.numerics.at_once import changed
+from screwsim.numerics.frozen import with_changes
 from screwsim.scene.checks import cross_check
+from screwsim.scene.derived_values import with_derived_values
 from screwsim.scene.fields import Leaf, effect_keys, sweep_leaf, value_at
-from screwsim.scene.stated import settled
 from screwsim.scene.types import Joint, Scene
-from screwsim.scene.units import Refused, over
+from screwsim.scene.units import Refused, gauge_pressures_over
 from screwsim.scene.values import convert
 
 FLUID = "gas.fluid"
@@ -56,16 +56,16 @@ def joints_of(scene: Scene) -> tuple[Joint, ...]:
     for joint in scene.joints:
         paths = tuple(path for path in joint.paths if path in scene.sweep)
         if paths:
-            found.append(joint if paths == joint.paths else changed(joint, paths=paths, sample=None))
+            found.append(joint if paths == joint.paths else with_changes(joint, paths=paths, sample=None))
     return tuple(found)
 
 
-def only(scene: Scene, paths: Iterable[str]) -> Scene:
+def with_sweep_over(scene: Scene, paths: Iterable[str]) -> Scene:
     """Return the scene with its sweep reduced to the given paths."""
     kept = set(paths)
     sweep = {path: values for path, values in scene.sweep.items() if path in kept}
-    cut = changed(scene, sweep=sweep)
-    return changed(cut, joints=joints_of(cut))
+    cut = with_changes(scene, sweep=sweep)
+    return with_changes(cut, joints=joints_of(cut))
 
 
 def case_count(scene: Scene) -> int:
@@ -99,7 +99,7 @@ def values_of(scene: Scene, cases: range) -> list[tuple[Any, ...]]:
 
 def case(scene: Scene, index: int) -> Scene:
     """Return one case of the grid, as a scene without a sweep and without its text (`scene_text` creates it)."""
-    return with_values(changed(scene, sweep={}, joints=(), text=""), case_values(scene, index))
+    return with_values(with_changes(scene, sweep={}, joints=(), text=""), case_values(scene, index))
 
 
 def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
@@ -108,11 +108,11 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
     The sections that contain them must exist. `cross_check` tells whether the values fit together.
     """
     if FLUID in values:  # an axis states the fluid completely, with the composition of a blend
-        scene = changed(scene, gas=changed(scene.gas, mass_fractions=None, mole_fractions=None))
+        scene = with_changes(scene, gas=with_changes(scene.gas, mass_fractions=None, mole_fractions=None))
     for path, value in values.items():
         scene = _with_value(scene, path, value)
-    scene = settled(scene, values)
-    return changed(scene, text="") if scene.text else scene
+    scene = with_derived_values(scene, values)
+    return with_changes(scene, text="") if scene.text else scene
 
 
 def _with_value(scene: Scene, path: str, value: Any) -> Scene:
@@ -120,13 +120,13 @@ def _with_value(scene: Scene, path: str, value: Any) -> Scene:
         return _replaced(scene, path.split("."), value)
     name, keys = effect_keys(path, scene.effects)
     active = scene.effects[name]
-    other = changed(active, parameters=_replaced(active.parameters, keys, value))
-    return changed(scene, effects={**scene.effects, name: other})
+    other = with_changes(active, parameters=_replaced(active.parameters, keys, value))
+    return with_changes(scene, effects={**scene.effects, name: other})
 
 
 def _replaced(part: Any, names: list[str], value: Any) -> Any:
     name, *rest = names
-    return changed(part, **{name: _replaced(getattr(part, name), rest, value) if rest else value})
+    return with_changes(part, **{name: _replaced(getattr(part, name), rest, value) if rest else value})
 
 
 def first_by_fluid(scene: Scene) -> list[tuple[str, Scene]]:
@@ -142,7 +142,7 @@ def first_by_fluid(scene: Scene) -> list[tuple[str, Scene]]:
             path: tuple(values[place] for place in kept) if path in together else values
             for path, values in scene.sweep.items()
         }
-        own = changed(scene, sweep=sweep)
+        own = with_changes(scene, sweep=sweep)
         cases = (case(own, index) for index in range(min(case_count(own), MOST_TRIED)))
         first = next((one for one in cases if not cross_check(one)), None)
         found += [] if first is None else [(fluid, first)]
@@ -165,7 +165,7 @@ def leaf_of(scene: Scene, path: str) -> Leaf:
 def read_value(scene: Scene, path: str, raw: Any) -> Any:
     """Return a value as written in YAML ('1000 rpm', 3) in SI, checked like the field; raise `UsageError`."""
     try:
-        with over(scene.operation.ambient_pressure):
+        with gauge_pressures_over(scene.operation.ambient_pressure):
             return convert(leaf_of(scene, path), raw, scene.folder)
     except Refused as refusal:
         raise UsageError(f"{path}: {refusal}") from None

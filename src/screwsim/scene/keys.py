@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from screwsim.effects.base import Effect
-from screwsim.inputs.declare import ANY
+from screwsim.inputs.declare import UNBOUNDED
 from screwsim.machine.kinds import find_machine
 from screwsim.machine.protocol import Size
 from screwsim.scene.fields import Leaf, Section, scene_section, section_of
@@ -83,7 +83,7 @@ def _range(leaf: Leaf, size: Size | None) -> str:
         own = ["a module of your own"] if leaf.limits.get("own") else []
         return ", ".join([*leaf.limits["options"], *own])
     can = [f"{sign}{_text(leaf, leaf.limits[name])}" for name, sign in _SIGNS.items() if name in leaf.limits]
-    usual = [] if leaf.hardly == ANY else [f"usual {_span(*(_text(leaf, end) for end in leaf.hardly))}"]
+    usual = [] if leaf.hardly == UNBOUNDED else [f"usual {_span(*(_text(leaf, end) for end in leaf.hardly))}"]
     if size is not None:
         low, high = size.usual
         ends = (f"{low:g}" if low > 0.0 else "", f"{high:g}" if high < _WHOLE else "")

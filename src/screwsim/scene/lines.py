@@ -11,7 +11,7 @@ from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.models import condenses
 from screwsim.fluid.settings import GasSettings
-from screwsim.numerics.remembered import Remembered
+from screwsim.numerics.identity_cache import IdentityCache
 from screwsim.scene.types import Operation, Scene
 
 LEAST_SUPERHEAT = 1e-6  # [K] for saturated vapour: more than the round-off of saturation, which would make it liquid
@@ -34,7 +34,7 @@ def lines(scene: Scene) -> Lines:
     return stated if behind == 0.0 else replace(stated, p_d=stated.p_d + behind)
 
 
-@Remembered
+@IdentityCache
 def _stated(operation: Operation, gas: GasSettings) -> Lines:
     return _lines(operation, gas.name)
 
@@ -120,7 +120,7 @@ def refrigerating_effect(scene: Scene) -> float | None:
     return _effect(scene.operation, scene.gas)
 
 
-@Remembered
+@IdentityCache
 def _effect(operation: Operation, gas: GasSettings) -> float | None:
     return _refrigerating_effect(operation, gas.name)
 

@@ -9,27 +9,27 @@ from dataclasses import replace
 from typing import Any
 
 from screwsim.effects import catalogue
-from screwsim.inputs.arguments import FILE, TEXT, Kind, listed, takes
+from screwsim.inputs.arguments import FILE, TEXT, Kind, as_list, checked_arguments
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import Fault, UsageError
-from screwsim.inputs.near import nearest
-from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped
+from screwsim.inputs.suggestions import nearest
+from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.checks import check_files, cross_check
+from screwsim.scene.derived_values import with_derived_values
+from screwsim.scene.dict_text import DICT_NAME, yaml_text
 from screwsim.scene.fields import leaf_paths, scene_section
-from screwsim.scene.files import other_file
-from screwsim.scene.fixed import Fixed
-from screwsim.scene.mapped import DICT, yaml_text
+from screwsim.scene.file_kinds import other_file
+from screwsim.scene.fixed_dict import FixedDict
 from screwsim.scene.model_errors import BLOCK, read_model_error
 from screwsim.scene.sections import find_kind, read_effects, read_section
-from screwsim.scene.stated import settled
 from screwsim.scene.sweep import read_sweep
-from screwsim.scene.tolerances import read_tolerances, taken
+from screwsim.scene.tolerances import read_tolerances, split_tolerances
 from screwsim.scene.types import STANDARD_ATMOSPHERE, Scene
-from screwsim.scene.units import Refused, over, parse_quantity
+from screwsim.scene.units import Refused, gauge_pressures_over, parse_quantity
 from screwsim.scene.values import shown
 from screwsim.scene.write import scene_text
-from screwsim.scene.yaml_tree import Node, Place, Problem, compose, merge, one_line, pointer, scene_error
+from screwsim.scene.yaml_tree import LocatedFault, Node, Position, compose, merge, one_line, pointer, scene_error
 
 OVERRIDE = 1_000_000  # rank of the first override, above those of all files
 SET = "--set "  # prefix of an override in messages
@@ -39,7 +39,7 @@ FILE_OR_DICT = Kind(
 )
 
 
-@takes(path=FILE_OR_DICT, stage=TEXT)
+@checked_arguments(path=FILE_OR_DICT, stage=TEXT)
 def load(
     path: str | os.PathLike[str] | Mapping[str, Any],
     overrides: Iterable[str] = (),
@@ -52,15 +52,15 @@ def load(
     one line for each fault, and `UsageError` for an override or an effect's name that makes no sense.
     """
     if isinstance(path, Mapping):
-        return loads(yaml_text(path), DICT, overrides=overrides, without=without)
-    name = shipped(path)
-    problems: list[Problem] = []
-    start = Place(0, name, folder=os.path.dirname(os.path.abspath(name)))
+        return loads(yaml_text(path), DICT_NAME, overrides=overrides, without=without)
+    name = shipped_name(path)
+    problems: list[LocatedFault] = []
+    start = Position(0, name, folder=os.path.dirname(os.path.abspath(name)))
     root = _read_file(name, start, (os.path.realpath(name),), problems)
     return _finish(root, start, overrides, without, problems, stage)
 
 
-@takes(text=TEXT, name=TEXT, folder=FILE, told=TEXT)
+@checked_arguments(text=TEXT, name=TEXT, folder=FILE, told=TEXT)
 def loads(
     text: str,
     name: str = "<text>",
@@ -73,21 +73,21 @@ def loads(
 
     `told` is put before an override in messages about its faults.
     """
-    problems: list[Problem] = []
-    start = Place(0, name, folder=os.path.abspath(folder))
+    problems: list[LocatedFault] = []
+    start = Position(0, name, folder=os.path.abspath(folder))
     return _finish(_read_text(text, start, (), problems), start, overrides, without, problems, told=told)
 
 
 def _finish(
     root: Node | None,
-    start: Place,
+    start: Position,
     overrides: Iterable[str],
     without: Iterable[str],
-    problems: list[Problem],
+    problems: list[LocatedFault],
     stage: str = "",
     told: str = SET,
 ) -> Scene:
-    overrides, without = listed(overrides), listed(without)  # they may be iterators, or a single text
+    overrides, without = as_list(overrides), as_list(without)  # they may be iterators, or a single text
     if root is None:
         raise scene_error(problems)
     for number, override in enumerate(overrides):
@@ -99,7 +99,7 @@ def _finish(
     return replace(scene, text=scene_text(scene))
 
 
-def _of_stage(problem: Problem, stage: str) -> Problem:
+def _of_stage(problem: LocatedFault, stage: str) -> LocatedFault:
     """Return a fault of an override with its paths as written for a stage; any other fault unchanged."""
     if not stage or problem.place.rank < OVERRIDE:
         return problem
@@ -108,7 +108,7 @@ def _of_stage(problem: Problem, stage: str) -> Problem:
 
 
 def _read_file(
-    name: str, start: Place, trail: tuple[str, ...], problems: list[Problem], at: Problem | None = None
+    name: str, start: Position, trail: tuple[str, ...], problems: list[LocatedFault], at: LocatedFault | None = None
 ) -> Node | None:
     """Return the tree of a file and its bases; `at` says where and how it was named, `trail` which files led to it."""
     try:
@@ -125,7 +125,7 @@ def _read_file(
         elif at is None and (near := _near_file(name)) is not None:
             what = f"cannot be read: {error}; did you mean '{near}'?"
         there = start.at(error.line, error.column)
-        problems.append(Problem(there, "", what) if at is None else replace(at, what=f"{at.what} {what}"))
+        problems.append(LocatedFault(there, "", what) if at is None else replace(at, what=f"{at.what} {what}"))
         return None
     return _read_text(text, start, trail, problems)
 
@@ -139,22 +139,22 @@ def _near_file(name: str) -> str | None:
     return None if near is None else os.path.join(folder, near)
 
 
-def _read_text(text: str, start: Place, trail: tuple[str, ...], problems: list[Problem]) -> Node | None:
+def _read_text(text: str, start: Position, trail: tuple[str, ...], problems: list[LocatedFault]) -> Node | None:
     """Return the tree of a text merged over its base, or None after a fault was added."""
     before = len(problems)
     root = compose(text, start, problems)
     if root is None:
         if len(problems) == before:
             needed = [name for name, item in scene_section().fields.items() if item.required]
-            problems.append(Problem(start, "", f"is empty (write at least {', '.join(needed)})"))
+            problems.append(LocatedFault(start, "", f"is empty (write at least {', '.join(needed)})"))
         return None
     if not isinstance(root.value, dict):
         what = f"is {shown(root.value)}, not a mapping (write lines such as machine: …)"
-        problems.append(Problem(root.place, "", what))
+        problems.append(LocatedFault(root.place, "", what))
         return None
     other = other_file(root.value, start.source)
     if other is not None:
-        problems.append(Problem(root.place, "", other))
+        problems.append(LocatedFault(root.place, "", other))
         return None
     content = dict(root.value)
     base = content.pop("base", None)
@@ -165,8 +165,8 @@ def _read_text(text: str, start: Place, trail: tuple[str, ...], problems: list[P
     return None if below is None else merge(below, above)  # without the base, nearly all keys would be reported missing
 
 
-def _read_base(node: Node, trail: tuple[str, ...], problems: list[Problem]) -> Node | None:
-    at = Problem(node.place, "base", "")
+def _read_base(node: Node, trail: tuple[str, ...], problems: list[LocatedFault]) -> Node | None:
+    at = LocatedFault(node.place, "base", "")
     if not isinstance(node.value, str):
         problems.append(replace(at, what=f"{shown(node.value)} is not the name of a file (write e.g. point.yaml)"))
         return None
@@ -178,11 +178,11 @@ def _read_base(node: Node, trail: tuple[str, ...], problems: list[Problem]) -> N
         problems.append(replace(at, what=f"{at.what} {again} (a chain of bases must end)"))
         return None
     source = os.path.normpath(os.path.join(os.path.dirname(node.place.source), node.value))
-    start = Place(node.place.rank + 1, source, folder=os.path.dirname(os.path.abspath(path)))
+    start = Position(node.place.rank + 1, source, folder=os.path.dirname(os.path.abspath(path)))
     return _read_file(path, start, (*trail, real), problems, at)
 
 
-def _override(root: Node, override: str, place: Place, problems: list[Problem], told: str) -> Node:
+def _override(root: Node, override: str, place: Position, problems: list[LocatedFault], told: str) -> Node:
     """Return the tree changed by one `PATH=VALUE`; `told` is put before the override in messages."""
     path, equals, text = override.partition("=")
     path = path.strip()
@@ -199,7 +199,7 @@ def _override(root: Node, override: str, place: Place, problems: list[Problem], 
     if node.value == {} and (there := _at(root, keys)) is not None and isinstance(there.value, dict) and there.value:
         out = "off" if path.startswith("effects.") else "null"
         what = f"{{}} changes nothing, as it is merged into what is there (write {out} to remove that)"
-        problems.append(Problem(place, path, what))
+        problems.append(LocatedFault(place, path, what))
     for name in reversed(keys):
         node = Node({name: node}, place, place)
     return merge(root, node)
@@ -212,7 +212,7 @@ def _at(root: Node, keys: Iterable[str]) -> Node | None:
     return node
 
 
-def _override_value(text: str, place: Place, path: str, problems: list[Problem]) -> Node | None:
+def _override_value(text: str, place: Position, path: str, problems: list[LocatedFault]) -> Node | None:
     before = len(problems)
     node = compose(text, place, problems, path)
     if len(problems) > before:
@@ -269,7 +269,7 @@ def _not_active(name: str, named: list[str]) -> str:
     return f"that effect is not active in this scene{hint} (active: {active})"
 
 
-def _machine_kind(root: Node, problems: list[Problem]) -> str:
+def _machine_kind(root: Node, problems: list[LocatedFault]) -> str:
     """Return the machine kind that a tree names; the default where it names none, or one that does not exist."""
     machine = root.value.get("machine")
     named = machine.value.get("kind") if machine is not None and isinstance(machine.value, dict) else None
@@ -279,7 +279,7 @@ def _machine_kind(root: Node, problems: list[Problem]) -> str:
     try:
         find_kind(name)
     except Refused as refusal:
-        problems.append(Problem(named.place, "machine.kind", f"{shown(name)} {refusal}"))
+        problems.append(LocatedFault(named.place, "machine.kind", f"{shown(name)} {refusal}"))
         return TWIN_SCREW
     return name
 
@@ -294,9 +294,9 @@ def _paths(root: Node, kind: str) -> list[str]:
     return list(dict.fromkeys([*leaves, *above, *(f"effects.{name}" for name in known)]))
 
 
-def _typed(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
+def _typed(root: Node, folder: str, problems: list[LocatedFault]) -> Scene | None:
     """Return the typed scene, or None after faults were added; cross-checks wait until every field is valid."""
-    with over(_ambient(root)):
+    with gauge_pressures_over(_ambient(root)):
         return _read(root, folder, problems)
 
 
@@ -312,8 +312,8 @@ def _ambient(root: Node) -> float | None:
         return None
 
 
-def _read(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
-    root, given = taken(root)
+def _read(root: Node, folder: str, problems: list[LocatedFault]) -> Scene | None:
+    root, given = split_tolerances(root)
     kind = _machine_kind(root, problems)
     paths = _paths(root, kind)
     scene = read_section(scene_section(kind), root, "", problems, ("base", "effects", "sweep", BLOCK), paths)
@@ -325,10 +325,12 @@ def _read(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
     sweep, joints = read_sweep(root.value.get("sweep"), root, effects, kind, problems)
     if problems or scene is None:
         return None
-    scene = settled(replace(scene, effects=Fixed(effects), sweep=Fixed(sweep), joints=joints, folder=folder))
+    scene = with_derived_values(
+        replace(scene, effects=FixedDict(effects), sweep=FixedDict(sweep), joints=joints, folder=folder)
+    )
     uncertain, correlated = read_tolerances(given, root.value.get(BLOCK), scene, problems)
     named = read_model_error(root.value.get(BLOCK), problems)
-    scene = replace(scene, uncertain=Fixed(uncertain), correlated=correlated, model_error=named)
+    scene = replace(scene, uncertain=FixedDict(uncertain), correlated=correlated, model_error=named)
     faults: list[Fault] = [*cross_check(scene), *check_files(scene)]
-    problems += [Problem(pointer(root, fault.path), fault.path, fault.what) for fault in faults]
+    problems += [LocatedFault(pointer(root, fault.path), fault.path, fault.what) for fault in faults]
     return scene

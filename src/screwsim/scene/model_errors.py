@@ -10,34 +10,34 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
-from screwsim.inputs.near import nearest
+from screwsim.inputs.suggestions import nearest
 from screwsim.scene.values import shown
-from screwsim.scene.yaml_tree import Node, Problem
+from screwsim.scene.yaml_tree import LocatedFault, Node
 
 BLOCK, MODEL = "uncertainty", "model"
 FILE = "model_errors.json"
 SPEED, RATIO = "operation.speed", "pressure_ratio"
-WORDS = {"machine.kind": "machine", "gas.fluid": "fluid", SPEED: "speed", RATIO: "pressure ratio"}
+CONDITION_WORDS = {"machine.kind": "machine", "gas.fluid": "fluid", SPEED: "speed", RATIO: "pressure ratio"}
 
 
 @cache
-def stored() -> Mapping[str, Any]:
+def stored_model_errors() -> Mapping[str, Any]:
     """Return the stored model errors by name."""
     return json.loads(resources.files("screwsim.scene").joinpath(FILE).read_text(encoding="utf-8"))
 
 
-def read_model_error(block: Node | None, problems: list[Problem]) -> str:
+def read_model_error(block: Node | None, problems: list[LocatedFault]) -> str:
     """Return the name of the validation whose model error a scene asks for; '' where it asks for none."""
     node = block.value.get(MODEL) if block is not None and isinstance(block.value, dict) else None
     if node is None or node.value is None:
         return ""
-    known = list(stored())
+    known = list(stored_model_errors())
     if node.value in known:
         return node.value
     near = nearest(node.value, known) if isinstance(node.value, str) else None
     hint = f"did you mean '{near}'? " if near else ""
     what = f"{shown(node.value)} is not a validation that states a model error ({hint}known: {', '.join(known)})"
-    problems.append(Problem(node.place, f"{BLOCK}.{MODEL}", what))
+    problems.append(LocatedFault(node.place, f"{BLOCK}.{MODEL}", what))
     return ""
 
 
@@ -46,7 +46,7 @@ def range_text(known: Mapping[str, Any]) -> str:
     parts = []
     for name, ends in known.items():
         texts = list(dict.fromkeys(each if isinstance(each, str) else shown_condition(name, each) for each in ends))
-        parts.append(f"{WORDS[name]} {(', ' if isinstance(ends[0], str) else ' to ').join(texts)}")
+        parts.append(f"{CONDITION_WORDS[name]} {(', ' if isinstance(ends[0], str) else ' to ').join(texts)}")
     return ", ".join(parts)
 
 

@@ -10,13 +10,13 @@ from typing import NamedTuple
 
 _SPACES = " \u00a0\u202f\u2009\u2007"  # plain, no-break, narrow no-break, thin, figure
 _DIVIDERS = f"{_SPACES}'’_"  # separate thousands, nothing else
-_BOTH = ",·"  # separate thousands or decimals
+_AMBIGUOUS_MARKS = ",·"  # separate thousands or decimals
 _MINUS, _PLUS = "−–—－﹣", "＋"
-_ALIKE = {"．": ".", "，": ",", "٫": ",", "٬": "'"}
+_LOOKALIKES = {"．": ".", "，": ",", "٫": ",", "٬": "'"}
 _QUOTES = "“”„‟«»″"
-LONGEST = 200  # most characters of a text examined as a number; the patterns would be slow on more
+LONGEST_NUMBER = 200  # most characters of a text examined as a number; the patterns would be slow on more
 _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)"
-_GROUPED = re.compile(rf"([+-]?)([0-9][0-9.{_BOTH}{_DIVIDERS}]*[0-9])((?:[eE][+-]?[0-9]+)?)(.*)", re.DOTALL)
+_GROUPED = re.compile(rf"([+-]?)([0-9][0-9.{_AMBIGUOUS_MARKS}{_DIVIDERS}]*[0-9])((?:[eE][+-]?[0-9]+)?)(.*)", re.DOTALL)
 _POWER = re.compile(rf"({_NUMBER})\s*[x×*·]\s*10\s*(?:\^|\*\*)\s*\(?([+-]?[0-9]{{1,3}})\)?(?![0-9])\s*(.*)", re.DOTALL)
 _SUPERSCRIPT = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+")
 _RAISED = re.compile(r"(10\s*)([⁻⁺]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)")
@@ -26,7 +26,7 @@ _QUOTIENT = re.compile(rf"({_NUMBER})\s*/\s*([0-9]*[1-9][0-9]*)\s*(.*)", re.DOTA
 _ABOUT = re.compile(r"(?:~|≈|=|ca\.?|approx\.?|about)\s*([+-]?[0-9.].*)", re.DOTALL | re.IGNORECASE)
 
 
-class Odd(NamedTuple):
+class OddNumber(NamedTuple):
     """What is odd about a number, and texts that state its possible readings; none where no single number is meant."""
 
     what: str
@@ -34,14 +34,14 @@ class Odd(NamedTuple):
     lead: str = "write"
 
 
-def odd_number(text: str, unit: str = "") -> Odd | None:
+def odd_number(text: str, unit: str = "") -> OddNumber | None:
     """Return what is odd about a text that begins like a number; `unit` completes readings that have no unit."""
     text = text.strip()
-    if len(text) > LONGEST:
+    if len(text) > LONGEST_NUMBER:
         return None
     quoted = text.strip(_QUOTES).strip()
     if quoted != text and quoted[:1].isdecimal():
-        return Odd("has typographic quotes", _with_unit(quoted, "", unit))
+        return OddNumber("has typographic quotes", _with_unit(quoted, "", unit))
     plain = _plain(text)
     for look in (_sign, _fraction, _power, _range, _about, _grouped):
         found = look(plain, unit)
@@ -49,10 +49,10 @@ def odd_number(text: str, unit: str = "") -> Odd | None:
             return found
     if plain == text:
         return None
-    return Odd("has a sign or digits that are not ASCII", _with_unit(plain, "", unit))
+    return OddNumber("has a sign or digits that are not ASCII", _with_unit(plain, "", unit))
 
 
-def told(odd: Odd, quote: str = "'") -> str:
+def odd_number_text(odd: OddNumber, quote: str = "'") -> str:
     """Return what is odd and its remedy, as worded in a message."""
     readings = [f"{quote}{reading}{quote}" for reading in odd.readings]
     if not readings:
@@ -64,7 +64,7 @@ def told(odd: Odd, quote: str = "'") -> str:
 def _plain(text: str) -> str:
     """Return a text with ASCII digits, point and sign."""
     digits = "".join(
-        str(unicodedata.decimal(letter)) if letter.isdecimal() else _ALIKE.get(letter, letter) for letter in text
+        str(unicodedata.decimal(letter)) if letter.isdecimal() else _LOOKALIKES.get(letter, letter) for letter in text
     )
     first = "-" if digits[:1] in tuple(_MINUS) else "+" if digits[:1] in tuple(_PLUS) else digits[:1]
     digits = first + digits[1:]
@@ -76,41 +76,43 @@ def _with_unit(number: str, rest: str, unit: str) -> tuple[str, ...]:
     return (f"{number} {rest}".strip(),)
 
 
-def _sign(text: str, unit: str) -> Odd | None:
+def _sign(text: str, unit: str) -> OddNumber | None:
     match = re.fullmatch(r"([+-])\s+([0-9.].*)", text, re.DOTALL)
-    return None if match is None else Odd("has a space after its sign", _with_unit(match[1] + match[2], "", unit))
+    return None if match is None else OddNumber("has a space after its sign", _with_unit(match[1] + match[2], "", unit))
 
 
-def _fraction(text: str, unit: str) -> Odd | None:
+def _fraction(text: str, unit: str) -> OddNumber | None:
     match = _FRACTION.fullmatch(text)
     if match is not None:
         value = float(match[2] or 0) + unicodedata.numeric(match[3])
-        return Odd("is a fraction", _with_unit(f"{match[1].removeprefix('+')}{value:.6g}", match[4], unit))
+        return OddNumber("is a fraction", _with_unit(f"{match[1].removeprefix('+')}{value:.6g}", match[4], unit))
     match = _QUOTIENT.fullmatch(text)
     if match is not None:
-        return Odd("is a fraction", _with_unit(f"{float(match[1]) / float(match[2]):.6g}", match[3], unit))
+        return OddNumber("is a fraction", _with_unit(f"{float(match[1]) / float(match[2]):.6g}", match[3], unit))
     return None
 
 
-def _power(text: str, unit: str) -> Odd | None:
+def _power(text: str, unit: str) -> OddNumber | None:
     text = _RAISED.sub(lambda match: f"{match[1]}^{match[2].translate(_SUPERSCRIPT)}", text)
     match = _POWER.fullmatch(text)
-    return None if match is None else Odd("is a product", _with_unit(f"{match[1]}e{int(match[2])}", match[3], unit))
+    return (
+        None if match is None else OddNumber("is a product", _with_unit(f"{match[1]}e{int(match[2])}", match[3], unit))
+    )
 
 
-def _range(text: str, unit: str) -> Odd | None:
+def _range(text: str, unit: str) -> OddNumber | None:
     match = _RANGE.fullmatch(text)
     if match is None:
         return None
-    return Odd("states more than one number" if match[1] in ("±", "+/-") else "is a range", ())
+    return OddNumber("states more than one number" if match[1] in ("±", "+/-") else "is a range", ())
 
 
-def _about(text: str, unit: str) -> Odd | None:
+def _about(text: str, unit: str) -> OddNumber | None:
     match = _ABOUT.fullmatch(text)
-    return None if match is None else Odd("contains more than a number", _with_unit(match[1], "", unit))
+    return None if match is None else OddNumber("contains more than a number", _with_unit(match[1], "", unit))
 
 
-def _grouped(text: str, unit: str) -> Odd | None:
+def _grouped(text: str, unit: str) -> OddNumber | None:
     """Return the readings of a number with marks between its digits; None if there are no such marks."""
     match = _GROUPED.fullmatch(text)
     if match is None or re.fullmatch(r"[0-9]+(\.[0-9]+)?", match[2]):
@@ -120,14 +122,14 @@ def _grouped(text: str, unit: str) -> Odd | None:
     last = re.findall(r"[^0-9]", body)[-1]
     lead = "write" if rest.strip() or not unit else "write e.g."  # the unit is a guess
     if len(found) == 2:
-        return Odd(
+        return OddNumber(
             f"has a {'comma' if last == ',' else 'dot'} that may separate thousands or decimals", tuple(found), lead
         )
     if not found:
-        return Odd("is not one number")
+        return OddNumber("is not one number")
     if re.fullmatch(r"[0-9]+,[0-9]+", body) and "." in found[0]:
-        return Odd("has a decimal comma", tuple(found), "write a point, e.g.")
-    return Odd("has marks between its digits", tuple(found), lead)
+        return OddNumber("has a decimal comma", tuple(found), "write a point, e.g.")
+    return OddNumber("has marks between its digits", tuple(found), lead)
 
 
 def _readings(body: str) -> list[str]:
@@ -137,7 +139,7 @@ def _readings(body: str) -> list[str]:
     if _groups(parts, marks):
         found.append("".join(parts))
     whole = len(marks) == 1 or (marks[-1] not in marks[:-1] and _groups(parts[:-1], marks[:-1]))
-    if marks[-1] in f".{_BOTH}" and whole:
+    if marks[-1] in f".{_AMBIGUOUS_MARKS}" and whole:
         found.append("".join(parts[:-1]) + "." + (parts[-1].rstrip("0") or "0" if found else parts[-1]))
     return [number.removesuffix(".0") for number in found]
 

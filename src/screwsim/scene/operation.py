@@ -22,7 +22,7 @@ T_D = "operation.discharge.temperature"
 GAS_COOLER = "operation.gas_cooler"
 GAS_COOLER_P, GAS_COOLER_T = f"{GAS_COOLER}.pressure", f"{GAS_COOLER}.outlet_temperature"
 QUALITY = "operation.suction.quality"
-STATED = ("gas.fluid", "gas.mass_fractions", "gas.mole_fractions", "operation")  # paths on which the states depend
+STATE_PATHS = ("gas.fluid", "gas.mass_fractions", "gas.mole_fractions", "operation")  # paths on which the states depend
 TEMPERATURES = (EVAPORATING, CONDENSING, SUPERHEAT, SUBCOOLING, GAS_COOLER)  # one way to state the lines
 PRESSURES = (P_S, P_D, T_S, SUPERHEAT_S)  # the other way
 COUNTERPART = {
@@ -38,13 +38,13 @@ COUNTERPART = {
 
 def check_operation(scene: Scene) -> list[Fault]:
     """Return the faults of gas and operation; states are checked only once the scene states them in one way."""
-    faults = [*_gas(scene), *_one_way(scene), *_axes(scene)]
-    if not any(fault.path.startswith(STATED) for fault in faults):
+    faults = [*_gas(scene), *_stated_one_way(scene), *_axes(scene)]
+    if not any(fault.path.startswith(STATE_PATHS) for fault in faults):
         faults += _states(scene)
     return faults
 
 
-def _given(scene: Scene, paths: tuple[str, ...]) -> list[str]:
+def _is_given(scene: Scene, paths: tuple[str, ...]) -> list[str]:
     return [path for path in paths if attrgetter(path)(scene) is not None]
 
 
@@ -65,9 +65,9 @@ def _gas(scene: Scene) -> Iterator[Fault]:
         yield Fault(QUALITY, "needs gas.model: real and gas.two_phase: equilibrium (write both, or give a superheat)")
 
 
-def _one_way(scene: Scene) -> Iterator[Fault]:
+def _stated_one_way(scene: Scene) -> Iterator[Fault]:
     """Yield what is missing, or given twice, in the way in which the lines are stated."""
-    temperatures, pressures = _given(scene, TEMPERATURES), _given(scene, PRESSURES)
+    temperatures, pressures = _is_given(scene, TEMPERATURES), _is_given(scene, PRESSURES)
     if temperatures and pressures:
         for path in pressures:
             what = (
@@ -101,7 +101,7 @@ def _temperatures_complete(scene: Scene) -> Iterator[Fault]:
 
 def _instead_of_a_condenser(scene: Scene) -> Iterator[Fault]:
     """Yield faults of what cannot be combined with a gas cooler."""
-    for path in _given(scene, (CONDENSING, SUBCOOLING)):
+    for path in _is_given(scene, (CONDENSING, SUBCOOLING)):
         what = "is given as well as operation.gas_cooler, which states pressure and temperature itself"
         yield Fault(path, f"{what} (remove one of the two; null drops a base's value)")
     if scene.machine.expands:
@@ -122,8 +122,8 @@ def _pressures_complete(scene: Scene) -> Iterator[Fault]:
 
 def _axes(scene: Scene) -> Iterator[Fault]:
     """Yield the axes of a sweep that belong to the other way of stating the lines."""
-    temperatures = _given(scene, TEMPERATURES)
-    if bool(temperatures) == bool(_given(scene, PRESSURES)):
+    temperatures = _is_given(scene, TEMPERATURES)
+    if bool(temperatures) == bool(_is_given(scene, PRESSURES)):
         return  # neither way, or both: reported elsewhere
     stated, other = ("saturation temperatures", PRESSURES) if temperatures else ("pressures", TEMPERATURES)
     if scene.operation.gas_cooler is not None:

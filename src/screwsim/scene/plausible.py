@@ -19,14 +19,14 @@ from screwsim.effects import catalogue
 from screwsim.effects.parts.usual import LEAK, USUAL, Usual
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses, find_gas_model
-from screwsim.inputs.declare import ANY, KINDS, VOLUME, is_derived
+from screwsim.inputs.declare import KINDS, UNBOUNDED, VOLUME, is_derived
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.near import in_a_sentence
+from screwsim.inputs.suggestions import joined_names
 from screwsim.machine.kinds import kind_of
-from screwsim.machine.rotors.settings import Profile, unread
+from screwsim.machine.rotors.settings import Profile, unused_parameters
 from screwsim.machine.settings import TwinScrew, VolumeLaw
-from screwsim.numerics.remembered import Remembered
-from screwsim.numerics.spline import read_curve, to_and_fro
+from screwsim.numerics.identity_cache import IdentityCache
+from screwsim.numerics.spline import read_curve, slope_oscillation
 from screwsim.outputs.customary import in_celsius
 from screwsim.scene.fields import Leaf, Section, section_of, value_at
 from screwsim.scene.lines import lines
@@ -35,44 +35,48 @@ from screwsim.scene.sizes import size_warnings
 from screwsim.scene.types import ActiveEffect, Scene
 from screwsim.scene.units import readable_quantity
 
-MEANT = "is that intended?"
-LEFT = 1e-3  # share of the largest volume that a table's smallest may have: the displacement is off by as much
-OTHER_HAND = 1.5  # ratio of a lobe's blow-hole areas from which it looks mirrored: asymmetric profiles have 0.1
+ASK_IF_MEANT = "is that intended?"
+# share of the largest volume that a table's smallest may have: the displacement is off by as much
+LEAST_VOLUME_SHARE = 1e-3
+MIRRORED_RATIO = 1.5  # ratio of a lobe's blow-hole areas from which it looks mirrored: asymmetric profiles have 0.1
 USUAL_RATIO = 30.0  # usual pressure ratio in one machine, higher over lower, at the most
-SCALED = 0.01  # relative deviation allowed between a table's largest volume and the stated one
-ROUGH = 0.25  # over its largest slope, how far a table's slope may jump back and forth; cut-off digits give half of it
-PLAIN = ("gas", "oil", "operation", "oil_supply", "machine")
+RESCALED_DEVIATION = 0.01  # relative deviation allowed between a table's largest volume and the stated one
+# over its largest slope, how far a table's slope may jump back and forth; cut-off digits give half of it
+ROUGH_SLOPE = 0.25
+PLAIN_SECTIONS = ("gas", "oil", "operation", "oil_supply", "machine")
 
 
 def scene_warnings(scene: Scene) -> tuple[str, ...]:
     """Return warnings about a scene that passed `cross_check`, one line each, which begins with the path."""
     of_machine = *_volume(scene), *_profile(scene), *size_warnings(scene)
     found = [*_fields(scene), *of_machine, *_lines(scene), *_oil(scene)]
-    return tuple(f"{path}: {what}; {MEANT}" for path, what in found)
+    return tuple(f"{path}: {what}; {ASK_IF_MEANT}" for path, what in found)
 
 
 def _fields(scene: Scene) -> Iterator[tuple[str, str]]:
-    for name in PLAIN:
+    for name in PLAIN_SECTIONS:
         part = getattr(scene, name)
         if part is not None:
             # a section that is the same object as in the previous case need not be checked again
-            last = _seen.get(name)
+            last = _last_sections.get(name)
             if last is None or last[0] is not part:
-                last = _seen[name] = part, tuple(_beyond(type(part), part, name))
+                last = _last_sections[name] = part, tuple(_outside_usual_range(type(part), part, name))
             yield from last[1]
-    yield from _of_effects(scene.effects)
+    yield from _effect_warnings(scene.effects)
 
 
-@Remembered
-def _of_effects(effects: Mapping[str, ActiveEffect]) -> tuple[tuple[str, str], ...]:
-    found = (_beyond(type(one.parameters), one.parameters, f"effects.{name}") for name, one in effects.items())
+@IdentityCache
+def _effect_warnings(effects: Mapping[str, ActiveEffect]) -> tuple[tuple[str, str], ...]:
+    found = (
+        _outside_usual_range(type(one.parameters), one.parameters, f"effects.{name}") for name, one in effects.items()
+    )
     return tuple(chain.from_iterable(found))
 
 
-_seen: dict[str, tuple[Any, tuple[tuple[str, str], ...]]] = {}  # last section of each path, which cases share
+_last_sections: dict[str, tuple[Any, tuple[tuple[str, str], ...]]] = {}  # last section of each path, which cases share
 
 
-def _beyond(cls: type, part: Any, path: str) -> Iterator[tuple[str, str]]:
+def _outside_usual_range(cls: type, part: Any, path: str) -> Iterator[tuple[str, str]]:
     """Yield (path, what) of the values of a section, and of those below it, outside their usual bounds."""
     leaves, sections = _bounded(cls)
     for name, leaf, low, high in leaves:
@@ -84,7 +88,7 @@ def _beyond(cls: type, part: Any, path: str) -> Iterator[tuple[str, str]]:
     for name in sections:
         inner = getattr(part, name)
         if inner is not None:
-            yield from _beyond(type(inner), inner, f"{path}.{name}")
+            yield from _outside_usual_range(type(inner), inner, f"{path}.{name}")
 
 
 @cache
@@ -92,7 +96,7 @@ def _bounded(cls: type) -> tuple[tuple[tuple[str, Leaf, float, float], ...], tup
     """Return (name, leaf, low, high) of the fields of a section with usual bounds, and the names of its sections."""
     fields, leaves = section_of(cls).fields, []
     for name, item in fields.items():
-        if isinstance(item, Leaf) and item.hardly != ANY:
+        if isinstance(item, Leaf) and item.hardly != UNBOUNDED:
             low, high = item.hardly
             leaves.append((name, item, -math.inf if low is None else low, math.inf if high is None else high))
     return tuple(leaves), tuple(name for name, item in fields.items() if isinstance(item, Section))
@@ -133,15 +137,15 @@ def _volume(scene: Scene) -> Iterator[tuple[str, str]]:
     law = getattr(scene.machine, "volume", None)  # a user-defined machine may have anything here
     if isinstance(law, VolumeLaw) and law.file is not None:
         angles, volumes = read_curve(str(law.file), VOLUME)
-        yield from _left(volumes)
+        yield from _never_empty(volumes)
         yield from _of_table(angles, volumes)
-        yield from _of_scale(law, float(np.max(volumes)))
+        yield from _rescaled_volumes(law, float(np.max(volumes)))
 
 
-def _left(volumes: np.ndarray) -> Iterator[tuple[str, str]]:
+def _never_empty(volumes: np.ndarray) -> Iterator[tuple[str, str]]:
     """Yield a warning where the swept volume of a table never reaches zero: its largest counts as displacement."""
     share = float(np.min(volumes) / np.max(volumes))
-    if share > LEFT:
+    if share > LEAST_VOLUME_SHARE:
         what = (
             f"the smallest volume of the table is {share:.2%} of its largest, which is the swept volume only if the "
             "smallest is 0"
@@ -149,9 +153,9 @@ def _left(volumes: np.ndarray) -> Iterator[tuple[str, str]]:
         yield "machine.volume.file", f"{what} (subtract it from all rows, and write it as machine.volume.min)"
 
 
-def _of_scale(law: VolumeLaw, largest: float) -> Iterator[tuple[str, str]]:
+def _rescaled_volumes(law: VolumeLaw, largest: float) -> Iterator[tuple[str, str]]:
     """Yield a warning where the volumes of a table are rescaled to the largest volume that the scene states."""
-    if law.max is None or abs(law.max - largest) <= SCALED * largest or is_derived(law.max):
+    if law.max is None or abs(law.max - largest) <= RESCALED_DEVIATION * largest or is_derived(law.max):
         return
     held, stated = (readable_quantity(KINDS["volume"], round(each, 12)) for each in (largest, law.max))
     yield (
@@ -160,10 +164,10 @@ def _of_scale(law: VolumeLaw, largest: float) -> Iterator[tuple[str, str]]:
     )
 
 
-@Remembered
+@IdentityCache
 def _of_table(angles: np.ndarray, volumes: np.ndarray) -> tuple[tuple[str, str], ...]:
-    share, at = to_and_fro(angles, volumes)
-    if share <= ROUGH:
+    share, at = slope_oscillation(angles, volumes)
+    if share <= ROUGH_SLOPE:
         return ()
     what = f"the slope of the volume jumps back and forth from row to row, at {math.degrees(at):.4g} deg by {share:.0%}"
     return (("machine.volume.file", f"{what} of the largest (use a smoother table, more digits, or fewer rows)"),)
@@ -173,18 +177,18 @@ def _profile(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield warnings about values of the rotor profile that are not used, and about a lobe that looks mirrored."""
     profile = getattr(scene.machine, "profile", None)
     if isinstance(profile, Profile):
-        yield from unread(profile)
+        yield from unused_parameters(profile)
         if profile.measured and isinstance(scene.machine, TwinScrew) and scene.machine.volume.from_rotors:
-            yield from _hand(scene.machine)
+            yield from _mirrored_lobe(scene.machine)
 
 
-def _hand(machine: TwinScrew) -> Iterator[tuple[str, str]]:
-    from screwsim.machine.profile_law import lay  # imported here so that scenes without rotors start faster
+def _mirrored_lobe(machine: TwinScrew) -> Iterator[tuple[str, str]]:
+    from screwsim.machine.profile_law import laid_curves  # imported here so that scenes without rotors start faster
 
     with suppress(UsageError):  # for rotors that cannot be laid out, which is reported where they are built
-        rotors = lay(machine).rotors
+        rotors = laid_curves(machine).rotors
         high, low = rotors.blow_hole.area(rotors.h), rotors.suction_blow_hole.area(rotors.h)
-        if high > OTHER_HAND * low:
+        if high > MIRRORED_RATIO * low:
             holes = f"{1e6 * high:.4g} mm² at the high-pressure cusp, {1e6 * low:.4g} mm² at the suction cusp"
             what = f"the larger blow-hole is the high-pressure one ({holes}), as for a lobe of the opposite hand"
             yield "machine.profile.file", f"{what} (reverse the sign of its y if so)"
@@ -199,7 +203,7 @@ def _critical(scene: Scene) -> float:
 def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield a warning where the oil is so cold that a real gas condenses on it at the discharge pressure."""
     supply = scene.oil_supply
-    if supply is None or supply.temperature is None or not condenses(scene.gas) or not _warmed(scene.effects):
+    if supply is None or supply.temperature is None or not condenses(scene.gas) or not _oil_warming(scene.effects):
         return
     p_d = lines(scene).p_d
     with suppress(UsageError):  # above the critical pressure
@@ -210,40 +214,40 @@ def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
             yield "oil_supply.temperature", f"the oil enters at {cold}; {what} (use warmer oil)"
 
 
-@Remembered
-def _warmed(effects: Mapping[str, ActiveEffect]) -> bool:
+@IdentityCache
+def _oil_warming(effects: Mapping[str, ActiveEffect]) -> bool:
     return any("T_oil" in active.effect.states for active in effects.values())
 
 
-def what_is_left_out(scene: Scene) -> list[str]:
+def left_out_lines(scene: Scene) -> list[str]:
     """Return one line each on the leaks that a scene omits and on the number of effects that it omits."""
-    return [line for line in (leaks_told(scene), left_out_told(scene)) if line]
+    return [line for line in (leaks_in_words(scene), left_out_in_words(scene)) if line]
 
 
-def leaks_told(scene: Scene) -> str:
+def leaks_in_words(scene: Scene) -> str:
     """Return which of a machine's leaks are simulated; empty where all of them are."""
-    there, lacking = _parted(scene, _named(scene).get(LEAK, []))
+    there, lacking = _parted(scene, _usual_effects(scene).get(LEAK, []))
     if not lacking:
         return ""
-    only = f"{in_a_sentence([_short(name) for name in there])} only" if there else "none"
-    return f"leaks simulated: {only}; typical scenes name {in_a_sentence(lacking)}{', too' if there else ''}"
+    only = f"{joined_names([_short(name) for name in there])} only" if there else "none"
+    return f"leaks simulated: {only}; typical scenes name {joined_names(lacking)}{', too' if there else ''}"
 
 
-def left_out_told(scene: Scene) -> str:
+def left_out_in_words(scene: Scene) -> str:
     """Return in one line how many effects are not simulated, and which of these typical scenes name."""
     kind = kind_of(scene.machine)
     left = [name for name, effect in catalogue().items() if name not in scene.effects and effect.fits(kind)]
     if not left:
         return ""
     usual = list(_usual(scene))
-    among = f", among them {in_a_sentence(usual)}, which typical scenes name" if usual else ""
+    among = f", among them {joined_names(usual)}, which typical scenes name" if usual else ""
     many = f"{len(left)} effects" if len(left) > 1 else "1 effect"
     return f"not simulated: {many} of a {scene.machine.kind}{among} (screwsim explain says what each is)"
 
 
 def _usual(scene: Scene) -> Iterator[str]:
     """Yield effects other than leaks that typical scenes of this kind of machine name and this one does not."""
-    named = _named(scene)
+    named = _usual_effects(scene)
     for what in USUAL:
         names = named.get(what, [])
         dry = scene.oil_supply is None and what.oiled
@@ -251,7 +255,7 @@ def _usual(scene: Scene) -> Iterator[str]:
             yield " or ".join(names)
 
 
-def _named(scene: Scene) -> dict[Usual, list[str]]:
+def _usual_effects(scene: Scene) -> dict[Usual, list[str]]:
     """Return the effects that count as usual for this kind of machine, by what they stand for."""
     kind, found = kind_of(scene.machine), {}
     for name, effect in catalogue().items():

@@ -10,19 +10,19 @@ from screwsim.effects import catalogue
 from screwsim.inputs.declare import AUTO, KINDS, Kind
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.fields import SWEEPABLE, Leaf, Section, leaf_paths, scene_section, section_of, varies
-from screwsim.scene.model_errors import BLOCK, MODEL, stored
+from screwsim.scene.model_errors import BLOCK, MODEL, stored_model_errors
 from screwsim.scene.sweep import KINDS as SAMPLES
 from screwsim.scene.sweep import LARGEST_SAMPLE
-from screwsim.scene.tolerances import TOGETHER
+from screwsim.scene.tolerances import CORRELATED_KEY
 from screwsim.scene.units import NUMBER
 from screwsim.scene.values import limits_text, text_of
 
-TOLERANT = rf"^\s*{NUMBER}\s*(±|\+/?-|[×x]/÷|\*/|x/)\s*[0-9.]+(e-?[0-9]+)?\s*%?\s*$"  # 0.7 ± 0.05
+VALUE_WITH_TOLERANCE = rf"^\s*{NUMBER}\s*(±|\+/?-|[×x]/÷|\*/|x/)\s*[0-9.]+(e-?[0-9]+)?\s*%?\s*$"  # 0.7 ± 0.05
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
-OWN = r"^[^.]+(\.[^.]+)+$"  # my_package.my_effect, my_package.my_machine
+OWN_NAME = r"^[^.]+(\.[^.]+)+$"  # my_package.my_effect, my_package.my_machine
 OWN_PARAMETER = r"^effects\.[^.]+(\.[^.]+){2,}$"
 _SPACING = {"enum": ["linear", "log"], "default": "linear"}
-OFF = {  # an effect may be left out: off, no, false, in upper or lower case
+OFF_VALUES = {  # an effect may be left out: off, no, false, in upper or lower case
     "type": ["object", "null", "string", "boolean"],
     "pattern": "^([Oo][Ff][Ff]|[Nn][Oo]|[Ff][Aa][Ll][Ss][Ee])$",
     "not": {"const": True},
@@ -65,19 +65,20 @@ def schema() -> dict[str, Any]:
         "type": ["object", "null"],
         "description": "effects named here are simulated, all others are not",
         "properties": {
-            name: {**_section(part), **OFF, "description": catalogue()[name].title} for name, part in effects.items()
+            name: {**_section(part), **OFF_VALUES, "description": catalogue()[name].title}
+            for name, part in effects.items()
         },
-        "patternProperties": {OWN: {"type": ["object", "null"]}},
+        "patternProperties": {OWN_NAME: {"type": ["object", "null"]}},
         "additionalProperties": False,
     }
     properties["sweep"] = _sweep()
     groups = {"type": "array", "items": {"type": "array", "items": {"type": "string"}, "minItems": 2}}
     together = "groups of paths whose tolerances are fully correlated"
     named = {
-        "enum": [*stored(), None],
+        "enum": [*stored_model_errors(), None],
         "description": "validation whose model error is reported with the other uncertainties",
     }
-    keys = {TOGETHER: {**groups, "description": together}, MODEL: named}
+    keys = {CORRELATED_KEY: {**groups, "description": together}, MODEL: named}
     properties[BLOCK] = mapping(keys, (), "", ["object", "null"])
     return {
         "$schema": DRAFT,
@@ -98,7 +99,7 @@ def _machine() -> dict[str, Any]:
     kinds = {kind: _section(_machine_section(kind)) for kind in MACHINES}
     for kind, part in kinds.items():
         part["properties"]["kind"] = {**part["properties"]["kind"], "enum": [kind, None], "default": kind}
-    own = {"type": "object", "properties": {"kind": {"type": "string", "pattern": OWN}}, "required": ["kind"]}
+    own = {"type": "object", "properties": {"kind": {"type": "string", "pattern": OWN_NAME}}, "required": ["kind"]}
     return {"anyOf": [*kinds.values(), own]}
 
 
@@ -116,7 +117,7 @@ def _complete(effects: dict[str, Section]) -> dict[str, Any]:
         if kind != TWIN_SCREW:
             named = {"properties": {"kind": {"const": kind}}, "required": ["kind"]}
             machine = {"if": named, "then": _demands(_machine_section(kind)), "else": machine}
-    own = {"properties": {"kind": {"type": "string", "pattern": OWN}}, "required": ["kind"]}
+    own = {"properties": {"kind": {"type": "string", "pattern": OWN_NAME}}, "required": ["kind"]}
     machine = {"if": own, "then": {}, "else": machine}
     return {**demands, "properties": {**demands["properties"], "machine": machine}}
 
@@ -134,7 +135,7 @@ def leaf_schema(leaf: Leaf) -> dict[str, Any]:
     limits = limits_text(leaf)
     found = {"description": f"{leaf.doc} ({limits})" if limits else leaf.doc, **value_schema(leaf)}
     if leaf.kind == "number":  # text only with a tolerance; the bounds apply to numbers
-        found |= {"type": ["number", "string"], "pattern": TOLERANT}
+        found |= {"type": ["number", "string"], "pattern": VALUE_WITH_TOLERANCE}
     if not leaf.required and leaf.default is not None:
         found["default"] = text_of(leaf, leaf.default) if leaf.dimension else leaf.default
     if not leaf.required and "enum" in found:
@@ -152,7 +153,7 @@ def value_schema(leaf: Leaf) -> dict[str, Any]:
     if leaf.dimension is not None:
         return _quantity(leaf.dimension)
     if leaf.kind == "choice" and "own" in leaf.limits:
-        return {"type": "string", "anyOf": [{"enum": list(leaf.limits["options"])}, {"pattern": OWN}]}
+        return {"type": "string", "anyOf": [{"enum": list(leaf.limits["options"])}, {"pattern": OWN_NAME}]}
     if leaf.kind == "choice":
         return {"enum": list(leaf.limits["options"])}
     if leaf.kind in ("fluid", "numbers"):

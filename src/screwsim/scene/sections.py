@@ -7,20 +7,20 @@ from typing import Any
 from screwsim.effects import catalogue, find_effect
 from screwsim.effects.base import Effect
 from screwsim.machine.kinds import find_machine
-from screwsim.scene.fields import Leaf, Section, section_of, stray, unknown
+from screwsim.scene.fields import Leaf, Section, section_of, stray_key, unknown_key
 from screwsim.scene.types import ActiveEffect
 from screwsim.scene.units import Refused, customary_unit
 from screwsim.scene.values import convert, describe_leaf, imported, shown
-from screwsim.scene.yaml_tree import Node, Problem, join
+from screwsim.scene.yaml_tree import LocatedFault, Node, join
 
-OFF = ("off", "no", "false")
+OFF_WORDS = ("off", "no", "false")
 
 
 def read_section(
     section: Section,
     node: Node,
     path: str,
-    problems: list[Problem],
+    problems: list[LocatedFault],
     also: Iterable[str] = (),
     paths: Iterable[str] = (),
 ) -> Any:
@@ -33,13 +33,13 @@ def read_section(
         options = ", ".join(section.fields) or "nothing; write {}"
         remedy = "null to leave it out, or lines" if is_off(content) and not section.required else "lines"
         what = f"{shown(content)} is not a mapping (write {remedy} NAME: value; known: {options})"
-        problems.append(Problem(node.place, path, what))
+        problems.append(LocatedFault(node.place, path, what))
         return None
     before = len(problems)
     options = [*section.fields, *also]
     for name, child in content.items():
         if name not in options:
-            problems.append(Problem(child.heading, join(path, name), stray(name, options, paths)))
+            problems.append(LocatedFault(child.heading, join(path, name), stray_key(name, options, paths)))
     values = {}
     for name, item in section.fields.items():
         child = content.get(name)
@@ -53,15 +53,19 @@ def read_section(
     return section.type(**values) if len(problems) == before else None
 
 
-def _absent(item: Leaf | Section, node: Node, path: str, problems: list[Problem], beside: Mapping[str, Node]) -> None:
+def _absent(
+    item: Leaf | Section, node: Node, path: str, problems: list[LocatedFault], beside: Mapping[str, Node]
+) -> None:
     if isinstance(item, Section) and item.required:
         needed = [name for name, field in item.fields.items() if field.required]
-        problems.append(Problem(node.heading, path, f"is missing (write it with {', '.join(needed or item.fields)})"))
+        problems.append(
+            LocatedFault(node.heading, path, f"is missing (write it with {', '.join(needed or item.fields)})")
+        )
     others = item.otherwise if isinstance(item, Leaf) else ()
     stated = any(name in beside and beside[name].value is not None for name in others)
     if isinstance(item, Leaf) and (item.required or (others and not stated)):
         remedy = f"write {path.rpartition('.')[2]}: {_blank(item)}"
-        problems.append(Problem(node.heading, path, f"is missing ({remedy}; {item.doc})"))
+        problems.append(LocatedFault(node.heading, path, f"is missing ({remedy}; {item.doc})"))
 
 
 def _blank(leaf: Leaf) -> str:
@@ -71,63 +75,63 @@ def _blank(leaf: Leaf) -> str:
     return " or ".join(leaf.limits["options"]) if leaf.kind == "choice" else describe_leaf(leaf)
 
 
-def read_leaf(leaf: Leaf, node: Node, path: str, problems: list[Problem]) -> Any:
+def read_leaf(leaf: Leaf, node: Node, path: str, problems: list[LocatedFault]) -> Any:
     """Return the SI value of a node, or None after its fault was added."""
     try:
         return convert(leaf, node.value, node.place.folder)
     except Refused as refusal:
-        problems.append(Problem(node.place, path, str(refusal)))
+        problems.append(LocatedFault(node.place, path, str(refusal)))
         return None
 
 
-def read_effects(node: Node | None, problems: list[Problem]) -> dict[str, ActiveEffect]:
+def read_effects(node: Node | None, problems: list[LocatedFault]) -> dict[str, ActiveEffect]:
     """Return the active effects in the catalogue's order, then user-defined ones in the order of the file."""
     if node is None or node.value is None:
         return {}
     if not isinstance(node.value, dict):
         what = f"{shown(node.value)} is not a mapping (write NAME: with its parameters under it, or NAME: null)"
-        problems.append(Problem(node.place, "effects", what))
+        problems.append(LocatedFault(node.place, "effects", what))
         return {}
     rank = {name: index for index, name in enumerate(catalogue())}
     active = {}
     for name in sorted(node.value, key=lambda name: rank.get(name, len(rank))):
         child, path = node.value[name], f"effects.{name}"
         try:
-            effect, section = find(name)
+            effect, section = find_effect_section(name)
         except Refused as refusal:
-            problems.append(Problem(child.heading, path, str(refusal)))
+            problems.append(LocatedFault(child.heading, path, str(refusal)))
             continue
         if is_off(child.value):  # removes an effect that a base names
             continue
         if not isinstance(child.value, dict | None):
             known = ", ".join(section.fields) or "none"
             what = f"{shown(child.value)} is neither parameters nor off (write {name}: alone, or with parameters under "
-            problems.append(Problem(child.place, path, f"{what}it: {known}; or {name}: off to leave it out)"))
+            problems.append(LocatedFault(child.place, path, f"{what}it: {known}; or {name}: off to leave it out)"))
             continue
         before = len(problems)
         parameters = read_section(section, child, path, problems)
         if child.value is None:  # a user who writes null may mean off
-            problems[before:] = [_or_off(each, name) for each in problems[before:]]
+            problems[before:] = [_declared_or_off(each, name) for each in problems[before:]]
         active[name] = ActiveEffect(effect, parameters)
     return active
 
 
-def _or_off(problem: Problem, name: str) -> Problem:
+def _declared_or_off(problem: LocatedFault, name: str) -> LocatedFault:
     remedy = f"; or {name}: off to leave it out)"
     return replace(problem, what=problem.what[:-1] + remedy) if problem.what.endswith(")") else problem
 
 
 def is_off(value: Any) -> bool:
     """Tell whether a value switches an effect off: off, no or false, which YAML 1.2 reads as words or as a boolean."""
-    return value is False or (isinstance(value, str) and value.lower() in OFF)
+    return value is False or (isinstance(value, str) and value.lower() in OFF_WORDS)
 
 
-def find(name: str) -> tuple[Effect, Section]:
+def find_effect_section(name: str) -> tuple[Effect, Section]:
     """Return an effect and the description of its parameters; user-defined ones may lie in the working folder."""
     try:
         return imported(name, lambda: _declared(find_effect(name), "parameters"))
     except KeyError:
-        raise Refused(unknown(name, catalogue())) from None
+        raise Refused(unknown_key(name, catalogue())) from None
 
 
 def find_kind(name: str) -> None:

@@ -16,7 +16,7 @@ from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import Fault
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import MachineKind, Size, Speed
-from screwsim.numerics.remembered import Remembered
+from screwsim.numerics.identity_cache import IdentityCache
 from screwsim.scene.types import Scene
 from screwsim.scene.units import readable_quantity
 
@@ -24,7 +24,7 @@ RPM = 30.0 / math.pi
 _EFFECTS, _IN_EFFECTS = "effects", "effects."
 
 
-def _shares(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[tuple[Size, float]]:
+def _size_ratios(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[tuple[Size, float]]:
     """Yield each of these sizes that the scene states, and its ratio to the machine's reference dimension."""
     for size in sizes:
         value = _value(scene, size.path)
@@ -51,25 +51,25 @@ def _value(scene: Scene, path: str) -> float | None:
     return part
 
 
-def _fast(scene: Scene) -> tuple[float, Speed]:
+def _surface_speed(scene: Scene) -> tuple[float, Speed]:
     """Return the surface speed [m/s] of the moving parts, and its bounds."""
     known = kind_of(scene.machine).speed or Speed("moves the machine at", math.inf, math.inf, "")
     return scene.machine.surface_speed(scene.operation.speed), known
 
 
-def _words(scene: Scene, fast: float, known: Speed) -> str:
+def _in_words(scene: Scene, fast: float, known: Speed) -> str:
     """Return in words which part moves at which speed [m/s]."""
     return f"{scene.operation.speed * RPM:.6g} rpm {known.what} {fast:.4g} m/s"
 
 
 def size_faults(scene: Scene) -> Iterator[Fault]:
     """Yield faults of sizes that do not fit into the machine, and of a speed that no machine withstands."""
-    for faults, _ in _of_sections(scene):
+    for faults, _ in _section_findings(scene):
         yield from faults
-    fast, known = _fast(scene)
+    fast, known = _surface_speed(scene)
     if fast > known.most:
         what = (
-            f"{_words(scene, fast, known)}, and no machine withstands {known.most:g} m/s (choose a lower speed; "
+            f"{_in_words(scene, fast, known)}, and no machine withstands {known.most:g} m/s (choose a lower speed; "
             f"{known.why})"
         )
         yield Fault("operation.speed", what)
@@ -86,28 +86,29 @@ def area_fault(scene: Scene, largest: float) -> str | None:
 
 def size_warnings(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield (path, what) of unusual sizes, and of an unusual speed."""
-    for _, doubts in _of_sections(scene):
+    for _, doubts in _section_findings(scene):
         yield from doubts
-    fast, known = _fast(scene)
+    fast, known = _surface_speed(scene)
     if fast > known.usual:
-        yield "operation.speed", f"{_words(scene, fast, known)} (usual: at most {known.usual:g} m/s)"
+        yield "operation.speed", f"{_in_words(scene, fast, known)} (usual: at most {known.usual:g} m/s)"
 
 
-_Told = tuple[tuple[Fault, ...], tuple[tuple[str, str], ...]]
-_last: dict[int, tuple[Any, Any, _Told]] = {}  # by number of a section: machine and section checked last, and result
+_FaultsAndWarnings = tuple[tuple[Fault, ...], tuple[tuple[str, str], ...]]
+# by number of a section: machine and section checked last, and result
+_last_checked: dict[int, tuple[Any, Any, _FaultsAndWarnings]] = {}
 
 
-def _of_sections(scene: Scene) -> Iterator[_Told]:
+def _section_findings(scene: Scene) -> Iterator[_FaultsAndWarnings]:
     """Yield faults and warnings about the sizes of each section; cases with the same machine and section share them."""
     machine = scene.machine
     kind = kind_of(machine)
     for number, (head, sizes) in enumerate((*_by_section(kind.sizes), (_EFFECTS, ()))):
         part = getattr(scene, head)
-        last = _last.get(number)  # read once: threads share it
+        last = _last_checked.get(number)  # read once: threads share it
         if last is None or last[0] is not machine or last[1] is not part:
-            asked = sizes or tuple(_of_effects(scene, kind))
+            asked = sizes or tuple(_effect_sizes(scene, kind))
             told = tuple(_beyond(scene, asked)), tuple(_unusual(scene, asked))
-            last = _last[number] = machine, part, told
+            last = _last_checked[number] = machine, part, told
         yield last[2]
 
 
@@ -121,15 +122,15 @@ def sizes_of_effect(kind: MachineKind, name: str, effect: Effect) -> Iterator[Si
 def sizes_of(scene: Scene) -> Iterator[Size]:
     """Yield all bounded sizes of a scene: those of the machine, then those of its effects."""
     kind = kind_of(scene.machine)
-    yield from (*kind.sizes, *_of_effects(scene, kind))
+    yield from (*kind.sizes, *_effect_sizes(scene, kind))
 
 
-def _of_effects(scene: Scene, kind: MachineKind) -> Iterator[Size]:
+def _effect_sizes(scene: Scene, kind: MachineKind) -> Iterator[Size]:
     for name, active in scene.effects.items():
         yield from sizes_of_effect(kind, name, active.effect)
 
 
-@Remembered
+@IdentityCache
 def _by_section(sizes: tuple[Size, ...]) -> tuple[tuple[str, tuple[Size, ...]], ...]:
     """Return sizes in their order, grouped by the section of a scene that states them."""
     return tuple((head, tuple(each)) for head, each in groupby(sizes, lambda size: _keys(size.path)[0]))
@@ -137,7 +138,7 @@ def _by_section(sizes: tuple[Size, ...]) -> tuple[tuple[str, tuple[Size, ...]], 
 
 def _beyond(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[Fault]:
     """Yield faults of the sizes that do not fit into the machine."""
-    for size, share in _shares(scene, sizes):
+    for size, share in _size_ratios(scene, sizes):
         if share > size.most:
             what = f"{_shown(scene, size.path)} is {_times(share, size.what)}, which is impossible"
             yield Fault(size.path, f"{what} ({size.remedy})")
@@ -145,7 +146,7 @@ def _beyond(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[Fault]:
 
 def _unusual(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[tuple[str, str]]:
     """Yield (path, what) of unusual sizes."""
-    for size, share in _shares(scene, sizes):
+    for size, share in _size_ratios(scene, sizes):
         low, high = size.usual
         if not low <= share <= high:
             bound = f"at most {high:g}" if share > high else f"at least {low:g}"

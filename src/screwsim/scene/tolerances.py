@@ -13,17 +13,17 @@ from typing import Any, NamedTuple
 
 from screwsim.effects import catalogue
 from screwsim.inputs.declare import KINDS
-from screwsim.inputs.near import nearest
+from screwsim.inputs.suggestions import nearest
 from screwsim.scene.fields import Leaf, effect_keys, leaf_paths, leaves_of, value_at
 from screwsim.scene.model_errors import BLOCK, MODEL
 from screwsim.scene.types import Scene, Tolerance
 from screwsim.scene.units import NUMBER, Refused, format_quantity, parse_quantity
 from screwsim.scene.values import limits_text, shown, text_of, within
-from screwsim.scene.yaml_tree import Node, Place, Problem, join
+from screwsim.scene.yaml_tree import LocatedFault, Node, Position, join
 
-TOGETHER = "correlated"
-NO_INPUTS = ("numerics.", "output.")  # only the machine and its operation are uncertain
-APART = ("title", "base", "sweep", "output", BLOCK)  # keys under which no value has a tolerance
+CORRELATED_KEY = "correlated"
+CERTAIN_SECTIONS = ("numerics.", "output.")  # only the machine and its operation are uncertain
+KEYS_WITHOUT_TOLERANCE = ("title", "base", "sweep", "output", BLOCK)  # keys under which no value has a tolerance
 _SIGNS = {"±": False, "+/-": False, "+-": False, "×/÷": True, "x/÷": True, "*/": True, "x/": True}
 _SIGN = re.compile("|".join(map(re.escape, _SIGNS)))
 _SHARE = re.compile(rf"({NUMBER})\s*%")
@@ -32,27 +32,31 @@ _UNIT = re.compile(rf"\s*{NUMBER}\s*(.*)", re.DOTALL)
 _EXAMPLE = "write e.g. '27 um ± 5 um', '3 ± 10 %' or '50 um ×/÷ 2'"
 
 
-class Given(NamedTuple):
+class WrittenTolerance(NamedTuple):
     """A tolerance as written: the text of the value before it, whether it is a factor, its own text, and its place."""
 
     value: str
     factor: bool
     text: str
-    place: Place
+    place: Position
 
 
-def taken(root: Node, path: str = "") -> tuple[Node, dict[str, Given]]:
+def split_tolerances(root: Node, path: str = "") -> tuple[Node, dict[str, WrittenTolerance]]:
     """Return a tree with the tolerances removed from its values, and the tolerances by path."""
     match = _sign(root.value) if path and isinstance(root.value, str) else None
     if match is not None:
         value, factor, text = root.value[: match.start()].strip(), _SIGNS[match[0]], root.value[match.end() :].strip()
-        return replace(root, value=_nominal(value, text, factor)), {path: Given(value, factor, text, root.place)}
+        return replace(root, value=_nominal(value, text, factor)), {
+            path: WrittenTolerance(value, factor, text, root.place)
+        }
     if not isinstance(root.value, dict):
         return root, {}
     content: dict[str, Node] = {}
-    every: dict[str, Given] = {}
+    every: dict[str, WrittenTolerance] = {}
     for name, child in root.value.items():
-        content[name], found = (child, {}) if not path and name in APART else taken(child, join(path, name))
+        content[name], found = (
+            (child, {}) if not path and name in KEYS_WITHOUT_TOLERANCE else split_tolerances(child, join(path, name))
+        )
         every |= found
     return (replace(root, value=content) if every else root), every
 
@@ -79,7 +83,7 @@ def _nominal(value: str, text: str, factor: bool) -> Any:
 
 
 def read_tolerances(
-    given: Mapping[str, Given], block: Node | None, scene: Scene, problems: list[Problem]
+    given: Mapping[str, WrittenTolerance], block: Node | None, scene: Scene, problems: list[LocatedFault]
 ) -> tuple[dict[str, Tolerance], tuple[tuple[str, ...], ...]]:
     """Return the tolerances of a scene by path, and the groups that err together; faults are added at their places."""
     leaves, found = leaves_of(scene), {}
@@ -88,16 +92,16 @@ def read_tolerances(
         try:
             if leaf is None or (leaf.dimension is None and leaf.kind != "number"):
                 raise Refused("has a tolerance, which only quantities and numbers may have (write the value alone)")
-            if path.startswith(NO_INPUTS):
+            if path.startswith(CERTAIN_SECTIONS):
                 raise Refused("has a tolerance, which only values that describe the machine and its operation may have")
             value = float(value_at(scene, path))
-            tolerance = _factor(leaf, each, value) if each.factor else _half(leaf, each, value)
+            tolerance = _factor(leaf, each, value) if each.factor else _half_interval(leaf, each, value)
             _check_ends(leaf, tolerance, value, "its")
             found[path] = tolerance
             _check_sweep(leaf, found[path], scene.sweep.get(path, ()))
         except Refused as refusal:
-            problems.append(Problem(each.place, path, str(refusal)))
-    return found, _together(block, set(given), scene, problems)
+            problems.append(LocatedFault(each.place, path, str(refusal)))
+    return found, _correlated_groups(block, set(given), scene, problems)
 
 
 def _check_ends(leaf: Leaf, tolerance: Tolerance, value: float, whose: str) -> None:
@@ -119,7 +123,7 @@ def _check_sweep(leaf: Leaf, tolerance: Tolerance, values: Sequence[Any]) -> Non
         _check_ends(leaf, own, float(value), f"at {text_of(leaf, value)} of the sweep its")
 
 
-def _factor(leaf: Leaf, given: Given, value: float) -> Tolerance:
+def _factor(leaf: Leaf, given: WrittenTolerance, value: float) -> Tolerance:
     if not _BARE.fullmatch(given.text) or not float(given.text) > 1.0 or not math.isfinite(float(given.text)):
         raise Refused(f"the tolerance {shown(given.text)} is not a factor above 1 (write e.g. ×/÷ 2)")
     if value <= 0.0 or leaf.kind in ("temperature", "angle"):
@@ -127,7 +131,7 @@ def _factor(leaf: Leaf, given: Given, value: float) -> Tolerance:
     return Tolerance(float(given.text), factor=True)
 
 
-def _half(leaf: Leaf, given: Given, value: float) -> Tolerance:
+def _half_interval(leaf: Leaf, given: WrittenTolerance, value: float) -> Tolerance:
     """Return a tolerance written with ±."""
     text, share = given.text, _SHARE.fullmatch(given.text)
     if share is not None:
@@ -152,25 +156,25 @@ def _half(leaf: Leaf, given: Given, value: float) -> Tolerance:
     return Tolerance(half, percent=None if share is None else float(share[1]))
 
 
-def _together(
-    block: Node | None, known: Set[str], scene: Scene, problems: list[Problem]
+def _correlated_groups(
+    block: Node | None, known: Set[str], scene: Scene, problems: list[LocatedFault]
 ) -> tuple[tuple[str, ...], ...]:
     """Return the groups of paths that err together, without paths of effects that the scene does not name."""
     if block is None or block.value is None:
         return ()
-    if not isinstance(block.value, dict) or not set(block.value) <= {TOGETHER, MODEL}:
-        what = f"does not list correlated groups (write {TOGETHER}: [[PATH, PATH], …], or {MODEL}: NAME)"
-        problems.append(Problem(block.place, BLOCK, what))
+    if not isinstance(block.value, dict) or not set(block.value) <= {CORRELATED_KEY, MODEL}:
+        what = f"does not list correlated groups (write {CORRELATED_KEY}: [[PATH, PATH], …], or {MODEL}: NAME)"
+        problems.append(LocatedFault(block.place, BLOCK, what))
         return ()
     groups, seen = [], set()
-    if TOGETHER not in block.value or block.value[TOGETHER].value is None:
+    if CORRELATED_KEY not in block.value or block.value[CORRELATED_KEY].value is None:
         return ()
-    listed = block.value[TOGETHER]
+    listed = block.value[CORRELATED_KEY]
     for group in listed.value if isinstance(listed.value, list) else [listed]:
         if not isinstance(group.value, list) or len(group.value) < 2:
             told = "one path" if isinstance(group.value, list) and group.value else shown(group.value)
             what = f"{told} is not a group of paths (write [[PATH, PATH], …])"
-            problems.append(Problem(group.place, f"{BLOCK}.{TOGETHER}", what))
+            problems.append(LocatedFault(group.place, f"{BLOCK}.{CORRELATED_KEY}", what))
             continue
         names = []
         for node in group.value:
@@ -183,7 +187,7 @@ def _together(
                     else ""
                 )
                 what = f"{shown(node.value)} is not a path{why} (write [[PATH, PATH], …])"
-                problems.append(Problem(node.place, f"{BLOCK}.{TOGETHER}", what))
+                problems.append(LocatedFault(node.place, f"{BLOCK}.{CORRELATED_KEY}", what))
                 continue
             twice = "is listed twice (name it once)" if node.value in names else "is in two groups (name it in one)"
             why = twice if node.value in seen else ""
@@ -192,7 +196,7 @@ def _together(
                 hint = f"; did you mean '{near}'?" if near else ""
                 why = f"has no tolerance in this scene{hint} (write it there, or leave it out)"
             if why:
-                problems.append(Problem(node.place, f"{BLOCK}.{TOGETHER}", f"{shown(node.value)} {why}"))
+                problems.append(LocatedFault(node.place, f"{BLOCK}.{CORRELATED_KEY}", f"{shown(node.value)} {why}"))
             seen.add(node.value)
             names.append(str(node.value))
         groups.append(tuple(names))
@@ -225,7 +229,7 @@ def together_text(scene: Scene) -> Iterator[str]:
     parts = []
     if scene.correlated:
         groups = (f"[{', '.join(group)}]" for group in scene.correlated)
-        parts.append(f"{TOGETHER}: [{', '.join(groups)}]")
+        parts.append(f"{CORRELATED_KEY}: [{', '.join(groups)}]")
     if scene.model_error:
         parts.append(f"{MODEL}: {scene.model_error}")
     if parts:

@@ -9,8 +9,8 @@ from typing import Any
 
 from screwsim.effects.base import Effect, PressureLosses
 from screwsim.fluid.settings import GasSettings, OilLine, OilSettings, oil_temperature
-from screwsim.inputs.arguments import MAPPING, takes
-from screwsim.inputs.declare import Found, choice, number, quantity, word
+from screwsim.inputs.arguments import MAPPING, checked_arguments
+from screwsim.inputs.declare import FoundWithCycle, choice, number, quantity, word
 from screwsim.numerics.settings import NumericsSettings
 from screwsim.outputs.display import About, Brief
 
@@ -298,7 +298,7 @@ class Scene(Brief):
         rows = [(name, ", ".join(self.effects) if name == "effects" else text) for name, text in _sections(self.text)]
         return About(f"Scene: {self.title or 'without a title'}", (), ("section", "states"), rows)
 
-    @takes(values=MAPPING)
+    @checked_arguments(values=MAPPING)
     def with_(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> Scene:
         """Return this scene with other values at dotted paths, read and checked as by `--set`; this one is unchanged.
 
@@ -307,15 +307,17 @@ class Scene(Brief):
         A text is read as in a file, with its unit; None removes a value, 'off' an effect. Raise `SceneError`, with one
         line per fault, or `UsageError`.
         """
-        from screwsim.scene.given import changed
+        from screwsim.scene.argument import changed_scene
 
-        return changed(self, {**(values or {}), **{name.replace("__", "."): value for name, value in more.items()}})
+        return changed_scene(
+            self, {**(values or {}), **{name.replace("__", "."): value for name, value in more.items()}}
+        )
 
     def without(self, *effects: str) -> Scene:
         """Return this scene without some of its effects."""
-        from screwsim.scene.given import changed
+        from screwsim.scene.argument import changed_scene
 
-        return changed(self, {}, effects)
+        return changed_scene(self, {}, effects)
 
 
 def _sections(text: str) -> list[tuple[str, str]]:

@@ -14,7 +14,7 @@ from functools import cache, lru_cache
 from typing import Any
 
 from screwsim.inputs.declare import KINDS, Kind
-from screwsim.scene.numerals import odd_number, told
+from screwsim.scene.numerals import odd_number, odd_number_text
 
 
 class Refused(Exception):
@@ -34,7 +34,7 @@ class Gauge(float):
 
 
 @contextmanager
-def over(ambient: float | None) -> Iterator[None]:
+def gauge_pressures_over(ambient: float | None) -> Iterator[None]:
     """Read gauge pressures relative to an ambient pressure [Pa]; outside this context, or for None, refuse them."""
     token = _ambient.set(ambient)
     try:
@@ -83,7 +83,7 @@ _SPELLINGS = {"µ": "u", "μ": "u", "℃": "degC", "ºC": "degC", "°": "deg", "
 _SPELLINGS |= {"**": "^", "·": " ", "*": " "}
 # Other spellings of a unit, without blanks, dots and brackets; those in lower case match any case. They are suggested
 # in messages, not read.
-_MEANT: dict[str, dict[str, str]] = {
+_LIKELY_UNITS: dict[str, dict[str, str]] = {
     "Pa": {
         **dict.fromkeys(("bara", "barabs", "baraabs"), "bar"),
         **dict.fromkeys(("psia", "psiabs"), "psi"),
@@ -131,7 +131,7 @@ def parse_quantity(kind: Kind, text: str) -> float:
     wrong = Refused(f"{shown} is not {describe(kind)} (write e.g. '{kind.example}')")
     match = _QUANTITY.fullmatch(text)
     if match is None:
-        raise _odd(kind, text, shown) or wrong
+        raise _odd_number_fault(kind, text, shown) or wrong
     if not match[2]:
         raise Refused(f"{shown} has no unit (write e.g. '{kind.example}')")
     gauge = _from_gauge(kind, float(match[1]), match[2], text)
@@ -143,7 +143,7 @@ def parse_quantity(kind: Kind, text: str) -> float:
     if value is None:
         value = _from_pint(kind, number, unit)
     if value is None:
-        raise _odd(kind, text, shown) or _meant(kind, match[1], match[2], shown) or wrong
+        raise _odd_number_fault(kind, text, shown) or _likely_unit_fault(kind, match[1], match[2], shown) or wrong
     if not math.isfinite(value):
         raise Refused(f"{shown} is not finite (write e.g. '{kind.example}')")
     return value
@@ -164,21 +164,21 @@ def _from_gauge(kind: Kind, number: float, unit: str, text: str) -> Gauge | None
     return pressure
 
 
-def _odd(kind: Kind, text: str, shown: str) -> Refused | None:
+def _odd_number_fault(kind: Kind, text: str, shown: str) -> Refused | None:
     """Return the fault of a number written in an unsupported way; None for any other text."""
     odd = odd_number(text, customary_unit(kind))
     if odd is not None:
-        return Refused(f"{shown} {told(odd)}")
+        return Refused(f"{shown} {odd_number_text(odd)}")
     percent = re.search("[%‰]", text)
     return Refused(f"{shown} is a share, not {describe(kind)} (write e.g. '{kind.example}')") if percent else None
 
 
-def _meant(kind: Kind, number: str, unit: str, shown: str) -> Refused | None:
+def _likely_unit_fault(kind: Kind, number: str, unit: str, shown: str) -> Refused | None:
     """Return the fault of a unit that is spelt otherwise but is unambiguous for this kind; None for any other."""
     tight = re.sub(r"[\s._()]", "", unit)
     if kind.name == "viscosity" and tight.lower() in _KINEMATIC:
         return Refused(f"{shown} is a kinematic viscosity (multiply it by the density; write e.g. '{kind.example}')")
-    meant = _MEANT.get(kind.si, {})
+    meant = _LIKELY_UNITS.get(kind.si, {})
     known = meant.get(tight) or meant.get(tight.lower())
     if known is None:  # in another case; but m and M are milli and mega
         same = [each for each in _TABLE[kind.si] if each.lower() == unit.lower()]

@@ -8,16 +8,16 @@ from dataclasses import replace
 from typing import Any
 
 from screwsim.fluid.models import find_gas_model
-from screwsim.inputs.declare import AUTO, KINDS, Found
-from screwsim.inputs.near import nearest
+from screwsim.inputs.declare import AUTO, KINDS, FoundWithCycle
+from screwsim.inputs.suggestions import nearest
 from screwsim.machine.kinds import MACHINES
 from screwsim.numerics.integrators import find_integrator
 from screwsim.scene.fields import Leaf
-from screwsim.scene.numerals import odd_number, told
+from screwsim.scene.numerals import odd_number, odd_number_text
 from screwsim.scene.units import NUMBER, Refused, format_quantity, parse_quantity
 
 LARGEST_GAP = 2e-3  # [m] inputs that are usually shorter are explained by an example of a gap
-GAP = replace(KINDS["length"], example="27 um")
+GAP_KIND = replace(KINDS["length"], example="27 um")
 
 
 def shown(raw: Any) -> str:
@@ -37,7 +37,7 @@ def _digits(raw: int | float) -> str:
 def convert(leaf: Leaf, raw: Any, folder: str = ".") -> Any:
     """Return the SI value of a scalar of the YAML tree, checked against the leaf; raise `Refused`."""
     if leaf.auto and raw == AUTO:
-        return Found(0.0)
+        return FoundWithCycle(0.0)
     if leaf.dimension is not None:
         return _limited(leaf, _quantity(leaf, raw), raw)
     return _READERS[leaf.kind](leaf, raw, folder)
@@ -47,7 +47,7 @@ def _quantity(leaf: Leaf, raw: Any) -> float:
     kind = leaf.dimension
     assert kind is not None
     if kind.name == "length" and (leaf.hardly[1] or 1.0) <= LARGEST_GAP:  # inputs the size of a rotor are not gaps
-        kind = GAP
+        kind = GAP_KIND
     if isinstance(raw, str):
         return parse_quantity(kind, raw)
     if isinstance(raw, int | float) and not isinstance(raw, bool):
@@ -82,7 +82,7 @@ def _not_plain(text: str) -> str:
     if odd is None:
         return "is not a plain number (write e.g. 0.5, without a unit)"
     numbers = [re.match(NUMBER, reading) for reading in odd.readings]
-    return told(odd._replace(readings=tuple(match[0] for match in numbers if match)), "")
+    return odd_number_text(odd._replace(readings=tuple(match[0] for match in numbers if match)), "")
 
 
 def _count(leaf: Leaf, raw: Any, folder: str) -> int:
@@ -214,7 +214,7 @@ def limits_text(leaf: Leaf) -> str:
 
 def text_of(leaf: Leaf, value: Any) -> str:
     """Return an SI value as YAML text that reads back to the same value (words are quoted by the caller)."""
-    if leaf.auto and isinstance(value, Found):
+    if leaf.auto and isinstance(value, FoundWithCycle):
         return AUTO
     if leaf.dimension is not None:
         return format_quantity(leaf.dimension, value)

@@ -25,14 +25,14 @@ MOST_NODES = 1_000_000  # of one text, with all aliases written out
 MOST_LEVELS = 32
 MOST_DIGITS = 4000  # of a whole number; Python may refuse to read longer ones, and no float is so large
 _LONGEST_PATH = 200  # characters of a path shown in a fault
-_POINT_FIRST = re.compile(r"[+-]?\.[0-9]+[eE][+-]?[0-9]+")  # a YAML 1.2 number that ruamel reads as text
-_LONE = re.compile("[\ud800-\udfff]")
+_LEADING_POINT = re.compile(r"[+-]?\.[0-9]+[eE][+-]?[0-9]+")  # a YAML 1.2 number that ruamel reads as text
+_LONE_SURROGATE = re.compile("[\ud800-\udfff]")
 _CORE = "tag:yaml.org,2002:"  # prefix of YAML's own tags; any other tag would run a program
 _KNOWN = {"str", "int", "float", "bool", "null", "map", "seq", "timestamp", "merge", "value"}
 
 
 @dataclass(frozen=True, order=True)
-class Place:
+class Position:
     """Position of a node; `rank` orders files (scene, its base, overrides), file names are relative to `folder`."""
 
     rank: int
@@ -44,9 +44,9 @@ class Place:
     def __str__(self) -> str:
         return f"{self.source}:{self.line}:{self.column}" if self.line else self.source
 
-    def at(self, line: int, column: int) -> Place:
+    def at(self, line: int, column: int) -> Position:
         """Return another position in the same source."""
-        return Place(self.rank, self.source, line, column, self.folder) if self.line else self
+        return Position(self.rank, self.source, line, column, self.folder) if self.line else self
 
 
 @dataclass(frozen=True)
@@ -54,20 +54,20 @@ class Node:
     """A scalar, a list of nodes or a mapping of nodes; `key` is the position of its name in the mapping."""
 
     value: Any
-    place: Place
-    key: Place | None = None
+    place: Position
+    key: Position | None = None
 
     @property
-    def heading(self) -> Place:
+    def heading(self) -> Position:
         """Return the position to report for the node as a whole."""
         return self.key or self.place
 
 
 @dataclass(frozen=True)
-class Problem:
+class LocatedFault:
     """A fault with its place."""
 
-    place: Place
+    place: Position
     path: str
     what: str
 
@@ -76,7 +76,7 @@ class Problem:
         return one_line(f"{self.place}: {path}: {self.what}" if path else f"{self.place}: {self.what}")
 
 
-def scene_error(problems: Iterable[Problem]) -> SceneError:
+def scene_error(problems: Iterable[LocatedFault]) -> SceneError:
     """Return the error that lists all problems, each once, in the order of their places."""
     return SceneError([str(each) for each in sorted(dict.fromkeys(problems), key=lambda each: each.place)])
 
@@ -91,33 +91,33 @@ def join(path: str, name: str) -> str:
     return f"{path}.{name}" if path else name
 
 
-def compose(text: str, start: Place, problems: list[Problem], path: str = "") -> Node | None:
+def compose(text: str, start: Position, problems: list[LocatedFault], path: str = "") -> Node | None:
     """Return the tree of a YAML text that begins at `start`; None if empty or, after a fault was added, not YAML."""
     try:
         root = _tree(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = start if mark is None else start.at(mark.line + 1, mark.column + 1)
-        problems.append(Problem(place, path, not_yaml(error, text)))
+        problems.append(LocatedFault(place, path, not_yaml(error, text)))
         return None
     except ReaderError as error:
         before = text[: error.position]
         place = start.at(before.count("\n") + 1, len(before.rpartition("\n")[2]) + 1)
         what = f"is not YAML: it contains the control character U+{ord(text[error.position]):04X}"
-        problems.append(Problem(place, path, f"{what} (remove it, or save the file as plain text in UTF-8)"))
+        problems.append(LocatedFault(place, path, f"{what} (remove it, or save the file as plain text in UTF-8)"))
         return None
     except YAMLError as error:
         what = str(error).splitlines()[0]
-        problems.append(Problem(start, path, f"is not YAML: {what} (save the file as plain text)"))
+        problems.append(LocatedFault(start, path, f"is not YAML: {what} (save the file as plain text)"))
         return None
     except RecursionError:
-        problems.append(Problem(start, path, _TOO_DEEP))
+        problems.append(LocatedFault(start, path, _TOO_DEEP))
         return None
     if root is None:
         return None
     what = _size_fault(root)
     if what:
-        problems.append(Problem(start, path, what))
+        problems.append(LocatedFault(start, path, what))
         return None
     return _Converter(start, problems).convert(root, path)
 
@@ -177,7 +177,7 @@ def _children(node: Any) -> list[Any]:
 class _Converter:
     """Converter from ruamel's nodes to `Node`, each converted once: an alias shares the node of its anchor."""
 
-    def __init__(self, start: Place, problems: list[Problem]) -> None:
+    def __init__(self, start: Position, problems: list[LocatedFault]) -> None:
         self.start = start
         self.problems = problems
         self.done: dict[int, Node | None] = {}
@@ -189,11 +189,13 @@ class _Converter:
             self.done[id(node)] = Node(self.value(node, path), place)
         found = self.done[id(node)]
         if found is None:
-            self.problems.append(Problem(place, path, "contains itself (write the values out instead of the alias)"))
+            self.problems.append(
+                LocatedFault(place, path, "contains itself (write the values out instead of the alias)")
+            )
             return Node(None, place)
         return found
 
-    def place(self, node: Any) -> Place:
+    def place(self, node: Any) -> Position:
         return self.start.at(node.start_mark.line + 1, node.start_mark.column + 1)
 
     def value(self, node: Any, path: str) -> Any:
@@ -201,10 +203,10 @@ class _Converter:
         if tag.removeprefix(_CORE) not in _KNOWN:
             shown = tag.replace(_CORE, "!!")
             what = f"has the tag {shown[:40]}, which a scene cannot have (remove it)"
-            self.problems.append(Problem(self.place(node), path, what))
+            self.problems.append(LocatedFault(self.place(node), path, what))
         if isinstance(node, ScalarNode):
             text = self.text(node, path)
-            return float(text) if node.style is None and _POINT_FIRST.fullmatch(text) else scalar(node.tag, text)
+            return float(text) if node.style is None and _LEADING_POINT.fullmatch(text) else scalar(node.tag, text)
         if isinstance(node, SequenceNode):
             return [self.convert(item, path) for item in node.value]
         return dict(self.items(node, path))
@@ -213,16 +215,16 @@ class _Converter:
         """Return the text of a scalar; half a character (a lone surrogate) or a null character is a fault."""
         text = whole_letters(node.value)
         for fault, what in (
-            (_LONE.search(text), "half a letter (a lone surrogate)"),
+            (_LONE_SURROGATE.search(text), "half a letter (a lone surrogate)"),
             ("\0" in text, "a null character"),
         ):
             if fault:
-                self.problems.append(Problem(self.place(node), path, f"contains {what} (remove it)"))
+                self.problems.append(LocatedFault(self.place(node), path, f"contains {what} (remove it)"))
                 return ""
         return text
 
     def items(self, node: MappingNode, path: str) -> Iterator[tuple[str, Node]]:
-        seen: dict[str, Place] = {}
+        seen: dict[str, Position] = {}
         for key, child in node.value:
             word = isinstance(key, ScalarNode)
             name, place = self.text(key, path) if word else "?", self.place(key)
@@ -234,7 +236,7 @@ class _Converter:
             elif name in seen:
                 what = f"appears twice, first in line {seen[name].line} (remove one)"
             if what is not None:
-                self.problems.append(Problem(place, join(path, name), what))
+                self.problems.append(LocatedFault(place, join(path, name), what))
                 continue
             seen[name] = place
             made = self.convert(child, join(path, name))
@@ -243,7 +245,11 @@ class _Converter:
 
 def whole_letters(text: str) -> str:
     """Return a text with surrogate pairs joined: JSON escapes each character beyond 16 bits as two halves."""
-    return text.encode("utf-16", "surrogatepass").decode("utf-16", "surrogatepass") if _LONE.search(text) else text
+    return (
+        text.encode("utf-16", "surrogatepass").decode("utf-16", "surrogatepass")
+        if _LONE_SURROGATE.search(text)
+        else text
+    )
 
 
 def scalar(tag: str, text: str) -> Any:
@@ -271,7 +277,7 @@ def merge(below: Node, above: Node) -> Node:
     return Node(merged, above.place, above.key)
 
 
-def step(mapping: dict[str, Node], path: str) -> tuple[str, str] | None:
+def longest_key(mapping: dict[str, Node], path: str) -> tuple[str, str] | None:
     """Return (key, rest) for the longest key that begins a dotted path; keys may contain dots themselves."""
     keys = [key for key in mapping if path == key or path.startswith(key + ".")]
     if not keys:
@@ -284,14 +290,14 @@ def locate(root: Node, path: str) -> tuple[Node, bool]:
     """Return the node at a dotted path, or its nearest ancestor, and whether the path itself was found."""
     node = root
     while path:
-        found = step(node.value, path) if isinstance(node.value, dict) else None
+        found = longest_key(node.value, path) if isinstance(node.value, dict) else None
         if found is None:
             return node, False
         node, path = node.value[found[0]], found[1]
     return node, True
 
 
-def pointer(root: Node, path: str) -> Place:
+def pointer(root: Node, path: str) -> Position:
     """Return the position to report for a fault at a path: that of the value, else of the section that contains it."""
     node, found = locate(root, path)
     leaf = found and node.value is not None and not isinstance(node.value, dict)  # null has no position of its own

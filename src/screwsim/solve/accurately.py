@@ -5,34 +5,34 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.cycle.close import again, close, fallbacks
+from screwsim.cycle.close import close, close_again, fallbacks
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.feedback import set_unknowns
 from screwsim.cycle.problem import Problem
-from screwsim.cycle.solution import CycleSolution, Led, Wanted
+from screwsim.cycle.solution import ClosingCriteria, CorrectedState, CycleSolution
 from screwsim.cycle.ways import way_of
 from screwsim.effects.base import Separator
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.figures.errors import worst
 from screwsim.model import speed
-from screwsim.model.exchange import here, station
 from screwsim.model.run import Machinery
 from screwsim.model.slots import S_RHO, S_T
+from screwsim.model.turn_scheduler import reach_station, scheduler
 from screwsim.numerics.compiling import clock
 from screwsim.outputs import Figures
-from screwsim.solve.drive import settled
+from screwsim.solve.drive import close_with_drive
 from screwsim.solve.estimate import estimated_errors
-from screwsim.solve.finer import FINER
+from screwsim.solve.estimate_protocol import FINER
 
 Array = np.ndarray
 TIGHTER = 0.25  # smallest factor on tolerances and regularisation from one try to the next
 AIM = 0.6  # estimate, over the wanted accuracy, at which the next try aims
-EASY = 0.4  # the same, below which the next scene of a course starts less tight ...
+EASILY_REACHED = 0.4  # the same, below which the next scene of a course starts less tight ...
 LOOSER = 1.5  # ... by this factor, AIM over EASY, so that no estimate exceeds AIM
 TIGHTEST = 0.05  # smallest factor on the tolerances with which a scene of a course starts
-AHEAD = 0.3  # share of the bound on the balances within which a cycle with an oil separator may close early
+EARLY_SHARE = 0.3  # share of the bound on the balances within which a cycle with an oil separator may close early
 TRIES = 7  # closings of one cycle, at most
-NONE = np.zeros(4, np.int64)  # counts before any integration
+NO_COUNTS = np.zeros(4, np.int64)  # counts before any integration
 
 
 class Accurate(NamedTuple):
@@ -44,7 +44,7 @@ class Accurate(NamedTuple):
 
     cycle: CycleSolution
     evaluation: Evaluation
-    wanted: Wanted
+    wanted: ClosingCriteria
     errors: Figures
     tightness: float
     counts: Array
@@ -61,15 +61,15 @@ def solve(
     `numerics.error: none`. A course provides the guess; recording the cycle there is left to the caller. A cycle
     that is `given` is closed already.
     """
-    numerics, watch = problem.scene.numerics, Watch(machinery)
+    numerics, watch = problem.scene.numerics, CostMeter(machinery)
     tightness = 1.0 if course is None else course.tightness
-    wanted = asked_for(problem, tightness)
+    wanted = criteria_of(problem, tightness)
     if given is None:
-        cycle = settled(problem, machinery, wanted, _close_somehow(problem, machinery, wanted, course))
+        cycle = close_with_drive(problem, machinery, wanted, _close_with_fallbacks(problem, machinery, wanted, course))
     else:
         cycle = given
         machinery.put(given.trajectory)
-    station()
+    reach_station()
     of, errors, largest = evaluate(problem, cycle), Figures(), 0.0
     watch.lap("closing")
     for attempt in range(TRIES):
@@ -83,20 +83,20 @@ def solve(
         finer = on if isinstance(on, CycleSolution) and problem.parts.shaft is None else None
         factor = max(TIGHTER, AIM * numerics.accuracy / largest) if finer is None else FINER
         tightness, wanted = tightness * factor, wanted.tighter(factor)
-        led = on if isinstance(on, Led) else None
+        led = on if isinstance(on, CorrectedState) else None
         tighter = finer or _tighter(problem, machinery, wanted, cycle, led=led)  # a search is costly: keep its cycle
         watch.lap("closing")
         if not tighter.closed:
             break
         cycle, of = tighter, evaluate(problem, tighter)
-    if largest < EASY * numerics.accuracy:
+    if largest < EASILY_REACHED * numerics.accuracy:
         tightness = min(1.0, LOOSER * tightness)
     tightness = max(tightness, TIGHTEST)
     times, counts = watch.times, watch.counts["closing"]
     return Accurate(cycle, of, wanted, errors, tightness, counts, times["closing"], times["estimating"])
 
 
-def asked_for(problem: Problem, tightness: float) -> Wanted:
+def criteria_of(problem: Problem, tightness: float) -> ClosingCriteria:
     """Return the closing criteria of a problem, with tolerances multiplied by a factor.
 
     With an oil separator the bound on the balances is tightened too: an open energy balance opens the oil's
@@ -104,7 +104,7 @@ def asked_for(problem: Problem, tightness: float) -> Wanted:
     """
     wanted = problem.wanted if tightness == 1.0 else problem.wanted.tighter(tightness)
     separates = problem.parts.all(Separator)
-    return replace(wanted, ahead=AHEAD, bound=tightness * wanted.bound) if separates else wanted
+    return replace(wanted, ahead=EARLY_SHARE, bound=tightness * wanted.bound) if separates else wanted
 
 
 def solve_tighter(machinery: Machinery, accurate: Accurate) -> Accurate:
@@ -113,7 +113,7 @@ def solve_tighter(machinery: Machinery, accurate: Accurate) -> Accurate:
     It starts from the last turn's next values of the lines: where next to nothing flows back, a cycle may close
     while these are far from the values that the turn was integrated with, and every first turn would do so again.
     """
-    watch, of, problem = Watch(machinery), accurate.evaluation, accurate.evaluation.problem
+    watch, of, problem = CostMeter(machinery), accurate.evaluation, accurate.evaluation.problem
     wanted = accurate.wanted.tighter(TIGHTER)
     cycle = _tighter(problem, machinery, wanted, accurate.cycle, problem.entries.possible(of.image))
     watch.lap("closing")
@@ -127,10 +127,10 @@ def solve_tighter(machinery: Machinery, accurate: Accurate) -> Accurate:
 def _tighter(
     problem: Problem,
     machinery: Machinery,
-    wanted: Wanted,
+    wanted: ClosingCriteria,
     cycle: CycleSolution,
     made: Array | None = None,
-    led: Led | None = None,
+    led: CorrectedState | None = None,
 ) -> CycleSolution:
     """Close a closed cycle again, together with its drive.
 
@@ -141,17 +141,19 @@ def _tighter(
         machinery.put(cycle.trajectory)
     if made is not None:
         set_unknowns(problem, machinery, made)
-    return settled(problem, machinery, wanted, again(problem, machinery, wanted, cycle, led))
+    return close_with_drive(problem, machinery, wanted, close_again(problem, machinery, wanted, cycle, led))
 
 
-def _close_somehow(problem: Problem, machinery: Machinery, wanted: Wanted, course: Course | None) -> CycleSolution:
+def _close_with_fallbacks(
+    problem: Problem, machinery: Machinery, wanted: ClosingCriteria, course: Course | None
+) -> CycleSolution:
     """Close the cycle, by fallbacks where the first way fails and the scene allows them.
 
     A gas outside its equation of state stays there, so nothing further is tried. Where no fallback closes the
     cycle, the first way's result is returned.
     """
     cycle = close(problem, machinery, wanted, course)
-    if cycle.closed or wanted.check or not wanted.fallbacks or _outside(problem, cycle):
+    if cycle.closed or wanted.check or not wanted.fallbacks or _outside_gas_range(problem, cycle):
         return cycle
     for name, attempt in fallbacks(problem, machinery, wanted, cycle.change):
         better = attempt()
@@ -160,7 +162,7 @@ def _close_somehow(problem: Problem, machinery: Machinery, wanted: Wanted, cours
     return cycle
 
 
-def _outside(problem: Problem, cycle: CycleSolution) -> bool:
+def _outside_gas_range(problem: Problem, cycle: CycleSolution) -> bool:
     """Return whether closing stopped at, or left a cycle with, a state outside the gas's equation of state.
 
     If all chambers stopped in their first pitch, the state of any of them counts: every fallback starts there too.
@@ -172,7 +174,9 @@ def _outside(problem: Problem, cycle: CycleSolution) -> bool:
     return gas.first_outside(*cycle.trajectory.ends) is not None
 
 
-def note(course: Course, of: Evaluation, cycle: CycleSolution, wanted: Wanted, tightness: float) -> None:
+def record_in_course(
+    course: Course, of: Evaluation, cycle: CycleSolution, wanted: ClosingCriteria, tightness: float
+) -> None:
     """Record a closed cycle for the following problems of a course.
 
     The unknowns are recorded as the last turn's next values: those it was integrated with may be a guess
@@ -183,13 +187,13 @@ def note(course: Course, of: Evaluation, cycle: CycleSolution, wanted: Wanted, t
     course.add(cycle, of.problem.parameters, made, way_of(cycle).share(cycle, wanted), tightness)
 
 
-class Watch:
+class CostMeter:
     """Time and counts of one machinery, by what they were spent on; compilation is excluded."""
 
     def __init__(self, machinery: Machinery) -> None:
         self.machinery, self.started = machinery, _now(machinery)
         self.times = {"closing": 0.0, "estimating": 0.0}
-        self.counts: dict[str, Array] = dict.fromkeys(self.times, NONE)
+        self.counts: dict[str, Array] = dict.fromkeys(self.times, NO_COUNTS)
 
     def lap(self, name: str) -> None:
         """Add what was spent since the last lap to `name` ('closing' or 'estimating')."""
@@ -200,5 +204,5 @@ class Watch:
 
 def _now(machinery: Machinery) -> tuple[float, Array]:
     """Return the time [s] without compilation, and the counts so far."""
-    now = clock() - machinery.compile_time - here.elsewhere
+    now = clock() - machinery.compile_time - scheduler.elsewhere
     return now, machinery.counts.copy()

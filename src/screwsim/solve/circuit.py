@@ -12,12 +12,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.build import Temperatures, filled, open_temperatures, package_of, sought, temperature_faults
+from screwsim.build import (
+    Temperatures,
+    open_temperatures,
+    open_values,
+    package_of,
+    temperature_faults,
+    with_temperatures,
+)
 from screwsim.cycle.close import close
 from screwsim.cycle.continuation import Course
-from screwsim.cycle.guess import leased
+from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import Problem, Series, problem_of
-from screwsim.cycle.solution import CycleSolution, Wanted
+from screwsim.cycle.solution import ClosingCriteria, CycleSolution
 from screwsim.effects.base import InSeparator, PressureLosses
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.evaluate.separator import Circuit
@@ -25,29 +32,29 @@ from screwsim.figures.errors import error_of, relative_errors, worst
 from screwsim.model import leases
 from screwsim.model.run import Machinery
 from screwsim.outputs import Figures
-from screwsim.solve.accurately import AIM, TIGHTEST, Accurate, Watch, asked_for, note, solve
-from screwsim.solve.drive import at_its_speed, settled
+from screwsim.solve.accurately import AIM, TIGHTEST, Accurate, CostMeter, criteria_of, record_in_course, solve
+from screwsim.solve.drive import at_motor_speed, close_with_drive
 
 Array = np.ndarray
-MOST = 20  # cycles of one search
-AGAIN = 8  # repetitions of the final cycle
+MOST_CYCLES = 20  # cycles of one search
+MOST_REPETITIONS = 8  # repetitions of the final cycle
 OPEN = 0.2  # of the wanted accuracy: admissible residual of the circuit over the shaft power, or of a pressure
-LEAST = 0.05  # smallest −(real part of an eigenvalue) of a Jacobian that is accepted
+LEAST_DECAY = 0.05  # smallest −(real part of an eigenvalue) of a Jacobian that is accepted
 KPA = 1e3  # [Pa], the unit of lost pressures that weighs as much as 1 K
-LARGEST = 40.0  # [K, kPa], longest step
+LONGEST_STEP = 40.0  # [K, kPa], longest step
 HALVINGS = 6  # of a step to impossible oil or effects, or to where no cycle closes
-WARMER = (15.0, 30.0, 50.0)  # [K] above the first guess, tried where no cycle closes with that
-CONTRACTS = 0.1  # expected ratio of the residual after a step to that before ...
-LEARNT = 0.01  # ... the same with the Jacobian of the point before ...
-ROUGH = 0.05  # ... and tolerance on changes, over the expected residual, with which the next cycle is closed
-ROUGHEST = 1e-3  # largest tolerance of a step in such a cycle; looser ones may diverge
-UNCLOSED = 0.6  # share of the mixture's temperature change by the cycle's energy residual, taken as an error
-APART = 0.05  # [K, kPa], smallest distance of two cycles from which sensitivities are taken
+WARMER_STARTS = (15.0, 30.0, 50.0)  # [K] above the first guess, tried where no cycle closes with that
+CONTRACTION = 0.1  # expected ratio of the residual after a step to that before ...
+LEARNT_CONTRACTION = 0.01  # ... the same with the Jacobian of the point before ...
+ROUGH_TOLERANCE = 0.05  # ... and tolerance on changes, over the expected residual, with which the next cycle is closed
+ROUGHEST_RTOL = 1e-3  # largest tolerance of a step in such a cycle; looser ones may diverge
+ENERGY_ERROR_SHARE = 0.6  # share of the mixture's temperature change by the cycle's energy residual, taken as an error
+LEAST_DISTANCE = 0.05  # [K, kPa], smallest distance of two cycles from which sensitivities are taken
 DUTY = "oil_cooler_duty"  # figure: heat flow to the oil cooler
-ALL = 0.98  # largest pressure loss before the machine, over the suction pressure
+LARGEST_LOSS = 0.98  # largest pressure loss before the machine, over the suction pressure
 
 
-class Asked(NamedTuple):
+class ImpliedSurroundings(NamedTuple):
     """The surroundings that a cycle implies, relative to those it was closed with.
 
     `off` [K, kPa] are the differences of the unknowns, `share` is the response of the separator temperature to the
@@ -60,7 +67,7 @@ class Asked(NamedTuple):
 
 
 @dataclass
-class Search:
+class SurroundingsSearch:
     """The state of the search, on a course of its own: Jacobian, last step, cost of the cycles."""
 
     series: Series
@@ -73,13 +80,13 @@ class Search:
     last: tuple[Array, Array] | None = None
     seen: list[tuple[Array, Figures]] = field(default_factory=list)  # unknowns and figures of the cycles so far
     expected: float = 1.0  # expected residual of the next cycle
-    contracts: float = CONTRACTS  # expected ratio of residuals over a step
+    contracts: float = CONTRACTION  # expected ratio of residuals over a step
     cycle: CycleSolution | None = None  # the last cycle; None where it was closed less tightly than the scene asks
 
-    def step(self, x: Array, asked: Asked) -> Array:
+    def step(self, x: Array, asked: ImpliedSurroundings) -> Array:
         """Return the next change of the unknowns [K, kPa] from x by Broyden's method.
 
-        An update that would reverse the response of the circuit (see `LEAST`) is not learnt.
+        An update that would reverse the response of the circuit (see `LEAST_DECAY`) is not learnt.
         """
         off = asked.off
         if self.jacobian is None:
@@ -89,18 +96,18 @@ class Search:
             dx = x - self.last[0]
             if dx @ dx > 0.0:
                 learnt = self.jacobian + np.outer(off - self.last[1] - self.jacobian @ dx, dx) / (dx @ dx)
-                if np.all(np.linalg.eigvals(learnt).real < -LEAST):
+                if np.all(np.linalg.eigvals(learnt).real < -LEAST_DECAY):
                     self.jacobian = learnt
         self.last = x, off
         found = -np.linalg.solve(self.jacobian, off)
         largest = float(np.max(np.abs(found)))
-        return found * min(1.0, LARGEST / largest) if largest > 0.0 else found
+        return found * min(1.0, LONGEST_STEP / largest) if largest > 0.0 else found
 
     def learn(self, of: Evaluation, x: Array) -> None:
-        """Record a cycle, and the sensitivities of the figures by the last cycle at least `APART` from it."""
+        """Record a cycle, and the sensitivities of the figures by the last cycle at least `LEAST_DISTANCE` from it."""
         for other, figures in reversed(self.seen):
             apart = float(np.max(np.abs(x - other)))
-            if apart > APART:
+            if apart > LEAST_DISTANCE:
                 changes = relative_errors(of.figures, figures, *of.least)
                 self.series.per_step = {name: size / apart for name, size in changes.items() if size is not None}
                 break
@@ -108,10 +115,10 @@ class Search:
 
     def closed(self, problem: Problem, course: Course) -> Evaluation | None:
         """Return a problem's closed cycle, started from a course; None where it does not close."""
-        machinery = leased(problem)
-        watch, asked = Watch(machinery), asked_for(problem, self.course.tightness)
-        wanted = _rough(asked, self.expected)
-        cycle = settled(problem, machinery, wanted, close(problem, machinery, wanted, course))
+        machinery = lease_for(problem)
+        watch, asked = CostMeter(machinery), criteria_of(problem, self.course.tightness)
+        wanted = _rough_criteria(asked, self.expected)
+        cycle = close_with_drive(problem, machinery, wanted, close(problem, machinery, wanted, course))
         watch.lap("closing")
         self.counts = watch.counts["closing"] + (0 if self.counts is None else self.counts)
         self.time += watch.times["closing"]
@@ -120,7 +127,7 @@ class Search:
         if not cycle.closed:
             return None
         self.cycle = cycle if wanted is asked else None
-        note(self.course, of, cycle, wanted, self.course.tightness)
+        record_in_course(self.course, of, cycle, wanted, self.course.tightness)
         return of
 
     def posed(self, problem: Problem, x: Array) -> Problem | None:
@@ -131,7 +138,7 @@ class Search:
         scene = problem.scene
         if any(open_temperatures(scene)):
             self.series.temperatures = Temperatures(*x[:2].tolist())
-            scene = filled(scene, self.series.temperatures)
+            scene = with_temperatures(scene, self.series.temperatures)
             faults = temperature_faults(scene)
             if faults:
                 self.why = f"the oil circuit leads to an impossible state: {faults[0]}"
@@ -139,10 +146,10 @@ class Search:
         lost, others = (2 if scene.losses is not None else 0), x[2:].tolist()
         if len(others) > lost:
             self.series.sought = open_numbers = others[lost:]
-            scene = sought.placed(scene, open_numbers)
+            scene = open_values.with_coordinates(scene, open_numbers)
         if lost:
             before, behind = (KPA * each for each in others[:lost])
-            if not before < ALL * problem.lines.p_s:
+            if not before < LARGEST_LOSS * problem.lines.p_s:
                 self.why = (
                     "the pressure losses before the machine use up the whole suction pressure (choose smaller losses)"
                 )
@@ -151,9 +158,9 @@ class Search:
             scene = replace(scene, losses=self.series.losses)
         part = problem.parts.shaft
         held = part is None or part.train(self.stated).holds_mean
-        return at_its_speed(problem_of(scene, self.series, None if held else self.stated), self.series)
+        return at_motor_speed(problem_of(scene, self.series, None if held else self.stated), self.series)
 
-    def next(self, of: Evaluation, asked: Asked) -> Evaluation | None:
+    def next(self, of: Evaluation, asked: ImpliedSurroundings) -> Evaluation | None:
         """Return the cycle at the next unknowns; None, with the reason in `why`, where none is found."""
         x = unknowns_of(of.problem)
         self.learn(of, x)
@@ -168,16 +175,16 @@ class Search:
         return None
 
 
-def _rough(wanted: Wanted, open_: float) -> Wanted:
+def _rough_criteria(wanted: ClosingCriteria, open_: float) -> ClosingCriteria:
     """Return the criteria for a cycle whose surroundings will leave the residual `open_`.
 
     Unchanged where that is too small.
     """
-    tolerance, bound = ROUGH * open_, CONTRACTS * open_
+    tolerance, bound = ROUGH_TOLERANCE * open_, CONTRACTION * open_
     if wanted.check or tolerance <= wanted.tolerance:
         return wanted
-    rtol = min(tolerance * wanted.rtol / wanted.tolerance, max(ROUGHEST, wanted.rtol))
-    return replace(wanted, rtol=rtol, tolerance=tolerance, bound=max(bound, wanted.bound), of_histories=1.0)
+    rtol = min(tolerance * wanted.rtol / wanted.tolerance, max(ROUGHEST_RTOL, wanted.rtol))
+    return replace(wanted, rtol=rtol, tolerance=tolerance, bound=max(bound, wanted.bound), histories_factor=1.0)
 
 
 def unknowns_of(problem: Problem) -> Array:
@@ -189,11 +196,11 @@ def unknowns_of(problem: Problem) -> Array:
     every = (one.parameters for one in problem.scene.effects.values())
     asked = (one.separator_temperature for one in every if isinstance(one, InSeparator))
     lost = () if problem.scene.losses is None else (each / KPA for each in problem.scene.losses)
-    stands = (each for each in sought.standing(problem.scene) if each is not None)
+    stands = (each for each in open_values.current_coordinates(problem.scene) if each is not None)
     return np.array([T, next((at for at in asked if at is not None), T), *lost, *stands], float)
 
 
-def asked_of(of: Evaluation) -> Asked | None:
+def implied_surroundings(of: Evaluation) -> ImpliedSurroundings | None:
     """Return the surroundings that a cycle implies; None where gas and oil do not separate."""
     circuit, package, both = of.circuit, of.package, all(open_temperatures(of.problem.scene))
     if isinstance(circuit, str):
@@ -203,18 +210,18 @@ def asked_of(of: Evaluation) -> Asked | None:
         off, share, open_ = [circuit.supply, circuit.separator], circuit.parted.share if both else 0.0, circuit.open
     if package is not None:
         off, open_ = [*off, package.before / KPA, package.behind / KPA], max(open_, package.open)
-    if sought.is_sought(of.problem.scene):
-        others = _of_sought(of)
+    if open_values.has_open_values(of.problem.scene):
+        others = _implied_open_values(of)
         if others is None:
             return None
         off, open_ = [*off, *(each.off for each in others)], max(open_, *(each.open for each in others))
-    return Asked(np.array(off), share, open_)
+    return ImpliedSurroundings(np.array(off), share, open_)
 
 
-def _of_sought(of: Evaluation) -> list[sought.Asked] | None:
+def _implied_open_values(of: Evaluation) -> list[open_values.CoordinateChange] | None:
     """Return what a cycle implies for the scene's other open numbers; None where that is undefined."""
     scene = of.problem.scene
-    return sought.asked(scene, of.figures, _oil_temperature(of.problem), open_temperatures(scene)[0])
+    return open_values.required_changes(scene, of.figures, _oil_temperature(of.problem), open_temperatures(scene)[0])
 
 
 def _oil_temperature(problem: Problem) -> float:
@@ -222,41 +229,41 @@ def _oil_temperature(problem: Problem) -> float:
     return 0.0 if problem.parts.oil is None else problem.parts.oil.temperature
 
 
-def sought_open(of: Evaluation) -> float:
+def open_values_residual(of: Evaluation) -> float:
     """Return the relative residual of a scene's other open numbers; 0 where it has none."""
-    asked = _of_sought(of) if sought.is_sought(of.problem.scene) else None
+    asked = _implied_open_values(of) if open_values.has_open_values(of.problem.scene) else None
     return max((each.open for each in asked or ()), default=0.0)
 
 
-def follows(problem: Problem) -> bool:
+def surroundings_follow(problem: Problem) -> bool:
     """Return whether anything around the machine follows from its cycle."""
     scene = problem.scene
-    return any(open_temperatures(scene)) or package_of(scene) is not None or sought.is_sought(scene)
+    return any(open_temperatures(scene)) or package_of(scene) is not None or open_values.has_open_values(scene)
 
 
-def steady(problem: Problem, series: Series) -> tuple[Problem, Search | None]:
+def steady_state(problem: Problem, series: Series) -> tuple[Problem, SurroundingsSearch | None]:
     """Return the problem at its mean speed and surroundings, with the search that found these.
 
     None without a search.
     """
-    if not follows(problem):
-        return at_its_speed(problem, series), None
-    search = Search(series, problem.scene.operation.speed)
+    if not surroundings_follow(problem):
+        return at_motor_speed(problem, series), None
+    search = SurroundingsSearch(series, problem.scene.operation.speed)
     search.course.tightness = series.course.tightness
-    problem = at_its_speed(problem, series)
+    problem = at_motor_speed(problem, series)
     search.jacobian, search.expected = series.around
-    search.contracts = CONTRACTS if search.jacobian is None else LEARNT
+    search.contracts = CONTRACTION if search.jacobian is None else LEARNT_CONTRACTION
     of, guess = search.closed(problem, series.course), unknowns_of(problem)
-    for warmer in WARMER if any(open_temperatures(problem.scene)) else ():
+    for warmer in WARMER_STARTS if any(open_temperatures(problem.scene)) else ():
         if of is not None:
             break
         other = search.posed(problem, guess + warmer * (np.arange(len(guess)) < 2))
         of = None if other is None else search.closed(other, series.course)
     if of is None:
         return problem, search
-    first = asked_of(of)
-    for _ in range(MOST):
-        asked = asked_of(of)
+    first = implied_surroundings(of)
+    for _ in range(MOST_CYCLES):
+        asked = implied_surroundings(of)
         if asked is None:
             break
         enough = asked.open <= OPEN * of.problem.scene.numerics.accuracy
@@ -272,7 +279,9 @@ def steady(problem: Problem, series: Series) -> tuple[Problem, Search | None]:
     return of.problem, search
 
 
-def solved(problem: Problem, machinery: Machinery, course: Course | None, search: Search | None) -> Accurate:
+def solve_with_surroundings(
+    problem: Problem, machinery: Machinery, course: Course | None, search: SurroundingsSearch | None
+) -> Accurate:
     """Return the cycle solved as accurately as asked, with surroundings that agree as well.
 
     The cost of the search counts as closing. Errors of the unknowns are added to those of the figures.
@@ -282,14 +291,14 @@ def solved(problem: Problem, machinery: Machinery, course: Course | None, search
     counts, spent, estimating = search.counts, search.time, 0.0
     accurate = solve(problem, machinery, search.course, search.cycle)
     errors, tightness = _with_unknowns(accurate, search), 1.0
-    for _ in range(AGAIN):
-        asked = asked_of(accurate.evaluation)
-        at_rest, size = _left(accurate, asked, errors)
+    for _ in range(MOST_REPETITIONS):
+        asked = implied_surroundings(accurate.evaluation)
+        at_rest, size = _finality_and_error(accurate, asked, errors)
         if at_rest or asked is None:
             break
         x = unknowns_of(accurate.evaluation.problem)
         tightness = min(tightness, accurate.tightness * min(1.0, AIM / size))  # looser balances would mislead
-        note(search.course, accurate.evaluation, accurate.cycle, accurate.wanted, max(tightness, TIGHTEST))
+        record_in_course(search.course, accurate.evaluation, accurate.cycle, accurate.wanted, max(tightness, TIGHTEST))
         search.learn(accurate.evaluation, x)
         other = search.posed(accurate.evaluation.problem, x + search.step(x, asked))
         if other is None:
@@ -307,7 +316,7 @@ def solved(problem: Problem, machinery: Machinery, course: Course | None, search
     )
 
 
-def _left(accurate: Accurate, asked: Asked | None, errors: Figures) -> tuple[bool, float]:
+def _finality_and_error(accurate: Accurate, asked: ImpliedSurroundings | None, errors: Figures) -> tuple[bool, float]:
     """Return whether a cycle's unknowns are final, and the largest error over the wanted accuracy."""
     accuracy = accurate.evaluation.problem.scene.numerics.accuracy
     size = worst(errors)[1] / accuracy
@@ -317,13 +326,13 @@ def _left(accurate: Accurate, asked: Asked | None, errors: Figures) -> tuple[boo
     return asked.open <= OPEN * accuracy and (size <= 1.0 or fixed), max(size, AIM)
 
 
-def _with_unknowns(accurate: Accurate, search: Search) -> Figures:
+def _with_unknowns(accurate: Accurate, search: SurroundingsSearch) -> Figures:
     """Return the errors of the figures including those due to errors of the unknowns.
 
     After a search of a single step the sensitivities are still to be learnt; with little oil flow, temperatures
     that leave next to no residual of the shaft power may be far off.
     """
-    errors, asked = Figures(accurate.errors), asked_of(accurate.evaluation)
+    errors, asked = Figures(accurate.errors), implied_surroundings(accurate.evaluation)
     if asked is None or search.why or not errors:
         return errors
     if not search.series.per_step:
@@ -335,7 +344,7 @@ def _with_unknowns(accurate: Accurate, search: Search) -> Figures:
             errors[name] = size + off * search.series.per_step.get(name, 0.0)
     circuit = accurate.evaluation.circuit
     if isinstance(circuit, Circuit) and errors.get(DUTY):  # not stated in the scene
-        watts = UNCLOSED * circuit.unclosed * circuit.outflow.oil_capacity
+        watts = ENERGY_ERROR_SHARE * circuit.unclosed * circuit.outflow.oil_capacity
         errors[DUTY] = (errors[DUTY] or 0.0) + error_of(DUTY, watts, accurate.evaluation.figures)
     return errors
 
@@ -345,11 +354,11 @@ def _of_circuit(accurate: Accurate, errors: Figures) -> float:
     circuit, of_separator = accurate.evaluation.circuit, errors.get("separator_temperature")
     if not isinstance(circuit, Circuit) or of_separator is None:
         return 0.0
-    off = of_separator * circuit.parted.T_separator + UNCLOSED * circuit.unclosed
+    off = of_separator * circuit.parted.T_separator + ENERGY_ERROR_SHARE * circuit.unclosed
     return max(abs(circuit.supply) + circuit.parted.gain * off, abs(circuit.separator) + off)
 
 
-def _of_package(accurate: Accurate, asked: Asked, errors: Figures) -> float:
+def _of_package(accurate: Accurate, asked: ImpliedSurroundings, errors: Figures) -> float:
     """Return the estimated error [kPa] of the lost pressures, which go with the square of the flow."""
     losses, of_flow = accurate.evaluation.problem.scene.losses, errors.get("gas_mass_flow") or 0.0
     if losses is None:

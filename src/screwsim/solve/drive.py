@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from screwsim.cycle.close import again, close
-from screwsim.cycle.guess import leased
+from screwsim.cycle.close import close, close_again
+from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import Problem, Series, problem_of
-from screwsim.cycle.solution import CycleSolution, Wanted
+from screwsim.cycle.solution import ClosingCriteria, CycleSolution
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.machine.drive.collocation import differentiation, resampled
 from screwsim.machine.drive.response import NoMotion, Response
@@ -23,7 +23,9 @@ MOST_TURNS = 20  # rounds of chambers and drive
 MOST_SPEEDS = 20  # iterations of a mean speed that follows from the motor's characteristic
 
 
-def settled(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution:
+def close_with_drive(
+    problem: Problem, machinery: Machinery, wanted: ClosingCriteria, cycle: CycleSolution
+) -> CycleSolution:
     """Return the cycle, which the machinery holds, closed together with its drive; unchanged where there is no drive.
 
     The status is `not_closed` where the rounds do not converge, or the drive has no steady motion; the cycle is
@@ -37,17 +39,17 @@ def settled(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: Cycle
             motion = part.respond(evaluate(problem, cycle).complete)
         except NoMotion:
             return replace(cycle, status=NOT_CLOSED, change=change)
-        change, curve = set_course(problem, machinery, motion, wanted.tolerance)
+        change, curve = set_speed_curve(problem, machinery, motion, wanted.tolerance)
         curve = cycle.speed_curve if curve is None else curve
         if change <= wanted.tolerance:
             return replace(cycle, speed_curve=curve)
-        cycle = replace(again(problem, machinery, wanted, cycle), speed_curve=curve)
+        cycle = replace(close_again(problem, machinery, wanted, cycle), speed_curve=curve)
         if not cycle.closed:
             return cycle
     return replace(cycle, status=NOT_CLOSED, change=change)
 
 
-def set_course(
+def set_speed_curve(
     problem: Problem, machinery: Machinery, motion: Response, tolerance: float
 ) -> tuple[float, np.ndarray | None]:
     """Set the chambers' speed over the angle to that of a motion; return the change over the mean speed, and the curve.
@@ -71,7 +73,7 @@ def set_course(
     return change, curve
 
 
-def at_its_speed(problem: Problem, series: Series) -> Problem:
+def at_motor_speed(problem: Problem, series: Series) -> Problem:
     """Return the problem at the mean speed that follows from its motor's characteristic.
 
     It is unchanged where the speed is held, and that of the last speed tried where the drive has no steady motion.
@@ -81,8 +83,10 @@ def at_its_speed(problem: Problem, series: Series) -> Problem:
         return problem
     problem = problem_of(problem.scene, series, stated)
     for _ in range(MOST_SPEEDS):
-        machinery = leased(problem)
-        cycle = settled(problem, machinery, problem.wanted, close(problem, machinery, problem.wanted, series.course))
+        machinery = lease_for(problem)
+        cycle = close_with_drive(
+            problem, machinery, problem.wanted, close(problem, machinery, problem.wanted, series.course)
+        )
         leases.give_back(machinery)
         if not cycle.closed:
             return problem
@@ -98,7 +102,7 @@ def at_its_speed(problem: Problem, series: Series) -> Problem:
     return problem
 
 
-def judged(of: Evaluation) -> tuple[str, tuple[str, ...], float | None]:
+def judge_drive(of: Evaluation) -> tuple[str, tuple[str, ...], float | None]:
     """Return why a closed cycle's drive cannot move so (empty: it can), warnings, and the residual of its powers."""
     part = of.problem.parts.shaft
     if part is None:

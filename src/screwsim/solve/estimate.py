@@ -1,68 +1,68 @@
 """Estimate the errors of the figures of a closed cycle (docs/model.md M41).
 
-The errors follow from the changes of the figures in finer solutions (`solve.finer`): one more life after the closed
-cycle, with a finer tolerance and a narrower regularisation; two lives, the first moved by Newton's correction to the
-limit of all that follow; or the cycle closed again, finer. A further estimate is a function as `solve.finer.Estimate`
-says, an entry in `ESTIMATES`, and one in `numerics.estimates`.
+The errors follow from the changes of the figures in finer solutions (`solve.estimate_protocol`): one more life after
+the closed cycle, with a finer tolerance and a narrower regularisation; two lives, the first moved by Newton's
+correction to the limit of all that follow; or the cycle closed again, finer. A further estimate is a function as
+`solve.estimate_protocol.Estimate` says, an entry in `ESTIMATES`, and one in `numerics.error_options`.
 """
 
 import math
 from dataclasses import replace
 
-from screwsim.cycle.solution import CycleSolution, Led, Wanted
+from screwsim.cycle.solution import ClosingCriteria, CorrectedState, CycleSolution
 from screwsim.cycle.ways import way_of
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.figures.errors import flow_errors, relative_errors
-from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
-from screwsim.numerics.estimates import AGAIN, ERRORS, LIVES, TOGETHER
+from screwsim.model.turn_scheduler import reach_station
+from screwsim.numerics.error_options import AGAIN, ERRORS, LIVES, TOGETHER
 from screwsim.outputs import Figures
-from screwsim.solve.finer import NARROWER, NOTHING, Asked, Estimate, Finer
-from screwsim.solve.finer_lives import chambers_together, changes, closed_again, finer_lives, repeated
-from screwsim.solve.left_open import left_open
+from screwsim.solve.estimate_protocol import NARROWER, NO_SOLUTIONS, Estimate, EstimateRequest, FinerSolutions
+from screwsim.solve.finer_solutions import chambers_together, changes, closed_again, finer_lives, repeated_share
+from screwsim.solve.open_balances import open_balance_errors
 
 WHOLE = 1.0 / (1.0 - NARROWER**0.5)  # error over the change, where the error is the regularisation's, going as ε^½
-LEAKY = 0.5  # volumetric efficiency below which an error of waveform relaxation persists for many turns
-HIDDEN = 1.5  # factor by which it then exceeds what two turns show
-EMPTY = 2.0  # the same for a machine that delivers nothing: its chambers hold only leaks
-SLOWEST = 0.9  # largest ratio of successive lives' changes that is extrapolated
-BY_CHANCE = 0.3  # of the trapped gas's error: least error of a small delivered amount
+LEAKY_BELOW = 0.5  # volumetric efficiency below which an error of waveform relaxation persists for many turns
+LEAKY_FACTOR = 1.5  # factor by which it then exceeds what two turns show
+NO_DELIVERY_FACTOR = 2.0  # the same for a machine that delivers nothing: its chambers hold only leaks
+LARGEST_RATIO = 0.9  # largest ratio of successive lives' changes that is extrapolated
+LEAST_DELIVERY_ERROR = 0.3  # of the trapped gas's error: least error of a small delivered amount
 ESTIMATES: dict[str, Estimate] = {TOGETHER: chambers_together, LIVES: finer_lives, AGAIN: closed_again}
 
 
 def estimated_errors(
-    of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution
-) -> tuple[Figures, Led | CycleSolution | None]:
+    of: Evaluation, machinery: Machinery, wanted: ClosingCriteria, cycle: CycleSolution
+) -> tuple[Figures, CorrectedState | CycleSolution | None]:
     """Return the estimated relative error of every figure of a closed cycle, which the machinery holds.
 
     The second value is where finer lives have led, if the machinery now stands there, or the finer cycle that a
     search closed; otherwise None.
     """
     found = of.figures
-    station()
+    reach_station()
     narrower = replace(wanted, widths=tuple(NARROWER * width for width in wanted.widths))
-    asked = Asked(of, machinery, narrower, cycle)
-    finer = _finer(asked)
+    request = EstimateRequest(of, machinery, narrower, cycle)
+    finer = _finer_solutions(request)
     if not finer.figures:
         return Figures(dict.fromkeys(found)), None
-    station()
-    errors = _shown(of, finer)
+    reach_station()
+    errors = _errors_shown(of, finer)
     c = of.problem.composition
     told = c.chambers == 1 or way_of(cycle).whole or finer.left is not None  # feedback through other chambers seen
-    among_leaks = not told and asked.filling < LEAKY  # leaks dominate: errors pass from turn to turn
-    whole = WHOLE * ((HIDDEN if asked.filling > 0.0 else EMPTY) if among_leaks else 1.0)
+    among_leaks = not told and request.filling < LEAKY_BELOW  # leaks dominate: errors pass from turn to turn
+    whole = WHOLE * ((LEAKY_FACTOR if request.filling > 0.0 else NO_DELIVERY_FACTOR) if among_leaks else 1.0)
     left = cycle.left if len(finer.figures) == 1 else 0.0  # a second life shows it
     for name, size in errors.items():
         errors[name] = whole * size + left if size is not None else None
     lost_flow = {"by_flow": whole * finer.flow} if finer.flow else {}
-    if asked.hidden and asked.filling > 0.0:
-        lost_flow["by_flow"] = BY_CHANCE * (errors.get("trapped_mass") or 0.0) / asked.filling
+    if request.hidden and request.filling > 0.0:
+        lost_flow["by_flow"] = LEAST_DELIVERY_ERROR * (errors.get("trapped_mass") or 0.0) / request.filling
     lost_now = [flow_errors(found, lost, by) for by, lost in lost_flow.items()]
-    for each in (*lost_now, *left_open(of, cycle)):
+    for each in (*lost_now, *open_balance_errors(of, cycle)):
         for name, size in each.items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)
     of_curves(found, errors)
-    return errors, finer.led or finer.cycle
+    return errors, finer.corrected_state or finer.cycle
 
 
 def of_curves(found: Figures, errors: Figures) -> None:
@@ -78,21 +78,21 @@ def of_curves(found: Figures, errors: Figures) -> None:
             errors[name] = max(errors[name] or 0.0, of_curve)
 
 
-def _finer(asked: Asked) -> Finer:
+def _finer_solutions(request: EstimateRequest) -> FinerSolutions:
     """Return the finer solutions of the first estimate that suffices, else of the last that found any.
 
     In the latter case they are not a place to continue from.
     """
-    found = NOTHING
-    for name in ERRORS[asked.problem.scene.numerics.error].by:
-        finer = ESTIMATES[name](asked)
+    found = NO_SOLUTIONS
+    for name in ERRORS[request.problem.scene.numerics.error].by:
+        finer = ESTIMATES[name](request)
         if finer.enough:
             return finer
         found = finer if finer.figures else found
-    return found._replace(led=None)
+    return found._replace(corrected_state=None)
 
 
-def _shown(of: Evaluation, finer: Finer) -> Figures:
+def _errors_shown(of: Evaluation, finer: FinerSolutions) -> Figures:
     """Return the error of each figure as finer solutions show it: their largest change, plus those of further lives.
 
     Two lives may agree with the closed one by chance, each in another figure, so the largest change counts. Later
@@ -107,7 +107,7 @@ def _shown(of: Evaluation, finer: Finer) -> Figures:
                 errors[name] = max(errors[name], size)
     if len(lives) > 1:
         steps = changes(of, lives)
-        again = min(repeated(steps) if left is None else left, SLOWEST)
+        again = min(repeated_share(steps) if left is None else left, LARGEST_RATIO)
         for name, size in steps[-1].items():
             if size is not None and errors[name] is not None:
                 errors[name] += size * again / (1.0 - again)

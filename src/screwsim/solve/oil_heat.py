@@ -39,7 +39,7 @@ def misread(problem: Problem, life: Trajectory) -> float:
     rho, ratio = states[:, slots.S_RHO], states[:, slots.S_X_OIL]
     oil = ratio * rho * problem.gas_share(rho, ratio) * life.volumes(angles.ravel())
     oil = oil.reshape(angles.shape)
-    T = (states[:, slots.S_T_OIL] + problem.pressed(1.0) * states[:, -1]).reshape(angles.shape)
+    T = (states[:, slots.S_T_OIL] + problem.oil_pressure_term(1.0) * states[:, -1]).reshape(angles.shape)
     left = out[steps, slots.OF_OIL]
     others = (oil[:, -1] - oil[:, 0] - left) / PIECES  # oil that comes and goes on other ways, taken as even
     leaves = np.maximum(others[:, None] - np.diff(oil, axis=1), 0.0)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.cycle.close import close
-from screwsim.cycle.guess import leased
+from screwsim.cycle.guess import lease_for
 from screwsim.cycle.pitch import POINTS
 from screwsim.cycle.problem import LEAST_OIL, Problem, Series, problem_of
 from screwsim.effects.base import OilSolution
@@ -30,18 +30,18 @@ from screwsim.scene.types import Scene
 from screwsim.solve import circuit, drive
 
 Array = np.ndarray
-CREEP = 30.0 * math.pi / 30.0  # rad/s, initial speed
+CREEP_SPEED = 30.0 * math.pi / 30.0  # rad/s, initial speed
 LONGEST = 10.0  # s, longest start-up
 MOST_PITCHES = 4000  # of a start-up
 MOST_TURNS = 8  # rounds of chambers and drive within a pitch
-ARRIVED = 2e-3  # relative distance of a pitch's mean speed from the steady one, within which it has arrived ...
-STAYS = 12  # ... for so many pitches
-INSET = 5e-7  # rad, left out at both ends of a pitch, where the speed's course is not periodic
+STEADY_WITHIN = 2e-3  # relative distance of a pitch's mean speed from the steady one, within which it has arrived ...
+STEADY_PITCHES = 12  # ... for so many pitches
+END_MARGIN = 5e-7  # rad, left out at both ends of a pitch, where the speed's course is not periodic
 STEP = 1e-3  # rad, initial step
 UNCLOSED = "the cycle at the steady speed did not close (screwsim run says why)"
 
 
-class Pitch(NamedTuple):
+class StartUpPitch(NamedTuple):
     """One pitch of a start-up: motion of the drive, torques of gas and losses [N m], gas work [J], final states."""
 
     motion: Motion
@@ -68,16 +68,16 @@ class StartUp:
         return {**kept, "figures": dict(self.figures)}
 
 
-def start_up(scene: Scene, creep: float = CREEP, longest: float = LONGEST) -> StartUp:
+def start_up(scene: Scene, creep: float = CREEP_SPEED, longest: float = LONGEST) -> StartUp:
     """Return the start-up of a scene with a `drive`, from a creeping speed [rad/s], in at most `longest` [s].
 
     Raises UsageError where the scene has no drive, its motor has no torque limit, or `creep` is not below the
     steady speed.
     """
-    problem = steadily(scene, creep)
-    machinery, part = leased(problem), problem.parts.shaft
-    assert part is not None  # `steadily`
-    cycle = drive.settled(problem, machinery, problem.wanted, close(problem, machinery, problem.wanted))
+    problem = steady_problem(scene, creep)
+    machinery, part = lease_for(problem), problem.parts.shaft
+    assert part is not None  # `steady_problem`
+    cycle = drive.close_with_drive(problem, machinery, problem.wanted, close(problem, machinery, problem.wanted))
     if cycle.failed:
         return StartUp(FAILED, UNCLOSED)
     of = evaluate(problem, cycle)
@@ -90,12 +90,12 @@ def start_up(scene: Scene, creep: float = CREEP, longest: float = LONGEST) -> St
     if creep >= steady.mean_speed:
         target = _rpm(steady.mean_speed)
         raise UsageError(f"the start creeps at {_rpm(creep)}, the steady speed is {target} (choose a slower creep)")
-    found = Run(of, machinery, steady, creep, longest).run()
+    found = StartUpRun(of, machinery, steady, creep, longest).run()
     leases.give_back(machinery)
     return found
 
 
-def steadily(scene: Scene, creep: float) -> Problem:
+def steady_problem(scene: Scene, creep: float) -> Problem:
     """Return the problem at its steady speed; raise UsageError where it cannot be started."""
     series = Series()
     with compiled.equation_announced(scene.gas.name):
@@ -109,10 +109,10 @@ def steadily(scene: Scene, creep: float) -> Problem:
         raise UsageError("a start needs the motor's limit (give effects.drive.motor.torque_limit)")
     if not creep > 0.0:
         raise UsageError("a start begins from a creeping speed above 0 (e.g. 30 rpm)")
-    return circuit.steady(problem, series)[0]
+    return circuit.steady_state(problem, series)[0]
 
 
-class Run:
+class StartUpRun:
     """A start in progress: state of chambers and drive, and the pitches so far."""
 
     def __init__(self, of: Evaluation, machinery: Machinery, steady: Response, creep: float, longest: float) -> None:
@@ -120,7 +120,7 @@ class Run:
         self.problem, self.machinery = of.problem, machinery
         self.steady, self.creep, self.longest = steady, creep, longest
         self.train: Train = steady.train
-        self.pitches: list[Pitch] = []
+        self.pitches: list[StartUpPitch] = []
         self.chambers = self._at_rest()
         work = float(of.life.quads[of.life.steps - 1, 0])
         loss = float(np.mean(steady.load)) - work / of.problem.parts.geometry.pitch
@@ -147,14 +147,14 @@ class Run:
 
     # ---- one pitch -------------------------------------------------------------------------------------------
 
-    def advance(self) -> Pitch | str:
+    def advance(self) -> StartUpPitch | str:
         """Return the next pitch; a text where the chambers could not be integrated."""
         tolerance, change = self.problem.wanted.tolerance, math.inf
         gas, loss, work, end = self.load, 0.0, 0.0, self.chambers
         motion = run_up(self.train, self.steady.no_load_speed, self.drive, self.load, self.creep)
         for _ in range(MOST_TURNS):
             if motion.stalled:
-                return Pitch(motion, gas[: len(motion.time)], loss, 0.0, self.chambers, True)
+                return StartUpPitch(motion, gas[: len(motion.time)], loss, 0.0, self.chambers, True)
             if change <= tolerance:
                 break
             found = self._chambers_under(motion)
@@ -166,9 +166,9 @@ class Run:
             if not motion.stalled:
                 change = float(np.max(np.abs(motion.speed - before))) / _mean(motion, self.train.pitch)
         self.load = gas + loss
-        return Pitch(motion, gas, loss, work, end, change <= tolerance)
+        return StartUpPitch(motion, gas, loss, work, end, change <= tolerance)
 
-    def go_on(self, step: Pitch) -> None:
+    def go_on(self, step: StartUpPitch) -> None:
         """Set the start of the next pitch to the end of the last."""
         m = step.motion
         self.drive = np.array([m.squares[-1], m.motor_speed[-1], m.twist[-1], m.time[-1]])
@@ -187,7 +187,7 @@ class Run:
         composition.P[P_OMEGA] = mean
         speed.put(composition.P, at, speed.curve_of(motion.squares / mean**2, motion.slopes / mean**2, pitch))
         y = self.chambers.copy()
-        status, angle, _, q = machinery.pitch(y, problem.wanted.rtol, STEP, INSET)
+        status, angle, _, q = machinery.pitch(y, problem.wanted.rtol, STEP, END_MARGIN)
         if status != 0 or not np.isfinite(y).all():
             return f"the chambers could not be integrated beyond {math.degrees(angle):.2f} deg of a pitch"
         machinery.install_coupled()
@@ -219,8 +219,8 @@ class Run:
             unsettled += not step.settled
             self.go_on(step)
             m, mean = step.motion, _mean(step.motion, self.train.pitch)
-            stays = stays + 1 if abs(mean / target - 1.0) <= ARRIVED else 0
-            if stays >= STAYS:
+            stays = stays + 1 if abs(mean / target - 1.0) <= STEADY_WITHIN else 0
+            if stays >= STEADY_PITCHES:
                 status = OK if unsettled == 0 else NOT_CLOSED
                 return self._ended(status, "" if unsettled == 0 else f"{unsettled} pitches did not settle")
             if m.time[-1] > self.longest:
@@ -236,7 +236,7 @@ class Run:
         state = self.train.coupling.state(float(motion.twist[i]))
         return "" if state == "sound" else f"at {motion.time[i]:.4g} s of the start {state}"
 
-    def _stalled(self, step: Pitch) -> str:
+    def _stalled(self, step: StartUpPitch) -> str:
         """Return why the rotors stopped."""
         load = float(np.mean(step.gas_torque)) + step.loss_torque
         at_rest = self.train.motor.limited_torque(0.0, self.steady.no_load_speed)
@@ -302,7 +302,7 @@ def _mean(motion: Motion, pitch: float) -> float:
     return pitch / (float(motion.time[-1] - motion.time[0]) - motion.held)
 
 
-def _traces(pitches: list[Pitch], pitch: float) -> dict[str, Array]:
+def _traces(pitches: list[StartUpPitch], pitch: float) -> dict[str, Array]:
     """Return the traces of all pitches over time."""
     kept: dict[str, list[Array]] = {}
     for i, each in enumerate(pitches):

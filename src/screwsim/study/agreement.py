@@ -11,17 +11,17 @@ from screwsim.results.identity import Files, Identity, code_identity, disagreeme
 from screwsim.results.schema import named_files
 from screwsim.scene.types import Scene
 
-Wanted = Mapping[str, Any]  # of plain types: a worker of another version must be able to read it
+Requirements = Mapping[str, Any]  # of plain types: a worker of another version must be able to read it
 REMEDY = "install the same versions and files there as here, and start it again; the sweep resumes"
 
 
-def wanted_of(scene: Scene) -> Wanted:
+def requirements_of(scene: Scene) -> Requirements:
     """Return what workers must have: names of own modules, paths of files, and the identity of all code and files."""
     own, files = list(scene.own), named_files(scene)
     return {"own": own, "files": files, "identity": code_identity(own) | file_identity(files)}
 
 
-def what_differs(wanted: Wanted) -> str:
+def what_differs(wanted: Requirements) -> str:
     """Return in words how this process differs from what is wanted; '' when it does not."""
     try:
         found = code_identity(wanted["own"])
@@ -30,7 +30,7 @@ def what_differs(wanted: Wanted) -> str:
     return disagreement(found | file_identity(wanted["files"]), wanted["identity"])
 
 
-def refuse_to_differ(wanted: Wanted) -> None:
+def refuse_to_differ(wanted: Requirements) -> None:
     """Raise UsageError, in one line that names this worker, unless it agrees with what is wanted."""
     what = what_differs(wanted)
     if what:
@@ -48,7 +48,7 @@ def _own_name() -> str:
     return str(os.getpid())
 
 
-class Watch:
+class FileWatch:
     """Watch over the files of a scene while its sweep runs: cases from before and after a change must not mix."""
 
     def __init__(self, files: Files, identity: Identity) -> None:

@@ -17,16 +17,16 @@ from screwsim.outputs import Result
 from screwsim.results.table import Table, table_of
 from screwsim.scene import cross_check, dimensions, with_values
 from screwsim.scene.types import Scene
-from screwsim.study.agreement import Wanted, refuse_to_differ
-from screwsim.study.limit import Limit, handed_on, running
-from screwsim.study.workers import sent
+from screwsim.study.agreement import Requirements, refuse_to_differ
+from screwsim.study.limit import TimeLimit, clock_handed_on, clocks_running
+from screwsim.study.workers import pickled_work
 
-BLOCK = 16  # cases per block at most in small sweeps: even work for all cores
-LONG_BLOCK = 64  # cases per block at most in sweeps of
-MANY = 512  # cases or more: longer chains of neighbours
-SAMPLE_BLOCK = 4  # cases per block of a random sample, whose points are not neighbours
+BLOCK_CASES = 16  # cases per block at most in small sweeps: even work for all cores
+LONG_BLOCK_CASES = 64  # cases per block at most in sweeps of
+LARGE_SWEEP = 512  # cases or more: longer chains of neighbours
+SAMPLE_BLOCK_CASES = 4  # cases per block of a random sample, whose points are not neighbours
 SimulateMany = Callable[[Iterable[Scene]], Iterator[Result]]
-Outcome = tuple[Table, float]  # results, and the time taken [s]
+BlockResults = tuple[Table, float]  # results, and the time taken [s]
 
 
 @dataclass(frozen=True)
@@ -60,13 +60,13 @@ _jobs: dict[bytes, Job] = {}  # unpacked and warmed up; a forked process inherit
 
 def packed(job: Job) -> bytes:
     """Return a job as it is sent to workers; workers forked from now on inherit it warmed up."""
-    raw = sent(job)
+    raw = pickled_work(job)
     _jobs.clear()
     _jobs[raw] = job
     return raw
 
 
-def run_packed(raw: bytes, wanted: Wanted, blocks: Sequence[Block]) -> Outcome:
+def run_packed(raw: bytes, wanted: Requirements, blocks: Sequence[Block]) -> BlockResults:
     """Run blocks in a worker, which unpacks a job once and warms up before the first case.
 
     Raise UsageError where this worker's code or files differ from those wanted.
@@ -81,54 +81,54 @@ def run_packed(raw: bytes, wanted: Wanted, blocks: Sequence[Block]) -> Outcome:
     return run_blocks(job, blocks)
 
 
-def run_blocks(job: Job, blocks: Sequence[Block]) -> Outcome:
+def run_blocks(job: Job, blocks: Sequence[Block]) -> BlockResults:
     """Return the results of blocks, with the cases in the order of their values, and the time taken [s]."""
     began = time.perf_counter()
-    results = [result for found in _found(job, blocks) for result in found]
+    results = [result for found in _block_results(job, blocks) for result in found]
     return table_of(results, keep_cycle=job.keep_cycle, keep_slopes=True), time.perf_counter() - began
 
 
-def _found(job: Job, blocks: Sequence[Block]) -> list[list[Result]]:
+def _block_results(job: Job, blocks: Sequence[Block]) -> list[list[Result]]:
     """Return the results of each block; several blocks run in step, with `batch` or `gpu` side by side."""
     if len(blocks) == 1 and not (job.batch or job.gpu):
-        return [_run(job, blocks[0])]
+        return [_results_of_block(job, blocks[0])]
     from screwsim.batch import together
     from screwsim.batch.tasks import IN_STEP, ON_GPU
 
-    tasks = [partial(_run, job, block) for block in blocks]
-    during, passed = (running, handed_on) if job.limit else (None, None)
+    tasks = [partial(_results_of_block, job, block) for block in blocks]
+    during, passed = (clocks_running, clock_handed_on) if job.limit else (None, None)
     in_flight = ON_GPU if job.gpu else IN_STEP
     return together(tasks, in_flight, during, gpu=job.gpu, handed_on=passed, lanes=job.batch)
 
 
-def _run(job: Job, block: Block) -> list[Result]:
+def _results_of_block(job: Job, block: Block) -> list[Result]:
     results: dict[int, Result] = {}
     run: list[tuple[int, Scene]] = []
     for place in block.order:
         scene = with_values(job.scene, dict(zip(job.paths, block.values[place], strict=True)))
-        failed = block.failed.get(place) or _unfit(scene)
+        failed = block.failed.get(place) or _misfit_of_case(scene)
         if not failed:
             run.append((place, scene))
             continue
         results[place] = Result("failed", message=failed)
-        results |= _chain(job, run)
+        results |= _consecutive_results(job, run)
         run = []
-    results |= _chain(job, run)
+    results |= _consecutive_results(job, run)
     return [results[place] for place in range(len(block.values))]
 
 
-def _unfit(scene: Scene) -> str:
+def _misfit_of_case(scene: Scene) -> str:
     """Return why the values of a case do not fit together; '' when they do."""
     try:
         return "; ".join(map(str, cross_check(scene)))
     except (Exception, SystemExit) as error:  # noqa: BLE001 - as below
-        return _told(error)
+        return _error_in_words(error)
 
 
-def _chain(job: Job, run: Sequence[tuple[int, Scene]]) -> dict[int, Result]:
+def _consecutive_results(job: Job, run: Sequence[tuple[int, Scene]]) -> dict[int, Result]:
     """Return the results of consecutive cases; an error in one of them becomes its result and ends nothing else."""
     results: dict[int, Result] = {}
-    limit = Limit(job.limit)
+    limit = TimeLimit(job.limit)
     many: Iterator[Result] | None = None
     for number, (place, _) in enumerate(run):
         try:
@@ -136,19 +136,19 @@ def _chain(job: Job, run: Sequence[tuple[int, Scene]]) -> dict[int, Result]:
                 many = many or iter(job.simulate_many(scene for _, scene in run[number:]))
                 results[place] = next(many)
         except (Exception, SystemExit) as error:  # noqa: BLE001 - any error of one case; KeyboardInterrupt is none
-            results[place] = Result("failed", message=_told(error))
+            results[place] = Result("failed", message=_error_in_words(error))
             many = None
     return results
 
 
-def _told(error: BaseException) -> str:
+def _error_in_words(error: BaseException) -> str:
     return " ".join(f"{type(error).__name__}: {error}".split())
 
 
 class Blocks:
     """Consecutive cases of a grid of a given shape in blocks: parts of one row along the last axis, or whole rows."""
 
-    def __init__(self, shape: Sequence[int], longest: int = BLOCK) -> None:
+    def __init__(self, shape: Sequence[int], longest: int = BLOCK_CASES) -> None:
         self.cases = math.prod(shape)
         self._row = shape[-1] if shape else 1
         self._parts = -(-self._row // longest)  # blocks per row
@@ -192,8 +192,8 @@ def blocks_of(scene: Scene) -> Blocks:
     found = dimensions(scene)
     sampled = bool(found) and found[-1].joint is not None and found[-1].joint.sample is not None
     shape = [dimension.size for dimension in found]
-    whole = LONG_BLOCK if math.prod(shape) >= MANY else BLOCK
-    return Blocks(shape, SAMPLE_BLOCK if sampled else whole)
+    whole = LONG_BLOCK_CASES if math.prod(shape) >= LARGE_SWEEP else BLOCK_CASES
+    return Blocks(shape, SAMPLE_BLOCK_CASES if sampled else whole)
 
 
 def simulate_with(

@@ -13,9 +13,9 @@ import numpy as np
 from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
 from screwsim.screen import say
-from screwsim.study.curves import Array, Optimum, optimum, value_at
+from screwsim.study.curves import Array, Optimum, curve_optimum, value_at
 
-PAPER = "Chernov et al. 2015"  # start of the titles in configs/paper
+PAPER_TITLE = "Chernov et al. 2015"  # start of the titles in configs/paper
 RPM = 2.0 * np.pi / 60.0
 A5_RATIO, A5_SPEED, A5_EFFICIENCY, A5_TOLERANCE = 3.0, 1000.0, 0.68, 0.005
 A6_EFFICIENCY, A6_TOLERANCE = 0.44, 0.02
@@ -34,7 +34,7 @@ class Claim:
 
 
 @dataclass(frozen=True)
-class Pump:
+class PumpCurves:
     """Fig. 1: speeds [rpm] from fast to slow, oil ratios, η by (speed, ratio), one optimum per speed."""
 
     speeds: Array
@@ -44,7 +44,7 @@ class Pump:
 
 
 @dataclass(frozen=True)
-class Displacement:
+class DisplacementCurve:
     """Fig. 2 for one bore [m] of the orifice: speeds [rpm], with the oil ratio and η at each."""
 
     bore: float
@@ -53,7 +53,7 @@ class Displacement:
     efficiency: Array
 
 
-def read_pump(path: str) -> Pump:
+def read_pump(path: str) -> PumpCurves:
     """Return the curves of a stored sweep over operation.speed and oil_supply.ratio."""
     data = open_results(path)
     eta = np.array(data.performance["isothermal_efficiency"])
@@ -62,20 +62,20 @@ def read_pump(path: str) -> Pump:
         eta = eta.T
     speeds, ratios = np.array(data.axes["operation.speed"]) / RPM, np.array(data.axes["oil_supply.ratio"])
     order = np.argsort(-speeds)
-    return Pump(speeds[order], ratios, eta[order], [optimum(ratios, row) for row in eta[order]])
+    return PumpCurves(speeds[order], ratios, eta[order], [curve_optimum(ratios, row) for row in eta[order]])
 
 
-def read_displacement(path: str) -> list[Displacement]:
+def read_displacement(path: str) -> list[DisplacementCurve]:
     """Return one curve per bore from a stored sweep over operation.speed and oil_supply.orifice_diameter."""
     data = open_results(path)
     ratio, eta = (np.array(data.performance[name]) for name in ("oil_ratio", "isothermal_efficiency"))
     speeds, bores = np.array(data.axes["operation.speed"]) / RPM, np.array(data.axes["oil_supply.orifice_diameter"])
     if list(data.axes).index("operation.speed") == 0:
         ratio, eta = ratio.T, eta.T
-    return [Displacement(float(bore), speeds, *rows) for bore, *rows in zip(bores, ratio, eta, strict=True)]
+    return [DisplacementCurve(float(bore), speeds, *rows) for bore, *rows in zip(bores, ratio, eta, strict=True)]
 
 
-def _values(pump: Pump, pick: Callable[[Optimum], float | None]) -> list[float | None]:
+def _values(pump: PumpCurves, pick: Callable[[Optimum], float | None]) -> list[float | None]:
     """Return a measure of the optimum at each speed; None where the optimum is not inside the range."""
     return [pick(best) if best is not None and best.interior else None for best in pump.optima]
 
@@ -93,7 +93,7 @@ def _list(values: list[float | None], form: str) -> str:
     return ", ".join("none" if value is None else format(value, form) for value in values)
 
 
-def shape_claims(pump: Pump) -> list[Claim]:
+def shape_claims(pump: PumpCurves) -> list[Claim]:
     """Return A1–A4, the shapes of Fig. 1; lists run from the fastest speed to the slowest."""
     top, d = _values(pump, lambda best: best.efficiency), _values(pump, lambda best: best.ratio)
     bend, drop = _values(pump, lambda best: best.curvature), _values(pump, lambda best: best.drop)
@@ -111,7 +111,7 @@ def shape_claims(pump: Pump) -> list[Claim]:
     return [Claim(a, says, how, what, "holds" if holds else "fails") for a, says, how, what, holds in found]
 
 
-def pump_point(pump: Pump) -> Claim:
+def pump_point(pump: PumpCurves) -> Claim:
     """Return A5, to which the machine was calibrated."""
     row = int(np.argmin(np.abs(pump.speeds - A5_SPEED)))
     eta = value_at(pump.ratios, pump.efficiency[row], A5_RATIO)
@@ -120,7 +120,7 @@ def pump_point(pump: Pump) -> Claim:
     return Claim("A5", "pump, 1000 rpm, d = 3: 68 %", "within 0.5 points (fitted)", found, verdict)
 
 
-def _speed_of_ratio(line: Displacement, d: float) -> float | None:
+def _speed_of_ratio(line: DisplacementCurve, d: float) -> float | None:
     """Return the speed [rpm] at which displacement gives the oil ratio d, interpolated in logarithms."""
     good = np.isfinite(line.ratio) & (line.ratio > 0.0) & np.isfinite(line.efficiency)
     order = np.argsort(line.ratio[good])
@@ -130,14 +130,14 @@ def _speed_of_ratio(line: Displacement, d: float) -> float | None:
     return float(np.exp(np.interp(np.log(d), x, y)))
 
 
-def _best(claims: list[Claim]) -> Claim:
+def _best_claim(claims: list[Claim]) -> Claim:
     """Return one claim for several bores: the findings for each, and the best verdict."""
     order = ("holds", "calibrated", "in part", "fails")
     verdict = min((claim.verdict for claim in claims), key=order.index)
     return replace(claims[0], found="; ".join(claim.found for claim in claims), verdict=verdict)
 
 
-def displaced_point(line: Displacement) -> Claim:
+def displaced_point(line: DisplacementCurve) -> Claim:
     """Return A6 for one bore: efficiency and speed where displacement gives d = 3, and the point at 1000 rpm."""
     speed, eta = _speed_of_ratio(line, A5_RATIO), value_at(line.ratio, line.efficiency, A5_RATIO)
     at_1000 = value_at(line.speeds, line.efficiency, A5_SPEED)
@@ -151,11 +151,11 @@ def displaced_point(line: Displacement) -> Claim:
     return Claim("A6", "displacement, d = 3: 44 %", measure, found, "calibrated" if close else "fails")
 
 
-def displaced_optimum(pump: Pump, line: Displacement) -> Claim:
+def displaced_optimum(pump: PumpCurves, line: DisplacementCurve) -> Claim:
     """Return A7 for one bore: an optimum must exist, at a higher d than the pump's, and below the pump's best."""
     says = "displacement has an optimum, at rather high d, and is less economical than the pump"
     measure = "maximum within the pump's speeds; its d above the pump's optimum there; efficiency below the pump's best"
-    best, bore = optimum(line.ratio, line.efficiency), f"bore {1e3 * line.bore:.3g} mm: "
+    best, bore = curve_optimum(line.ratio, line.efficiency), f"bore {1e3 * line.bore:.3g} mm: "
     speed = None if best is None or not best.interior else _speed_of_ratio(line, best.ratio)
     optima = [(s, o) for s, o in zip(pump.speeds, pump.optima, strict=True) if o is not None and o.interior]
     if best is None or speed is None or len(optima) < 2:
@@ -173,8 +173,8 @@ def displaced_optimum(pump: Pump, line: Displacement) -> Claim:
 def claims(fig1: str, fig2: str) -> list[Claim]:
     """Return A1–A7 from the stored sweeps of Fig. 1 and Fig. 2."""
     pump, lines = read_pump(fig1), read_displacement(fig2)
-    point = _best([displaced_point(line) for line in lines])
-    shape = _best([displaced_optimum(pump, line) for line in lines])
+    point = _best_claim([displaced_point(line) for line in lines])
+    shape = _best_claim([displaced_optimum(pump, line) for line in lines])
     return [*shape_claims(pump), pump_point(pump), point, shape]
 
 
@@ -192,13 +192,13 @@ def claims_of(path: str, other: str | None = None) -> list[Claim]:
     if pumps:
         pump = read_pump(pumps[0])
         return [*shape_claims(pump), pump_point(pump)]
-    return [_best([displaced_point(line) for line in read_displacement(bores[0])])] if bores else []
+    return [_best_claim([displaced_point(line) for line in read_displacement(bores[0])])] if bores else []
 
 
 def _is_figure(path: str, axis: str) -> bool:
     """Return whether a file is the paper's sweep over the speed and that axis, by its title and axes."""
     data = open_results(path)
-    return str(data.attributes["title"]).startswith(PAPER) and set(data.axes) == {"operation.speed", axis}
+    return str(data.attributes["title"]).startswith(PAPER_TITLE) and set(data.axes) == {"operation.speed", axis}
 
 
 def table(found: list[Claim]) -> str:

@@ -12,11 +12,11 @@ from typing import Any
 
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import Unreadable, read_text
-from screwsim.study.agreement import REMEDY, Wanted, what_differs
-from screwsim.study.workers import LOST
+from screwsim.study.agreement import REMEDY, Requirements, what_differs
+from screwsim.study.workers import SCHEDULER_LOST
 
-_PATIENCE = 60.0  # [s] for the scheduler's answer, for the first worker, and for a lost scheduler to come back
-_LATE = 2.0  # [s] beyond this patience after which a connection that does not respect it is given up
+_TIMEOUT = 60.0  # [s] for the scheduler's answer, for the first worker, and for a lost scheduler to come back
+_GRACE = 2.0  # [s] beyond this patience after which a connection that does not respect it is given up
 _SHOWN = 3  # workers named in a message
 _REMEDY = "give tcp://HOST:PORT, or the file that `dask scheduler --scheduler-file FILE` writes"
 
@@ -24,9 +24,9 @@ _REMEDY = "give tcp://HOST:PORT, or the file that `dask scheduler --scheduler-fi
 class Cluster:
     """A scheduler with its workers, which may come and go while a sweep runs."""
 
-    def __init__(self, where: str, patience: float | None = None, wanted: Wanted | None = None) -> None:
+    def __init__(self, where: str, patience: float | None = None, wanted: Requirements | None = None) -> None:
         self._where = where
-        self._patience = _PATIENCE if patience is None else patience
+        self._patience = _TIMEOUT if patience is None else patience
         self._wanted = wanted
         self._asked: set[str] = set()
         self._client: Any = None
@@ -55,7 +55,7 @@ class Cluster:
         if self._wanted is None or not new:
             return
         told = self._client.run(what_differs, self._wanted, workers=new, on_error="return")
-        wrong = {address: words for address, answer in told.items() if (words := _words(answer))}
+        wrong = {address: words for address, answer in told.items() if (words := _disagreement_in_words(answer))}
         if wrong:
             shown = ", ".join(f"worker {address} {words}" for address, words in list(wrong.items())[:_SHOWN])
             more = f", and {len(wrong) - _SHOWN} more workers differ" if len(wrong) > _SHOWN else ""
@@ -72,11 +72,11 @@ class Cluster:
             threads = self._client.nthreads()
             self._ask(threads)
         except OSError:
-            raise UsageError(LOST) from None
+            raise UsageError(SCHEDULER_LOST) from None
         return max(1, sum(threads.values()))
 
 
-def _words(answer: Any) -> str:
+def _disagreement_in_words(answer: Any) -> str:
     """Return in words how a worker disagrees, from its answer; '' for a worker that is gone."""
     if isinstance(answer, OSError):
         return ""
@@ -110,7 +110,7 @@ async def _reach(address: str, patience: float) -> None:
     from distributed.security import Security
 
     about = Security().get_connection_args("client")
-    comm = await asyncio.wait_for(connect(address, timeout=patience, **about), patience + _LATE)
+    comm = await asyncio.wait_for(connect(address, timeout=patience, **about), patience + _GRACE)
     comm.abort()
 
 

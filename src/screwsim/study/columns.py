@@ -9,14 +9,14 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Variable
-from screwsim.results.atomic import OTHERS, check_target_kind, make_folder, replacing, write_csv
+from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, make_folder, replacing, write_csv
 from screwsim.results.guarded import new_hdf5
 from screwsim.results.identity import version
-from screwsim.results.kept import keep_other_hdf5
 from screwsim.results.netcdf import Layout, number_attributes, set_attributes, text_lines
+from screwsim.results.protection import protect_other_hdf5
 from screwsim.results.schema import variable_name
 
-LONGEST = 1 << 16  # characters read of a first line
+LONGEST_LINE = 1 << 16  # characters read of a first line
 
 
 class Column(NamedTuple):
@@ -27,25 +27,25 @@ class Column(NamedTuple):
     long_name: str
 
 
-def keep_other_columns(path: Path, title: str, *names: str) -> None:
+def protect_other_columns(path: Path, title: str, *names: str) -> None:
     """Raise UsageError where the file at `path` does not hold such columns, as measured data: it would be lost.
 
     A CSV file of a study has the columns `names`, an HDF5 file a title that begins with `title`.
     """
     if path.suffix.lower() != ".csv":
-        keep_other_hdf5(path, "title", title)
+        protect_other_hdf5(path, "title", title)
         return
     check_target_kind(path)
     heads = first_line(path)
     if heads and not set(names) <= {head.partition(" [")[0] for head in heads}:
-        raise UsageError(OTHERS.format(path))
+        raise UsageError(FOREIGN_FILE.format(path))
 
 
 def first_line(path: Path) -> list[str]:
     """Return the cells of the first line of a CSV file; none where there is no file, or it is empty."""
     try:
         with path.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
-            return next(csv.reader([stream.readline(LONGEST)]), [])
+            return next(csv.reader([stream.readline(LONGEST_LINE)]), [])
     except (OSError, csv.Error):  # a file that cannot be read cannot be replaced either, which is reported then
         return []
 

@@ -15,8 +15,8 @@ from screwsim.study.scene_values import scene_values
 
 Array = np.ndarray
 
-SAME = 1e-9  # relative distance below which values of an axis are the same
-CERTAIN = 2.0  # multiple of both estimated errors together that counts as numerical error
+SAME_VALUE = 1e-9  # relative distance below which values of an axis are the same
+ERROR_MULTIPLE = 2.0  # multiple of both estimated errors together that counts as numerical error
 ROUNDING = 1e-12  # relative rounding of figures
 MOST_CHANGES = 20  # changed statuses that are listed
 
@@ -101,7 +101,7 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
         raise UsageError(f"--tolerance {tolerance:g}: is not a relative tolerance (write e.g. 1e-6)")
     flat_a, flat_b = (_scene_values(each) for each in (a, b))
     paths = list(dict.fromkeys([*a.varied, *b.varied]))
-    in_a, in_b, at = _common(a, b, paths, flat_a, flat_b)
+    in_a, in_b, at = _common_cases(a, b, paths, flat_a, flat_b)
     status_a, status_b = a.status.ravel()[in_a], b.status.ravel()[in_b]
     ok = (status_a == "ok") & (status_b == "ok")
 
@@ -111,7 +111,7 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
 
     changed = np.flatnonzero(status_a != status_b)
     first = (StatusChange(point(i), str(status_a[i]), str(status_b[i])) for i in changed[:MOST_CHANGES])
-    sides = _Side(a, in_a), _Side(b, in_b)
+    sides = _FileAtCommonPoints(a, in_a), _FileAtCommonPoints(b, in_b)
     names = dict.fromkeys((*a.error, *b.error))
     figures = (_change(name, sides, ok, point, tolerance) for name in names)
     sides_of = {path: (flat_a.get(path), flat_b.get(path)) for path in (*flat_a, *flat_b)}
@@ -127,7 +127,7 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
     )
 
 
-class Common(NamedTuple):
+class CommonPoints(NamedTuple):
     """Common points of two files: the varied paths and their values [SI], figures [SI] of both, and their errors.
 
     A figure missing in a file or a case is NaN; errors are absolute, those of both files together.
@@ -138,25 +138,25 @@ class Common(NamedTuple):
     figures: Mapping[str, tuple[Array, Array, Array]]
 
 
-def common_points(a: Results, b: Results) -> Common:
+def common_points(a: Results, b: Results) -> CommonPoints:
     """Return all figures at the points that both files have; raise UsageError when there are none."""
     paths = list(dict.fromkeys([*a.varied, *b.varied]))
-    in_a, in_b, at = _common(a, b, paths, _scene_values(a), _scene_values(b))
-    sides = _Side(a, in_a), _Side(b, in_b)
+    in_a, in_b, at = _common_cases(a, b, paths, _scene_values(a), _scene_values(b))
+    sides = _FileAtCommonPoints(a, in_a), _FileAtCommonPoints(b, in_b)
     figures = {}
     for name in dict.fromkeys((*a.error, *b.error)):
         one, other = (side.values(name) for side in sides)
         if np.isfinite(one).any() or np.isfinite(other).any():
             there = all(name in each.error for each in (a, b))
             figures[name] = one, other, sum(side.errors(name) for side in sides) if there else np.full(len(one), np.nan)
-    return Common(dict(zip(paths, at, strict=True)), (a.status.ravel()[in_a], b.status.ravel()[in_b]), figures)
+    return CommonPoints(dict(zip(paths, at, strict=True)), (a.status.ravel()[in_a], b.status.ravel()[in_b]), figures)
 
 
 def _scene_values(results: Results) -> dict[str, str]:
     return scene_values(results.scene_yaml, str(results.path), ("sweep", "title"))
 
 
-def _common(
+def _common_cases(
     a: Results, b: Results, paths: list[str], flat_a: Mapping[str, str], flat_b: Mapping[str, str]
 ) -> tuple[Array, Array, list[Array]]:
     """Return the indices of the common cases in both files, and the values of each path there."""
@@ -204,13 +204,13 @@ def _coded(a: Array, b: Array) -> tuple[Array, Array]:
         return codes[: len(a)], codes[len(a) :]
     order = np.argsort(both, kind="stable")
     ordered = both[order]
-    steps = np.diff(ordered) > SAME * np.maximum(np.abs(ordered[1:]), np.abs(ordered[:-1]))
+    steps = np.diff(ordered) > SAME_VALUE * np.maximum(np.abs(ordered[1:]), np.abs(ordered[:-1]))
     codes = np.empty(len(both), np.int64)
     codes[order] = np.concatenate([[0], np.cumsum(steps)])
     return codes[: len(a)], codes[len(a) :]
 
 
-class _Side:
+class _FileAtCommonPoints:
     """Figures of one file at the common points."""
 
     def __init__(self, results: Results, cases: Array) -> None:
@@ -230,7 +230,11 @@ class _Side:
 
 
 def _change(
-    name: str, sides: tuple[_Side, _Side], ok: Array, point: Callable[[int], dict[str, Any]], tolerance: float
+    name: str,
+    sides: tuple[_FileAtCommonPoints, _FileAtCommonPoints],
+    ok: Array,
+    point: Callable[[int], dict[str, Any]],
+    tolerance: float,
 ) -> FigureChange | None:
     """Return the change of one figure; None where neither file has values of it at the common points."""
     a, b = (side.values(name) for side in sides)
@@ -241,7 +245,7 @@ def _change(
         return FigureChange(name, 0, 0, only_a, only_b) if only_a or only_b else None
     change, size = (b - a)[both], np.maximum(np.abs(a), np.abs(b))[both]
     error = (sides[0].errors(name) + sides[1].errors(name))[both]
-    allowed = np.maximum(CERTAIN * error, max(tolerance, ROUNDING) * size)
+    allowed = np.maximum(ERROR_MULTIPLE * error, max(tolerance, ROUNDING) * size)
     over = np.abs(change) / np.maximum(allowed, 1e-300)
     worst = int(np.argmax(over))
     value_a, value_b = float(a[both[worst]]), float(b[both[worst]])

@@ -18,12 +18,12 @@ from screwsim.model.run import Machinery
 from screwsim.numerics.derivative import tangent
 from screwsim.scene.types import Scene
 
-STATE = """def {name}({arguments}):
+STATE_KERNEL = """def {name}({arguments}):
     found = np.empty(7)
     coolprop_state(T, rho, found)
     return found[0], found[1], found[2], found[3], found[4], found[5], found[6]
 """
-SLOPES = """def {name}({arguments}):
+SLOPES_KERNEL = """def {name}({arguments}):
     p, h, c, t, a, x, f = {state}({arguments})
     d = {step} * T
     T = T + d
@@ -36,7 +36,7 @@ SLOPES = """def {name}({arguments}):
     by_rho = (p_2 - p) / e, (h_2 - h) / e, (c_2 - c) / e, (t_2 - t) / e, 0.0, 0.0, 0.0
     return p, h, c, t, a, x, f, {of_T}, {of_rho}
 """
-STEP = 1e-7  # relative step of the differences: CoolProp does not give all derivatives that are needed
+DIFFERENCE_STEP = 1e-7  # relative step of the differences: CoolProp does not give all derivatives that are needed
 
 
 def state_function(fluid: str) -> Any:
@@ -66,7 +66,7 @@ def state_function(fluid: str) -> Any:
     return ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_double, ctypes.c_void_p)(fill)
 
 
-def can_be_asked(scene: Scene) -> bool:
+def is_replaceable(scene: Scene) -> bool:
     """Return whether CoolProp can replace a scene's gas."""
     return find_gas_model(scene.gas.model).by_coolprop and not scene.gas.relative_humidity
 
@@ -76,16 +76,18 @@ def machinery_with_coolprop(scene: Scene) -> Machinery:
 
     Raises ValueError for an ideal gas or moist air.
     """
-    if not can_be_asked(scene):
+    if not is_replaceable(scene):
         raise ValueError("gas.model: CoolProp provides real gases only, and no moist air here")
     problem = problem_of(scene)
     gas, text = problem.parts.gas, problem.composition.text
     kernel = gas.state if gas.phased_state is None else gas.phased_state[1]
     each = ", ".join(kernel.arguments)
     slopes = {f"of_{of}": ", ".join(f"by_{of}[{i}]" for i in range(7)) for of in ("T", "rho")}
-    text = _replaced(text, STATE.format(name=kernel.flat_name, arguments=each))
+    text = _replaced(text, STATE_KERNEL.format(name=kernel.flat_name, arguments=each))
     name = tangent(kernel, ("T", "rho")).flat_name
-    text = _replaced(text, SLOPES.format(name=name, state=kernel.flat_name, arguments=each, step=STEP, **slopes))
+    text = _replaced(
+        text, SLOPES_KERNEL.format(name=name, state=kernel.flat_name, arguments=each, step=DIFFERENCE_STEP, **slopes)
+    )
     state = state_function(scene.gas.name)
     address = ctypes.cast(state, ctypes.c_void_p).value
     assert address is not None

@@ -10,7 +10,18 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from screwsim.study.cases import Block
-from screwsim.study.workers import DIED, TICK, Chunks, Guard, Lost, Work, drain, stop, submit, worker_died
+from screwsim.study.workers import (
+    POLL_INTERVAL,
+    WORKER_DIED,
+    Chunks,
+    ChunkWork,
+    DeathGuard,
+    LostChunk,
+    drain,
+    stop_executor,
+    submit,
+    worker_died,
+)
 
 _HUNG = "ran longer than {:g} s and was ended (allow more with --case-limit, or run this case alone)"
 _UNEXPLAINED = "worker died {} times on the block of this case, but on none of its cases alone"
@@ -18,20 +29,20 @@ _TRIES = 3  # of a block whose worker dies although no case alone kills it: some
 
 
 @dataclass(frozen=True)
-class Death:
+class WorkerDeath:
     """Death of a worker, after so many seconds."""
 
     seconds: float
 
 
-class _Alone:
+class _SingleTaskWorker:
     """One worker running one task at a time, so that it is certain which task was running when it dies."""
 
-    def __init__(self, work: Work) -> None:
+    def __init__(self, work: ChunkWork) -> None:
         self._work = work
         self._executor: Executor | None = None
 
-    def __enter__(self) -> _Alone:
+    def __enter__(self) -> _SingleTaskWorker:
         """Raise RuntimeError when workers die without any case, so that no case is to blame."""
         try:
             self._start().submit(os.getpid).result()
@@ -43,7 +54,7 @@ class _Alone:
         if self._executor is not None and kind is None:
             self._executor.shutdown()
         elif self._executor is not None:
-            stop(self._executor)
+            stop_executor(self._executor)
 
     def _start(self) -> Executor:
         if self._executor is None:
@@ -54,18 +65,18 @@ class _Alone:
         """Return the outcome of blocks, or a Death."""
         began = time.monotonic()
         executor = self._start()
-        guard, future = Guard(executor), submit(executor, self._work.task, blocks)
-        while not wait([future], TICK).done:
+        guard, future = DeathGuard(executor), submit(executor, self._work.task, blocks)
+        while not wait([future], POLL_INTERVAL).done:
             guard.look()
             self._work.tick()
         if not worker_died(future):
             return future.result()
         self._start().shutdown()
         self._executor = None
-        return Death(time.monotonic() - began)
+        return WorkerDeath(time.monotonic() - began)
 
 
-def settle(chunks: Chunks, work: Work, limit: float | None) -> None:
+def run_chunks(chunks: Chunks, work: ChunkWork, limit: float | None) -> None:
     """Run all chunks, and find the cases over which workers die.
 
     When a worker dies, it is not known which of the running chunks was its own. They are run again one at a time, the
@@ -73,32 +84,32 @@ def settle(chunks: Chunks, work: Work, limit: float | None) -> None:
     """
     while lost := drain(chunks, work):
         lost.sort(key=lambda each: -each.seconds)
-        with _Alone(work) as alone:
-            while lost and not _settled(lost.pop(0), alone, work, limit):
+        with _SingleTaskWorker(work) as alone:
+            while lost and not _finish_alone(lost.pop(0), alone, work, limit):
                 pass
         for each in lost:
             chunks.give_back(each.blocks)
 
 
-def _settled(lost: Lost, alone: _Alone, work: Work, limit: float | None) -> bool:
+def _finish_alone(lost: LostChunk, alone: _SingleTaskWorker, work: ChunkWork, limit: float | None) -> bool:
     """Finish a chunk alone; return whether one of its cases kills the worker."""
     hung = limit is not None and lost.seconds >= limit
     guilty = False
     for number, block in zip(lost.blocks, work.payload(lost.blocks), strict=True):
-        outcome, failed = _sure(block, alone, limit, hung)
+        outcome, failed = _marked_outcome(block, alone, limit, hung)
         work.finish(range(number, number + 1), outcome)
         guilty |= bool(failed)
     return guilty
 
 
-def _sure(block: Block, alone: _Alone, limit: float | None, hung: bool) -> tuple[Any, bool]:
+def _marked_outcome(block: Block, alone: _SingleTaskWorker, limit: float | None, hung: bool) -> tuple[Any, bool]:
     """Return the outcome of a block with its culprits marked failed; `hung`: search for them before it is run."""
     unexplained = 0
     while True:
-        outcome = Death(0.0) if hung else alone.run([block])
-        if not isinstance(outcome, Death):
+        outcome = WorkerDeath(0.0) if hung else alone.run([block])
+        if not isinstance(outcome, WorkerDeath):
             return outcome, bool(block.failed)
-        found = _culprit(block, alone, limit)
+        found = _culprit_of(block, alone, limit)
         unexplained += not (found or hung)
         hung = False
         if unexplained == _TRIES:
@@ -106,40 +117,41 @@ def _sure(block: Block, alone: _Alone, limit: float | None, hung: bool) -> tuple
         block = replace(block, failed={**found, **block.failed})
 
 
-def _culprit(block: Block, alone: _Alone, limit: float | None) -> dict[int, str]:
+def _culprit_of(block: Block, alone: _SingleTaskWorker, limit: float | None) -> dict[int, str]:
     """Return {position: why} of one case over which the worker dies, {} without any; results are discarded."""
     for place in block.order:
         if place in block.failed:
             continue
         one = Block([block.values[place]], [0])
         death = alone.run([one])
-        if not isinstance(death, Death):
+        if not isinstance(death, WorkerDeath):
             continue
-        if _hung(death, limit) or isinstance(alone.run([one]), Death):  # twice: rules out a cause from outside
+        # twice: rules out a cause from outside
+        if _hanging_culprit(death, limit) or isinstance(alone.run([one]), WorkerDeath):
             return {place: _why(death, limit)}
     return _culprit_in_chain(block, alone, limit)
 
 
-def _hung(death: Death, limit: float | None) -> bool:
+def _hanging_culprit(death: WorkerDeath, limit: float | None) -> bool:
     return limit is not None and death.seconds >= limit
 
 
-def _why(death: Death, limit: float | None) -> str:
-    return _HUNG.format(limit) if _hung(death, limit) else DIED
+def _why(death: WorkerDeath, limit: float | None) -> str:
+    return _HUNG.format(limit) if _hanging_culprit(death, limit) else WORKER_DIED
 
 
-def _culprit_in_chain(block: Block, alone: _Alone, limit: float | None) -> dict[int, str]:
+def _culprit_in_chain(block: Block, alone: _SingleTaskWorker, limit: float | None) -> dict[int, str]:
     """Return the case that kills its worker only after those before it: the end of the shortest chain that does."""
     shortest, longest = 1, len(block.order)
     death = alone.run([block])
-    if not isinstance(death, Death):
+    if not isinstance(death, WorkerDeath):
         return {}
     while shortest < longest:
         middle = (shortest + longest) // 2
         chosen = block.order[:middle]
         failed = {place: block.failed[old] for place, old in enumerate(chosen) if old in block.failed}
         outcome = alone.run([Block([block.values[place] for place in chosen], range(middle), failed)])
-        if isinstance(outcome, Death):
+        if isinstance(outcome, WorkerDeath):
             longest, death = middle, outcome
         else:
             shortest = middle + 1

@@ -22,7 +22,7 @@ class Optimum:
     interior: bool
 
 
-def optimum(ratio: Array, efficiency: Array) -> Optimum | None:
+def curve_optimum(ratio: Array, efficiency: Array) -> Optimum | None:
     """Return the optimum of one curve, from a parabola in ln d through the points within a factor 1.6 of the best.
 
     Points that are not finite are left out; None when fewer than five remain.

@@ -7,7 +7,7 @@ from screwsim.build import build_parts
 from screwsim.figures import called_for, known, needs_of
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, case
-from screwsim.scene.fields import unknown
+from screwsim.scene.fields import unknown_key
 
 # Lower case, without blanks, underscores and hyphens; symbols that may mean two figures ('eta', 'w') are left out
 _SYMBOLS = {
@@ -25,8 +25,8 @@ _SYMBOLS = {
     "volumetric_cooling_capacity": "qv",
     "free_air_delivered": "fad freeair freeairdelivery",
 }
-_SHORT = {symbol: name for name, symbols in _SYMBOLS.items() for symbol in symbols.split()}
-_OTHERWISE = "a name of performance in `run --json`"
+_NAME_BY_SYMBOL = {symbol: name for name, symbols in _SYMBOLS.items() for symbol in symbols.split()}
+_NAME_REMEDY = "a name of performance in `run --json`"
 
 
 def figure_named(text: str, here: Iterable[str] = (), others: Iterable[str] = (), option: str = "--figure") -> str:
@@ -38,10 +38,10 @@ def figure_named(text: str, here: Iterable[str] = (), others: Iterable[str] = ()
     every = tuple(dict.fromkeys((*known(), *here, *others)))
     bare = "".join(letter for letter in text.lower() if letter not in " _-")
     same = [name for name in every if name.replace("_", "") == bare]
-    if same or bare in _SHORT:
-        return same[0] if same else _SHORT[bare]
+    if same or bare in _NAME_BY_SYMBOL:
+        return same[0] if same else _NAME_BY_SYMBOL[bare]
     there = ", ".join(here)
-    raise UsageError(f"{option} {text}: {unknown(text, every, f'one of {there}' if there else _OTHERWISE)}")
+    raise UsageError(f"{option} {text}: {unknown_key(text, every, f'one of {there}' if there else _NAME_REMEDY)}")
 
 
 def figure_of(scene: Scene, text: str, option: str = "--figure") -> str:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene
-from screwsim.scene.numerals import odd_number, told
+from screwsim.scene.numerals import odd_number, odd_number_text
 from screwsim.scene.units import NUMBER
 from screwsim.study.calibration.data import CELSIUS, UNITS, ZERO
 from screwsim.study.figures import figure_of
@@ -38,7 +38,7 @@ def read_goals(scene: Scene, texts: Iterable[str]) -> tuple[Goal, ...]:
     """Return the goals of texts FIGURE=VALUE; raise UsageError in one line."""
     found = []
     for text in texts:
-        figure, _, value = _parted(scene, text, "--for", "=", "cooling_capacity=500 kW")
+        figure, _, value = _split_condition(scene, text, "--for", "=", "cooling_capacity=500 kW")
         found.append(Goal(figure, value))
     _refuse_twice("--for", [goal.figure for goal in found])
     if not found:
@@ -50,12 +50,12 @@ def read_bounds(scene: Scene, texts: Iterable[str], option: str = "--subject-to"
     """Return the bounds of texts FIGURE<VALUE or FIGURE>VALUE of an option; raise UsageError in one line."""
     example = "discharge_temperature<90 degC"
     plain = (text.replace("<=", "<").replace(">=", ">") for text in texts)
-    found = [Bound(*_parted(scene, text, option, "<>", example)) for text in plain]
+    found = [Bound(*_split_condition(scene, text, option, "<>", example)) for text in plain]
     _refuse_twice(option, [f"{bound.figure}{bound.sign}" for bound in found])
     return tuple(found)
 
 
-def _parted(scene: Scene, text: str, option: str, signs: str, example: str) -> tuple[str, str, float]:
+def _split_condition(scene: Scene, text: str, option: str, signs: str, example: str) -> tuple[str, str, float]:
     """Return figure, sign and value [SI] of a text."""
     match = re.fullmatch(rf"\s*([^=<>]+?)\s*([{signs}])\s*([^=<>]+?)\s*", text)
     if match is None:
@@ -74,7 +74,7 @@ def read_figure(figure: str, text: str, where: str) -> float:
         odd = odd_number(text)
         listed = ", ".join(unit for unit in units if unit not in ("", "1"))
         remedy = f"write a number with one of {listed}" if listed else "write a number"
-        what = told(odd, "") if odd else f"is not a number with a unit ({remedy})"
+        what = odd_number_text(odd, "") if odd else f"is not a number with a unit ({remedy})"
         raise UsageError(f"{where}: {text!r} {what}")
     number, unit = float(match[1]), match[2].strip().replace("°C", CELSIUS).replace("³", "^3").replace("µ", "u")
     celsius = declared(figure).units == "K"  # a difference of temperatures has no Celsius form

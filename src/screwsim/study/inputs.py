@@ -6,18 +6,19 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import shown_of
-from screwsim.outputs.customary import raised
+from screwsim.outputs.customary import with_printed_units
 from screwsim.outputs.display import value_text
 from screwsim.scene import Scene, cross_check, leaf_of, read_value, with_values
 from screwsim.scene.units import NUMBER, ZERO_CELSIUS, customary_unit, to_customary
 
 CELSIUS = "°C"
-STEPS = {"choice": "a choice", "count": "a whole number", "fluid": "a fluid"}  # kinds without a range of values
+# kinds without a range of values
+DISCRETE_KINDS = {"choice": "a choice", "count": "a whole number", "fluid": "a fluid"}
 
 
 def check_continuous(scene: Scene, path: str) -> None:
     """Raise UsageError unless the input at a path is continuous."""
-    what = STEPS.get(leaf_of(scene, path).kind)
+    what = DISCRETE_KINDS.get(leaf_of(scene, path).kind)
     if what is not None:
         raise UsageError(f"{path}: is {what}, not a continuous quantity (vary it in the scene's sweep: block)")
 
@@ -31,7 +32,7 @@ def usual_efficiency(scene: Scene) -> str:
     return ISENTROPIC if real else ISOTHERMAL
 
 
-def told_efficiency(scene: Scene) -> str:
+def efficiency_note(scene: Scene) -> str:
     """Return, in one line, why the isothermal efficiency is not the default; empty where it is."""
     if usual_efficiency(scene) == ISOTHERMAL:
         return ""
@@ -73,7 +74,7 @@ def shown_value(scene: Scene, path: str, value: Any, digits: int = 5) -> str:
     number, unit = in_customary(scene, path, value)
     if unit == CELSIUS:
         return f"{celsius_digits(number, digits)} {CELSIUS}"
-    return f"{number:.{digits}g} {raised(unit)}".strip() if isinstance(number, float) else str(number)
+    return f"{number:.{digits}g} {with_printed_units(unit)}".strip() if isinstance(number, float) else str(number)
 
 
 def shown_number(scene: Scene, path: str, value: Any, digits: int = 4) -> str:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from screwsim.effects.parts.usual import FRICTION, LEAK, OIL_FRICTION, OIL_HEAT, WALLS
 from screwsim.inputs.faults import SceneError, UsageError
-from screwsim.inputs.near import nearest
+from screwsim.inputs.suggestions import nearest
 from screwsim.machine.kinds import kind_of
 from screwsim.outputs import Figures, Result
 from screwsim.scene import loads
@@ -27,24 +27,24 @@ GROUPS = {  # roles of effects by which a kind of machine groups them (`effects.
 }
 
 
-class Left(NamedTuple):
+class LeftOut(NamedTuple):
     """Effects that are left out together, and their name in the table."""
 
     name: str
     effects: tuple[str, ...]
 
 
-def each_alone(scene: Scene) -> tuple[Left, ...]:
+def each_alone(scene: Scene) -> tuple[LeftOut, ...]:
     """Return each effect of a scene, to be left out by itself."""
-    return tuple(Left(name, (name,)) for name in scene.effects)
+    return tuple(LeftOut(name, (name,)) for name in scene.effects)
 
 
-def read_groups(scene: Scene, texts: Iterable[str]) -> tuple[Left, ...]:
+def read_groups(scene: Scene, texts: Iterable[str]) -> tuple[LeftOut, ...]:
     """Return the groups that texts name, each a group or effects separated by commas; raise UsageError in one line."""
     return tuple(dict.fromkeys(_group(scene, text) for text in texts))
 
 
-def _group(scene: Scene, text: str) -> Left:
+def _group(scene: Scene, text: str) -> LeftOut:
     offers = kind_of(scene.machine).offers
     names: list[str] = []
     for word in filter(None, (part.strip() for part in text.split(","))):
@@ -66,11 +66,11 @@ def _group(scene: Scene, text: str) -> Left:
         names += own
     if not names:
         raise UsageError(f"--together {text}: names nothing (write e.g. --together leaks)")
-    return Left(text.replace(" ", "").strip(",").replace(",", "+"), tuple(dict.fromkeys(names)))
+    return LeftOut(text.replace(" ", "").strip(",").replace(",", "+"), tuple(dict.fromkeys(names)))
 
 
 def knock_out(
-    scene: Scene, result: Result, progress: Progress | None = None, left_out: Sequence[Left] | None = None
+    scene: Scene, result: Result, progress: Progress | None = None, left_out: Sequence[LeftOut] | None = None
 ) -> Result:
     """Return the result with `knock_out`: changes of shaft power and specific work when each effect is left out.
 
@@ -94,7 +94,7 @@ def knock_out(
     return replace(result, knock_out=tuple(costs))
 
 
-def _without(scene: Scene, left: Left, result: Result) -> Figures:
+def _without(scene: Scene, left: LeftOut, result: Result) -> Figures:
     """Return the changes when one effect, or several together, are left out."""
     from screwsim.simulate import simulate
 

@@ -13,10 +13,10 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from screwsim.derivatives.closed import FINE, QUICK
-from screwsim.derivatives.solving import found
+from screwsim.derivatives.collocation import FINE, QUICK
+from screwsim.derivatives.solving import scene_derivatives
 from screwsim.figures import declared
-from screwsim.inputs.arguments import FLAG, TEXTS, instance, listed, takes
+from screwsim.inputs.arguments import FLAG, TEXTS, as_list, checked_arguments, instance
 from screwsim.inputs.declare import is_derived
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
@@ -24,21 +24,22 @@ from screwsim.outputs.derivatives import DIFFERENCES, EXACT, ROUGH
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_of, with_values
 from screwsim.scene.fields import FIXED, Leaf, leaves_of, value_at
-from screwsim.scene.types import Found
+from screwsim.scene.types import FoundWithCycle
 from screwsim.simulate import simulate
-from screwsim.study.each import each
 from screwsim.study.figures import figure_of
-from screwsim.study.inputs import STEPS, check_continuous, shown_value
-from screwsim.study.optimum import closed
-from screwsim.study.progress import Progress, shown
-from screwsim.study.workers import DIED
+from screwsim.study.inputs import DISCRETE_KINDS, check_continuous, shown_value
+from screwsim.study.optimum import simulated_if_valid
+from screwsim.study.parallel import parallel_map
+from screwsim.study.progress import Progress, progress_of
+from screwsim.study.workers import WORKER_DIED
 
-STEP = 5e-3  # relative step of a number for differences of closed cycles ...
-ANGLE = math.radians(0.5)  # ... at most, for an angle: half a percent of a port's opening angle is three degrees ...
-ACCURACY = 1e-6  # ... accuracy of these cycles, unless the scene's is finer
-APART = ("numerics.", "output.")  # sections whose numbers do not describe the machine
-READ_OVER = "gauge pressures were read relative to it"
-KINDS = {**STEPS, "numbers": "a list of numbers", "file": "a file"}
+DIFFERENCE_STEP = 5e-3  # relative step of a number for differences of closed cycles ...
+# ... at most, for an angle: half a percent of a port's opening angle is three degrees ...
+LARGEST_ANGLE_STEP = math.radians(0.5)
+DIFFERENCE_ACCURACY = 1e-6  # ... accuracy of these cycles, unless the scene's is finer
+EXCLUDED_SECTIONS = ("numerics.", "output.")  # sections whose numbers do not describe the machine
+GAUGE_REMEDY = "gauge pressures were read relative to it"
+KINDS_WITHOUT_DERIVATIVE = {**DISCRETE_KINDS, "numbers": "a list of numbers", "file": "a file"}
 
 
 @dataclass(frozen=True, repr=False)
@@ -87,11 +88,11 @@ def numeric_paths(scene: Scene) -> tuple[dict[str, float], dict[str, str]]:
     left_out: dict[str, str] = {}
     for path, leaf in leaves.items():
         value = value_at(scene, path)
-        if value is None or path.startswith(APART) or leaf.kind == "word":
+        if value is None or path.startswith(EXCLUDED_SECTIONS) or leaf.kind == "word":
             continue
-        if leaf.kind in KINDS:
-            left_out[path] = KINDS[leaf.kind]
-        elif isinstance(value, Found):
+        if leaf.kind in KINDS_WITHOUT_DERIVATIVE:
+            left_out[path] = KINDS_WITHOUT_DERIVATIVE[leaf.kind]
+        elif isinstance(value, FoundWithCycle):
             left_out[path] = "follows from the cycle"
         elif is_derived(value):
             left_out[path] = "follows from what the scene states"
@@ -100,7 +101,7 @@ def numeric_paths(scene: Scene) -> tuple[dict[str, float], dict[str, str]]:
     return values, left_out
 
 
-@takes(paths=TEXTS, result=instance(Result, "what simulate returned"), fine=FLAG)
+@checked_arguments(paths=TEXTS, result=instance(Result, "what simulate returned"), fine=FLAG)
 def sensitivities(
     scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     paths: Sequence[str] | None = None,
@@ -121,15 +122,15 @@ def sensitivities(
     if result is not None and (other := _other_scene(scene, result)):
         raise UsageError(f"result: belongs to another scene: {other} (pass that of this scene, or none)")
     every, left_out = numeric_paths(scene)
-    left_out |= dict.fromkeys(FIXED & every.keys(), READ_OVER)
+    left_out |= dict.fromkeys(FIXED & every.keys(), GAUGE_REMEDY)
     every = {path: value for path, value in every.items() if path not in FIXED}
-    names = tuple(dict.fromkeys(figure_of(scene, name) for name in listed(figures)))
-    paths = listed(paths)
-    values = _asked(scene, paths, every) if paths else every
+    names = tuple(dict.fromkeys(figure_of(scene, name) for name in as_list(figures)))
+    paths = as_list(paths)
+    values = _requested_numbers(scene, paths, every) if paths else every
     result, leaves = simulate(scene, trace=False) if result is None else result, leaves_of(scene)
     if result.status != "ok":
         return Sensitivities(result)
-    exact = found(scene, values, FINE if fine else QUICK)
+    exact = scene_derivatives(scene, values, FINE if fine else QUICK)
     others = {path: exact.why or exact.refused[path] for path in values if path not in exact.derivatives}
     differenced, failed = _differences(scene, {path: values[path] for path in others}, jobs, progress)
     by_path = {**exact.derivatives, **differenced}
@@ -160,13 +161,13 @@ def _other_scene(scene: Scene, result: Result) -> str:
         return f"machine.kind is {known.machine.kind} there, {scene.machine.kind} here"
     for path in leaves_of(scene):
         there, here = value_at(known, path), value_at(scene, path)
-        if there != here and not path.startswith(APART):
-            shown = (_shown(one, path, value) for one, value in ((known, there), (scene, here)))
+        if there != here and not path.startswith(EXCLUDED_SECTIONS):
+            shown = (_value_in_words(one, path, value) for one, value in ((known, there), (scene, here)))
             return f"{path} is {next(shown)} there, {next(shown)} here"
     return ""
 
 
-def _shown(scene: Scene, path: str, value: Any) -> str:
+def _value_in_words(scene: Scene, path: str, value: Any) -> str:
     return "not stated" if value is None else shown_value(scene, path, value)
 
 
@@ -174,12 +175,12 @@ def _unit(leaf: Leaf) -> str:
     return "1" if leaf.dimension is None else leaf.dimension.si
 
 
-def _asked(scene: Scene, paths: Sequence[str], every: Mapping[str, float]) -> dict[str, float]:
+def _requested_numbers(scene: Scene, paths: Sequence[str], every: Mapping[str, float]) -> dict[str, float]:
     """Return the numbers at the requested paths; raise UsageError for a path without a number."""
     for path in paths:
         check_continuous(scene, path)
         if path not in every:
-            follows = isinstance(value_at(scene, path), Found) or is_derived(value_at(scene, path))
+            follows = isinstance(value_at(scene, path), FoundWithCycle) or is_derived(value_at(scene, path))
             why = "follows from others" if follows else "is not stated"
             raise UsageError(f"{path}: {why} in this scene (state it, or leave it out)")
     return {path: every[path] for path in dict.fromkeys(paths)}
@@ -192,16 +193,16 @@ def _differences(
     if not values:
         return {}, {}
     numerics = scene.numerics
-    finer = min(ACCURACY, numerics.accuracy) if numerics.rtol is None else numerics.accuracy
+    finer = min(DIFFERENCE_ACCURACY, numerics.accuracy) if numerics.rtol is None else numerics.accuracy
     scene = replace(scene, numerics=replace(numerics, accuracy=finer, error="none"))
     leaves = leaves_of(scene)
-    points = [(path, by) for path, value in values.items() for by in _sides(leaves[path], value)]
-    results = each(
-        partial(_solved, scene, values, points),
+    points = [(path, by) for path, value in values.items() for by in _shifts(leaves[path], value)]
+    results = parallel_map(
+        partial(_shifted_result, scene, values, points),
         len(points),
-        died=lambda number: Result("failed", DIED),
+        died=lambda number: Result("failed", WORKER_DIED),
         jobs=jobs,
-        progress=shown("sensitivities", progress),
+        progress=progress_of("sensitivities", progress),
     )
     slopes: dict[str, dict[str, float]] = {}
     failed: dict[str, str] = {}
@@ -216,10 +217,10 @@ def _differences(
     return slopes, failed
 
 
-def _sides(leaf: Leaf, value: float) -> tuple[float, float]:
+def _shifts(leaf: Leaf, value: float) -> tuple[float, float]:
     """Return the steps by which a number is shifted up and down, within the limits of its leaf."""
-    step = STEP * abs(value) or STEP
-    step = min(step, ANGLE) if leaf.kind == "angle" else step
+    step = DIFFERENCE_STEP * abs(value) or DIFFERENCE_STEP
+    step = min(step, LARGEST_ANGLE_STEP) if leaf.kind == "angle" else step
     most = leaf.limits.get("le", leaf.limits.get("lt"))
     least = leaf.limits.get("ge", leaf.limits.get("gt"))
     up = step if most is None or value + step <= most else 0.0
@@ -227,6 +228,8 @@ def _sides(leaf: Leaf, value: float) -> tuple[float, float]:
     return up, -down
 
 
-def _solved(scene: Scene, values: Mapping[str, float], points: Sequence[tuple[str, float]], number: int) -> Result:
+def _shifted_result(
+    scene: Scene, values: Mapping[str, float], points: Sequence[tuple[str, float]], number: int
+) -> Result:
     path, by = points[number]
-    return closed(with_values(scene, {path: values[path] + by}), partial(simulate, trace=False))
+    return simulated_if_valid(with_values(scene, {path: values[path] + by}), partial(simulate, trace=False))

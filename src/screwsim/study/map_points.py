@@ -9,17 +9,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.effects import catalogue
-from screwsim.inputs.arguments import NUMBER, listed, takes
+from screwsim.inputs.arguments import NUMBER, as_list, checked_arguments
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
-from screwsim.scene.fields import leaf_paths, unknown
+from screwsim.scene.fields import leaf_paths, unknown_key
 from screwsim.scene.operation import CONDENSING, EVAPORATING
 from screwsim.scene.units import ZERO_CELSIUS, Refused
 from screwsim.scene.values import convert
 from screwsim.study.performance_map import PerformanceMap, performance_maps
 
 EXAMPLE = '--at "evaporating_temperature=0 degC, condensing_temperature=40 degC"'
-ALIKE = 1e-9  # relative difference within which values of other axes are the same
+SAME_VALUE = 1e-9  # relative difference within which values of other axes are the same
 
 
 class MapPoint(NamedTuple):
@@ -31,7 +31,7 @@ class MapPoint(NamedTuple):
     figures: Mapping[str, float]
 
 
-@takes(evaporating_temperature=NUMBER, condensing_temperature=NUMBER)
+@checked_arguments(evaporating_temperature=NUMBER, condensing_temperature=NUMBER)
 def evaluate_map(
     results: Results | str | os.PathLike[str],
     evaporating_temperature: float,
@@ -45,10 +45,10 @@ def evaluate_map(
     UsageError outside the envelope, where the polynomial does not hold.
     """
     of = results if isinstance(results, Results) else open_results(results)
-    maps = performance_maps(of, tuple(listed(figures)))
+    maps = performance_maps(of, tuple(as_list(figures)))
     asked = {EVAPORATING: evaporating_temperature, CONDENSING: condensing_temperature}
     asked |= {_axis(of, name): value for name, value in others.items()}
-    return dict(at(maps, asked).figures)
+    return dict(evaluated_at(maps, asked).figures)
 
 
 def points_at(results: Results, maps: Sequence[PerformanceMap], texts: Sequence[str]) -> list[MapPoint]:
@@ -56,16 +56,16 @@ def points_at(results: Results, maps: Sequence[PerformanceMap], texts: Sequence[
     found = []
     for text in texts:
         try:
-            found.append(at(maps, _read(results, text)))
+            found.append(evaluated_at(maps, _read(results, text)))
         except UsageError as fault:
             raise UsageError(f"--at {text}: {fault}") from None
     return found
 
 
-def at(maps: Sequence[PerformanceMap], asked: Mapping[str, Any]) -> MapPoint:
+def evaluated_at(maps: Sequence[PerformanceMap], asked: Mapping[str, Any]) -> MapPoint:
     """Return the one map selected by values [SI] of paths, evaluated at its temperatures; raise UsageError."""
     T_e, T_c = (float(asked[path]) for path in (EVAPORATING, CONDENSING))
-    fitting = [one for one in maps if all(_alike(one.values.get(path), value) for path, value in asked.items())]
+    fitting = [one for one in maps if all(_is_same_value(one.values.get(path), value) for path, value in asked.items())]
     if len(fitting) != 1:
         raise UsageError(_choose(maps, fitting))
     (one,) = fitting
@@ -80,11 +80,11 @@ def at(maps: Sequence[PerformanceMap], asked: Mapping[str, Any]) -> MapPoint:
     return MapPoint(T_e, T_c, one.values, found)
 
 
-def _alike(own: Any, asked: Any) -> bool:
+def _is_same_value(own: Any, asked: Any) -> bool:
     """Return whether a map's value is the requested one; always True for temperatures, of which a map has none."""
     if own is None or isinstance(own, str) or isinstance(asked, str):
         return own is None or own == asked
-    return bool(np.isclose(float(own), float(asked), rtol=ALIKE, atol=0.0))
+    return bool(np.isclose(float(own), float(asked), rtol=SAME_VALUE, atol=0.0))
 
 
 def _choose(maps: Sequence[PerformanceMap], fitting: Sequence[PerformanceMap]) -> str:
@@ -109,7 +109,7 @@ def _axis(results: Results, name: str) -> str:
         return same[0]
     options = paths if "." in name else [path.rpartition(".")[2] for path in paths]
     one_of = f"one of {', '.join(options)}"
-    raise UsageError(f"{name} {unknown(name, options, one_of)}")
+    raise UsageError(f"{name} {unknown_key(name, options, one_of)}")
 
 
 def _read(results: Results, text: str) -> dict[str, Any]:

@@ -26,14 +26,14 @@ from screwsim.study.goals import read_figure
 from screwsim.study.local import Sensitivities, sensitivities
 
 OPTION, EXAMPLE = "--measured", "shaft_power=132 kW ± 2 kW"
-AGREES = 2.0  # standard uncertainties within which both agree
-FARTHEST = 0.5  # of a number: a derivative does not hold for a larger change
-FARTHEST_KELVIN = 30.0  # likewise for a temperature, half of which would be meaningless: a tenth of it
-EXPLAINS = 0.9  # a number that leaves a larger part of the differences, in squares, explains nothing
+AGREEMENT_LIMIT = 2.0  # standard uncertainties within which both agree
+LARGEST_CHANGE = 0.5  # of a number: a derivative does not hold for a larger change
+LARGEST_CHANGE_KELVIN = 30.0  # likewise for a temperature, half of which would be meaningless: a tenth of it
+LARGEST_REMAINDER = 0.9  # a number that leaves a larger part of the differences, in squares, explains nothing
 _SIGN = re.compile(r"\s*(?:±|\+/-|\+-)\s*")
 
 
-class Measured(NamedTuple):
+class MeasuredFigure(NamedTuple):
     """A measured figure [SI] and its standard uncertainty, None where it is not stated."""
 
     figure: str
@@ -41,7 +41,7 @@ class Measured(NamedTuple):
     standard: float | None
 
 
-class Compared(NamedTuple):
+class ComparedFigure(NamedTuple):
     """A figure of the scene beside its measured value [SI], with the uncertainties of their difference.
 
     `numerical` and `inputs` are standard uncertainties of the scene's figure, `model` both ends of the model error
@@ -51,7 +51,7 @@ class Compared(NamedTuple):
 
     figure: str
     value: float
-    measured: Measured
+    measured: MeasuredFigure
     numerical: float
     inputs: float
     model: tuple[float, float] | None
@@ -89,7 +89,7 @@ class Comparison:
     `weighted` says whether the differences were weighted by uncertainties; else they were by the measured values.
     """
 
-    rows: tuple[Compared, ...]
+    rows: tuple[ComparedFigure, ...]
     none: Mapping[str, str] = field(default_factory=dict)
     explanations: tuple[Explanation, ...] = ()
     weighted: bool = True
@@ -116,7 +116,7 @@ class Comparison:
         return {"figures": figures, "none": dict(self.none), "explanations": explained, "message": self.why}
 
 
-def read_measured(scene: Scene, texts: Iterable[str]) -> tuple[Measured, ...]:
+def read_measured(scene: Scene, texts: Iterable[str]) -> tuple[MeasuredFigure, ...]:
     """Return the measurements of texts FIGURE=VALUE or FIGURE=VALUE ± UNCERTAINTY; raise UsageError in one line."""
     found = tuple(_read(scene, text) for text in texts)
     names = [each.figure for each in found]
@@ -126,7 +126,7 @@ def read_measured(scene: Scene, texts: Iterable[str]) -> tuple[Measured, ...]:
     return found
 
 
-def _read(scene: Scene, text: str) -> Measured:
+def _read(scene: Scene, text: str) -> MeasuredFigure:
     name, equals, stated = (part.strip() for part in text.partition("="))
     value, *behind = (part.strip() for part in _SIGN.split(stated))
     if not (name and equals and value) or len(behind) > 1 or "" in behind:
@@ -138,7 +138,7 @@ def _read(scene: Scene, text: str) -> Measured:
     number = read_figure(figure, value, where)
     if not math.isfinite(number):
         raise UsageError(f"{where}: {value} is not a value that can be measured")
-    return Measured(figure, number, _standard(figure, number, value, behind[0], where) if behind else None)
+    return MeasuredFigure(figure, number, _standard(figure, number, value, behind[0], where) if behind else None)
 
 
 def _unit(text: str) -> str:
@@ -168,7 +168,7 @@ def _standard(figure: str, number: float, value: str, text: str, where: str) -> 
     return size / COVERAGE
 
 
-def compare_measured(scene: Scene, result: Result, measured: Sequence[Measured]) -> Comparison:
+def compare_measured(scene: Scene, result: Result, measured: Sequence[MeasuredFigure]) -> Comparison:
     """Return measured figures beside those of a result, and which numbers could explain the differences."""
     if not result.performance:
         return Comparison((), why=f"nothing to compare, as the point has no figures: {result.told}")
@@ -178,7 +178,7 @@ def compare_measured(scene: Scene, result: Result, measured: Sequence[Measured])
     none = {name: reasons.get(name, "it has no value in this cycle") for name in lacking}
     if not rows or result.status != "ok":
         return Comparison(rows, none, why="" if rows else "nothing to compare")
-    if all(row.sigma is not None and abs(row.sigma) <= AGREES for row in rows):
+    if all(row.sigma is not None and abs(row.sigma) <= AGREEMENT_LIMIT for row in rows):
         return Comparison(rows, none, why="nothing to explain")
     weighted = all(row.sigma is not None for row in rows)
     try:
@@ -188,7 +188,7 @@ def compare_measured(scene: Scene, result: Result, measured: Sequence[Measured])
     return Comparison(rows, none, explanations(scene, found, rows, weighted), weighted)
 
 
-def _compared(result: Result, measured: Measured) -> Compared:
+def _compared(result: Result, measured: MeasuredFigure) -> ComparedFigure:
     name, value = measured.figure, float(result.performance[measured.figure])
     inputs = result.uncertainty.get("figures", {}).get(name, {}).get("standard", 0.0)
     told = result.uncertainty.get("model", {}).get("figures", {}).get(name)
@@ -197,11 +197,11 @@ def _compared(result: Result, measured: Measured) -> Compared:
     sigma = None
     if measured.standard is not None:
         sigma = (value - measured.value) / math.hypot(measured.standard, inputs, numerical)
-    return Compared(name, value, measured, numerical, inputs, model, sigma)
+    return ComparedFigure(name, value, measured, numerical, inputs, model, sigma)
 
 
 def explanations(
-    scene: Scene, found: Sensitivities, rows: Sequence[Compared], weighted: bool
+    scene: Scene, found: Sensitivities, rows: Sequence[ComparedFigure], weighted: bool
 ) -> tuple[Explanation, ...]:
     """Return the numbers of which one alone could explain the differences, those that leave and change least first.
 
@@ -219,15 +219,15 @@ def explanations(
             continue
         change = -sum(slope * each for slope, each in zip(slopes, off, strict=True)) / square
         left = sum((each + slope * change) ** 2 for slope, each in zip(slopes, off, strict=True)) / whole
-        if left <= EXPLAINS and _possible(scene, path, value, change):
+        if left <= LARGEST_REMAINDER and _is_possible_change(scene, path, value, change):
             kept.append(Explanation(path, value, value + change, left, _tolerances(scene, path, value, change)))
     return tuple(sorted(kept, key=lambda each: (round(each.left, 1), abs(each.wanted / each.value - 1.0))))
 
 
-def _possible(scene: Scene, path: str, value: float, change: float) -> bool:
+def _is_possible_change(scene: Scene, path: str, value: float, change: float) -> bool:
     """Return whether a number [SI] may change this far: within reach of a derivative, its limits, and the scene."""
     leaf = leaf_of(scene, path)
-    farthest = FARTHEST_KELVIN if leaf.kind == "temperature" else FARTHEST * abs(value)
+    farthest = LARGEST_CHANGE_KELVIN if leaf.kind == "temperature" else LARGEST_CHANGE * abs(value)
     if abs(change) > farthest or not within(leaf, value + change):
         return False
     return not cross_check(with_values(scene, {path: value + change}))

@@ -9,9 +9,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from screwsim.scene import Scene
-from screwsim.scene.model_errors import RATIO, SPEED, WORDS, shown_condition, stored
+from screwsim.scene.model_errors import CONDITION_WORDS, RATIO, SPEED, shown_condition, stored_model_errors
 
-SLACK = 0.01  # of a value: margin by which it may lie outside the validated range
+RANGE_MARGIN = 0.01  # of a value: margin by which it may lie outside the validated range
 
 
 def conditions_of(scene: Scene, performance: Mapping[str, Any]) -> dict[str, Any]:
@@ -29,7 +29,7 @@ def model_error(scene: Scene, performance: Mapping[str, Any]) -> dict[str, Any]:
     """
     if not scene.model_error:
         return {}
-    told = stored()[scene.model_error]
+    told = stored_model_errors()[scene.model_error]
     figures = {}
     for name, each in told["figures"].items():
         value, held = performance.get(name), each["held_out"]
@@ -52,7 +52,7 @@ def _outside(known: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]
             continue
         if isinstance(value, str):
             if value not in ends:
-                yield f"{WORDS[name]} {value} ({', '.join(ends)})"
-        elif not ends[0] - SLACK * abs(ends[0]) <= value <= ends[1] + SLACK * abs(ends[1]):
+                yield f"{CONDITION_WORDS[name]} {value} ({', '.join(ends)})"
+        elif not ends[0] - RANGE_MARGIN * abs(ends[0]) <= value <= ends[1] + RANGE_MARGIN * abs(ends[1]):
             shown, low, high = (shown_condition(name, each) for each in (value, *ends))
-            yield f"{WORDS[name]} {shown} ({low if low == high else f'{low} to {high}'})"
+            yield f"{CONDITION_WORDS[name]} {shown} ({low if low == high else f'{low} to {high}'})"

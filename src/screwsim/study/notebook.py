@@ -10,19 +10,19 @@ from collections.abc import Callable
 from html import escape
 from typing import Any
 
-from screwsim.study.progress import Counted, digits
+from screwsim.study.progress import CountingProgress, digits
 
-Publish = Callable[..., Any]  # of data, metadata, transient, update, as IPython's publish_display_data
-BAR = (
+Publisher = Callable[..., Any]  # of data, metadata, transient, update, as IPython's publish_display_data
+BAR_HTML = (
     '<div style="display: flex; gap: 0.8em; align-items: center"><span>{title}</span>'
     '<progress max="{cases}" value="{done}" style="width: 14em"></progress><span>{told}</span></div>'
 )
 
 
-class NotebookBar(Counted):
+class NotebookBar(CountingProgress):
     """A bar with rate, time left and failures, redrawn at most five times a second."""
 
-    def __init__(self, title: str, publish: Publish | None = None, every: float = 0.2) -> None:
+    def __init__(self, title: str, publish: Publisher | None = None, every: float = 0.2) -> None:
         super().__init__(title, time.monotonic)
         self._publish = publish
         self._every = every
@@ -53,7 +53,7 @@ class NotebookBar(Counted):
     def _draw(self, pace: list[str]) -> None:
         failed = [f"{self._failed} not ok"] if self._failed else []
         told = ", ".join([f"{self._done} of {self._cases}", *failed, *pace])
-        html = BAR.format(title=escape(self._title), cases=max(self._cases, 1), done=self._done, told=told)
+        html = BAR_HTML.format(title=escape(self._title), cases=max(self._cases, 1), done=self._done, told=told)
         if self._publish is None:
             from IPython.display import publish_display_data
 

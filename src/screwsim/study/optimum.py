@@ -10,18 +10,18 @@ from screwsim.figures.errors import error_in_unit
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, case, case_count, case_values, cross_check, with_values
-from screwsim.scene.grid import only
-from screwsim.study.each import each
+from screwsim.scene.grid import with_sweep_over
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value, usual_efficiency
+from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
-from screwsim.study.search import COARSE, Point, Top, highest
-from screwsim.study.workers import DIED
+from screwsim.study.search import COARSE_POINTS, Maximum, SearchPoint, find_maximum
+from screwsim.study.workers import WORKER_DIED
 
 OIL_RATIO, OIL_RANGE = "oil_supply.ratio", (0.1, 10.0)  # range where nothing states one
 LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on the search uses the logarithm
-IDLE = 0.9  # of the range: where the figure is the same over more than this, the path hardly affects it
-NARROW = 0.01  # of the range: wanted certainty of the place, each way
+INSENSITIVE_SHARE = 0.9  # of the range: where the figure is the same over more than this, the path hardly affects it
+WANTED_CERTAINTY = 0.01  # of the range: wanted certainty of the place, each way
 TIGHTER, TIGHTEST = 0.1, 1e-6  # of numerics.accuracy, and least accuracy, where errors leave the place less certain
 
 Simulate = Callable[[Scene], Result]
@@ -112,15 +112,15 @@ def optimum(
     progress: Progress | None = None,
 ) -> list[Best]:
     """Return the best value for each point of the scene's axes other than the path (one point without axes)."""
-    rest = only(scene, [path for path in scene.sweep if path != asked.path])
+    rest = with_sweep_over(scene, [path for path in scene.sweep if path != asked.path])
     middle = {asked.path: asked.value(0.5 * (asked.coordinate(asked.low) + asked.coordinate(asked.high)))}
     check_fit(case(rest, 0), middle, asked.path)
     count = case_count(rest)
     simulate = simulate or simulator(with_values(case(rest, 0), middle) if count > 1 else None)
-    return each(
+    return parallel_map(
         partial(_best, rest, asked, simulate),
         count,
-        died=lambda number: Best(case_values(rest, number), "failed", DIED),
+        died=lambda number: Best(case_values(rest, number), "failed", WORKER_DIED),
         jobs=jobs,
         progress=progress,
     )
@@ -139,25 +139,25 @@ def _best(rest: Scene, asked: Question, simulate: Simulate, number: int) -> Best
     """Return the best value at one point of the other axes; solved more accurately where errors leave it uncertain."""
     trials = _Trials(case(rest, number), asked, simulate)
     ends = asked.coordinate(asked.low), asked.coordinate(asked.high)
-    top = highest(trials.point, *ends)
-    while top is not None and _uncertain(top, ends) and trials.tighten():
+    top = find_maximum(trials.point, *ends)
+    while top is not None and _uncertainty_note(top, ends) and trials.tighten():
         margin = 0.25 * (top.bracket[1] - top.bracket[0])
         bracket = max(top.bracket[0] - margin, ends[0]), min(top.bracket[1] + margin, ends[1])
-        finer = highest(trials.point, *bracket, count=1 + COARSE // 2)
+        finer = find_maximum(trials.point, *bracket, count=1 + COARSE_POINTS // 2)
         if finer is None:
             break
-        top = replace(finer, others=top.others, **_as_far(top, finer, bracket))
-    return _told(case_values(rest, number), asked, trials, top, ends)
+        top = replace(finer, others=top.others, **_common_interval(top, finer, bracket))
+    return _best_of_trials(case_values(rest, number), asked, trials, top, ends)
 
 
-def _as_far(before: Top, finer: Top, bracket: tuple[float, float]) -> dict[str, float]:
+def _common_interval(before: Maximum, finer: Maximum, bracket: tuple[float, float]) -> dict[str, float]:
     """Return the ends of the equally good interval: the earlier end where the finer bracket does not contain one."""
     low = before.low if finer.low <= bracket[0] else finer.low
     return {"low": low, "high": before.high if finer.high >= bracket[1] else finer.high}
 
 
-def _uncertain(top: Top, ends: tuple[float, float]) -> bool:
-    return max(top.high - top.point.x, top.point.x - top.low) > NARROW * (ends[1] - ends[0])
+def _uncertainty_note(top: Maximum, ends: tuple[float, float]) -> bool:
+    return max(top.high - top.point.x, top.point.x - top.low) > WANTED_CERTAINTY * (ends[1] - ends[0])
 
 
 @dataclass
@@ -172,20 +172,20 @@ class _Trials:
     absent: list[str] = field(default_factory=list)  # of closed solutions without this figure
     warned: dict[float, tuple[str, ...]] = field(default_factory=dict)  # by the search coordinate
 
-    def point(self, x: float) -> Point:
+    def point(self, x: float) -> SearchPoint:
         """Return the figure at a coordinate, negated for a minimum; NaN without a closed solution."""
         self.count += 1
         scene, name = with_values(self.scene, {self.asked.path: self.asked.value(x)}), self.asked.figure
-        result = closed(scene, self.simulate)
+        result = simulated_if_valid(scene, self.simulate)
         if result.status != "ok":
             self.reasons.append(result.told)
-            return Point(x, math.nan)
+            return SearchPoint(x, math.nan)
         value = result.performance.get(name)
         if value is None:
             self.absent += result.lacks([name])
-            return Point(x, math.nan)
+            return SearchPoint(x, math.nan)
         self.warned[x] = result.warnings
-        return Point(x, -value if self.asked.minimum else value, absolute_error(result, name, scene))
+        return SearchPoint(x, -value if self.asked.minimum else value, absolute_error(result, name, scene))
 
     def tighten(self) -> bool:
         """Make all further solutions more accurate; return False when that is not possible."""
@@ -197,7 +197,7 @@ class _Trials:
         return True
 
 
-def closed(scene: Scene, simulate: Simulate) -> Result:
+def simulated_if_valid(scene: Scene, simulate: Simulate) -> Result:
     """Return the result of a scene; one whose values do not fit together has failed."""
     faults = cross_check(scene)
     if faults:
@@ -213,8 +213,8 @@ def absolute_error(result: Result, name: str, scene: Scene) -> float:
     return error_in_unit(name, result.performance, result.error, scene.numerics.accuracy) or 0.0
 
 
-def _told(
-    values: Mapping[str, Any], asked: Question, trials: _Trials, top: Top | None, ends: tuple[float, float]
+def _best_of_trials(
+    values: Mapping[str, Any], asked: Question, trials: _Trials, top: Maximum | None, ends: tuple[float, float]
 ) -> Best:
     counts = {"solutions": trials.count, "failed": len(trials.reasons), "accuracy": trials.scene.numerics.accuracy}
     some = f"{len(trials.reasons)} of {trials.count} solutions: {trials.reasons[0]}" if trials.reasons else ""
@@ -225,7 +225,7 @@ def _told(
     near = 2e-4 * (ends[1] - ends[0])
     place = "lower border" if top.point.x - ends[0] < near else "inside"
     place = "upper border" if ends[1] - top.point.x < near else place
-    if top.high - top.low > IDLE * (ends[1] - ends[0]):  # the best place is one by chance
+    if top.high - top.low > INSENSITIVE_SHARE * (ends[1] - ends[0]):  # the best place is one by chance
         place = "anywhere"
     return Best(
         values,

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures import scale_of
-from screwsim.inputs.textfiles import irregular
+from screwsim.inputs.textfiles import irregular_kind
 from screwsim.outputs import STATUSES, Figure, names_of
 from screwsim.results.atomic import replacing
-from screwsim.results.table import TEXTS, Table, Texts, columns_of
+from screwsim.results.table import TEXT_NAMES, CaseTexts, Table, columns_of
 
-_TRACE = "trace_"
+_TRACE_PREFIX = "trace_"
 _UNREADABLE = (OSError, EOFError, LookupError, ValueError, TypeError, AttributeError, NotImplementedError)
 _UNREADABLE += (MemoryError, RecursionError, RuntimeError, zipfile.BadZipFile, zlib.error)  # raised by numpy, zipfile
 
@@ -28,7 +28,7 @@ def write_part(path: Path, table: Table) -> None:
     about = {
         "effects": table.effects,
         "states": table.states,
-        "words": {name: table.texts[name].words for name in TEXTS},
+        "words": {name: table.texts[name].words for name in TEXT_NAMES},
         "ledger": list(table.ledger),
         "inputs": table.inputs,
         "changes": list(table.changes),
@@ -40,12 +40,12 @@ def write_part(path: Path, table: Table) -> None:
         "about": np.frombuffer(json.dumps(about).encode(), np.uint8),
         "status": table.status,
         "figures": table.figures,
-        "numbers": np.array([table.texts[name].number for name in TEXTS], np.int32),
+        "numbers": np.array([table.texts[name].number for name in TEXT_NAMES], np.int32),
         "angle": table.angle,
         "ledger": np.array(list(table.ledger.values()), float),
         "changes": np.array(list(table.changes.values()), float),
         "slopes": np.array(list(table.slopes.values()), float),
-        **{_TRACE + name: trace for name, trace in table.traces.items()},
+        **{_TRACE_PREFIX + name: trace for name, trace in table.traces.items()},
     }
     with replacing(path) as temporary, temporary.open("wb") as stream:
         np.savez(stream, allow_pickle=False, **arrays)
@@ -59,19 +59,19 @@ def read_part(path: Path, traces: bool = True, cases: bool = True) -> Table:
     none = np.empty(0)
     with np.load(path, allow_pickle=False) as stored:
         about = json.loads(stored["about"].tobytes())
-        names = [name for name in stored.files if traces and name.startswith(_TRACE)]
-        numbers = stored["numbers"] if cases else [none] * len(TEXTS)
+        names = [name for name in stored.files if traces and name.startswith(_TRACE_PREFIX)]
+        numbers = stored["numbers"] if cases else [none] * len(TEXT_NAMES)
         ledger = stored["ledger"] if cases and about["ledger"] else [none] * len(about["ledger"])
         slopes = stored["slopes"] if cases and about["slopes"] else [none] * len(about["slopes"])
         changes = stored["changes"] if cases and about["changes"] else [none] * len(about["changes"])
         return Table(
             status=stored["status"] if cases else none,
             figures=stored["figures"] if cases else none,
-            texts={name: Texts(tuple(about["words"][name]), numbers[i]) for i, name in enumerate(TEXTS)},
+            texts={name: CaseTexts(tuple(about["words"][name]), numbers[i]) for i, name in enumerate(TEXT_NAMES)},
             effects=tuple(about["effects"]),
             states=tuple(about["states"]),
             angle=stored["angle"],
-            traces={name.removeprefix(_TRACE): stored[name] if cases else none for name in names},
+            traces={name.removeprefix(_TRACE_PREFIX): stored[name] if cases else none for name in names},
             ledger=dict(zip(about["ledger"], ledger, strict=True)),
             about=_figures(about),
             inputs=tuple(about["inputs"]),
@@ -94,7 +94,7 @@ def _figures(about: Any) -> tuple[Figure, ...]:
 
 def is_whole(path: Path, cases: int) -> bool:
     """Return whether a part can be read to its end (checksums included) and holds that many cases."""
-    if irregular(path):
+    if irregular_kind(path):
         return False
     try:
         with zipfile.ZipFile(path) as archive:

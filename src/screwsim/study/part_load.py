@@ -18,19 +18,19 @@ from screwsim.scene import Scene, cross_check, with_values
 from screwsim.scene.fields import value_at
 from screwsim.simulate import simulate_many
 
-SPEED = "operation.speed"
+SPEED_PATH = "operation.speed"
 LOADS = (1.0, 0.75, 0.5, 0.25)
-SETTINGS = 7  # settings from the scene's own to the control's end, where the scene sweeps none
-SLOWEST = 0.2  # of the scene's speed
+SETTING_COUNT = 7  # settings from the scene's own to the control's end, where the scene sweeps none
+SLOWEST_SPEED = 0.2  # of the scene's speed
 NEAR, TRIES = 2e-3, 3  # of full load, tolerance within which a load is met, and number of tries
-RATIO = "machine.built_in_volume_ratio"
+RATIO_PATH = "machine.built_in_volume_ratio"
 LEAST_RATIO, LEAST = 0.5, 1.05  # of the axial port's ratio, the lower end of a slide stop; and a lower limit
-RATIOS = 5  # ratios tried between both ends
+RATIO_COUNT = 5  # ratios tried between both ends
 Solve = Callable[[float], Result]
 _NONE: Mapping[str, float] = {}
 _NO_RATIO: Mapping[float, str] = {}
-ENDS = {  # path -> (name, setting of least capacity)
-    SPEED: ("speed", None),
+CONTROL_ENDS = {  # path -> (name, setting of least capacity)
+    SPEED_PATH: ("speed", None),
     "machine.slide_valve.position": ("slide valve", 1.0),
     "effects.slide_valve.position": ("slide valve", 1.0),
     "effects.suction_throttle.pressure_ratio": ("suction throttle", 0.2),
@@ -46,7 +46,7 @@ class Control(NamedTuple):
     settings: tuple[float, ...]
 
 
-class Aim(NamedTuple):
+class LoadFigures(NamedTuple):
     """Figure that defines the load, figure that the best built-in volume ratio maximises, message without a load."""
 
     load: str
@@ -54,11 +54,11 @@ class Aim(NamedTuple):
     none: str
 
 
-REFRIGERATION = Aim("cooling_capacity", "cop", "there is no cooling capacity")
-GAS = Aim("gas_mass_flow", "isentropic_efficiency", "nothing is delivered")
+REFRIGERATION = LoadFigures("cooling_capacity", "cop", "there is no cooling capacity")
+GAS = LoadFigures("gas_mass_flow", "isentropic_efficiency", "nothing is delivered")
 
 
-class Step(NamedTuple):
+class LoadStep(NamedTuple):
     """A setting [SI] of a control with its load (share of the full capacity) and its result.
 
     `ratio` and `best`: built-in volume ratio of the best COP at that load, and the result there (`ratios`). `missed`:
@@ -81,8 +81,8 @@ class PartLoad:
     """
 
     control: Control
-    curve: Sequence[Step]
-    steps: Sequence[Step]
+    curve: Sequence[LoadStep]
+    steps: Sequence[LoadStep]
     why: str = ""
 
     @property
@@ -97,12 +97,12 @@ def controls(scene: Scene) -> list[Control]:
     The values of a sweep over one of them are its settings.
     """
     base, found = replace(scene, sweep={}, joints=()), []
-    for path, (name, end) in ENDS.items():
+    for path, (name, end) in CONTROL_ENDS.items():
         own = value_at(base, path) if _has(base, path) else None
         if own is None:
             continue
-        last = SLOWEST * own if end is None else end
-        swept = scene.sweep.get(path, np.linspace(own, last, SETTINGS))
+        last = SLOWEST_SPEED * own if end is None else end
+        swept = scene.sweep.get(path, np.linspace(own, last, SETTING_COUNT))
         moved = sorted({float(value) - own for value in swept if (value - own) * (last - own) > 0.0}, key=abs)
         if moved:
             found.append(Control(name, path, (own, *(own + way for way in moved))))
@@ -122,13 +122,13 @@ def ratios(scene: Scene) -> tuple[float, ...]:
 
     They are those of a sweep or, for a machine whose axial port has a ratio of its own, from half of that up to it.
     """
-    swept = scene.sweep.get(RATIO)
+    swept = scene.sweep.get(RATIO_PATH)
     if swept is not None:
         return tuple(sorted(map(float, swept)))
     axial = getattr(scene.machine, "axial_volume_ratio", None)
     if axial is None:
         return ()
-    return tuple(np.linspace(max(LEAST_RATIO * axial, LEAST), axial, RATIOS).tolist())
+    return tuple(np.linspace(max(LEAST_RATIO * axial, LEAST), axial, RATIO_COUNT).tolist())
 
 
 def part_load(
@@ -137,7 +137,7 @@ def part_load(
     full: float | None = None,
     loads: Sequence[float] = LOADS,
     among: Sequence[float] = (),
-    aim: Aim = REFRIGERATION,
+    aim: LoadFigures = REFRIGERATION,
 ) -> PartLoad:
     """Return the results of a control on a scene without a sweep; `full` is the capacity [SI] of load 1.
 
@@ -152,19 +152,25 @@ def part_load(
             why = result.message or aim.none
             break
         full = full or capacity
-        curve.append(Step(setting, capacity / full, result))
-    falling = _falling(curve)
-    steps = list(_at_loads(solve, falling, full or 0.0, loads, aim)) if len(falling) > 1 else falling[:1]
+        curve.append(LoadStep(setting, capacity / full, result))
+    falling = _falling_steps(curve)
+    steps = list(_steps_at_loads(solve, falling, full or 0.0, loads, aim)) if len(falling) > 1 else falling[:1]
     if among and len(falling) > 1:
-        steps = [_at_best(scene, control, falling, step, full or 0.0, among, aim) for step in steps]
+        steps = [_step_at_best_ratio(scene, control, falling, step, full or 0.0, among, aim) for step in steps]
     return PartLoad(control, curve, steps, why)
 
 
-def _at_best(
-    scene: Scene, control: Control, known: Sequence[Step], step: Step, full: float, among: Sequence[float], aim: Aim
-) -> Step:
+def _step_at_best_ratio(
+    scene: Scene,
+    control: Control,
+    known: Sequence[LoadStep],
+    step: LoadStep,
+    full: float,
+    among: Sequence[float],
+    aim: LoadFigures,
+) -> LoadStep:
     """Return a step with the ratio of its best COP, from a parabola through those tried, at the same load."""
-    solve, cop, missed = _solver(scene, Control("", RATIO, ()), {control.path: step.setting}), {}, {}
+    solve, cop, missed = _solver(scene, Control("", RATIO_PATH, ()), {control.path: step.setting}), {}, {}
     for ratio in among:
         result = solve(ratio)
         value = result.performance.get(aim.best)
@@ -173,13 +179,13 @@ def _at_best(
         else:
             cop[ratio] = float(value)
     step = step._replace(missed=missed)
-    own, value = value_at(scene, RATIO), step.result.performance.get(aim.best)
+    own, value = value_at(scene, RATIO_PATH), step.result.performance.get(aim.best)
     if own is not None and value is not None and among[0] <= own <= among[-1]:
         cop.setdefault(float(own), float(value))
     if not cop:
         return step
-    ratio = _top(cop)
-    again = _solver(scene, control, {RATIO: ratio})
+    ratio = _parabola_top(cop)
+    again = _solver(scene, control, {RATIO_PATH: ratio})
     setting, wanted, best = step.setting, step.load, None
     one, two = sorted(known, key=lambda each: abs(each.load - step.load))[:2]
     slope = (one.setting - two.setting) / (one.load - two.load)
@@ -195,7 +201,7 @@ def _at_best(
     return step._replace(ratio=ratio, best=best)
 
 
-def _top(cop: dict[float, float]) -> float:
+def _parabola_top(cop: dict[float, float]) -> float:
     """Return where the parabola through the largest COP and its neighbours is highest, within these three ratios."""
     tried = sorted(cop)
     i = tried.index(max(tried, key=lambda ratio: cop[ratio]))
@@ -223,16 +229,18 @@ def _solver(scene: Scene, control: Control, others: Mapping[str, float] = _NONE)
     return solve
 
 
-def _falling(curve: Sequence[Step]) -> list[Step]:
+def _falling_steps(curve: Sequence[LoadStep]) -> list[LoadStep]:
     """Return the steps of a curve whose load is below that of all before them."""
-    kept: list[Step] = []
+    kept: list[LoadStep] = []
     for step in curve:
         if not kept or step.load < kept[-1].load:
             kept.append(step)
     return kept
 
 
-def _at_loads(solve: Solve, known: list[Step], full: float, loads: Sequence[float], aim: Aim) -> Iterator[Step]:
+def _steps_at_loads(
+    solve: Solve, known: list[LoadStep], full: float, loads: Sequence[float], aim: LoadFigures
+) -> Iterator[LoadStep]:
     """Yield a step at each load that the curve reaches: interpolated, solved, and corrected where it misses."""
     yield known[0]
     for load in loads:
@@ -240,19 +248,21 @@ def _at_loads(solve: Solve, known: list[Step], full: float, loads: Sequence[floa
             continue
         step, seen = None, known
         for _ in range(TRIES):
-            step = _at(solve, seen, full, load, aim)
+            step = _step_at_load(solve, seen, full, load, aim)
             if step is None or abs(step.load - load) <= NEAR:
                 break
-            seen = _falling(sorted([*seen, step], key=lambda each: abs(each.setting - known[0].setting)))
+            seen = _falling_steps(sorted([*seen, step], key=lambda each: abs(each.setting - known[0].setting)))
         if step is not None:
             yield step
 
 
-def _at(solve: Solve, known: Sequence[Step], full: float, load: float, aim: Aim) -> Step | None:
+def _step_at_load(
+    solve: Solve, known: Sequence[LoadStep], full: float, load: float, aim: LoadFigures
+) -> LoadStep | None:
     """Return the step at the setting interpolated for a load; None where it is not ok."""
     rising = sorted(known, key=lambda step: step.load)
     x, y = (np.array([getattr(step, name) for step in rising]) for name in ("load", "setting"))
     setting = float(Pchip(x, y)(min(max(load, x[0]), x[-1])))
     result = solve(setting)
     capacity = result.performance.get(aim.load)
-    return Step(setting, capacity / full, result) if result.status == "ok" and capacity else None
+    return LoadStep(setting, capacity / full, result) if result.status == "ok" and capacity else None

@@ -22,16 +22,16 @@ Array = np.ndarray
 
 TERMS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3))  # powers of S and D
 FORMULA = "X = C1 + C2 S + C3 D + C4 S² + C5 S D + C6 D² + C7 S³ + C8 D S² + C9 S D² + C10 D³"
-NAMES = tuple(f"C{number}" for number in range(1, len(TERMS) + 1))
+COEFFICIENT_NAMES = tuple(f"C{number}" for number in range(1, len(TERMS) + 1))
 SHAFT, ELECTRICAL = "shaft_power", "electrical_power"
-FIGURES = ("gas_mass_flow", "cooling_capacity")  # besides the power
+USUAL_FIGURES = ("gas_mass_flow", "cooling_capacity")  # besides the power
 VALUES = 4  # distinct temperatures that a cubic needs
 WORST_CONDITION = 1e6  # of the fit in centred and scaled temperatures; a full grid has about 10
 _CONDITIONS = (SUPERHEAT, SUBCOOLING, QUALITY, SUPERHEAT_S, "oil_supply.temperature", "oil_supply.ratio")
 
 
 @dataclass(frozen=True)
-class Fit:
+class PolynomialFit:
     """Coefficients of one figure, and its errors over the points, relative to their values.
 
     `left_out` is the largest error at a point when it is left out of the fit; None where too few points remain.
@@ -57,7 +57,7 @@ class PerformanceMap:
     not_ok: int = 0
     condition: float | None = None
     envelope: tuple[tuple[float, float], ...] = ()
-    fits: Mapping[str, Fit] = field(default_factory=dict)
+    fits: Mapping[str, PolynomialFit] = field(default_factory=dict)
 
     def inside(self, S: Any, D: Any) -> Array:
         """Return where the envelope covers evaporating and condensing temperatures [°C]."""
@@ -85,7 +85,7 @@ def usual_figures(results: Results) -> tuple[str, ...]:
 
     EN 12900 and AHRI 540 rate a compressor with its motor by the electrical power, an open one by that of its shaft.
     """
-    return (ELECTRICAL if ELECTRICAL in results.performance else SHAFT, *FIGURES)
+    return (ELECTRICAL if ELECTRICAL in results.performance else SHAFT, *USUAL_FIGURES)
 
 
 def performance_maps(results: Results, figures: Sequence[str] = ()) -> list[PerformanceMap]:
@@ -134,12 +134,12 @@ def _map(results: Results, figures: Sequence[str], values: Mapping[str, Any], ca
     for column in columns.values():
         good = good & np.isfinite(column) & (column != 0.0)
     S, D = S[good], D[good]
-    message = _unfit(S, D, len(cases))
+    message = _why_no_fit(S, D, len(cases))
     if message:
         none = [figure for figure in figures if figure not in results.figures]
         message += f"; the file has no {' and no '.join(none)}" if none else ""
         return PerformanceMap(values, message, len(S), not_ok)
-    design = Design(S, D)
+    design = DesignMatrix(S, D)
     if design.condition > WORST_CONDITION:
         message = (
             f"the {len(S)} points do not determine the ten coefficients (condition {design.condition:.1e}; spread "
@@ -147,10 +147,10 @@ def _map(results: Results, figures: Sequence[str], values: Mapping[str, Any], ca
         )
         return PerformanceMap(values, message, len(S), not_ok, design.condition)
     fits = {figure: design.fit(column[good]) for figure, column in columns.items()}
-    return PerformanceMap(values, "", len(S), not_ok, design.condition, _hull(S, D), fits)
+    return PerformanceMap(values, "", len(S), not_ok, design.condition, _convex_hull(S, D), fits)
 
 
-def _unfit(S: Array, D: Array, cases: int) -> str:
+def _why_no_fit(S: Array, D: Array, cases: int) -> str:
     """Return why no map can be fitted to points, with the remedy; empty when one can."""
     if len(S) < len(TERMS):
         return (
@@ -164,7 +164,7 @@ def _unfit(S: Array, D: Array, cases: int) -> str:
     return ""
 
 
-class Design:
+class DesignMatrix:
     """Least-squares problem in temperatures centred and scaled to −1 … 1."""
 
     def __init__(self, S: Array, D: Array) -> None:
@@ -173,7 +173,7 @@ class Design:
         self._matrix = np.column_stack([u**i * v**j for i, j in TERMS])
         self.condition = float(np.linalg.cond(self._matrix))
 
-    def fit(self, values: Array) -> Fit:
+    def fit(self, values: Array) -> PolynomialFit:
         """Return the coefficients, in °C, that fit values best."""
         scaled, *_ = np.linalg.lstsq(self._matrix, values, rcond=None)
         errors = (self._matrix @ scaled - values) / values
@@ -186,7 +186,7 @@ class Design:
             table[term] = coefficient
         S, D = (_powers(middle, half) for middle, half in self._scales)
         table = S.T @ table @ D
-        return Fit(tuple(float(table[term]) for term in TERMS), float(np.max(np.abs(errors))), rms, left_out)
+        return PolynomialFit(tuple(float(table[term]) for term in TERMS), float(np.max(np.abs(errors))), rms, left_out)
 
 
 def _powers(middle: float, half: float) -> Array:
@@ -197,7 +197,7 @@ def _powers(middle: float, half: float) -> Array:
     return table
 
 
-def _hull(S: Array, D: Array) -> tuple[tuple[float, float], ...]:
+def _convex_hull(S: Array, D: Array) -> tuple[tuple[float, float], ...]:
     from scipy.spatial import ConvexHull
 
     points = np.column_stack([S, D])

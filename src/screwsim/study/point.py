@@ -8,17 +8,17 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from screwsim.inputs.arguments import one_of, takes
+from screwsim.inputs.arguments import checked_arguments, one_of
 from screwsim.outputs import Result
 from screwsim.outputs.derivatives import Derivatives
-from screwsim.scene.given import scene_of
+from screwsim.scene.argument import scene_of
 from screwsim.scene.types import Scene
 from screwsim.simulate import Trace
 from screwsim.simulate import simulate as simulated
 from screwsim.study.local import Sensitivities, sensitivities
 
 
-@takes(trace=one_of(True, False, "ledger"))
+@checked_arguments(trace=one_of(True, False, "ledger"))
 def simulate(scene: Scene | str | os.PathLike[str] | Mapping[str, Any], trace: Trace = True) -> Result:
     """Return the result of one scene; impossible physics gives a status and a partial result, never an exception.
 
@@ -29,10 +29,10 @@ def simulate(scene: Scene | str | os.PathLike[str] | Mapping[str, Any], trace: T
     """
     scene = scene_of(scene)
     result = simulated(scene, trace)
-    return replace(result, derivatives=Derivatives(partial(_found, scene, result), result.performance, scene))
+    return replace(result, derivatives=Derivatives(partial(_derivatives_of, scene, result), result.performance, scene))
 
 
-def _found(scene: Scene, result: Result) -> Any:
+def _derivatives_of(scene: Scene, result: Result) -> Any:
     from screwsim.study.local import sensitivities
 
     return sensitivities(scene, result=result)

@@ -28,7 +28,7 @@ class Progress:
         """End, also after an error."""
 
 
-class Surviving(Progress):
+class TolerantProgress(Progress):
     """Forward to another progress until its output fails: a terminal that is gone is no fault of the study."""
 
     def __init__(self, told: Progress) -> None:
@@ -58,7 +58,7 @@ class Surviving(Progress):
                 told.stop()  # restores stdout and stderr
 
 
-class Bar(Progress):
+class TerminalBar(Progress):
     """A bar on stderr with rate, time left and failures.
 
     It has no thread of its own: workers are forked from this process, and a fork copies the locks that threads hold,
@@ -112,7 +112,7 @@ class Bar(Progress):
             self._bar.stop()
 
 
-class Counted(Progress):
+class CountingProgress(Progress):
     """Base of progresses that count cases and the time [s] since the start; each finished case refreshes the report."""
 
     def __init__(self, title: str, clock: Callable[[], float]) -> None:
@@ -134,7 +134,7 @@ class Counted(Progress):
         self._cases += cases
 
 
-class Seldom(Counted):
+class OccasionalLine(CountingProgress):
     """A line on stderr after `first` [s], and then each time the elapsed time has doubled: for logs of long studies."""
 
     def __init__(self, title: str, first: float = 10.0, clock: Callable[[], float] = time.monotonic) -> None:
@@ -153,7 +153,7 @@ class Seldom(Counted):
         tell(f"{self._title}: {self._done} of {self._cases} in {passed:.0f} s{failures}{left}")
 
 
-class Steps(Progress):
+class StepLines(Progress):
     """A line on stderr before each of a few named steps: for outputs that are not terminals."""
 
     def __init__(self, title: str, names: Sequence[str]) -> None:
@@ -174,7 +174,7 @@ class Steps(Progress):
             tell(f"{self._title} {self._done + 1} of {len(self._names)}: {self._names[self._done]}")
 
 
-class Line(Counted):
+class OverwrittenLine(CountingProgress):
     """One line on stderr that overwrites itself, at most twice a second: for neither terminals nor notebooks."""
 
     def __init__(self, title: str, every: float = 0.5) -> None:
@@ -209,14 +209,14 @@ def for_program(title: str, wanted: bool | None = None) -> Progress:
     if wanted is not False and in_notebook():
         from screwsim.study.notebook import NotebookBar
 
-        return Surviving(NotebookBar(title))
+        return TolerantProgress(NotebookBar(title))
     if not wanted:
         return Progress()
     found = for_terminal(title)
-    return found if isinstance(found, Surviving) else Surviving(Line(title))
+    return found if isinstance(found, TolerantProgress) else TolerantProgress(OverwrittenLine(title))
 
 
-def shown(title: str, asked: Progress | bool | None) -> Progress:
+def progress_of(title: str, asked: Progress | bool | None) -> Progress:
     """Return the progress as given, or that of `for_program` for True, False or None."""
     return for_program(title, asked) if asked is None or isinstance(asked, bool) else asked
 
@@ -232,7 +232,7 @@ def for_terminal(title: str = "sweep", names: Sequence[str] = ()) -> Progress:
         return Progress()
     try:
         if sys.stderr.isatty():
-            return Surviving(Bar(title))
+            return TolerantProgress(TerminalBar(title))
     except ValueError:  # stderr is closed
         return Progress()
-    return Steps(title, names) if names else Seldom(title)
+    return StepLines(title, names) if names else OccasionalLine(title)

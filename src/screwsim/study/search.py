@@ -1,7 +1,7 @@
 """Maximum of a function of one variable: a coarse bracket, scipy's bounded search, and how certain its place is.
 
 The function carries its own numerical error. Where a maximum is flat, that error and not the search limits how well its
-place is known: `Top` gives the interval in which the function is within its error of the maximum.
+place is known: `Maximum` gives the interval in which the function is within its error of the maximum.
 """
 
 import math
@@ -9,12 +9,12 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-COARSE = 13  # points of the coarse search
+COARSE_POINTS = 13  # points of the coarse search
 RESOLUTION = 1e-4  # fraction of the range at which the bounded search stops
-CLEAR = 4.0  # errors below the top from which on a point shows the curvature there
+CLEAR_ERRORS = 4.0  # errors below the top from which on a point shows the curvature there
 
 
-class Point(NamedTuple):
+class SearchPoint(NamedTuple):
     """A value of the function with its absolute error; NaN where it has none."""
 
     x: float
@@ -23,23 +23,23 @@ class Point(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Top:
+class Maximum:
     """The highest point; from `low` to `high` the function is within its error of it; `others`: further local maxima.
 
     `bracket` holds its neighbours in the coarse search.
     """
 
-    point: Point
+    point: SearchPoint
     low: float
     high: float
     bracket: tuple[float, float]
-    others: tuple[Point, ...] = ()
+    others: tuple[SearchPoint, ...] = ()
 
 
-Function = Callable[[float], Point]
+Function = Callable[[float], SearchPoint]
 
 
-def highest(function: Function, first: float, last: float, count: int = COARSE) -> Top | None:
+def find_maximum(function: Function, first: float, last: float, count: int = COARSE_POINTS) -> Maximum | None:
     """Return the highest point between two ends; None when fewer than three points of the coarse search have values."""
     step = (last - first) / (count - 1)
     tried = [function(first + step * number if number < count - 1 else last) for number in range(count)]
@@ -53,26 +53,30 @@ def highest(function: Function, first: float, last: float, count: int = COARSE) 
     tops.sort(key=lambda top: -top[0].y)
     best, bracket, _ = tops[0]
     known = [*good, *(point for _, _, seen in tops for point in seen)]
-    low, high = (_reach(best, known, sign) for sign in (-1.0, 1.0))
-    return Top(best, low, high, bracket, tuple(top[0] for top in tops[1:]))
+    low, high = (_equally_high_to(best, known, sign) for sign in (-1.0, 1.0))
+    return Maximum(best, low, high, bracket, tuple(top[0] for top in tops[1:]))
 
 
-def _brackets(tried: Sequence[Point]) -> Iterator[tuple[tuple[float, float], Point]]:
+def _brackets(tried: Sequence[SearchPoint]) -> Iterator[tuple[tuple[float, float], SearchPoint]]:
     """Yield each local maximum with its neighbours; one may lie at the edge of the points that have values."""
     last = len(tried) - 1
-    begins = [number for number in range(last + 1) if _valued(tried, number) and not _valued(tried, number - 1)]
+    begins = [
+        number
+        for number in range(last + 1)
+        if _points_with_value(tried, number) and not _points_with_value(tried, number - 1)
+    ]
     for begin in begins:
-        end = next(number for number in range(begin, last + 1) if not _valued(tried, number + 1))
+        end = next(number for number in range(begin, last + 1) if not _points_with_value(tried, number + 1))
         for peak in _peaks(tried[begin : end + 1]):
             number = begin + peak
             yield (tried[max(number - 1, 0)].x, tried[min(number + 1, last)].x), tried[number]
 
 
-def _valued(points: Sequence[Point], number: int) -> bool:
+def _points_with_value(points: Sequence[SearchPoint], number: int) -> bool:
     return 0 <= number < len(points) and math.isfinite(points[number].y)
 
 
-def _peaks(points: Sequence[Point]) -> list[int]:
+def _peaks(points: Sequence[SearchPoint]) -> list[int]:
     """Return the indices of local maxima, ends included, that are separated by valleys deeper than the errors."""
     last = len(points) - 1
     local = [
@@ -87,20 +91,20 @@ def _peaks(points: Sequence[Point]) -> list[int]:
     return kept
 
 
-def _valley(points: Sequence[Point], number: int, higher: int) -> bool:
+def _valley(points: Sequence[SearchPoint], number: int, higher: int) -> bool:
     """Return whether a valley deeper than the errors lies between two maxima."""
     between = points[min(number, higher) + 1 : max(number, higher)]
     return any(points[number].y - point.y > 2.0 * (points[number].error + point.error) for point in between)
 
 
 def _refined(
-    function: Function, bracket: tuple[float, float], known: Sequence[Point], resolution: float
-) -> list[Point]:
+    function: Function, bracket: tuple[float, float], known: Sequence[SearchPoint], resolution: float
+) -> list[SearchPoint]:
     """Return the points seen by a bounded search within the bracket; it takes missing values as low."""
     from scipy.optimize import minimize_scalar
 
     floor = min(point.y for point in known)
-    seen: list[Point] = []
+    seen: list[SearchPoint] = []
 
     def lowered(x: float) -> float:
         point = function(float(x))
@@ -113,7 +117,7 @@ def _refined(
     return seen
 
 
-def _reach(top: Point, known: Sequence[Point], sign: float) -> float:
+def _equally_high_to(top: SearchPoint, known: Sequence[SearchPoint], sign: float) -> float:
     """Return how far to one side (±1) the function is within its error of the top, from the nearest clear point.
 
     Near its top the function falls with the square of the distance. Without a clear point the interval extends to the
@@ -123,6 +127,6 @@ def _reach(top: Point, known: Sequence[Point], sign: float) -> float:
     error = max(top.error, 0.0)
     for point in side:
         drop = top.y - point.y
-        if drop > CLEAR * error and drop > 0.0:
+        if drop > CLEAR_ERRORS * error and drop > 0.0:
             return top.x + (point.x - top.x) * math.sqrt(error / drop)
     return side[-1].x if side else top.x

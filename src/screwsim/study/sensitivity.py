@@ -12,22 +12,22 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
-from screwsim.results.warned import kinds_of
+from screwsim.results.warning_kinds import kinds_of
 from screwsim.scene import Scene, with_values
 from screwsim.scene.grid import too_many
-from screwsim.study.each import each
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_continuous, check_fit, ends_of, read_text, shown_value, usual_efficiency
-from screwsim.study.optimum import Simulate, absolute_error, closed, simulator
+from screwsim.study.optimum import Simulate, absolute_error, simulated_if_valid, simulator
+from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
-from screwsim.study.workers import DIED
+from screwsim.study.workers import WORKER_DIED
 
 CONFIDENCE = 0.95
 SAMPLES, ALONE = 256, 32  # base samples for several inputs; for a single one, which causes all of the variance
-NOISY = 0.01  # share of the variance that may be due to numerical errors
+LARGEST_NOISE_SHARE = 0.01  # share of the variance that may be due to numerical errors
 
 
-class Range(NamedTuple):
+class InputRange(NamedTuple):
     """A path with the two values [SI] between which it varies."""
 
     path: str
@@ -35,7 +35,7 @@ class Range(NamedTuple):
     high: float
 
 
-class Index(NamedTuple):
+class SobolIndices(NamedTuple):
     """Indices of one path with the half widths of their confidence intervals."""
 
     path: str
@@ -46,7 +46,7 @@ class Index(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Shares:
+class FigureIndices:
     """Influence of the inputs on one figure [SI]; `message` says why there are no indices.
 
     `noise`: the share of the variance that may be due to the estimated numerical errors.
@@ -56,23 +56,23 @@ class Shares:
     mean: float | None = None
     deviation: float | None = None
     noise: float | None = None
-    indices: tuple[Index, ...] = ()
+    indices: tuple[SobolIndices, ...] = ()
     message: str = ""
 
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Answer of a study: one `Shares` per figure; `failed` of the `solutions` have no figures.
+    """Answer of a study: one `FigureIndices` per figure; `failed` of the `solutions` have no figures.
 
     `warnings` are the kinds of warnings of the solutions: (number of solutions, text of the first).
     """
 
-    ranges: tuple[Range, ...]
+    ranges: tuple[InputRange, ...]
     samples: int
     seed: int
     solutions: int
     failed: int
-    shares: tuple[Shares, ...]
+    shares: tuple[FigureIndices, ...]
     message: str = ""
     warnings: tuple[tuple[int, str], ...] = ()
 
@@ -85,9 +85,9 @@ class _Answer(NamedTuple):
     warnings: tuple[str, ...] = ()
 
 
-def read_ranges(scene: Scene, texts: Sequence[str]) -> tuple[Range, ...]:
+def read_ranges(scene: Scene, texts: Sequence[str]) -> tuple[InputRange, ...]:
     """Return the ranges of texts PATH=LOW..HIGH; raise UsageError in one line."""
-    found: dict[str, Range] = {}
+    found: dict[str, InputRange] = {}
     for text in texts:
         path, equals, ends = text.partition("=")
         path, both = path.strip(), ends_of(ends)
@@ -95,7 +95,7 @@ def read_ranges(scene: Scene, texts: Sequence[str]) -> tuple[Range, ...]:
             example = "--path 'machine.rotor_diameter=120 mm..136 mm'"
             raise UsageError(f"--path {text}: is not PATH=LOW..HIGH (write e.g. {example})")
         check_continuous(scene, path)
-        span = Range(path, read_text(scene, path, both[0]), read_text(scene, path, both[1]))
+        span = InputRange(path, read_text(scene, path, both[0]), read_text(scene, path, both[1]))
         if not span.low < span.high:
             shown = " … ".join(shown_value(scene, path, end) for end in span[1:])
             raise UsageError(f"{path}: the range {shown} is empty (LOW must be below HIGH)")
@@ -112,7 +112,7 @@ def usual_samples(inputs: int) -> int:
     return SAMPLES if inputs > 1 else ALONE
 
 
-def cost_told(inputs: int, samples: int) -> str:
+def cost_in_words(inputs: int, samples: int) -> str:
     """Return in a line how many solutions a study takes, and the effect of fewer or more samples."""
     count, many = samples * (inputs + 2), f"{inputs} input{'s' * (inputs > 1)}"
     told = f"{count} solutions, {samples} samples × ({many} + 2)"
@@ -123,7 +123,7 @@ def cost_told(inputs: int, samples: int) -> str:
 
 def sensitivity(
     scene: Scene,
-    ranges: Sequence[Range],
+    ranges: Sequence[InputRange],
     figures: Sequence[str] = (),
     *,
     samples: int | None = None,
@@ -146,14 +146,14 @@ def sensitivity(
         raise UsageError(f"--samples {samples}: {what}")
     bounds = [[each.low, each.high] for each in ranges]
     problem = {"num_vars": len(ranges), "names": [each.path for each in ranges], "bounds": bounds}  # in SALib's form
-    points = _sampled(problem, samples, seed)
+    points = _sampled_points(problem, samples, seed)
     middle = {each.path: 0.5 * (each.low + each.high) for each in ranges}
     check_fit(scene, middle, "in the middle of the ranges")
     simulate = simulate or simulator(with_values(scene, middle))
-    answers = each(
+    answers = parallel_map(
         partial(_answer, scene, problem["names"], points, figures, simulate),
         len(points),
-        died=lambda number: _Answer(DIED),
+        died=lambda number: _Answer(WORKER_DIED),
         jobs=jobs,
         failed=lambda answer: bool(answer.message),
         progress=progress,
@@ -174,7 +174,7 @@ def _answer(
 ) -> _Answer:
     """Return the figures of one point with their absolute errors."""
     at = with_values(scene, dict(zip(paths, map(float, points[number]), strict=True)))
-    result = closed(at, simulate)
+    result = simulated_if_valid(at, simulate)
     if result.status != "ok":
         return _Answer(result.told)
     if lacks := result.lacks(figures):
@@ -184,7 +184,7 @@ def _answer(
     return _Answer("", values, errors, warnings=result.warnings)
 
 
-def _sampled(problem: dict[str, Any], samples: int, seed: int) -> np.ndarray:
+def _sampled_points(problem: dict[str, Any], samples: int, seed: int) -> np.ndarray:
     """Return the points [SI], a row each."""
     try:
         from SALib.sample import sobol
@@ -193,15 +193,15 @@ def _sampled(problem: dict[str, Any], samples: int, seed: int) -> np.ndarray:
     return sobol.sample(problem, samples, calc_second_order=False, seed=seed)
 
 
-def _shares(figure: str, problem: dict[str, Any], values: np.ndarray, errors: np.ndarray, seed: int) -> Shares:
+def _shares(figure: str, problem: dict[str, Any], values: np.ndarray, errors: np.ndarray, seed: int) -> FigureIndices:
     """Return the indices of one figure; none where it does not vary beyond its numerical errors."""
     from SALib.analyze import sobol
 
     mean, deviation = float(values.mean()), float(values.std())
     noise = float(np.mean(errors**2))
     if deviation <= max(float(np.sqrt(noise)), 1e-12 * abs(mean)):
-        return Shares(figure, mean, deviation, None, (), "does not vary beyond its numerical error")
+        return FigureIndices(figure, mean, deviation, None, (), "does not vary beyond its numerical error")
     found = sobol.analyze(problem, values, calc_second_order=False, conf_level=CONFIDENCE, seed=seed)
     columns = (np.asarray(found[name], float).tolist() for name in ("S1", "S1_conf", "ST", "ST_conf"))
     rows = zip(problem["names"], *columns, strict=True)
-    return Shares(figure, mean, deviation, noise / deviation**2, tuple(Index(*row) for row in rows))
+    return FigureIndices(figure, mean, deviation, noise / deviation**2, tuple(SobolIndices(*row) for row in rows))

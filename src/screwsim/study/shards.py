@@ -15,13 +15,13 @@ from typing import Any
 
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import Unreadable, read_text
-from screwsim.results.atomic import check_target_kind, followed, make_folder, refused, replacing
+from screwsim.results.atomic import check_target_kind, link_target, make_folder, refused, replacing
 from screwsim.results.table import Table, join
 from screwsim.study.part_files import is_whole, read_part, write_part
 
-MOST_SMALL = 128  # small parts written until neighbours are joined
-LARGE = 16_000_000  # [byte] size from which a part is no longer joined
-AT_HAND = 16_000_000  # [byte] of parts that are also kept in memory, and not read again
+MOST_SMALL_PARTS = 128  # small parts written until neighbours are joined
+LARGE_PART = 16_000_000  # [byte] size from which a part is no longer joined
+BYTES_IN_MEMORY = 16_000_000  # [byte] of parts that are also kept in memory, and not read again
 _NAME = re.compile(r"cases_(\d{9})_(\d{9})\.npz")
 
 
@@ -31,13 +31,13 @@ class Parts:
     def __init__(self, output: Path, identity: Mapping[str, Any], study: str = "sweep") -> None:
         self.output = output
         self.study = study  # kind of study whose cases these are, in words
-        there = followed(output)  # on the disk of the file, and the same for all links to it
+        there = link_target(output)  # on the disk of the file, and the same for all links to it
         self.folder = there.with_name(there.name + ".parts")
         self.identity = dict(identity)  # must agree for parts to belong together
         self._lock: Any = None
         self._small = 0
         self._at_hand: dict[Path, Table] = {}
-        self._room = AT_HAND
+        self._room = BYTES_IN_MEMORY
 
     @property
     def _manifest(self) -> Path:
@@ -120,7 +120,7 @@ class Parts:
         if self._room >= 0:
             self._at_hand[path] = table
         self._small += 1
-        if self._small >= MOST_SMALL:
+        if self._small >= MOST_SMALL_PARTS:
             self._join_neighbours()
             self._small = 0
 
@@ -132,13 +132,13 @@ class Parts:
     def _join_neighbours(self) -> None:
         """Join small consecutive parts; a crash leaves both forms, and the larger part is used."""
         group: list[range] = []
-        room = LARGE
+        room = LARGE_PART
         for path, cases in [*self._files(), (self.folder, range(0))]:
-            size = path.stat().st_size if cases else LARGE
+            size = path.stat().st_size if cases else LARGE_PART
             if group and (cases.start != group[-1].stop or size > room):
                 self._join(group)
-                group, room = [], LARGE
-            if size < LARGE:
+                group, room = [], LARGE_PART
+            if size < LARGE_PART:
                 group.append(cases)
                 room -= size
 

@@ -11,7 +11,7 @@ from screwsim.scene.sizes import sizes_of
 from screwsim.study.inputs import check_continuous, ends_of, read_text, shown_value
 
 LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on a search uses the logarithm
-FAR = 20.0  # without a range: the largest factor above and below the scene's value
+RANGE_FACTOR = 20.0  # without a range: the largest factor above and below the scene's value
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def read_spans(scene: Scene, texts: Iterable[str], *, ranged: bool, sizes: Seque
         if path in found:
             raise UsageError(f"--vary {path}: is given twice (remove one)")
         check_continuous(scene, path)
-        low, high = _stated(scene, path, text, ends) if equals else _known(scene, path, ranged, sizes)
+        low, high = _stated_range(scene, path, text, ends) if equals else _default_range(scene, path, ranged, sizes)
         if not low < high:
             shown = " … ".join(shown_value(scene, path, end) for end in (low, high))
             raise UsageError(f"--vary {path}: the range {shown} is empty (LOW must be below HIGH)")
@@ -83,7 +83,7 @@ def span_of(scene: Scene, path: str, low: float, high: float) -> Span:
     return Span(path, low, high, float(start) if inside else None)
 
 
-def _stated(scene: Scene, path: str, text: str, ends: str) -> tuple[float, float]:
+def _stated_range(scene: Scene, path: str, text: str, ends: str) -> tuple[float, float]:
     both = ends_of(ends)
     if both is None:
         example = "--vary 'operation.speed=1000 rpm..4500 rpm'"
@@ -91,7 +91,7 @@ def _stated(scene: Scene, path: str, text: str, ends: str) -> tuple[float, float
     return read_text(scene, path, both[0]), read_text(scene, path, both[1])
 
 
-def _known(scene: Scene, path: str, ranged: bool, sizes: Sequence[float]) -> tuple[float, float]:
+def _default_range(scene: Scene, path: str, ranged: bool, sizes: Sequence[float]) -> tuple[float, float]:
     """Return the range [SI] of a path for which none is stated."""
     axis = sizes or scene.sweep.get(path, ())
     if len(axis) > 1:
@@ -103,7 +103,7 @@ def _known(scene: Scene, path: str, ranged: bool, sizes: Sequence[float]) -> tup
 
 
 def schema_range(scene: Scene, path: str) -> tuple[float, float] | None:
-    """Return the usual range [SI] of a path, within a factor `FAR` of its own value; None without a value.
+    """Return the usual range [SI] of a path, within a factor `RANGE_FACTOR` of its own value; None without a value.
 
     It is bounded by the field's limits, the values hardly met in practice, and for sizes and the speed by those of
     usual machines.
@@ -111,7 +111,7 @@ def schema_range(scene: Scene, path: str) -> tuple[float, float] | None:
     leaf, value = leaf_of(scene, path), value_at(scene, path)
     if not isinstance(value, int | float) or isinstance(value, bool) or value == 0:
         return None
-    near = sorted((value / FAR, value * FAR))
+    near = sorted((value / RANGE_FACTOR, value * RANGE_FACTOR))
     if leaf.kind == "temperature":  # its zero is far from any use
         near = [value - 60.0, value + 60.0]
     lows = [leaf.limits.get("gt"), leaf.limits.get("ge"), leaf.hardly[0], near[0]]

@@ -13,23 +13,23 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.inputs.arguments import FLAG, REAL, TEXT, takes
+from screwsim.inputs.arguments import FLAG, REAL, TEXT, checked_arguments
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.results.atomic import holds, make_folder
+from screwsim.results.atomic import has_content, make_folder
 from screwsim.results.identity import changed_values, differences, unpacked
 from screwsim.results.read import count_statuses, open_results, read_attributes
 from screwsim.results.schema import axes_of, digest, identity_of
 from screwsim.results.table import same_angles
 from screwsim.results.write import Draft
 from screwsim.scene import grid
-from screwsim.scene.given import scene_of
+from screwsim.scene.argument import scene_of
 from screwsim.scene.types import Scene
-from screwsim.study.agreement import Watch, wanted_of
+from screwsim.study.agreement import FileWatch, requirements_of
 from screwsim.study.cases import (
     Block,
+    BlockResults,
     Job,
-    Outcome,
     SimulateMany,
     blocks_of,
     packed,
@@ -37,17 +37,17 @@ from screwsim.study.cases import (
     run_packed,
     simulate_with,
 )
-from screwsim.study.culprits import settle
+from screwsim.study.culprits import run_chunks
 from screwsim.study.limit import CASE_LIMIT, checked_limit
-from screwsim.study.progress import Progress, shown
+from screwsim.study.progress import Progress, progress_of
 from screwsim.study.scene_values import scene_values
 from screwsim.study.shards import Parts
-from screwsim.study.workers import Chunks, LocalPool, Pool, Work, cores
+from screwsim.study.workers import Chunks, ChunkWork, LocalPool, Pool, cores
 from screwsim.version import release
 
 CHUNK_CASES = 1024  # cases per chunk at most,
 CHUNK_TRACES = 256  # and where cases keep their traces: bounds the memory
-BESIDE = 8  # blocks per chunk at least where they are simulated side by side: as many as a core has lanes
+SIDE_BY_SIDE = 8  # blocks per chunk at least where they are simulated side by side: as many as a core has lanes
 BESIDE_ON_GPU, CASES_ON_GPU = 256, 8192  # blocks per chunk at least on a GPU, unless blocks are long: bounds the memory
 FEW_BLOCKS = 512  # blocks up to which the last chunks decide how long a sweep takes
 SPEED, FLUID = "operation.speed", grid.FLUID
@@ -55,7 +55,7 @@ Simulate = Callable[[Scene], Result]
 WarmUp = Callable[[Scene], None]
 
 
-class _Beside(NamedTuple):
+class _SideBySide(NamedTuple):
     """How blocks are solved side by side, if at all."""
 
     batch: bool  # in the lanes of a core
@@ -63,7 +63,7 @@ class _Beside(NamedTuple):
 
     def blocks(self, size: int) -> int:
         """Return the least number of blocks per chunk, given the number of cases per block."""
-        return min(BESIDE_ON_GPU, max(1, CASES_ON_GPU // size)) if self.gpu else BESIDE if self.batch else 1
+        return min(BESIDE_ON_GPU, max(1, CASES_ON_GPU // size)) if self.gpu else SIDE_BY_SIDE if self.batch else 1
 
     def warming(self, warm_up: WarmUp) -> WarmUp:
         """Return a warm-up that compiles all code needed, to be called before workers are forked."""
@@ -83,7 +83,7 @@ class SweepSummary:
     path: Path
 
 
-@takes(scheduler=TEXT, case_limit=REAL, batch=FLAG, gpu=FLAG)
+@checked_arguments(scheduler=TEXT, case_limit=REAL, batch=FLAG, gpu=FLAG)
 def run_sweep(
     scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     output: str | Path,
@@ -117,24 +117,24 @@ def run_sweep(
         raise UsageError("--batch and --gpu are two ways to solve points side by side (choose one of the two)")
     output = Path(output)
     parts = Parts(output, {"scene_sha256": digest(scene.text), "identity": identity_of(scene)})
-    complete = _claim(output, parts, restart, scene.text)
+    complete = _is_finished_file(output, parts, restart, scene.text)
     if complete and not restart and parts.stored_identity() is None:
-        return _finished(output, began, parts)
+        return _summary_of_finished(output, began, parts)
     make_folder(output.parent)
     parts.open(restart)
     try:
         many, warm = _simulator(scene, simulate, simulate_many, warm_up)
         with Draft(output, scene, axes_of(scene), "sweep", parts.folder) as draft:
-            run = _Sweep(scene, parts, shown("sweep", progress), many, warm, draft, _Beside(batch, gpu))
+            run = _Sweep(scene, parts, progress_of("sweep", progress), many, warm, draft, _SideBySide(batch, gpu))
             reused = run.run(jobs, scheduler, case_limit)
             draft.complete(parts.all(run.blocks.cases))
         parts.discard()
     finally:
         parts.close()
-    return _finished(output, began, parts, reused)
+    return _summary_of_finished(output, began, parts, reused)
 
 
-@takes()
+@checked_arguments()
 def sweep(
     scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     jobs: int | None = None,
@@ -181,7 +181,7 @@ class _Sweep:
         many: SimulateMany,
         warm_up: WarmUp,
         draft: Draft,
-        beside: _Beside,
+        beside: _SideBySide,
     ) -> None:
         self.scene = scene
         self.blocks = blocks_of(scene)
@@ -193,8 +193,8 @@ class _Sweep:
         self._angle = np.empty(0)  # common grid of the traces: cases with longer lives of chambers are refused
         self._chunks = Chunks([], 1, lambda: 1)
         self._draft = draft
-        self._wanted = wanted_of(scene)
-        self._watch = Watch(self._wanted["files"], self._wanted["identity"])
+        self._wanted = requirements_of(scene)
+        self._watch = FileWatch(self._wanted["files"], self._wanted["identity"])
 
     def run(self, jobs: int | None, scheduler: str | None, case_limit: float | None) -> int:
         """Compute the missing cases; return how many were there already."""
@@ -255,7 +255,7 @@ class _Sweep:
                     self._progress.tick()
             else:
                 task = partial(run_packed, packed(job), self._wanted)
-                settle(self._chunks, Work(pool, task, self._payload, self._finish, self._progress.tick), limit)
+                run_chunks(self._chunks, ChunkWork(pool, task, self._payload, self._finish, self._progress.tick), limit)
         except UsageError:
             self._watch.look()  # a worker that started after a file changed here reads the changed one
             raise
@@ -279,7 +279,7 @@ class _Sweep:
         rank = {fluid: number for number, fluid in enumerate(dict.fromkeys(self.scene.sweep[FLUID]))}
         return sorted(order, key=lambda case: rank[values[case][place]])
 
-    def _finish(self, blocks: range, outcome: Outcome) -> None:
+    def _finish(self, blocks: range, outcome: BlockResults) -> None:
         table, seconds = outcome
         if table.angle.size:
             self._angle = self._angle if self._angle.size else table.angle
@@ -295,9 +295,9 @@ def _simulator(
     scene: Scene, simulate: Simulate | None, many: SimulateMany | None, warm_up: WarmUp | None
 ) -> tuple[SimulateMany, WarmUp]:
     if many is not None:
-        return many, warm_up or nothing
+        return many, warm_up or no_warm_up
     if simulate is not None:
-        return partial(map, simulate), warm_up or nothing  # each from its own start
+        return partial(map, simulate), warm_up or no_warm_up  # each from its own start
     from screwsim.simulate import warm_up as default_warm_up
 
     return default_simulate_many(scene), warm_up or default_warm_up
@@ -335,13 +335,13 @@ def _warm_for_gpu(warm_up: WarmUp, scene: Scene) -> None:
     prepare_for_gpu(scene)
 
 
-def nothing(scene: Scene) -> None:
+def no_warm_up(scene: Scene) -> None:
     """Do nothing, where no warm-up is needed."""
 
 
-def _claim(output: Path, parts: Parts, restart: bool, text: str) -> bool:
+def _is_finished_file(output: Path, parts: Parts, restart: bool, text: str) -> bool:
     """Return whether the scene's results file exists; raise UsageError when the file or the parts belong elsewhere."""
-    found = holds(output)
+    found = has_content(output)
     if found:
         attributes = read_attributes(output)
         stored = {"scene_sha256": attributes["scene_sha256"], "version": attributes["screwsim_version"]}
@@ -370,7 +370,7 @@ def _compare(where: Path, parts: Parts, stored: Mapping[str, Any], restart: bool
         raise UsageError(f"{where}: holds results of this scene, but {what}; {remedy}")
 
 
-def _finished(output: Path, began: float, parts: Parts, reused: int | None = None) -> SweepSummary:
+def _summary_of_finished(output: Path, began: float, parts: Parts, reused: int | None = None) -> SweepSummary:
     """Return the summary of a finished sweep; without `reused` an earlier run computed all cases."""
     parts.discard()  # left over from a crash after the file was written
     ok, not_closed, failed = count_statuses(output)

@@ -15,17 +15,17 @@ from screwsim.machine.slider_crank.settings import SliderCrank
 from screwsim.machine.slider_crank.tolerance import GRADES, Grade, Links, grade, right, tolerance
 from screwsim.scene import Scene, with_values
 from screwsim.scene.grid import too_many
-from screwsim.study.each import each
 from screwsim.study.optimum import Simulate, simulator
+from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
-from screwsim.study.workers import DIED
+from screwsim.study.workers import WORKER_DIED
 
 FIGURES = ("gas_mass_flow", "cooling_capacity", "volumetric_efficiency", "shaft_power", "isentropic_efficiency")
 LEAST_SIZE = 1e-3  # [m], smallest size of ISO 286 tolerances: a smaller offset has that of this size
-TURN = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
+CRANK_ANGLES = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
 
 
-class Spread(NamedTuple):
+class FigureScatter(NamedTuple):
     """One figure [SI] over the machines drawn, and the share of its variance due to each length (r²)."""
 
     figure: str
@@ -38,7 +38,7 @@ class Spread(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Tolerances:
+class ToleranceStudy:
     """The links, their kinematic table by grades, and the machines drawn: shift of the dead centre [m], figures [SI].
 
     `widths` are those of the tolerances [m]; `hits` counts machines whose piston would hit the head, `failed` those
@@ -56,10 +56,10 @@ class Tolerances:
     message: str
     shifts: np.ndarray
     values: dict[str, np.ndarray]
-    spreads: tuple[Spread, ...]
+    spreads: tuple[FigureScatter, ...]
 
 
-class _Answer(NamedTuple):
+class _MachineFigures(NamedTuple):
     message: str
     values: tuple[float, ...] = ()
     hits: bool = False  # the piston hits the head
@@ -70,13 +70,13 @@ def widths_of(machine: SliderCrank, grades: dict[str, int]) -> dict[str, float]:
     return {name: tolerance(max(abs(getattr(machine, name)), LEAST_SIZE), number) for name, number in grades.items()}
 
 
-def drawn(machine: SliderCrank, widths: dict[str, float], count: int, seed: int) -> dict[str, np.ndarray]:
+def drawn_lengths(machine: SliderCrank, widths: dict[str, float], count: int, seed: int) -> dict[str, np.ndarray]:
     """Return lengths [m], uniform over their tolerances, which are symmetric about the nominal ones (S31)."""
     random = np.random.default_rng(seed)
     return {name: getattr(machine, name) + width * (random.random(count) - 0.5) for name, width in widths.items()}
 
 
-def changed(scene: Scene, lengths: dict[str, float]) -> tuple[Scene, float]:
+def with_lengths(scene: Scene, lengths: dict[str, float]) -> tuple[Scene, float]:
     """Return the scene with other lengths, and the shift of its top dead centre towards the head [m] (S31).
 
     The head stays in place: the shift reduces the clearance, which is negative where the piston would hit the head.
@@ -85,12 +85,12 @@ def changed(scene: Scene, lengths: dict[str, float]) -> tuple[Scene, float]:
     assert isinstance(machine, SliderCrank)
     other = with_values(scene, {f"machine.{name}": value for name, value in lengths.items()})
     assert isinstance(other.machine, SliderCrank)
-    shift = _top(other.machine) - _top(machine)
+    shift = _top_position(other.machine) - _top_position(machine)
     clearance = other.machine.piston_area * (machine.clearance / machine.piston_area - shift)
     return with_values(other, {"machine.clearance": clearance}), shift
 
 
-def _top(machine: SliderCrank) -> float:
+def _top_position(machine: SliderCrank) -> float:
     """Return the position of the piston at the top dead centre [m] (S4)."""
     return math.sqrt((machine.rod_length + machine.crank_radius) ** 2 - machine.offset**2)
 
@@ -104,7 +104,7 @@ def tolerances(
     jobs: int | None = None,
     simulate: Simulate | None = None,
     progress: Progress | None = None,
-) -> Tolerances:
+) -> ToleranceStudy:
     """Return the study of a scene's mechanism; `grades` are those of the lengths that vary. Raises UsageError."""
     machine = scene.machine
     if not isinstance(machine, SliderCrank):
@@ -119,11 +119,11 @@ def tolerances(
     if nominal.status != "ok":
         raise UsageError(f"the nominal machine: {nominal.told}")
     figures = tuple(name for name in FIGURES if nominal.performance.get(name) is not None)
-    lengths = drawn(machine, widths, count, seed)
-    answers = each(
-        partial(_answer, scene, lengths, figures, simulate),
+    lengths = drawn_lengths(machine, widths, count, seed)
+    answers = parallel_map(
+        partial(_figures_of_machine, scene, lengths, figures, simulate),
         count,
-        died=lambda number: _Answer(DIED),
+        died=lambda number: _MachineFigures(WORKER_DIED),
         jobs=jobs,
         failed=lambda answer: bool(answer.message),
         progress=progress,
@@ -131,38 +131,40 @@ def tolerances(
     good = [i for i, answer in enumerate(answers) if not (answer.message or answer.hits)]
     bad = [answer.message for answer in answers if answer.message]
     links = Links(machine.crank_radius, machine.rod_length, machine.offset)
-    table = tuple(grade(right, TURN, links, number, number) for number in GRADES)
-    shifts = np.array([changed(scene, _at(lengths, i))[1] for i in range(count)])[good]
+    table = tuple(grade(right, CRANK_ANGLES, links, number, number) for number in GRADES)
+    shifts = np.array([with_lengths(scene, _lengths_of(lengths, i))[1] for i in range(count)])[good]
     values = {name: np.array([answers[i].values[k] for i in good]) for k, name in enumerate(figures)}
     kept = {name: values_of[good] for name, values_of in lengths.items()}
-    spreads = tuple(_spread(name, float(nominal.performance[name]), values[name], kept) for name in figures if good)
+    spreads = tuple(
+        _figure_scatter(name, float(nominal.performance[name]), values[name], kept) for name in figures if good
+    )
     hits = sum(answer.hits for answer in answers)
     message = bad[0] if bad else ""
-    return Tolerances(grades, widths, links, table, seed, count, hits, len(bad), message, shifts, values, spreads)
+    return ToleranceStudy(grades, widths, links, table, seed, count, hits, len(bad), message, shifts, values, spreads)
 
 
-def _at(lengths: dict[str, np.ndarray], number: int) -> dict[str, float]:
+def _lengths_of(lengths: dict[str, np.ndarray], number: int) -> dict[str, float]:
     return {name: float(values[number]) for name, values in lengths.items()}
 
 
-def _answer(
+def _figures_of_machine(
     scene: Scene, lengths: dict[str, np.ndarray], figures: tuple[str, ...], simulate: Simulate, number: int
-) -> _Answer:
+) -> _MachineFigures:
     """Return the figures of one machine."""
-    other, _ = changed(scene, _at(lengths, number))
+    other, _ = with_lengths(scene, _lengths_of(lengths, number))
     assert isinstance(other.machine, SliderCrank)
     if other.machine.clearance <= 0.0:
-        return _Answer("", hits=True)
+        return _MachineFigures("", hits=True)
     result = simulate(other)
     if result.status != "ok" or result.lacks(figures):
-        return _Answer(result.told if result.status != "ok" else result.lacks(figures)[0])
-    return _Answer("", tuple(float(result.performance[name]) for name in figures))
+        return _MachineFigures(result.told if result.status != "ok" else result.lacks(figures)[0])
+    return _MachineFigures("", tuple(float(result.performance[name]) for name in figures))
 
 
-def _spread(figure: str, nominal: float, values: np.ndarray, lengths: dict[str, np.ndarray]) -> Spread:
+def _figure_scatter(figure: str, nominal: float, values: np.ndarray, lengths: dict[str, np.ndarray]) -> FigureScatter:
     shares = {}
     for name, length in lengths.items():
         varies = len(values) > 1 and values.std() > 0.0 and length.std() > 0.0
         shares[name] = float(np.corrcoef(length, values)[0, 1] ** 2) if varies else 0.0
     ends = float(values.min()), float(values.max())
-    return Spread(figure, nominal, float(values.mean()), float(values.std()), *ends, shares)
+    return FigureScatter(figure, nominal, float(values.mean()), float(values.std()), *ends, shares)

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.inputs.arguments import instance, takes
+from screwsim.inputs.arguments import checked_arguments, instance
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
@@ -24,16 +24,17 @@ from screwsim.scene import Scene, leaf_of, scene_of, value_at, with_values
 from screwsim.scene.types import COVERAGE
 from screwsim.scene.values import within
 from screwsim.simulate import simulate
-from screwsim.study.each import each
 from screwsim.study.inputs import shown_figure
 from screwsim.study.local import Sensitivities, sensitivities
 from screwsim.study.model_error import model_error
-from screwsim.study.optimum import closed
+from screwsim.study.optimum import simulated_if_valid
+from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
-from screwsim.study.workers import DIED
+from screwsim.study.workers import WORKER_DIED
 
-WRONG = 0.25  # of a standard uncertainty: tolerated difference of sampled and linear one; for few samples their scatter
-SHIFTED = 0.5  # of a standard uncertainty: allowed distance of a sample's mean from the figure
+# of a standard uncertainty: tolerated difference of sampled and linear one; for few samples their scatter
+LINEAR_TOLERANCE = 0.25
+MEAN_TOLERANCE = 0.5  # of a standard uncertainty: allowed distance of a sample's mean from the figure
 LEAST_COUNT = 8
 
 
@@ -49,7 +50,7 @@ class Contributor(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Spread:
+class FigureUncertainty:
     """Uncertainty of one figure [SI]: its standard uncertainty, and the contributing inputs, the largest first."""
 
     standard: float
@@ -61,7 +62,7 @@ class Spread:
         return COVERAGE * self.standard
 
 
-class Sampled(NamedTuple):
+class FigureSample(NamedTuple):
     """A sample of one figure: mean, standard deviation; what is wrong with the linear estimate, '' for nothing."""
 
     mean: float
@@ -73,11 +74,11 @@ class Sampled(NamedTuple):
 class Uncertainty(Brief):
     """Uncertainties of a scene's figures. `left_out` are inputs without a derivative, and why."""
 
-    spreads: Mapping[str, Spread]
+    spreads: Mapping[str, FigureUncertainty]
     slopes: Sensitivities
     groups: tuple[tuple[str, ...], ...] = ()  # correlated inputs, one or more per group
     left_out: Mapping[str, str] = field(default_factory=dict)
-    sampled: Mapping[str, Sampled] = field(default_factory=dict)
+    sampled: Mapping[str, FigureSample] = field(default_factory=dict)
     samples: int = 0
     message: str = ""  # why there is no sample
 
@@ -115,7 +116,7 @@ class Uncertainty(Brief):
         }
 
 
-@takes(result=instance(Result, "what simulate returned"))
+@checked_arguments(result=instance(Result, "what simulate returned"))
 def uncertainty(
     scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     *,
@@ -137,14 +138,14 @@ def uncertainty(
 
 def spreads_of(
     scene: Scene, values: Mapping[str, float], derivatives: Mapping[str, Mapping[str, float]]
-) -> dict[str, Spread]:
+) -> dict[str, FigureUncertainty]:
     """Return the uncertainties of figures from their derivatives [SI] by the uncertain inputs at `values` [SI].
 
     A figure that lacks the derivative by one of these has none.
     """
     there, groups = scene.uncertain.keys() & values.keys(), groups_of(scene)
     complete = {name: slopes for name, slopes in derivatives.items() if there and there <= slopes.keys()}
-    return {name: _spread(scene, values, slopes, groups) for name, slopes in complete.items()}
+    return {name: _figure_uncertainty(scene, values, slopes, groups) for name, slopes in complete.items()}
 
 
 def groups_of(scene: Scene) -> tuple[tuple[str, ...], ...]:
@@ -176,9 +177,9 @@ def with_uncertainty(scene: Scene, result: Result) -> Result:
     return replace(result, uncertainty={**found.as_json(), **told}, warnings=(*result.warnings, *lost))
 
 
-def _spread(
+def _figure_uncertainty(
     scene: Scene, values: Mapping[str, float], slopes: Mapping[str, float], groups: Sequence[tuple[str, ...]]
-) -> Spread:
+) -> FigureUncertainty:
     """Return the uncertainty of a figure with these derivatives by path."""
     changes = {}
     for group in groups:
@@ -188,18 +189,18 @@ def _spread(
     variance = sum(change * change for change in changes.values())
     ranked = sorted(changes.items(), key=lambda item: -abs(item[1]))
     shares = (Contributor(paths, by * by / variance if variance else 0.0, COVERAGE * by) for paths, by in ranked if by)
-    return Spread(float(variance**0.5), tuple(shares))
+    return FigureUncertainty(float(variance**0.5), tuple(shares))
 
 
-def checked(
+def checked_by_sample(
     scene: Scene, linear: Uncertainty, count: int, *, jobs: int | None = None, progress: Progress | None = None
 ) -> Uncertainty:
     """Return the same with a Sobol sample of the inputs beside it: where both differ, the linear estimate is wrong."""
     if count < LEAST_COUNT or count & (count - 1):
         raise UsageError(f"--check-sobol {count}: is not a power of two from {LEAST_COUNT} on (write e.g. 64)")
-    points = _drawn(scene, count)
-    call = partial(_solved, scene, points)
-    results = each(call, count, died=lambda number: Result("failed", DIED), jobs=jobs, progress=progress)
+    points = _drawn_inputs(scene, count)
+    call = partial(_result_at, scene, points)
+    results = parallel_map(call, count, died=lambda number: Result("failed", WORKER_DIED), jobs=jobs, progress=progress)
     bad = [result for result in results if result.status != "ok"]
     if bad:
         return replace(linear, samples=count, message=f"{len(bad)} of {count} samples have no figures: {bad[0].told}")
@@ -207,11 +208,13 @@ def checked(
     for name, spread in linear.spreads.items():
         values = [result.performance.get(name) for result in results]
         if None not in values:
-            sampled[name] = _compared(np.array(values, float), linear.slopes.result.performance[name], spread.standard)
+            sampled[name] = _compared_with_sample(
+                np.array(values, float), linear.slopes.result.performance[name], spread.standard
+            )
     return replace(linear, samples=count, sampled=sampled)
 
 
-def _drawn(scene: Scene, count: int) -> list[dict[str, float]]:
+def _drawn_inputs(scene: Scene, count: int) -> list[dict[str, float]]:
     """Return a Sobol sample of the inputs [SI]; correlated inputs move together."""
     from scipy.stats import norm, qmc
 
@@ -219,12 +222,12 @@ def _drawn(scene: Scene, count: int) -> list[dict[str, float]]:
     sample = qmc.Sobol(len(groups), scramble=True, rng=1).random(count)
     deviations = np.asarray(norm.ppf(np.clip(sample, 1e-9, 1.0 - 1e-9)))
     return [
-        {path: _inside(scene, path, float(row[i])) for i, group in enumerate(groups) for path in group}
+        {path: _value_within_limits(scene, path, float(row[i])) for i, group in enumerate(groups) for path in group}
         for row in deviations
     ]
 
 
-def _inside(scene: Scene, path: str, deviation: float) -> float:
+def _value_within_limits(scene: Scene, path: str, deviation: float) -> float:
     """Return the value [SI] at so many standard uncertainties; clipped to its 95 % interval where out of limits."""
     value = float(value_at(scene, path))
     tolerance = scene.uncertain[path].around(value)
@@ -232,16 +235,16 @@ def _inside(scene: Scene, path: str, deviation: float) -> float:
     return found if within(leaf_of(scene, path), found) else tolerance.at(value, float(np.clip(deviation, -2.0, 2.0)))
 
 
-def _solved(scene: Scene, points: Sequence[Mapping[str, float]], number: int) -> Result:
-    return closed(with_values(scene, points[number]), partial(simulate, trace=False))
+def _result_at(scene: Scene, points: Sequence[Mapping[str, float]], number: int) -> Result:
+    return simulated_if_valid(with_values(scene, points[number]), partial(simulate, trace=False))
 
 
-def _compared(values: np.ndarray, figure: float, linear: float) -> Sampled:
+def _compared_with_sample(values: np.ndarray, figure: float, linear: float) -> FigureSample:
     mean, standard = float(values.mean()), float(values.std(ddof=1))
     largest, chance = max(standard, linear, 1e-9 * abs(figure)), 2.0 / (2.0 * (len(values) - 1)) ** 0.5
     wrong = []
-    if abs(standard - linear) > max(WRONG, chance) * largest:
+    if abs(standard - linear) > max(LINEAR_TOLERANCE, chance) * largest:
         wrong.append(f"its spread is {standard / linear if linear else float('inf'):.2g} times the linear one")
-    if abs(mean - figure) > SHIFTED * largest:
+    if abs(mean - figure) > MEAN_TOLERANCE * largest:
         wrong.append("its mean differs from the figure")
-    return Sampled(mean, standard, ", and ".join(wrong))
+    return FigureSample(mean, standard, ", and ".join(wrong))

@@ -20,15 +20,15 @@ from multiprocessing import connection
 from typing import Any, Protocol
 
 from screwsim.inputs.faults import UsageError
-from screwsim.numerics.folder import handed_on, take_over
+from screwsim.numerics.folder import adopt_worker_state, worker_state
 
 CHUNK_SECONDS = 1.0  # [s] of work that a crash may cost per worker; writing a part costs some ms
-_FIRST = 1  # [blocks] per chunk until the time per case is known
-LOST = "the scheduler, or its connection, was lost (start it again; the sweep resumes)"
-DIED = "worker died (run this case alone, with `screwsim run --set …`)"
-TICK = 0.25  # [s] between two looks at the workers
-RARELY = 20_000, 20, 20  # thresholds of a worker's garbage collector: a case leaves a few hundred objects
-GRACE = 1.0  # [s] that a pool has to notice the death of a worker
+_FIRST_CHUNK = 1  # [blocks] per chunk until the time per case is known
+SCHEDULER_LOST = "the scheduler, or its connection, was lost (start it again; the sweep resumes)"
+WORKER_DIED = "worker died (run this case alone, with `screwsim run --set …`)"
+POLL_INTERVAL = 0.25  # [s] between two looks at the workers
+GARBAGE_THRESHOLDS = 20_000, 20, 20  # thresholds of a worker's garbage collector: a case leaves a few hundred objects
+DEATH_GRACE = 1.0  # [s] that a pool has to notice the death of a worker
 
 
 class Pool(Protocol):
@@ -52,7 +52,7 @@ class LocalPool:
     def executor(self, jobs: int) -> Executor:
         """Return a pool of processes."""
         context = multiprocessing.get_context(start_method())
-        return ProcessPoolExecutor(min(jobs, self.jobs), context, _start_worker, (handed_on(),))
+        return ProcessPoolExecutor(min(jobs, self.jobs), context, _start_worker, (worker_state(),))
 
     def workers(self) -> int:
         """Return the number of processes."""
@@ -102,7 +102,7 @@ class Chunks:
             self._least = min(self._beside, max(1, -(-self._left // self._jobs())))
         least = self._least
         if not self._blocks:
-            return max(_FIRST, least)
+            return max(_FIRST_CHUNK, least)
         wanted = int(CHUNK_SECONDS * self._blocks / max(self._seconds, 1e-9))
         fair = -(-self._left // (4 * self._jobs()))  # the last chunks end together
         size = max(1, min(wanted, fair, self._longest))
@@ -131,9 +131,9 @@ def _start_worker(known: tuple[str, set[str]]) -> None:
 
     Objects inherited from the parent are exempt from garbage collection. The worker shares its parent's cache.
     """
-    take_over(known)
+    adopt_worker_state(known)
     gc.freeze()
-    gc.set_threshold(*RARELY)
+    gc.set_threshold(*GARBAGE_THRESHOLDS)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(signal, "SIGALRM"):
         signal.signal(signal.SIGALRM, signal.SIG_DFL)  # it ends a case that hangs
@@ -148,7 +148,7 @@ def end_with_parent() -> None:
         os._exit(1)
 
 
-def stop(executor: Executor) -> None:
+def stop_executor(executor: Executor) -> None:
     """Stop an executor at once: its unfinished work is no longer wanted."""
     processes, results = dict(getattr(executor, "_processes", None) or {}), getattr(executor, "_result_queue", None)
     if processes:
@@ -172,7 +172,7 @@ def _kill(processes: Iterable[Any], results: Any) -> None:
     results._writer.close()
 
 
-class Guard:
+class DeathGuard:
     """Breaks a pool of processes that does not notice the death of a worker.
 
     A worker killed while it sends a result leaves half a message, and the pool would wait for the rest for ever.
@@ -189,12 +189,12 @@ class Guard:
             self._died = None
         elif self._died is None:
             self._died = time.monotonic()
-        elif time.monotonic() - self._died >= GRACE:
+        elif time.monotonic() - self._died >= DEATH_GRACE:
             _kill(processes, self._executor._result_queue)  # type: ignore[attr-defined]
 
 
 @dataclass(frozen=True)
-class Work:
+class ChunkWork:
     """Processing of chunks: `task(payload(blocks))` runs in a worker, the other functions in this process."""
 
     pool: Pool
@@ -205,19 +205,19 @@ class Work:
 
 
 @dataclass(frozen=True)
-class Lost:
+class LostChunk:
     """A chunk that was running, for so many seconds, when a worker died."""
 
     blocks: range
     seconds: float
 
 
-def drain(chunks: Chunks, work: Work) -> list[Lost]:
+def drain(chunks: Chunks, work: ChunkWork) -> list[LostChunk]:
     """Run chunks, two per worker, until none is left or a worker dies; return those running at its death."""
     executor = work.pool.executor(work.pool.workers())
-    guard = Guard(executor)
+    guard = DeathGuard(executor)
     running: dict[Future[Any], tuple[range, float]] = {}
-    lost: list[Lost] = []
+    lost: list[LostChunk] = []
     try:
         while True:
             flying = 2 * work.pool.workers()
@@ -226,17 +226,17 @@ def drain(chunks: Chunks, work: Work) -> list[Lost]:
                 running[future] = blocks, time.monotonic()
             if not running:
                 break
-            done, _ = wait(running, TICK, FIRST_COMPLETED)
+            done, _ = wait(running, POLL_INTERVAL, FIRST_COMPLETED)
             for future in done:
                 blocks, began = running.pop(future)
                 if worker_died(future):
-                    lost.append(Lost(blocks, time.monotonic() - began))
+                    lost.append(LostChunk(blocks, time.monotonic() - began))
                 else:
                     work.finish(blocks, future.result())
             guard.look()
             work.tick()
     finally:  # after Ctrl-C or on a full disk workers must not go on; when all is done they hold nothing
-        stop(executor)
+        stop_executor(executor)
     return lost
 
 
@@ -256,13 +256,13 @@ def submit(executor: Executor, task: Callable[[Any], Any], payload: Any) -> Futu
 def worker_died(future: Future[Any]) -> bool:
     """Return whether a worker died over a task; raise UsageError when the whole cluster is gone."""
     if future.cancelled():
-        raise UsageError(LOST)
+        raise UsageError(SCHEDULER_LOST)
     error = future.exception()
     # dask's own error is known by its name: dask need not be installed
     return isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker"
 
 
-def sent(work: Any) -> bytes:
+def pickled_work(work: Any) -> bytes:
     """Return work pickled for workers; raise UsageError where a function in it belongs to no module."""
     try:
         return pickle.dumps(work)

@@ -8,14 +8,14 @@ from functools import partial
 from typing import NamedTuple
 
 from screwsim.inputs.faults import SceneError, UsageError
-from screwsim.inputs.near import in_a_sentence, nearest
+from screwsim.inputs.suggestions import joined_names, nearest
 from screwsim.scene import loads
 from screwsim.template import gas, reciprocating, refrigeration
-from screwsim.template.asked import Asked, asked_of
+from screwsim.template.request import SceneRequest, request_of
 
 MOTOR, SHEET, SPEEDS, CAPACITY = ("--motor",), ("--flow", "--pressure"), ("--variable-speed",), ("--capacity",)
 LIQUID, SLIDE = ("--economizer",), ("--slide",)
-WHOSE = {  # message on an option that a kind does not take
+REFUSED_OPTION_MESSAGES = {  # message on an option that a kind does not take
     **dict.fromkeys(MOTOR, "is for {takers} (remove it; the motor of {name} follows from its size)"),
     **dict.fromkeys(CAPACITY, "is for {takers} (remove it; {name} takes --displacement)"),
     **dict.fromkeys(
@@ -27,7 +27,7 @@ WHOSE = {  # message on an option that a kind does not take
 }
 
 
-OTHER_WORDS = {
+KIND_SYNONYMS = {
     "chiller": "refrigeration",
     "cooling": "refrigeration",
     "heating": "heat_pump",
@@ -42,10 +42,10 @@ class Kind(NamedTuple):
     size is sought.
     """
 
-    written: Callable[[Asked], str]
+    written: Callable[[SceneRequest], str]
     takes: tuple[str, ...] = ()
     cools: str = ""
-    first: Callable[[Asked], float] = gas.first_flow
+    first: Callable[[SceneRequest], float] = gas.first_flow
 
 
 def _plant(plant: refrigeration.Plant, capacity: str) -> Kind:
@@ -61,23 +61,25 @@ KINDS = {
     "expander": Kind(gas.expander),
     "reciprocating": Kind(reciprocating.reciprocating),
 }
-__all__ = ["KINDS", "Asked", "asked_of", "kind_of", "new_scene"]
+__all__ = ["KINDS", "SceneRequest", "kind_of", "new_scene", "request_of"]
 
 
 def kind_of(name: str, options: Iterable[str] = ()) -> Kind:
     """Return a kind by its name; raise UsageError for an unknown one, or for an option that it does not take."""
     if name not in KINDS:
-        near = OTHER_WORDS.get(name.lower()) or nearest(name, KINDS)
+        near = KIND_SYNONYMS.get(name.lower()) or nearest(name, KINDS)
         hint = f"; did you mean '{near}'?" if near else ""
         raise UsageError(f"{name}: is not a kind of new scene{hint} (known: {', '.join(KINDS)})")
     for option in options:
         takers = [each for each, kind in KINDS.items() if option in kind.takes]
         if name not in takers:
-            raise UsageError(f"{option}: {WHOSE[option].format(takers=in_a_sentence(takers), name=name)}")
+            raise UsageError(
+                f"{option}: {REFUSED_OPTION_MESSAGES[option].format(takers=joined_names(takers), name=name)}"
+            )
     return KINDS[name]
 
 
-def new_scene(kind: str, asked: Asked) -> str:
+def new_scene(kind: str, asked: SceneRequest) -> str:
     """Return the text of a scene; raise UsageError, in one line, where there can be none."""
     text = kind_of(kind).written(asked)
     try:
@@ -91,7 +93,7 @@ def new_scene(kind: str, asked: Asked) -> str:
     return text
 
 
-def _no_viscosity(what: str, asked: Asked) -> str:
+def _no_viscosity(what: str, asked: SceneRequest) -> str:
     """Return the message that a gas's viscosity, needed for gaps, is unknown; empty for other faults."""
     if ".gas_viscosity: " not in what:
         return ""

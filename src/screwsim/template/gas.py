@@ -12,31 +12,31 @@ from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.settings import FAMILIES
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes, texts
-from screwsim.template.asked import Asked, Condition, beside_of, condition_of, refused
 from screwsim.template.refrigeration import OILS_FOR
+from screwsim.template.request import Condition, SceneRequest, condition_of, quantity_after_comma, refuse_option
 
 RPM = math.pi / 30.0
 LAMBDA, ETA = 0.90, 0.78  # for estimates of flow and power; of an expander, from a filled inlet
-DRY = 80e-6  # [m], clearances of dry rotors of 160 mm: two to four times those of flooded ones, assumed
+DRY_CLEARANCE = 80e-6  # [m], clearances of dry rotors of 160 mm: two to four times those of flooded ones, assumed
 AIR_OIL = 4.0  # least kg of oil per kg of air, warmed by some 30 K (validation/cagi)
-HOTTEST = 40.0  # [K] most by which the oil of an air package is warmed: assumed
+LARGEST_OIL_WARMING = 40.0  # [K] most by which the oil of an air package is warmed: assumed
 LEAVES, WARMED = 353.15, 30.0  # [K] temperature at a booster's outlet, and by how much its oil is warmed
 LEAST_OIL, LEAST_SHARE = 2.0, 0.004  # least kg of oil per kg of gas; and of the displaced volume (air packages: 0.5 %)
-UNCOOLED = 0.75  # of the temperature rise without cooling: most that gas and oil keep
-COMPRESSING = 0.88  # efficiency without friction, for an estimate; friction depends on size, not gas
-FRICTION = 1.5  # over that of the films alone, for bearings and for accelerating the oil
-SHUT = 4e5  # [Pa] above ambient, below which a package's minimum-pressure valve stays shut ...
+LARGEST_KEPT_RISE = 0.75  # of the temperature rise without cooling: most that gas and oil keep
+COMPRESSION_EFFICIENCY = 0.88  # efficiency without friction, for an estimate; friction depends on size, not gas
+FRICTION_FACTOR = 1.5  # over that of the films alone, for bearings and for accelerating the oil
+VALVE_OPENING_PRESSURE = 4e5  # [Pa] above ambient, below which a package's minimum-pressure valve stays shut ...
 SHUT_SHARE = (
     0.8  # ... of the pressure rise at the most: a valve that opens above it holds the machine at its own pressure
 )
 LOST_BEFORE, LOST_BEHIND = 3.5e3, 36e3  # [Pa]: filter and valve; separator, valve and aftercooler of air.template
 COOLED, BROUGHT = 0.97, 1.1  # efficiency without friction with oil cooling; friction over that of films: estimates
-FAN = 0.04  # of the motor
-INVERTER = 0.03  # of the motor, lost by an inverter at its class's point: 97 % as in configs/air, assumed
+FAN_SHARE = 0.04  # of the motor
+INVERTER_LOSS_SHARE = 0.03  # of the motor, lost by an inverter at its class's point: 97 % as in configs/air, assumed
 SPEEDS = 1.0, 0.86, 0.73, 0.59, 0.46, 0.32  # of full speed, on the sheet of a variable-speed package
-WIDE = 110  # columns of a comment
-DAMP = 1.3  # of the outlet's pressure: estimate of how much drier an ideal gas is than a real one
-DRAGGED = 4.0  # times the lossless work, beyond which friction rules out a booster
+COMMENT_WIDTH = 110  # columns of a comment
+DRYNESS_FACTOR = 1.3  # of the outlet's pressure: estimate of how much drier an ideal gas is than a real one
+LARGEST_FRICTION_RATIO = 4.0  # times the lossless work, beyond which friction rules out a booster
 ABOVE_DEW, NEARLY = 10.0, 0.999  # [K] margin of the separator above the dew point; fraction of the critical temperature
 OIL_OVER_DEW = 4.0  # [K] margin of cooled oil above the dew point
 SOLIDITY = 0.63  # of end faces, as in the text of flooded machines
@@ -67,7 +67,7 @@ class Duty(NamedTuple):
         return abs(sizes.isentropic_work(self.k, self.R, self.T, self.at.high / self.at.low))
 
 
-def _duty(asked: Asked, fluid: str, example: str, temperature: str, expands: bool = False) -> Duty:
+def _duty(asked: SceneRequest, fluid: str, example: str, temperature: str, expands: bool = False) -> Duty:
     at = condition_of(asked.condition or example, "pressure", example)
     low, high = (at.high, at.low) if expands else (at.low, at.high)
     if not low < high:
@@ -75,11 +75,13 @@ def _duty(asked: Asked, fluid: str, example: str, temperature: str, expands: boo
             "an expander's inlet comes first, above its outlet" if expands else "suction comes first, below discharge"
         )
         raise UsageError(f"--condition {asked.condition}: {order} (write e.g. --condition '{example}')")
-    text, T = beside_of(at, "temperature", temperature)
+    text, T = quantity_after_comma(at, "temperature", temperature)
     return Duty(at, text, T, constants.isentropic_exponent(fluid, T), constants.gas_constant(fluid))
 
 
-def _common(asked: Asked, duty: Duty, size: sizes.Size, share: float, flow: float, speed: float) -> dict[str, str]:
+def _common(
+    asked: SceneRequest, duty: Duty, size: sizes.Size, share: float, flow: float, speed: float
+) -> dict[str, str]:
     usual = sizes.matching(duty.ratio, duty.k, share)
     return {
         "machine": texts.machine(size, asked, usual, duty.ratio, flow, speed),
@@ -96,11 +98,11 @@ def _motor(rated: float) -> dict[str, str]:
     return {"rated": f"{rated:.6g} kW", "efficiency": sizes.motor_efficiency(rated)}
 
 
-def _air_duty(asked: Asked) -> Duty:
+def _air_duty(asked: SceneRequest) -> Duty:
     return _duty(asked, "Air", "0 bar(g)/7.5 bar(g)", "20 degC")
 
 
-def first_flow(asked: Asked) -> float:
+def first_flow(asked: SceneRequest) -> float:
     """Return the approximate displacement [m³/s] of an air package for the stated delivery, or for full motor load."""
     duty = _air_duty(asked)
     if asked.free_air is None and asked.motor is not None:
@@ -108,7 +110,7 @@ def first_flow(asked: Asked) -> float:
     return (asked.free_air or 0.0) / LAMBDA
 
 
-def air(asked: Asked) -> str:
+def air(asked: SceneRequest) -> str:
     """Return the scene of an oil-flooded air package."""
     if (asked.fluid or "Air").lower() != "air":
         raise UsageError(f"--fluid {asked.fluid}: an air package compresses air (write screwsim new booster for a gas)")
@@ -118,7 +120,7 @@ def air(asked: Asked) -> str:
     worse = sizes.beyond_matching(duty.ratio, duty.k, asked.ratio)
     friction = BROUGHT * _friction(size, speed, oil)
     taken = max(gas_flow * worse * duty.work / ETA, gas_flow * worse * _package_work(duty) + friction)
-    carried = _carried(duty, taken / gas_flow, oil)
+    carried = _oil_per_air(duty, taken / gas_flow, oil)
     rated = sizes.motor_for(taken) if asked.motor is None else 1e-3 * asked.motor
     displaced = [] if asked.by_sheet else [f"{sizes.flow_text(flow)} at {sizes.rpm(speed)}"]
     values = {
@@ -129,19 +131,19 @@ def air(asked: Asked) -> str:
         "bore": sizes.mm(sizes.bore(carried * gas_flow, OILS[oil].density_at(LEAVES), drop, 1), 2),
         "carried": f"{carried:g}",
         "free_air": f"{60.0 * (asked.free_air or LAMBDA * flow):.3g} m^3/min",
-        "sheet": _sheet(asked),
-        "named": ", ".join([*displaced, *filter(None, [_named(asked)])]),
-        "least": f"{1e-5 * (duty.at.low + min(SHUT, SHUT_SHARE * drop)):.3g} bar",
-        "fan": f"{FAN * rated:.2g} kW",
+        "sheet": _sheet_comment(asked),
+        "named": ", ".join([*displaced, *filter(None, [_title_part(asked)])]),
+        "least": f"{1e-5 * (duty.at.low + min(VALVE_OPENING_PRESSURE, SHUT_SHARE * drop)):.3g} bar",
+        "fan": f"{FAN_SHARE * rated:.2g} kW",
     }
     return texts.filled("air", values)
 
 
-def _carried(duty: Duty, taken: float, oil: str) -> float:
-    """Return the kg of oil per kg of air that remove a work [J/kg], warmed by at most `HOTTEST`."""
+def _oil_per_air(duty: Duty, taken: float, oil: str) -> float:
+    """Return the kg of oil per kg of air that remove a work [J/kg], warmed by at most `LARGEST_OIL_WARMING`."""
     left = taken - duty.R * duty.k / (duty.k - 1.0) * (LEAVES - duty.T)
-    heat_capacity = OILS[oil].heat_capacity_at(LEAVES - 0.5 * HOTTEST)
-    return max(AIR_OIL, math.ceil(2.0 * left / (heat_capacity * HOTTEST)) / 2.0)
+    heat_capacity = OILS[oil].heat_capacity_at(LEAVES - 0.5 * LARGEST_OIL_WARMING)
+    return max(AIR_OIL, math.ceil(2.0 * left / (heat_capacity * LARGEST_OIL_WARMING)) / 2.0)
 
 
 def _package_work(duty: Duty) -> float:
@@ -150,7 +152,7 @@ def _package_work(duty: Duty) -> float:
     return sizes.isentropic_work(duty.k, duty.R, duty.T, ratio) / COOLED
 
 
-def _speeds(asked: Asked, rated: float, speed: float) -> dict[str, str]:
+def _speeds(asked: SceneRequest, rated: float, speed: float) -> dict[str, str]:
     """Return the parts that differ between packages of fixed and variable speed, with a motor of rated power [kW]."""
     motor = _motor(rated)
     if not asked.variable:
@@ -160,7 +162,11 @@ def _speeds(asked: Asked, rated: float, speed: float) -> dict[str, str]:
             "fan_control": "",
             "sweep": "    unloaded: {intake_pressure: 0.12 bar, separator_pressure: 2.5 bar}\n",
         }
-    inverter = {"share": f"{100.0 * INVERTER:g}", "loss": f"{INVERTER * rated:.3g} kW", "speed": sizes.rpm(speed)}
+    inverter = {
+        "share": f"{100.0 * INVERTER_LOSS_SHARE:g}",
+        "loss": f"{INVERTER_LOSS_SHARE * rated:.3g} kW",
+        "speed": sizes.rpm(speed),
+    }
     points = ", ".join(f"{share * speed * 30.0 / math.pi:.0f} rpm" for share in SPEEDS)
     told = "# The points of its data sheet, from full speed to a third of it."
     return {
@@ -171,21 +177,21 @@ def _speeds(asked: Asked, rated: float, speed: float) -> dict[str, str]:
     }
 
 
-def _named(asked: Asked) -> str:
+def _title_part(asked: SceneRequest) -> str:
     """Return the part of the title on a machine made for a sheet; empty without one."""
     stated = [] if asked.free_air is None else [f"{60.0 * asked.free_air:.4g} m^3/min of free air"]
     return ", ".join(stated + ([] if asked.motor is None else [f"motor of {1e-3 * asked.motor:.6g} kW"]))
 
 
-def _sheet(asked: Asked) -> str:
+def _sheet_comment(asked: SceneRequest) -> str:
     """Return the comment on the maker's data that the machine was made for; empty without any."""
-    stated = _named(asked)
+    stated = _title_part(asked)
     if not stated:
         return ""
     by = {"": "", "--flow": "the flow", "--motor": "the motor's full load"}[asked.sought]
     sought = f"; its size was found with the cycle, from {by}" if by else ""
     told = f"Made for a data sheet: {stated}{sought}. All else is typical, as the comments say."
-    return textwrap.indent(textwrap.fill(told, WIDE), "# ") + "\n"
+    return textwrap.indent(textwrap.fill(told, COMMENT_WIDTH), "# ") + "\n"
 
 
 def _friction(size: sizes.Size, speed: float, oil: str, leaves: float = LEAVES) -> float:
@@ -204,12 +210,12 @@ def _condenses(fluid: str, duty: Duty) -> bool:
     return limits is not None and duty.T < limits.T_critical and constants.dew_pressure(fluid, duty.T) < duty.at.high
 
 
-def _wet(fluid: str, duty: Duty) -> bool:
+def _nears_condensing(fluid: str, duty: Duty) -> bool:
     """Tell whether a gas expanding without loss comes close to condensing at the outlet."""
     limits, coldest = constants.limits(fluid), duty.T * (duty.at.high / duty.at.low) ** ((duty.k - 1.0) / duty.k)
     if limits is None or not limits.T_triple < coldest < limits.T_critical:
         return False
-    return constants.dew_pressure(fluid, coldest) < DAMP * duty.at.high
+    return constants.dew_pressure(fluid, coldest) < DRYNESS_FACTOR * duty.at.high
 
 
 def _dew_temperature(fluid: str, duty: Duty) -> float | None:
@@ -221,12 +227,12 @@ def _dew_temperature(fluid: str, duty: Duty) -> float | None:
     return constants.saturation_temperature(fluid, min(duty.at.high, 0.999 * highest))
 
 
-def _booster_leaves(fluid: str, duty: Duty, warmed: float, dew: float | None) -> float:
+def _booster_outlet_temperature(fluid: str, duty: Duty, warmed: float, dew: float | None) -> float:
     """Return a booster's outlet temperature [K]: above the dew point, below what a rise of `warmed` [K] uncooled gives.
 
     Raise UsageError where there is none.
     """
-    leaves = min(LEAVES, ZERO_CELSIUS + 5.0 * math.floor((duty.T + UNCOOLED * warmed - ZERO_CELSIUS) / 5.0))
+    leaves = min(LEAVES, ZERO_CELSIUS + 5.0 * math.floor((duty.T + LARGEST_KEPT_RISE * warmed - ZERO_CELSIUS) / 5.0))
     if dew is None:
         return leaves
     dry = ZERO_CELSIUS + 5.0 * math.ceil((dew + ABOVE_DEW - ZERO_CELSIUS) / 5.0)
@@ -239,7 +245,7 @@ def _booster_leaves(fluid: str, duty: Duty, warmed: float, dew: float | None) ->
     return max(leaves, dry)
 
 
-def booster(asked: Asked) -> str:
+def booster(asked: SceneRequest) -> str:
     """Return the scene of a screw that takes in gas under pressure: a fuel-gas booster, or a second stage."""
     fluid = asked.fluid or "Methane"
     oil = asked.oil or OILS_FOR.get(fluid.lower(), "PAG_100")
@@ -250,13 +256,13 @@ def booster(asked: Asked) -> str:
 
     def taken_at(leaving: float) -> float:
         """Return the work [J/kg] at an outlet temperature [K]: cold films take more."""
-        friction = FRICTION * _friction(size, speed, oil, leaving) / gas_flow
-        return max(duty.work / ETA, duty.work / COMPRESSING + friction)
+        friction = FRICTION_FACTOR * _friction(size, speed, oil, leaving) / gas_flow
+        return max(duty.work / ETA, duty.work / COMPRESSION_EFFICIENCY + friction)
 
     dew = _dew_temperature(fluid, duty)
-    leaves = _booster_leaves(fluid, duty, taken_at(LEAVES) / c_p, dew)
+    leaves = _booster_outlet_temperature(fluid, duty, taken_at(LEAVES) / c_p, dew)
     taken = taken_at(leaves)
-    if taken > DRAGGED * duty.work:
+    if taken > LARGEST_FRICTION_RATIO * duty.work:
         what = f"with oil films it takes {taken / duty.work:.0f} times the work that the gas needs"
         raise UsageError(f"--speed {sizes.rpm(speed)}: {what} (choose a lower speed, or pressures farther apart)")
     warmed = WARMED if dew is None else min(WARMED, leaves - dew - OIL_OVER_DEW)
@@ -275,9 +281,9 @@ def booster(asked: Asked) -> str:
     return texts.filled("booster", values)
 
 
-def expander(asked: Asked) -> str:
+def expander(asked: SceneRequest) -> str:
     """Return the scene of a dry screw expander with a generator."""
-    refused("--oil", asked.oil, "expanders are dry here (remove it)")
+    refuse_option("--oil", asked.oil, "expanders are dry here (remove it)")
     fluid, flow, speed = asked.fluid or "R134a", asked.flow or 375.0 / 3600.0, asked.speed or 2950.0 * RPM
     size, duty = texts.sized(flow, speed), _duty(asked, fluid, "20/7 bar", "100 degC", expands=True)
     common = _common(asked, duty, size, 1.0, flow, speed)
@@ -287,7 +293,7 @@ def expander(asked: Asked) -> str:
         **_motor(sizes.motor_for(inlet * duty.density * duty.work)),
         "machine": common["machine"].replace("kind: twin_screw\n", "kind: twin_screw\n  mode: expander\n"),
         "fluid": fluid,
-        "two_phase": ", two_phase: equilibrium" if _wet(fluid, duty) and not is_mixture(fluid) else "",
-        "gap": sizes.um(DRY * size.clearance),
+        "two_phase": ", two_phase: equilibrium" if _nears_condensing(fluid, duty) and not is_mixture(fluid) else "",
+        "gap": sizes.um(DRY_CLEARANCE * size.clearance),
     }
     return texts.filled("expander", values)

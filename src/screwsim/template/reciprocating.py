@@ -5,30 +5,32 @@ import math
 from screwsim.fluid.description import is_mixture
 from screwsim.inputs.faults import UsageError
 from screwsim.template import sizes
-from screwsim.template.asked import Asked, refused
 from screwsim.template.refrigeration import Duty, conditions, duty_of
+from screwsim.template.request import SceneRequest, refuse_option
 from screwsim.template.texts import filled
 
 RPM = math.pi / 30.0
 BORE, CRANK, ROD, OFFSET, CLEARANCE = 25.4e-3, 8e-3, 40e-3, 2e-3, 0.16e-6
 STROKE = 16.045e-3  # [m], from that crank, rod and offset
 SWEPT, SPEED = 0.25 * math.pi * BORE**2 * STROKE, 2950.0 * RPM
-WIDEST = 0.3  # of the piston's area: largest possible port
-ETA = 0.65  # for an estimate of the power
-WALL = 0.57  # of the way from suction gas to gas compressed without loss: 360 K in the known machine
+LARGEST_PORT_SHARE = 0.3  # of the piston's area: largest possible port
+ESTIMATED_EFFICIENCY = 0.65  # for an estimate of the power
+WALL_TEMPERATURE_SHARE = 0.57  # of the way from suction gas to gas compressed without loss: 360 K in the known machine
 
 
-def reciprocating(asked: Asked) -> str:
+def reciprocating(asked: SceneRequest) -> str:
     """Return the scene of a single cylinder."""
-    refused("--vi", asked.ratio, "a cylinder has no built-in volume ratio, as its valves are self-acting (remove it)")
-    refused("--diameter", asked.diameter, "is for rotors; the bore follows from --displacement (write that)")
-    refused("--oil", asked.oil, "no oil is injected into a cylinder (remove it)")
+    refuse_option(
+        "--vi", asked.ratio, "a cylinder has no built-in volume ratio, as its valves are self-acting (remove it)"
+    )
+    refuse_option("--diameter", asked.diameter, "is for rotors; the bore follows from --displacement (write that)")
+    refuse_option("--oil", asked.oil, "no oil is injected into a cylinder (remove it)")
     fluid, speed, example = asked.fluid or "R134a", asked.speed or 1450.0 * RPM, "-10/40 degC, 20 K"
     flow = asked.flow or 10.0 / 3600.0
     duty = duty_of(fluid, flow, asked.condition or example, example)
     s = (2.0 * math.pi * flow / speed / SWEPT) ** (1.0 / 3.0)
     faster = s * speed / SPEED  # mean piston speed over the known one
-    if 50e-6 * s**2 * faster > WIDEST * 0.25 * math.pi * (BORE * s) ** 2:
+    if 50e-6 * s**2 * faster > LARGEST_PORT_SHARE * 0.25 * math.pi * (BORE * s) ** 2:
         what = f"leaves no room for valves at {faster * 1.58:.3g} m/s of its piston"
         raise UsageError(
             f"--displacement {sizes.flow_text(flow)} at {sizes.rpm(speed)}: one cylinder {what} (a lower --speed)"
@@ -47,7 +49,7 @@ def _wall(fluid: str, T: float) -> str:
 def _text(fluid: str, duty: Duty, s: float, faster: float, flow: float, speed: float) -> str:
     wide = s * math.sqrt(faster)  # scale of a port's lengths: its area grows with the piston speed
     stiff = s**3 * (speed / SPEED) ** 2  # reeds follow the crank as in the known machine
-    rated = sizes.motor_for(duty.gas_flow * duty.work / ETA)
+    rated = sizes.motor_for(duty.gas_flow * duty.work / ESTIMATED_EFFICIENCY)
     T_s = duty.T_e + duty.more
     values = {
         **conditions(duty),
@@ -70,7 +72,7 @@ def _text(fluid: str, duty: Duty, s: float, faster: float, flow: float, speed: f
         "discharge_mass": f"{0.2 * s**3:.3g} g",
         "discharge_stiffness": f"{600.0 * stiff:.3g} N/m",
         "ring": sizes.um(1e-6 * s),
-        "wall": _wall(fluid, T_s + WALL * (duty.hottest - T_s)),
+        "wall": _wall(fluid, T_s + WALL_TEMPERATURE_SHARE * (duty.hottest - T_s)),
         "rated": f"{rated:g} kW",
         "efficiency": sizes.motor_efficiency(rated),
     }

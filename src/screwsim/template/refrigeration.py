@@ -8,30 +8,32 @@ from screwsim.fluid import constants
 from screwsim.fluid.description import is_mixture
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
-from screwsim.machine.rotors.slide import fitting
+from screwsim.machine.rotors.slide import fitting_slide
 from screwsim.scene import loads
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes, texts
-from screwsim.template.asked import Asked, beside_of, condition_of
+from screwsim.template.request import SceneRequest, condition_of, quantity_after_comma
 
 RPM = math.pi / 30.0
 EFFICIENCIES = 0.91, 0.74  # lambda and eta_s of mean curves (validation/bitzer), for estimates of flow and power
-HOT = 350.0  # [K] after isentropic compression, from which the oil is cooled
+OIL_COOLED_FROM = 350.0  # [K] after isentropic compression, from which the oil is cooled
 LEAVES, ABOVE = 348.15, 35.0  # [K] outlet temperature of gas and oil then, and least margin above condensing
-WARMED = 25.0  # [K] by which the oil is then warmed
+OIL_WARMING = 25.0  # [K] by which the oil is then warmed
 OVER_DEW = 4.0  # [K] margin of oil above condensing where a machine leaks more than those behind EFFICIENCIES
 TIGHT, LEAKED = 0.8, 1.3  # eta_s without leaks, and what these take, rather too large: five gases from 40 m³/h ...
 RISING, THIN, DENSER = 0.9, 3.6, 0.35  # ... by powers of pressure ratio and of density, at least the second [kg/m³]
 LEAST, TOO_HOT = 0.2, 400.0  # least value of the estimate; [K] leaving a leaky machine, from which its oil is cooled
-WARM = 333.15  # [K] of the oil in its bores
+BORE_OIL_TEMPERATURE = 333.15  # [K] of the oil in its bores
 BESIDE, SHORTEST = math.radians(5.0), math.radians(30.0)  # of an economizer's port: distance from others, length
-PORT = 0.0057  # its area over the squared rotor diameter: assumed, 2 cm^2 at 187 mm
-SHARES = 0.5, 0.8  # of the way from triple to critical point: a condition possible for any fluid
+PORT_AREA_RATIO = 0.0057  # its area over the squared rotor diameter: assumed, 2 cm^2 at 187 mm
+CONDITION_SHARES = 0.5, 0.8  # of the way from triple to critical point: a condition possible for any fluid
 FRICTION, OF_DISPLACED = 0.096, 1.08  # of the indicated power; ratio of that to the theoretical one at 0/40 °C
-ECONOMIZED = 1.12  # power over that without an economizer, which draws 10 to 20 % more gas: for an estimate
-AXIAL = 5.0  # ratio of the axial port beside a slide valve, or the machine's, beyond which bores have no port: assumed
-STANDS_IN = "R134a"
-COPPER_EATS = ("ammonia", "r717", "nh3")
+# power over that without an economizer, which draws 10 to 20 % more gas: for an estimate
+ECONOMIZED_POWER_FACTOR = 1.12
+# ratio of the axial port beside a slide valve, or the machine's, beyond which bores have no port: assumed
+LARGEST_BORE_PORT_RATIO = 5.0
+STAND_IN = "R134a"
+COPPER_CORROSIVES = ("ammonia", "r717", "nh3")
 CURVES = (
     "r134a",
     "propane",
@@ -43,7 +45,7 @@ CURVES = (
     "r407c",
 )  # that they are means of
 OILS_FOR = {
-    **dict.fromkeys(COPPER_EATS, "mineral_68"),
+    **dict.fromkeys(COPPER_CORROSIVES, "mineral_68"),
     **dict.fromkeys(("propane", "r290", "isobutane", "r600a", "n-butane", "r600", "propylene", "r1270"), "PAG_68"),
 }
 
@@ -77,28 +79,34 @@ class Duty(NamedTuple):
     k: float
 
 
-RATED = ("the next size of IEC 60072-1 above an estimate", "as stated")  # source of the rated power
-USUAL = 600.0 / 3600.0  # [m³/s] default displacement
+RATED_POWER_SOURCES = ("the next size of IEC 60072-1 above an estimate", "as stated")  # source of the rated power
+DEFAULT_DISPLACEMENT_FLOW = 600.0 / 3600.0  # [m³/s] default displacement
 
 
-def first_flow(plant: Plant, asked: Asked) -> float:
+def first_flow(plant: Plant, asked: SceneRequest) -> float:
     """Return the displacement [m³/s] from which a size is sought, as output is nearly proportional to it.
 
     A stated motor must be able to drive the first size tried.
     """
     if asked.motor is None:
-        return USUAL
-    duty = duty_of(asked.fluid or plant.fluid, USUAL, asked.condition or plant.condition, plant.condition)
-    return USUAL * asked.motor / _power(duty, asked)
+        return DEFAULT_DISPLACEMENT_FLOW
+    duty = duty_of(
+        asked.fluid or plant.fluid, DEFAULT_DISPLACEMENT_FLOW, asked.condition or plant.condition, plant.condition
+    )
+    return DEFAULT_DISPLACEMENT_FLOW * asked.motor / _power(duty, asked)
 
 
-def scene_of(plant: Plant, asked: Asked) -> str:
+def scene_of(plant: Plant, asked: SceneRequest) -> str:
     """Return the scene of the compressor of a refrigeration machine or a heat pump."""
-    fluid, flow, speed = asked.fluid or plant.fluid, asked.flow or USUAL, asked.speed or 2950.0 * RPM
+    fluid, flow, speed = (
+        asked.fluid or plant.fluid,
+        asked.flow or DEFAULT_DISPLACEMENT_FLOW,
+        asked.speed or 2950.0 * RPM,
+    )
     duty, size = duty_of(fluid, flow, asked.condition or plant.condition, plant.condition), texts.sized(flow, speed)
     usual = sizes.matching(duty.p_d / duty.p_s, duty.k, 0.9)
     oil = asked.oil or OILS_FOR.get(fluid.lower(), "POE_68")
-    ratio, separator = _oil(duty, oil, asked.ratio, _leaky(fluid, duty, size, flow))
+    ratio, separator = _oil_and_separator(duty, oil, asked.ratio, _leaky_efficiency(fluid, duty, size, flow))
     cooled = "discharge_temperature:" in separator.partition("#")[0]
     values = {
         **conditions(duty),
@@ -107,8 +115,8 @@ def scene_of(plant: Plant, asked: Asked) -> str:
         **_transport(fluid, duty),
         "machine": texts.machine(size, asked, usual, duty.p_d / duty.p_s, flow, speed),
         "ports": texts.ports(size, _viscosity(fluid, duty)),
-        "rests": _rests(fluid),
-        "made": _made(asked, plant),
+        "rests": _evidence_comments(fluid),
+        "made": _sizing_comment(asked, plant),
         "what": plant.what,
         "fluid": fluid,
         "flow": sizes.flow_text(flow),
@@ -147,8 +155,8 @@ def _slide(text: str, ratio: float) -> str:
     """Return the lines of a slide valve for the rotors of a machine with the given scene text."""
     profile = build_parts(loads(text)).geometry.profile
     assert profile is not None  # of a family
-    axial = max(AXIAL, ratio)
-    slide = fitting(
+    axial = max(LARGEST_BORE_PORT_RATIO, ratio)
+    slide = fitting_slide(
         profile.rotors, *(profile.rotors.discharge_angle(each) for each in (min(ratio, 0.5 * axial), axial))
     )
     spans = {name: f"{math.degrees(getattr(slide, f'{name}_span')):.0f} deg" for name in ("male", "female")}
@@ -169,7 +177,7 @@ def _economizer(text: str, size: sizes.Size) -> str:
         remedy = "choose a larger built-in volume ratio with --vi"
         raise UsageError(f"--economizer: {what} {math.degrees(ends + BESIDE):.0f} deg: no room for a port ({remedy})")
     values = {"opens": f"{math.ceil(first)} deg", "closes": f"{math.floor(last)} deg"}
-    return texts.filled("economizer", {**values, "area": sizes.area(PORT * size.diameter**2, 2)})
+    return texts.filled("economizer", {**values, "area": sizes.area(PORT_AREA_RATIO * size.diameter**2, 2)})
 
 
 def refused_port(what: str) -> str:
@@ -179,7 +187,7 @@ def refused_port(what: str) -> str:
     return f"--economizer: {why.rpartition(' (')[0]} ({remedy})" if place.startswith("effects.economizer") else ""
 
 
-def _rests(fluid: str) -> str:
+def _evidence_comments(fluid: str) -> str:
     """Return the comment lines on the evidence for λ and η_s of the machine."""
     if fluid.lower() in CURVES:
         return (
@@ -205,7 +213,7 @@ def conditions(duty: Duty) -> dict[str, str]:
     }
 
 
-def _made(asked: Asked, plant: Plant) -> str:
+def _sizing_comment(asked: SceneRequest, plant: Plant) -> str:
     """Return the comment on the goal by which the size was sought; empty where the size was stated."""
     goals = {
         "--capacity": (asked.capacity, "of {gives}"),
@@ -218,20 +226,20 @@ def _made(asked: Asked, plant: Plant) -> str:
     return f"# Made for {by}: its size was found with the cycle.\n"
 
 
-def _power(duty: Duty, asked: Asked) -> float:
+def _power(duty: Duty, asked: SceneRequest) -> float:
     """Return the estimated shaft power [W], including the gas of an economizer."""
     worse = sizes.beyond_matching(duty.p_d / duty.p_s, duty.k, asked.ratio)
-    return duty.gas_flow * (ECONOMIZED if asked.economizer else 1.0) * worse * duty.work / EFFICIENCIES[1]
+    return duty.gas_flow * (ECONOMIZED_POWER_FACTOR if asked.economizer else 1.0) * worse * duty.work / EFFICIENCIES[1]
 
 
 def _drive(fluid: str, power: float, stated: float | None) -> dict[str, str]:
     """Return the motor with the stated rated power [W], or with one chosen for an estimated power [W]."""
     rated = sizes.motor_for(power) if stated is None else 1e-3 * stated
-    return {**_motor(fluid, rated), "rated": RATED[stated is not None]}
+    return {**_motor(fluid, rated), "rated": RATED_POWER_SOURCES[stated is not None]}
 
 
 def _motor(fluid: str, rated: float) -> dict[str, str]:
-    if fluid.lower() in COPPER_EATS:
+    if fluid.lower() in COPPER_CORROSIVES:
         told = "Open drive, as ammonia attacks copper: IE3, four poles (IEC 60034-30-1)"
         return {
             "drive": told,
@@ -243,7 +251,7 @@ def _motor(fluid: str, rated: float) -> dict[str, str]:
 
 def _jets(duty: Duty, ratio: float, oil: str) -> dict[str, str]:
     drop = duty.p_d - duty.p_s
-    bore = sizes.bore(ratio * duty.gas_flow, OILS[oil].density_at(WARM), drop)
+    bore = sizes.bore(ratio * duty.gas_flow, OILS[oil].density_at(BORE_OIL_TEMPERATURE), drop)
     return {"bore": sizes.mm(bore, 2), "jet": f"{1e-5 * drop:.2g} bar"}
 
 
@@ -252,30 +260,30 @@ def _reference(duty: Duty) -> tuple[float, float]:
     return math.sqrt(duty.p_s * duty.p_d), 0.5 * (duty.T_e + duty.more + duty.T_c + 20.0)
 
 
-def _stands_in(fluid: str, duty: Duty) -> tuple[float, float, float] | None:
+def _substitute_properties(fluid: str, duty: Duty) -> tuple[float, float, float] | None:
     """Return conductivity, viscosity and Prandtl number of a substitute gas; None where CoolProp has the fluid's."""
     p, T = _reference(duty)
     try:
         constants.transport(fluid, p, T)
         constants.transport(fluid, 1e4, 400.0)
     except UsageError:
-        return constants.transport(STANDS_IN, min(p, 0.5 * constants.dew_pressure(STANDS_IN, min(T, 370.0))), T)
+        return constants.transport(STAND_IN, min(p, 0.5 * constants.dew_pressure(STAND_IN, min(T, 370.0))), T)
     return None
 
 
 def _viscosity(fluid: str, duty: Duty) -> str:
-    found = _stands_in(fluid, duty)
+    found = _substitute_properties(fluid, duty)
     return "" if found is None else f", gas_viscosity: {1e3 * found[1]:.3g} mPa s"
 
 
 def _transport(fluid: str, duty: Duty) -> dict[str, str]:
     """Return the entries for gas properties around droplets: a state, or numbers of a substitute gas with a comment."""
-    (p, T), found = _reference(duty), _stands_in(fluid, duty)
+    (p, T), found = _reference(duty), _substitute_properties(fluid, duty)
     if found is None:
         return {"transport": f"    reference_pressure: {1e-5 * p:.2g} bar\n    reference_temperature: {T:.0f} K\n"}
     told = (
         f"    # CoolProp has no transport properties of {fluid}: these values and the viscosity in the gaps are those "
-        f"of {STANDS_IN}\n"
+        f"of {STAND_IN}\n"
     )
     conductivity, viscosity, prandtl = found
     lines = (
@@ -289,7 +297,7 @@ def _transport(fluid: str, duty: Duty) -> dict[str, str]:
 def duty_of(fluid: str, flow: float, condition: str, example: str) -> Duty:
     """Return the states of a condition with estimates of flow and power; raise UsageError for an impossible one."""
     found = condition_of(condition, "temperature", example)
-    superheat, more = beside_of(found, "temperature_difference", "10 K")
+    superheat, more = quantity_after_comma(found, "temperature_difference", "10 K")
     limits = constants.limits(fluid)
     assert limits is not None
     for T in (found.low, found.high):
@@ -297,7 +305,9 @@ def duty_of(fluid: str, flow: float, condition: str, example: str) -> Duty:
             least, most = (end - ZERO_CELSIUS for end in (limits.T_triple, limits.T_critical))
             usual = ", which is the default" if condition == example else ""
             what = f"{fluid} saturates between {least:.1f} and {most:.1f} degC"
-            raise UsageError(f"--condition {condition}{usual}: {what} (write e.g. --condition '{_within(limits)}')")
+            raise UsageError(
+                f"--condition {condition}{usual}: {what} (write e.g. --condition '{_possible_condition(limits)}')"
+            )
     if not found.low < found.high:
         raise UsageError(
             f"--condition {condition}: evaporates above the condensing temperature (write LOW/HIGH, e.g. '{example}')"
@@ -311,14 +321,14 @@ def duty_of(fluid: str, flow: float, condition: str, example: str) -> Duty:
     return Duty(found.low, found.high, superheat, more, p_s, p_d, gas_flow, work, hottest, R * k / (k - 1.0), k)
 
 
-def _within(limits: constants.Limits) -> str:
+def _possible_condition(limits: constants.Limits) -> str:
     """Return a condition that is possible for a fluid."""
     span, zero = limits.T_critical - limits.T_triple, ZERO_CELSIUS
-    low, high = (limits.T_triple + share * span - zero for share in SHARES)
+    low, high = (limits.T_triple + share * span - zero for share in CONDITION_SHARES)
     return f"{low:.1f}/{high:.1f} degC"
 
 
-def _leaky(fluid: str, duty: Duty, size: sizes.Size, flow: float) -> float:
+def _leaky_efficiency(fluid: str, duty: Duty, size: sizes.Size, flow: float) -> float:
     """Return an estimate of eta_s of a small or slow machine, whose gaps pass much of its displacement."""
     R, T = constants.gas_constant(fluid), duty.T_e + duty.more
     passed = (
@@ -327,7 +337,7 @@ def _leaky(fluid: str, duty: Duty, size: sizes.Size, flow: float) -> float:
     return TIGHT * max(1.0 - LEAKED * max(duty.p_s / (R * T), THIN) ** DENSER * passed, LEAST)
 
 
-def _oil(duty: Duty, oil: str, built_in: float | None, leaky: float) -> tuple[float, str]:
+def _oil_and_separator(duty: Duty, oil: str, built_in: float | None, leaky: float) -> tuple[float, str]:
     """Return oil over gas, and the separator, with a cooler where the gas would get hot without one.
 
     The oil of a small machine, whose leaks take more power, stays warm enough that no gas condenses on it.
@@ -336,10 +346,10 @@ def _oil(duty: Duty, oil: str, built_in: float | None, leaky: float) -> tuple[fl
     work = sizes.beyond_matching(duty.p_d / duty.p_s, duty.k, built_in) * duty.work
     cooled = duty.heat_capacity * (leaves - duty.T_e - duty.more)
     left, more = work / EFFICIENCIES[1] - cooled, work / leaky - cooled
-    hot = duty.hottest >= HOT and left > 0.0
+    hot = duty.hottest >= OIL_COOLED_FROM and left > 0.0
     if not hot and more <= duty.heat_capacity * (TOO_HOT - leaves):
         return 1.0, "separator: {}    # uncooled; cooler: {discharge_temperature: 75 degC} adds a thermostat"
-    needed = max(left / WARMED, more / (leaves - duty.T_c - OVER_DEW)) / OILS[oil].heat_capacity_at(leaves)
+    needed = max(left / OIL_WARMING, more / (leaves - duty.T_c - OVER_DEW)) / OILS[oil].heat_capacity_at(leaves)
     ratio = max(1.0, math.ceil(2.0 * needed) / 2.0)
     kept = f"cooler: {{discharge_temperature: {leaves - ZERO_CELSIUS:.0f} degC}}"
     return ratio, f"separator: {{{kept}}}    # # a thermostat holds the discharge temperature"

@@ -10,18 +10,19 @@ import math
 from typing import NamedTuple
 
 from screwsim.effects.parts import motor_classes
+from screwsim.machine.derived_sizes import unit_volume
 from screwsim.machine.rotors.settings import FAMILIES
-from screwsim.machine.stated import unit_volume
 
 SMALLEST, LARGEST = 0.05, 0.55  # [m] diameters of manufactured rotors
-KNOWN = 0.160  # [m] diameter of the fitted machine
+KNOWN_DIAMETER = 0.160  # [m] diameter of the fitted machine
 GAP, SHAFTS = 26e-6, 9.6e-6  # [m], [m^2]
-LANDS = {"tip": 2e-3, "interlobe": 5e-3, "end_face": 10e-3}  # [m] along the leak (validation/bitzer/machine.yaml)
+# [m] along the leak (validation/bitzer/machine.yaml)
+LAND_LENGTHS = {"tip": 2e-3, "interlobe": 5e-3, "end_face": 10e-3}
 MOTORS = (  # [kW] rated powers of IEC 60072-1
     *(0.75, 1.1, 1.5, 2.2, 3, 4, 5.5, 7.5, 11, 15, 18.5, 22, 30, 37, 45, 55, 75, 90, 110, 132, 160, 200, 250, 315, 355),
     *(400, 450, 500, 560, 630, 710, 800, 900, 1000),
 )
-RESERVE = 1.1  # of a motor's rated power over the estimated one
+MOTOR_RESERVE = 1.1  # of a motor's rated power over the estimated one
 
 
 class Size(NamedTuple):
@@ -33,12 +34,12 @@ class Size(NamedTuple):
     @property
     def scale(self) -> float:
         """Ratio of the diameter to that of the fitted machine."""
-        return self.diameter / KNOWN
+        return self.diameter / KNOWN_DIAMETER
 
     @property
     def clearance(self) -> float:
         """Ratio of the clearances to those of the fitted machine."""
-        return max(self.scale, tolerance_unit(self.diameter) / tolerance_unit(KNOWN))
+        return max(self.scale, tolerance_unit(self.diameter) / tolerance_unit(KNOWN_DIAMETER))
 
 
 def size_of(flow: float, speed: float, family: str = "b") -> Size:
@@ -57,7 +58,7 @@ def tolerance_unit(diameter: float) -> float:
 
 def motor_for(power: float) -> float:
     """Return the rated power [kW] of the smallest motor with some reserve above a power [W]."""
-    wanted = RESERVE * 1e-3 * power
+    wanted = MOTOR_RESERVE * 1e-3 * power
     return next((float(each) for each in MOTORS if each >= wanted), float(math.ceil(wanted / 100.0) * 100.0))
 
 

@@ -8,7 +8,7 @@ from string import Template
 from screwsim.inputs.faults import UsageError
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes
-from screwsim.template.asked import Asked
+from screwsim.template.request import SceneRequest
 
 
 @cache
@@ -34,7 +34,7 @@ def sized(flow: float, speed: float) -> sizes.Size:
 
 
 def machine(
-    size: sizes.Size, asked: Asked, usual: float, pressures: float, flow: float, speed: float, slide: str = ""
+    size: sizes.Size, asked: SceneRequest, usual: float, pressures: float, flow: float, speed: float, slide: str = ""
 ) -> str:
     """Return the section on the machine; `usual` is the built-in volume ratio that matches the pressures.
 
@@ -63,7 +63,7 @@ def _size(size: sizes.Size, by_diameter: bool, flow: str, speed: str) -> str:
 
 def ports(size: sizes.Size, viscosity: str = "") -> str:
     """Return ports and gaps of a flooded machine; `viscosity` is the entry for that of its gas."""
-    lands = {name: sizes.mm(depth * size.scale, 2) for name, depth in sizes.LANDS.items()}
+    lands = {name: sizes.mm(depth * size.scale, 2) for name, depth in sizes.LAND_LENGTHS.items()}
     return filled("ports", {"gap": sizes.um(sizes.GAP * size.clearance), "viscosity": viscosity, **lands})
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Sought, Span
 from screwsim.effects.bypass import window
-from screwsim.inputs.declare import Found, number
+from screwsim.inputs.declare import FoundWithCycle, number
 
 FOLD = 10.0  # [K] of the coordinate for a factor e of the opening
 
@@ -32,7 +32,7 @@ class Parameters(Sought):
         return FOLD * math.log(0.1)
 
     def placed(self, x):
-        return {"opening": Found(math.exp(x / FOLD))}
+        return {"opening": FoundWithCycle(math.exp(x / FOLD))}
 
     def off(self, figures, oil_follows):
         share = figures.get("volumetric_efficiency")

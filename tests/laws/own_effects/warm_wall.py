@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Made, Scaled, Turn, Wall
 from screwsim.inputs.declare import number
+from screwsim.numerics.feedback_unknowns import FeedbackUnknown
 from screwsim.numerics.kernel import kernel
-from screwsim.numerics.made import Entry
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,8 @@ def build(parameters: Parameters, machine) -> list[Made | Wall | Scaled]:
         return 1.0 + parameters.widening * (turn.made["wall_temperature"] - 280.0)
 
     return [
-        Made(Entry("wall_temperature"), lambda site: site.T_s, settled),
-        Made(Entry("blow_hole_scale", scale=1.0), lambda site: 1.0, wider),
+        Made(FeedbackUnknown("wall_temperature"), lambda site: site.T_s, settled),
+        Made(FeedbackUnknown("blow_hole_scale", scale=1.0), lambda site: 1.0, wider),
         Wall("wall", conductance, {"size": parameters.conductance}, "wall_temperature"),
         Scaled("blow_hole", "blow_hole_scale"),
     ]

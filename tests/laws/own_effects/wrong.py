@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from screwsim.effects.base import Drawn, Effect, FlowPath, HeatRate, Made, Plenum, PowerLoss, Reading, Site, Turn, Wall
 from screwsim.inputs.declare import choice, number, quantity
+from screwsim.numerics.feedback_unknowns import FeedbackUnknown
 from screwsim.numerics.kernel import kernel
-from screwsim.numerics.made import Entry
 
 DEGREE = math.pi / 180.0
 POWERS = {"right": 10.0, "nan": math.nan, "inf": math.inf, "gain": -1e9, "none": None, "text": "ten"}
@@ -75,7 +75,7 @@ def build(parameters: Parameters, machine) -> list:
         FlowPath(to="neighbour", area=area, values=sizes, breakpoints=breakpoints, offset=1),
         Plenum("vessel", state, figures),
         HeatRate(heat, {"hot": parameters.hot}),
-        Made(Entry("wrong_temperature"), lambda site: 300.0, image),
+        Made(FeedbackUnknown("wrong_temperature"), lambda site: 300.0, image),
         Wall("wrong", conductance, {"gain": parameters.gain, **window}, "wrong_temperature"),
         PowerLoss("bearing_power", lambda known: POWERS[parameters.power], lambda known: parameters.kept),
         Reading((), lambda known: {}),

@@ -9,7 +9,7 @@ from each_row import each_row
 
 from screwsim.machine.drive.collocation import POINTS, differentiation, resampled
 from screwsim.machine.drive.motor_line import Motor
-from screwsim.machine.drive.response import NoMotion, extremes, respond, swing
+from screwsim.machine.drive.response import NoMotion, extremes, peak_to_peak, respond
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling
 from screwsim.machine.drive.run_up import run_up
 from screwsim.machine.drive.train import LinearCoupling, Train
@@ -157,5 +157,5 @@ def test_resampling_keeps_harmonics():
 def test_a_ripple_is_that_of_the_curve_not_of_its_points(harmonic):
     """Tops lie between the points: a swing of values every half degree was off by up to 1.4e-3 of itself."""
     curve = 5.0 + np.cos(harmonic * 2.0 * np.pi * np.arange(POINTS) / POINTS + 0.4)
-    assert swing(curve) == pytest.approx(2.0, rel=1e-5 * harmonic**2)
+    assert peak_to_peak(curve) == pytest.approx(2.0, rel=1e-5 * harmonic**2)
     assert extremes(curve) == pytest.approx((4.0, 6.0), rel=1e-5 * harmonic**2)

@@ -169,7 +169,7 @@ def test_state_says_when_cords_break_and_what_to_do():
 
 def test_scatter_is_bounded_by_its_ends():
     """The torque grows with the lean over the measured range."""
-    found = law.band(COUPLING, 0.02, 21.8 * DEG, 41.9 * DEG)
+    found = law.torque_band(COUPLING, 0.02, 21.8 * DEG, 41.9 * DEG)
     ends = [replace(COUPLING, lean_plus=x * DEG, lean_minus=x * DEG).torque(0.02) for x in (21.8, 41.9)]
     assert (found.least, found.largest) == pytest.approx(tuple(ends), rel=1e-12)
     assert found.least < found.mean < found.largest

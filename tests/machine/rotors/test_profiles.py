@@ -13,7 +13,7 @@ from screwsim.machine.rotors import imported
 from screwsim.machine.rotors.checks import check_pair, check_profile, crosses_itself, mesh
 from screwsim.machine.rotors.closed_form import circular, rack, rack_line
 from screwsim.machine.rotors.export import lobe_csv, profile_csv
-from screwsim.machine.rotors.measured import faired
+from screwsim.machine.rotors.fairing import faired_curve
 from screwsim.machine.rotors.pair import Chain, Pair
 from screwsim.machine.rotors.rotors import make_rotors
 from screwsim.machine.rotors.sections import sections
@@ -125,7 +125,7 @@ def test_points_with_a_micrometre_of_noise_are_faired_within_their_tolerance(pai
     assert again.largest[1] == pytest.approx(rotors.largest[1], rel=1.5e-3)
     for found, expected in ((again.blow_hole, rotors.blow_hole), (again.suction_blow_hole, rotors.suction_blow_hole)):
         assert found.area(again.h) == pytest.approx(expected.area(rotors.h), rel=0.03)
-    curve = faired(x, y, 4e-6, pair.r1)
+    curve = faired_curve(x, y, 4e-6, pair.r1)
     assert 0.9e-6 < curve.rms < 1.2e-6 and curve.farthest <= 4e-6
     assert again.chain.faired == curve.words(len(x))
 
@@ -134,7 +134,7 @@ def test_a_fair_curve_keeps_jumps_of_curvature(pairs):
     """Exact points of a straight line and an arc: both stay within a tenth of the tolerance, the joint too."""
     line, arc = np.linspace(-10.0, 0.0, 200)[:-1], np.linspace(0.0, 1.0, 200)
     x, y = np.append(line, 5.0 * np.sin(arc)) * MM, np.append(0.0 * line, 5.0 - 5.0 * np.cos(arc)) * MM
-    curve = faired(x, y, 2e-6, 30 * MM)
+    curve = faired_curve(x, y, 2e-6, 30 * MM)
     straight = curve.x < -0.2 * MM
     round_ = curve.x > 0.2 * MM
     assert np.abs(curve.y[straight]).max() < 2e-6

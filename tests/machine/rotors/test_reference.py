@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from screwsim.machine.rotors import closed_form, leakage, ports
-from screwsim.machine.rotors.blow_hole import opening
+from screwsim.machine.rotors.blow_hole import blow_hole_opening
 from screwsim.machine.rotors.pair import Chain, Pair
 from screwsim.machine.rotors.sections import sections, sweep
 
@@ -137,13 +137,13 @@ def test_blow_hole_of_b_by_female_tip_radius(pairs):
     for r4, area in ((2.5, 2.05), (3.0, 2.87), (4.0, 4.92), (6.0, 10.4)):
         chain = closed_form.rack(pair, 1 * MM, r4 * MM, 22 * MM, 35 * DEG, 3 * MM)
         half = 0.05 if r4 == 6.0 else 0.005  # of the last digit; and 1e-3, the accuracy of the printed numbers
-        assert opening(pair, chain).area(h) / MM**2 == pytest.approx(area, abs=half + 1e-3 * area)
+        assert blow_hole_opening(pair, chain).area(h) / MM**2 == pytest.approx(area, abs=half + 1e-3 * area)
 
 
 def test_axial_discharge_port_of_b(pairs):
     rotors = pairs["b"]
     opens, delta = rotors.discharge_angle(3.2), np.radians([10, 20, 40, 60, 90, 110])
-    grooves = ports.uncovered(rotors.pair, rotors.chain, rotors.sections)
+    grooves = ports.uncovered_area(rotors.pair, rotors.chain, rotors.sections)
     area = ports.axial_discharge(grooves, rotors.sections, opens + delta, rotors.wrap, opens) / MM**2
     assert area == pytest.approx([232.5, 463.7, 850.5, 960.6, 629.5, 350.2], abs=0.11)
 

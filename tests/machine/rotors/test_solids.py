@@ -11,7 +11,7 @@ import pytest
 from solids import STEP, Solids
 
 from screwsim.machine.rotors import closed_form, leakage, ports
-from screwsim.machine.rotors.blow_hole import mirrored, opening
+from screwsim.machine.rotors.blow_hole import blow_hole_opening, mirrored
 from screwsim.machine.rotors.checks import mesh
 from screwsim.machine.rotors.flanks import male_flanks
 from screwsim.machine.rotors.pair import outlines
@@ -78,7 +78,7 @@ def test_blow_hole_is_the_open_part_of_its_plane(pairs, pixels_of, name, side):
     """
     rotors = pairs[name]
     pixels, chain = pixels_of(name), rotors.chain if side > 0 else mirrored(rotors.chain)
-    hole, H = opening(rotors.pair, chain), rotors.pair.cusp
+    hole, H = blow_hole_opening(rotors.pair, chain), rotors.pair.cusp
     x, y = chain.x[chain.trail], chain.y[chain.trail]
     part, psi = np.linspace(0.002, 0.998, 250), np.linspace(-75, 60, 4001) * DEG
     grid_psi, grid_x = np.meshgrid(psi, H[0] + part * (x - H[0]), indexing="ij")
@@ -109,7 +109,7 @@ def test_axial_discharge_port_is_what_the_grooves_uncover(pairs, solids, delta):
     opens = rotors.discharge_angle(3.2)
     phi = opens + delta * DEG
     counted = (_end_face_port(rotors, solids, opens) & solids.chamber(phi - rotors.wrap)).sum() * STEP**2
-    grooves = ports.uncovered(rotors.pair, rotors.chain, rotors.sections)
+    grooves = ports.uncovered_area(rotors.pair, rotors.chain, rotors.sections)
     area = ports.axial_discharge(grooves, rotors.sections, np.array([phi]), rotors.wrap, opens)[0]
     assert counted == pytest.approx(area, abs=3 * THICK)  # the port's edge adds walls to those of the chamber
 
@@ -125,7 +125,7 @@ def test_axial_suction_port_is_what_the_grooves_still_cover(pairs, solids, delta
     behind_female = solids.female_bore & (np.arctan2(y, A - x) > -pair.k * closes)
     port = np.where(x > pair.cusp[0], behind_female, behind_male) & ~solids.chamber(closes)
     counted = (port & solids.chamber(phi)).sum() * STEP**2
-    grooves = ports.uncovered(pair, rotors.chain, rotors.sections)
+    grooves = ports.uncovered_area(pair, rotors.chain, rotors.sections)
     area = ports.axial_suction(grooves, rotors.sections, np.array([phi]), closes)[0]
     assert counted == pytest.approx(area, abs=3 * THICK)
 

@@ -24,7 +24,8 @@ from screwsim.inputs.faults import Fault, UsageError
 
 FITS = {"radial": gap_flow.radial_friction, "flank": gap_flow.flank_friction}
 MIXTURES = {"mcadams": gap_flow.mcadams_mixture, "cicchitti": gap_flow.cicchitti_mixture}
-Held = Callable[[Any, float | None], Resistance]  # of a gap's parameters and the wall's speed (see `resistance`)
+# of a gap's parameters and the wall's speed (see `resistance`)
+ResistanceModel = Callable[[Any, float | None], Resistance]
 
 
 class FlowModel(NamedTuple):
@@ -34,7 +35,7 @@ class FlowModel(NamedTuple):
     it needs carried oil with a viscosity; `walls`: a wall that slides past the gap drags oil along.
     """
 
-    held: Held | None = None  # None: the plain nozzle, without parameters
+    held: ResistanceModel | None = None  # None: the plain nozzle, without parameters
     key: str = ""
     example: str = ""
     gas: bool = True

@@ -24,7 +24,7 @@ import numpy as np
 from screwsim.effects.base import Faults
 from screwsim.inputs.declare import file, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
-from screwsim.inputs.sheets import read_sheet, usable
+from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
 
 FREQUENCY = 0.9  # relative frequency of the point at which the loss is stated
 IRON = 1.5
@@ -96,7 +96,7 @@ def motor_share(constant_share: float, at: Turning) -> float:
 
 def read_points(path: str) -> list[tuple[float, float, float]]:
     """Return (speed, current, loss [W]) of a maker's points; raise UsageError in one line where the file has none."""
-    with usable(f"name a CSV file with the columns {', '.join(COLUMNS)}"):
+    with sheet_or_usage_error(f"name a CSV file with the columns {', '.join(COLUMNS)}"):
         cells = read_sheet(path).columns(*COLUMNS)
     try:
         rows = [(float(speed), float(current), float(loss)) for _, (speed, current, loss) in cells]

@@ -54,7 +54,7 @@ class Valve:
         return np.where(lifted, orifice, self.pressure), np.where(lifted, flow / (rho * self.area**2), 0.0)
 
 
-class Behind(NamedTuple):
+class ValveSurroundings(NamedTuple):
     """What a valve connects: capacity of the plenum [kg/Pa], impedance of the line [Pa s/kg], lobe frequency, ρ."""
 
     capacity: float
@@ -63,14 +63,16 @@ class Behind(NamedTuple):
     rho: float
 
 
-class Passed(NamedTuple):
+class ValveFlow(NamedTuple):
     """A pitch at evenly spaced angles: flow through the valve [kg/s], the plenum's pressure less its line's [Pa]."""
 
     flow: Array
     pressure: Array
 
 
-def through(valve: Valve, given: Array, behind: Behind, points: int = POINTS, start: Array | None = None) -> Passed:
+def valve_flow(
+    valve: Valve, given: Array, behind: ValveSurroundings, points: int = POINTS, start: Array | None = None
+) -> ValveFlow:
     """Return the flow through a valve over a pitch for a flow `given` [kg/s] to its plenum, of positive mean (M221).
 
     capacity · dp/dt = given − u, p = drop of the valve + impedance · (u − mean), u ≥ 0, at `points` (odd) evenly spaced
@@ -104,10 +106,10 @@ def through(valve: Valve, given: Array, behind: Behind, points: int = POINTS, st
                 break
             share *= 0.5
         z, (left, p, slope, size) = z + share * change, trial
-    return Passed(np.maximum(z, 0.0), p - behind.impedance * mean)
+    return ValveFlow(np.maximum(z, 0.0), p - behind.impedance * mean)
 
 
-def least_flow(valve: Valve, given: Array, behind: Behind, passed: Passed) -> float:
+def least_flow(valve: Valve, given: Array, behind: ValveSurroundings, passed: ValveFlow) -> float:
     """Return the least flow [kg/s] over a pitch, `passed` being a first solution (M221).
 
     The pressure is smoother than the flow, so that its curve is better resolved: the least flow is that of the
@@ -118,7 +120,7 @@ def least_flow(valve: Valve, given: Array, behind: Behind, passed: Passed) -> fl
     if found <= 0.0:
         return 0.0
     while True:
-        passed = through(valve, given, behind, points, resampled(passed.flow, points))
+        passed = valve_flow(valve, given, behind, points, resampled(passed.flow, points))
         above = lowest(passed.pressure) + behind.impedance * mean
         before, found = found, _flow_at(valve, above, behind)
         straight = bool(np.all(valve.drop(passed.flow, behind.rho)[1] == 0.0))
@@ -127,7 +129,7 @@ def least_flow(valve: Valve, given: Array, behind: Behind, passed: Passed) -> fl
         points = 2 * points - 1
 
 
-def _flow_at(valve: Valve, above: float, behind: Behind) -> float:
+def _flow_at(valve: Valve, above: float, behind: ValveSurroundings) -> float:
     """Return the flow [kg/s] at which an open valve and its line together lose `above` [Pa]."""
     held = (above - valve.pressure) / behind.impedance
     if valve.area is None or held**2 <= 2.0 * behind.rho * valve.area**2 * valve.pressure:
@@ -150,7 +152,7 @@ def lowest(curve: Array) -> float:
     return least
 
 
-def closed(given: Array, behind: Behind, leaking: float = 0.0) -> Array:
+def closed(given: Array, behind: ValveSurroundings, leaking: float = 0.0) -> Array:
     """Return the pressure of a plenum whose valve stays shut, relative to its mean [Pa], at `POINTS` angles.
 
     `leaking` [kg/(Pa s)] times that pressure is the flow that leaks take from `given`.

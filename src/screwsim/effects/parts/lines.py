@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from screwsim.effects.parts.flows import Resistance
-from screwsim.fluid.separator import Outflow, Separated
+from screwsim.fluid.separator import Separated, SeparatorInflow
 from screwsim.fluid.settings import oil_temperature
 
 
@@ -58,7 +58,7 @@ class Separator:
     supply temperature is open, also how far that is from closing the oil circuit.
     """
 
-    balance: Callable[[Outflow, bool], Separated]
+    balance: Callable[[SeparatorInflow, bool], Separated]
 
 
 @dataclass(frozen=True)

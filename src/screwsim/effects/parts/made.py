@@ -10,7 +10,7 @@ from math import inf, sqrt
 from typing import Any, NamedTuple
 
 from screwsim.effects.parts.plenums import Site
-from screwsim.numerics.made import Entry
+from screwsim.numerics.feedback_unknowns import FeedbackUnknown
 
 AT_END = 1e-6  # [K] distance from an end of a span that counts as being there
 
@@ -68,7 +68,7 @@ class Made:
     above `least`; a cycle that closes at that bound has failed, and `beyond` says why, with a remedy.
     """
 
-    entry: Entry
+    entry: FeedbackUnknown
     guess: Callable[[Site], float]
     image: Callable[[Turn], float]
     least: float = -inf

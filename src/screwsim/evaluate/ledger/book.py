@@ -4,13 +4,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from screwsim.cycle.known import pressure_behind
+from screwsim.cycle.cycle_figures import chamber_end_pressure
 from screwsim.effects.base import DISCHARGE, SUCTION
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.parts import OilPart
 from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, FIRST_OWN, OF_GAS
-from screwsim.numerics.remembered import once
+from screwsim.numerics.identity_cache import once
 
 OIL_INJECTION, OIL_SUPPLY = "oil_injection", "oil_supply"
 SUCTION_LINE, DISCHARGE_LINE, NOT_CONSERVED = "suction_line", "discharge_line", "oil_not_conserved"
@@ -31,7 +31,7 @@ class State(NamedTuple):
         return (enthalpy - mass * self.h) / self.T - (entropy - mass * self.s)
 
 
-class End(NamedTuple):
+class FlowEnd(NamedTuple):
     """A line or plenum to which gas and oil leave the chambers.
 
     Gas that arrives is brought to `state`; `entry` names the entry for what the end takes. `kept`: the arriving gas
@@ -83,7 +83,7 @@ class Book:
         entry.entropy_generated += destroyed / self.T_0
 
 
-class Cycle:
+class LedgerCycle:
     """The quantities of a closed cycle that the ledger uses.
 
     `line_given`: the discharge line's state is not that of the outflow.
@@ -114,7 +114,7 @@ class Cycle:
 
         None if it does not pulsate.
         """
-        return pressure_behind(self.problem, self.life, to)
+        return chamber_end_pressure(self.problem, self.life, to)
 
     def behind(self, to: str, line: State) -> State:
         """Return the mean state at the chambers' end of a line: throttled where its pressure has an offset (M184)."""
@@ -137,14 +137,14 @@ class Cycle:
         pressures = {SUCTION: self.suction.pressure, DISCHARGE: self.lines.p_d}
         return pressures[end] if end in pressures else self.parts.plenums[end].p
 
-    def ends(self, back: State, discharge: State) -> list[End]:
+    def ends(self, back: State, discharge: State) -> list[FlowEnd]:
         """Return the end of each path; gas that flows back to suction is brought to the state `back`."""
         found = {
-            SUCTION: End(SUCTION, back, SUCTION_LINE, kept=self.parts.suction_line),
-            DISCHARGE: End(DISCHARGE, discharge, DISCHARGE_LINE, kept=True),
+            SUCTION: FlowEnd(SUCTION, back, SUCTION_LINE, kept=self.parts.suction_line),
+            DISCHARGE: FlowEnd(DISCHARGE, discharge, DISCHARGE_LINE, kept=True),
         }
         for name, own in self.parts.plenums.items():
-            found[name] = End(name, State(own.T, own.rho, own.h, own.s), f"{name}_plenum", kept=False)
+            found[name] = FlowEnd(name, State(own.T, own.rho, own.h, own.s), f"{name}_plenum", kept=False)
         return [found[end] for end in self.composition.ends]
 
     def drawn(self) -> Iterator[tuple[float, Reservoir]]:

@@ -7,16 +7,16 @@ from collections.abc import Callable, Mapping
 
 from screwsim.cycle.suction_line import Stream
 from screwsim.effects.base import DISCHARGE, OilSolution
-from screwsim.evaluate.ledger.book import Cycle, End, State
+from screwsim.evaluate.ledger.book import FlowEnd, LedgerCycle, State
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model import ledger as kernels
 from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, DISSOLVED, OF_HELD, OF_OIL, PORT_OIL, R_DISCHARGE
 
 
-class Held:
+class DissolvedGas:
     """The gas dissolved in oil: entropy and exergy (M233, M234) over gas at the state (h, s) of the suction line."""
 
-    def __init__(self, cycle: Cycle, suction: State) -> None:
+    def __init__(self, cycle: LedgerCycle, suction: State) -> None:
         self.cycle, self.suction = cycle, suction
         assert isinstance(cycle.parts.oil_content, OilSolution)  # `Parts.dissolves`
         self.content = cycle.parts.oil_content
@@ -53,7 +53,7 @@ class Held:
         """Return the exergy [W] of gas [kg/s] of a state."""
         return gas * (state.h - self.suction.h - self.cycle.T_0 * (state.s - self.suction.s))
 
-    def at_lines(self, ends: Mapping[End, list[tuple[str, list[float]]]], add: Callable[..., None]) -> None:
+    def at_lines(self, ends: Mapping[FlowEnd, list[tuple[str, list[float]]]], add: Callable[..., None]) -> None:
         """Enter the mixing of the oil that leaves to the discharge line, by path, and what other ends take (M234).
 
         `ends` holds the paths that lead to each end, with their sums.

@@ -13,13 +13,13 @@ from typing import NamedTuple
 from screwsim.cycle import suction_line
 from screwsim.cycle.suction_line import Stream
 from screwsim.effects.base import SUCTION, LineLeak, Pulsation, SuctionChange, SuctionHeat
-from screwsim.evaluate.ledger.book import DISCHARGE_LINE, SUCTION_LINE, Book, Cycle, End, Rows, State
+from screwsim.evaluate.ledger.book import DISCHARGE_LINE, SUCTION_LINE, Book, FlowEnd, LedgerCycle, Rows, State
 from screwsim.model import ledger as kernels
 from screwsim.model import slots
 from screwsim.model.trajectory import Array
 
 
-def enter_paths(book: Book, cycle: Cycle, paths: Rows, ends: Sequence[End], suction: State) -> None:
+def enter_paths(book: Book, cycle: LedgerCycle, paths: Rows, ends: Sequence[FlowEnd], suction: State) -> None:
     """Enter every flow path: the entropy its gas generates where it arrives, in a chamber or at its end (M50–M52)."""
     for name, end, row in zip(cycle.paths, ends, paths, strict=True):
         target = end.state
@@ -33,7 +33,7 @@ def enter_paths(book: Book, cycle: Cycle, paths: Rows, ends: Sequence[End], suct
             book.add(end.entry, energy=heat, exergy=heat * (1.0 - cycle.T_0 / target.T))
 
 
-def gas_rise(book: Book, cycle: Cycle, suction: State, line: State, discharge: State) -> float:
+def gas_rise(book: Book, cycle: LedgerCycle, suction: State, line: State, discharge: State) -> float:
     """Return the exergy rise of the gas [W] (M55); enter what holds the discharge line at a given state (M54)."""
 
     def exergy(state: State) -> float:
@@ -58,7 +58,7 @@ class Throttled(NamedTuple):
     line: State
 
 
-def enter_pulsations(book: Book, cycle: Cycle, of_lines: Mapping[str, Throttled]) -> None:
+def enter_pulsations(book: Book, cycle: LedgerCycle, of_lines: Mapping[str, Throttled]) -> None:
     """Enter what pulsating lines cost (M187): throttling, and the pulsation work that entering gas takes up."""
     for name, part in cycle.parts.all(Pulsation):
         row = 2 * cycle.parts.number(part.to)
@@ -70,11 +70,11 @@ def enter_pulsations(book: Book, cycle: Cycle, of_lines: Mapping[str, Throttled]
         book.add(name, gas=passed, energy=-pulsation, exergy=cycle.T_0 * throttled - pulsation)
 
 
-def enter_intake(book: Book, cycle: Cycle, of_gas: float, discharge: State) -> float:
+def enter_intake(book: Book, cycle: LedgerCycle, of_gas: float, discharge: State) -> float:
     """Return the exergy rise of the delivered gas from the line's state [W]; enter bypass and throttles (M163)."""
     intake, T_s = cycle.suction, cycle.lines.T_s
     h_d = float(cycle.R[slots.R_DISCHARGE + slots.ENTHALPY])
-    flow = suction_line.fresh(cycle.problem, cycle.R, cycle.streams) * cycle.rate
+    flow = suction_line.fresh_gas(cycle.problem, cycle.R, cycle.streams) * cycle.rate
 
     def exergy(state: State) -> float:
         return state.h - cycle.T_0 * state.s
@@ -96,7 +96,7 @@ def enter_intake(book: Book, cycle: Cycle, of_gas: float, discharge: State) -> f
     return of_gas - returned - throttled
 
 
-def enter_walls(book: Book, cycle: Cycle, heats: Array) -> None:
+def enter_walls(book: Book, cycle: LedgerCycle, heats: Array) -> None:
     """Enter the heat between walls and gas, and the exergy that leaves the walls at their temperature (M171)."""
     c = cycle.composition
     for (name, wall), (heat, generated) in zip(cycle.parts.walls, heats.tolist(), strict=True):
@@ -126,7 +126,7 @@ class Streams:
         return self.back.oil + self.leak.oil - self.sucked.oil
 
 
-def line_streams(cycle: Cycle, paths: Rows) -> Streams:
+def line_streams(cycle: LedgerCycle, paths: Rows) -> Streams:
     """Return the streams in the suction line; the backflow is that of the ledger's own sums."""
     problem, R, rate = cycle.problem, cycle.R, cycle.rate
     rows = [row for row, end in zip(paths, cycle.composition.ends, strict=True) if end == SUCTION]
@@ -134,15 +134,15 @@ def line_streams(cycle: Cycle, paths: Rows) -> Streams:
     back = Stream(*(sum(row[column] for row in rows) for column in columns))
     leak = suction_line.leak(problem, R).times(rate)
     sucked = Stream(*cycle.streams[slots.SUCTION_IN].tolist()).times(rate)
-    pressed = problem.pressed(problem.suction.pressure)
+    pressed = problem.oil_pressure_term(problem.suction.pressure)
     T_back = back.oil_heat / back.oil if back.oil > 0.0 else 0.0
     T_leak = float(R[slots.R_DISCHARGE + slots.OIL_TEMPERATURE]) - pressed
     T_sucked = float(R[slots.R_SUCTION + slots.OIL_TEMPERATURE]) - pressed
-    fresh = rate * suction_line.fresh(problem, R, cycle.streams)
+    fresh = rate * suction_line.fresh_gas(problem, R, cycle.streams)
     return Streams(fresh, back, leak, sucked, T_back, T_leak, T_sucked)
 
 
-def mean_back(cycle: Cycle, met: Streams, sucked: State) -> State:
+def mean_back(cycle: LedgerCycle, met: Streams, sucked: State) -> State:
     """Return the mean state of the gas that flows back, at the pressure where it arrives; without backflow `sucked`."""
     if not met.back.gas > 0.0:
         return sucked
@@ -150,7 +150,7 @@ def mean_back(cycle: Cycle, met: Streams, sucked: State) -> State:
 
 
 def enter_line(
-    book: Book, cycle: Cycle, of_gas: float, met: Streams, states: tuple[State, State, State], discharge: State
+    book: Book, cycle: LedgerCycle, of_gas: float, met: Streams, states: tuple[State, State, State], discharge: State
 ) -> float:
     """Enter mixing and leak of the gas; return the exergy rise [W] of the fresh gas that is delivered.
 
@@ -164,7 +164,7 @@ def enter_line(
     h_d = float(cycle.R[slots.R_DISCHARGE + slots.ENTHALPY])
     p = cycle.suction.pressure
     fresh, leaked = cycle.at(p, cycle.suction.port_state(h_d)[slots.ENTHALPY]), cycle.at(p, h_d)
-    warmed = _warmed(book, cycle, met, fresh)
+    warmed = _warmed_fresh_gas(book, cycle, met, fresh)
     of_fresh = met.fresh * (exergy(fresh) - exergy(before))
     of_leak = met.leak.gas * (exergy(leaked) - exergy(before))
     throttled = met.leak.gas * (exergy(discharge) - exergy(leaked))
@@ -175,7 +175,7 @@ def enter_line(
     return of_gas - of_fresh - of_leak - throttled
 
 
-def _warmed(book: Book, cycle: Cycle, met: Streams, fresh: State) -> State:
+def _warmed_fresh_gas(book: Book, cycle: LedgerCycle, met: Streams, fresh: State) -> State:
     """Return the fresh gas after it was warmed on its way.
 
     Enter the exergy this adds, which does not come from the shaft.

@@ -9,7 +9,7 @@ from math import log
 
 import numpy as np
 
-from screwsim.cycle.known import oil_lift
+from screwsim.cycle.cycle_figures import oil_lift
 from screwsim.effects.base import DISCHARGE, SUCTION, LineLeak, OilGas, OilSolution, PowerLoss, Pulsation, Separator
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.ledger.book import (
@@ -18,34 +18,34 @@ from screwsim.evaluate.ledger.book import (
     OIL_SUPPLY,
     SUCTION_LINE,
     Book,
-    Cycle,
-    End,
+    FlowEnd,
+    LedgerCycle,
     Rows,
     State,
 )
-from screwsim.evaluate.ledger.dissolved import Held
+from screwsim.evaluate.ledger.dissolved import DissolvedGas
 from screwsim.evaluate.ledger.gas import Streams
 from screwsim.evaluate.separator import Circuit
 from screwsim.model import ledger as kernels
 from screwsim.model import slots
-from screwsim.model.exchange import station
 from screwsim.model.trajectory import Array
+from screwsim.model.turn_scheduler import reach_station
 
 COOLER = "oil_cooler"
 
 
-def cool_at_lines(cycle: Cycle, paths: Rows) -> None:
+def cool_at_lines(cycle: LedgerCycle, paths: Rows) -> None:
     """Set oil that takes room to its temperature after throttling to its line [in place] (M109)."""
     if not cycle.parts.oil_room:
         return
     for row, end in zip(paths, cycle.composition.ends, strict=True):
-        row[kernels.OUT_OIL_T] -= row[kernels.OUT_OIL] * cycle.problem.pressed(cycle.pressure(end))
+        row[kernels.OUT_OIL_T] -= row[kernels.OUT_OIL] * cycle.problem.oil_pressure_term(cycle.pressure(end))
 
 
 def oil_rise(
     book: Book,
-    cycle: Cycle,
-    ends: Sequence[End],
+    cycle: LedgerCycle,
+    ends: Sequence[FlowEnd],
     suction: State,
     paths: Rows,
     heats: Array,
@@ -67,7 +67,7 @@ def oil_rise(
             book.add(name, exergy=through * (known.plenum_pressure - cycle.lines.p_d))
     if c.ported:
         book.add(OIL_INJECTION, entropy=float(sums[kernels.PORT_GENERATED]))
-    station()
+    reach_station()
     dissolved = _flash(book, cycle, ends, suction, paths, sums, met)
     mechanical = known.oil_volume_flow * (cycle.lines.p_d - known.oil_source_pressure)
     if c.carried:
@@ -78,7 +78,13 @@ def oil_rise(
 
 
 def _flash(
-    book: Book, cycle: Cycle, ends: Sequence[End], suction: State, paths: Rows, sums: Array, met: Streams | None
+    book: Book,
+    cycle: LedgerCycle,
+    ends: Sequence[FlowEnd],
+    suction: State,
+    paths: Rows,
+    sums: Array,
+    met: Streams | None,
 ) -> float:
     """Enter the gas that flashes out of the oil.
 
@@ -96,13 +102,19 @@ def _flash(
 
 
 def _released(
-    book: Book, cycle: Cycle, ends: Sequence[End], suction: State, paths: Rows, sums: Array, met: Streams | None
+    book: Book,
+    cycle: LedgerCycle,
+    ends: Sequence[FlowEnd],
+    suction: State,
+    paths: Rows,
+    sums: Array,
+    met: Streams | None,
 ) -> float:
     """Enter the gas that oil gives off over time.
 
     Return the exergy rise [W] of the dissolved and of that gas (M234).
     """
-    held, coming = Held(cycle, suction), {end: [] for end in ends}
+    held, coming = DissolvedGas(cycle, suction), {end: [] for end in ends}
     for name, end, row in zip(cycle.paths, ends, paths, strict=True):
         coming[end].append((name, row))
     held.at_lines(coming, book.add)
@@ -122,7 +134,7 @@ def _released(
     return rise
 
 
-def _throttled(cycle: Cycle) -> float:
+def _throttled(cycle: LedgerCycle) -> float:
     """Return the pressure [Pa] that the oil loses between source and chamber, dissipated at T_0 (M58).
 
     Where the oil takes room, its loss in the chamber heats it instead; what remains is the loss of the line, and
@@ -136,7 +148,7 @@ def _throttled(cycle: Cycle) -> float:
     return port.loss(known.oil_source_pressure)
 
 
-def _thermal(cycle: Cycle, mass: float, mass_T: float, mass_log: float) -> float:
+def _thermal(cycle: LedgerCycle, mass: float, mass_T: float, mass_log: float) -> float:
     """Return the exergy [W] of oil relative to injected oil at equal pressure, from Σ ṁ, Σ ṁ T, Σ ṁ ln T (M56)."""
     oil = cycle.oil
     T = oil.temperature
@@ -148,7 +160,7 @@ def _mixed(mass: float, mass_T: float) -> tuple[float, float, float]:
     return mass, mass_T, mass * log(mass_T / mass) if mass > 0.0 else 0.0
 
 
-def _mixing(book: Book, cycle: Cycle, paths: Rows, T_mean: float, line: str = DISCHARGE) -> None:
+def _mixing(book: Book, cycle: LedgerCycle, paths: Rows, T_mean: float, line: str = DISCHARGE) -> None:
     """Enter the mixing of the oil that leaves to a line, to its mean temperature there (M53)."""
     c_oil = cycle.oil.heat_capacity
     for name, end, row in zip(cycle.paths, cycle.composition.ends, paths, strict=True):
@@ -157,11 +169,11 @@ def _mixing(book: Book, cycle: Cycle, paths: Rows, T_mean: float, line: str = DI
             book.add(name, entropy=c_oil * ((mass_T / T_mean - mass) - (mass_log - mass * log(T_mean))))
 
 
-def _carried(book: Book, cycle: Cycle, ends: Sequence[End], paths: Rows, met: Streams | None) -> float:
+def _carried(book: Book, cycle: LedgerCycle, ends: Sequence[FlowEnd], paths: Rows, met: Streams | None) -> float:
     """Return the thermal exergy rise of carried oil [W]; enter its injection and what the suction line takes."""
     oil = cycle.oil
     out, out_T = (-float(cycle.streams[slots.DISCHARGE_OUT, i]) * cycle.rate for i in (slots.OF_OIL, slots.OF_OIL_HEAT))
-    out_T -= out * cycle.problem.pressed(cycle.lines.p_d)
+    out_T -= out * cycle.problem.oil_pressure_term(cycle.lines.p_d)
     back = float(cycle.streams[slots.DISCHARGE_IN, slots.OF_OIL]) * cycle.rate
     if out > 0.0:
         _mixing(book, cycle, paths, out_T / out)
@@ -179,12 +191,14 @@ def _carried(book: Book, cycle: Cycle, ends: Sequence[End], paths: Rows, met: St
             book.add(end.entry, energy=energy, exergy=_thermal(cycle, taken[0], taken[1], taken[2]) + pressure)
     if not cycle.composition.ported:
         book.add(OIL_INJECTION, entropy=cycle.rate * _injection(cycle))
-    T_line = float(cycle.R[slots.R_DISCHARGE + slots.OIL_TEMPERATURE]) - cycle.problem.pressed(cycle.lines.p_d)
+    T_line = float(cycle.R[slots.R_DISCHARGE + slots.OIL_TEMPERATURE]) - cycle.problem.oil_pressure_term(
+        cycle.lines.p_d
+    )
     rise = _thermal(cycle, *_mixed(out, out_T)) - _thermal(cycle, *_mixed(back, back * T_line)) - lost
     return rise if met is None else rise - _line(book, cycle, paths, met, T_line)
 
 
-def _line(book: Book, cycle: Cycle, paths: Rows, met: Streams, T_line: float) -> float:
+def _line(book: Book, cycle: LedgerCycle, paths: Rows, met: Streams, T_line: float) -> float:
     """Enter the oil's part in the suction line and its leak; return the part of its exergy rise that leaks or leaves.
 
     T_line [K] is the oil's temperature in the discharge line.
@@ -202,7 +216,7 @@ def _line(book: Book, cycle: Cycle, paths: Rows, met: Streams, T_line: float) ->
     return before + met.oil_lost / oil.density * (p_d - source)
 
 
-def _injection(cycle: Cycle) -> float:
+def _injection(cycle: LedgerCycle) -> float:
     """Return the entropy [J/K] generated when one injection mixes with the oil in the chamber (M53)."""
     oil, R = cycle.oil, cycle.R
     before, injected = float(R[slots.R_OIL_BEFORE]), float(R[slots.R_INJECTED])
@@ -213,7 +227,7 @@ def _injection(cycle: Cycle) -> float:
     return oil.heat_capacity * (mixed + (before * log(T_after / T_before) if before > 0.0 else 0.0))
 
 
-def _not_carried(book: Book, cycle: Cycle, paths: Rows, sums: Array) -> float:
+def _not_carried(book: Book, cycle: LedgerCycle, paths: Rows, sums: Array) -> float:
     """Return the thermal exergy rise of oil at a constant ratio [W]; enter the oil that appears and vanishes (M57)."""
     oil, R = cycle.oil, cycle.R
     out, out_T = (sum([row[column] for row in paths]) for column in (kernels.OUT_OIL, kernels.OUT_OIL_T))
@@ -233,12 +247,14 @@ def _not_carried(book: Book, cycle: Cycle, paths: Rows, sums: Array) -> float:
     return rise
 
 
-def _kept(cycle: Cycle) -> float:
+def _kept(cycle: LedgerCycle) -> float:
     """Return the power [W] that losses leave in the oil as pressure."""
     return sum(float(part.kept(cycle.known)) for _, part in cycle.parts.all(PowerLoss) if part.kept is not None)
 
 
-def through_circuit(book: Book, cycle: Cycle, of: Evaluation, of_gas: float, of_oil: float) -> tuple[float, float]:
+def through_circuit(
+    book: Book, cycle: LedgerCycle, of: Evaluation, of_gas: float, of_oil: float
+) -> tuple[float, float]:
     """Return the exergy rises [W] of gas that has left the separator and of oil that is back; enter what lies between.
 
     Without a separator these are `of_gas` and `of_oil` unchanged.

@@ -15,11 +15,11 @@ from screwsim.cycle.balances import outflow_of
 from screwsim.effects.base import DISCHARGE, SUCTION, PowerLoss, Reading
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.ledger import gas
-from screwsim.evaluate.ledger.book import Book, Cycle, Entry, State
+from screwsim.evaluate.ledger.book import Book, Entry, LedgerCycle, State
 from screwsim.evaluate.ledger.oil import cool_at_lines, oil_rise, through_circuit
-from screwsim.inputs.faults import own_number
-from screwsim.model.exchange import station
+from screwsim.inputs.faults import checked_own_number
 from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE, R_SUCTION
+from screwsim.model.turn_scheduler import reach_station
 from screwsim.outputs import Figures
 
 
@@ -80,19 +80,19 @@ class Ledger:
 
 def ledger(of: Evaluation) -> Ledger:
     """Return the ledger of a closed cycle's shaft power (contract: ledger)."""
-    cycle, R = Cycle(of), of.life.R
-    suction = _sucked(cycle)
+    cycle, R = LedgerCycle(of), of.life.R
+    suction = _intake_state(cycle)
     line = cycle.at(cycle.lines.p_d, float(R[R_DISCHARGE + ENTHALPY]))
     mean = outflow_of(cycle.streams)
     discharge = line if mean is None else cycle.at(cycle.lines.p_d, mean.enthalpy)
     sucked, given = cycle.behind(SUCTION, suction), cycle.behind(DISCHARGE, discharge)
-    station()
+    reach_station()
     moved, heats, oil = (cycle.rate * sums for sums in cycle.life.account(sucked.s, cycle.behind(DISCHARGE, line).s))
-    station()
+    reach_station()
     paths = moved.tolist()
     cool_at_lines(cycle, paths)
-    station()
-    book = Book(cycle.T_0, {name: Entry() for name in _acting(cycle)})
+    reach_station()
+    book = Book(cycle.T_0, {name: Entry() for name in _acting_effects(cycle)})
     met = gas.line_streams(cycle, paths) if cycle.parts.suction_line else None
     back = sucked if met is None else gas.mean_back(cycle, met, sucked)
     ends = cycle.ends(back, given)
@@ -107,7 +107,7 @@ def ledger(of: Evaluation) -> Ledger:
     warmed = len(cycle.composition.heats)
     gas.enter_walls(book, cycle, heats[warmed:])
     of_oil = None
-    station()
+    reach_station()
     if cycle.parts.oil is not None:
         of_oil = oil_rise(book, cycle, ends, suction, paths, heats[:warmed], oil, met)
         of_gas, of_oil = through_circuit(book, cycle, of, of_gas, of_oil)
@@ -115,7 +115,7 @@ def ledger(of: Evaluation) -> Ledger:
     return Ledger(book.entries, book.T_0, cycle.shaft_power, of_gas, of_oil)
 
 
-def _sucked(cycle: Cycle) -> State:
+def _intake_state(cycle: LedgerCycle) -> State:
     """Return the state of the gas before the suction port: the line's, unless mixed or throttled."""
     h, rho = (float(cycle.R[R_SUCTION + at]) for at in (ENTHALPY, DENSITY))
     if cycle.parts.suction_line:
@@ -124,7 +124,7 @@ def _sucked(cycle: Cycle) -> State:
     return cycle.state(cycle.suction.temperature(port_state, cycle.lines.T_s), rho, h)
 
 
-def _acting(cycle: Cycle) -> Iterator[str]:
+def _acting_effects(cycle: LedgerCycle) -> Iterator[str]:
     """Yield the effects that do more than read the cycle."""
     reading = {name for name, _ in cycle.parts.all(Reading)}
     for name, items in cycle.parts.effects.items():
@@ -132,12 +132,12 @@ def _acting(cycle: Cycle) -> Iterator[str]:
             yield name
 
 
-def _losses(book: Book, cycle: Cycle) -> None:
+def _losses(book: Book, cycle: LedgerCycle) -> None:
     """Enter every power besides the gas work: dissipated at T_0, except for what stays in the oil as pressure (M58)."""
     for name, part in cycle.parts.all(PowerLoss):
         power = float(part.power(cycle.known))
         given = part.kept(cycle.known) if part.kept is not None else 0.0
         if math.isfinite(cycle.known.indicated_power):
-            own_number(name, f"what the oil keeps of {part.figure} [W]", given, 0.0)
+            checked_own_number(name, f"what the oil keeps of {part.figure} [W]", given, 0.0)
         kept = float(given)
         book.add(name, energy=power, exergy=power - kept)

@@ -4,10 +4,10 @@ import json
 from importlib import resources
 from typing import Any
 
-from screwsim.explore.changes import Base
+from screwsim.explore.changes import SceneArguments
 from screwsim.explore.controls import document as controls
 from screwsim.explore.machine import document as machine
-from screwsim.outputs.customary import raised
+from screwsim.outputs.customary import with_printed_units
 
 _SCRIPTS = [
     f"{name}.js" for name in ("number", "chart", "machine", "controls", "show", "around", "state", "line", "start")
@@ -15,7 +15,7 @@ _SCRIPTS = [
 _SHARED = ("numbers.js", "ledger.js", "theme.js")  # with the report's page
 
 
-def page_text(base: Base, slopes: bool = True) -> str:
+def page_text(base: SceneArguments, slopes: bool = True) -> str:
     """Return the page of a scene; @NONCE@ marks the place of its policy's single-use number.
 
     `slopes` tells whether the server has a separate worker for derivatives.
@@ -27,7 +27,7 @@ def page_text(base: Base, slopes: bool = True) -> str:
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     scripts = [*(_shared(each) for each in _SHARED), *(_own(each) for each in _SCRIPTS)]
     return environment.from_string(_own("page.html")).render(
-        title=raised(base.scene.title) or base.file,
+        title=with_printed_units(base.scene.title) or base.file,
         file=base.file,
         version=__version__,
         style=_shared("theme.css") + _own("page.css"),
@@ -36,14 +36,14 @@ def page_text(base: Base, slopes: bool = True) -> str:
     )
 
 
-def document(base: Base) -> dict[str, Any]:
+def document(base: SceneArguments) -> dict[str, Any]:
     """Return the initial data of the page's script."""
     from screwsim.explore.answer import about_figure
     from screwsim.figures import known
 
     return {
         "file": base.file,
-        "title": raised(base.scene.title),
+        "title": with_printed_units(base.scene.title),
         **controls(base),
         "machine": machine(base.scene.machine),
         "figures": [about_figure(figure) for figure in known().values()],

@@ -16,7 +16,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.machine.drive import collocation
 from screwsim.machine.drive.collocation import POINTS, differentiation, residual, sizes
 from screwsim.machine.drive.train import Train
-from screwsim.numerics.periodic import Anderson
+from screwsim.numerics.anderson import Anderson
 
 Array = np.ndarray
 MOST_STEPS = 10  # most Newton steps at one level of pulsation
@@ -57,7 +57,7 @@ class Response:
     @property
     def ripple(self) -> float:
         """Largest less smallest speed of the rotors, over the mean."""
-        return swing(self.speed) / self.mean_speed
+        return peak_to_peak(self.speed) / self.mean_speed
 
     def power(self, torque: Array, speed: Array) -> float:
         """Return the mean over time of torque × speed [W]."""
@@ -70,7 +70,7 @@ def extremes(curve: Array) -> tuple[float, float]:
     return float(fine.min()), float(fine.max())
 
 
-def swing(curve: Array) -> float:
+def peak_to_peak(curve: Array) -> float:
     """Return the peak-to-peak value of a curve."""
     low, high = extremes(curve)
     return high - low
@@ -101,10 +101,10 @@ def respond(train: Train, load: Array, omega: float) -> Response:
     no_load = train.motor.no_load_speed(start, mean) if train.holds_mean else train.speed
     n = POINTS
     x = np.concatenate([np.full(n, start), np.full(n, twist), [no_load]])
-    return _response(train, _raised(train, x, torque, omega), torque)
+    return _response(train, _solution_by_continuation(train, x, torque, omega), torque)
 
 
-def _raised(train: Train, x: Array, torque: Array, omega: float) -> Array:
+def _solution_by_continuation(train: Train, x: Array, torque: Array, omega: float) -> Array:
     """Return the solution, starting from the steady state and raising the torque's pulsation; raise `NoMotion`."""
     mean, share, step, solves = float(torque.mean()), 0.0, 1.0, [MOST_SOLVES]
     while share < 1.0:
@@ -151,7 +151,7 @@ def _newton(train: Train, x: Array, torque: Array, omega: float, left: list[int]
         if not np.isfinite(change).all():
             return None
         u = x[:n]
-        room = float(np.min(_room(u, change[:n], LEAST_SPEED * omega)))
+        room = float(np.min(_speed_margin(u, change[:n], LEAST_SPEED * omega)))
         if room <= 0.0:
             return None
         room = 1.0 if room >= 1.0 else 0.9 * room
@@ -161,7 +161,7 @@ def _newton(train: Train, x: Array, torque: Array, omega: float, left: list[int]
     return None
 
 
-def _room(u: Array, change: Array, least: float) -> Array:
+def _speed_margin(u: Array, change: Array, least: float) -> Array:
     """Return the share of a change at which each speed reaches `least`; more than 1 where it does not."""
     return np.where(change < 0.0, (u - least) / np.where(change < 0.0, -change, 1.0), 2.0)
 

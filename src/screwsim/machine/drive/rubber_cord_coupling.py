@@ -229,7 +229,7 @@ def crossing_angle(radius: float, lean: float, r_A: float) -> float:
     return 2.0 * math.asin(r_A / radius * math.sin(lean))
 
 
-class Band(NamedTuple):
+class TorqueBand(NamedTuple):
     """Torques [N m] at a twist for scattered leans of the cords: least, mean over evenly distributed leans, largest."""
 
     least: float
@@ -237,10 +237,10 @@ class Band(NamedTuple):
     largest: float
 
 
-def band(coupling: RubberCordCoupling, theta: float, low: float, high: float, leans: int = 21) -> Band:
+def torque_band(coupling: RubberCordCoupling, theta: float, low: float, high: float, leans: int = 21) -> TorqueBand:
     """Return the torques at a twist of couplings whose cords lean by angles between low and high [rad] (K14)."""
     values = [
         replace(coupling, lean_plus=float(lean), lean_minus=float(lean)).torque(theta)
         for lean in np.linspace(low, high, leans)
     ]
-    return Band(min(values), float(np.mean(values)), max(values))
+    return TorqueBand(min(values), float(np.mean(values)), max(values))

@@ -17,7 +17,7 @@ POINTS = 401  # points on the line H→S
 
 
 @dataclass(frozen=True, eq=False)
-class Opening:
+class BlowHoleOpening:
     """Points of the line H→S, as arrays: distance s [m], open from ψ_m to ψ_f [rad], radii from both centres [m]."""
 
     s: Array
@@ -48,7 +48,7 @@ def mirrored(chain: Chain) -> Chain:
     return Chain(-chain.psi[::-1], chain.x[::-1], -chain.y[::-1], last - chain.trail, last - chain.lead, edges)
 
 
-def opening(pair: Pair, chain: Chain, points: int = POINTS) -> Opening:
+def blow_hole_opening(pair: Pair, chain: Chain, points: int = POINTS) -> BlowHoleOpening:
     """Return the open angles along the line from the cusp H to S, the end of the contact on the trailing flank."""
     H, S = pair.cusp, (float(chain.x[chain.trail]), float(chain.y[chain.trail]))
     part = np.linspace(0.0, 1.0, points) ** 2  # dense at H: flanks leave the outer circles as √s
@@ -62,7 +62,7 @@ def opening(pair: Pair, chain: Chain, points: int = POINTS) -> Opening:
     eta = _angle(rho2, pair.female_radius, chain.female_radii(pair)[female], np.arctan2(fy, -fx)[female])
     psi_male = alpha - np.arctan2(y, x)
     psi_female = (eta - np.arctan2(y, pair.centre_distance - x)) / pair.k
-    return Opening(part * math.hypot(S[0] - H[0], S[1] - H[1]), psi_male, psi_female, rho1, rho2)
+    return BlowHoleOpening(part * math.hypot(S[0] - H[0], S[1] - H[1]), psi_male, psi_female, rho1, rho2)
 
 
 def _angle(rho: Array, outer: float, radii: Array, angles: Array) -> Array:
@@ -74,7 +74,7 @@ def _angle(rho: Array, outer: float, radii: Array, angles: Array) -> Array:
     return np.interp(np.sqrt(np.maximum(outer - rho, 0.0)), depth[start:], angles[start:])
 
 
-def crossing(pair: Pair, chain: Chain, o: Opening) -> tuple[Array, Array]:
+def crossing(pair: Pair, chain: Chain, o: BlowHoleOpening) -> tuple[Array, Array]:
     """Return the ramp R between chamber and blow-hole: its ends ψm, ψS [rad], and the area crossed by then [m²].
 
     The total area is exact (the area that each rotor sweeps at its end on the line H→S), one row per rotor, and sums to

@@ -15,7 +15,7 @@ from screwsim.machine.rotors.pair import Array
 from screwsim.machine.rotors.rotors import Rotors
 from screwsim.machine.rotors.sections import TURN
 from screwsim.machine.rotors.settings import SlideValve
-from screwsim.machine.rotors.slide import Slid, slid, slot_areas, slot_breakpoints
+from screwsim.machine.rotors.slide import PlacedSlide, placed_slide, slot_areas, slot_breakpoints
 
 STEP = np.radians(0.5)  # largest spacing of the tables between breakpoints
 OVERLAP = np.radians(20.0)  # angle before suction closes from which paths on the suction side count (`profile_law`)
@@ -123,7 +123,7 @@ def _volume_curves(rotors: Rotors) -> tuple[Curve, Curve, Curve]:
     )
 
 
-def _suction_curves(rotors: Rotors, grooves: ports.Uncovered, closes: float) -> dict[str, Curve]:
+def _suction_curves(rotors: Rotors, grooves: ports.UncoveredArea, closes: float) -> dict[str, Curve]:
     pair, chain, h = rotors.pair, rotors.chain, rotors.h
     grid = _grid(rotors, [closes, closes - pair.pitch, -TURN + pair.beta1])
     phi, cut = grid[0], rotors.sections
@@ -134,7 +134,9 @@ def _suction_curves(rotors: Rotors, grooves: ports.Uncovered, closes: float) -> 
     return {name: _curve(rotors, grid, "m^2", area) for name, area in parts.items()}
 
 
-def _discharge_curves(rotors: Rotors, grooves: ports.Uncovered, opens: float, face_opens: float) -> dict[str, Curve]:
+def _discharge_curves(
+    rotors: Rotors, grooves: ports.UncoveredArea, opens: float, face_opens: float
+) -> dict[str, Curve]:
     """Return the areas of the discharge port: on the bores from `opens` [rad] on, on the end face from `face_opens`."""
     pair, chain, h = rotors.pair, rotors.chain, rotors.h
     begins = [each + later for each in dict.fromkeys((opens, face_opens)) for later in (0.0, pair.pitch)]
@@ -187,7 +189,7 @@ def _paths(rotors: Rotors, closes: float) -> tuple[Path, ...]:
     return tuple(found)
 
 
-def _slot_curve(rotors: Rotors, at: Slid) -> Curve:
+def _slot_curve(rotors: Rotors, at: PlacedSlide) -> Curve:
     """Return the area of a slide's slot to suction, on both bores together."""
     grid = _grid(rotors, slot_breakpoints(rotors, at))
     one, two = slot_areas(rotors, at, grid[0])
@@ -204,10 +206,10 @@ def make_curves(
     """
     closes, opens = rotors.largest[0], rotors.discharge_angle(volume_ratio)
     face_opens = opens if axial_ratio is None else rotors.discharge_angle(axial_ratio, "axial_volume_ratio")
-    at = None if slide is None else slid(rotors, slide, opens, face_opens)
+    at = None if slide is None else placed_slide(rotors, slide, opens, face_opens)
     opens = opens if at is None else at.edge
     later = at is not None and at.closes is not None and at.closes > closes
-    grooves = ports.uncovered(rotors.pair, rotors.chain, rotors.sections)
+    grooves = ports.uncovered_area(rotors.pair, rotors.chain, rotors.sections)
     return Curves(
         rotors.life,
         rotors.chambers,

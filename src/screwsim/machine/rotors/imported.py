@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.sheets import read_sheet, usable
+from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
 from screwsim.machine.rotors.closed_form import Segment
 from screwsim.machine.rotors.pair import Array, Chain, Pair
 
@@ -25,7 +25,7 @@ NOISE = 1e-3  # [rad] reversal of the contact, outside the tip, below which it i
 
 def read_profile(path: str) -> tuple[Array, Array]:
     """Return x and y [m] from a CSV file with the columns x_mm, y_mm; lines that begin with # are comments."""
-    with usable("name an existing CSV file", path):
+    with sheet_or_usage_error("name an existing CSV file", path):
         rows = read_sheet(path).columns("x_mm", "y_mm")
     try:
         points = np.array([(float(x), float(y)) for _, (x, y) in rows])

@@ -17,7 +17,7 @@ from screwsim.machine.rotors.sections import Sections
 
 
 @dataclass(frozen=True, eq=False)
-class Uncovered:
+class UncoveredArea:
     """Area of one chamber's grooves on an end face that an edge uncovers, over the angle Δ since it was passed."""
 
     k: float
@@ -37,20 +37,20 @@ class Uncovered:
         return self.scale * total
 
 
-def uncovered(pair: Pair, chain: Chain, cut: Sections) -> Uncovered:
+def uncovered_area(pair: Pair, chain: Chain, cut: Sections) -> UncoveredArea:
     """Return the grooves of a pair for `axial_discharge` and `axial_suction`."""
-    rough = Uncovered(pair.k, male_flanks(pair, chain), female_flanks(pair, chain), 1.0)
+    rough = UncoveredArea(pair.k, male_flanks(pair, chain), female_flanks(pair, chain), 1.0)
     return replace(rough, scale=cut.grooves / float(rough.area(np.array([TURN]))[0]))
 
 
-def axial_discharge(grooves: Uncovered, cut: Sections, phi: Array, wrap: float, phi_dis: float) -> Array:
+def axial_discharge(grooves: UncoveredArea, cut: Sections, phi: Array, wrap: float, phi_dis: float) -> Array:
     """Return the open area [m²] of the discharge port on the end face: uncovered, less what the mesh has taken."""
     psi = phi - wrap
     taken = np.where(psi > -0.75 * TURN, cut.grooves - cut.area_at(psi), 0.0)
     return np.maximum(grooves.area(phi - phi_dis) - taken, 0.0)
 
 
-def axial_suction(grooves: Uncovered, cut: Sections, phi: Array, phi_close: float) -> Array:
+def axial_suction(grooves: UncoveredArea, cut: Sections, phi: Array, phi_close: float) -> Array:
     """Return the open area [m²] of the suction port on the end face: still uncovered, less what is not yet gained."""
     middle = 0.5 * (cut.psi[0] + cut.psi[-1])
     lacking = np.where(phi < middle, cut.grooves - cut.area_at(phi), 0.0)

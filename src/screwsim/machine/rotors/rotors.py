@@ -14,14 +14,14 @@ from pathlib import Path
 import numpy as np
 
 from screwsim.inputs.faults import Fault, UsageError
-from screwsim.machine.rotors import closed_form, imported, measured
-from screwsim.machine.rotors.blow_hole import Opening, mirrored, opening
+from screwsim.machine.rotors import closed_form, fairing, imported
+from screwsim.machine.rotors.blow_hole import BlowHoleOpening, blow_hole_opening, mirrored
 from screwsim.machine.rotors.checks import check_blow_holes, check_pair, check_profile, check_size
 from screwsim.machine.rotors.pair import Array, Chain, Pair
 from screwsim.machine.rotors.sections import TURN, Sections, sections
 from screwsim.machine.rotors.settings import CIRCULAR, POINTS, RACK, Profile, check_settings
 
-KEPT = 64  # rotors that a process caches, with their curves; a study of profiles makes ever new ones
+MOST_CACHED = 64  # rotors that a process caches, with their curves; a study of profiles makes ever new ones
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,14 +44,14 @@ class Rotors:
         return sections(self.pair, self.chain, self.blow_hole)
 
     @cached_property
-    def blow_hole(self) -> Opening:
+    def blow_hole(self) -> BlowHoleOpening:
         """The blow-hole at the high-pressure cusp."""
-        return opening(self.pair, self.chain)
+        return blow_hole_opening(self.pair, self.chain)
 
     @cached_property
-    def suction_blow_hole(self) -> Opening:
+    def suction_blow_hole(self) -> BlowHoleOpening:
         """The blow-hole at the suction cusp; its angles are those of the mirror image, −ψ − 2π."""
-        return opening(self.pair, mirrored(self.chain))
+        return blow_hole_opening(self.pair, mirrored(self.chain))
 
     @cached_property
     def start(self) -> float:
@@ -136,7 +136,7 @@ def _of_points(pair: Pair, profile: Profile) -> Chain:
     make = imported.from_male if profile.curve == "male" else imported.from_rack
     if not profile.tolerance > 0.0:
         return make(pair, x, y, profile.smoothing)
-    curve = measured.faired(x, y, profile.tolerance, pair.r1)
+    curve = fairing.faired_curve(x, y, profile.tolerance, pair.r1)
     return replace(make(pair, curve.x, curve.y, profile.smoothing), faired=curve.words(len(x)))
 
 
@@ -170,13 +170,13 @@ def make_rotors(
     return rotors
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MOST_CACHED)
 def _rotors(pair: Pair, chain: Chain, length: float, wrap: float) -> Rotors:
     """Return the rotors, cached by chain, so that their computed properties are kept."""
     return Rotors(pair, chain, length, wrap)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MOST_CACHED)
 def _checked_chain(pair: Pair, profile: Profile, check: bool, stamp: str) -> Chain:
     """Return the contact points of a profile, which do not depend on length and wrap. `stamp`: digest of its file."""
     chain = CHAINS[profile.kind](pair, profile)

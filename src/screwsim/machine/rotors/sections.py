@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from screwsim.machine.rotors.blow_hole import Opening, crossing, opening
+from screwsim.machine.rotors.blow_hole import BlowHoleOpening, blow_hole_opening, crossing
 from screwsim.machine.rotors.pair import Array, Chain, Pair, cumulated, outlines
 
 TURN = 2.0 * math.pi
@@ -131,13 +131,13 @@ def _chamber(pair: Pair, psi: Array, branches: Branches, crossed: tuple[Array, A
     return gain - loss - (np.interp(psi + p, *crossed) - np.interp(psi, *crossed))
 
 
-def sections(pair: Pair, chain: Chain, hole: Opening | None = None) -> Sections:
+def sections(pair: Pair, chain: Chain, hole: BlowHoleOpening | None = None) -> Sections:
     """Return the section area of a chamber over ψ, and the part of it that the male rotor displaces.
 
     hole: the blow-hole at the high-pressure cusp, where it is known.
     """
     steps, p = sweep(pair, chain), pair.pitch
-    ramp, delta = crossing(pair, chain, hole or opening(pair, chain))
+    ramp, delta = crossing(pair, chain, hole or blow_hole_opening(pair, chain))
     meshes = [mesh_functions(pair, chain, step) for step in steps]
     rising, falling = meshes[0]
     nodes = [rising[0] - TURN, falling[0] - TURN - p, rising[0], falling[0], ramp - p, ramp]

@@ -142,7 +142,7 @@ def check_settings(profile: Profile) -> list[Fault]:
     ]
 
 
-def unread(profile: Profile) -> Iterator[tuple[str, str]]:
+def unused_parameters(profile: Profile) -> Iterator[tuple[str, str]]:
     """Yield (path, what) of each stated parameter that this kind of profile does not use."""
     defaults = {each.name: each.default for each in fields(profile)}
     for name in dict.fromkeys(name for names in _READS.values() for name in names):

@@ -27,7 +27,7 @@ NARROW = 40.0  # [degree] least span of a slide on a bore where its radial port 
 
 
 @dataclass(frozen=True)
-class Slid:
+class PlacedSlide:
     """A slide at a position: z of the stop and distance from it [m], φ of the radial port's edge, spans on both bores.
 
     `closes` is the φ at which a chamber has passed the slot, None where the slot is shut.
@@ -40,7 +40,7 @@ class Slid:
     closes: float | None
 
 
-def slid(rotors: Rotors, slide: SlideValve, opens: float, face_opens: float) -> Slid:
+def placed_slide(rotors: Rotors, slide: SlideValve, opens: float, face_opens: float) -> PlacedSlide:
     """Return the slide at its position; `opens` is φ of the radial port's edge at full load, `face_opens` the axial's.
 
     Raise UsageError in one line for a slide that is too narrow for the port, or whose travel is so long, or its length
@@ -63,14 +63,14 @@ def slid(rotors: Rotors, slide: SlideValve, opens: float, face_opens: float) -> 
         raise UsageError(f"{PATH}.travel: {what} ({remedy})")
     moved = slide.position * slide.travel
     closes = (stop + moved) / h + last if moved > 0.0 and stop + moved > 0.0 else None
-    return Slid(stop, moved, opens + moved / h, spans, closes)
+    return PlacedSlide(stop, moved, opens + moved / h, spans, closes)
 
 
-def fitting(rotors: Rotors, opens: float, face_opens: float) -> SlideValve:
+def fitting_slide(rotors: Rotors, opens: float, face_opens: float) -> SlideValve:
     """Return a slide that begins at the inlet end, with spans and travel that fit.
 
-    `opens` and `face_opens` as for `slid`. Spans are whole degrees, those of the radial port or `NARROW`. At the end of
-    the travel `LEAST` of the largest volume is closed in, unless that exceeds the permitted travel.
+    `opens` and `face_opens` as for `placed_slide`. Spans are whole degrees, those of the radial port or `NARROW`. At
+    the end of the travel `LEAST` of the largest volume is closed in, unless that exceeds the permitted travel.
     """
     wide = (max(math.degrees(span), NARROW) for span in _port_spans(rotors, opens))
     male, female = (math.radians(math.ceil(span)) for span in wide)
@@ -108,7 +108,7 @@ def _refuse_spans(rotors: Rotors, slide: SlideValve, opens: float) -> None:
         raise UsageError("\n".join(wrong))
 
 
-def slot_areas(rotors: Rotors, at: Slid, phi: Array) -> tuple[Array, Array]:
+def slot_areas(rotors: Rotors, at: PlacedSlide, phi: Array) -> tuple[Array, Array]:
     """Return the open areas [m²] of the slot to suction on the male and the female bore.
 
     The slot is the strip 0 ≤ θ ≤ span, stop ≤ z ≤ stop + moved, within the rotors, as far as it lies between the
@@ -125,7 +125,7 @@ def slot_areas(rotors: Rotors, at: Slid, phi: Array) -> tuple[Array, Array]:
     return areas[0], areas[1]
 
 
-def slot_breakpoints(rotors: Rotors, at: Slid) -> list[float]:
+def slot_breakpoints(rotors: Rotors, at: PlacedSlide) -> list[float]:
     """Return the φ at which a tip reaches or leaves a corner of the slot [rad]."""
     found = []
     for (tip, width, _), span in zip(groove_tips(rotors.pair, rotors.chain, rotors.h), at.spans, strict=True):

@@ -17,7 +17,7 @@ NEAR = 100.0  # widths ε of a port within which the mass balance gives its flow
 
 def line_flow_texts(network: Network) -> list[str]:
     """Return the functions for flows to lines that a network needs."""
-    texts = [_told(network), _balanced(network)]
+    texts = [_balanced_flow(network), _balanced(network)]
     if network.pulsating:
         texts += [_faces_line(network), _balanced_alone(network), _add_to_lines(network)]
     if network.heated and not network.carried:
@@ -30,7 +30,7 @@ def _to_lines(network: Network) -> list[Port]:
     return [port for port in network.ports if port.number < FIRST_OWN]
 
 
-def _told(network: Network) -> str:
+def _balanced_flow(network: Network) -> str:
     """Return the text that computes the flow through a port from the mass balance."""
     to = Statements()
     to.add("flows[port] = 0.0", "others = 0.0", *(f"others += flows[{flow}]" for flow in Layout(network).flows))

@@ -26,10 +26,10 @@ def report(path: str | Path, output: str | Path, claims: Sequence[Any] = ()) -> 
         raise UsageError(f"the page needs {' and '.join(missing)}: pip install 'screwsim[report]'")
     from screwsim.results import open_results
     from screwsim.results.atomic import make_folder, write_text
-    from screwsim.results.kept import PAGE, keep_without
+    from screwsim.results.protection import PAGE, protect_unmarked
 
     target = Path(output)
-    keep_without(target, PAGE)
+    protect_unmarked(target, PAGE)
     text = page_of(open_results(path), claims)
     make_folder(target.parent)
     return write_text(target, text)
@@ -41,9 +41,9 @@ def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
     from plotly.offline import get_plotlyjs
 
     from screwsim import __version__
-    from screwsim.outputs.customary import raised
+    from screwsim.outputs.customary import with_printed_units
     from screwsim.report.page import data, tables
-    from screwsim.report.page.best import best, is_optimisation
+    from screwsim.report.page.best import best_table, is_optimisation
     from screwsim.report.page.pack import compressed
     from screwsim.report.page.uncertain import model_lines
 
@@ -53,7 +53,7 @@ def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
     template = environment.from_string(_source("page.html"))
     return template.render(
         policy=_POLICY,
-        title=raised(results.attributes["title"]),
+        title=with_printed_units(results.attributes["title"]),
         style=_source("theme.css") + _source("page.css"),
         script="\n".join(_source(each) for each in _SCRIPTS),
         library=compressed(get_plotlyjs()),
@@ -63,13 +63,13 @@ def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
         counts=tables.counts(results),
         quantities=sum(len(axis.joined) or 1 for axis in results.axis_list),
         axes=tables.axes(results),
-        headline="" if sought else tables.headline(results),
-        best=best(results) if sought else None,
+        headline="" if sought else tables.headline_efficiency(results),
+        best=best_table(results) if sought else None,
         warnings=tables.warnings(results),
         notes=tables.notes(results, shown),
         figures=tables.figures(results, shown, document["start"]["case"]),
         model=model_lines(results),
-        halves=tables.halves(results, shown, document["start"]["case"]),
+        halves=tables.half_intervals(results, shown, document["start"]["case"]),
         inputs=tables.inputs(results, shown, document["start"]["case"]),
         uncertain=document["inputs"] is not None,
         ranges=tables.ranges(results) if results.axis_list else [],

@@ -5,15 +5,15 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.figures.engineering import figure_text, shown_name
-from screwsim.report.front import aims
+from screwsim.report.front import objective_names
 from screwsim.report.quantities import is_numeric, shown_axis
 from screwsim.results import Results
 from screwsim.results.optimum import AIM, ERROR
 
-ROWS = 12  # of a front that are shown, evenly spread along its first objective; all are in the file
+MOST_ROWS = 12  # of a front that are shown, evenly spread along its first objective; all are in the file
 
 
-class Best(NamedTuple):
+class BestTable(NamedTuple):
     """The best of an optimisation: what was sought, heads and rows of a table, and a line below it."""
 
     sought: str
@@ -24,21 +24,21 @@ class Best(NamedTuple):
 
 def is_optimisation(results: Results) -> bool:
     """Tell whether the file was written by a search for an optimum."""
-    return bool(aims(results))
+    return bool(objective_names(results))
 
 
 def front_of(results: Results) -> np.ndarray:
     """Return the evaluations of the Pareto front, ordered by the first objective."""
     front = np.flatnonzero(results.optimum["front"] == 1)
-    return front[np.argsort(results.optimum[AIM + aims(results)[0]][front], kind="stable")]
+    return front[np.argsort(results.optimum[AIM + objective_names(results)[0]][front], kind="stable")]
 
 
-def best(results: Results) -> Best:
+def best_table(results: Results) -> BestTable:
     """Return what an optimisation sought and found."""
-    names, front = aims(results), front_of(results)
+    names, front = objective_names(results), front_of(results)
     evaluations, *points = results.axis_list
     varied = [axis for axis in evaluations.joined or (evaluations,) if is_numeric(axis)]
-    spread = np.linspace(0, len(front) - 1, min(len(front), ROWS)).round().astype(int)
+    spread = np.linspace(0, len(front) - 1, min(len(front), MOST_ROWS)).round().astype(int)
     shown = front[spread]
     words = [shown_axis(axis) for axis in varied]
     heads = [*map(shown_name, names), "error", *(how.words for how in words), "evaluation"]
@@ -54,12 +54,12 @@ def best(results: Results) -> Best:
     some = f"{len(shown)} of the {len(front)}" if len(shown) < len(front) else f"the {len(front)}"
     many = f"{some} evaluations that no other beats in all aims; " if len(names) > 1 else ""
     over = f" over {len(points[0].values)} operating points" if points and len(points[0].values) > 1 else ""
-    wanted = " and ".join(f"{_sense(results, name)} {shown_name(name)}" for name in names)
+    wanted = " and ".join(f"{_aim_in_words(results, name)} {shown_name(name)}" for name in names)
     sought = f"Search for the {wanted}{over}, {len(evaluations.values)} evaluations"
-    return Best(sought, heads, rows, f"{many}error: estimated numerical error of an aim, relative")
+    return BestTable(sought, heads, rows, f"{many}error: estimated numerical error of an aim, relative")
 
 
-def _sense(results: Results, name: str) -> str:
+def _aim_in_words(results: Results, name: str) -> str:
     return "lowest" if results.optimum.about[AIM + name].long_name.endswith("lowest") else "highest"
 
 

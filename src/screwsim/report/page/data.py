@@ -9,15 +9,15 @@ from screwsim.figures.engineering import SCALES, figure_scales, shown_name
 from screwsim.outputs import LEDGER_ENTRY, STATUSES, ledger_entries
 from screwsim.report import quantities
 from screwsim.report.families import efficiency_name, is_log, layout_of, outcome_layout
-from screwsim.report.front import aims
+from screwsim.report.front import objective_names
 from screwsim.report.page.best import front_of, is_optimisation
-from screwsim.report.page.pack import bytes_of, floats, steps, thin
+from screwsim.report.page.pack import bytes_of, floats, quantised, reduce_angles
 from screwsim.report.page.uncertain import half_of, inputs_document
-from screwsim.report.quantities import PRESSURE, TEMPERATURE, Shown, is_numeric, shown_axis, shown_figure
+from screwsim.report.quantities import PRESSURE, TEMPERATURE, Display, is_numeric, shown_axis, shown_figure
 from screwsim.report.trace import Trace, angle_axis, flow_paths, marks_of, pressure_limit
 from screwsim.results import Results
 from screwsim.results.optimum import EVALUATION, POINT
-from screwsim.results.warned import warns
+from screwsim.results.warning_kinds import cases_with_warnings
 
 MOST_CASES, MOST_WITH_TRACES, MOST_WITH_FLOWS = 20_000, 2_000, 400  # most cases shown; all are in the file
 STATES_OFF, FLOWS_OFF = 2e-4, 2e-3  # of a trace's span: largest deviation of the page's straight segments
@@ -75,11 +75,11 @@ def document(results: Results, shown: Selection) -> dict[str, Any]:
         "ledger": _ledger(results, shown),
         "inputs": inputs_document(results, shown.part),
         "watts": [list(entry) for entry in SCALES["W"]],
-        "start": _start(results, shown),
+        "start": _first_view(results, shown),
     }
 
 
-def plain_label(shown: Shown) -> str:
+def plain_label(shown: Display) -> str:
     """Return words and unit, without mathematical symbols."""
     return f"{shown.words} ({shown.unit})" if shown.unit else shown.words
 
@@ -133,7 +133,7 @@ def _figures(results: Results, shown: Selection) -> list[dict[str, Any]]:
 
 def _warnings(results: Results, shown: Selection) -> dict[str, str]:
     """Return {number of the case: its warnings, one per line}."""
-    found = np.flatnonzero(shown.of(warns(results)))
+    found = np.flatnonzero(shown.of(cases_with_warnings(results)))
     numbers = shown.of(np.arange(results.status.size).reshape(results.shape))[found]
     texts = results.performance.texts_at("warnings", numbers) if found.size else []
     return {str(case): text for case, text in zip(found.tolist(), texts, strict=True)}
@@ -147,7 +147,7 @@ def _cycle(results: Results, shown: Selection) -> dict[str, Any] | None:
     kinds = [[name for name in results.cycle if name in _STATES], []]
     if cases <= MOST_WITH_FLOWS:
         kinds[1] = [name for name in results.cycle if name.startswith("mass_flow_")]
-    states, flows = (_there(results, shown, names, cases) for names in kinds)
+    states, flows = (_traces_with_values(results, shown, names, cases) for names in kinds)
     lines = [shown.of(results.performance[f"{line}_pressure"]) for line in ("suction", "discharge")]
     found: list[float | None] = []
     for case, p in enumerate(states["pressure"]):
@@ -164,7 +164,7 @@ def _cycle(results: Results, shown: Selection) -> dict[str, Any] | None:
     }
 
 
-def _there(results: Results, shown: Selection, names: list[str], cases: int) -> dict[str, np.ndarray]:
+def _traces_with_values(results: Results, shown: Selection, names: list[str], cases: int) -> dict[str, np.ndarray]:
     """Return the traces (cases, points) that have any value."""
     traces = {name: results.cycle.part(name, shown.part).reshape(cases, -1) for name in names}
     return {name: trace for name, trace in traces.items() if np.isfinite(trace).any()}
@@ -172,21 +172,21 @@ def _there(results: Results, shown: Selection, names: list[str], cases: int) -> 
 
 def _packed(angle: np.ndarray, traces: dict[str, np.ndarray], wanted: float) -> dict[str, Any]:
     """Return traces on a reduced set of angles, with the deviation of the straight segments between these."""
-    thinned = thin(angle, traces, wanted)
+    thinned = reduce_angles(angle, traces, wanted)
     return {
         "angle": floats(angle[thinned.kept]),
         "traces": {name: _trace(name, trace[:, thinned.kept]) for name, trace in traces.items()},
-        "off": {name: _how(name).factor * thinned.deviation[name] for name in traces},
+        "off": {name: _trace_display(name).factor * thinned.deviation[name] for name in traces},
     }
 
 
-def _how(name: str) -> Shown:
+def _trace_display(name: str) -> Display:
     return _STATES.get(name, quantities.MASS_FLOW)
 
 
 def _trace(name: str, values: np.ndarray) -> dict[str, Any]:
-    how = _how(name)
-    return {"label": plain_label(how), "unit": how.unit} | steps(how.of(values))
+    how = _trace_display(name)
+    return {"label": plain_label(how), "unit": how.unit} | quantised(how.of(values))
 
 
 def _all_marks(results: Results, shown: Selection, angle: np.ndarray, traces: Any) -> list[dict[str, float]]:
@@ -216,13 +216,13 @@ def _ledger(results: Results, shown: Selection) -> dict[str, Any] | None:
     }
 
 
-def _words(results: Results) -> int | None:
+def _word_axis(results: Results) -> int | None:
     """Return the first axis of words with two values or more, over which a sweep without numeric axes is drawn."""
     words = (len(axis.values) > 1 and not axis.joined and not is_numeric(axis) for axis in results.axis_list)
     return next((place for place, several in enumerate(words) if several), None)
 
 
-def _start(results: Results, shown: Selection) -> dict[str, Any]:
+def _first_view(results: Results, shown: Selection) -> dict[str, Any]:
     """Return what is shown first: the best case, and its efficiency over the axes of the printed figures.
 
     For an optimisation it is the first objective, and its best evaluation at the first operating point.
@@ -230,7 +230,7 @@ def _start(results: Results, shown: Selection) -> dict[str, Any]:
     name = efficiency_name(results)
     case = 0
     if is_optimisation(results) and len(front := front_of(results)):
-        name = aims(results)[0]
+        name = objective_names(results)[0]
         row = int(front[0]) // shown.strides[0]
         case = row * int(np.prod(shown.shape[1:], dtype=int))
     elif name is not None:
@@ -242,6 +242,6 @@ def _start(results: Results, shown: Selection) -> dict[str, Any]:
     return {
         "case": case,
         "figure": name,
-        "x": "oil_ratio" if outcome else layout.x if layout else _words(results),
+        "x": "oil_ratio" if outcome else layout.x if layout else _word_axis(results),
         "curves": layout.curves if layout else None,
     }

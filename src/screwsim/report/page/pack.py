@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-STEPS = 65534  # of a trace's own span; 65535 marks missing values
+QUANTISATION_STEPS = 65534  # of a trace's own span; 65535 marks missing values
 _MOST_POINTS = 400
 _FIRST = 24  # initial number of intervals
 
 
-class Thinned(NamedTuple):
+class ReducedAngles(NamedTuple):
     """Indices of the angles that are kept, and {trace: largest deviation of the straight segments between} [SI]."""
 
     kept: np.ndarray
@@ -32,14 +32,14 @@ def bytes_of(values: np.ndarray) -> str:
     return base64.b64encode(np.ascontiguousarray(values, np.int8).tobytes()).decode()
 
 
-def steps(values: np.ndarray) -> dict[str, str]:
+def quantised(values: np.ndarray) -> dict[str, str]:
     """Return traces (cases, points) as base64: 16-bit steps of each trace's span, with its minimum and its span."""
     there = np.isfinite(values)
     low = np.min(values, axis=1, where=there, initial=np.inf)
     span = np.max(values, axis=1, where=there, initial=-np.inf) - low
     low, span = (np.where(there.any(axis=1), part, 0.0) for part in (low, span))
     share = np.where(there, values - low[:, None], 0.0) / np.where(span > 0.0, span, 1.0)[:, None]
-    numbers = np.where(there, np.rint(share * STEPS), STEPS + 1).astype("<u2")
+    numbers = np.where(there, np.rint(share * QUANTISATION_STEPS), QUANTISATION_STEPS + 1).astype("<u2")
     return {"low": floats(low), "span": floats(span), "steps": base64.b64encode(numbers.tobytes()).decode()}
 
 
@@ -56,7 +56,7 @@ def _compressed(text: str) -> str:
     return base64.b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode()
 
 
-def thin(angle: np.ndarray, traces: dict[str, np.ndarray], wanted: float) -> Thinned:
+def reduce_angles(angle: np.ndarray, traces: dict[str, np.ndarray], wanted: float) -> ReducedAngles:
     """Return the angles to keep for traces {name: (cases, points)}, so that straight segments between them suffice.
 
     Intervals whose segment is off by more than `wanted` of a trace's span are split at their worst angle, repeatedly,
@@ -77,7 +77,9 @@ def thin(angle: np.ndarray, traces: dict[str, np.ndarray], wanted: float) -> Thi
             break
         kept.update(split[: _MOST_POINTS - len(kept)])
     places = np.array(sorted(kept))
-    return Thinned(places, {name: float(np.max(_off(angle, trace, places))) for name, trace in traces.items()})
+    return ReducedAngles(
+        places, {name: float(np.max(_segment_deviation(angle, trace, places))) for name, trace in traces.items()}
+    )
 
 
 def _relative(angle: np.ndarray, traces: dict[str, np.ndarray], places: np.ndarray) -> np.ndarray:
@@ -87,11 +89,13 @@ def _relative(angle: np.ndarray, traces: dict[str, np.ndarray], places: np.ndarr
         there = np.isfinite(trace)
         span = np.max(trace, axis=1, where=there, initial=-np.inf) - np.min(trace, axis=1, where=there, initial=np.inf)
         scale = np.where(np.isfinite(span) & (span > 0.0), span, np.inf)
-        worst = np.maximum(worst, np.max(_off(angle, trace, places) / scale[:, None], axis=0, initial=0.0))
+        worst = np.maximum(
+            worst, np.max(_segment_deviation(angle, trace, places) / scale[:, None], axis=0, initial=0.0)
+        )
     return worst
 
 
-def _off(angle: np.ndarray, trace: np.ndarray, places: np.ndarray) -> np.ndarray:
+def _segment_deviation(angle: np.ndarray, trace: np.ndarray, places: np.ndarray) -> np.ndarray:
     """Return |trace − straight segments between the kept angles| (cases, points); 0 where there is no value."""
     right = np.clip(np.searchsorted(places, np.arange(len(angle)), side="left"), 1, len(places) - 1)
     a, b = places[right - 1], places[right]

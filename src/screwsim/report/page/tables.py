@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.figures.engineering import engineering, figure_text, shown_name, small
+from screwsim.figures.engineering import engineering, figure_text, shown_name, small_number_text
 from screwsim.outputs import BALANCE, STATUSES
 from screwsim.report.families import efficiency_name
 from screwsim.report.page.best import is_optimisation
@@ -14,7 +14,7 @@ from screwsim.report.page.data import Selection
 from screwsim.report.page.uncertain import half_of, half_text, inputs_lines
 from screwsim.report.quantities import is_numeric, shown_axis, value_of
 from screwsim.results import Results
-from screwsim.results.warned import kinds, warns
+from screwsim.results.warning_kinds import cases_with_warnings, warning_kinds_of_file
 from screwsim.screen import printable
 
 MOST_KINDS = 8  # of warnings, listed for a sweep
@@ -22,7 +22,7 @@ _BALANCES = ("mass", "energy", "entropy", "oil_mass")
 _VERSIONS = ("python_version", "numpy_version", "scipy_version", "llvmlite_version", "coolprop_version")
 
 
-class Check(NamedTuple):
+class BalanceCheck(NamedTuple):
     """One residual: its name, the largest over all cases, its bound, and whether that was kept."""
 
     what: str
@@ -33,7 +33,7 @@ class Check(NamedTuple):
 
 def counts(results: Results) -> list[tuple[str, int]]:
     """Return the non-zero numbers of cases by status; cases with warnings are separate from those plainly ok."""
-    warned = int(np.count_nonzero(warns(results) & (results.status == "ok")))
+    warned = int(np.count_nonzero(cases_with_warnings(results) & (results.status == "ok")))
     words = (*STATUSES, "not_computed")
     found = {word.replace("_", " "): int(np.count_nonzero(results.status == word)) for word in words}
     found = {"ok": found.pop("ok") - warned, "ok with warnings": warned, **found}
@@ -42,7 +42,7 @@ def counts(results: Results) -> list[tuple[str, int]]:
 
 def warnings(results: Results) -> tuple[str, list[str]]:
     """Return the heading of the warnings, and a line for each kind of them; both empty without any."""
-    found, cases = kinds(results), int(np.count_nonzero(warns(results)))
+    found, cases = warning_kinds_of_file(results), int(np.count_nonzero(cases_with_warnings(results)))
     if not results.axis_list:
         return (f"{len(found)} warnings" if len(found) > 1 else "Warning" if found else ""), [k.text for k in found]
     lines = [f"{_cases(kind.cases)}: {kind.text}" for kind in found[:MOST_KINDS]]
@@ -78,11 +78,11 @@ def figures(results: Results, shown: Selection, case: int) -> list[tuple[str, st
         value = float(shown.of(results.performance[name])[case])
         if np.isfinite(value):
             number, error = engineering(results.figure(name), value), float(shown.of(results.error[name])[case])
-            rows.append((shown_name(name), *number, small(error) if np.isfinite(error) else ""))
+            rows.append((shown_name(name), *number, small_number_text(error) if np.isfinite(error) else ""))
     return rows
 
 
-def halves(results: Results, shown: Selection, case: int) -> dict[str, str]:
+def half_intervals(results: Results, shown: Selection, case: int) -> dict[str, str]:
     """Return half the interval due to the inputs' tolerances of each figure of one case, in the unit of its value."""
     found = {}
     for name in results.uncertainty:
@@ -110,7 +110,7 @@ def ranges(results: Results) -> Iterator[tuple[str, str, str, str, str]]:
             half = half_of(results, name)
             where = np.nanargmax(half) if np.isfinite(half).any() else None
             most = "" if where is None else _half_at(results, name, float(half.flat[where]), float(values.flat[where]))
-            yield shown_name(name), low, high, small(float(errors.max())) if errors.size else "", most
+            yield shown_name(name), low, high, small_number_text(float(errors.max())) if errors.size else "", most
 
 
 def _half_at(results: Results, name: str, half: float, value: float) -> str:
@@ -120,7 +120,7 @@ def _half_at(results: Results, name: str, half: float, value: float) -> str:
     return f"{half_text(half, value, (number, unit))} {shown_unit}".strip()
 
 
-def checks(results: Results) -> Iterator[Check]:
+def checks(results: Results) -> Iterator[BalanceCheck]:
     """Yield the largest residual of each balance over all closed cases, against its bound; then the largest error."""
     closed = results.status == "ok"
     for name in _BALANCES:
@@ -129,15 +129,20 @@ def checks(results: Results) -> Iterator[Check]:
         if there.any():
             bound = results.balance["bound"]
             kept = bool(np.all(values[there] <= bound[there]))
-            largest, most = (small(float(each[there].max())) for each in (values, bound))
-            yield Check(BALANCE[name].long_name, largest, most, _verdict(kept))
+            largest, most = (small_number_text(float(each[there].max())) for each in (values, bound))
+            yield BalanceCheck(BALANCE[name].long_name, largest, most, _verdict(kept))
     worst = [(float(np.nanmax(errors)), name) for name, errors in _errors(results)]
     if worst:
         error, name = max(worst)
         wanted = float(results.inputs["numerics_accuracy"]) if "numerics_accuracy" in results.inputs else np.nan
         words = f"largest estimated error of a figure ({shown_name(name)})"
         known = np.isfinite(wanted)
-        yield Check(words, small(error), small(wanted) if known else "", _verdict(error <= wanted) if known else "")
+        yield BalanceCheck(
+            words,
+            small_number_text(error),
+            small_number_text(wanted) if known else "",
+            _verdict(error <= wanted) if known else "",
+        )
 
 
 def _verdict(kept: bool) -> str:
@@ -153,7 +158,7 @@ def _errors(results: Results) -> Iterator[tuple[str, np.ndarray]]:
             yield name, errors
 
 
-def headline(results: Results) -> str:
+def headline_efficiency(results: Results) -> str:
     """Return the best efficiency of a sweep, or that of a run, in one sentence; empty without one."""
     name = efficiency_name(results)
     if name is None:

@@ -12,8 +12,9 @@ from screwsim.results.schema import MODEL_ERROR
 from screwsim.scene.model_errors import range_text
 from screwsim.scene.types import COVERAGE
 
-TOLD = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power", "cop")  # shown with inputs
-NOTHING = 1e-6  # of a figure: smaller intervals are ignored
+# shown with inputs
+FIGURES_WITH_INPUTS = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power", "cop")
+NEGLIGIBLE = 1e-6  # of a figure: smaller intervals are ignored
 MOST, LEAST = 3, 0.01  # number of inputs listed for a figure, their least share of its variance
 
 
@@ -22,7 +23,7 @@ def half_of(results: Results, name: str) -> np.ndarray:
     if name not in results.uncertainty:
         return np.full(results.shape, np.nan)
     half, size = COVERAGE * results.uncertainty[name], np.abs(results.performance[name])
-    return np.where(half > NOTHING * size, half, np.nan)
+    return np.where(half > NEGLIGIBLE * size, half, np.nan)
 
 
 def half_text(half: float, value: float, written: tuple[str, str]) -> str:
@@ -46,7 +47,7 @@ def inputs_document(results: Results, part: tuple[slice, ...]) -> dict[str, Any]
     """Return the names of the inputs, and their shares in some figures of the shown cases; None without any."""
     if "contributor" not in results.contributions:
         return None
-    names = [name for name in TOLD if name in results.contributions]
+    names = [name for name in FIGURES_WITH_INPUTS if name in results.contributions]
     labels = [label.replace("effects.", "") for label in results.contributions["contributor"].tolist()]
     shares = [
         {"words": shown_name(name), "name": name, "shares": floats(_shares(results, name)[part].reshape(-1))}
@@ -62,7 +63,7 @@ def inputs_lines(results: Results, index: tuple[int, ...]) -> list[str]:
     if "contributor" not in results.contributions:
         return lines
     labels = [label.replace("effects.", "") for label in results.contributions["contributor"].tolist()]
-    for name in TOLD:
+    for name in FIGURES_WITH_INPUTS:
         if name not in results.contributions or not np.isfinite(half_of(results, name)[index]):
             continue
         shares = _shares(results, name)[index]

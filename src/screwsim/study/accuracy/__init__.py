@@ -10,12 +10,21 @@ from screwsim.machine.protocol import ROTORS
 from screwsim.scene import Scene
 from screwsim.scene.checks import cross_check
 from screwsim.simulate import simulate
-from screwsim.study.accuracy.effects import EffectCost, Size, effect_costs, lobe_times, sweep_times
-from screwsim.study.accuracy.measure import Asked, Measured, NoReference, Truth, as_asked, measure, one_line, truth
-from screwsim.study.accuracy.solving import QUICK, Case, Extent, all_cases, omitted
+from screwsim.study.accuracy.effects import EffectCost, SizeCost, effect_costs, lobe_times, sweep_times
+from screwsim.study.accuracy.measure import (
+    MeasuredCase,
+    NoReference,
+    Reference,
+    RequestedAccuracy,
+    measure,
+    one_line,
+    reference_of,
+    solved_as_requested,
+)
+from screwsim.study.accuracy.solving import QUICK_SCOPE, Case, Scope, all_cases, omitted_methods
 from screwsim.study.progress import Progress
 
-__all__ = ["QUICK", "Case", "Extent", "Measured", "NoReference", "Study", "Truth", "study"]
+__all__ = ["QUICK_SCOPE", "Case", "MeasuredCase", "NoReference", "Reference", "Scope", "Study", "study"]
 
 
 @dataclass(frozen=True)
@@ -24,19 +33,19 @@ class Study:
 
     title: str
     accuracy: float
-    reference: Truth
-    asked: list[Asked]
-    measured: list[Measured]
+    reference: Reference
+    asked: list[RequestedAccuracy]
+    measured: list[MeasuredCase]
     effects: list[EffectCost]
-    points: list[Size]
-    lobes: list[Size]
+    points: list[SizeCost]
+    lobes: list[SizeCost]
     left_out: list[tuple[str, str]] = field(default_factory=list)
 
 
 @for_speed()  # times are measured
-def study(scene: Scene, extent: Extent | None = None, progress: Progress | None = None) -> Study:
+def study(scene: Scene, extent: Scope | None = None, progress: Progress | None = None) -> Study:
     """Return the study of a scene. Raises NoReference where no reference closes."""
-    extent, progress = extent or Extent(), progress or Progress()
+    extent, progress = extent or Scope(), progress or Progress()
     cases, effects = all_cases(scene, extent), list(scene.effects)
     lobe_counts = extent.lobes if ROTORS in kind_of(scene.machine).offers else ()
     jobs = 1 + len(cases) + len(extent.asked) + len(effects) + len(extent.points) + len(lobe_counts)
@@ -48,10 +57,10 @@ def study(scene: Scene, extent: Extent | None = None, progress: Progress | None 
         return found
 
     try:
-        own = counted(truth, scene, extent)
+        own = counted(reference_of, scene, extent)
         references = _References(own, extent)
         asks = [accuracy for accuracy in extent.asked if not own.why_not(accuracy)]
-        asked = [counted(as_asked, scene, accuracy, own, extent) for accuracy in asks]
+        asked = [counted(solved_as_requested, scene, accuracy, own, extent) for accuracy in asks]
         measured = [counted(references.measured, case) for case in cases]
         costs = [counted(effect_costs, scene, name, extent) for name in effects]
         points = [counted(sweep_times, scene, count) for count in extent.points]
@@ -60,11 +69,11 @@ def study(scene: Scene, extent: Extent | None = None, progress: Progress | None 
         progress.stop()
     bad = [(f"{each.size} male lobes", each.reason) for each in lobes if each.reason]
     coarse = [(f"asking for {each:g}", why) for each in extent.asked if (why := own.why_not(each))]
-    left_out = [*coarse, *_left_out(measured), *bad, *omitted(scene)]
+    left_out = [*coarse, *_left_out(measured), *bad, *omitted_methods(scene)]
     return Study(scene.title, scene.numerics.accuracy, own, asked, measured, costs, points, lobes, left_out)
 
 
-def _left_out(measured: list[Measured]) -> list[tuple[str, str]]:
+def _left_out(measured: list[MeasuredCase]) -> list[tuple[str, str]]:
     """Return the cases without a good result, those of one label and reason together."""
     found: dict[tuple[str, str], list[str]] = {}
     for each in measured:
@@ -77,11 +86,11 @@ def _left_out(measured: list[Measured]) -> list[tuple[str, str]]:
 class _References:
     """References of a study, computed when they are first needed."""
 
-    def __init__(self, own: Truth, extent: Extent) -> None:
+    def __init__(self, own: Reference, extent: Scope) -> None:
         self.own, self.extent = own, extent
-        self.others: dict[tuple[str, float | None], Truth | str] = {}
+        self.others: dict[tuple[str, float | None], Reference | str] = {}
 
-    def measured(self, case: Case) -> Measured:
+    def measured(self, case: Case) -> MeasuredCase:
         """Return a case measured against the reference of its own model."""
         if not case.own_reference:
             return measure(case, self.own, self.own, self.extent)
@@ -91,10 +100,10 @@ class _References:
         reference = self.others[key]
         if isinstance(reference, str):
             head = (case.part, case.label, case.back_end, case.asked, case.factor)
-            return Measured(*head, "left out", reference)
+            return MeasuredCase(*head, "left out", reference)
         return measure(case, reference, self.own, self.extent)
 
-    def _other(self, scene: Scene) -> Truth | str:
+    def _other(self, scene: Scene) -> Reference | str:
         """Return the reference of another model, or why there is none."""
         try:
             faults = cross_check(scene)
@@ -103,6 +112,6 @@ class _References:
             first = simulate(scene, trace=False)
             if first.status != "ok":
                 return one_line(first.told)
-            return truth(scene, self.extent, checked=False)
+            return reference_of(scene, self.extent, checked=False)
         except (SceneError, UsageError, ValueError, NoReference) as error:
             return one_line(str(error))

@@ -12,9 +12,9 @@ import numpy as np
 from screwsim.figures import declaration
 from screwsim.results.atomic import replacing, write_csv
 from screwsim.results.guarded import new_hdf5
-from screwsim.results.kept import keep_in, keep_other_hdf5
-from screwsim.study.accuracy.measure import NAMES, Measured
-from screwsim.study.accuracy.words import competing, front, sentence
+from screwsim.results.protection import protect_folder, protect_other_hdf5
+from screwsim.study.accuracy.measure import COMPARED_TRACES, MeasuredCase
+from screwsim.study.accuracy.words import comparable_cases, pareto_front, sentence
 
 if TYPE_CHECKING:
     from screwsim.study.accuracy import Study
@@ -23,15 +23,15 @@ TABLE, DATA = "accuracy.csv", "accuracy.h5"
 UNITS = {"time": "s", "estimating_time": "s", "efficiency": "percent"}
 
 
-def keep_others_of(folder: Path) -> None:
+def protect_other_studies(folder: Path) -> None:
     """Raise UsageError where a folder holds other files under the names of a study's: they would be lost."""
-    keep_in(folder, {TABLE: fields(Measured)[0].name})
-    keep_other_hdf5(folder / DATA, "sentence")
+    protect_folder(folder, {TABLE: fields(MeasuredCase)[0].name})
+    protect_other_hdf5(folder / DATA, "sentence")
 
 
 def write(study: Study, folder: Path) -> list[str]:
     """Write both files and return their paths."""
-    columns, data = _of_cases(study), folder / DATA
+    columns, data = _case_columns(study), folder / DATA
     rows = zip(*columns.values(), strict=True)
     cells = (["" if isinstance(value, float) and np.isnan(value) else value for value in row] for row in rows)
     table = write_csv(folder / TABLE, columns, cells)
@@ -43,19 +43,19 @@ def write(study: Study, folder: Path) -> list[str]:
 def _columns(records: Sequence[Any], without: Sequence[str] = ()) -> dict[str, list[Any]]:
     """Return {field: values} of dataclasses of one kind; None becomes NaN."""
     names = [each.name for each in fields(records[0]) if each.name not in without] if records else []
-    return {name: [_known(getattr(each, name)) for each in records] for name in names}
+    return {name: [_nan_if_none(getattr(each, name)) for each in records] for name in names}
 
 
-def _known(value: Any) -> Any:
+def _nan_if_none(value: Any) -> Any:
     return np.nan if value is None else value
 
 
-def _of_cases(study: Study) -> dict[str, list[Any]]:
-    best = front(competing(study))
+def _case_columns(study: Study) -> dict[str, list[Any]]:
+    best = pareto_front(comparable_cases(study))
     columns = _columns(study.measured, ("errors", "traces"))
     columns["pareto"] = [int(any(each is one for one in best)) for each in study.measured]
     for name in dict.fromkeys(name for each in study.measured for name in each.errors):
-        columns[f"error_{name}"] = [_known(each.errors.get(name)) for each in study.measured]
+        columns[f"error_{name}"] = [_nan_if_none(each.errors.get(name)) for each in study.measured]
     return columns
 
 
@@ -65,24 +65,24 @@ def _write_hdf5(study: Study, path: Path) -> None:
         file.attrs["accuracy"] = study.accuracy
         file.attrs["sentence"] = sentence(study)
         cases = file.create_group("cases")
-        _put(cases, _of_cases(study))
+        _write_columns(cases, _case_columns(study))
         _put_traces(cases, study.measured, study.reference.traces["angle"])
-        _put(file.create_group("asked"), _columns(study.asked))
-        _put(file.create_group("effects"), _columns(study.effects))
-        _put(file.create_group("sweep_points"), _columns(study.points))
-        _put(file.create_group("male_lobes"), _columns(study.lobes))
+        _write_columns(file.create_group("asked"), _columns(study.asked))
+        _write_columns(file.create_group("effects"), _columns(study.effects))
+        _write_columns(file.create_group("sweep_points"), _columns(study.points))
+        _write_columns(file.create_group("male_lobes"), _columns(study.lobes))
         left_out = {"what": [what for what, _ in study.left_out], "reason": [why for _, why in study.left_out]}
-        _put(file.create_group("left_out"), left_out)
+        _write_columns(file.create_group("left_out"), left_out)
         reference = file.create_group("reference")
         known = {name: value for name, value in study.reference.figures.items() if value is not None}
-        _put(reference.create_group("performance"), {name: [value] for name, value in known.items()})
-        _put(reference.create_group("cycle"), {name: list(v) for name, v in study.reference.traces.items()})
+        _write_columns(reference.create_group("performance"), {name: [value] for name, value in known.items()})
+        _write_columns(reference.create_group("cycle"), {name: list(v) for name, v in study.reference.traces.items()})
         for name in ("how", "second", "difference", "different_figure", "seconds"):
             reference.attrs[name] = getattr(study.reference, name)
         reference.attrs["traces_difference"] = study.reference.traces_difference
 
 
-def _put(group: Any, columns: Mapping[str, Sequence[Any]]) -> None:
+def _write_columns(group: Any, columns: Mapping[str, Sequence[Any]]) -> None:
     for name, values in columns.items():
         text = any(isinstance(value, str) for value in values)
         data = group.create_dataset(name, data=[str(value) for value in values] if text else np.array(values))
@@ -91,8 +91,8 @@ def _put(group: Any, columns: Mapping[str, Sequence[Any]]) -> None:
             data.attrs["units"] = UNITS.get(name, about.units if about is not None else "1")
 
 
-def _put_traces(group: Any, measured: Sequence[Measured], angle: np.ndarray) -> None:
+def _put_traces(group: Any, measured: Sequence[MeasuredCase], angle: np.ndarray) -> None:
     group.create_dataset("angle", data=angle).attrs["units"] = "degree"
-    for name, units in zip(NAMES, ("Pa", "K"), strict=True):
+    for name, units in zip(COMPARED_TRACES, ("Pa", "K"), strict=True):
         rows = [each.traces.get(name, np.full(len(angle), np.nan)) for each in measured]
         group.create_dataset(name, data=np.array(rows), compression="gzip", shuffle=True).attrs["units"] = units

@@ -12,19 +12,19 @@ from typing import Any
 import numpy as np
 
 from screwsim.evaluate.traces import traces as traces_of
-from screwsim.evaluate.verdict import refused
+from screwsim.evaluate.verdict import outside_gas_range
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.numerics.integrators import DEFAULT
 from screwsim.outputs import Figures
 from screwsim.scene import Scene
 from screwsim.simulate import simulate
-from screwsim.study.accuracy.solving import Case, Extent, Solved, WorkLimit, solve, way
+from screwsim.study.accuracy.solving import Case, Scope, SolvedCase, WorkLimit, method_of, solve
 
 Traces = Mapping[str, np.ndarray]
-NAMES = ("pressure", "gas_temperature")  # traces that are compared
-FINER = 1e3  # ratio by which a reference must be more accurate than what it measures
-FILLED = 0.01  # of the largest volume: below it the little gas at the ends of a life affects no figure
+COMPARED_TRACES = ("pressure", "gas_temperature")  # traces that are compared
+REFERENCE_MARGIN = 1e3  # ratio by which a reference must be more accurate than what it measures
+LEAST_VOLUME = 0.01  # of the largest volume: below it the little gas at the ends of a life affects no figure
 
 
 class NoReference(Exception):
@@ -32,7 +32,7 @@ class NoReference(Exception):
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredCase:
     """A case with its cost and true error; `reason` says why it is left out, when it is."""
 
     part: str
@@ -59,10 +59,11 @@ class Measured:
 
 
 @dataclass(frozen=True)
-class Truth:
+class Reference:
     """A reference: figures, traces, and their difference from a second method (NaN without one).
 
-    `accuracy` is that of the reference; it cannot measure solutions that are less than `FINER` times coarser.
+    `accuracy` is that of the reference; it cannot measure solutions that are less than `REFERENCE_MARGIN` times
+    coarser.
     """
 
     figures: Figures
@@ -77,13 +78,13 @@ class Truth:
 
     def why_not(self, asked: float) -> str:
         """Return why a solution of this accuracy cannot be measured; empty where it can."""
-        if asked >= 0.999 * FINER * self.accuracy:
+        if asked >= 0.999 * REFERENCE_MARGIN * self.accuracy:
             return ""
-        return f"the reference closes only at {self.accuracy:g}, which is not {FINER:g} times tighter"
+        return f"the reference closes only at {self.accuracy:g}, which is not {REFERENCE_MARGIN:g} times tighter"
 
 
 @dataclass(frozen=True)
-class Asked:
+class RequestedAccuracy:
     """A requested accuracy: its cost [s], the solver's estimate, the true error."""
 
     asked: float
@@ -97,29 +98,29 @@ class Asked:
     figure: str
 
 
-def trace_errors(found: Traces, better: Traces, least: float = FILLED) -> tuple[float, float]:
+def trace_errors(found: Traces, better: Traces, least: float = LEAST_VOLUME) -> tuple[float, float]:
     """Return the largest relative errors of pressure and temperature at common angles.
 
     Only angles count at which the volume is at least this share of its largest.
     """
     chosen = better["volume"] >= least * np.max(better["volume"])
     pressure, temperature = (
-        float(np.nanmax(np.abs(found[name][chosen] / better[name][chosen] - 1.0))) for name in NAMES
+        float(np.nanmax(np.abs(found[name][chosen] / better[name][chosen] - 1.0))) for name in COMPARED_TRACES
     )
     return pressure, temperature
 
 
-def _reference(scene: Any, extent: Extent, wanted: float) -> tuple[Solved, float]:
+def _finest_solution(scene: Any, extent: Scope, wanted: float) -> tuple[SolvedCase, float]:
     """Return the finest solution that closes, and its accuracy; NoReference where none does, or the scene fails."""
     reasons = []
     for fine in (wanted, 10.0 * wanted, 100.0 * wanted):
         try:
-            first = solve(scene, way(fine, regularised=1e-2 * fine), extent.check_limit)
+            first = solve(scene, method_of(fine, regularised=1e-2 * fine), extent.check_limit)
         except WorkLimit as error:
             reasons.append(f"the reference (coupled, {fine:g}) {error}")
             continue
         if first.cycle.closed:
-            if outside := refused(first.evaluation.problem, first.evaluation.life):
+            if outside := outside_gas_range(first.evaluation.problem, first.evaluation.life):
                 raise NoReference(f"the scene itself has no result: {outside}")
             return first, fine
         reasons.append(f"the reference (coupled, {fine:g}) ended {first.cycle.status.replace('_', ' ')}")
@@ -129,21 +130,21 @@ def _reference(scene: Any, extent: Extent, wanted: float) -> tuple[Solved, float
     raise NoReference(reasons[0])
 
 
-def truth(scene: Any, extent: Extent, checked: bool = True) -> Truth:
+def reference_of(scene: Any, extent: Scope, checked: bool = True) -> Reference:
     """Return the reference of a scene: coupled chambers with hardly any regularisation, checked by scipy's Radau.
 
     It is as accurate as `extent` says, or up to a hundred times less where that takes too long. Raises NoReference
     where none closes.
     """
     started = time.perf_counter()
-    first, fine = _reference(scene, extent, extent.reference)
+    first, fine = _finest_solution(scene, extent, extent.reference)
     figures, traces = first.evaluation.figures, traces_of(first.evaluation)
     how = f"rodas4, coupled, accuracy {fine:g}, regularisation {1e-2 * fine:g} of the pressures"
     if not checked:
-        return Truth(figures, traces, how, fine, seconds=time.perf_counter() - started)
+        return Reference(figures, traces, how, fine, seconds=time.perf_counter() - started)
     # errors of balances by scipy's methods are of the size of the step errors, over all steps
     closed = max(fine, 10.0 * extent.check)
-    tight = way(closed, "scipy-radau", rtol=extent.check, regularised=1e-2 * fine, bound=1e-5)
+    tight = method_of(closed, "scipy-radau", rtol=extent.check, regularised=1e-2 * fine, bound=1e-5)
     second, difference = f"scipy-radau, coupled, rtol {extent.check:g}", ("", np.nan)
     apart = (np.nan, np.nan)
     try:
@@ -156,28 +157,28 @@ def truth(scene: Any, extent: Extent, checked: bool = True) -> Truth:
     except WorkLimit as error:
         second += f" ({error})"
     seconds = time.perf_counter() - started
-    return Truth(figures, traces, how, fine, second, difference[1], difference[0], apart, seconds)
+    return Reference(figures, traces, how, fine, second, difference[1], difference[0], apart, seconds)
 
 
 def one_line(text: str) -> str:
     return " ".join(text.split())[:200]
 
 
-def measure(case: Case, reference: Truth, own: Truth, extent: Extent) -> Measured:
+def measure(case: Case, reference: Reference, own: Reference, extent: Scope) -> MeasuredCase:
     """Return the case measured against `reference`; `own` is that of the scene as it is."""
     head = (case.part, case.label, case.back_end, case.asked, case.factor)
     if why := reference.why_not(case.asked):
-        return Measured(*head, "left out", why)
+        return MeasuredCase(*head, "left out", why)
     try:
         solved, times = _repeated(case, extent)
     except WorkLimit as error:
-        return Measured(*head, "left out", str(error))
+        return MeasuredCase(*head, "left out", str(error))
     except (SceneError, UsageError, ValueError) as error:
-        return Measured(*head, "left out", one_line(str(error)))
+        return MeasuredCase(*head, "left out", one_line(str(error)))
     cycle, reason = solved.cycle, ""
     if cycle.failed:
         reason = f"stopped at {np.degrees(cycle.angle):.1f} deg"
-        return Measured(*head, "failed", reason, statistics.median(times), len(times), solved.evaluations)
+        return MeasuredCase(*head, "failed", reason, statistics.median(times), len(times), solved.evaluations)
     if not cycle.closed:
         reason = f"not closed: last change {cycle.change:.2g}"
     figures, traces = solved.evaluation.figures, traces_of(solved.evaluation)
@@ -186,11 +187,11 @@ def measure(case: Case, reference: Truth, own: Truth, extent: Extent) -> Measure
     changed = worst(relative_errors(figures, own.figures)) if case.own_reference else ("", np.nan)
     took = (statistics.median(times), len(times), solved.evaluations, solved.steps)
     apart = (*trace_errors(traces, reference.traces), *trace_errors(traces, reference.traces, 0.0))
-    kept = {each: traces[each] for each in NAMES}
-    return Measured(*head, cycle.status, reason, *took, error, name, *apart, changed[1], changed[0], errors, kept)
+    kept = {each: traces[each] for each in COMPARED_TRACES}
+    return MeasuredCase(*head, cycle.status, reason, *took, error, name, *apart, changed[1], changed[0], errors, kept)
 
 
-def _repeated(case: Case, extent: Extent) -> tuple[Solved, list[float]]:
+def _repeated(case: Case, extent: Scope) -> tuple[SolvedCase, list[float]]:
     """Return the last of several solutions and their times, without the first where there are more."""
     machinery = None
     if case.back_end == "coolprop":
@@ -205,7 +206,7 @@ def _repeated(case: Case, extent: Extent) -> tuple[Solved, list[float]]:
     return solved, times[1:] or times
 
 
-def as_asked(scene: Scene, accuracy: float, reference: Truth, extent: Extent) -> Asked:
+def solved_as_requested(scene: Scene, accuracy: float, reference: Reference, extent: Scope) -> RequestedAccuracy:
     """Return the results of asking for this accuracy."""
     numerics = replace(scene.numerics, accuracy=accuracy, integrator=DEFAULT, rtol=None, error="estimate")
     wanted = replace(scene, numerics=numerics)
@@ -218,7 +219,7 @@ def as_asked(scene: Scene, accuracy: float, reference: Truth, extent: Extent) ->
     last = results[-1]
     known = any(size is not None for size in last.error.values())
     name, error = worst(relative_errors(last.performance, reference.figures)) if last.performance else ("", np.nan)
-    return Asked(
+    return RequestedAccuracy(
         accuracy,
         last.status,
         last.numerics.closing,

@@ -16,10 +16,10 @@ import numpy as np
 
 from screwsim.build import WIDTH
 from screwsim.cycle.close import close
-from screwsim.cycle.guess import rehearse
+from screwsim.cycle.guess import compile_start
 from screwsim.cycle.problem import Series, problem_of
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
-from screwsim.cycle.solution import CycleSolution, Wanted
+from screwsim.cycle.solution import ClosingCriteria, CycleSolution
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.fluid.models import find_gas_model
 from screwsim.machine.kinds import kind_of
@@ -32,14 +32,14 @@ from screwsim.numerics.compiling import seconds_again
 from screwsim.numerics.integrators import CHECKS, DEFAULT, check_of
 from screwsim.numerics.rodas import TAKEN
 from screwsim.scene import Scene, with_values
-from screwsim.solve.accurately import Watch
-from screwsim.solve.circuit import steady
-from screwsim.solve.drive import settled
-from screwsim.study.coolprop_back_end import can_be_asked
+from screwsim.solve.accurately import CostMeter
+from screwsim.solve.circuit import steady_state
+from screwsim.solve.drive import close_with_drive
+from screwsim.study.coolprop_back_end import is_replaceable
 
-START = 1e-2  # accuracy of the cycle from which scipy's integrators start
-NARROWEST = 1e-12  # of a pressure: used for a regularisation of zero, where the model would divide 0 by 0
-TIGHT = 1e-7  # accuracy of everything except the one choice under study
+START_ACCURACY = 1e-2  # accuracy of the cycle from which scipy's integrators start
+LEAST_REGULARISATION = 1e-12  # of a pressure: used for a regularisation of zero, where the model would divide 0 by 0
+TIGHT_ACCURACY = 1e-7  # accuracy of everything except the one choice under study
 
 
 class WorkLimit(Exception):
@@ -47,7 +47,7 @@ class WorkLimit(Exception):
 
 
 @dataclass(frozen=True)
-class Way:
+class Method:
     """Way of solving a scene. `regularised` times the pressure of a line is the width ε of the regularisation there."""
 
     integrator: str = DEFAULT
@@ -59,7 +59,7 @@ class Way:
     landing: bool = True  # whether steps end on the breakpoints of the laws
 
 
-def way(accuracy: float, integrator: str = DEFAULT, closing: str = "coupled", **others: Any) -> Way:
+def method_of(accuracy: float, integrator: str = DEFAULT, closing: str = "coupled", **others: Any) -> Method:
     """Return the way that follows from a wanted accuracy (docs/explanation/errors.md), with `others` changed."""
     known: dict[str, Any] = {
         "rtol": 0.3 * accuracy,
@@ -67,11 +67,11 @@ def way(accuracy: float, integrator: str = DEFAULT, closing: str = "coupled", **
         "bound": accuracy,
         "regularised": WIDTH * accuracy,
     }
-    return Way(integrator, closing, **(known | others))
+    return Method(integrator, closing, **(known | others))
 
 
 @dataclass(frozen=True)
-class Solved:
+class SolvedCase:
     """A solution with its cost: wall time [s] of the closing and evaluations of one chamber's right-hand side."""
 
     cycle: CycleSolution
@@ -82,7 +82,7 @@ class Solved:
 
 
 @contextmanager
-def limited(machinery: Machinery, seconds: float) -> Iterator[None]:
+def work_limit(machinery: Machinery, seconds: float) -> Iterator[None]:
     """Raise WorkLimit inside this block when the processor time [s] is used up; compilation does not count."""
     end = time.process_time() + seconds - machinery.compile_time - seconds_again()
 
@@ -97,41 +97,43 @@ def limited(machinery: Machinery, seconds: float) -> Iterator[None]:
         machinery.watch = lambda: None
 
 
-def solve(scene: Scene, how: Way, limit: float = math.inf, machinery: Machinery | None = None) -> Solved:
+def solve(scene: Scene, how: Method, limit: float = math.inf, machinery: Machinery | None = None) -> SolvedCase:
     """Return the scene solved in that way. Raises WorkLimit after `limit` seconds.
 
-    scipy's integrators start from a loose cycle (`START`) of our own method, whose cost is counted; our own method
-    starts in that way by itself for `closing: coupled`. `machinery` must be one of the scene's; without it one is
-    leased.
+    scipy's integrators start from a loose cycle (`START_ACCURACY`) of our own method, whose cost is counted; our own
+    method starts in that way by itself for `closing: coupled`. `machinery` must be one of the scene's; without it one
+    is leased.
     """
     series = Series()
     scene = replace(scene, numerics=replace(scene.numerics, integrator=how.integrator))
-    problem, _ = steady(problem_of(scene, series), series)
+    problem, _ = steady_state(problem_of(scene, series), series)
     composition = replace(problem.composition, breakpoints=_breakpoints(problem.composition, how.landing))
     at, check = problem.lines, check_of(how.integrator)
     own = max(at.p_s, at.p_d)  # for ports to plenums of effects; the width of gaps follows the pressures at their ends
     pressures = np.array([at.p_s, at.p_d, 1.0, *(own for _ in range(composition.n_widths - 3))])
-    widths = tuple((max(how.regularised, NARROWEST) * pressures).tolist())
-    wanted = Wanted(how.rtol, how.tolerance, how.bound, how.closing, widths, check=check)
-    loose = Wanted(0.3 * START, 0.2 * START, START, "auto", tuple((START * pressures).tolist()))
+    widths = tuple((max(how.regularised, LEAST_REGULARISATION) * pressures).tolist())
+    wanted = ClosingCriteria(how.rtol, how.tolerance, how.bound, how.closing, widths, check=check)
+    loose = ClosingCriteria(
+        0.3 * START_ACCURACY, 0.2 * START_ACCURACY, START_ACCURACY, "auto", tuple((START_ACCURACY * pressures).tolist())
+    )
     problem = replace(problem, composition=composition, wanted=wanted)
     lent = machinery is None
     machinery = machinery or leases.lease(composition)
     machinery.begin(composition)
-    machinery.warm_up(lambda: rehearse(problem, machinery))
-    watch = Watch(machinery)
-    with limited(machinery, limit), warnings.catch_warnings(), np.errstate(all="ignore"):
+    machinery.warm_up(lambda: compile_start(problem, machinery))
+    watch = CostMeter(machinery)
+    with work_limit(machinery, limit), warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")  # explicit methods overflow before they shorten a step
         first = wanted if check is None else loose
-        cycle = settled(problem, machinery, first, close(problem, machinery, first))
+        cycle = close_with_drive(problem, machinery, first, close(problem, machinery, first))
         if check is not None and not cycle.failed:
             cycle = close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
-            cycle = settled(problem, machinery, wanted, cycle)
+            cycle = close_with_drive(problem, machinery, wanted, cycle)
     watch.lap("closing")
     counts, evaluations = watch.counts["closing"], machinery.evaluations_of(watch.counts["closing"])
     if lent:
         leases.give_back(machinery)
-    return Solved(cycle, evaluate(problem, cycle), watch.times["closing"], evaluations, int(counts[TAKEN]))
+    return SolvedCase(cycle, evaluate(problem, cycle), watch.times["closing"], evaluations, int(counts[TAKEN]))
 
 
 def _breakpoints(composition: Composition, landing: bool) -> np.ndarray:
@@ -145,7 +147,7 @@ def _breakpoints(composition: Composition, landing: bool) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Extent:
+class Scope:
     """Scope of a study: the accuracies and sizes that are tried, and limits of time."""
 
     asked: tuple[float, ...] = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)  # of our own method
@@ -165,7 +167,7 @@ class Extent:
     pairs: int = 31  # paired runs for the cost of an effect
 
 
-QUICK = Extent(
+QUICK_SCOPE = Scope(
     asked=(1e-2, 1e-3, 1e-4),
     scipy_asked=(1e-3,),
     back_end_asked=(1e-3,),
@@ -191,7 +193,7 @@ class Case:
     part: str
     label: str
     asked: float
-    way: Way
+    way: Method
     scene: Scene
     back_end: str  # 'ideal' | 'compiled' | 'coolprop' | 'own'
     factor: float | None = None  # factor on the choice under study
@@ -203,60 +205,60 @@ def own_back_end(scene: Scene) -> str:
     return find_gas_model(scene.gas.model).back_end
 
 
-def integrators(scene: Scene, extent: Extent) -> Iterator[Case]:
+def integrators(scene: Scene, extent: Scope) -> Iterator[Case]:
     """Yield every integrator on the scene's own gas: ours of orders 4 and 3, scipy's."""
     gas = own_back_end(scene)
     for closing in ("histories", "coupled"):
         for asked in extent.asked:
-            yield Case("integrators", f"rodas4 {closing}", asked, way(asked, closing=closing), scene, gas)
+            yield Case("integrators", f"rodas4 {closing}", asked, method_of(asked, closing=closing), scene, gas)
     for asked in extent.asked:
-        yield Case("integrators", "rodas3 histories", asked, way(asked, "rodas3", "histories"), scene, gas)
+        yield Case("integrators", "rodas3 histories", asked, method_of(asked, "rodas3", "histories"), scene, gas)
     for name in CHECKS:
         for asked in extent.scipy_asked:
-            yield Case("integrators", name, asked, way(asked, name), scene, gas)
+            yield Case("integrators", name, asked, method_of(asked, name), scene, gas)
 
 
-def back_ends(scene: Scene, extent: Extent) -> Iterator[Case]:
+def back_ends(scene: Scene, extent: Scope) -> Iterator[Case]:
     """Yield our method and one of scipy's on the other property back ends."""
     other = "compiled" if own_back_end(scene) == "ideal" else "ideal"
     model = "real" if other == "compiled" else "ideal"
     k = None if model == "real" else scene.gas.isentropic_exponent
     changed = replace(scene, gas=replace(scene.gas, model=model, isentropic_exponent=k), text="")
     tries: list[tuple[str, Scene]] = [(other, changed)]
-    if can_be_asked(scene):
+    if is_replaceable(scene):
         tries.append(("coolprop", scene))
     for gas, base in tries:
         for name, closing in ((DEFAULT, "histories"), ("scipy-lsoda", "coupled")):
             label = f"{name} {closing}" if name == DEFAULT else name
             asks = extent.back_end_asked if name == DEFAULT else extent.back_end_asked[-1:]
             if gas == "coolprop" and name != DEFAULT:
-                continue  # see `omitted`
+                continue  # see `omitted_methods`
             for asked in asks:
-                how = way(asked, name, closing)
+                how = method_of(asked, name, closing)
                 yield Case("back ends", f"{label}, {gas}", asked, how, base, gas, own_reference=gas == other)
 
 
-def choices(scene: Scene, extent: Extent) -> Iterator[Case]:
+def numerical_choices(scene: Scene, extent: Scope) -> Iterator[Case]:
     """Yield the numerical choices of the model itself, varied one at a time."""
     gas, asked = own_back_end(scene), scene.numerics.accuracy
     for closing in ("histories", "coupled"):
         for landing in (True, False):
-            how = way(asked, closing=closing, landing=landing)
+            how = method_of(asked, closing=closing, landing=landing)
             text = f"{closing}, {'on breakpoints' if landing else 'not on breakpoints'}"
             yield Case("breakpoints", text, asked, how, scene, gas, factor=float(landing))
     for factor in extent.widths:
-        how = way(asked, closing="histories", regularised=factor * WIDTH * asked)
+        how = method_of(asked, closing="histories", regularised=factor * WIDTH * asked)
         yield Case("regularisation", f"histories, {_times(factor)}", asked, how, scene, gas, factor)
     for factor in extent.widths:
-        how = way(TIGHT, regularised=factor * WIDTH * asked)
+        how = method_of(TIGHT_ACCURACY, regularised=factor * WIDTH * asked)
         yield Case("regularisation alone", f"all else 1e-7, {_times(factor)}", asked, how, scene, gas, factor)
     for factor in extent.closures:
-        how = way(asked, closing="histories", tolerance=0.2 * asked * factor, bound=asked * max(factor, 1.0))
+        how = method_of(asked, closing="histories", tolerance=0.2 * asked * factor, bound=asked * max(factor, 1.0))
         yield Case("closure", f"histories, {_times(factor)}", asked, how, scene, gas, factor)
     path, dead = kind_of(scene.machine).dead_volume(scene.machine)
     for factor in extent.dead_volumes if path else ():
         changed = with_values(scene, {path: factor * dead})
-        how = way(asked, closing="histories")
+        how = method_of(asked, closing="histories")
         yield Case("dead volume", f"histories, {_times(factor)}", asked, how, changed, gas, factor, own_reference=True)
 
 
@@ -264,7 +266,7 @@ def _times(factor: float) -> str:
     return f"x {factor:g}"
 
 
-def omitted(scene: Scene) -> Iterator[tuple[str, str]]:
+def omitted_methods(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield what is not tried at all, and why."""
     yield "start and end angle", "not in the model: the whole life of a chamber is integrated"
     yield "regularisation x 0", "set to 1e-12 of the pressure: at zero the model would divide 0 by 0 at equal pressures"
@@ -285,7 +287,7 @@ def omitted(scene: Scene) -> Iterator[tuple[str, str]]:
         yield "male lobes", f"{kind.chamber} has none"
 
 
-def all_cases(scene: Scene, extent: Extent) -> list[Case]:
+def all_cases(scene: Scene, extent: Scope) -> list[Case]:
     """Return all cases of a scene."""
-    makers: tuple[Any, ...] = (integrators, back_ends, choices)
+    makers: tuple[Any, ...] = (integrators, back_ends, numerical_choices)
     return [case for make in makers for case in make(scene, extent)]

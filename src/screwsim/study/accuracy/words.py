@@ -7,16 +7,16 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from screwsim.study.accuracy.measure import Measured
+from screwsim.study.accuracy.measure import MeasuredCase
 
 if TYPE_CHECKING:
     from screwsim.study.accuracy import Study
 
 WIDTH = 96
-TOLD = (1e-3, 1e-4, 1e-6)  # accuracies in the sentence, where they were asked for
+SUMMARY_ACCURACIES = (1e-3, 1e-4, 1e-6)  # accuracies in the sentence, where they were asked for
 
 
-def front(measured: Iterable[Measured], cost: str = "time") -> list[Measured]:
+def pareto_front(measured: Iterable[MeasuredCase], cost: str = "time") -> list[MeasuredCase]:
     """Return the closed cases that no other beats in both cost and error, from the cheapest on."""
     best, found = math.inf, []
     for each in sorted((m for m in measured if m.status == "ok"), key=lambda m: (getattr(m, cost), m.error)):
@@ -26,7 +26,7 @@ def front(measured: Iterable[Measured], cost: str = "time") -> list[Measured]:
     return found
 
 
-def competing(study: Study) -> list[Measured]:
+def comparable_cases(study: Study) -> list[MeasuredCase]:
     """Return the cases that answer the same question: every integrator on the scene's own gas."""
     return [each for each in study.measured if each.part == "integrators"]
 
@@ -42,7 +42,7 @@ def limit_of_regularisation(study: Study) -> float | None:
 def sentence(study: Study) -> str:
     """Return the cost of accuracy, in one sentence made from the results."""
     solved = [each for each in study.asked if each.status == "ok"]
-    told = [each for each in solved if any(math.isclose(each.asked, want) for want in TOLD)] or solved
+    told = [each for each in solved if any(math.isclose(each.asked, want) for want in SUMMARY_ACCURACIES)] or solved
     parts = []
     for each in told:
         verb = "" if parts else "costs "
@@ -82,7 +82,7 @@ def _lines(heads: Sequence[str], rows: Iterable[Sequence[str]], left: Sequence[i
     ]
 
 
-def _asked(study: Study) -> list[str]:
+def _requested_table(study: Study) -> list[str]:
     rows = [
         (
             plain_power(each.asked),
@@ -117,7 +117,7 @@ _TITLES = {
 }
 
 
-def _part(study: Study, part: str, best: Sequence[Measured]) -> list[str]:
+def _part_table(study: Study, part: str, best: Sequence[MeasuredCase]) -> list[str]:
     rows, changing = [], any(math.isfinite(m.change) for m in study.measured if m.part == part)
     for each in study.measured:
         if each.part != part or each.status == "left out":
@@ -139,7 +139,7 @@ def _part(study: Study, part: str, best: Sequence[Measured]) -> list[str]:
     return [_TITLES[part], *_lines(heads, rows, (0, 5))] if rows else []
 
 
-def _effects(study: Study) -> list[str]:
+def _effects_table(study: Study) -> list[str]:
     rows = []
     for each in study.effects:
         cells = (
@@ -170,7 +170,7 @@ def _effects(study: Study) -> list[str]:
     ]
 
 
-def _size(study: Study) -> list[str]:
+def _size_table(study: Study) -> list[str]:
     lines = []
     if study.points:
         rows = [(str(s.size), f"{s.time:.3g}", f"{1e3 * s.time / s.size:.3g}") for s in study.points]
@@ -196,11 +196,11 @@ def report(study: Study) -> str:
         )
     else:
         text += f"It is not checked, because {reference.second} gave no answer."
-    blocks = [[study.title] if study.title else [], textwrap.wrap(text, WIDTH), _asked(study)]
-    best = front(competing(study))
-    blocks += [_part(study, part, best) for part in _TITLES]
+    blocks = [[study.title] if study.title else [], textwrap.wrap(text, WIDTH), _requested_table(study)]
+    best = pareto_front(comparable_cases(study))
+    blocks += [_part_table(study, part, best) for part in _TITLES]
     lines = ["What failed or was left out"]
     for name, reason in study.left_out:
         lines += textwrap.wrap(f"{name}: {reason}", WIDTH, initial_indent="- ", subsequent_indent="  ")
-    blocks += [_effects(study), _size(study), lines, textwrap.wrap(sentence(study), WIDTH)]
+    blocks += [_effects_table(study), _size_table(study), lines, textwrap.wrap(sentence(study), WIDTH)]
     return "\n\n".join("\n".join(lines) for lines in blocks if lines)

@@ -2,4 +2,4 @@
 
 from screwsim.study.calibration.read import read_fit
 from screwsim.study.calibration.scene import fitted_text
-from screwsim.study.calibration.solve import calibrate, cost_told
+from screwsim.study.calibration.solve import calibrate, cost_in_words

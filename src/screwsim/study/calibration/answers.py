@@ -9,11 +9,11 @@ from screwsim.study.calibration.residuals import Array
 from screwsim.study.inputs import shown_value
 
 LEVEL = 0.9  # probability of the intervals
-ENDS = (0.5 - 0.5 * LEVEL, 0.5, 0.5 + 0.5 * LEVEL)
+QUANTILES = (0.5 - 0.5 * LEVEL, 0.5, 0.5 + 0.5 * LEVEL)
 
 
 @dataclass(frozen=True)
-class Spread:
+class ParameterInterval:
     """Spread of a parameter or width: median, interval of `LEVEL`, standard deviation [SI], that over the prior's."""
 
     name: str
@@ -25,7 +25,7 @@ class Spread:
 
 
 @dataclass(frozen=True)
-class Predicted:
+class PredictiveCheck:
     """A measured figure [SI] beside the posterior's prediction of a measurement of it: median and interval."""
 
     point: str
@@ -102,9 +102,9 @@ class Posterior(Brief):
     fit: Fit
     status: str
     message: str
-    parameters: tuple[Spread, ...] = ()
-    discrepancies: tuple[Spread, ...] = ()
-    predicted: tuple[Predicted, ...] = ()
+    parameters: tuple[ParameterInterval, ...] = ()
+    discrepancies: tuple[ParameterInterval, ...] = ()
+    predicted: tuple[PredictiveCheck, ...] = ()
     samples: Array | None = None
     widths: Array | None = None
     r_hat: float | None = None

@@ -16,17 +16,17 @@ from screwsim.outputs import Figure
 from screwsim.outputs.customary import in_celsius
 from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene, leaf_of, lines
-from screwsim.scene.fields import Leaf, leaf_paths, unknown
-from screwsim.scene.numerals import odd_number, told
-from screwsim.scene.units import NUMBER, Refused, over, parse_quantity, tidy_unit
+from screwsim.scene.fields import Leaf, leaf_paths, unknown_key
+from screwsim.scene.numerals import odd_number, odd_number_text
+from screwsim.scene.units import NUMBER, Refused, gauge_pressures_over, parse_quantity, tidy_unit
 from screwsim.scene.values import convert, shown
-from screwsim.scene.yaml_tree import Place, Problem
-from screwsim.study.calibration.fit import Measured, Point
+from screwsim.scene.yaml_tree import LocatedFault, Position
+from screwsim.study.calibration.fit import Measurement, Point
 
 MOST_POINTS = 10_000  # per fit
-UNCERTAINTY = "_uncertainty"
+UNCERTAINTY_SUFFIX = "_uncertainty"
 SMALLEST, LARGEST = 1e-9, 1e9  # of a value: uncertainties outside are implausible or carry no information
-FITTED = {"": True, "fit": True, "check": False}
+USE_WORDS = {"": True, "fit": True, "check": False}
 # SI unit of a figure -> {unit: factor}; degrees Celsius are handled separately
 UNITS = {
     "1": {"": 1.0, "1": 1.0, "%": 0.01},
@@ -49,7 +49,8 @@ UNITS = {
     "Hz": {"Hz": 1.0},
 }
 CELSIUS, ZERO = "degC", 273.15
-COLDEST = 0.4  # of the suction temperature [K]: no machine leaves a gas colder; lower values are mostly degC read as K
+# of the suction temperature [K]: no machine leaves a gas colder; lower values are mostly degC read as K
+LEAST_TEMPERATURE_RATIO = 0.4
 _EXAMPLE = "write e.g. operation.speed [rpm], shaft_power [kW], shaft_power_uncertainty [kW]"
 
 
@@ -68,41 +69,43 @@ class _Column:
 
 
 def read_points(
-    path: str, label: str, scene: Scene, taken: Sequence[str], problems: list[Problem], *, candidates: bool = False
-) -> list[tuple[Point, Place]]:
+    path: str, label: str, scene: Scene, taken: Sequence[str], problems: list[LocatedFault], *, candidates: bool = False
+) -> list[tuple[Point, Position]]:
     """Return the points of a file with their places; `taken` are paths that a parameter sets.
 
     With `candidates` nothing needs to be measured: uncertainties are those of future measurements, and figures without
     a value are NaN.
     """
-    start = Place(1, label)
+    start = Position(1, label)
     try:
         sheet = read_sheet(path)
     except Unreadable as reason:
         there = start.at(reason.line, reason.column)
-        problems.append(Problem(there, "data", f"cannot be read: {reason} (name a CSV file in UTF-8)"))
+        problems.append(LocatedFault(there, "data", f"cannot be read: {reason} (name a CSV file in UTF-8)"))
         return []
     except BadSheet as fault:
-        problems.append(Problem(start.at(fault.line or 1, 1), "data", fault.what))
+        problems.append(LocatedFault(start.at(fault.line or 1, 1), "data", fault.what))
         return []
     if not sheet.rows:
         problems.append(
-            Problem(start, "data", f"has no points (write a line of column names, then one line per point; {_EXAMPLE})")
+            LocatedFault(
+                start, "data", f"has no points (write a line of column names, then one line per point; {_EXAMPLE})"
+            )
         )
         return []
     if len(sheet.rows) > MOST_POINTS:
-        problems.append(Problem(start, "data", f"has {len(sheet.rows)} points (at most {MOST_POINTS} are fitted)"))
+        problems.append(LocatedFault(start, "data", f"has {len(sheet.rows)} points (at most {MOST_POINTS} are fitted)"))
         return []
-    with over(scene.operation.ambient_pressure):
+    with gauge_pressures_over(scene.operation.ambient_pressure):
         found = _read(sheet, start, scene, taken, problems, candidates)
     if not problems:
-        problems += [Problem(at, name, what) for point, at in found for name, what in _too_cold(point, scene)]
+        problems += [LocatedFault(at, name, what) for point, at in found for name, what in _too_cold(point, scene)]
     return found
 
 
 def _read(
-    sheet: Sheet, start: Place, scene: Scene, taken: Sequence[str], problems: list[Problem], candidates: bool
-) -> list[tuple[Point, Place]]:
+    sheet: Sheet, start: Position, scene: Scene, taken: Sequence[str], problems: list[LocatedFault], candidates: bool
+) -> list[tuple[Point, Position]]:
     """Return the points of a table; gauge pressures are relative to the scene's ambient pressure."""
     before = len(problems)
     columns = _columns(_cells(sheet.head, start), scene, taken, problems, candidates)
@@ -113,10 +116,10 @@ def _read(
     names: set[str] = set()
     for point, place in points:
         if point.name in names:
-            problems.append(Problem(place, "name", f"{shown(point.name)} appears twice (name each point once)"))
+            problems.append(LocatedFault(place, "name", f"{shown(point.name)} appears twice (name each point once)"))
         names.add(point.name)
     if not problems and not any(point.fitted for point, _ in points):
-        problems.append(Problem(start, "use", "leaves no point to fit (write fit in that column for some)"))
+        problems.append(LocatedFault(start, "use", "leaves no point to fit (write fit in that column for some)"))
     return points
 
 
@@ -126,7 +129,7 @@ def _too_cold(point: Point, scene: Scene) -> Iterator[tuple[str, str]]:
     limits = constants.limits(fluid)
     T_triple = 0.0 if limits is None else limits.T_triple
     for name, (value, _) in point.measured.items():
-        if declared(name).units == "K" and value < max(COLDEST * T_s, T_triple):
+        if declared(name).units == "K" and value < max(LEAST_TEMPERATURE_RATIO * T_s, T_triple):
             limit = f"is drawn in at {in_celsius(T_s)}" if value >= T_triple else f"freezes at {in_celsius(T_triple)}"
             yield (
                 name,
@@ -135,7 +138,7 @@ def _too_cold(point: Point, scene: Scene) -> Iterator[tuple[str, str]]:
             )
 
 
-def _cells(row: Row, start: Place) -> list[tuple[str, Place]]:
+def _cells(row: Row, start: Position) -> list[tuple[str, Position]]:
     """Return the cells of a row with their places."""
     return [(cell, start.at(row.line, at)) for cell, at in zip(row.cells, _starts(row.text), strict=False)]
 
@@ -151,8 +154,12 @@ def _starts(line: str) -> Iterator[int]:
 
 
 def _columns(
-    cells: list[tuple[str, Place]], scene: Scene, taken: Sequence[str], problems: list[Problem], candidates: bool
-) -> list[tuple[_Column, Place]]:
+    cells: list[tuple[str, Position]],
+    scene: Scene,
+    taken: Sequence[str],
+    problems: list[LocatedFault],
+    candidates: bool,
+) -> list[tuple[_Column, Position]]:
     found, refused = [], set()
     for cell, place in cells:
         match = re.fullmatch(r"(.*?)\s*(?:\[([^\]]*)\])?", cell)
@@ -162,19 +169,21 @@ def _columns(
             found.append((_column(name, unit, scene, taken), place))
         except (Refused, UsageError) as refusal:
             refused.add(name)
-            problems.append(Problem(place, name or "data", str(refusal).removeprefix(f"{name}: ")))
+            problems.append(LocatedFault(place, name or "data", str(refusal).removeprefix(f"{name}: ")))
     names = [(column.kind, column.of) for column, _ in found]
     for (column, place), name in zip(found, names, strict=True):
         if names.count(name) > 1:
-            problems.append(Problem(place, column.of, "appears twice (remove one column)"))
+            problems.append(LocatedFault(place, column.of, "appears twice (remove one column)"))
         partner = {"figure": "uncertainty", "uncertainty": "figure"}.get(column.kind)
         if partner and (partner, column.of) not in names and not (candidates and partner == "figure"):
-            other = column.of if partner == "figure" else column.of + UNCERTAINTY
+            other = column.of if partner == "figure" else column.of + UNCERTAINTY_SUFFIX
             if other not in refused:
-                problems.append(Problem(place, column.of, f"needs a column {other} (add it)"))
+                problems.append(LocatedFault(place, column.of, f"needs a column {other} (add it)"))
     if not candidates and not any(kind == "figure" for kind, _ in names) and not problems:
         problems.append(
-            Problem(cells[0][1], "data", (f"has no column of a measured figure (known: {', '.join(_figures(scene))})"))
+            LocatedFault(
+                cells[0][1], "data", (f"has no column of a measured figure (known: {', '.join(_figures(scene))})")
+            )
         )
     return found
 
@@ -201,15 +210,15 @@ def _quantity(figure: str, kind: str, unit: str) -> Kind | None:
     differences = [each for each in named if each not in absolute]
     gauged = figure.endswith("pressure") or not differences or si != "Pa"
     wanted = (absolute if kind == "figure" and gauged else differences or absolute)[:1]
-    if wanted and _reads(wanted[0], unit):
+    if wanted and _is_unit_of(wanted[0], unit):
         return wanted[0]
-    if differences and wanted[:1] == differences[:1] and _reads(absolute[0], unit):
+    if differences and wanted[:1] == differences[:1] and _is_unit_of(absolute[0], unit):
         what = "an uncertainty" if kind == "uncertainty" else "a difference"
         raise Refused(f"unit {shown(unit)} has an offset zero, and this is {what} (write [{si}])")
     return None
 
 
-def _reads(kind: Kind, unit: str) -> bool:
+def _is_unit_of(kind: Kind, unit: str) -> bool:
     try:
         parse_quantity(kind, f"1 {unit}")
     except Refused:
@@ -221,7 +230,7 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
     """Return the meaning of a column; raise `Refused` or UsageError."""
     if name in ("name", "use"):
         return _Column(name, name, unit)
-    figure = name.removesuffix(UNCERTAINTY)
+    figure = name.removesuffix(UNCERTAINTY_SUFFIX)
     figures = _figures(scene)
     if figure in figures:
         units, kind = units_of(figure), "figure" if figure == name else "uncertainty"
@@ -239,7 +248,7 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
     if "." not in name:
         parameters = {each: type(active.parameters) for each, active in scene.effects.items()}
         leaves = leaf_paths(parameters, scene.machine.kind)
-        raise Refused(unknown(name, [*figures, "name", "use", *leaves], "a scene path or a figure"))
+        raise Refused(unknown_key(name, [*figures, "name", "use", *leaves], "a scene path or a figure"))
     leaf = leaf_of(scene, name)
     if unit and leaf.dimension is None:
         raise Refused("has no unit (remove the brackets)")
@@ -257,15 +266,15 @@ def odd_uncertainty(value: float, own: float) -> str:
 
 
 def _point(
-    row: Row, start: Place, columns: list[tuple[_Column, Place]], problems: list[Problem], candidates: bool
-) -> tuple[Point, Place] | None:
+    row: Row, start: Position, columns: list[tuple[_Column, Position]], problems: list[LocatedFault], candidates: bool
+) -> tuple[Point, Position] | None:
     place, before = start.at(row.line, 1), len(problems)
     found: dict[str, dict[str, Any]] = {kind: {} for kind in ("name", "use", "path", "figure", "uncertainty")}
     for (text, at), (column, _) in zip(_cells(row, start), columns, strict=True):
         try:
             value = _value(column, text)
         except Refused as refusal:
-            problems.append(Problem(at, column.of, str(refusal)))
+            problems.append(LocatedFault(at, column.of, str(refusal)))
             continue
         if value is not None:
             found[column.kind][column.of] = value
@@ -276,14 +285,14 @@ def _point(
     for figure, value in found["figure"].items():
         own = found["uncertainty"].get(figure)
         if own is not None and (why := odd_uncertainty(value, own)):
-            problems.append(Problem(place, figure, why))
+            problems.append(LocatedFault(place, figure, why))
     for figure in found["figure"].keys() ^ found["uncertainty"].keys():
         problems.append(
-            Problem(place, figure, "needs both a value and an uncertainty, or neither (fill the empty cell)")
+            LocatedFault(place, figure, "needs both a value and an uncertainty, or neither (fill the empty cell)")
         )
     if len(problems) > before:
         return None
-    measured = {name: Measured(value, found["uncertainty"][name]) for name, value in found["figure"].items()}
+    measured = {name: Measurement(value, found["uncertainty"][name]) for name, value in found["figure"].items()}
     name = found["name"].get("name") or f"line {place.line}"
     return Point(name, found["path"], measured, found["use"].get("use", True)), place
 
@@ -293,12 +302,12 @@ def _value(column: _Column, text: str) -> Any:
     if column.kind == "name":
         return text
     if column.kind == "use":
-        if text not in FITTED:
+        if text not in USE_WORDS:
             raise Refused(f"{shown(text)} is not known (write fit, or check: predicted and not fitted)")
-        return FITTED[text]
+        return USE_WORDS[text]
     odd = odd_number(text)
     if odd is not None and (column.unit or column.leaf is None):
-        raise Refused(f"{shown(text)} {told(odd, '')}")
+        raise Refused(f"{shown(text)} {odd_number_text(odd, '')}")
     if column.leaf is not None:
         if column.leaf.dimension is not None:
             return convert(column.leaf, f"{text} {column.unit}" if column.unit else text)

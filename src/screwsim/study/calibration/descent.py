@@ -15,15 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-BOX = 0.3  # of the bounds' distance: half size of the first box
-ENOUGH = 1e-3  # of chi squared per residual, at least of 1: a smaller promised gain ends the search
-SHORTEST = 1e-5  # of the bounds' distance: shortest step
-SECANT = 3e-3  # of the bounds' distance: a shorter secant shows the solver's noise more than the slope
-JUMP = 5e3  # uncertainties: a larger change means that a figure has lost or gained its solution
+INITIAL_TRUST_REGION = 0.3  # of the bounds' distance: half size of the first box
+LEAST_GAIN = 1e-3  # of chi squared per residual, at least of 1: a smaller promised gain ends the search
+SHORTEST_STEP = 1e-5  # of the bounds' distance: shortest step
+SHORTEST_SECANT = 3e-3  # of the bounds' distance: a shorter secant shows the solver's noise more than the slope
+RESIDUAL_JUMP = 5e3  # uncertainties: a larger change means that a figure has lost or gained its solution
 POOR, GOOD = 0.25, 0.75  # of the promised gain: below and above it the box shrinks or grows
 
 
-def descend(
+def least_squares(
     residuals: Callable[[Array], Array],
     jacobian: Callable[[Array], Array],
     places: Array,
@@ -36,21 +36,21 @@ def descend(
     With `confirmed` the search ends with a Jacobian computed at its end.
     """
     here = residuals(places)
-    slopes, fresh, box = jacobian(places), True, BOX
+    slopes, fresh, box = jacobian(places), True, INITIAL_TRUST_REGION
     for _ in range(most):
         cost = float(here @ here)
         step = _step(slopes, here, np.maximum(-places, -box), np.minimum(1.0 - places, box))
         promised = cost - float(np.sum((here + slopes @ step) ** 2))
         length = float(np.max(np.abs(step)))
-        if length < SHORTEST or promised < ENOUGH * max(1.0, cost / len(here)):
+        if length < SHORTEST_STEP or promised < LEAST_GAIN * max(1.0, cost / len(here)):
             if fresh or not confirmed:
                 return places, True
             slopes, fresh = jacobian(places), True
             continue
         there = residuals(places + step)
         gained, was_fresh = cost - float(there @ there), fresh
-        if length > SECANT:
-            slopes, fresh = _followed(slopes, step, there - here), False
+        if length > SHORTEST_SECANT:
+            slopes, fresh = _broyden_update(slopes, step, there - here), False
         if gained < POOR * promised:
             box = 0.5 * length
         elif gained > GOOD * promised and length > 0.9 * box:
@@ -71,8 +71,8 @@ def _step(slopes: Array, here: Array, low: Array, high: Array) -> Array:
     return np.clip(found.x, low, high)
 
 
-def _followed(slopes: Array, step: Array, change: Array) -> Array:
+def _broyden_update(slopes: Array, step: Array, change: Array) -> Array:
     """Return slopes that reproduce the change along a step; those of residuals that jump, as to a failure, are kept."""
     off = change - slopes @ step
-    off[np.abs(change) > JUMP] = 0.0
+    off[np.abs(change) > RESIDUAL_JUMP] = 0.0
     return slopes + np.outer(off, step) / float(step @ step)

@@ -16,40 +16,48 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
-from screwsim.study.calibration import double
-from screwsim.study.calibration.double import Both, Curves, by_curves, curves_of
+from screwsim.study.calibration import pair_likelihood
 from screwsim.study.calibration.fit import Fit, Parameter
 from screwsim.study.calibration.hypotheses import (
-    CHANCE,
-    LEVEL,
-    LIKELY,
-    Alike,
-    Beforehand,
+    INTERVAL_LEVEL,
+    LEAST_CHANCE,
+    LIKELY_PROBABILITY,
     Change,
     Hypothesis,
-    alike,
-    by_chance,
+    IndistinguishablePair,
+    PriorOdds,
+    chance_of_misfit,
+    indistinguishable_pairs,
     probabilities,
 )
 from screwsim.study.calibration.machine import (
     Group,
-    by_tolerance,
+    fit_of_unchanged,
     inputs_of,
     places_of,
-    posed,
     prepare,
+    residual_shifts,
     unchanged_machine,
 )
-from screwsim.study.calibration.profile import Along, Profile, along, profile, straight, whitener
+from screwsim.study.calibration.pair_likelihood import PairLikelihood, ResidualCurves, additive_likelihood, curves_of
+from screwsim.study.calibration.profile import (
+    LinearLikelihood,
+    ProfileLikelihood,
+    linear_likelihood,
+    linear_residuals,
+    profile_likelihood,
+    whitener,
+)
 from screwsim.study.calibration.residuals import Array, Objective, Simulate
-from screwsim.study.each import each
+from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
-from screwsim.study.workers import DIED
+from screwsim.study.workers import WORKER_DIED
 
-UNCHANGED = 0.5  # prior probability that nothing changed; the others share the rest
-PAIRS = 0.1  # prior odds of two changes at once against one
-UNTOLD = 0.95  # of the width of an interval from the bounds alone: above it the points hardly determine the parameter
-FIRST = 3  # single changes that are solved again in any case, besides those likely by slopes
+PRIOR_UNCHANGED = 0.5  # prior probability that nothing changed; the others share the rest
+PRIOR_PAIR_ODDS = 0.1  # prior odds of two changes at once against one
+# of the width of an interval from the bounds alone: above it the points hardly determine the parameter
+UNDETERMINED_SHARE = 0.95
+LEAST_SINGLES = 3  # single changes that are solved again in any case, besides those likely by slopes
 LIKELY_PAIR = 1e-2  # probability from which on two changes at once are solved, ...
 MOST_PAIRS = 6  # ... at most so many pairs, ...
 FIRST_PAIRS = 2  # ... and in any case so many where nothing else fits
@@ -69,7 +77,7 @@ class Diagnosis:
     message: str
     unchanged: Mapping[str, float]
     hypotheses: tuple[Hypothesis, ...] = ()
-    alike: tuple[Alike, ...] = ()
+    alike: tuple[IndistinguishablePair, ...] = ()
     chance: float | None = None
     inputs: tuple[str, ...] = ()  # inputs of the unchanged machine that are not known exactly
     reasons: Mapping[str, str] = field(default_factory=dict)
@@ -95,10 +103,14 @@ class Diagnosis:
             was, now = self.unchanged[parameter.path], single[parameter.path]
             return parameter.place(was + now.high) - parameter.place(was + now.low)
 
-        return tuple(each.path for each in self.fit.parameters if each.path in single and width(each) > UNTOLD * LEVEL)
+        return tuple(
+            each.path
+            for each in self.fit.parameters
+            if each.path in single and width(each) > UNDETERMINED_SHARE * INTERVAL_LEVEL
+        )
 
 
-class Here(NamedTuple):
+class UnchangedPoint(NamedTuple):
     """One point of the unchanged machine: residuals (n,), slopes (n, parameters), effect of its inputs (n, inputs)."""
 
     residuals: Array
@@ -113,8 +125,8 @@ class Here(NamedTuple):
 def diagnose(
     fit: Fit,
     *,
-    unchanged: float = UNCHANGED,
-    pairs: float = PAIRS,
+    unchanged: float = PRIOR_UNCHANGED,
+    pairs: float = PRIOR_PAIR_ODDS,
     jobs: int | None = None,
     simulate: Simulate | None = None,
     progress: Progress | None = None,
@@ -126,12 +138,14 @@ def diagnose(
     """
     _check(unchanged, pairs)
     machine, before = unchanged_machine(fit)
-    asked = posed(fit, machine, simulate)
+    asked = fit_of_unchanged(fit, machine, simulate)
     names, priors = inputs_of(fit, machine)
     prepare(asked, simulate)
-    call = partial(here, asked, names, priors, before, simulate)
+    call = partial(unchanged_point, asked, names, priors, before, simulate)
     points = [point for point in asked.points if point.fitted]
-    found = each(call, len(points), died=_lost, jobs=jobs, failed=lambda one: bool(one.why), progress=progress)
+    found = parallel_map(
+        call, len(points), died=_point_of_dead_worker, jobs=jobs, failed=lambda one: bool(one.why), progress=progress
+    )
     reasons = {point.name: one.why for point, one in zip(points, found, strict=True) if one.why}
     solutions, failed = sum(one.solutions for one in found), sum(one.failed for one in found)
     good = [i for i, one in enumerate(found) if not one.why]
@@ -144,22 +158,22 @@ def diagnose(
     white = whitener(np.vstack([found[i].inputs for i in good]))
     start = places_of(asked, before)
     here_, columns = white @ residuals, (white @ slopes).T
-    by_slopes = [along(u, here_, column) for u, column in zip(start, columns, strict=True)]
+    by_slopes = [linear_likelihood(u, here_, column) for u, column in zip(start, columns, strict=True)]
     none = float(here_ @ here_)
-    likely = _likely(none, by_slopes, unchanged)
+    likely = _likely_changes(none, by_slopes, unchanged)
     odds, count = pairs if len(by_slopes) > 1 else 0.0, len(residuals)
-    solved: dict[int, Profile | None] = {}
+    solved: dict[int, ProfileLikelihood | None] = {}
     while True:
-        call = partial(refined, asked, white, simulate, likely, start, columns)
-        solved |= dict(zip(likely, each(call, len(likely), died=lambda number: None, jobs=jobs), strict=True))
+        call = partial(solved_likelihood, asked, white, simulate, likely, start, columns)
+        solved |= dict(zip(likely, parallel_map(call, len(likely), died=lambda number: None, jobs=jobs), strict=True))
         singles = [solved.get(i) or one for i, one in enumerate(by_slopes)]
-        prior = Beforehand(unchanged, odds, none, tuple(one.log_evidence for one in singles))
+        prior = PriorOdds(unchanged, odds, none, tuple(one.log_evidence for one in singles))
         curves, misfits = curves_of(here_, start, columns, singles), [none, *(one.misfit for one in singles)]
-        doubles = _doubles(asked, white, simulate, curves, prior, misfits, jobs)
+        doubles = _pair_likelihoods(asked, white, simulate, curves, prior, misfits, jobs)
         rows, left = _hypotheses(asked, before, singles, doubles, set(solved), prior, count)
         first = max(rows, key=lambda one: one.probability)
         likely = [i for i in range(len(by_slopes)) if i not in solved]
-        if not likely or by_chance(first.misfit, first.freedom) >= CHANCE:
+        if not likely or chance_of_misfit(first.misfit, first.freedom) >= LEAST_CHANCE:
             break  # else a hypothesis that fits may have been dismissed by its slopes
         solutions += sum(one.solutions for one in doubles.values())
         failed += sum(one.failed for one in doubles.values())
@@ -167,14 +181,16 @@ def diagnose(
     solutions += sum(one.solutions for one in every)
     failed += sum(one.failed for one in every)
     for i, one in enumerate(singles):
-        left[(i,)] = one.residuals if isinstance(one, Profile) else straight(one, start[i], here_, columns[i])
+        left[(i,)] = (
+            one.residuals if isinstance(one, ProfileLikelihood) else linear_residuals(one, start[i], here_, columns[i])
+        )
     ranked = tuple(sorted(rows, key=lambda each: -each.probability))
     by_path = {tuple(asked.parameters[i].path for i in which): each for which, each in left.items()}
     message = f"{len(reasons)} of {len(points)} points have no solution" if reasons else ""
     status, inputs = "failed" if reasons else "ok", tuple(" + ".join(group) for group in (*names, *priors))
     rest = (
-        alike(ranked, by_path),
-        by_chance(ranked[0].misfit, ranked[0].freedom),
+        indistinguishable_pairs(ranked, by_path),
+        chance_of_misfit(ranked[0].misfit, ranked[0].freedom),
         inputs,
         reasons,
         solutions,
@@ -192,14 +208,14 @@ def _check(unchanged: float, pairs: float) -> None:
         raise UsageError(f"--pairs {pairs:g}: {what}")
 
 
-def here(
+def unchanged_point(
     fit: Fit,
     groups: Sequence[Group],
     priors: Mapping[Group, float],
     values: Mapping[str, float],
     simulate: Simulate | None,
     number: int,
-) -> Here:
+) -> UnchangedPoint:
     """Return one point of the unchanged machine, with its slopes."""
     point = [point for point in fit.points if point.fitted][number]
     asked = Objective(replace(fit, points=(point,)), simulate)
@@ -210,63 +226,65 @@ def here(
     why = outcome.reasons.get(point.name, "")
     if why:
         nothing = np.zeros(count), np.zeros((count, len(places))), empty, Figures()
-        return Here(*nothing, why, asked.solutions, asked.failed)
+        return UnchangedPoint(*nothing, why, asked.solutions, asked.failed)
     slopes = asked.slopes(places)
-    own = by_tolerance(fit.at(point, values), point, groups)
+    own = residual_shifts(fit.at(point, values), point, groups)
     paths = [parameter.path for parameter in fit.parameters]
     for (path,), deviation in priors.items():
         i = paths.index(path)
         own.append(slopes[:, i] * deviation / fit.parameters[i].slope(values[path]))
     inputs = np.column_stack(own) if own else empty
-    return Here(outcome.residuals, slopes, inputs, outcome.figures[0], "", asked.solutions, asked.failed)
+    return UnchangedPoint(outcome.residuals, slopes, inputs, outcome.figures[0], "", asked.solutions, asked.failed)
 
 
-def _lost(number: int) -> Here:
-    return Here(np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), Figures(), DIED, 0, 0)
+def _point_of_dead_worker(number: int) -> UnchangedPoint:
+    return UnchangedPoint(np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), Figures(), WORKER_DIED, 0, 0)
 
 
-def _likely(none: float, by_slopes: Sequence[Along], unchanged: float) -> list[int]:
+def _likely_changes(none: float, by_slopes: Sequence[LinearLikelihood], unchanged: float) -> list[int]:
     """Return the indices of the hypotheses worth solving again."""
     chances = probabilities(none, [one.log_evidence for one in by_slopes], unchanged)[1:]
     ranked = sorted(range(len(by_slopes)), key=lambda i: -chances[i])
-    return [i for rank, i in enumerate(ranked) if rank < FIRST or chances[i] > LIKELY]
+    return [i for rank, i in enumerate(ranked) if rank < LEAST_SINGLES or chances[i] > LIKELY_PROBABILITY]
 
 
-def refined(
+def solved_likelihood(
     fit: Fit, white: Array, simulate: Simulate | None, likely: Sequence[int], start: Array, columns: Array, number: int
-) -> Profile | None:
+) -> ProfileLikelihood | None:
     """Return the likelihood over one of the likely parameters; None where only slopes give one."""
     index = likely[number]
     asked = Objective(replace(fit, parameters=(fit.parameters[index],)), simulate)
-    return profile(asked, white, float(start[index]), columns[index])
+    return profile_likelihood(asked, white, float(start[index]), columns[index])
 
 
-def _doubles(
+def _pair_likelihoods(
     fit: Fit,
     white: Array,
     simulate: Simulate | None,
-    curves: Curves,
-    prior: Beforehand,
+    curves: ResidualCurves,
+    prior: PriorOdds,
     misfits: Sequence[float],
     jobs: int | None,
-) -> dict[tuple[int, ...], Both]:
+) -> dict[tuple[int, ...], PairLikelihood]:
     """Return the likelihoods of all pairs, the likely ones solved; none where the odds of pairs are zero."""
     if not prior.odds > 0.0:
         return {}
-    found = {pair: by_curves(curves, pair, LEVEL) for pair in combinations(range(len(curves.start)), 2)}
+    found = {
+        pair: additive_likelihood(curves, pair, INTERVAL_LEVEL) for pair in combinations(range(len(curves.start)), 2)
+    }
     tried: set[tuple[int, int]] = set()
     while len(tried) < MOST_PAIRS:
         order = list(found)
         chances = prior.probabilities([found[pair].log_evidence for pair in order])[1 + len(prior.singles) :]
         least = min([*misfits, *(one.misfit for one in found.values() if one.solved)])
-        first = FIRST_PAIRS if by_chance(least, len(white) - 1) < CHANCE else 0
+        first = FIRST_PAIRS if chance_of_misfit(least, len(white) - 1) < LEAST_CHANCE else 0
         ranked = sorted(range(len(order)), key=lambda i: -chances[i])
         wanted = [order[i] for rank, i in enumerate(ranked) if rank < first or chances[i] > LIKELY_PAIR]
         guesses = [(pair, found[pair]) for pair in wanted if pair not in tried][: MOST_PAIRS - len(tried)]
         if not guesses:
             break
-        call = partial(double.solved, fit, white, simulate, guesses, LEVEL)
-        answers = each(call, len(guesses), died=lambda number: None, jobs=jobs)
+        call = partial(pair_likelihood.solved_pair, fit, white, simulate, guesses, INTERVAL_LEVEL)
+        answers = parallel_map(call, len(guesses), died=lambda number: None, jobs=jobs)
         found |= {pair: one for (pair, _), one in zip(guesses, answers, strict=True) if one}
         tried |= {pair for pair, _ in guesses}
     return {**found}
@@ -275,10 +293,10 @@ def _doubles(
 def _hypotheses(
     fit: Fit,
     before: Mapping[str, float],
-    singles: Sequence[Along | Profile],
-    doubles: Mapping[tuple[int, ...], Both],
+    singles: Sequence[LinearLikelihood | ProfileLikelihood],
+    doubles: Mapping[tuple[int, ...], PairLikelihood],
     likely: Set[int],
-    prior: Beforehand,
+    prior: PriorOdds,
     count: int,
 ) -> tuple[list[Hypothesis], dict[tuple[int, ...], Array]]:
     """Return all hypotheses, and the residuals at the best values of pairs."""
@@ -286,9 +304,9 @@ def _hypotheses(
     rows = [Hypothesis((), float(chances[0]), -0.5 * prior.none, prior.none, count)]
     for i, (one, chance) in enumerate(zip(singles, chances[1:], strict=False)):
         parameter = fit.parameters[i]
-        also = tuple(map(parameter.value, one.others())) if isinstance(one, Profile) else ()
-        why = "" if isinstance(one, Profile) else UNSOLVED if i in likely else UNLIKELY
-        changes = (_change(parameter, before, one.estimate, one.interval(LEVEL)),)
+        also = tuple(map(parameter.value, one.others())) if isinstance(one, ProfileLikelihood) else ()
+        why = "" if isinstance(one, ProfileLikelihood) else UNSOLVED if i in likely else UNLIKELY
+        changes = (_change(parameter, before, one.estimate, one.interval(INTERVAL_LEVEL)),)
         rows.append(Hypothesis(changes, float(chance), one.log_evidence, float(one.misfit), count - 1, why, also))
     for (pair, one), chance in zip(doubles.items(), chances[1 + len(singles) :], strict=True):
         ends = zip(pair, one.places, one.intervals, strict=True)

@@ -13,14 +13,14 @@ import numpy as np
 
 from screwsim.study.calibration.fit import Fit
 from screwsim.study.calibration.residuals import Array, Objective, Simulate
-from screwsim.study.each import each
+from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
 
 PER_TERM = 2  # solutions per coefficient
 Key = tuple[str, str]  # name of the point, figure
 
 
-class Row(NamedTuple):
+class FigureRow(NamedTuple):
     """Figures [SI] of all points at one set of places; NaN for missing ones."""
 
     figures: tuple[float, ...]
@@ -62,7 +62,9 @@ def emulate(
     """Return polynomials of all measured figures over a region of places; None where too few solutions have figures."""
     places = places_within(fit, low, high)
     call = partial(figures_at, fit, places, simulate)
-    rows = each(call, len(places), died=lambda number: Row((), "worker died"), jobs=jobs, progress=progress)
+    rows = parallel_map(
+        call, len(places), died=lambda number: FigureRow((), "worker died"), jobs=jobs, progress=progress
+    )
     return fitted(fit, low, high, places, rows)
 
 
@@ -76,7 +78,7 @@ def places_within(fit: Fit, low: Array, high: Array) -> Array:
     return low + (high - low) * np.vstack([np.full(size, 0.5), cube])
 
 
-def figures_at(fit: Fit, places: Array, simulate: Simulate | None, number: int) -> Row:
+def figures_at(fit: Fit, places: Array, simulate: Simulate | None, number: int) -> FigureRow:
     """Return the figures of every point at one set of places."""
     asked = Objective(fit, simulate)
     values, found, why = asked.values(places[number]), [], ""
@@ -84,10 +86,10 @@ def figures_at(fit: Fit, places: Array, simulate: Simulate | None, number: int) 
         result = asked.solved(point, values)
         why = why or ("" if result.status == "ok" else f"{point.name}: {result.told}")
         found += [result.performance.get(figure) for figure in point.measured]
-    return Row(tuple(np.nan if value is None else float(value) for value in found), why)
+    return FigureRow(tuple(np.nan if value is None else float(value) for value in found), why)
 
 
-def fitted(fit: Fit, low: Array, high: Array, places: Array, rows: list[Row]) -> Emulator | None:
+def fitted(fit: Fit, low: Array, high: Array, places: Array, rows: list[FigureRow]) -> Emulator | None:
     """Return the polynomials through solutions, by least squares; None where there are too few."""
     keys = tuple((point.name, figure) for point in fit.points for figure in point.measured)
     whole = [len(row.figures) == len(keys) and bool(np.isfinite(row.figures).all()) for row in rows]
@@ -102,7 +104,7 @@ def fitted(fit: Fit, low: Array, high: Array, places: Array, rows: list[Row]) ->
     return Emulator(keys, low, high, coefficients, off, len(rows) * len(fit.points), len(rows) - int(sum(whole)))
 
 
-def measured(fit: Fit) -> tuple[Mapping[Key, float], Mapping[Key, float]]:
+def measured_values(fit: Fit) -> tuple[Mapping[Key, float], Mapping[Key, float]]:
     """Return measured values and their standard uncertainties [SI]."""
     pairs = [((point.name, name), each) for point in fit.points for name, each in point.measured.items()]
     return {key: each.value for key, each in pairs}, {key: each.uncertainty for key, each in pairs}

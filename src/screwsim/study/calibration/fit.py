@@ -15,9 +15,10 @@ from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.types import COVERAGE
 
 EXACT, DIFFERENCES = "exact", "differences"  # how slopes are found
-TOLERANCE = "prior from the scene's tolerance"
-TOGETHER = 0.999  # correlation within a group of correlated parameters: with 1 the density would have no width across
-LEAST = 1e-9  # of the mean of a logarithmic prior: smallest value, as bounds may begin at zero
+TOLERANCE_REMEDY = "prior from the scene's tolerance"
+# correlation within a group of correlated parameters: with 1 the density would have no width across
+GROUP_CORRELATION = 0.999
+LEAST_PRIOR_VALUE = 1e-9  # of the mean of a logarithmic prior: smallest value, as bounds may begin at zero
 
 
 class Tie(NamedTuple):
@@ -42,7 +43,9 @@ class Prior(NamedTuple):
 
     def off(self, value: float) -> float:
         """Return by how many standard deviations a value [SI] is off the mean."""
-        return (math.log(max(value / self.mean, LEAST)) if self.logarithmic else value - self.mean) / self.deviation
+        return (
+            math.log(max(value / self.mean, LEAST_PRIOR_VALUE)) if self.logarithmic else value - self.mean
+        ) / self.deviation
 
     def slope(self, value: float) -> float:
         """Return the derivative of `off` by the value [1/SI]."""
@@ -50,7 +53,7 @@ class Prior(NamedTuple):
 
     def deviation_at(self, value: float) -> float:
         """Return the standard deviation [SI] around a value [SI]; for a logarithmic prior that of small changes."""
-        return self.deviation * max(value, LEAST * self.mean) if self.logarithmic else self.deviation
+        return self.deviation * max(value, LEAST_PRIOR_VALUE * self.mean) if self.logarithmic else self.deviation
 
     @property
     def spread(self) -> float:
@@ -66,7 +69,7 @@ class Prior(NamedTuple):
         return math.exp(COVERAGE * self.deviation) if self.logarithmic else COVERAGE * self.deviation
 
 
-class Measured(NamedTuple):
+class Measurement(NamedTuple):
     """A measured figure with its standard uncertainty [SI]."""
 
     value: float
@@ -119,7 +122,7 @@ def prior_of(scene: Scene, parameter: Parameter) -> Prior | None:
     return Prior(value, tolerance.around(value).standard, tolerance.factor, of_scene=True)
 
 
-def held_together(scene: Scene, parameters: Sequence[Parameter]) -> tuple[tuple[int, ...], ...]:
+def correlated_groups(scene: Scene, parameters: Sequence[Parameter]) -> tuple[tuple[int, ...], ...]:
     """Return the groups of parameters, by index, whose priors are correlated tolerances of the scene."""
     found = []
     for group in scene.correlated:
@@ -135,7 +138,7 @@ class Point:
 
     name: str
     values: Mapping[str, Any]
-    measured: Mapping[str, Measured]
+    measured: Mapping[str, Measurement]
     fitted: bool = True
 
 
@@ -166,12 +169,12 @@ class Fit:
     def whitener(self) -> NDArray[np.float64]:
         """Matrix W that decorrelates the deviations of the held parameters, in standard deviations.
 
-        WᵀW is the inverse of their correlation matrix: `TOGETHER` within a group, else 0.
+        WᵀW is the inverse of their correlation matrix: `GROUP_CORRELATION` within a group, else 0.
         """
         correlation = np.eye(len(self.held))
         for group in self.together:
             rows = [self.held.index(i) for i in group]
-            correlation[np.ix_(rows, rows)] = TOGETHER
+            correlation[np.ix_(rows, rows)] = GROUP_CORRELATION
             correlation[rows, rows] = 1.0
         return np.asarray(np.linalg.inv(np.linalg.cholesky(correlation)), float)
 
@@ -193,7 +196,7 @@ class Fit:
     def with_priors(self) -> Fit:
         """Return the fit with the scene's tolerances as priors of parameters that have none."""
         held = (replace(each, prior=prior_of(self.scene, each)) for each in self.parameters)
-        together = held_together(self.scene, self.parameters)
+        together = correlated_groups(self.scene, self.parameters)
         return replace(self, parameters=tuple(held), together=together)
 
     def short_names(self) -> dict[str, str]:

@@ -9,15 +9,15 @@ import numpy as np
 
 from screwsim.study.calibration.residuals import Array
 
-NONE = ""  # path of the hypothesis that nothing changed
-LEVEL = 0.9  # probability of the intervals
-LIKELY = 1e-3  # probability from which on a hypothesis counts
-APART = 2.0  # uncertainties: two changes whose residuals are nearer than this have the same effect
-CHANCE = 0.01  # probability of a misfit below which no hypothesis fits
+NO_CHANGE = ""  # path of the hypothesis that nothing changed
+INTERVAL_LEVEL = 0.9  # probability of the intervals
+LIKELY_PROBABILITY = 1e-3  # probability from which on a hypothesis counts
+DISTINGUISHABLE = 2.0  # uncertainties: two changes whose residuals are nearer than this have the same effect
+LEAST_CHANCE = 0.01  # probability of a misfit below which no hypothesis fits
 
 
 class Change(NamedTuple):
-    """Estimated value of a changed parameter, and its change, between `low` and `high` with `LEVEL` [SI]."""
+    """Estimated value of a changed parameter, and its change, between `low` and `high` with `INTERVAL_LEVEL` [SI]."""
 
     path: str
     value: float
@@ -73,7 +73,7 @@ class Hypothesis:
         return self._only("high")
 
 
-class Alike(NamedTuple):
+class IndistinguishablePair(NamedTuple):
     """Two hypotheses that the points cannot distinguish; `off`: their distance at all points, in uncertainties."""
 
     first: str
@@ -81,7 +81,7 @@ class Alike(NamedTuple):
     off: float
 
 
-class Beforehand(NamedTuple):
+class PriorOdds(NamedTuple):
     """Prior probabilities, chi² of no change, and logarithms of the single changes' evidences: all but the pairs."""
 
     unchanged: float
@@ -110,21 +110,23 @@ def probabilities(
     return weights / weights.sum()
 
 
-def alike(ranked: Sequence[Hypothesis], left: Mapping[tuple[str, ...], Array]) -> tuple[Alike, ...]:
+def indistinguishable_pairs(
+    ranked: Sequence[Hypothesis], left: Mapping[tuple[str, ...], Array]
+) -> tuple[IndistinguishablePair, ...]:
     """Return pairs of likely hypotheses that the points cannot distinguish; none where no change is most probable.
 
     Only hypotheses with as many changes as the most probable one count: a pair always fits as well as each of its two
     alone.
     """
-    likely = [one for one in ranked if len(one.paths) == len(ranked[0].paths) and one.probability > LIKELY]
-    if ranked[0].path == NONE:
+    likely = [one for one in ranked if len(one.paths) == len(ranked[0].paths) and one.probability > LIKELY_PROBABILITY]
+    if ranked[0].path == NO_CHANGE:
         return ()
     pairs = ((one.path, other.path, left[one.paths] - left[other.paths]) for one, other in combinations(likely, 2))
-    found = (Alike(one, other, float(np.linalg.norm(apart))) for one, other, apart in pairs)
-    return tuple(one for one in found if one.off < APART)
+    found = (IndistinguishablePair(one, other, float(np.linalg.norm(apart))) for one, other, apart in pairs)
+    return tuple(one for one in found if one.off < DISTINGUISHABLE)
 
 
-def by_chance(misfit: float, freedom: int) -> float:
+def chance_of_misfit(misfit: float, freedom: int) -> float:
     """Return the probability of a misfit at least as large, by chance."""
     from scipy.stats import chi2
 

@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.figures import declared
-from screwsim.inputs.declare import Found
+from screwsim.inputs.declare import FoundWithCycle
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, value_at
-from screwsim.scene.yaml_tree import Place, Problem, scene_error
+from screwsim.scene.yaml_tree import LocatedFault, Position, scene_error
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Point
 from screwsim.study.calibration.residuals import Array, Simulate
@@ -27,7 +27,7 @@ def unchanged_machine(fit: Fit) -> tuple[Scene, dict[str, float]]:
     before = {}
     for parameter in fit.parameters:
         stated = value_at(fit.scene, parameter.path) if parameter.prior is None else parameter.prior.mean
-        if not isinstance(stated, int | float) or isinstance(stated, Found):
+        if not isinstance(stated, int | float) or isinstance(stated, FoundWithCycle):
             raise UsageError(f"{parameter.path}: is not stated in the scene (state its unchanged value there)")
         if not parameter.low <= stated <= parameter.high:
             why = f"is {stated:.6g} [SI] unchanged, outside its bounds {parameter.low:.6g} … {parameter.high:.6g}"
@@ -36,7 +36,7 @@ def unchanged_machine(fit: Fit) -> tuple[Scene, dict[str, float]]:
     return fit.machine(before), before
 
 
-def posed(fit: Fit, machine: Scene, simulate: Simulate | None) -> Fit:
+def fit_of_unchanged(fit: Fit, machine: Scene, simulate: Simulate | None) -> Fit:
     """Return the fit of that machine without priors; slopes are exact unless `simulate` is given."""
     bare = tuple(replace(parameter, prior=None) for parameter in fit.parameters)
     return replace(fit, scene=machine, parameters=bare, slopes=EXACT if simulate is None else DIFFERENCES)
@@ -62,7 +62,7 @@ def inputs_of(fit: Fit, machine: Scene) -> tuple[tuple[Group, ...], dict[Group, 
     return tuple(group for group in groups if group), priors
 
 
-def by_tolerance(scene: Scene, point: Point, groups: Sequence[Group], result: Result | None = None) -> list[Array]:
+def residual_shifts(scene: Scene, point: Point, groups: Sequence[Group], result: Result | None = None) -> list[Array]:
     """Return the changes of a point's residuals by one standard uncertainty of each group of correlated inputs.
 
     The scene is that of the point; it is solved where its `result` is not known.
@@ -87,7 +87,7 @@ def places_of(fit: Fit, values: Mapping[str, float]) -> Array:
     return np.array([parameter.place(values[parameter.path]) for parameter in fit.parameters])
 
 
-class Typical(NamedTuple):
+class TypicalUncertainty(NamedTuple):
     """Usual standard uncertainty of a figure: an absolute one [SI] for temperatures, else a share of the value."""
 
     size: float
@@ -105,19 +105,19 @@ def points_of(fit: Fit, file: str | os.PathLike[str], option: str, what: str) ->
     """
     if not os.path.isfile(file):
         raise UsageError(f"{option} {file}: is not a file (name an existing one)")
-    problems: list[Problem] = []
+    problems: list[LocatedFault] = []
     name, values = os.fspath(file), fit.first_start()
     rows = read_points(name, name, fit.scene, list(fit.changes(values)), problems, candidates=True)
     for point, place in rows:
-        problems += [Problem(place, fault.path, fault.what) for fault in cross_check(fit.at(point, values))]
+        problems += [LocatedFault(place, fault.path, fault.what) for fault in cross_check(fit.at(point, values))]
     if not rows and not problems:
-        problems.append(Problem(Place(1, name), "", f"has no {what}"))
+        problems.append(LocatedFault(Position(1, name), "", f"has no {what}"))
     if problems:
         raise scene_error(problems)
     return tuple(point for point, _ in rows)
 
 
-def typical(fit: Fit) -> dict[str, Typical]:
+def typical_uncertainties(fit: Fit) -> dict[str, TypicalUncertainty]:
     """Return the usual uncertainty of each figure at the fit's points: the median share, or for temperatures [K]."""
     found = {}
     every = [(name, one) for point in fit.points for name, one in point.measured.items()]
@@ -127,5 +127,5 @@ def typical(fit: Fit) -> dict[str, Typical]:
             one.uncertainty / (abs(one.value) if share else 1.0) for key, one in every if key == name and one.value
         ]
         if sizes:
-            found[name] = Typical(float(np.median(sizes)), share)
+            found[name] = TypicalUncertainty(float(np.median(sizes)), share)
     return found

@@ -18,30 +18,30 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
 from screwsim.scene import Scene, cross_check
 from screwsim.study.calibration.data import odd_uncertainty
-from screwsim.study.calibration.design import chosen, covariance, spread
-from screwsim.study.calibration.fit import Fit, Measured, Point, prior_of
+from screwsim.study.calibration.design import covariance, log_determinant, optimal_choice
+from screwsim.study.calibration.fit import Fit, Measurement, Point, prior_of
 from screwsim.study.calibration.machine import (
     Group,
-    Typical,
-    by_tolerance,
+    TypicalUncertainty,
+    fit_of_unchanged,
     inputs_of,
     places_of,
     points_of,
-    posed,
     prepare,
-    typical,
+    residual_shifts,
+    typical_uncertainties,
     unchanged_machine,
 )
-from screwsim.study.calibration.residuals import Array, Objective, Simulate, why_not
-from screwsim.study.each import each
+from screwsim.study.calibration.residuals import Array, Objective, Simulate, missing_reason
 from screwsim.study.inputs import shown_value
+from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
-from screwsim.study.sensitivity import Range, read_ranges
-from screwsim.study.workers import DIED
+from screwsim.study.sensitivity import InputRange, read_ranges
+from screwsim.study.workers import WORKER_DIED
 
-EVEN = 12.0  # one over the variance of a uniform distribution on 0 … 1
+UNIFORM_INFORMATION = 12.0  # one over the variance of a uniform distribution on 0 … 1
 COUNT, LEVELS = 3, 4  # points to choose; values per range
-MOST = 2000  # candidates
+MOST_CANDIDATES = 2000  # candidates
 NONE_DELIVERS = "no candidate delivers anything (use candidates at a higher speed or a lower pressure ratio)"
 
 
@@ -51,7 +51,7 @@ def point_name(scene: Scene, values: Mapping[str, Any]) -> str:
 
 
 @dataclass(frozen=True)
-class Step:
+class PlannedPoint:
     """One point to measure: standard deviations [SI] of the parameters with it and those before, the gain in nats.
 
     `gain` is the decrease of the logarithm of the volume in which the parameters may lie.
@@ -76,7 +76,7 @@ class Plan:
     values: Mapping[str, float]
     candidates: int = 0
     before: tuple[float, ...] = ()
-    steps: tuple[Step, ...] = ()
+    steps: tuple[PlannedPoint, ...] = ()
     even: tuple[str, ...] = ()
     inputs: tuple[str, ...] = ()
     reasons: Mapping[str, str] = field(default_factory=dict)
@@ -85,11 +85,11 @@ class Plan:
     idle: tuple[str, ...] = ()
 
 
-class Told(NamedTuple):
+class PointInformation(NamedTuple):
     """Information of a point: rows of slopes over uncertainties (figures, parameters and inputs), and the figures."""
 
     rows: Array
-    measured: Mapping[str, Measured]
+    measured: Mapping[str, Measurement]
     why: str
     solutions: int = 0
     failed: int = 0
@@ -112,21 +112,23 @@ def candidates_of(
     if file is not None:
         found = tuple(point for point in points_of(fit, file, "--candidates", "candidates") if point.fitted)
     else:
-        found = _of_ranges(fit, read_ranges(fit.scene, paths), levels)
-    if len(found) > MOST:
-        raise UsageError(f"{len(found)} candidates are more than {MOST} (use fewer values)")
+        found = _candidates_of_ranges(fit, read_ranges(fit.scene, paths), levels)
+    if len(found) > MOST_CANDIDATES:
+        raise UsageError(f"{len(found)} candidates are more than {MOST_CANDIDATES} (use fewer values)")
     return found
 
 
-def _of_ranges(fit: Fit, ranges: Sequence[Range], levels: int) -> tuple[Point, ...]:
+def _candidates_of_ranges(fit: Fit, ranges: Sequence[InputRange], levels: int) -> tuple[Point, ...]:
     if levels < 2:
         raise UsageError(f"--levels {levels}: a range has at least two values, its ends (write 2 or more)")
     taken = fit.changes(fit.first_start())
     for one in ranges:
         if one.path in taken:
             raise UsageError(f"--path {one.path}: is a parameter of the fit and cannot be a condition")
-    if levels ** len(ranges) > MOST:
-        raise UsageError(f"--levels {levels}: makes {levels ** len(ranges)} candidates, more than {MOST} (use fewer)")
+    if levels ** len(ranges) > MOST_CANDIDATES:
+        raise UsageError(
+            f"--levels {levels}: makes {levels ** len(ranges)} candidates, more than {MOST_CANDIDATES} (use fewer)"
+        )
     found = []
     axes = [np.linspace(one.low, one.high, levels).tolist() for one in ranges]
     for numbers in itertools.product(*axes):
@@ -154,18 +156,25 @@ def plan(
     groups, _ = inputs_of(fit, machine)
     own = {path for path in values if path in machine.uncertain}
     groups = tuple(rest for group in groups if (rest := tuple(path for path in group if path not in own)))
-    asked = posed(fit, machine, simulate)
+    asked = fit_of_unchanged(fit, machine, simulate)
     prepare(asked, simulate)
     there = [point for point in fit.points if point.fitted and point.measured]
     points = [*there, *candidates]
-    call = partial(told, asked, points, typical(fit), groups, values, simulate)
-    found = each(call, len(points), died=_lost, jobs=jobs, failed=lambda one: bool(one.why), progress=progress)
+    call = partial(point_information, asked, points, typical_uncertainties(fit), groups, values, simulate)
+    found = parallel_map(
+        call,
+        len(points),
+        died=_information_of_dead_worker,
+        jobs=jobs,
+        failed=lambda one: bool(one.why),
+        progress=progress,
+    )
     for point, one in zip(points, found, strict=True):
         if one.odd:
             raise UsageError(f"{point.name}: {one.odd}")
     reasons = {point.name: one.why for point, one in zip(points, found, strict=True) if one.why}
     counts = sum(one.solutions for one in found), sum(one.failed for one in found)
-    known, even = _known(fit, machine, values, len(groups))
+    known, even = _prior_information(fit, machine, values, len(groups))
     size = len(fit.parameters)
     pieces = [one.rows.T @ one.rows for one in found]
     known += sum((piece for piece, one in zip(pieces, found[: len(there)], strict=False) if not one.why), 0.0 * known)
@@ -174,15 +183,15 @@ def plan(
     if not good:
         why = f"none of the candidates has a solution: {next(iter(reasons.values()))}" if not solved else NONE_DELIVERS
         return Plan(fit, "failed", why, values, len(candidates), reasons=reasons, solutions=counts[0], failed=counts[1])
-    picked = [good[i] for i in chosen(known, [pieces[i] for i in good], size, count)]
+    picked = [good[i] for i in optimal_choice(known, [pieces[i] for i in good], size, count)]
     scales = np.array([one.slope(values[one.path]) for one in fit.parameters])
     before = tuple((scales * np.sqrt(np.diag(covariance(known, size)))).tolist())
     steps, information = [], known
     for i in picked:
         more = information + pieces[i]
-        gain = 0.5 * (spread(information, size) - spread(more, size))
+        gain = 0.5 * (log_determinant(information, size) - log_determinant(more, size))
         deviations = tuple((scales * np.sqrt(np.diag(covariance(more, size)))).tolist())
-        steps.append(Step(replace(points[i], measured=found[i].measured), gain, deviations))
+        steps.append(PlannedPoint(replace(points[i], measured=found[i].measured), gain, deviations))
         information = more
     message = f"{len(reasons)} of {len(points)} points have no solution" if reasons else ""
     names = tuple(" + ".join(group) for group in groups)
@@ -191,14 +200,16 @@ def plan(
     return Plan(fit, "failed" if reasons else "ok", message, values, *rest)
 
 
-def _known(fit: Fit, machine: Scene, values: Mapping[str, float], inputs: int) -> tuple[Array, tuple[str, ...]]:
+def _prior_information(
+    fit: Fit, machine: Scene, values: Mapping[str, float], inputs: int
+) -> tuple[Array, tuple[str, ...]]:
     """Return the prior information, and the parameters of which it is that of the bounds alone."""
     diagonal, even = [], []
     for one in fit.parameters:
         value, prior = values[one.path], prior_of(machine, one)
         if prior is None:
             even.append(one.path)
-        diagonal.append(EVEN if prior is None else (one.slope(value) / prior.deviation_at(value)) ** 2)
+        diagonal.append(UNIFORM_INFORMATION if prior is None else (one.slope(value) / prior.deviation_at(value)) ** 2)
     known, held = np.diag([*diagonal, *[1.0] * inputs]), replace(fit, scene=machine).with_priors()
     if held.together:
         of = held.whitener @ np.diag([known[i, i] ** 0.5 for i in held.held])
@@ -206,43 +217,43 @@ def _known(fit: Fit, machine: Scene, values: Mapping[str, float], inputs: int) -
     return known, tuple(even)
 
 
-def told(
+def point_information(
     fit: Fit,
     points: Sequence[Point],
-    usual: Mapping[str, Typical],
+    usual: Mapping[str, TypicalUncertainty],
     groups: Sequence[Group],
     values: Mapping[str, float],
     simulate: Simulate | None,
     number: int,
-) -> Told:
+) -> PointInformation:
     """Return the information of one point; a candidate without stated uncertainties is measured like the others."""
     point = points[number]
     asked, places = Objective(fit, simulate), places_of(fit, values)
     result = asked.solved(point, values)
     if not point.measured:
-        point = replace(point, measured={name: Measured(0.0, 1.0) for name in usual})
-    why = why_not(point, result)
+        point = replace(point, measured={name: Measurement(0.0, 1.0) for name in usual})
+    why = missing_reason(point, result)
     if why:
-        return Told(np.zeros((0, len(places) + len(groups))), {}, why, asked.solutions, asked.failed)
+        return PointInformation(np.zeros((0, len(places) + len(groups))), {}, why, asked.solutions, asked.failed)
     measured = _as_measured(points[number], result.performance, usual)
     for name, one in measured.items():
         if odd := odd_uncertainty(one.value, one.uncertainty):
-            return Told(np.zeros((0, len(places) + len(groups))), {}, "", odd=f"{name}: {odd}")
+            return PointInformation(np.zeros((0, len(places) + len(groups))), {}, "", odd=f"{name}: {odd}")
     point = replace(point, measured=measured)
     slopes = asked.point_slopes(point, places, result.performance)
-    inputs = by_tolerance(fit.at(point, values), point, groups, result if simulate is None else None)
+    inputs = residual_shifts(fit.at(point, values), point, groups, result if simulate is None else None)
     rows = np.column_stack([slopes, *inputs]) if inputs else slopes
     # power without flow depends on the leaks, but nobody rates such a point
     flow = result.performance.get("gas_mass_flow")
-    return Told(rows, measured, "", asked.solutions, asked.failed, flow is not None and flow <= 0.0)
+    return PointInformation(rows, measured, "", asked.solutions, asked.failed, flow is not None and flow <= 0.0)
 
 
-def _as_measured(point: Point, figures: Figures, usual: Mapping[str, Typical]) -> dict[str, Measured]:
+def _as_measured(point: Point, figures: Figures, usual: Mapping[str, TypicalUncertainty]) -> dict[str, Measurement]:
     """Return the computed figures that a point measures, with its stated uncertainties, or the usual ones."""
     if point.measured:
-        return {name: Measured(figures[name], one.uncertainty) for name, one in point.measured.items()}
-    return {name: Measured(figures[name], one.of(figures[name])) for name, one in usual.items() if figures[name]}
+        return {name: Measurement(figures[name], one.uncertainty) for name, one in point.measured.items()}
+    return {name: Measurement(figures[name], one.of(figures[name])) for name, one in usual.items() if figures[name]}
 
 
-def _lost(number: int) -> Told:
-    return Told(np.zeros((0, 0)), {}, DIED)
+def _information_of_dead_worker(number: int) -> PointInformation:
+    return PointInformation(np.zeros((0, 0)), {}, WORKER_DIED)

@@ -13,28 +13,33 @@ from typing import Any
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
-from screwsim.study.calibration.answers import ENDS, Posterior, Predicted, Spread
-from screwsim.study.calibration.emulator import Emulator, Key, emulate, figures_at, measured
+from screwsim.study.calibration.answers import QUANTILES, ParameterInterval, Posterior, PredictiveCheck
+from screwsim.study.calibration.emulator import Emulator, Key, emulate, figures_at, measured_values
 from screwsim.study.calibration.fit import Fit, Parameter
 from screwsim.study.calibration.residuals import Array, Simulate
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.progress import Progress
 
-REGION = 5.0  # standard errors of the fit to each side in which the posterior is sought; widened where it is cut off,
-WIDENED = 3  # times at most
-LEAST = 0.02  # of the bounds, likewise: polynomials of a smaller region would follow the errors of the solutions
-CUT = 0.003  # share of the samples in the outer twentieth of the region on one side, from which on it is cut off
+# standard errors of the fit to each side in which the posterior is sought; widened where it is cut off,
+REGION_WIDTH = 5.0
+MOST_WIDENINGS = 3  # times at most
+LEAST_REGION = 0.02  # of the bounds, likewise: polynomials of a smaller region would follow the errors of the solutions
+# share of the samples in the outer twentieth of the region on one side, from which on it is cut off
+CUT_OFF_SHARE = 0.003
 WALKERS, STEPS, MOST_STEPS = 6, 2000, 16000  # walkers per dimension; steps per stretch, and in all
-LONG = 50.0  # autocorrelation times that a chain must have (emcee's advice)
-SETTLED = 1.01  # split-R̂ below which chains have converged (Vehtari et al. 2021)
-CHECKED = 8  # draws that are solved to find the errors of the polynomials
-TOLERABLE = 0.5  # of a figure's uncertainty: with larger errors the posterior is that of the polynomials, not the model
-SHIFT = 0.5  # likewise of the log-posterior's error: no parameter's mean is shifted by more of its standard deviation
-UNTOLD = 0.8  # width of a parameter's posterior over its prior's from which on the points hardly determine it
+LEAST_AUTOCORRELATION_TIMES = 50.0  # autocorrelation times that a chain must have (emcee's advice)
+CONVERGED_R_HAT = 1.01  # split-R̂ below which chains have converged (Vehtari et al. 2021)
+CHECKED_DRAWS = 8  # draws that are solved to find the errors of the polynomials
+# of a figure's uncertainty: with larger errors the posterior is that of the polynomials, not the model
+TOLERATED_ERROR = 0.5
+# likewise of the log-posterior's error: no parameter's mean is shifted by more of its standard deviation
+TOLERATED_SHIFT = 0.5
+# width of a parameter's posterior over its prior's from which on the points hardly determine it
+UNDETERMINED_SHARE = 0.8
 
 
 @dataclass(frozen=True)
-class _Problem:
+class _LogPosterior:
     """Logarithm of the posterior over places and logarithms of the widths.
 
     For correlated parameters the state holds their deviations in standard deviations instead of places: their
@@ -139,7 +144,7 @@ def posterior(
         raise UsageError(f"emcee is not installed, which --posterior needs (install it with: {remedy})") from None
     if not found.values:
         return Posterior(found.fit, "failed", f"there is no fit to start from: {found.message}")
-    reach = np.maximum(REGION * _errors(found), LEAST)
+    reach = np.maximum(REGION_WIDTH * _errors(found), LEAST_REGION)
     places = np.array([each.place(found.values[each.path]) for each in found.fit.parameters])
     low, high = np.maximum(0.0, places - reach), np.minimum(1.0, places + reach)
     solutions = failed = widened = 0
@@ -150,38 +155,38 @@ def posterior(
             return Posterior(found.fit, "failed", why, solutions=solutions, failed=failed)
         solutions, failed = solutions + emulator.solutions, failed + emulator.failed
         problem = _problem(found.fit, emulator)
-        chain = _sampled(emcee, problem, found, most_steps)
-        cut = _cut(problem.parted(chain.flat)[0], low, high)
-        if widened == WIDENED or not cut.any():
-            return _judged(problem, chain, simulate, cut, (solutions, failed))
-        low, high = _wider(low, high, cut)
+        chain = _sampled_chain(emcee, problem, found, most_steps)
+        cut = _cut_off_sides(problem.parted(chain.flat)[0], low, high)
+        if widened == MOST_WIDENINGS or not cut.any():
+            return _posterior_of_chain(problem, chain, simulate, cut, (solutions, failed))
+        low, high = _widened(low, high, cut)
         widened += 1
 
 
 def _errors(found: Calibration) -> Array:
     """Return the standard errors of the best fit's places; a share of the bounds for those that are not known."""
     if found.certainty is None:
-        return np.full(len(found.fit.parameters), 1.0 / REGION)
+        return np.full(len(found.fit.parameters), 1.0 / REGION_WIDTH)
     pairs = zip(found.fit.parameters, found.certainty.errors, strict=True)
     slopes = [(max(each.slope(found.values[each.path]), 1e-300), error) for each, error in pairs]
-    return np.array([1.0 / REGION if error is None else found.scale * error / slope for slope, error in slopes])
+    return np.array([1.0 / REGION_WIDTH if error is None else found.scale * error / slope for slope, error in slopes])
 
 
-def _cut(places: Array, low: Array, high: Array) -> np.ndarray:
+def _cut_off_sides(places: Array, low: Array, high: Array) -> np.ndarray:
     """Return on which sides (2, parameters) of the region, other than the bounds, the samples are cut off."""
     edge = 0.05 * (high - low)
-    below = (np.mean(places < low + edge, axis=0) > CUT) & (low > 0.0)
-    above = (np.mean(places > high - edge, axis=0) > CUT) & (high < 1.0)
+    below = (np.mean(places < low + edge, axis=0) > CUT_OFF_SHARE) & (low > 0.0)
+    above = (np.mean(places > high - edge, axis=0) > CUT_OFF_SHARE) & (high < 1.0)
     return np.array([below, above])
 
 
-def _wider(low: Array, high: Array, cut: np.ndarray) -> tuple[Array, Array]:
+def _widened(low: Array, high: Array, cut: np.ndarray) -> tuple[Array, Array]:
     width = high - low
     return np.where(cut[0], np.maximum(0.0, low - width), low), np.where(cut[1], np.minimum(1.0, high + width), high)
 
 
-def _problem(fit: Fit, emulator: Emulator) -> _Problem:
-    values, uncertainties = measured(fit)
+def _problem(fit: Fit, emulator: Emulator) -> _LogPosterior:
+    values, uncertainties = measured_values(fit)
     fitted = {point.name for point in fit.points if point.fitted}
     figures = tuple(dict.fromkeys(figure for point, figure in emulator.keys if point in fitted))
     which = np.array([figures.index(figure) if figure in figures else 0 for _, figure in emulator.keys])
@@ -189,7 +194,7 @@ def _problem(fit: Fit, emulator: Emulator) -> _Problem:
     used = np.array([point in fitted for point, _ in emulator.keys])
     scale = np.array([np.median(uncertainty[used & (which == i)]) for i in range(len(figures))])
     value = np.array([values[key] for key in emulator.keys])
-    return _Problem(fit, emulator, figures, which, used, value, uncertainty, scale)
+    return _LogPosterior(fit, emulator, figures, which, used, value, uncertainty, scale)
 
 
 @dataclass(frozen=True)
@@ -204,7 +209,7 @@ class _Chain:
         return self.states.reshape(-1, self.states.shape[-1])
 
 
-def _sampled(emcee: Any, problem: _Problem, found: Calibration, most: int) -> _Chain:
+def _sampled_chain(emcee: Any, problem: _LogPosterior, found: Calibration, most: int) -> _Chain:
     """Return states of the posterior, after as many steps as convergence takes, or the most allowed."""
     generator = np.random.default_rng(found.fit.seed)
     places = np.array([each.place(found.values[each.path]) for each in found.fit.parameters])
@@ -227,7 +232,7 @@ def _sampled(emcee: Any, problem: _Problem, found: Calibration, most: int) -> _C
         tau = float(np.max(sampler.get_autocorr_time(tol=0)))
         kept = sampler.get_chain(discard=done // 4)
         r_hat = float(np.max(split_r_hat(kept)))
-        if (done >= LONG * tau and r_hat < SETTLED) or done >= most:
+        if (done >= LEAST_AUTOCORRELATION_TIMES * tau and r_hat < CONVERGED_R_HAT) or done >= most:
             return _Chain(kept, done, tau, r_hat)
 
 
@@ -240,26 +245,26 @@ def split_r_hat(chains: Array) -> Array:
     return np.sqrt(((half - 1) / half * within + between / half) / np.maximum(within, 1e-300))
 
 
-def _judged(
-    problem: _Problem, chain: _Chain, simulate: Simulate | None, cut: np.ndarray, made: tuple[int, int]
+def _posterior_of_chain(
+    problem: _LogPosterior, chain: _Chain, simulate: Simulate | None, cut: np.ndarray, made: tuple[int, int]
 ) -> Posterior:
     fit, generator = problem.fit, np.random.default_rng(problem.fit.seed)
     flat = chain.flat
     draws = flat[generator.choice(len(flat), size=min(4000, len(flat)), replace=False)]
     places, widths = problem.parted(draws)
     samples = np.array([[p.value(float(u)) for p, u in zip(fit.parameters, row, strict=True)] for row in places])
-    off, shift, bad = _check(problem, draws, simulate)
-    parameters = tuple(_of_parameter(fit, i, samples[:, i]) for i in range(samples.shape[1]))
-    discrepancies = tuple(_spread(name, widths[:, i]) for i, name in enumerate(problem.figures))
-    settled = chain.r_hat < SETTLED and chain.steps >= LONG * chain.autocorrelation
+    off, shift, bad = _emulator_error(problem, draws, simulate)
+    parameters = tuple(_parameter_interval(fit, i, samples[:, i]) for i in range(samples.shape[1]))
+    discrepancies = tuple(_interval(name, widths[:, i]) for i, name in enumerate(problem.figures))
+    settled = chain.r_hat < CONVERGED_R_HAT and chain.steps >= LEAST_AUTOCORRELATION_TIMES * chain.autocorrelation
     told = []
     if not settled:
         told.append(f"chains have not settled after {chain.steps} steps (R-hat {chain.r_hat:.3f})")
     for i in np.flatnonzero(cut.any(axis=0)):
         told.append(f"{fit.parameters[i].path} extends beyond the region examined (add points, or a prior)")
-    if off is not None and off > TOLERABLE:
+    if off is not None and off > TOLERATED_ERROR:
         told.append(f"the polynomials are off by up to {off:.2g} uncertainties (narrow the bounds)")
-    elif shift is not None and shift > SHIFT:
+    elif shift is not None and shift > TOLERATED_SHIFT:
         what = f"the polynomials may shift the results by up to {shift:.2g} standard deviations"
         told.append(f"{what} (narrow the bounds)")
     rest: dict[str, Any] = {
@@ -270,7 +275,7 @@ def _judged(
         "steps": chain.steps,
         "effective": chain.states.shape[0] * chain.states.shape[1] / chain.autocorrelation,
         "off": off,
-        "solutions": made[0] + CHECKED * len(fit.points),
+        "solutions": made[0] + CHECKED_DRAWS * len(fit.points),
         "failed": made[1] + bad,
         "region": (problem.emulator.low, problem.emulator.high),
     }
@@ -279,13 +284,15 @@ def _judged(
     return Posterior(fit, status, "; ".join(told), parameters, discrepancies, predicted, **rest)
 
 
-def _check(problem: _Problem, draws: Array, simulate: Simulate | None) -> tuple[float | None, float | None, int]:
+def _emulator_error(
+    problem: _LogPosterior, draws: Array, simulate: Simulate | None
+) -> tuple[float | None, float | None, int]:
     """Return the largest error of the polynomials at some draws, over the uncertainties; their shift; failed draws.
 
     The shift is the standard deviation of the polynomials' error in the log-posterior: the mean of no quantity is
     shifted by more of its own standard deviation.
     """
-    some, widths = problem.parted(draws[:CHECKED])
+    some, widths = problem.parted(draws[:CHECKED_DRAWS])
     rows = [figures_at(problem.fit, some, simulate, number) for number in range(len(some))]
     known = np.array([bool(np.isfinite(row.figures).all()) for row in rows])
     if not known.any():
@@ -298,26 +305,28 @@ def _check(problem: _Problem, draws: Array, simulate: Simulate | None) -> tuple[
     return float(np.max(np.abs(ours - true) / problem.uncertainty)), shift, int(np.sum(~known))
 
 
-def _of_parameter(fit: Fit, number: int, values: Array) -> Spread:
+def _parameter_interval(fit: Fit, number: int, values: Array) -> ParameterInterval:
     parameter = fit.parameters[number]
     even = float(np.std([parameter.value(float(u)) for u in np.linspace(0.0, 1.0, 201)]))
     prior = even if parameter.prior is None else min(parameter.prior.spread, even)
-    found = _spread(parameter.path, values)
-    return Spread(found.name, found.low, found.median, found.high, found.deviation, found.deviation / float(prior))
+    found = _interval(parameter.path, values)
+    return ParameterInterval(
+        found.name, found.low, found.median, found.high, found.deviation, found.deviation / float(prior)
+    )
 
 
-def _spread(name: str, values: Array) -> Spread:
-    low, median, high = (float(each) for each in np.quantile(values, ENDS))
-    return Spread(name, low, median, high, float(values.std()))
+def _interval(name: str, values: Array) -> ParameterInterval:
+    low, median, high = (float(each) for each in np.quantile(values, QUANTILES))
+    return ParameterInterval(name, low, median, high, float(values.std()))
 
 
-def _predictions(problem: _Problem, places: Array, widths: Array, generator: np.random.Generator) -> Any:
+def _predictions(problem: _LogPosterior, places: Array, widths: Array, generator: np.random.Generator) -> Any:
     """Yield each measured figure with the posterior's prediction of a measurement of it."""
     ours = problem.emulator(places)
     variance = problem.uncertainty**2 + problem.emulator.off**2 + widths[:, problem.which] ** 2
     drawn = ours + np.sqrt(variance) * generator.standard_normal(ours.shape)
-    ends = np.quantile(drawn, ENDS, axis=0)
+    ends = np.quantile(drawn, QUANTILES, axis=0)
     key: Key
     for i, key in enumerate(problem.emulator.keys):
         low, median, high = (float(each) for each in ends[:, i])
-        yield Predicted(*key, bool(problem.fitted[i]), float(problem.value[i]), low, median, high)
+        yield PredictiveCheck(*key, bool(problem.fitted[i]), float(problem.value[i]), low, median, high)

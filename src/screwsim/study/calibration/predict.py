@@ -13,16 +13,16 @@ from functools import partial
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
-from screwsim.study.calibration.answers import ENDS, Posterior, Prediction, Predictions
-from screwsim.study.calibration.emulator import Row, figures_at, fitted, places_within
-from screwsim.study.calibration.fit import Fit, Measured, Point
-from screwsim.study.calibration.machine import Typical, points_of, typical
-from screwsim.study.calibration.posterior import CHECKED, TOLERABLE, posterior
+from screwsim.study.calibration.answers import QUANTILES, Posterior, Prediction, Predictions
+from screwsim.study.calibration.emulator import FigureRow, figures_at, fitted, places_within
+from screwsim.study.calibration.fit import Fit, Measurement, Point
+from screwsim.study.calibration.machine import TypicalUncertainty, points_of, typical_uncertainties
+from screwsim.study.calibration.posterior import CHECKED_DRAWS, TOLERATED_ERROR, posterior
 from screwsim.study.calibration.residuals import Array, Simulate
 from screwsim.study.calibration.solve import Calibration
-from screwsim.study.each import each
+from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
-from screwsim.study.workers import DIED
+from screwsim.study.workers import WORKER_DIED
 
 
 def points_to_predict(fit: Fit, file: str | os.PathLike[str], option: str = "predict") -> tuple[Point, ...]:
@@ -32,7 +32,7 @@ def points_to_predict(fit: Fit, file: str | os.PathLike[str], option: str = "pre
     return points
 
 
-def sampled(
+def posterior_with_predictions(
     found: Calibration,
     points: Sequence[Point] = (),
     *,
@@ -75,39 +75,45 @@ def predict(
     figures = known_figures(found.fit, points)
     if found.samples is None or found.widths is None or found.region is None:
         return Predictions("failed", f"there is no posterior to predict from: {found.message}", tuple(points))
-    fit, usual = found.fit, typical(found.fit)
-    asked = [replace(fit, points=(replace(point, measured=dict.fromkeys(figures, _ASKED)),)) for point in points]
+    fit, usual = found.fit, typical_uncertainties(found.fit)
+    asked = [
+        replace(fit, points=(replace(point, measured=dict.fromkeys(figures, _NO_MEASUREMENT)),)) for point in points
+    ]
     low, high = found.region
     draws = _places(fit, found.samples)
-    places = np.vstack([places_within(fit, low, high), draws[:CHECKED]])
-    call = partial(_solved, asked, places, simulate)
-    rows = each(call, len(asked) * len(places), died=lambda number: Row((), DIED), jobs=jobs, progress=progress)
+    places = np.vstack([places_within(fit, low, high), draws[:CHECKED_DRAWS]])
+    call = partial(_solved_row, asked, places, simulate)
+    rows = parallel_map(
+        call, len(asked) * len(places), died=lambda number: FigureRow((), WORKER_DIED), jobs=jobs, progress=progress
+    )
     generator = np.random.default_rng([fit.seed, 1])
     told: list[Prediction] = []
     reasons: dict[str, str] = {}
     far: dict[str, float] = {}
     for number, (point, one) in enumerate(zip(points, asked, strict=True)):
         own = rows[number * len(places) : (number + 1) * len(places)]
-        ours = fitted(one, low, high, places[:-CHECKED], own[:-CHECKED])
+        ours = fitted(one, low, high, places[:-CHECKED_DRAWS], own[:-CHECKED_DRAWS])
         if ours is None:
             reasons[point.name] = next((row.why for row in own if row.why), "a figure has no value")
             continue
         uncertainty = _uncertainties(point, figures, usual, np.median(ours(draws), axis=0))
         widths = found.widths[:, [_number(found, name) for name in figures]]
-        told += _of_point(point, figures, (ours(draws), widths, uncertainty, ours.off), generator)
-        checked = [(at, row) for at, row in zip(draws, own[-CHECKED:], strict=False) if np.isfinite(row.figures).all()]
+        told += _point_predictions(point, figures, (ours(draws), widths, uncertainty, ours.off), generator)
+        checked = [
+            (at, row) for at, row in zip(draws, own[-CHECKED_DRAWS:], strict=False) if np.isfinite(row.figures).all()
+        ]
         off = [np.max(np.abs(ours(at) - row.figures) / uncertainty) for at, row in checked if row.figures]
         far[point.name] = float(max(off, default=np.inf))
     failed = sum(bool(row.why) for row in rows)
     worst = max(far.values(), default=None)
-    status, message = _judged(reasons, len(points), far)
+    status, message = _status_and_message(reasons, len(points), far)
     return Predictions(status, message, tuple(points), tuple(told), reasons, worst, len(rows), failed)
 
 
-_ASKED = Measured(0.0, 1.0)
+_NO_MEASUREMENT = Measurement(0.0, 1.0)
 
 
-def _solved(asked: Sequence[Fit], places: Array, simulate: Simulate | None, number: int) -> Row:
+def _solved_row(asked: Sequence[Fit], places: Array, simulate: Simulate | None, number: int) -> FigureRow:
     point, place = divmod(number, len(places))
     return figures_at(asked[point], places, simulate, place)
 
@@ -120,21 +126,23 @@ def _number(found: Posterior, figure: str) -> int:
     return [spread.name for spread in found.discrepancies].index(figure)
 
 
-def _uncertainties(point: Point, figures: Sequence[str], usual: Mapping[str, Typical], medians: Array) -> Array:
+def _uncertainties(
+    point: Point, figures: Sequence[str], usual: Mapping[str, TypicalUncertainty], medians: Array
+) -> Array:
     """Return the standard uncertainty [SI] with which each figure is measured at a point."""
     stated = point.measured
     pairs = zip(figures, medians.tolist(), strict=True)
     return np.array([stated[name].uncertainty if name in stated else usual[name].of(value) for name, value in pairs])
 
 
-def _of_point(
+def _point_predictions(
     point: Point, figures: Sequence[str], parts: tuple[Array, Array, Array, Array], generator: np.random.Generator
 ) -> list[Prediction]:
     """Return a point's predictions from figures and widths at draws, measurement uncertainties, polynomial errors."""
     ours, widths, uncertainty, off = parts
     variance = widths**2 + uncertainty**2 + off**2
     drawn = ours + np.sqrt(variance) * generator.standard_normal(ours.shape)
-    ends = np.quantile(drawn, ENDS, axis=0)
+    ends = np.quantile(drawn, QUANTILES, axis=0)
     spread, left = ours.std(axis=0), np.sqrt(np.mean(widths**2, axis=0))
     found = []
     for i, name in enumerate(figures):
@@ -147,10 +155,10 @@ def _of_point(
     return found
 
 
-def _judged(reasons: Mapping[str, str], count: int, far: Mapping[str, float]) -> tuple[str, str]:
+def _status_and_message(reasons: Mapping[str, str], count: int, far: Mapping[str, float]) -> tuple[str, str]:
     if reasons:
         return "failed", f"{len(reasons)} of {count} points have no solution"
-    bad = [name for name, off in far.items() if off > TOLERABLE]
+    bad = [name for name, off in far.items() if off > TOLERATED_ERROR]
     if bad:
         what = f"the polynomials are off by up to {max(far.values()):.2g} uncertainties at {', '.join(bad)}"
         return "not converged", f"{what} (narrow the bounds)"

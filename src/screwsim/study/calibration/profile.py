@@ -20,17 +20,17 @@ import numpy as np
 from screwsim.study.calibration.residuals import Array, Objective
 
 STEPS, HALVINGS = 6, 4
-SETTLED = 0.1  # of a standard error: a shorter step ends the search
-SCANNED = (0.0, 0.25, 0.5, 0.75, 1.0)  # places between the bounds
+LAST_STEP = 0.1  # of a standard error: a shorter step ends the search
+SCANNED_PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)  # places between the bounds
 ROUNDS, QUANTILES = 2, (0.05, 0.5, 0.95)  # rounds of further solutions, and the quantiles of their places
-NEAR = 0.15  # of the distance between the outer two quantiles: least distance from known solutions
+LEAST_SPACING = 0.15  # of the distance between the outer two quantiles: least distance from known solutions
 GRID, FINER = 401, 3  # places of a grid, and number of its refinements where the likelihood lies
-FAR = 60.0  # of chi² above the least, where the likelihood is negligible
+NEGLIGIBLE_DEPTH = 60.0  # of chi² above the least, where the likelihood is negligible
 BARRIER, DEEP = 2.0, 6.0  # of chi²: least barrier between two best values, and largest depth above the best
 
 
 @dataclass(frozen=True)
-class Along:
+class LinearLikelihood:
     """Likelihood along one place, from residuals and slopes at a place: best place, its chi², its sharpness.
 
     `information` is one over the variance of the place; 0 where the residuals do not depend on it.
@@ -72,13 +72,13 @@ class Along:
         return low, high
 
 
-def along(place: float, residuals: Array, slopes: Array) -> Along:
+def linear_likelihood(place: float, residuals: Array, slopes: Array) -> LinearLikelihood:
     """Return the likelihood along a place from whitened residuals and slopes (n,) there."""
     information, chi_squared = float(slopes @ slopes), float(residuals @ residuals)
     if information <= 1e-12:
-        return Along(place, chi_squared, 0.0)
+        return LinearLikelihood(place, chi_squared, 0.0)
     step = -float(slopes @ residuals) / information
-    return Along(place + step, max(0.0, chi_squared - information * step**2), information)
+    return LinearLikelihood(place + step, max(0.0, chi_squared - information * step**2), information)
 
 
 def whitener(inputs: Array) -> Array:
@@ -99,7 +99,7 @@ def log_mass(low: float | Array, high: float | Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Profile:
+class ProfileLikelihood:
     """Chi² over a grid of places, the residuals at the best of them, and the solutions behind it.
 
     `nodes` are the residuals at places that were solved.
@@ -114,7 +114,7 @@ class Profile:
 
     def curve(self) -> Callable[[Any], Array]:
         """Return the residuals as a function of the place, interpolated and extrapolated."""
-        return _between(self.nodes)
+        return _interpolated(self.nodes)
 
     @property
     def estimate(self) -> float:
@@ -159,12 +159,12 @@ class Profile:
         return [float(self.grid[i]) for i in found[1:]]
 
 
-def straight(known: Along, place: float, residuals: Array, slopes: Array) -> Array:
+def linear_residuals(known: LinearLikelihood, place: float, residuals: Array, slopes: Array) -> Array:
     """Return the residuals at the best place, by slopes."""
     return residuals + slopes * (known.estimate - place)
 
 
-def profile(asked: Objective, white: Array, place: float, slopes: Array) -> Profile | None:
+def profile_likelihood(asked: Objective, white: Array, place: float, slopes: Array) -> ProfileLikelihood | None:
     """Return the likelihood over the one parameter of `asked`, which lies at a place with whitened slopes there.
 
     None where no other place has a solution at all points.
@@ -173,20 +173,20 @@ def profile(asked: Objective, white: Array, place: float, slopes: Array) -> Prof
     _solve(asked, white, place, nodes)
     if not nodes:
         return None
-    _walk(asked, white, place, slopes, nodes)
-    for scanned in SCANNED:
+    _gauss_newton(asked, white, place, slopes, nodes)
+    for scanned in SCANNED_PLACES:
         if min(abs(scanned - known) for known in nodes) > 0.01:
             _solve(asked, white, scanned, nodes)
     if len(nodes) < 2:
         return None
-    found = _over(nodes)
+    found = _likelihood_over(nodes)
     for _ in range(ROUNDS):
         places = [*found.quantiles(QUANTILES), found.estimate]
-        near = NEAR * (places[2] - places[0])
+        near = LEAST_SPACING * (places[2] - places[0])
         for each in places:
             if min(abs(each - known) for known in nodes) > max(near, 1e-5):
                 _solve(asked, white, each, nodes)
-        found = _over(nodes)
+        found = _likelihood_over(nodes)
     return replace(found, solutions=asked.solutions, failed=asked.failed)
 
 
@@ -198,13 +198,13 @@ def _solve(asked: Objective, white: Array, place: float, nodes: dict[float, Arra
     return not there.reasons
 
 
-def _walk(asked: Objective, white: Array, place: float, slopes: Array, nodes: dict[float, Array]) -> None:
+def _gauss_newton(asked: Objective, white: Array, place: float, slopes: Array, nodes: dict[float, Array]) -> None:
     """Add the residuals along Gauss-Newton steps, halved where chi² grows."""
     for _ in range(STEPS):
         here = nodes[place]
-        known = along(place, here, slopes)
+        known = linear_likelihood(place, here, slopes)
         step = known.estimate - place
-        if abs(step) * known.information**0.5 < SETTLED or abs(step) < 1e-6:
+        if abs(step) * known.information**0.5 < LAST_STEP or abs(step) < 1e-6:
             return
         for _ in range(HALVINGS):
             if _solve(asked, white, place + step, nodes) and np.sum(nodes[place + step] ** 2) < here @ here:
@@ -216,30 +216,30 @@ def _walk(asked: Objective, white: Array, place: float, slopes: Array, nodes: di
         slopes = white @ asked.slopes(np.array([place]))[:, 0]
 
 
-def _between(nodes: Mapping[float, Array]) -> Callable[[Any], Array]:
+def _interpolated(nodes: Mapping[float, Array]) -> Callable[[Any], Array]:
     from scipy.interpolate import Akima1DInterpolator
 
     places = np.array(sorted(nodes))
     residuals = np.array([nodes[place] for place in places])
     if len(places) > 2:
         return Akima1DInterpolator(places, residuals, method="makima", extrapolate=True)
-    return _line(places, residuals)
+    return _linear_likelihood_at(places, residuals)
 
 
-def _over(nodes: Mapping[float, Array]) -> Profile:
+def _likelihood_over(nodes: Mapping[float, Array]) -> ProfileLikelihood:
     """Return the likelihood from residuals at places; beyond the outer ones they are extrapolated."""
-    places, between = np.array(sorted(nodes)), _between(nodes)
+    places, between = np.array(sorted(nodes)), _interpolated(nodes)
     grid = np.linspace(0.0, 1.0, GRID)
     for _ in range(FINER):
         chi_squared = np.sum(between(grid) ** 2, axis=1)
-        there = np.flatnonzero(chi_squared < np.min(chi_squared) + FAR)
+        there = np.flatnonzero(chi_squared < np.min(chi_squared) + NEGLIGIBLE_DEPTH)
         first, last = max(0, there[0] - 1), min(len(grid) - 1, there[-1] + 1)
         grid = np.union1d(grid, np.linspace(grid[first], grid[last], GRID))
     grid = np.union1d(grid, places)
     chi_squared = np.sum(between(grid) ** 2, axis=1)
-    return Profile(grid, chi_squared, between(grid[np.argmin(chi_squared)]), dict(nodes))
+    return ProfileLikelihood(grid, chi_squared, between(grid[np.argmin(chi_squared)]), dict(nodes))
 
 
-def _line(places: Array, residuals: Array):
+def _linear_likelihood_at(places: Array, residuals: Array):
     slope = (residuals[1] - residuals[0]) / (places[1] - places[0])
     return lambda at: residuals[0] + np.multiply.outer(np.asarray(at) - places[0], slope)

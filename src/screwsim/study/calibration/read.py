@@ -7,19 +7,19 @@ from dataclasses import replace
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped
+from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
 from screwsim.scene import Scene, cross_check, leaf_of, load
 from screwsim.scene.axis import SPACING, read_fields
 from screwsim.scene.fields import Leaf
-from screwsim.scene.files import other_file
+from screwsim.scene.file_kinds import other_file
 from screwsim.scene.values import limits_text, shown, text_of, within
-from screwsim.scene.yaml_tree import Node, Place, Problem, compose, join, scene_error
+from screwsim.scene.yaml_tree import LocatedFault, Node, Position, compose, join, scene_error
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Parameter, Point, Prior, Tie, prior_of
-from screwsim.study.inputs import STEPS, shown_value
+from screwsim.study.inputs import DISCRETE_KINDS, shown_value
 
 ACCURACY = 1e-4  # of the solutions of a fit, where neither the fit nor its scene asks for a better one
-HEAD = {
+HEAD_FIELDS = {
     "title": Leaf("word", "what is fitted", "", {}),
     "scene": Leaf("word", "the machine: a scene's file", dataclasses.MISSING, {}),
     "data": Leaf("word", "the measured points: a CSV file", dataclasses.MISSING, {}),
@@ -30,7 +30,7 @@ HEAD = {
 }
 _REMEDY = "write scene: machine.yaml, data: points.csv and parameters:"
 _PARAMETER = "write {from: …, to: …}"
-UNHELD = "none"  # prior of a parameter that does not take the scene's tolerance either
+NO_PRIOR = "none"  # prior of a parameter that does not take the scene's tolerance either
 
 
 def read_fit(
@@ -45,9 +45,9 @@ def read_fit(
     `scene` and `data` are files in place of those that it names; with `fixed` False there may be fewer data than
     parameters.
     """
-    name = shipped(path)
-    place = Place(0, name, folder=os.path.dirname(os.path.abspath(name)))
-    problems: list[Problem] = []
+    name = shipped_name(path)
+    place = Position(0, name, folder=os.path.dirname(os.path.abspath(name)))
+    problems: list[LocatedFault] = []
     root = _read(name, place, problems)
     other = {key: os.fspath(each) for key, each in (("scene", scene), ("data", data)) if each is not None}
     fit = None if root is None else _typed(root, name, other, fixed, problems)
@@ -56,35 +56,35 @@ def read_fit(
     return fit
 
 
-def _read(name: str, place: Place, problems: list[Problem]) -> Node | None:
+def _read(name: str, place: Position, problems: list[LocatedFault]) -> Node | None:
     try:
         text = read_text(name, MOST_YAML)
     except Unreadable as error:
         what = f"cannot be read: {error} (name an existing fit file in UTF-8)"
-        problems.append(Problem(place.at(error.line, error.column), "", what))
+        problems.append(LocatedFault(place.at(error.line, error.column), "", what))
         return None
     root = compose(text, place, problems)
     if root is None and not problems:
-        problems.append(Problem(place, "", f"is empty ({_REMEDY})"))
+        problems.append(LocatedFault(place, "", f"is empty ({_REMEDY})"))
     if root is not None and not isinstance(root.value, dict):
-        problems.append(Problem(root.place, "", f"is {shown(root.value)}, not a mapping ({_REMEDY})"))
+        problems.append(LocatedFault(root.place, "", f"is {shown(root.value)}, not a mapping ({_REMEDY})"))
         return None
     other = None if root is None else other_file(root.value, name, "fit")
     if root is not None and other is not None:
-        problems.append(Problem(root.place, "", other))
+        problems.append(LocatedFault(root.place, "", other))
         return None
     return root
 
 
-def _typed(root: Node, name: str, other: Mapping[str, str], fixed: bool, problems: list[Problem]) -> Fit | None:
-    head = read_fields(HEAD, root, "", problems, _REMEDY, also=("parameters",))
+def _typed(root: Node, name: str, other: Mapping[str, str], fixed: bool, problems: list[LocatedFault]) -> Fit | None:
+    head = read_fields(HEAD_FIELDS, root, "", problems, _REMEDY, also=("parameters",))
     for key, file in other.items():
         if not os.path.isfile(file):
             raise UsageError(f"--{key} {file}: is not a file (name an existing one)")
     if head is None or ("scene" not in other and not _is_file(root, "scene", head["scene"], problems)):
         return None
     scene_file = other.get("scene", os.path.join(root.place.folder, head["scene"]))
-    scene = _tightened(replace(load(scene_file), sweep={}, joints=()), head["accuracy"])
+    scene = _with_fit_accuracy(replace(load(scene_file), sweep={}, joints=()), head["accuracy"])
     parameters = _parameters(root, scene, problems)
     if ("data" not in other and not _is_file(root, "data", head["data"], problems)) or not parameters:
         return None
@@ -100,15 +100,15 @@ def _typed(root: Node, name: str, other: Mapping[str, str], fixed: bool, problem
     return fit
 
 
-def _is_file(root: Node, key: str, name: str, problems: list[Problem]) -> bool:
+def _is_file(root: Node, key: str, name: str, problems: list[LocatedFault]) -> bool:
     found = os.path.isfile(os.path.join(root.place.folder, name))
     if not found:
         what = f"{shown(name)} is not a file (name an existing one, relative to this file)"
-        problems.append(Problem(root.value[key].place, key, what))
+        problems.append(LocatedFault(root.value[key].place, key, what))
     return found
 
 
-def _tightened(scene: Scene, accuracy: float | None) -> Scene:
+def _with_fit_accuracy(scene: Scene, accuracy: float | None) -> Scene:
     """Return the scene with the accuracy of a fit, unless it states a tolerance of its own."""
     numerics = scene.numerics
     if numerics.rtol is not None:
@@ -117,12 +117,12 @@ def _tightened(scene: Scene, accuracy: float | None) -> Scene:
     return replace(scene, numerics=replace(numerics, accuracy=wanted))
 
 
-def _parameters(root: Node, scene: Scene, problems: list[Problem]) -> tuple[Parameter, ...]:
+def _parameters(root: Node, scene: Scene, problems: list[LocatedFault]) -> tuple[Parameter, ...]:
     node = root.value.get("parameters")
     if node is None or not isinstance(node.value, dict) or not node.value:
         place = root.place if node is None else node.place
         what = "names nothing to fit (write e.g. effects.tip_leakage.gap: {from: 20 um, to: 80 um})"
-        problems.append(Problem(place, "parameters", what))
+        problems.append(LocatedFault(place, "parameters", what))
         return ()
     found: list[Parameter] = []
     taken: set[str] = set()
@@ -132,62 +132,64 @@ def _parameters(root: Node, scene: Scene, problems: list[Problem]) -> tuple[Para
             continue
         for each in parameter.values(parameter.low):
             if each in taken:
-                problems.append(Problem(child.heading, join("parameters", path), f"fits {each} twice (remove one)"))
+                problems.append(
+                    LocatedFault(child.heading, join("parameters", path), f"fits {each} twice (remove one)")
+                )
             taken.add(each)
         found.append(parameter)
     return tuple(found)
 
 
-def _leaf(scene: Scene, path: str, place: Place, where: str, problems: list[Problem]) -> Leaf | None:
+def _leaf(scene: Scene, path: str, place: Position, where: str, problems: list[LocatedFault]) -> Leaf | None:
     """Return the leaf of a continuous path; None after adding a fault."""
     try:
         leaf = leaf_of(scene, path)
     except UsageError as error:
-        problems.append(Problem(place, where, str(error).removeprefix(f"{path}: ")))
+        problems.append(LocatedFault(place, where, str(error).removeprefix(f"{path}: ")))
         return None
-    if leaf.kind in STEPS:
-        what = f"is {STEPS[leaf.kind]}; only continuous quantities can be fitted (remove it)"
-        problems.append(Problem(place, where, what))
+    if leaf.kind in DISCRETE_KINDS:
+        what = f"is {DISCRETE_KINDS[leaf.kind]}; only continuous quantities can be fitted (remove it)"
+        problems.append(LocatedFault(place, where, what))
         return None
     return leaf
 
 
-def _parameter(path: str, node: Node, scene: Scene, problems: list[Problem]) -> Parameter | None:
+def _parameter(path: str, node: Node, scene: Scene, problems: list[LocatedFault]) -> Parameter | None:
     where, before = join("parameters", path), len(problems)
     leaf = _leaf(scene, path, node.heading, where, problems)
     if leaf is None:
         return None
     if not isinstance(node.value, dict):
-        problems.append(Problem(node.place, where, f"{shown(node.value)} is not a mapping ({_PARAMETER})"))
+        problems.append(LocatedFault(node.place, where, f"{shown(node.value)} is not a mapping ({_PARAMETER})"))
         return None
     end, optional = replace(leaf, default=dataclasses.MISSING), replace(leaf, default=None)
     fields = {"from": end, "to": end, "start": optional, "spacing": SPACING}
     given = read_fields(fields, node, where, problems, _PARAMETER, also=("prior", "also"))
     stated = node.value.get("prior")
-    unheld = stated is not None and stated.value == UNHELD
+    unheld = stated is not None and stated.value == NO_PRIOR
     prior = None if unheld else _prior(leaf, stated, join(where, "prior"), problems)
     ties = _ties(leaf, node.value.get("also"), scene, join(where, "also"), problems)
     if given is None or len(problems) > before:
         return None
     low, high, start = given["from"], given["to"], given["start"]
     if not low < high:
-        problems.append(Problem(node.place, where, "from is not below to (swap them)"))
+        problems.append(LocatedFault(node.place, where, "from is not below to (swap them)"))
     elif start is not None and not low <= start <= high:
         ends = f"{shown_value(scene, path, low)} … {shown_value(scene, path, high)}"
-        problems.append(Problem(node.value["start"].place, join(where, "start"), f"lies outside {ends} (move it)"))
+        problems.append(LocatedFault(node.value["start"].place, join(where, "start"), f"lies outside {ends} (move it)"))
     elif prior is not None and not low <= prior.mean <= high:
         ends = f"{shown_value(scene, path, low)} … {shown_value(scene, path, high)}"
         what = f"lies outside {ends} (move it, or widen from and to)"
-        problems.append(Problem(node.value["prior"].value["mean"].place, join(where, "prior.mean"), what))
+        problems.append(LocatedFault(node.value["prior"].value["mean"].place, join(where, "prior.mean"), what))
     elif given["spacing"] == "log" and not low > 0.0:
-        problems.append(Problem(node.place, where, "log spacing needs bounds above zero (raise from)"))
+        problems.append(LocatedFault(node.place, where, "log spacing needs bounds above zero (raise from)"))
     found = Parameter(path, low, high, start, prior, given["spacing"] == "log", ties, unheld)
     _check_ties(found, leaf, node, scene, problems)
     known = prior_of(scene, found)
     if len(problems) == before and known is not None and not low <= known.mean <= high:
         ends = f"{shown_value(scene, path, low)} … {shown_value(scene, path, high)}"
         what = f"is {shown_value(scene, path, known.mean)} with a tolerance in the scene, outside {ends}"
-        problems.append(Problem(node.place, where, f"{what} (widen from and to, or write prior: none)"))
+        problems.append(LocatedFault(node.place, where, f"{what} (widen from and to, or write prior: none)"))
     return found
 
 
@@ -197,7 +199,7 @@ def difference(leaf: Leaf, default: Any = dataclasses.MISSING, **limits: float) 
     return Leaf(kind, f"difference of {leaf.doc}", default, limits)
 
 
-def _prior(leaf: Leaf, node: Node | None, where: str, problems: list[Problem]) -> Prior | None:
+def _prior(leaf: Leaf, node: Node | None, where: str, problems: list[LocatedFault]) -> Prior | None:
     if node is None or node.value is None:
         return None
     fields = {"mean": replace(leaf, default=dataclasses.MISSING), "deviation": difference(leaf, gt=0.0)}
@@ -205,12 +207,12 @@ def _prior(leaf: Leaf, node: Node | None, where: str, problems: list[Problem]) -
     return None if given is None else Prior(given["mean"], given["deviation"])
 
 
-def _ties(leaf: Leaf, node: Node | None, scene: Scene, where: str, problems: list[Problem]) -> tuple[Tie, ...]:
+def _ties(leaf: Leaf, node: Node | None, scene: Scene, where: str, problems: list[LocatedFault]) -> tuple[Tie, ...]:
     if node is None or node.value is None:
         return ()
     remedy = "write {PATH: {factor: …, offset: …}}"
     if not isinstance(node.value, dict):
-        problems.append(Problem(node.place, where, f"{shown(node.value)} is not a mapping ({remedy})"))
+        problems.append(LocatedFault(node.place, where, f"{shown(node.value)} is not a mapping ({remedy})"))
         return ()
     fields = {"factor": Leaf("number", "factor", 1.0, {}), "offset": difference(leaf, 0.0)}
     found = []
@@ -220,11 +222,11 @@ def _ties(leaf: Leaf, node: Node | None, scene: Scene, where: str, problems: lis
             continue
         if other.kind != leaf.kind:
             what = f"is of another kind ({other.kind.replace('_', ' ')}; it cannot follow a {leaf.kind})"
-            problems.append(Problem(child.heading, join(where, path), what))
+            problems.append(LocatedFault(child.heading, join(where, path), what))
             continue
         content = replace(child, value={} if child.value is None else child.value)
         if not isinstance(content.value, dict):
-            problems.append(Problem(child.place, join(where, path), f"is not a mapping ({remedy})"))
+            problems.append(LocatedFault(child.place, join(where, path), f"is not a mapping ({remedy})"))
             continue
         given = read_fields(fields, content, join(where, path), problems, remedy)
         if given is not None:
@@ -232,13 +234,13 @@ def _ties(leaf: Leaf, node: Node | None, scene: Scene, where: str, problems: lis
     return tuple(found)
 
 
-def _check_ties(parameter: Parameter, leaf: Leaf, node: Node, scene: Scene, problems: list[Problem]) -> None:
+def _check_ties(parameter: Parameter, leaf: Leaf, node: Node, scene: Scene, problems: list[LocatedFault]) -> None:
     """Add a fault where a path follows itself, or leaves its limits."""
     where = join("parameters", parameter.path)
     for tie in parameter.ties:
         heading, named = node.value["also"].value[tie.path].heading, join(join(where, "also"), tie.path)
         if tie.path == parameter.path:
-            problems.append(Problem(heading, named, "is the parameter itself (remove it)"))
+            problems.append(LocatedFault(heading, named, "is the parameter itself (remove it)"))
             continue
         other = leaf_of(scene, tie.path)
         for end in (parameter.low, parameter.high):
@@ -246,11 +248,11 @@ def _check_ties(parameter: Parameter, leaf: Leaf, node: Node, scene: Scene, prob
             if not within(other, follows):
                 what = f"is {text_of(other, float(f'{follows:.4g}'))} where that is {text_of(leaf, end)}"
                 remedy = f"it must be {limits_text(other)}; change factor, offset or the bounds"
-                problems.append(Problem(heading, named, f"{what}, which is out of range ({remedy})"))
+                problems.append(LocatedFault(heading, named, f"{what}, which is out of range ({remedy})"))
                 break
 
 
-def _check(fit: Fit, rows: list[tuple[Point, Place]], root: Node, fixed: bool, problems: list[Problem]) -> None:
+def _check(fit: Fit, rows: list[tuple[Point, Position]], root: Node, fixed: bool, problems: list[LocatedFault]) -> None:
     """Add a fault where values of a point and of the first start do not fit together, or there are too few data.
 
     Without `fixed` one measured figure is enough.
@@ -258,9 +260,11 @@ def _check(fit: Fit, rows: list[tuple[Point, Place]], root: Node, fixed: bool, p
     start = fit.first_start()
     for point, place in rows:
         for fault in cross_check(fit.at(point, start)):
-            problems.append(Problem(place, fault.path, fault.what))
+            problems.append(LocatedFault(place, fault.path, fault.what))
     data = sum(len(point.measured) for point in fit.points if point.fitted)
     priors = sum(prior_of(fit.scene, each) is not None for each in fit.parameters)
     if not data or (fixed and data + priors < len(fit.parameters)):
         what = f"{data} measured figures and {priors} priors cannot determine {len(fit.parameters)} parameters"
-        problems.append(Problem(root.value["parameters"].heading, "parameters", f"{what} (fit fewer, or add data)"))
+        problems.append(
+            LocatedFault(root.value["parameters"].heading, "parameters", f"{what} (fit fewer, or add data)")
+        )

@@ -12,22 +12,22 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from screwsim.derivatives.closed import QUICK
-from screwsim.derivatives.solving import Found, found
+from screwsim.derivatives.collocation import QUICK
+from screwsim.derivatives.solving import SceneDerivatives, scene_derivatives
 from screwsim.outputs import Figures, Result
-from screwsim.study.calibration.fit import EXACT, Fit, Measured, Parameter, Point
-from screwsim.study.each import Warm
-from screwsim.study.optimum import Simulate, closed
+from screwsim.study.calibration.fit import EXACT, Fit, Measurement, Parameter, Point
+from screwsim.study.optimum import Simulate, simulated_if_valid
+from screwsim.study.parallel import WarmSimulation
 
 Array = NDArray[np.float64]
 PENALTY = 1e4  # [uncertainties] least residual of a figure without a solution
-BEYOND = 10.0  # times the measured value: least difference of a figure without a solution
-ASKED = "slopes: exact takes derivatives"
-STEP = 0.01  # of the bounds' distance, to each side: far above the solver's noise
+PENALTY_FACTOR = 10.0  # times the measured value: least difference of a figure without a solution
+EXACT_OPTION = "slopes: exact takes derivatives"
+DIFFERENCE_STEP = 0.01  # of the bounds' distance, to each side: far above the solver's noise
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Residuals:
     """Outcome of one set of parameters: residuals of fitted points and priors, figures by point, reasons of failures.
 
     `unsolved` marks the residuals of figures without a solution; `warnings` are those of the points that warn.
@@ -54,11 +54,11 @@ class Objective:
     note: Path | None = None  # where the best set so far is written
     solutions: int = 0
     failed: int = 0
-    best: tuple[float, Array, Outcome] | None = None
+    best: tuple[float, Array, Residuals] | None = None
     jacobians: int = 0
     exact: int = 0  # points with exact slopes, over all Jacobians
     methods: dict[str, str] = field(default_factory=dict)  # by path: why the last slopes are differences, '' if exact
-    _last: tuple[bytes, Outcome] | None = None
+    _last: tuple[bytes, Residuals] | None = None
     _slopes: tuple[tuple[bytes, int], Array] | None = None
     _warm: dict[str, Simulate] = field(default_factory=dict)
 
@@ -71,13 +71,13 @@ class Objective:
         inside = np.clip(places, 0.0, 1.0)
         return {each.path: each.value(float(place)) for each, place in zip(self.fit.parameters, inside, strict=True)}
 
-    def outcome(self, places: Array) -> Outcome:
+    def outcome(self, places: Array) -> Residuals:
         """Return residuals and figures of the fitted points."""
         if self._last is None or self._last[0] != places.tobytes():
             self._last = places.tobytes(), self._outcome(places)
         return self._last[1]
 
-    def _outcome(self, places: Array) -> Outcome:
+    def _outcome(self, places: Array) -> Residuals:
         values = self.values(places)
         found = [self.solved(point, values) for point in self.points]
         every = [
@@ -90,12 +90,12 @@ class Objective:
         held = [self.fit.parameters[i] for i in self.fit.held]
         off = [each.prior.off(values[each.path]) for each in held if each.prior is not None]
         residuals += (self.fit.whitener @ off).tolist() if self.fit.together else off
-        why = {point.name: why_not(point, result) for point, result in zip(self.points, found, strict=True)}
+        why = {point.name: missing_reason(point, result) for point, result in zip(self.points, found, strict=True)}
         reasons = {name: reason for name, reason in why.items() if reason}
         pairs = zip(self.points, found, strict=True)
         warned = {point.name: result.warnings for point, result in pairs if result.warnings}
         figures = tuple(result.performance for result in found)
-        outcome = Outcome(np.array(residuals), figures, reasons, np.array(unsolved, bool), warned)
+        outcome = Residuals(np.array(residuals), figures, reasons, np.array(unsolved, bool), warned)
         cost = float(np.sum(outcome.residuals**2))
         if self.best is None or cost < self.best[0]:
             self.best = cost, np.array(places), outcome
@@ -107,8 +107,8 @@ class Objective:
 
     def solved(self, point: Point, values: Mapping[str, float]) -> Result:
         """Return the result of one point."""
-        simulate = self.simulate or self._warm.setdefault(point.name, Warm())
-        result = closed(self.fit.at(point, values), simulate)
+        simulate = self.simulate or self._warm.setdefault(point.name, WarmSimulation())
+        result = simulated_if_valid(self.fit.at(point, values), simulate)
         self.solutions += 1
         if result.status != "ok":
             self.failed += 1
@@ -149,7 +149,7 @@ class Objective:
         solved = np.array([figures.get(name) is not None for name in names])
         if not solved.any():
             return np.zeros((len(names), len(places)))
-        exact = self._exact(point, values) if self.fit.slopes == EXACT else Found({}, {}, ASKED)
+        exact = self._exact(point, values) if self.fit.slopes == EXACT else SceneDerivatives({}, {}, EXACT_OPTION)
         columns = []
         for index, each in enumerate(self.fit.parameters):
             column, why = exact_column(each, values[each.path], point, exact)
@@ -159,19 +159,19 @@ class Objective:
             columns.append(np.where(solved, column, 0.0))
         return np.column_stack(columns) if columns else np.zeros((len(names), 0))
 
-    def _exact(self, point: Point, values: Mapping[str, float]) -> Found:
+    def _exact(self, point: Point, values: Mapping[str, float]) -> SceneDerivatives:
         """Return the exact derivatives of a point's figures by the paths that the parameters set."""
         scene = self.fit.at(point, values)
         self.solutions += 1
         self.exact += 1
-        return found(scene, self.fit.changes(values), QUICK)
+        return scene_derivatives(scene, self.fit.changes(values), QUICK)
 
     def _differences(self, point: Point, places: Array, index: int, here: Figures, sides: int) -> Array:
         """Return the slopes of a point's residuals over one place; zero where there is no second solution."""
         known = [(float(places[index]), here)]
         for sign in (1.0, -1.0) if places[index] < 0.5 else (-1.0, 1.0):
             moved = np.array(places)
-            moved[index] += sign * STEP
+            moved[index] += sign * DIFFERENCE_STEP
             if 0.0 <= moved[index] <= 1.0 and len(known) <= sides:
                 known.append((float(moved[index]), self.solved(point, self.values(moved)).performance))
         column = np.zeros(len(point.measured))
@@ -182,14 +182,14 @@ class Objective:
         return column
 
 
-def _residual(value: float | None, measured: Measured) -> float:
+def _residual(value: float | None, measured: Measurement) -> float:
     """Return by how many uncertainties a figure is off; more than any other for one without a solution."""
     if value is None:
-        return max(PENALTY, BEYOND * abs(measured.value) / measured.uncertainty)
+        return max(PENALTY, PENALTY_FACTOR * abs(measured.value) / measured.uncertainty)
     return (value - measured.value) / measured.uncertainty
 
 
-def exact_column(parameter: Parameter, value: float, point: Point, exact: Found) -> tuple[Array | None, str]:
+def exact_column(parameter: Parameter, value: float, point: Point, exact: SceneDerivatives) -> tuple[Array | None, str]:
     """Return the slopes of a point's residuals over the place of a parameter, or None and why they are not exact."""
     if exact.why:
         return None, exact.why
@@ -206,6 +206,6 @@ def exact_column(parameter: Parameter, value: float, point: Point, exact: Found)
     return total, ""
 
 
-def why_not(point: Point, result: Result) -> str:
+def missing_reason(point: Point, result: Result) -> str:
     """Return why a point lacks figures; empty when it has them all."""
     return result.told if result.status != "ok" else "; ".join(result.lacks(point.measured))

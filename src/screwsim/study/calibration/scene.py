@@ -11,10 +11,10 @@ from screwsim.scene.write import quoted
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.inputs import shown_value
 
-DIGITS = 7  # of a fitted value: far below its error
+VALUE_DIGITS = 7  # of a fitted value: far below its error
 
 
-BEGINS = "# Fitted by: screwsim calibrate"  # start of a scene that a calibration wrote
+FIRST_LINE = "# Fitted by: screwsim calibrate"  # start of a scene that a calibration wrote
 
 
 def fitted_text(found: Calibration, folder: Path) -> str:
@@ -26,10 +26,10 @@ def fitted_text(found: Calibration, folder: Path) -> str:
         *above, last = keys(path)
         for name in above:
             node = node.setdefault(name, {})
-        node[last] = shown_value(fit.scene, path, value, DIGITS).replace("°C", "degC")
+        node[last] = shown_value(fit.scene, path, value, VALUE_DIGITS).replace("°C", "degC")
     title = fit.title or fit.scene.title
     lines = [
-        f"{BEGINS} {os.path.basename(fit.name)}; {told(found)}.",
+        f"{FIRST_LINE} {os.path.basename(fit.name)}; {quality_in_words(found)}.",
         f"title: {quoted(f'{title}, fitted' if title else 'fitted')}",
         f"base: {quoted(_relative(fit.scene_file, folder))}",
         *lines_of(tree),
@@ -37,7 +37,7 @@ def fitted_text(found: Calibration, folder: Path) -> str:
     return "\n".join(lines) + "\n"
 
 
-def told(found: Calibration) -> str:
+def quality_in_words(found: Calibration) -> str:
     """Return the quality of the fit, in a few words."""
     fitted = sum(point.fitted for point in found.fit.points)
     text = f"chi squared {found.chi_squared:.3g} with {found.freedom} degrees of freedom, {fitted} points"

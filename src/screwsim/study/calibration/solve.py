@@ -13,14 +13,14 @@ import numpy as np
 from screwsim.outputs import Figures
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_text, with_values
-from screwsim.study.calibration.descent import descend
-from screwsim.study.calibration.fit import DIFFERENCES, EXACT, TOLERANCE, Fit, Measured, Point
-from screwsim.study.calibration.judge import Certainty, borders, certainty
-from screwsim.study.calibration.residuals import Array, Objective, Outcome, Simulate, why_not
-from screwsim.study.each import each
+from screwsim.study.calibration.descent import least_squares
+from screwsim.study.calibration.fit import DIFFERENCES, EXACT, TOLERANCE_REMEDY, Fit, Measurement, Point
+from screwsim.study.calibration.identifiability import Certainty, active_bounds, certainty
+from screwsim.study.calibration.residuals import Array, Objective, Residuals, Simulate, missing_reason
 from screwsim.study.inputs import shown_value
+from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
-from screwsim.study.workers import DIED
+from screwsim.study.workers import WORKER_DIED
 
 PROBABILITY = 0.6827  # of the joint region of the free parameters within which fits count as equally good
 MOST_STEPS = 40  # steps per round of a start
@@ -42,12 +42,12 @@ class Start:
 
 
 @dataclass(frozen=True)
-class Compared:
+class ComparedMeasurement:
     """A measured figure beside the computed one [SI]; None where the point has no solution."""
 
     point: Point
     figure: str
-    measured: Measured
+    measured: Measurement
     ours: float | None
 
     @property
@@ -70,7 +70,7 @@ class Calibration(Brief):
     freedom: int
     margin: float  # of chi², within which a fit is equally good
     as_good: tuple[int, ...]  # numbers of the starts
-    compared: tuple[Compared, ...]
+    compared: tuple[ComparedMeasurement, ...]
     reasons: dict[str, str]  # of points without a solution
     solutions: int
     failed: int
@@ -100,7 +100,7 @@ class Calibration(Brief):
             border = known.border[i] if known is not None else ""
             prior = self.fit.parameters[i].prior
             beside = [f"at the {border} bound"] if border else []
-            beside += [TOLERANCE] if prior is not None and prior.of_scene else []
+            beside += [TOLERANCE_REMEDY] if prior is not None and prior.of_scene else []
             rows.append((path, shown_value(scene, path, value), told, ", ".join(beside)))
         left = "" if self.chi_squared is None else f"; chi² {self.chi_squared:.4g} of {self.freedom} degrees of freedom"
         heading = f"Calibration: {self.status}{left}; {len(self.fit.points)} points, {len(self.starts)} starts"
@@ -108,7 +108,7 @@ class Calibration(Brief):
         return About(heading, notes, ("parameter", "value", "standard error", ""), rows)
 
 
-def first_places(fit: Fit) -> Array:
+def start_places(fit: Fit) -> Array:
     """Return the places where the starts begin (starts, parameters): the stated values, then a Latin hypercube."""
     from scipy.stats import qmc
 
@@ -120,7 +120,7 @@ def first_places(fit: Fit) -> Array:
     return np.vstack([first, cube.random(fit.starts - 1)])
 
 
-def cost_told(fit: Fit) -> str:
+def cost_in_words(fit: Fit) -> str:
     """Return in a line the approximate number of solutions, for one to three Jacobians, and how to need fewer."""
     points = sum(point.fitted for point in fit.points)
     jacobian = points * (2 if fit.slopes == EXACT else 2 * len(fit.parameters) + 1)
@@ -139,7 +139,7 @@ def calibrate(
     The scene's tolerance is the prior of a parameter for which the fit states none.
     """
     fit = fit.with_priors()
-    places = first_places(fit)
+    places = start_places(fit)
     if simulate is None:
         from screwsim.simulate import warm_up
 
@@ -149,28 +149,30 @@ def calibrate(
     answers: dict[int, Start] = {}
     with TemporaryDirectory(prefix="screwsim-") as folder:
         try:
-            each(
+            parallel_map(
                 partial(run_start, fit, places, simulate, folder),
                 len(places),
-                died=lambda number: _lost(places[number], DIED),
+                died=lambda number: _failed_start(places[number], WORKER_DIED),
                 jobs=jobs,
                 failed=lambda start: start.status == "failed",
                 progress=progress,
                 answers=answers,
             )
         except KeyboardInterrupt:
-            answers |= _unfinished(places, Path(folder), answers)
+            answers |= _interrupted_starts(places, Path(folder), answers)
             if not answers:
                 raise
-            return _judged(fit, [answers[number] for number in sorted(answers)], simulate, interrupted=True)
+            return _calibration_of_starts(
+                fit, [answers[number] for number in sorted(answers)], simulate, interrupted=True
+            )
     starts = [answers[number] for number in sorted(answers)]
     try:
-        return _judged(fit, starts, simulate)
+        return _calibration_of_starts(fit, starts, simulate)
     except KeyboardInterrupt:  # while the best end is being confirmed
-        return _judged(fit, starts, simulate, interrupted=True)
+        return _calibration_of_starts(fit, starts, simulate, interrupted=True)
 
 
-def _unfinished(places: Array, folder: Path, known: Mapping[int, Start]) -> dict[int, Start]:
+def _interrupted_starts(places: Array, folder: Path, known: Mapping[int, Start]) -> dict[int, Start]:
     """Return the best results so far of interrupted starts."""
     found = {}
     for number in range(len(places)):
@@ -189,7 +191,7 @@ def run_start(fit: Fit, places: Array, simulate: Simulate | None, folder: str, n
     asked = Objective(fit, simulate, Path(folder) / f"{number}.json")
     first = asked.outcome(began)
     if np.all(first.unsolved[: sum(len(point.measured) for point in asked.points)]):
-        return _lost(began, next(iter(first.reasons.values())), asked)
+        return _failed_start(began, next(iter(first.reasons.values())), asked)
     if _search(asked, began, confirmed=False):
         return _start(asked, began, "ok", "")
     return _start(asked, began, "not converged", f"no minimum within {MOST_STEPS} steps")
@@ -205,7 +207,7 @@ def _search(asked: Objective, began: Array, confirmed: bool) -> bool:
     places, converged = began, False
     for _ in range(MOST_ROUNDS):
         without = asked.outcome(places).unsolved
-        places, converged = descend(
+        places, converged = least_squares(
             lambda u, without=without: np.where(without, 0.0, asked.outcome(u).residuals),
             lambda u, without=without: np.where(without[:, None], 0.0, asked.slopes(u, 1 + confirmed)),
             places,
@@ -225,13 +227,15 @@ def _start(asked: Objective, began: Array, status: str, message: str) -> Start:
     return Start(status, message, tuple(map(float, began)), ends, cost, *counts)
 
 
-def _lost(began: Array, reason: str, asked: Objective | None = None) -> Start:
+def _failed_start(began: Array, reason: str, asked: Objective | None = None) -> Start:
     counts = () if asked is None else (asked.solutions, asked.failed, asked.jacobians)
     where = tuple(map(float, began))
     return Start("failed", reason, where, where, float("inf"), *counts)
 
 
-def _judged(fit: Fit, starts: Sequence[Start], simulate: Simulate | None, interrupted: bool = False) -> Calibration:
+def _calibration_of_starts(
+    fit: Fit, starts: Sequence[Start], simulate: Simulate | None, interrupted: bool = False
+) -> Calibration:
     """Return the answer from the results of the starts."""
     counts: dict[str, Any] = {
         "solutions": sum(start.solutions for start in starts),
@@ -255,7 +259,7 @@ def _judged(fit: Fit, starts: Sequence[Start], simulate: Simulate | None, interr
     outcome = asked.outcome(places)
     values = asked.values(places)
     compared, reasons, warned = _compared(asked, outcome, values)
-    free = sum(not border for border in borders(places))
+    free = sum(not border for border in active_bounds(places))
     freedom = int(np.sum(~outcome.unsolved)) - free
     margin = _margin(free, outcome.chi_squared, freedom)
     as_good = tuple(
@@ -280,7 +284,7 @@ def _margin(free: int, chi_squared: float, freedom: int) -> float:
     return float(chi2.ppf(PROBABILITY, free)) * max(1.0, chi_squared / freedom if freedom > 0 else 1.0)
 
 
-def _message(outcome: Outcome, best: Start, interrupted: bool, count: int) -> str:
+def _message(outcome: Residuals, best: Start, interrupted: bool, count: int) -> str:
     parts = [f"interrupted; the best so far of {count} starts"] if interrupted else []
     if outcome.reasons:
         name, reason = next(iter(outcome.reasons.items()))
@@ -291,8 +295,8 @@ def _message(outcome: Outcome, best: Start, interrupted: bool, count: int) -> st
 
 
 def _compared(
-    asked: Objective, outcome: Outcome, values: dict[str, float]
-) -> tuple[tuple[Compared, ...], dict[str, str], dict[str, tuple[str, ...]]]:
+    asked: Objective, outcome: Residuals, values: dict[str, float]
+) -> tuple[tuple[ComparedMeasurement, ...], dict[str, str], dict[str, tuple[str, ...]]]:
     """Return every measured figure beside the computed one, also at points not fitted, with reasons and warnings."""
     fitted = dict(zip((point.name for point in asked.points), outcome.figures, strict=True))
     compared, reasons, warned = [], dict(outcome.reasons), dict(outcome.warnings)
@@ -302,8 +306,8 @@ def _compared(
         else:
             result = asked.solved(point, values)
             figures: Figures = result.performance
-            reason = why_not(point, result)
+            reason = missing_reason(point, result)
             reasons |= {point.name: reason} if reason else {}
             warned |= {point.name: result.warnings} if result.warnings else {}
-        compared += [Compared(point, name, each, figures.get(name)) for name, each in point.measured.items()]
+        compared += [ComparedMeasurement(point, name, each, figures.get(name)) for name, each in point.measured.items()]
     return tuple(compared), reasons, warned

@@ -18,11 +18,11 @@ __all__ = ["Sheet", "sheet_of"]
 
 BY_TEMPERATURE, BY_PRESSURE = ("--evaporating", "--condensing"), ("--suction", "--discharge")
 REFRIGERATES, STATES = "a refrigeration machine", "a machine whose lines are stated by pressures"
-PACKAGE = "an air package"
-BELONGS = (
+AIR_PACKAGE = "an air package"
+OPTIONS_BY_KIND = (
     dict.fromkeys((*BY_TEMPERATURE, "--limit", "--heating"), REFRIGERATES)
     | dict.fromkeys(BY_PRESSURE, STATES)
-    | {"--profile": PACKAGE}
+    | {"--profile": AIR_PACKAGE}
 )
 FIGURES = ("gas_mass_flow", "cooling_capacity", "shaft_power", "electrical_power", "cop", "specific_power")
 
@@ -50,11 +50,11 @@ def sheet_of(
     """
     given = (evaporating, condensing, suction, discharge)
     ranges = dict(zip((*BY_TEMPERATURE, *BY_PRESSURE), given, strict=True))
-    sheet = _sheet(scene, ranges, limits, heating, profile, jobs, progress)
-    return _with_uncertainty(scene, sheet) if scene.uncertain or scene.model_error else sheet
+    sheet = _sheet_of_kind(scene, ranges, limits, heating, profile, jobs, progress)
+    return _sheet_with_uncertainty(scene, sheet) if scene.uncertain or scene.model_error else sheet
 
 
-def _with_uncertainty(scene: Scene, sheet: Sheet) -> Sheet:
+def _sheet_with_uncertainty(scene: Scene, sheet: Sheet) -> Sheet:
     """Return a sheet with the uncertainties of the scene's own point, each part by itself."""
     from screwsim.simulate import simulate
     from screwsim.study.uncertain import with_uncertainty
@@ -63,12 +63,12 @@ def _with_uncertainty(scene: Scene, sheet: Sheet) -> Sheet:
     if result.status != "ok":
         return replace(sheet, lines=[*sheet.lines, ("uncertain", f"not known: {result.told}")])
     told, model = result.uncertainty, result.uncertainty.get("model", {})
-    lines = [("uncertain", _by_inputs(result, told["figures"]))] if "figures" in told else []
-    lines += [("model", _by_model(result, model))] if model else []
+    lines = [("uncertain", _input_uncertainties(result, told["figures"]))] if "figures" in told else []
+    lines += [("model", _model_uncertainty(result, model))] if model else []
     return replace(sheet, lines=[*sheet.lines, *lines], document={**sheet.document, "uncertainty": told})
 
 
-def _by_inputs(result: Result, figures: Mapping[str, Any]) -> str:
+def _input_uncertainties(result: Result, figures: Mapping[str, Any]) -> str:
     parts = [
         f"{shown_name(name)} ± {100.0 * figures[name]['expanded'] / abs(result.performance[name]):.2g} %"
         for name in FIGURES
@@ -78,7 +78,7 @@ def _by_inputs(result: Result, figures: Mapping[str, Any]) -> str:
     return f"{', '.join(parts)} {told}" if parts else "nothing is known for these figures"
 
 
-def _by_model(result: Result, model: Mapping[str, Any]) -> str:
+def _model_uncertainty(result: Result, model: Mapping[str, Any]) -> str:
     """Return the interval of the model error, in points for efficiencies, relative to their size for other figures."""
     parts = []
     for name, each in model["figures"].items():
@@ -90,7 +90,7 @@ def _by_model(result: Result, model: Mapping[str, Any]) -> str:
     return f"computed less measured, {', '.join(parts) or 'no figure of this scene'} by validate {model['of']}{outside}"
 
 
-def _sheet(
+def _sheet_of_kind(
     scene: Scene,
     ranges: Mapping[str, str | None],
     limits: Sequence[str],
@@ -104,12 +104,12 @@ def _sheet(
         from screwsim.study.datasheet.air_sheet import air_sheet
         from screwsim.study.datasheet.air_year import read_profile
 
-        _refuse(
+        _refuse_unused_options(
             {**ranges, "--limit": tuple(limits) or None, "--heating": heating or None}, "the scene is an air package"
         )
         demands = () if profile is None else read_profile(profile)
         return air_sheet(scene, air_rating(scene), demands)
-    _refuse({"--profile": profile}, "the scene is not one")
+    _refuse_unused_options({"--profile": profile}, "the scene is not one")
     from screwsim.study.datasheet import gas
     from screwsim.study.datasheet.bounds import limits_of
     from screwsim.study.datasheet.rated import rating
@@ -118,22 +118,22 @@ def _sheet(
     operation = scene.operation
     states_lines = operation.condensing_temperature is not None or operation.gas_cooler is not None
     if states_lines and not scene.machine.expands:
-        from screwsim.study.datasheet.refrigeration_sheet import asked_of, refrigeration_sheet
+        from screwsim.study.datasheet.refrigeration_sheet import rating_request, refrigeration_sheet
 
-        _refuse({name: ranges[name] for name in BY_PRESSURE}, "the scene states saturation temperatures")
-        asked = asked_of(scene, ranges["--evaporating"], ranges["--condensing"], bounds)
+        _refuse_unused_options({name: ranges[name] for name in BY_PRESSURE}, "the scene states saturation temperatures")
+        asked = rating_request(scene, ranges["--evaporating"], ranges["--condensing"], bounds)
         return refrigeration_sheet(rating(asked, jobs, progress), heating)
     from screwsim.study.datasheet.gas_sheet import gas_sheet
 
     options = gas.options_of(scene)
     stated = "pressures" if "--suction" in options else "saturation temperatures"
     unused: dict[str, Any] = {name: text for name, text in ranges.items() if name not in options}
-    _refuse({**unused, "--heating": heating or None}, f"the scene states {stated}")
-    return gas_sheet(rating(gas.asked_of(scene, ranges, bounds), jobs, progress))
+    _refuse_unused_options({**unused, "--heating": heating or None}, f"the scene states {stated}")
+    return gas_sheet(rating(gas.rating_request(scene, ranges, bounds), jobs, progress))
 
 
-def _refuse(given: Mapping[str, Any], why: str) -> None:
+def _refuse_unused_options(given: Mapping[str, Any], why: str) -> None:
     """Raise UsageError where an option is given that the scene has no use for."""
     wrong = next((option for option, value in given.items() if value is not None), None)
     if wrong is not None:
-        raise UsageError(f"{wrong}: belongs to {BELONGS[wrong]}, and {why} (remove it)")
+        raise UsageError(f"{wrong}: belongs to {OPTIONS_BY_KIND[wrong]}, and {why} (remove it)")

@@ -21,7 +21,7 @@ from screwsim.scene.lines import lines
 from screwsim.simulate import simulate_many
 
 SPEED, STATE = "operation.speed", "effects.air_package.state"
-NEAR = 0.01  # of full flow, tolerance within which a load is met
+LOAD_TOLERANCE = 0.01  # of full flow, tolerance within which a load is met
 EFFICIENCY = "package_isentropic_efficiency"
 
 
@@ -86,10 +86,10 @@ def rating(scene: Scene) -> Rating:
     package, variable = scene.effects["air_package"].parameters, SPEED in scene.sweep
     base = replace(scene, sweep={}, joints=())
     speeds = sorted(scene.sweep.get(SPEED, (scene.operation.speed,)), reverse=True)
-    points = _solved(base, speeds)
+    points = _rated_points(base, speeds)
     idle = None
     if package.unloaded is not None:
-        idle = _solved(with_values(base, {STATE: UNLOADED}), speeds[-1:])[0]
+        idle = _rated_points(with_values(base, {STATE: UNLOADED}), speeds[-1:])[0]
     coolant = "liquid" if package.fan is None else "air"
     regulation = _regulation(base, points, variable, coolant) if points[0].flow > 0.0 else None
     return Rating(points, idle, regulation, variable, coolant)
@@ -109,7 +109,7 @@ def _check(scene: Scene) -> None:
         raise UsageError(f"datasheet: {STATE} is unloaded, but an unloaded package delivers nothing (write loaded)")
 
 
-def _solved(base: Scene, speeds: Sequence[float]) -> list[Point]:
+def _rated_points(base: Scene, speeds: Sequence[float]) -> list[Point]:
     results = simulate_many([with_values(base, {SPEED: float(speed)}) for speed in speeds], trace=False)
     return [Point(float(speed), result) for speed, result in zip(speeds, results, strict=True)]
 
@@ -143,8 +143,8 @@ def _loads(base: Scene, points: Sequence[Point]) -> tuple[list[tuple[float, floa
         return [], f"its lowest flow is {share:.0f} % of full flow, but the rating also needs {lowest:.0f} %"
     flows, speeds = (np.array(column) for column in zip(*good, strict=True))
     lower = [load for load in sorted(WEIGHTS, reverse=True) if load < 1.0]
-    found = _solved(base, [float(Pchip(flows, speeds)(load * full)) for load in lower])
+    found = _rated_points(base, [float(Pchip(flows, speeds)(load * full)) for load in lower])
     for load, point in zip(lower, found, strict=True):
-        if abs(point.flow - load * full) > NEAR * full:
+        if abs(point.flow - load * full) > LOAD_TOLERANCE * full:
             return [], f"no speed was found that gives {load:.0%} of full flow (more speeds in the sweep)"
     return [(1.0, _efficiency(points[0])), *zip(lower, map(_efficiency, found), strict=True)], ""

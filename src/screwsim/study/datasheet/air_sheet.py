@@ -6,30 +6,30 @@ from typing import Any
 from screwsim.effects.air_package import FREE_AIR
 from screwsim.effects.parts.rating import CFM, PSI, WEIGHTS
 from screwsim.figures.engineering import quantity
-from screwsim.outputs.customary import raised
+from screwsim.outputs.customary import with_printed_units
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet.air_rating import EFFICIENCY, Point, Rating, Regulation
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.bounds import motor_of
-from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, told
+from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, warning_lines
 
-INLET = 1e5, 293.15  # Pa, K
+REFERENCE_INLET = 1e5, 293.15  # Pa, K
 KW, MINUTE, HOUR, RPM = 1e3, 60.0, 3600.0, 0.10471975511965977  # W, s, s, rad/s
 POWER, SPECIFIC = "package_input_power", "package_specific_power"
 SEPARATED, COOLED, PACKAGE_VAPOUR = "condensate_flow", "aftercooler_condensate_flow", "package_vapour_flow"
 HEADS = ("rpm", "m³/min", "acfm", "% of full", "kW", "kW/ (m³/min)", "kW/ 100 acfm", "isentropic %")
-KEPT = (
+DOCUMENT_FIGURES = (
     FREE_AIR, POWER, SPECIFIC, EFFICIENCY, "shaft_power", "electrical_power", "fan_power", "discharge_pressure",
     "intake_pressure", "package_discharge_temperature", "package_heat", "oil_cooler_duty", "aftercooler_duty",
     "humidity_ratio", "pressure_dew_point", "package_dew_point", "water_flow", SEPARATED, COOLED, PACKAGE_VAPOUR,
 )  # fmt: skip
-HUMID = (
+HUMID_FIGURES = (
     "rated with humid air: free air delivery includes the water that condensed on the way, as volume at inlet "
     "humidity; data sheets are compared for dry air"
 )
-MEANT = "computed, not measured: no tolerance of ISO 1217 applies, and no third party verified it"
+DISCLAIMER = "computed, not measured: no tolerance of ISO 1217 applies, and no third party verified it"
 
 
 def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sheet:
@@ -43,7 +43,7 @@ def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sh
     every = [*rated.points, *([] if rated.unloaded is None else [rated.unloaded])]
     return Sheet(
         heading="Air package, rating by ISO 1217",
-        title=raised(scene.title),
+        title=with_printed_units(scene.title),
         lines=list(_lines(scene, rated)),
         tables=[Table("Points", HEADS, rows), *([year_table(rated, shares)] if shares else [])],
         verdict=_verdict(rated.regulation),
@@ -156,20 +156,20 @@ def _verdict(found: Regulation | None) -> tuple[str, str, bool | None] | None:
 
 def _notes(scene: Scene, points: list[Point]) -> Iterator[str]:
     at = lines(scene)
-    if abs(at.p_s - INLET[0]) > 1e-3 * INLET[0] or abs(at.T_s - INLET[1]) > 0.1:
+    if abs(at.p_s - REFERENCE_INLET[0]) > 1e-3 * REFERENCE_INLET[0] or abs(at.T_s - REFERENCE_INLET[1]) > 0.1:
         yield "rated at an inlet other than the 1 bar and 20 °C at which data sheets are compared"
     if scene.gas.relative_humidity:
-        yield HUMID
+        yield HUMID_FIGURES
     for point in points:
         if not point.ok:
             yield f"{point.speed / RPM:.0f} rpm: {point.result.told}"
-    yield from told([(f"{point.speed / RPM:.0f} rpm", point.result.warnings) for point in points])
-    yield MEANT
+    yield from warning_lines([(f"{point.speed / RPM:.0f} rpm", point.result.warnings) for point in points])
+    yield DISCLAIMER
 
 
 def _figures(point: Point) -> dict[str, Any]:
     found = point.result.performance
-    kept = {name: found[name] for name in KEPT if name in found}
+    kept = {name: found[name] for name in DOCUMENT_FIGURES if name in found}
     said = {"status": point.result.status, "message": point.result.message, "warnings": list(point.result.warnings)}
     return {"speed": point.speed, **said, **kept}
 

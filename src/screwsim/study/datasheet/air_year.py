@@ -12,7 +12,7 @@ import numpy as np
 
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.sheets import read_sheet, usable
+from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
 from screwsim.numerics.pchip import Pchip
 from screwsim.scene.units import NUMBER, Refused, parse_quantity
 from screwsim.study.datasheet.air_rating import Point, Rating
@@ -20,7 +20,7 @@ from screwsim.study.datasheet.sheet import Table
 
 POWER, OPTION = "package_input_power", "--profile"
 MINUTE, HOUR, KWH, WHOLE = 60.0, 3600.0, 3.6e6, 8760.0  # s, s, J, h
-NEAR = 1e-3  # of full flow: excess of a demand that still counts as met
+DEMAND_TOLERANCE = 1e-3  # of full flow: excess of a demand that still counts as met
 _FLOW = re.compile(r"flow\s*\[([^\]]+)\]")
 _EXAMPLE = "a first line 'flow [m^3/min], hours', then e.g. '6.5, 2000'"
 
@@ -32,7 +32,7 @@ class Demand(NamedTuple):
     hours: float
 
 
-class Share(NamedTuple):
+class DemandShare(NamedTuple):
     """A demand, the flow [m³/s] delivered for it, the mean power [W] and the share of the time on load."""
 
     demand: Demand
@@ -54,7 +54,7 @@ class Share(NamedTuple):
 def read_profile(name: str) -> tuple[Demand, ...]:
     """Return the demands of a CSV file; raise UsageError in one line."""
     where = f"{OPTION} {name}"
-    with usable(f"name a CSV file: {_EXAMPLE}", where):
+    with sheet_or_usage_error(f"name a CSV file: {_EXAMPLE}", where):
         sheet = read_sheet(name)
     heads = [_FLOW.fullmatch(text) for text in sheet.names]
     flow = next((i for i, match in enumerate(heads) if match), None)
@@ -80,7 +80,7 @@ def read_profile(name: str) -> tuple[Demand, ...]:
     return tuple(found)
 
 
-def year(rated: Rating, demands: Sequence[Demand]) -> tuple[Share, ...]:
+def year(rated: Rating, demands: Sequence[Demand]) -> tuple[DemandShare, ...]:
     """Return the power of a rated package for each demand (M470); raise UsageError where a point is not known."""
     points = sorted((point for point in rated.points if point.flow > 0.0), key=lambda point: point.flow)
     if not points or not rated.full.ok:
@@ -99,16 +99,16 @@ def _power(point: Point) -> float:
     return float(point.result.performance[POWER])
 
 
-def _share(points: Sequence[Point], curve: Pchip | None, idle: float, demand: Demand) -> Share:
+def _share(points: Sequence[Point], curve: Pchip | None, idle: float, demand: Demand) -> DemandShare:
     least, most = points[0], points[-1]
     given = min(demand.flow, most.flow)
     if given < least.flow:
         loaded = given / least.flow
-        return Share(demand, given, loaded * _power(least) + (1.0 - loaded) * idle, loaded)
-    return Share(demand, given, _power(most) if curve is None else float(curve(given)), 1.0)
+        return DemandShare(demand, given, loaded * _power(least) + (1.0 - loaded) * idle, loaded)
+    return DemandShare(demand, given, _power(most) if curve is None else float(curve(given)), 1.0)
 
 
-def year_table(rated: Rating, shares: Sequence[Share]) -> Table:
+def year_table(rated: Rating, shares: Sequence[DemandShare]) -> Table:
     """Return the table of a profile, with totals in its last row."""
     rows = [
         [*(f"{MINUTE * each.demand.flow:.2f}", f"{each.demand.hours:g}", f"{100.0 * each.loaded:.0f}"),
@@ -118,11 +118,11 @@ def year_table(rated: Rating, shares: Sequence[Share]) -> Table:
     hours, energy, volume = (sum(column) for column in zip(*map(_sums, shares), strict=True))
     mean = 1e-3 * energy / (hours * HOUR)
     rows.append(["all", f"{hours:g}", "", f"{mean:.1f}", f"{energy / KWH:.0f}", _specific(energy, volume)])
-    note = "; ".join(_told(rated, shares))
+    note = "; ".join(_notes(rated, shares))
     return Table("Energy over the profile", ("m³/min", "hours", "% on load", "mean kW", "kWh", "kWh/m³"), rows, note)
 
 
-def _sums(share: Share) -> tuple[float, float, float]:
+def _sums(share: DemandShare) -> tuple[float, float, float]:
     return share.demand.hours, share.energy, share.volume
 
 
@@ -130,9 +130,9 @@ def _specific(energy: float, volume: float) -> str:
     return f"{energy / KWH / volume:.4f}" if volume > 0.0 else ""
 
 
-def _told(rated: Rating, shares: Sequence[Share]) -> Iterator[str]:
+def _notes(rated: Rating, shares: Sequence[DemandShare]) -> Iterator[str]:
     full = rated.full.flow
-    missing = [each for each in shares if each.demand.flow > (1.0 + NEAR) * full]
+    missing = [each for each in shares if each.demand.flow > (1.0 + DEMAND_TOLERANCE) * full]
     if missing:
         hours = sum(each.demand.hours for each in missing)
         yield f"during {hours:g} h it delivers less than demanded, {MINUTE * full:.2f} m³/min"
@@ -143,7 +143,7 @@ def _told(rated: Rating, shares: Sequence[Share]) -> Iterator[str]:
             yield "below its lowest flow it loads and unloads; venting and refilling the separator are not counted"
 
 
-def year_document(shares: Sequence[Share]) -> dict[str, Any]:
+def year_document(shares: Sequence[DemandShare]) -> dict[str, Any]:
     """Return a profile for `--json`, in SI units; hours stay hours."""
     hours, energy, volume = (sum(column) for column in zip(*map(_sums, shares), strict=True))
     rows = [

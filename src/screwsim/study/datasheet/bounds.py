@@ -36,10 +36,10 @@ class Bound(NamedTuple):
     @property
     def words(self) -> str:
         """The limit as people write it."""
-        return f"{shown_name(self.figure)} {'<' if self.sign > 0 else '>'} {shown(self.figure, self.value)}"
+        return f"{shown_name(self.figure)} {'<' if self.sign > 0 else '>'} {limit_text(self.figure, self.value)}"
 
 
-def shown(figure: str, value: float) -> str:
+def limit_text(figure: str, value: float) -> str:
     """Return a figure [SI] as text with its customary unit, four digits; temperatures in °C."""
     about = declared(figure)
     if about.units == "K":
@@ -60,7 +60,7 @@ def limits_of(scene: Scene, texts: Sequence[str]) -> tuple[Bound, ...]:
     return tuple(found)
 
 
-class Reach(NamedTuple):
+class EnvelopeRange(NamedTuple):
     """Range of the axis down at a value of the axis across [SI], and what ends it on both sides."""
 
     at: float
@@ -74,7 +74,7 @@ def envelope(
     points: Mapping[tuple[int, int], Mapping[str, Any] | None],
     axes: tuple[Sequence[float], Sequence[float]],
     bounds: Sequence[Bound],
-) -> Iterator[Reach]:
+) -> Iterator[EnvelopeRange]:
     """Yield for each value across the longest run of points within all limits, with interpolated ends.
 
     `points` are figures by the indices on both axes, None where a point has none. Between a point within a limit and
@@ -83,17 +83,17 @@ def envelope(
     """
     for i, across in enumerate(axes[0]):
         column = [points[i, j] for j in range(len(axes[1]))]
-        inside = [found is not None and not beyond(found, bounds) for found in column]
+        inside = [found is not None and not exceeded_bounds(found, bounds) for found in column]
         runs = list(_runs(inside))
         if not runs:
             continue
         first, last = max(runs, key=lambda run: run[1] - run[0])
-        low, below = _end(column, axes[1], first, first - 1, bounds)
-        high, above = _end(column, axes[1], last, last + 1, bounds)
-        yield Reach(across, low, high, below, above)
+        low, below = _run_end(column, axes[1], first, first - 1, bounds)
+        high, above = _run_end(column, axes[1], last, last + 1, bounds)
+        yield EnvelopeRange(across, low, high, below, above)
 
 
-def beyond(found: Mapping[str, Any], bounds: Sequence[Bound]) -> list[Bound]:
+def exceeded_bounds(found: Mapping[str, Any], bounds: Sequence[Bound]) -> list[Bound]:
     """Return the limits that figures exceed, or for which they have no value."""
     return [bound for bound in bounds if not bound.excess(found) <= 0.0]
 
@@ -108,7 +108,7 @@ def _runs(inside: Sequence[bool]) -> Iterator[tuple[int, int]]:
             first = None
 
 
-def _end(
+def _run_end(
     column: Sequence[Mapping[str, Any] | None], values: Sequence[float], j: int, outside: int, bounds: Sequence[Bound]
 ) -> tuple[float, str]:
     """Return the end of a run whose last point is j, and its cause."""
@@ -119,7 +119,7 @@ def _end(
     if there is None:
         return values[j], "no result beyond"
     shares = {}
-    for bound in beyond(there, bounds):
+    for bound in exceeded_bounds(there, bounds):
         a, b = bound.excess(here), bound.excess(there)
         shares[bound.words] = -a / (b - a) if math.isfinite(b) and b > a else 0.0
     words = min(shares, key=lambda each: shares[each])

@@ -5,7 +5,7 @@ from typing import Any
 
 from screwsim.figures.engineering import quantity
 from screwsim.fluid import constants
-from screwsim.outputs.customary import raised
+from screwsim.outputs.customary import with_printed_units
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import EVAPORATING
@@ -17,7 +17,7 @@ from screwsim.study.datasheet.gas import ratio_at
 from screwsim.study.datasheet.rated import Rating, celsius, pressure_ratio
 from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
 from screwsim.study.datasheet.tables import DUTY, HOUR, KW, PERCENT, Column
-from screwsim.study.part_load import SPEED
+from screwsim.study.part_load import SPEED_PATH
 
 FLOW, DISCHARGE, ISENTROPIC, FILLING = (
     "gas_mass_flow",
@@ -25,28 +25,28 @@ FLOW, DISCHARGE, ISENTROPIC, FILLING = (
     "isentropic_efficiency",
     "filling_factor",
 )
-ELECTRICAL = "electrical_power", "electrical_isentropic_efficiency"
-KEPT = (
-    FLOW, "shaft_power", "output_power", *ELECTRICAL, ISENTROPIC, "volumetric_efficiency", FILLING, DISCHARGE,
+ELECTRICAL_FIGURES = "electrical_power", "electrical_isentropic_efficiency"
+DOCUMENT_FIGURES = (
+    FLOW, "shaft_power", "output_power", *ELECTRICAL_FIGURES, ISENTROPIC, "volumetric_efficiency", FILLING, DISCHARGE,
     "suction_pressure", "discharge_pressure", "pressure_ratio", "peak_pressure", DUTY, "oil_flow_volume",
     "oil_supply_temperature", "oil_flow_ratio", "separator_temperature",
 )  # fmt: skip
-PACKAGE = "a package with filter, cooler and fan is rated by ISO 1217 (name effects.air_package)"
-NORMAL = "Nm³/h: as an ideal gas at 0 °C and 1.01325 bar"
-MEANT = "computed, not measured: no tolerance of ISO 1217 applies, and no third party verified it"
+PACKAGE_REMEDY = "a package with filter, cooler and fan is rated by ISO 1217 (name effects.air_package)"
+NORMAL_CONDITIONS = "Nm³/h: as an ideal gas at 0 °C and 1.01325 bar"
+DISCLAIMER = "computed, not measured: no tolerance of ISO 1217 applies, and no third party verified it"
 
 
 def gas_sheet(rated: Rating) -> Sheet:
     """Return the sheet of a rating."""
     scene, expands = rated.asked.scene, _expands(rated)
-    heading = f"{'Expander' if expands else 'Gas compressor'}, rating by {' and '.join(_words(rated))}"
-    meant = MEANT.replace("of ISO 1217 ", "") if expands else MEANT
+    heading = f"{'Expander' if expands else 'Gas compressor'}, rating by {' and '.join(_axes_in_words(rated))}"
+    meant = DISCLAIMER.replace("of ISO 1217 ", "") if expands else DISCLAIMER
     notes = [*tables.notes_of(rated, _own_point(rated), meant)]
     if not expands:
-        notes[-1:-1] = [NORMAL, *([PACKAGE] if scene.gas.name.lower() == "air" else [])]
+        notes[-1:-1] = [NORMAL_CONDITIONS, *([PACKAGE_REMEDY] if scene.gas.name.lower() == "air" else [])]
     return Sheet(
         heading=heading,
-        title=raised(scene.title),
+        title=with_printed_units(scene.title),
         lines=list(_lines(rated)),
         tables=list(_tables(rated)),
         verdict=None,
@@ -125,7 +125,7 @@ def _columns(rated: Rating) -> tuple[Column, ...]:
     kw = tables.decimals_of(KW * abs(own.get("shaft_power") or 1e5))
     word = "electrical power" if electrical else "shaft power"
     what, sign = (f"{word} given" if expands else word), (-1.0 if expands else 1.0)
-    power, efficiency = ELECTRICAL if electrical else ("shaft_power", ISENTROPIC)
+    power, efficiency = ELECTRICAL_FIGURES if electrical else ("shaft_power", ISENTROPIC)
     if expands:
         filled = Column(FILLING, "Filling factor", 1.0, 3)
     else:
@@ -140,32 +140,32 @@ def _columns(rated: Rating) -> tuple[Column, ...]:
     if not expands:
         normal = normal_factor(scene)
         columns.append(Column(FLOW, "Flow [Nm³/h]", normal, tables.decimals_of(normal * flow / HOUR)))
-    if tables.cooled(scene):
+    if tables.is_oil_cooled(scene):
         columns.append(Column(DUTY, "Oil cooler duty [kW]", KW, kw))
     return tuple(columns)
 
 
 def _sides(rated: Rating) -> tuple[str, str]:
     asked, expands = rated.asked, _expands(rated)
-    across = "speed" if asked.across.path == SPEED else "inlet" if expands else "suction"
+    across = "speed" if asked.across.path == SPEED_PATH else "inlet" if expands else "suction"
     if asked.across.path == EVAPORATING:
         across = "evaporating"
     down = "outlet" if expands else "discharge"
     return across, "condensing" if asked.down.path.endswith("temperature") else down
 
 
-def _words(rated: Rating) -> Iterator[str]:
+def _axes_in_words(rated: Rating) -> Iterator[str]:
     """Yield the meaning of both axes, in words."""
     for axis, side in zip((rated.asked.across, rated.asked.down), _sides(rated), strict=True):
         kind = "temperature" if axis.path.endswith("temperature") else "pressure"
-        yield side if axis.path == SPEED else f"{side} {kind}"
+        yield side if axis.path == SPEED_PATH else f"{side} {kind}"
 
 
 def _tables(rated: Rating) -> Iterator[Table]:
     across, down = _sides(rated)
     columns = _columns(rated)
     yield from tables.tables_of(rated, columns, down)
-    yield from tables.envelope_table(rated, across, list(_words(rated))[1])
+    yield from tables.envelope_table(rated, across, list(_axes_in_words(rated))[1])
     if _expands(rated):
         return
     note = tables.part_load_note(
@@ -203,5 +203,5 @@ def _document(rated: Rating) -> dict[str, Any]:
         "inlet_temperature": lines(scene).T_s,
         "pressure_ratio": pressure_ratio(scene),
         "normal_volume": normal_factor(scene) / HOUR,  # m³ per kilogram at 0 °C and 1.01325 bar, as an ideal gas
-        **tables.document_of(rated, KEPT),
+        **tables.document_of(rated, DOCUMENT_FIGURES),
     }

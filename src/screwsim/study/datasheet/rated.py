@@ -17,12 +17,12 @@ from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.simulate import simulate_many
-from screwsim.study.datasheet.bounds import Bound, Reach, envelope
-from screwsim.study.each import each
+from screwsim.study.datasheet.bounds import Bound, EnvelopeRange, envelope
 from screwsim.study.inputs import ends_of, read_text, shown_value
-from screwsim.study.part_load import LOADS, REFRIGERATION, Aim, Control, PartLoad, part_load
+from screwsim.study.parallel import parallel_map
+from screwsim.study.part_load import LOADS, REFRIGERATION, Control, LoadFigures, PartLoad, part_load
 from screwsim.study.progress import Progress
-from screwsim.study.workers import DIED
+from screwsim.study.workers import WORKER_DIED
 
 LEAST_LIFT = 10.0  # [K]
 LEAST_RATIO = 1.2  # of pressures, below which no point is computed
@@ -35,7 +35,7 @@ class Axis(NamedTuple):
     values: tuple[float, ...]
 
 
-class Asked(NamedTuple):
+class RatingRequest(NamedTuple):
     """What is rated: a scene without a sweep, the axes across and down its tables, limits, controls."""
 
     scene: Scene
@@ -44,18 +44,18 @@ class Asked(NamedTuple):
     bounds: tuple[Bound, ...]
     controls: tuple[Control, ...]
     ratios: tuple[float, ...] = ()  # built-in volume ratios from which the best is found at each part load
-    aim: Aim = REFRIGERATION
+    aim: LoadFigures = REFRIGERATION
 
 
 @dataclass(frozen=True)
 class Rating:
     """Results: at the scene's own point, by the indices on both axes, of each control; and the envelope."""
 
-    asked: Asked
+    asked: RatingRequest
     own: Result
     points: dict[tuple[int, int], Result]
     loads: Sequence[PartLoad]
-    reach: Sequence[Reach]
+    reach: Sequence[EnvelopeRange]
 
     @property
     def ok(self) -> bool:
@@ -95,18 +95,20 @@ def read_range(base: Scene, path: str, text: str, option: str, example: str) -> 
     return first, last
 
 
-def spread(first: float, last: float, count: int) -> tuple[float, ...]:
+def evenly_spaced(first: float, last: float, count: int) -> tuple[float, ...]:
     """Return evenly spaced values from the first to the last."""
     return tuple(first + (last - first) * i / (count - 1) for i in range(count))
 
 
-def rating(asked: Asked, jobs: int | None = None, progress: Progress | None = None) -> Rating:
+def rating(asked: RatingRequest, jobs: int | None = None, progress: Progress | None = None) -> Rating:
     """Return the rating; columns of the table and controls are computed by `jobs` workers."""
     (own,) = simulate_many([asked.scene], trace=False)
     full = own.performance.get(asked.aim.load) if own.status == "ok" else None
     count, many = len(asked.across.values), len(asked.controls) if full else 0
-    work = partial(_part, asked, full)
-    found = each(work, count + many, died=partial(_died, asked, count), jobs=jobs, progress=progress)
+    work = partial(_rating_part, asked, full)
+    found = parallel_map(
+        work, count + many, died=partial(_part_of_dead_worker, asked, count), jobs=jobs, progress=progress
+    )
     columns, loads = [part.column for part in found[:count]], [part.load for part in found[count:]]
     points = {(i, j): result for i, column in enumerate(columns) for j, result in enumerate(column) if result}
     axes = asked.across.values, asked.down.values
@@ -119,25 +121,27 @@ def rating(asked: Asked, jobs: int | None = None, progress: Progress | None = No
     return Rating(asked, own, points, [load for load in loads if load is not None], reach)
 
 
-class _Part(NamedTuple):
+class _RatingPart(NamedTuple):
     """Part computed by one worker: a column of the table, or the results of a control."""
 
     column: Sequence[Result | None] = ()
     load: PartLoad | None = None
 
 
-def _part(asked: Asked, full: float | None, number: int) -> _Part:
+def _rating_part(asked: RatingRequest, full: float | None, number: int) -> _RatingPart:
     """Return a column by the index of its value; indices beyond the columns are those of controls."""
     count = len(asked.across.values)
     if number >= count:
-        return _Part(load=part_load(asked.scene, asked.controls[number - count], full, LOADS, asked.ratios, asked.aim))
+        return _RatingPart(
+            load=part_load(asked.scene, asked.controls[number - count], full, LOADS, asked.ratios, asked.aim)
+        )
     across = asked.across.values[number]
-    cases = [_case(asked, across, down) for down in asked.down.values]
+    cases = [_case_scene(asked, across, down) for down in asked.down.values]
     solved = simulate_many([case for case in cases if isinstance(case, Scene)], trace=False)
-    return _Part([next(solved) if isinstance(case, Scene) else case for case in cases])
+    return _RatingPart([next(solved) if isinstance(case, Scene) else case for case in cases])
 
 
-def _case(asked: Asked, across: float, down: float) -> Scene | Result | None:
+def _case_scene(asked: RatingRequest, across: float, down: float) -> Scene | Result | None:
     """Return the scene of a point; a failed result where it is invalid, None for too small a lift or pressure ratio."""
     values = {asked.across.path: across, asked.down.path: down}
     if asked.aim == REFRIGERATION and asked.down.path == CONDENSING and down - across < LEAST_LIFT:
@@ -155,11 +159,11 @@ def pressure_ratio(scene: Scene) -> float:
     return at.p_s / at.p_d if scene.machine.expands else at.p_d / at.p_s
 
 
-def _died(asked: Asked, count: int, number: int) -> _Part:
-    lost = Result("failed", message=DIED)
+def _part_of_dead_worker(asked: RatingRequest, count: int, number: int) -> _RatingPart:
+    lost = Result("failed", message=WORKER_DIED)
     if number >= count:
-        return _Part(load=PartLoad(asked.controls[number - count], (), (), DIED))
-    return _Part([lost] * len(asked.down.values))
+        return _RatingPart(load=PartLoad(asked.controls[number - count], (), (), WORKER_DIED))
+    return _RatingPart([lost] * len(asked.down.values))
 
 
 def celsius(T: float) -> float:

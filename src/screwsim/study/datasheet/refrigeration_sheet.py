@@ -9,33 +9,42 @@ from typing import Any
 
 from screwsim.figures.engineering import quantity
 from screwsim.fluid.composition import is_blend
-from screwsim.outputs.customary import raised
+from screwsim.outputs.customary import with_printed_units
 from screwsim.scene import Scene, value_at
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet import tables
 from screwsim.study.datasheet.bounds import Bound, motor_of
-from screwsim.study.datasheet.rated import Asked, Axis, Rating, celsius, faults_of, read_range, spread, without_sweep
+from screwsim.study.datasheet.rated import (
+    Axis,
+    Rating,
+    RatingRequest,
+    celsius,
+    evenly_spaced,
+    faults_of,
+    read_range,
+    without_sweep,
+)
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
 from screwsim.study.datasheet.tables import DUTY, HOUR, KW, Column
-from screwsim.study.part_load import ENDS, RATIO, controls, ratios
+from screwsim.study.part_load import CONTROL_ENDS, RATIO_PATH, controls, ratios
 
 CAPACITY, FLOW, DISCHARGE = "cooling_capacity", "gas_mass_flow", "discharge_temperature"
 HEATING, HEATING_COPS = "heating_capacity", ("heating_cop", "electrical_heating_cop")
 SHAFT, ELECTRICAL = ("shaft_power", "cop"), ("electrical_power", "electrical_cop")
-KILOWATTS = 1e5  # a capacity, where the scene's own point has none
-STEP = 5.0  # [K] between temperatures of a table
+DEFAULT_CAPACITY = 1e5  # a capacity, where the scene's own point has none
+TEMPERATURE_STEP = 5.0  # [K] between temperatures of a table
 BELOW, ABOVE = 15.0, 10.0  # [K] around the scene's own temperatures: default range of a table
-SHARES = (0.85, 0.9, 0.95, 1.0, 1.05, 1.1)  # of a gas cooler's pressure
-MOST = 12  # values per axis of a table
-KEPT = (
+PRESSURE_SHARES = (0.85, 0.9, 0.95, 1.0, 1.05, 1.1)  # of a gas cooler's pressure
+MOST_VALUES = 12  # values per axis of a table
+DOCUMENT_FIGURES = (
     CAPACITY, *SHAFT, *ELECTRICAL, HEATING, *HEATING_COPS, FLOW, DISCHARGE, "suction_pressure", "discharge_pressure",
     "volumetric_efficiency",
     "isentropic_efficiency", "peak_pressure", DUTY, "oil_flow_volume", "oil_supply_temperature", "oil_flow_ratio",
     "separator_temperature",
 )  # fmt: skip
-HIGHEST = DISCHARGE, "discharge_pressure", "shaft_power"
-MEANT = "computed, not measured: no tolerance of EN 12900 or AHRI 540 applies, and no third party verified it"
+PEAK_FIGURES = DISCHARGE, "discharge_pressure", "shaft_power"
+DISCLAIMER = "computed, not measured: no tolerance of EN 12900 or AHRI 540 applies, and no third party verified it"
 
 
 def refrigeration_sheet(rated: Rating, heating: bool = False) -> Sheet:
@@ -43,11 +52,11 @@ def refrigeration_sheet(rated: Rating, heating: bool = False) -> Sheet:
     scene = rated.asked.scene
     return Sheet(
         heading="Refrigeration compressor, rating by evaporating and condensing temperature",
-        title=raised(rated.asked.scene.title),
+        title=with_printed_units(rated.asked.scene.title),
         lines=list(_lines(rated, heating)),
         tables=list(tables_of(rated, heating)),
         verdict=None,
-        notes=list(tables.notes_of(rated, own_point(rated), MEANT)),
+        notes=list(tables.notes_of(rated, own_point(rated), DISCLAIMER)),
         drawings=list(_drawings(rated)),
         document={
             "kind": "refrigeration",
@@ -55,7 +64,7 @@ def refrigeration_sheet(rated: Rating, heating: bool = False) -> Sheet:
             "refrigerant": scene.gas.name,
             "superheat": scene.operation.superheat,
             "subcooling": scene.operation.subcooling,
-            **tables.document_of(rated, KEPT),
+            **tables.document_of(rated, DOCUMENT_FIGURES),
         },
         ok=rated.ok,
     )
@@ -77,7 +86,7 @@ def _lines(rated: Rating, heating: bool) -> Iterator[tuple[str, str]]:
         yield "heating", f"{capacity.cell(found)} kW from the condenser, without the oil cooler; COP {cop.cell(found)}"
     yield from tables.power_lines(scene, found)
     yield from tables.oil_line(scene, found)
-    yield from tables.limit_lines(rated, HIGHEST)
+    yield from tables.limit_lines(rated, PEAK_FIGURES)
     yield from tables.control_line(rated)
 
 
@@ -108,31 +117,40 @@ def _drawings(rated: Rating) -> Iterator[Drawing]:
         yield Drawing(title, "evaporating temperature [°C]", title, [Curve(x, y)])
 
 
-def asked_of(scene: Scene, evaporating: str | None, condensing: str | None, bounds: Sequence[Bound]) -> Asked:
+def rating_request(
+    scene: Scene, evaporating: str | None, condensing: str | None, bounds: Sequence[Bound]
+) -> RatingRequest:
     """Return what is rated of a scene; raise UsageError where it varies something else, or a range is invalid."""
     second = GAS_COOLER_P if scene.operation.gas_cooler is not None else CONDENSING
     over = f"{EVAPORATING}, {second} and controls of the capacity"
-    base = without_sweep(scene, {EVAPORATING, second, RATIO, *ENDS}, over)
+    base = without_sweep(scene, {EVAPORATING, second, RATIO_PATH, *CONTROL_ENDS}, over)
     axes = (
         _axis(scene, base, EVAPORATING, evaporating, "--evaporating"),
         _axis(scene, base, second, condensing, "--condensing"),
     )
-    return Asked(base, *axes, tuple(bounds), tuple(controls(scene)), ratios(scene))
+    return RatingRequest(base, *axes, tuple(bounds), tuple(controls(scene)), ratios(scene))
 
 
 def _axis(scene: Scene, base: Scene, path: str, text: str | None, option: str) -> Axis:
     if text is not None:
         example = "-10 degC..10 degC" if path != GAS_COOLER_P else "80 bar..110 bar"
         first, last = read_range(base, path, text, option, example)
-        count = len(SHARES) if path == GAS_COOLER_P else min(max(round((last - first) / STEP) + 1, 2), MOST)
-        return Axis(path, spread(first, last, count))
+        count = (
+            len(PRESSURE_SHARES)
+            if path == GAS_COOLER_P
+            else min(max(round((last - first) / TEMPERATURE_STEP) + 1, 2), MOST_VALUES)
+        )
+        return Axis(path, evenly_spaced(first, last, count))
     if path in scene.sweep:
         return Axis(path, tuple(sorted(map(float, scene.sweep[path]))))
     own = float(value_at(base, path))
     if path == GAS_COOLER_P:
-        return Axis(path, tuple(own * share for share in SHARES))
-    middle = STEP * round((own - ZERO_CELSIUS) / STEP) + ZERO_CELSIUS
-    values = [middle + STEP * i for i in range(-round(BELOW / STEP), round(ABOVE / STEP) + 1)]
+        return Axis(path, tuple(own * share for share in PRESSURE_SHARES))
+    middle = TEMPERATURE_STEP * round((own - ZERO_CELSIUS) / TEMPERATURE_STEP) + ZERO_CELSIUS
+    values = [
+        middle + TEMPERATURE_STEP * i
+        for i in range(-round(BELOW / TEMPERATURE_STEP), round(ABOVE / TEMPERATURE_STEP) + 1)
+    ]
     return Axis(path, tuple(value for value in values if not faults_of(base, {path: value})) or (own,))
 
 
@@ -149,11 +167,11 @@ def own_point(rated: Rating) -> str:
 def columns_of(rated: Rating) -> tuple[Column, ...]:
     """Return the columns with a table each: capacity, power, COP, flow, discharge temperature, oil cooler duty."""
     scene, own = rated.asked.scene, rated.own.performance
-    kw = tables.decimals_of(KW * (own.get(CAPACITY) or KILOWATTS))
+    kw = tables.decimals_of(KW * (own.get(CAPACITY) or DEFAULT_CAPACITY))
     flow = tables.decimals_of(HOUR * (own.get(FLOW) or 1.0))
     power, cop = ELECTRICAL if motor_of(scene) is not None else SHAFT
     word = "Electrical power" if power in ELECTRICAL else "Shaft power"
-    duty = (Column(DUTY, "Oil cooler duty [kW]", KW, kw),) if tables.cooled(scene) else ()
+    duty = (Column(DUTY, "Oil cooler duty [kW]", KW, kw),) if tables.is_oil_cooled(scene) else ()
     return (
         Column(CAPACITY, "Cooling capacity [kW]", KW, kw),
         Column(power, f"{word} [kW]", KW, kw),
@@ -166,7 +184,7 @@ def columns_of(rated: Rating) -> tuple[Column, ...]:
 
 def heating_columns(rated: Rating) -> tuple[Column, ...]:
     """Return the additional columns of a heat pump: heating capacity, and its COP on the same power."""
-    kw = tables.decimals_of(KW * (rated.own.performance.get(HEATING) or KILOWATTS))
+    kw = tables.decimals_of(KW * (rated.own.performance.get(HEATING) or DEFAULT_CAPACITY))
     motor = motor_of(rated.asked.scene) is not None
     word = "electrical" if motor else "shaft"
     return (

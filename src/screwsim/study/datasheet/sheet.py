@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from screwsim.results.warned import kind_of
+from screwsim.results.warning_kinds import kind_of
 
 COLUMNS, LETTERS = 7, 11  # limits of a table that leaves room for another one beside it
 
@@ -65,7 +65,7 @@ class Sheet:
     ok: bool = True
 
 
-def told(points: Sequence[tuple[str, Sequence[str]]]) -> Iterator[str]:
+def warning_lines(points: Sequence[tuple[str, Sequence[str]]]) -> Iterator[str]:
     """Yield the warnings of a sheet's points, (where, warnings) each; those that differ only by numbers once.
 
     The first of them is given, with its place unless it holds for every point, and the number of other points.

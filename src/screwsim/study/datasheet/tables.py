@@ -10,17 +10,17 @@ from screwsim.figures.engineering import quantity, shown_name
 from screwsim.outputs import Result
 from screwsim.scene import Scene
 from screwsim.scene.operation import CONDENSING
-from screwsim.study.datasheet.bounds import beyond, motor_of, shown
+from screwsim.study.datasheet.bounds import exceeded_bounds, limit_text, motor_of
 from screwsim.study.datasheet.rated import Axis, Rating, celsius
-from screwsim.study.datasheet.sheet import Curve, Drawing, Table, told
+from screwsim.study.datasheet.sheet import Curve, Drawing, Table, warning_lines
 from screwsim.study.inputs import shown_value
-from screwsim.study.part_load import PartLoad, Step
+from screwsim.study.part_load import LoadStep, PartLoad
 
 KW, HOUR, PERCENT = 1e-3, 3600.0, 100.0
 NONE, BLANK, MARK = "–", "\u00a0", "*"
 DUTY = "oil_cooler_duty"
 Lines = Iterator[tuple[str, str]]
-Place = tuple[int, int]  # indices on the axes across and down
+TablePlace = tuple[int, int]  # indices on the axes across and down
 
 
 class Column(NamedTuple):
@@ -77,7 +77,7 @@ def tables_of(rated: Rating, columns: Sequence[Column], side: str) -> Iterator[T
                 if result is None or result.status != "ok":
                     cells.append("" if result is None else NONE)
                     continue
-                out = bool(beyond(result.performance, asked.bounds))
+                out = bool(exceeded_bounds(result.performance, asked.bounds))
                 marked = marked or out
                 cells.append(column.cell(result.performance) + (MARK if out else BLANK))
             rows.append([shown_at(asked.down, value), *cells])
@@ -113,13 +113,13 @@ def envelope_table(rated: Rating, first: str, side: str) -> Iterator[Table]:
         return
     rows = []
     for each in rated.reach:
-        ends = (_end(asked.down, at) for at in (each.low, each.high))
+        ends = (_envelope_end(asked.down, at) for at in (each.low, each.high))
         rows.append([shown_at(asked.across, each.at), *ends, each.below, each.above])
     heads = (first, "from", "to", "lower end", "upper end")
     yield Table(f"Envelope: {side} within all limits", heads, rows)
 
 
-def _end(axis: Axis, value: float) -> str:
+def _envelope_end(axis: Axis, value: float) -> str:
     return f"{celsius(value):.1f} °C" if axis.path == CONDENSING else quantity("Pa", value)
 
 
@@ -130,10 +130,10 @@ def part_load_note(rated: Rating, load: str, best: str) -> str:
         return note
     within = f"{ratios[0]:.3g} … {ratios[-1]:.3g}"
     note = f"{note}; best Vi: machine.built_in_volume_ratio of the best {best} at that load, within {within}"
-    return f"{note}{_missed(rated)}"
+    return f"{note}{_missed_ratios(rated)}"
 
 
-def _missed(rated: Rating) -> str:
+def _missed_ratios(rated: Rating) -> str:
     """Return at which built-in volume ratios no best one was sought, and why; empty where there are none."""
     missed = {ratio: why for each in rated.loads for step in each.steps for ratio, why in step.missed.items()}
     if not missed:
@@ -144,7 +144,7 @@ def _missed(rated: Rating) -> str:
 
 
 def drawing(
-    rated: Rating, column: Column, x_label: str, by: str, rows: Sequence[tuple[str, Sequence[tuple[float, Place]]]]
+    rated: Rating, column: Column, x_label: str, by: str, rows: Sequence[tuple[str, Sequence[tuple[float, TablePlace]]]]
 ) -> Iterator[Drawing]:
     """Yield a drawing of a column, with one curve per row (name, [(x, place)]) of two points or more.
 
@@ -153,7 +153,7 @@ def drawing(
     curves = []
     for name, places in rows:
         known = [(x, rated.points[place]) for x, place in places if place in rated.points]
-        good = [(x, column.value(one.performance) or 0.0) for x, one in known if has(one, column)]
+        good = [(x, column.value(one.performance) or 0.0) for x, one in known if has_figure(one, column)]
         if len(good) > 1:
             x, y = zip(*good, strict=True)
             curves.append(Curve(x, y, name if curves else f"{by} {name}"))
@@ -170,17 +170,17 @@ def part_load_drawing(rated: Rating, column: Column, title: str) -> Iterator[Dra
 
 def _load_curve(each: PartLoad, column: Column) -> Curve:
     """Return the curve of a column over the load of a control."""
-    steps = sorted({step.load: step for step in (*each.curve, *each.steps) if has(step.result, column)}.items())
+    steps = sorted({step.load: step for step in (*each.curve, *each.steps) if has_figure(step.result, column)}.items())
     y = [column.value(step.result.performance) or 0.0 for _, step in steps]
     return Curve([100.0 * load for load, _ in steps], y, each.control.name)
 
 
-def has(result: Result, column: Column) -> bool:
+def has_figure(result: Result, column: Column) -> bool:
     """Return whether a result has a column's figure."""
     return result.status == "ok" and result.performance.get(column.figure) is not None
 
 
-def kept(result: Result, names: Sequence[str]) -> dict[str, Any]:
+def document_figures(result: Result, names: Sequence[str]) -> dict[str, Any]:
     """Return the parts of a result that a sheet's document keeps."""
     found = {name: result.performance[name] for name in names if name in result.performance}
     said = {"status": result.status, "message": result.message, "warnings": list(result.warnings)}
@@ -193,12 +193,16 @@ def document_of(rated: Rating, names: Sequence[str]) -> dict[str, Any]:
     first, second = (axis.path.removeprefix("operation.").replace(".", "_") for axis in (asked.across, asked.down))
     points = []
     for (i, j), result in rated.points.items():
-        out = [bound.figure for bound in beyond(result.performance, asked.bounds)] if result.status == "ok" else []
+        out = (
+            [bound.figure for bound in exceeded_bounds(result.performance, asked.bounds)]
+            if result.status == "ok"
+            else []
+        )
         at = {first: asked.across.values[i], second: asked.down.values[j]}
-        points.append({**at, **kept(result, names), "beyond": out})
+        points.append({**at, **document_figures(result, names), "beyond": out})
     every = (rated.own, *rated.points.values(), *(step.result for each in rated.loads for step in each.steps))
     return {
-        "own_point": kept(rated.own, names),
+        "own_point": document_figures(rated.own, names),
         "points": points,
         "limits": [
             {"figure": bound.figure, "below": bound.sign > 0, "value": bound.value, "from": bound.source}
@@ -214,19 +218,19 @@ def document_of(rated: Rating, names: Sequence[str]) -> dict[str, Any]:
 
 def _control(each: PartLoad, names: Sequence[str]) -> dict[str, Any]:
     steps = [
-        {"load": step.load, "setting": step.setting, **kept(step.result, names), **_best(step, names)}
+        {"load": step.load, "setting": step.setting, **document_figures(step.result, names), **_best_ratio(step, names)}
         for step in each.steps
     ]
     about = {"control": each.control.name, "path": each.control.path, "least_load": each.least, "message": each.why}
     return {**about, "loads": steps}
 
 
-def _best(step: Step, names: Sequence[str]) -> dict[str, Any]:
+def _best_ratio(step: LoadStep, names: Sequence[str]) -> dict[str, Any]:
     """Return the built-in volume ratio of the best COP at a part load, and the figures there."""
     missed = {"missed_volume_ratios": {f"{ratio:g}": why for ratio, why in step.missed.items()}} if step.missed else {}
     if step.best is None:
         return missed
-    return {"best_volume_ratio": {"ratio": step.ratio, **kept(step.best, names)}, **missed}
+    return {"best_volume_ratio": {"ratio": step.ratio, **document_figures(step.best, names)}, **missed}
 
 
 def machine_line(scene: Scene, found: Mapping[str, Any]) -> Lines:
@@ -265,7 +269,7 @@ def control_line(rated: Rating) -> Lines:
     yield "control", ", ".join(control.name for control in rated.asked.controls) or "none that the scene names"
 
 
-def cooled(scene: Scene) -> bool:
+def is_oil_cooled(scene: Scene) -> bool:
     """Return whether heat is taken from the oil: by a cooler, or by a stated oil temperature."""
     separator = scene.effects.get("separator")
     supply = scene.oil_supply
@@ -285,7 +289,7 @@ def _oil(scene: Scene, found: Mapping[str, Any]) -> str:
     duty = found.get(DUTY)
     if duty is None:
         return f"{text}; the duty of its cooler is not simulated (effects.separator)"
-    return f"{text}; its cooler takes {KW * duty:.1f} kW" if cooled(scene) else f"{text}; no cooler"
+    return f"{text}; its cooler takes {KW * duty:.1f} kW" if is_oil_cooled(scene) else f"{text}; no cooler"
 
 
 def _highest(rated: Rating, figure: str) -> str:
@@ -294,7 +298,7 @@ def _highest(rated: Rating, figure: str) -> str:
     if not known:
         return ""
     value, (i, j) = max(known)
-    return f"{shown(figure, value)} at {place_of(rated, i, j)}"
+    return f"{limit_text(figure, value)} at {place_of(rated, i, j)}"
 
 
 def notes_of(rated: Rating, own: str, meant: str) -> Iterator[str]:
@@ -303,11 +307,11 @@ def notes_of(rated: Rating, own: str, meant: str) -> Iterator[str]:
     every += [(place_of(rated, i, j), result) for (i, j), result in rated.points.items()]
     for each in rated.loads:
         every += [(f"{each.control.name} at {100.0 * step.load:.0f} %", step.result) for step in each.steps[1:]]
-    yield from told([(where, [result.told]) for where, result in every if result.status != "ok"])
+    yield from warning_lines([(where, [result.told]) for where, result in every if result.status != "ok"])
     for each in rated.loads:
         if each.why:
             yield f"{each.control.name}: no part load below {100.0 * each.least:.0f} %: {each.why}"
-    yield from told([(where, result.warnings) for where, result in every if result.status == "ok"])
+    yield from warning_lines([(where, result.warnings) for where, result in every if result.status == "ok"])
     if "operation.speed" in {control.path for control in rated.asked.controls}:
         motor = motor_of(rated.asked.scene)
         if motor is None or not motor.inverts:

@@ -12,36 +12,36 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.inputs.arguments import TEXTS, takes, whole
+from screwsim.inputs.arguments import TEXTS, checked_arguments, whole
 from screwsim.outputs.display import About, Brief
 from screwsim.results.atomic import make_folder
 from screwsim.scene import Scene, scene_text, with_values
-from screwsim.scene.given import scene_of
-from screwsim.study.each import Crew, Warm
+from screwsim.scene.argument import scene_of
 from screwsim.study.goals import Bound
 from screwsim.study.inputs import check_fit, shown_figure, shown_value
-from screwsim.study.optimize.evaluate import Simulated, simulated
-from screwsim.study.optimize.points import Points
+from screwsim.study.optimize.evaluate import SimulatedPoint, simulated
+from screwsim.study.optimize.points import OperatingPoints
 from screwsim.study.optimize.question import Aim, Question, question
 from screwsim.study.optimize.record import Record
 from screwsim.study.optimize.solve import front_of, search
-from screwsim.study.optimize.store import kept, write
+from screwsim.study.optimize.store import held_parts, write
 from screwsim.study.optimum import Simulate, simulator
-from screwsim.study.progress import Progress, shown
-from screwsim.study.search import Top
+from screwsim.study.parallel import BatchWorkers, WarmSimulation
+from screwsim.study.progress import Progress, progress_of
+from screwsim.study.search import Maximum
 from screwsim.study.seek import rounded
 from screwsim.study.spans import read_spans
 from screwsim.study.workers import cores
 
-__all__ = ["Aim", "Optimum", "Question", "Reach", "optimize", "question", "run", "spans_of"]
+__all__ = ["Aim", "EquallyGoodRange", "Optimum", "Question", "optimize", "question", "run_question", "spans_of"]
 
-BORDER = 2e-4  # of a range: distance from its end that counts as at the end
-IDLE = 0.9  # of a range over which the aim is equally good: the path does not matter ...
-HOLE = 0.5  # ... unless such a share of it is without an equally good value
+END_DISTANCE = 2e-4  # of a range: distance from its end that counts as at the end
+INSENSITIVE_SHARE = 0.9  # of a range over which the aim is equally good: the path does not matter ...
+LARGEST_HOLE = 0.5  # ... unless such a share of it is without an equally good value
 
 
 @dataclass(frozen=True)
-class Reach:
+class EquallyGoodRange:
     """How far a path [SI] may go with the aim equally good within its error, as far as evaluated.
 
     `border` is the end at which the best lies; `idle` where the aim is equally good over the whole range.
@@ -75,9 +75,9 @@ class Optimum(Brief):
     reasons: Mapping[str, int]
     message: str = ""
     reused: int = 0
-    reach: Mapping[str, Reach] = field(default_factory=dict)
+    reach: Mapping[str, EquallyGoodRange] = field(default_factory=dict)
     others: tuple[tuple[float, float], ...] = ()
-    points: tuple[Simulated, ...] = ()
+    points: tuple[SimulatedPoint, ...] = ()
     scene: Scene | None = None
     warnings: Mapping[int, tuple[str, ...]] = field(default_factory=dict)  # of evaluations on the front that warn
 
@@ -109,7 +109,9 @@ class Optimum(Brief):
         return replace(changed, text=scene_text(changed))
 
 
-@takes(vary=TEXTS, maximize=TEXTS, minimize=TEXTS, evaluations=whole(1, "no number of evaluations (pass 1 or more)"))
+@checked_arguments(
+    vary=TEXTS, maximize=TEXTS, minimize=TEXTS, evaluations=whole(1, "no number of evaluations (pass 1 or more)")
+)
 def optimize(
     scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     vary: Iterable[str] | Mapping[str, tuple[float, float]],
@@ -117,7 +119,7 @@ def optimize(
     minimize: Iterable[str] = (),
     *,
     subject_to: Iterable[str] | Sequence[Bound] = (),
-    over: str | Points | None = None,
+    over: str | OperatingPoints | None = None,
     evaluations: int | None = None,
     seed: int = 1,
     output: str | Path | None = None,
@@ -143,8 +145,8 @@ def optimize(
     spans = vary if isinstance(vary, Mapping) else spans_of(scene, vary)
     more = {"subject_to": subject_to, "over": over, "evaluations": evaluations, "seed": seed}
     asked = question(base, spans, maximize, minimize, **more)
-    bar = shown("optimize", progress)
-    return run(asked, output, jobs=jobs, restart=restart, simulate=simulate, progress=bar)
+    bar = progress_of("optimize", progress)
+    return run_question(asked, output, jobs=jobs, restart=restart, simulate=simulate, progress=bar)
 
 
 def spans_of(scene: Scene, vary: Iterable[str]) -> dict[str, tuple[float, float]]:
@@ -153,7 +155,7 @@ def spans_of(scene: Scene, vary: Iterable[str]) -> dict[str, tuple[float, float]
     return {span.path: (span.low, span.high) for span in read_spans(scene, listed, ranged=True)}
 
 
-def run(
+def run_question(
     asked: Question,
     output: str | Path | None = None,
     *,
@@ -171,14 +173,14 @@ def run(
     target = None if output is None else Path(output)
     if target is not None:
         make_folder(target.parent)
-    with nullcontext() if target is None else kept(target, asked, restart) as parts:
+    with nullcontext() if target is None else held_parts(target, asked, restart) as parts:
         try:
-            with Crew(jobs or cores(), lambda work: None, progress.tick) as crew:
+            with BatchWorkers(jobs or cores(), lambda work: None, progress.tick) as crew:
                 record = Record(asked, crew, parts, simulate, progress)
                 top = search(record)
         finally:
             progress.stop()
-        found = _judged(record, top, simulate or Warm())
+        found = _optimum_of(record, top, simulate or WarmSimulation())
         if target is not None:
             write(target, record, _feasible(record), found.front)
     return found
@@ -190,7 +192,7 @@ def _feasible(record: Record) -> np.ndarray:
     return np.asarray(np.all(np.isfinite(aims), axis=1) & np.all(excess <= 0.0, axis=1))
 
 
-def _judged(record: Record, top: Top | None, simulate: Simulate) -> Optimum:
+def _optimum_of(record: Record, top: Maximum | None, simulate: Simulate) -> Optimum:
     """Return the answer from all evaluations."""
     asked, (aims, errors, excess) = record.asked, record.columns()
     feasible, solved = _feasible(record), np.asarray(np.all(np.isfinite(aims), axis=1))
@@ -217,7 +219,7 @@ def _judged(record: Record, top: Top | None, simulate: Simulate) -> Optimum:
     points = tuple(simulated(asked, rounded(asked.scene, found.values), simulate))
     lower = () if top is None else top.others
     others = tuple((asked.spans[0].value(each.x), float(signs[0] * -each.y)) for each in lower)
-    reach = {span.path: _reach(found, feasible, i, best, top) for i, span in enumerate(asked.spans)}
+    reach = {span.path: _equally_good_range(found, feasible, i, best, top) for i, span in enumerate(asked.spans)}
     return replace(found, reach=reach, others=others, points=points, scene=found.scene_at(best))
 
 
@@ -229,7 +231,7 @@ def _why_none(record: Record, solved: np.ndarray, excess: np.ndarray) -> str:
     least = np.nanmin(excess[solved], axis=0)
     bounds = zip(record.asked.bounds, least, strict=True)
     worst = max(bounds, key=lambda pair: pair[1] / max(abs(pair[0].value), 1e-12))
-    from screwsim.study.seek.found import figure_text
+    from screwsim.study.seek.answer import figure_text
 
     bound, off = worst
     came = figure_text(bound.figure, bound.value + (off if bound.sign == "<" else -off))
@@ -240,16 +242,18 @@ def _why_none(record: Record, solved: np.ndarray, excess: np.ndarray) -> str:
     )
 
 
-def _reach(found: Optimum, feasible: np.ndarray, column: int, best: int, top: Top | None) -> Reach:
+def _equally_good_range(
+    found: Optimum, feasible: np.ndarray, column: int, best: int, top: Maximum | None
+) -> EquallyGoodRange:
     """Return how far a path may go within the error of the best; for a single path from the parabola at its top."""
     span, place = found.asked.spans[column], float(found.places[best, column])
     sign = found.asked.aims[0].sign
     worse = sign * (found.aims[:, 0] - found.aims[best, 0])
     good = np.sort(found.places[feasible & (worse <= found.errors[best, 0] + found.errors[:, 0]), column])
     low, high = float(good[0]), float(good[-1])
-    if high - low > IDLE and float(np.diff(good).max()) < HOLE:  # the best place is one by chance
-        return Reach(span.value(low), span.value(high), idle=True)
-    border = "lower border" if place < BORDER else "upper border" if place > 1.0 - BORDER else ""
+    if high - low > INSENSITIVE_SHARE and float(np.diff(good).max()) < LARGEST_HOLE:  # the best place is one by chance
+        return EquallyGoodRange(span.value(low), span.value(high), idle=True)
+    border = "lower border" if place < END_DISTANCE else "upper border" if place > 1.0 - END_DISTANCE else ""
     if top is not None and not found.asked.bounds:
         low, high = top.low, top.high
-    return Reach(span.value(low), span.value(high), border)
+    return EquallyGoodRange(span.value(low), span.value(high), border)

@@ -13,16 +13,16 @@ from screwsim.outputs import STATUSES, Figures, Result
 from screwsim.results.table import Table, columns_of, names_of
 from screwsim.scene import Scene, value_at, with_values
 from screwsim.study.goals import Goal
-from screwsim.study.optimize.points import OperatingPoint, Points
+from screwsim.study.optimize.points import OperatingPoint, OperatingPoints
 from screwsim.study.optimize.question import Question
-from screwsim.study.optimum import Simulate, closed
-from screwsim.study.seek import one
+from screwsim.study.optimum import Simulate, simulated_if_valid
+from screwsim.study.seek import one_goal
 from screwsim.study.seek.trials import Trials
 from screwsim.study.spans import Span
 
 LOAD_TOLERANCE = 5e-3  # of a part load: the standards measure at loads within some percent
 LEAST_CONTROL, MOST_CONTROL = 0.05, 1.3  # of the full load's control, the first times the load: search range
-UNCOMPUTED = "not simulated, because another operating point has no result"
+NOT_SIMULATED = "not simulated, because another operating point has no result"
 COP = "cop"
 
 
@@ -40,7 +40,7 @@ class Evaluation(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Simulated:
+class SimulatedPoint:
     """An operating point with the values that its load required, and its result."""
 
     point: OperatingPoint
@@ -48,31 +48,31 @@ class Simulated:
     result: Result
 
 
-def simulated(asked: Question, values: dict[str, float], simulate: Simulate) -> list[Simulated]:
+def simulated(asked: Question, values: dict[str, float], simulate: Simulate) -> list[SimulatedPoint]:
     """Return every operating point of a set of values; after one that fails the others are not simulated."""
     machine, full = with_values(asked.scene, values), None
-    found: list[Simulated] = []
+    found: list[SimulatedPoint] = []
     for point in asked.points.points:
         scene, own = with_values(machine, point.values), dict(point.values)
         if found and found[-1].result.status != "ok":
-            found.append(Simulated(point, own, Result("failed", message=UNCOMPUTED)))
+            found.append(SimulatedPoint(point, own, Result("failed", message=NOT_SIMULATED)))
             continue
         if point.load is None or full is None:
-            result = closed(scene, simulate)
+            result = simulated_if_valid(scene, simulate)
         else:
-            control, result = _at_load(scene, asked.points, point.load, full, simulate)
+            control, result = _part_load_result(scene, asked.points, point.load, full, simulate)
             own |= control
         if full is None and result.status == "ok" and point.load is not None:
             full = result, value_at(scene, asked.points.by)
             own |= {asked.points.by: full[1]}
         lacks = result.lacks(asked.figures) if result.status == "ok" else []
         whole = replace(result, status="failed", message="; ".join(lacks)) if lacks else result
-        found.append(Simulated(point, own, whole))
+        found.append(SimulatedPoint(point, own, whole))
     return found
 
 
-def _at_load(
-    scene: Scene, points: Points, load: float, full: tuple[Result, float], simulate: Simulate
+def _part_load_result(
+    scene: Scene, points: OperatingPoints, load: float, full: tuple[Result, float], simulate: Simulate
 ) -> tuple[dict[str, float], Result]:
     """Return the control and the result at a part load of the full one's capacity."""
     result, control = full
@@ -82,7 +82,7 @@ def _at_load(
     span = Span(points.by, low, high, min(max(start, low), high) if points.by == "operation.speed" else control)
     goal = Goal("cooling_capacity", load * capacity)
     trials = Trials(scene, (span,), (goal,), simulate, LOAD_TOLERANCE)
-    met = one.solve(trials)
+    met = one_goal.solve(trials)
     if met is None or met.result is None:
         why = trials.reasons[0] if trials.reasons else f"{points.by} does not reduce it that far"
         return {}, Result("failed", message=f"the load of {load:.0%} is not reached: {why}")
@@ -109,17 +109,17 @@ def evaluation_of(asked: Question, table: Table, row: int) -> Evaluation:
     bad = [each for each in rows if table.status[each] != STATUSES.index("ok")]
     nothing = (math.nan,) * len(asked.aims)
     if bad:
-        return Evaluation(nothing, nothing, (math.nan,) * len(asked.bounds), told(table, bad[0]))
+        return Evaluation(nothing, nothing, (math.nan,) * len(asked.bounds), status_in_words(table, bad[0]))
     found = {name: np.array([value_of(table, each, name) for each in rows]) for name in asked.figures}
     wide = {name: np.array([error_of(asked.scene, table, each, name) for each in rows]) for name in asked.figures}
-    pairs = [mean(asked.points, aim.figure, found[aim.figure], wide[aim.figure]) for aim in asked.aims]
+    pairs = [weighted_mean(asked.points, aim.figure, found[aim.figure], wide[aim.figure]) for aim in asked.aims]
     excess = tuple(
         float(max(bound.excess(value) for value in found[bound.figure])) for bound in asked.bounds
     )  # at the worst point
     return Evaluation(tuple(value for value, _ in pairs), tuple(error for _, error in pairs), excess)
 
 
-def mean(points: Points, name: str, values: np.ndarray, errors: np.ndarray) -> tuple[float, float]:
+def weighted_mean(points: OperatingPoints, name: str, values: np.ndarray, errors: np.ndarray) -> tuple[float, float]:
     """Return a figure over the operating points, and its error; with energy weights the COP is cooling over work."""
     weights = np.array([point.weight for point in points.points])
     weights = weights / weights.sum()
@@ -129,7 +129,7 @@ def mean(points: Points, name: str, values: np.ndarray, errors: np.ndarray) -> t
     return float(weights @ values), float(weights @ errors)
 
 
-def told(table: Table, row: int) -> str:
+def status_in_words(table: Table, row: int) -> str:
     """Return the status and message of a row of a table, in words."""
     texts = table.texts["message"]
     return f"{STATUSES[table.status[row]].replace('_', ' ')}: {texts.words[texts.number[row]]}"
@@ -143,21 +143,21 @@ def value_of(table: Table, row: int, name: str, group: str = "performance") -> f
 
 def error_of(scene: Scene, table: Table, row: int, name: str) -> float:
     """Return the estimated error of a figure in its own unit; from the wanted accuracy where nothing is estimated."""
-    scale = declared(name, Figures() if not table.about else _About(table)).scale
+    scale = declared(name, Figures() if not table.about else _Declarations(table)).scale
     known = {each.name: value for each in table.about if not math.isnan(value := value_of(table, row, each.name))}
     relative = value_of(table, row, name, "error")
     relative = scene.numerics.accuracy if math.isnan(relative) else relative
     return float(error_scale(name, scale, known) * relative)
 
 
-class _About:
+class _Declarations:
     """Declarations of the figures of a table, in the form that `figures.declared` needs."""
 
     def __init__(self, table: Table) -> None:
         self.about = {each.name: each for each in table.about}
 
 
-def broken(asked: Question, evaluation: Evaluation) -> float:
+def total_violation(asked: Question, evaluation: Evaluation) -> float:
     """Return the sum of all violations of bounds, over their sizes; 0 within all."""
     sizes: Sequence[float] = [
         10.0 if declared(bound.figure).units == "K" else max(abs(bound.value), 1e-12) for bound in asked.bounds

@@ -13,14 +13,14 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.sheets import Row, read_sheet, usable
+from screwsim.inputs.sheets import Row, read_sheet, sheet_or_usage_error
 from screwsim.scene import Scene, leaf_of
 from screwsim.scene.operation import CONDENSING, EVAPORATING
 from screwsim.scene.units import NUMBER, ZERO_CELSIUS, Refused
 from screwsim.scene.values import convert
 from screwsim.study.inputs import check_continuous
 
-WATER = 7.0  # [°C] of the leaving chilled water, in all of them
+T_WATER = 7.0  # [°C] of the leaving chilled water, in all of them
 
 # EN 14825: hours a year at each outdoor temperature [°C], from the first on
 _COOLING = (17, (205, 227, 225, 225, 216, 215, 218, 197, 178, 158, 137, 109, 88, 63, 39, 31, 24, 17, 13, 9, 4, 3, 1, 0))
@@ -33,18 +33,18 @@ _PROCESS = (
         *(141.78, 121.93, 104.46, 85.77, 71.54, 56.57, 43.35, 31.02, 20.21, 11.85, 8.17, 3.83, 2.09, 1.21, 0.52, 0.40),
     ),
 )
-HOURS: Mapping[str, Mapping[int, float]] = {
+BIN_HOURS: Mapping[str, Mapping[int, float]] = {
     name: {first + number: float(each) for number, each in enumerate(hours)}
     for name, (first, hours) in {"SEER": _COOLING, "SEPR": _PROCESS}.items()
 }
 LEAST_CONDENSING = 20.0  # [°C] down to which a chiller's control lets condensation fall: an assumption of ours
 LEAST_APPROACH = 1.0  # [K] between water or air and refrigerant at full load
 SPEED = "operation.speed"
-MOST = 100  # points per file
+MOST_POINTS = 100  # points per file
 _EXAMPLE = "weight, operation.condensing_temperature [degC], load"
 
 
-class Rating(NamedTuple):
+class RatingPoint(NamedTuple):
     """One rating point: load over the full one, temperature [°C] of the medium entering the condenser, weight."""
 
     load: float
@@ -52,12 +52,12 @@ class Rating(NamedTuple):
     weight: float
 
 
-class Standard(NamedTuple):
+class SeasonalStandard(NamedTuple):
     """A seasonal figure: its points; with `energy` weights are shares of the cooling energy, else of the figure."""
 
     name: str
     source: str
-    ratings: tuple[Rating, ...]
+    ratings: tuple[RatingPoint, ...]
     energy: bool
 
 
@@ -81,7 +81,7 @@ def energy_shares(name: str) -> tuple[float, ...]:
     """
     at, loads = _OUTDOOR[name][::-1], _LOADS[name][::-1]  # ascending
     shares = [0.0] * len(at)
-    for T, hours in HOURS[name].items():
+    for T, hours in BIN_HOURS[name].items():
         upper = next((i for i, each in enumerate(at) if each >= T), len(at) - 1)
         lower = max(upper - 1, 0)
         part = 1.0 if upper == lower else min(max((T - at[lower]) / (at[upper] - at[lower]), 0.0), 1.0)
@@ -93,15 +93,15 @@ def energy_shares(name: str) -> tuple[float, ...]:
     return tuple(share / sum(shares) for share in shares[::-1])
 
 
-def standards() -> dict[str, Standard]:
+def standards() -> dict[str, SeasonalStandard]:
     """Return the seasonal figures by name; `-water`: water-cooled condensers, else air-cooled."""
     found = {}
     for name, (source, loads, air, water) in _TABLE.items():
-        energy = name in HOURS
+        energy = name in BIN_HOURS
         weights = energy_shares(name) if energy else {"IPLV": _IPLV, "ESEER": _ESEER}[name]
         for suffix, entering in (("", air), ("-water", water)):
-            ratings = tuple(map(Rating, loads, entering, weights))
-            found[name + suffix] = Standard(name + suffix, source, ratings, energy)
+            ratings = tuple(map(RatingPoint, loads, entering, weights))
+            found[name + suffix] = SeasonalStandard(name + suffix, source, ratings, energy)
     return found
 
 
@@ -116,7 +116,7 @@ class OperatingPoint:
 
 
 @dataclass(frozen=True)
-class Points:
+class OperatingPoints:
     """Points with their way of averaging. Loads are reached by the path `by`.
 
     With `energy` the weights are shares of the cooling energy, so that the overall COP is cooling over work; else
@@ -134,13 +134,13 @@ class Points:
         return not self.name
 
 
-ONE = Points("", (OperatingPoint("", {}),))
+SINGLE_POINT = OperatingPoints("", (OperatingPoint("", {}),))
 
 
-def read_points(scene: Scene, named: str | None) -> Points:
+def read_points(scene: Scene, named: str | None) -> OperatingPoints:
     """Return the points of a standard or a CSV file by its name; without a name one point, the scene itself."""
     if not named:
-        return ONE
+        return SINGLE_POINT
     standard = standards().get(named.upper().replace("-WATER", "-water"))
     if standard is not None:
         return points_of(scene, standard)
@@ -150,7 +150,7 @@ def read_points(scene: Scene, named: str | None) -> Points:
     return _from_file(scene, named)
 
 
-def points_of(scene: Scene, standard: Standard) -> Points:
+def points_of(scene: Scene, standard: SeasonalStandard) -> OperatingPoints:
     """Return a standard's points as conditions of the compressor.
 
     The scene's own temperatures are those of the full load: their differences from the chilled water, and from the
@@ -161,10 +161,10 @@ def points_of(scene: Scene, standard: Standard) -> Points:
     if T_e is None or T_c is None:
         what = f"needs {EVAPORATING} and {CONDENSING} in the scene: its temperatures at full load"
         raise UsageError(f"--over {standard.name}: {what} (write them in place of pressures)")
-    cold = WATER + ZERO_CELSIUS - T_e
+    cold = T_WATER + ZERO_CELSIUS - T_e
     warm = T_c - (standard.ratings[0].entering + ZERO_CELSIUS)
     for what, size, path, remedy in (
-        (f"the evaporator below water of {WATER:g} °C", cold, EVAPORATING, "lower"),
+        (f"the evaporator below water of {T_WATER:g} °C", cold, EVAPORATING, "lower"),
         (f"the condenser above {standard.ratings[0].entering:g} °C at full load", warm, CONDENSING, "raise"),
     ):
         if size < LEAST_APPROACH:
@@ -172,21 +172,23 @@ def points_of(scene: Scene, standard: Standard) -> Points:
     points = []
     for name, rating in zip("ABCD", standard.ratings, strict=True):
         condensing = max(rating.entering + warm * rating.load, LEAST_CONDENSING)
-        values = {EVAPORATING: WATER - cold * rating.load + ZERO_CELSIUS, CONDENSING: condensing + ZERO_CELSIUS}
+        values = {EVAPORATING: T_WATER - cold * rating.load + ZERO_CELSIUS, CONDENSING: condensing + ZERO_CELSIUS}
         points.append(OperatingPoint(name, values, rating.weight, rating.load))
-    return Points(standard.name, tuple(points), standard.energy, SPEED, tuple(_told(standard, cold, warm)))
+    return OperatingPoints(
+        standard.name, tuple(points), standard.energy, SPEED, tuple(_standard_in_words(standard, cold, warm))
+    )
 
 
-def _told(standard: Standard, cold: float, warm: float) -> Iterator[str]:
+def _standard_in_words(standard: SeasonalStandard, cold: float, warm: float) -> Iterator[str]:
     medium = "water" if standard.name.endswith("-water") else "air"
     yield (
-        f"{standard.name} ({standard.source}) as the compressor meets it: water leaves at {WATER:g} °C, {cold:.3g} K "
+        f"{standard.name} ({standard.source}) as the compressor meets it: water leaves at {T_WATER:g} °C, {cold:.3g} K "
         f"above evaporation, {medium} enters {warm:.3g} K below condensation at full load, both in proportion to the "
         f"load; condensing at {LEAST_CONDENSING:g} °C at least; loads by {SPEED}; no fans, pumps, standby"
     )
 
 
-def as_csv(points: Points) -> str:
+def as_csv(points: OperatingPoints) -> str:
     """Return points as the text of a CSV file that reads back to them."""
     paths = list(points.points[0].values)
     lines = [f"# {line}" for line in points.told]
@@ -205,12 +207,14 @@ class _Column:
     unit: str = ""
 
 
-def _from_file(scene: Scene, name: str) -> Points:
+def _from_file(scene: Scene, name: str) -> OperatingPoints:
     """Return the points of a CSV file; raise UsageError with the faulty line."""
-    with usable("name a CSV file in UTF-8", f"--over {name}"):
+    with sheet_or_usage_error("name a CSV file in UTF-8", f"--over {name}"):
         sheet = read_sheet(name)
-    if not 1 <= len(sheet.rows) <= MOST:
-        raise UsageError(f"--over {name}: has {len(sheet.rows)} points (write 1 to {MOST}, a line each; {_EXAMPLE})")
+    if not 1 <= len(sheet.rows) <= MOST_POINTS:
+        raise UsageError(
+            f"--over {name}: has {len(sheet.rows)} points (write 1 to {MOST_POINTS}, a line each; {_EXAMPLE})"
+        )
     columns = [_column(scene, text, f"--over {name} line {sheet.head.line}") for text in sheet.head.cells]
     kinds = [column.kind for column in columns]
     if "weight" in kinds and "energy" in kinds:
@@ -224,7 +228,7 @@ def _from_file(scene: Scene, name: str) -> Points:
     by = next((column.path for column in columns if column.kind == "load"), SPEED)
     if loads:
         check_continuous(scene, by)
-    return Points(os.path.basename(name), points, "energy" in kinds, by)
+    return OperatingPoints(os.path.basename(name), points, "energy" in kinds, by)
 
 
 def _column(scene: Scene, text: str, where: str) -> _Column:

@@ -11,10 +11,10 @@ from screwsim.scene.grid import too_many
 from screwsim.study.figures import figure_of
 from screwsim.study.goals import Bound, read_bounds
 from screwsim.study.inputs import check_continuous, usual_efficiency
-from screwsim.study.optimize.points import ONE, Points, read_points
+from screwsim.study.optimize.points import SINGLE_POINT, OperatingPoints, read_points
 from screwsim.study.spans import Span, read_spans, span_of
 
-EACH = 100  # evaluations per path, where no number is given
+EVALUATIONS_PER_PATH = 100  # evaluations per path, where no number is given
 
 
 class Aim(NamedTuple):
@@ -37,8 +37,8 @@ class Question:
     spans: tuple[Span, ...]
     aims: tuple[Aim, ...]
     bounds: tuple[Bound, ...] = ()
-    points: Points = ONE
-    evaluations: int = EACH
+    points: OperatingPoints = SINGLE_POINT
+    evaluations: int = EVALUATIONS_PER_PATH
     seed: int = 1
 
     def values(self, places: Iterable[float]) -> dict[str, float]:
@@ -60,7 +60,7 @@ def question(
     minimize: Iterable[str] = (),
     *,
     subject_to: Iterable[str] | Sequence[Bound] = (),
-    over: str | Points | None = None,
+    over: str | OperatingPoints | None = None,
     evaluations: int | None = None,
     seed: int = 1,
 ) -> Question:
@@ -77,9 +77,9 @@ def question(
             raise UsageError(f"--maximize, --minimize: {name} is given twice as an aim (remove one)")
     spans = _spans(scene, vary) if isinstance(vary, Mapping) else read_spans(scene, _listed(vary), ranged=True)
     bounds = [each if isinstance(each, Bound) else read_bounds(scene, [each])[0] for each in _listed(subject_to)]
-    if not isinstance(over, Points | str | None):
+    if not isinstance(over, OperatingPoints | str | None):
         raise UsageError(f"over: {shown(over)} is not a text (pass one as for --over)")
-    points = over if isinstance(over, Points) else read_points(scene, over)
+    points = over if isinstance(over, OperatingPoints) else read_points(scene, over)
     both = {span.path for span in spans} & {path for point in points.points for path in point.values}
     if both:
         raise UsageError(
@@ -88,7 +88,7 @@ def question(
     if any(point.load is not None for point in points.points):
         check_continuous(scene, points.by)
         figure_of(scene, "cooling_capacity", "--over")
-    count = EACH * len(spans) if evaluations is None else evaluations
+    count = EVALUATIONS_PER_PATH * len(spans) if evaluations is None else evaluations
     what = "is not a number of evaluations (write 1 or more)" if count < 1 else too_many(count)
     if what:
         raise UsageError(f"--evaluations {count}: {what}")

@@ -18,24 +18,25 @@ import numpy as np
 from screwsim.outputs import Result
 from screwsim.results.table import Table, join, table_of, warnings_at
 from screwsim.scene import with_values
-from screwsim.study.each import Crew, Warm
-from screwsim.study.limit import CASE_LIMIT, Limit
+from screwsim.study.limit import CASE_LIMIT, TimeLimit
 from screwsim.study.optimize.evaluate import Evaluation, evaluation_of, simulated
 from screwsim.study.optimize.question import Question
 from screwsim.study.optimum import Simulate
+from screwsim.study.parallel import BatchWorkers, WarmSimulation
 from screwsim.study.point import with_slopes
 from screwsim.study.progress import Progress
 from screwsim.study.shards import Parts
-from screwsim.study.workers import DIED, sent
+from screwsim.study.workers import WORKER_DIED, pickled_work
 
-FRESH = 2000  # evaluations after which workers start afresh: their caches fill with tables and rotors of many profiles
-BLOCK = 4  # evaluations of a batch whose cycles start from each other
-REASONS = 100  # kinds of failure reasons that are kept
-OTHER = "another reason"
+# evaluations after which workers start afresh: their caches fill with tables and rotors of many profiles
+EVALUATIONS_PER_WORKER = 2000
+BLOCK_EVALUATIONS = 4  # evaluations of a batch whose cycles start from each other
+MOST_REASONS = 100  # kinds of failure reasons that are kept
+OTHER_REASON = "another reason"
 _Job = tuple[Question, Simulate | None, float | None]  # question, simulation, time limit of a case [s]
 
 
-class Spent(Exception):
+class BudgetExhausted(Exception):
     """All evaluations have been used."""
 
 
@@ -44,7 +45,7 @@ class Record:
     """Evaluations so far: places (n, paths), aims, errors, excess (n, …), and why some failed."""
 
     asked: Question
-    crew: Crew
+    crew: BatchWorkers
     parts: Parts | None = None  # where the cases are stored
     simulate: Simulate | None = None
     progress: Progress = field(default_factory=Progress)
@@ -61,7 +62,7 @@ class Record:
     def __post_init__(self) -> None:
         limit = CASE_LIMIT * len(self.asked.points.points) if self.crew.jobs > 1 else None
         job = self.asked, self.simulate, limit
-        self._job = job if self.crew.jobs <= 1 else sent(job)
+        self._job = job if self.crew.jobs <= 1 else pickled_work(job)
         if self.parts is not None:
             for cases in self.parts.finished():
                 self._kept = cases.stop if cases.start == self._kept else self._kept
@@ -82,11 +83,11 @@ class Record:
         return rows[:, :aims], rows[:, aims : 2 * aims], rows[:, 2 * aims :]
 
     def evaluate(self, places: np.ndarray) -> list[Evaluation]:
-        """Return the evaluations of places (n, paths); where fewer are left, keep those and raise `Spent`."""
+        """Return the evaluations of places (n, paths); where fewer are left, keep those and raise `BudgetExhausted`."""
         wanted, left = np.clip(np.atleast_2d(np.asarray(places, float)), 0.0, 1.0), self.asked.evaluations - len(self)
         places = wanted[:left]
         if not len(places):
-            raise Spent
+            raise BudgetExhausted
         case = len(self) * len(self.asked.points.points)
         cases = range(case, case + len(places) * len(self.asked.points.points))
         table = self.parts.table(cases) if self.parts is not None and cases.stop <= self._kept else None
@@ -104,26 +105,26 @@ class Record:
                 self.warned[len(self) + number] = tuple(texts)
         self._keep(places, found)
         if len(places) < len(wanted):
-            raise Spent
+            raise BudgetExhausted
         return found
 
     def _keep(self, places: np.ndarray, found: Sequence[Evaluation]) -> None:
         failed = [each.failed for each in found if each.failed]
         for reason in failed:  # one example of those that differ by their numbers alone
             kind = re.sub(r"[0-9][0-9.e+-]*", "#", reason)
-            if len(self._kinds) < REASONS:
+            if len(self._kinds) < MOST_REASONS:
                 self._kinds.setdefault(kind, reason)
-            self.reasons[self._kinds.get(kind, OTHER)] += 1
+            self.reasons[self._kinds.get(kind, OTHER_REASON)] += 1
         self._places.append(places)
         self._rows.append(np.array([(*each.aims, *each.errors, *each.excess) for each in found], float))
         self.progress.advance(len(found), len(failed))
 
     def _computed(self, places: np.ndarray) -> Table:
-        if len(self) // FRESH > self._crews:  # bounds the memory of workers
-            self._crews = len(self) // FRESH
+        if len(self) // EVALUATIONS_PER_WORKER > self._crews:  # bounds the memory of workers
+            self._crews = len(self) // EVALUATIONS_PER_WORKER
             self.crew.leave()
-        order = neighbours(places)
-        blocks = [order[start : start + BLOCK] for start in range(0, len(order), BLOCK)]
+        order = nearest_neighbour_order(places)
+        blocks = [order[start : start + BLOCK_EVALUATIONS] for start in range(0, len(order), BLOCK_EVALUATIONS)]
         tables = self._solved(places, blocks)
         whole = join(tables) if len(tables) > 1 else tables[0]
         size, back = len(self.asked.points.points), np.argsort(order)
@@ -131,17 +132,17 @@ class Record:
 
     def _solved(self, places: np.ndarray, blocks: Sequence[np.ndarray]) -> list[Table]:
         """Return the results of blocks; where a worker died over a block, its evaluations are tried one by one."""
-        tables = self.crew.answers(_block, [_Work(self._job, places[rows]) for rows in blocks])
+        tables = self.crew.answers(_block, [_SentBlock(self._job, places[rows]) for rows in blocks])
         for number, table in enumerate(tables):
             if table is None and len(blocks[number]) == 1:
-                dead = [Result("failed", message=DIED)] * len(self.asked.points.points)
+                dead = [Result("failed", message=WORKER_DIED)] * len(self.asked.points.points)
                 tables[number] = table_of(dead, keep_cycle=False)
             elif table is None:
                 tables[number] = join(self._solved(places, [rows[None] for rows in blocks[number]]))
         return tables
 
 
-def neighbours(places: np.ndarray) -> np.ndarray:
+def nearest_neighbour_order(places: np.ndarray) -> np.ndarray:
     """Return an order in which each place is followed by the nearest remaining one."""
     left, order = set(range(1, len(places))), [0]
     while left:
@@ -152,7 +153,7 @@ def neighbours(places: np.ndarray) -> np.ndarray:
     return np.array(order)
 
 
-class _Work(NamedTuple):
+class _SentBlock(NamedTuple):
     """A block as it is sent: question and simulation, pickled once for workers, and the places (n, paths)."""
 
     job: _Job | bytes
@@ -162,13 +163,13 @@ class _Work(NamedTuple):
 _unpacked = lru_cache(maxsize=1)(pickle.loads)
 
 
-def _block(work: _Work) -> Table:
+def _block(work: _SentBlock) -> Table:
     """Return the results of a block, one operating point per row."""
     asked, simulate, limit = work.job if isinstance(work.job, tuple) else _unpacked(work.job)
-    simulate = simulate or Warm()
+    simulate = simulate or WarmSimulation()
     results: list[Result] = []
     for places in work.places:
-        with Limit(limit):
+        with TimeLimit(limit):
             values = asked.values(places)
             machine = with_values(asked.scene, values)
             for each in simulated(asked, values, simulate):

@@ -12,29 +12,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from screwsim.inputs.faults import UsageError
-from screwsim.study.optimize.evaluate import Evaluation, broken
+from screwsim.study.optimize.evaluate import Evaluation, total_violation
 from screwsim.study.optimize.question import Question
-from screwsim.study.optimize.record import Record, Spent
-from screwsim.study.search import COARSE, Point, Top, highest
+from screwsim.study.optimize.record import BudgetExhausted, Record
+from screwsim.study.search import COARSE_POINTS, Maximum, SearchPoint, find_maximum
 
 Array = NDArray[np.float64]
-FAILED = 1e12  # score of a failed evaluation
-PENALTY = 10.0  # of the largest aim of the first batch: cost of violating a bound by its own size
-EVOLVED = 0.7  # share of the evaluations that differential evolution may use
-SPREAD = 3e-4  # relative spread of a population's aims at which it has converged
+FAILED_SCORE = 1e12  # score of a failed evaluation
+VIOLATION_COST = 10.0  # of the largest aim of the first batch: cost of violating a bound by its own size
+EVOLUTION_SHARE = 0.7  # share of the evaluations that differential evolution may use
+CONVERGED_SPREAD = 3e-4  # relative spread of a population's aims at which it has converged
 SIMPLEX, PLACE = 0.05, 1e-3  # of the ranges: initial size and final accuracy of the simplex
 
 
-def search(record: Record) -> Top | None:
+def search(record: Record) -> Maximum | None:
     """Search until converged or out of evaluations; for one path with one aim return the top."""
     try:
         if len(record.asked.aims) > 1:
             _nsga2(record)
         elif len(record.asked.spans) == 1:
-            return _line(record)
+            return _bracket_and_narrow(record)
         else:
             _evolution(record)
-    except Spent:
+    except BudgetExhausted:
         pass
     return None
 
@@ -42,32 +42,32 @@ def search(record: Record) -> Top | None:
 def _score(asked: Question, evaluation: Evaluation, penalty: float) -> float:
     """Return the quantity to minimise for one aim."""
     if evaluation.failed:
-        return FAILED
-    return asked.aims[0].sign * evaluation.aims[0] + penalty * broken(asked, evaluation)
+        return FAILED_SCORE
+    return asked.aims[0].sign * evaluation.aims[0] + penalty * total_violation(asked, evaluation)
 
 
 def _penalty(evaluations: Sequence[Evaluation]) -> float:
     known = [abs(each.aims[0]) for each in evaluations if not each.failed]
-    return PENALTY * max(known, default=1.0) or PENALTY
+    return VIOLATION_COST * max(known, default=1.0) or VIOLATION_COST
 
 
-def _line(record: Record) -> Top | None:
+def _bracket_and_narrow(record: Record) -> Maximum | None:
     """Bracket every local optimum at evenly spaced places in one batch; then narrow each."""
     asked = record.asked
-    places = np.linspace(0.0, 1.0, COARSE)
+    places = np.linspace(0.0, 1.0, COARSE_POINTS)
     first = record.evaluate(places[:, None])
     known, penalty = dict(zip(places.tolist(), first, strict=True)), _penalty(first)
 
-    def point(place: float) -> Point:
+    def point(place: float) -> SearchPoint:
         found = known.get(place) or record.evaluate(np.array([[place]]))[0]
         if found.failed:
-            return Point(place, math.nan)
-        return Point(place, -_score(asked, found, penalty), found.errors[0])
+            return SearchPoint(place, math.nan)
+        return SearchPoint(place, -_score(asked, found, penalty), found.errors[0])
 
-    return highest(point, 0.0, 1.0)
+    return find_maximum(point, 0.0, 1.0)
 
 
-def _first(asked: Question, count: int) -> Array:
+def _initial_places(asked: Question, count: int) -> Array:
     """Return initial places: a Latin hypercube, with the scene's own if it lies in all ranges."""
     from scipy.stats import qmc
 
@@ -84,7 +84,7 @@ def _evolution(record: Record) -> None:
     asked = record.asked
     size, count = len(asked.spans), asked.evaluations
     members = max(5, min(6 * size, math.isqrt(count) + 4))
-    first: Any = _first(asked, members)
+    first: Any = _initial_places(asked, members)
     penalty = 0.0
 
     def scores(columns: Array) -> Array:
@@ -96,13 +96,13 @@ def _evolution(record: Record) -> None:
     def score(place: Array) -> float:
         return _score(asked, record.evaluate(place[None])[0], penalty)
 
-    generations = max(1, int(EVOLVED * count) // members - 1)
+    generations = max(1, int(EVOLUTION_SHARE * count) // members - 1)
     found = differential_evolution(
         scores,
         [(0.0, 1.0)] * size,
         init=first,
         maxiter=generations,
-        tol=SPREAD,
+        tol=CONVERGED_SPREAD,
         rng=np.random.default_rng(asked.seed),
         polish=False,
         updating="deferred",
@@ -130,19 +130,21 @@ def _nsga2(record: Record) -> None:
     asked = record.asked
     size = max(8, 4 * round(1.6 * math.sqrt(asked.evaluations) / 4))
     problem = Problem(n_var=len(asked.spans), n_obj=len(asked.aims), n_ieq_constr=1, xl=0.0, xu=1.0)
-    first: Any = _first(asked, size)
+    first: Any = _initial_places(asked, size)
     algorithm = NSGA2(pop_size=size, sampling=first)
     algorithm.setup(problem, termination=NoTermination(), seed=asked.seed, verbose=False)
     while True:
         asks: Any = algorithm.ask()
         found = record.evaluate(np.asarray(asks.get("X"), float))
-        F = np.array([[FAILED] * len(asked.aims) if each.failed else _lowered(asked, each) for each in found])
-        G = np.array([[FAILED if each.failed else broken(asked, each)] for each in found])
+        F = np.array(
+            [[FAILED_SCORE] * len(asked.aims) if each.failed else _aims_minimised(asked, each) for each in found]
+        )
+        G = np.array([[FAILED_SCORE if each.failed else total_violation(asked, each)] for each in found])
         Evaluator().eval(StaticProblem(problem, F=F, G=G), asks)
         algorithm.tell(infills=asks)
 
 
-def _lowered(asked: Question, evaluation: Evaluation) -> list[float]:
+def _aims_minimised(asked: Question, evaluation: Evaluation) -> list[float]:
     """Return the aims as quantities to minimise."""
     return [aim.sign * value for aim, value in zip(asked.aims, evaluation.aims, strict=True)]
 

@@ -12,9 +12,9 @@ import numpy as np
 
 from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
-from screwsim.results.atomic import holds
+from screwsim.results.atomic import has_content
 from screwsim.results.identity import differences, unpacked
-from screwsim.results.optimum import EVALUATION, POINT, Evaluated, write_optimum
+from screwsim.results.optimum import EVALUATION, POINT, EvaluationColumns, write_optimum
 from screwsim.results.read import read_attributes
 from screwsim.results.schema import Axis, axis_of, digest, identity_of
 from screwsim.results.write import Draft
@@ -23,8 +23,8 @@ from screwsim.study.optimize.question import Question
 from screwsim.study.optimize.record import Record
 from screwsim.study.shards import Parts
 
-COMMAND = "optimize"  # in the history of a results file
-QUESTION = "question"  # key in the identity of results
+COMMAND_NAME = "optimize"  # in the history of a results file
+QUESTION_KEY = "question"  # key in the identity of results
 
 
 def question_text(asked: Question) -> str:
@@ -54,15 +54,15 @@ def identity(asked: Question) -> dict[str, str]:
         pymoo = metadata.version("pymoo")
     except metadata.PackageNotFoundError:
         pymoo = "none"
-    return {**identity_of(asked.scene), QUESTION: question_text(asked), "pymoo": pymoo}
+    return {**identity_of(asked.scene), QUESTION_KEY: question_text(asked), "pymoo": pymoo}
 
 
 @contextmanager
-def kept(output: Path, asked: Question, restart: bool) -> Iterator[Parts]:
+def held_parts(output: Path, asked: Question, restart: bool) -> Iterator[Parts]:
     """Hold the parts of an optimisation; raise UsageError where they, or the file, belong to something else."""
     own = {"scene_sha256": digest(asked.scene.text), "identity": identity(asked)}
     parts = Parts(output, own, "optimisation")
-    if holds(output):
+    if has_content(output):
         _refuse_existing(output, restart)
     if not restart:
         _refuse_others(parts, own)
@@ -75,7 +75,7 @@ def kept(output: Path, asked: Question, restart: bool) -> Iterator[Parts]:
 
 def _refuse_existing(output: Path, restart: bool) -> None:
     attributes = read_attributes(output)  # raises for a file that is not a results file
-    if not str(attributes.get("history", "")).endswith(f" {COMMAND}"):
+    if not str(attributes.get("history", "")).endswith(f" {COMMAND_NAME}"):
         raise UsageError(f"{output}: does not hold results of an optimisation (choose another -o, or remove it)")
     if restart:
         return
@@ -88,7 +88,7 @@ def _refuse_others(parts: Parts, own: dict[str, Any]) -> None:
         return
     found = stored.get("identity")
     found = found if isinstance(found, dict) else unpacked(found) or {}
-    if found.get(QUESTION) != own["identity"][QUESTION] or stored.get("scene_sha256") != own["scene_sha256"]:
+    if found.get(QUESTION_KEY) != own["identity"][QUESTION_KEY] or stored.get("scene_sha256") != own["scene_sha256"]:
         raise UsageError(f"{parts.folder}: holds evaluations of another optimisation (choose another -o, or --restart)")
     what = differences(found, own["identity"])
     if what:
@@ -106,7 +106,7 @@ def write(output: Path, record: Record, feasible: np.ndarray, front: np.ndarray)
     on_front[front] = 1
     names = [aim.figure for aim in asked.aims]
     bounds = [f"{bound.figure}_{_SIDE[bound.sign]}" for bound in asked.bounds]
-    found = Evaluated(
+    found = EvaluationColumns(
         dict(zip(names, aims.T, strict=True)),
         dict(zip(names, errors.T, strict=True)),
         dict(zip(bounds, excess.T, strict=True)),
@@ -118,7 +118,7 @@ def write(output: Path, record: Record, feasible: np.ndarray, front: np.ndarray)
         question_text(asked),
     )
     axes = axes_of(record)
-    with Draft(output, asked.scene, axes, COMMAND) as draft:
+    with Draft(output, asked.scene, axes, COMMAND_NAME) as draft:
         cases = len(record) * len(asked.points.points)
         draft.complete(record.parts.all(cases), beside=partial(write_optimum, found=found))
     record.parts.discard()

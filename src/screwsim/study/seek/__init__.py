@@ -8,30 +8,30 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from screwsim.inputs.arguments import NUMBER, NUMBERS, TEXTS, ends_of, listed, takes
+from screwsim.inputs.arguments import NUMBER, NUMBERS, TEXTS, as_list, checked_arguments, ends_of
 from screwsim.inputs.arguments import shown as shown_argument
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, case, case_count, case_values, scene_text, with_values
-from screwsim.scene.given import scene_of
-from screwsim.scene.grid import only
-from screwsim.study.each import Warm, each
+from screwsim.scene.argument import scene_of
+from screwsim.scene.grid import with_sweep_over
 from screwsim.study.figures import figure_of
 from screwsim.study.goals import Goal, read_figure, read_goals
 from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value
 from screwsim.study.optimum import Simulate
-from screwsim.study.progress import Progress, shown
-from screwsim.study.seek import one, several
-from screwsim.study.seek.found import Found, judged, next_size, read_catalogue
-from screwsim.study.seek.trials import Told, Trial, Trials
+from screwsim.study.parallel import WarmSimulation, parallel_map
+from screwsim.study.progress import Progress, progress_of
+from screwsim.study.seek import one_goal, several_goals
+from screwsim.study.seek.answer import GoalSeekAnswer, answer_of_trials, next_size, read_catalogue
+from screwsim.study.seek.trials import ReportedSimulation, Trial, Trials
 from screwsim.study.spans import Span, read_spans, schema_range, span_of
-from screwsim.study.workers import DIED
+from screwsim.study.workers import WORKER_DIED
 
-__all__ = ["Found", "Question", "find", "find_each", "question"]
+__all__ = ["GoalSeekAnswer", "Question", "find", "find_each", "question"]
 
-EXPECTED = 10  # solutions per path that the progress expects
-DIGITS = 7  # of a found value: far below its error
-Vary = Iterable[str] | Mapping[str, tuple[float, float] | None]
-Goals = Iterable[str] | Mapping[str, float | str]
+EXPECTED_SOLUTIONS = 10  # solutions per path that the progress expects
+VALUE_DIGITS = 7  # of a found value: far below its error
+VaryArgument = Iterable[str] | Mapping[str, tuple[float, float] | None]
+GoalsArgument = Iterable[str] | Mapping[str, float | str]
 
 
 @dataclass(frozen=True)
@@ -43,14 +43,14 @@ class Question:
     sizes: tuple[float, ...] = ()
 
 
-def question(scene: Scene, vary: Vary, goals: Goals, catalogue: str | Sequence[float] = ()) -> Question:
+def question(scene: Scene, vary: VaryArgument, goals: GoalsArgument, catalogue: str | Sequence[float] = ()) -> Question:
     """Return the question; raise UsageError, in one line, where it makes no sense.
 
     `vary` are texts 'PATH' or 'PATH=LOW..HIGH', or {path: (low, high) [SI], None for the range that the scene or the
     schema gives}; `goals` texts 'FIGURE=VALUE', or {figure: value [SI], or a text as '500 kW'}; `catalogue` a text or
     sizes [SI].
     """
-    vary = vary if isinstance(vary, Mapping) else listed(vary)
+    vary = vary if isinstance(vary, Mapping) else as_list(vary)
     wanted, catalogue = _goals(scene, goals), catalogue if isinstance(catalogue, str) else tuple(catalogue)
     if catalogue and len(vary) != 1:
         raise UsageError("--catalogue: applies to a single path (give one --vary with it)")
@@ -71,9 +71,9 @@ def _count(goals: Sequence[Goal]) -> str:
     return f"{len(goals)} goal{'s' * (len(goals) != 1)}"
 
 
-def _goals(scene: Scene, goals: Goals) -> tuple[Goal, ...]:
+def _goals(scene: Scene, goals: GoalsArgument) -> tuple[Goal, ...]:
     if not isinstance(goals, Mapping):
-        return read_goals(scene, listed(goals))
+        return read_goals(scene, as_list(goals))
     named = {figure_of(scene, name, "goal"): value for name, value in goals.items()}
     return tuple(Goal(figure, _wanted(figure, value)) for figure, value in named.items())
 
@@ -98,16 +98,16 @@ def _spans(scene: Scene, vary: Mapping[str, tuple[float, float] | None]) -> tupl
     return tuple(found)
 
 
-@takes(vary=TEXTS, goals=TEXTS, catalogue=NUMBERS)
+@checked_arguments(vary=TEXTS, goals=TEXTS, catalogue=NUMBERS)
 def find(
     scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
-    vary: Vary,
-    goals: Goals,
+    vary: VaryArgument,
+    goals: GoalsArgument,
     *,
     catalogue: str | Sequence[float] = (),
     simulate: Simulate | None = None,
     progress: Progress | bool | None = None,
-) -> Found:
+) -> GoalSeekAnswer:
     """Return the values of paths at which figures have the values wanted (a scene's sweep is left aside).
 
         found = screwsim.find("x.yaml", ["operation.speed"], ["cooling_capacity=500 kW"])
@@ -121,7 +121,9 @@ def find(
     scene = scene_of(scene)
     asked = question(scene, vary, goals, catalogue)
     alone = replace(scene, sweep={}, joints=(), text="")
-    told = Told(simulate or Warm(), shown("find", progress), EXPECTED * len(asked.spans))
+    told = ReportedSimulation(
+        simulate or WarmSimulation(), progress_of("find", progress), EXPECTED_SOLUTIONS * len(asked.spans)
+    )
     with told:
         return find_each(alone, asked, jobs=1, simulate=told)[0]
 
@@ -133,38 +135,38 @@ def find_each(
     jobs: int | None = None,
     simulate: Simulate | None = None,
     progress: Progress | None = None,
-) -> list[Found]:
+) -> list[GoalSeekAnswer]:
     """Return the answer at each point of the scene's axes other than the varied paths (one point without axes)."""
     varied = {span.path: span.value(span.first) for span in asked.spans}
-    rest = only(scene, [path for path in scene.sweep if path not in varied])
+    rest = with_sweep_over(scene, [path for path in scene.sweep if path not in varied])
     check_fit(case(rest, 0), varied, ", ".join(varied))
     count = case_count(rest)
     if simulate is None and count > 1 and jobs != 1:
         from screwsim.simulate import warm_up
 
         warm_up(with_values(case(rest, 0), varied))  # before the fork
-    return each(
-        partial(_found, rest, asked, simulate),
+    return parallel_map(
+        partial(_answer_at_point, rest, asked, simulate),
         count,
-        died=lambda number: Found("failed", asked.spans, asked.goals, DIED, case_values(rest, number)),
+        died=lambda number: GoalSeekAnswer("failed", asked.spans, asked.goals, WORKER_DIED, case_values(rest, number)),
         jobs=jobs,
         progress=progress,
     )
 
 
-def _found(rest: Scene, asked: Question, simulate: Simulate | None, number: int) -> Found:
+def _answer_at_point(rest: Scene, asked: Question, simulate: Simulate | None, number: int) -> GoalSeekAnswer:
     """Return the answer at one point of the other axes."""
-    trials = Trials(case(rest, number), asked.spans, asked.goals, simulate or Warm())
-    met = (one if len(asked.spans) == 1 else several).solve(trials)
+    trials = Trials(case(rest, number), asked.spans, asked.goals, simulate or WarmSimulation())
+    met = (one_goal if len(asked.spans) == 1 else several_goals).solve(trials)
     at: dict[str, Any] = case_values(rest, number)
-    found = judged(trials, met, at)
+    found = answer_of_trials(trials, met, at)
     if met is not None:
         values = rounded(trials.scene, found.values)
-        found = replace(found, values=values, scene=_written(with_values(trials.scene, values)))
-    return _sized(trials, found, met, asked) if asked.sizes and found.status != "failed" else found
+        found = replace(found, values=values, scene=_with_text(with_values(trials.scene, values)))
+    return _with_catalogue_size(trials, found, met, asked) if asked.sizes and found.status != "failed" else found
 
 
-def _sized(trials: Trials, found: Found, met: Trial | None, asked: Question) -> Found:
+def _with_catalogue_size(trials: Trials, found: GoalSeekAnswer, met: Trial | None, asked: Question) -> GoalSeekAnswer:
     """Return an answer with the next size of the catalogue."""
     size, path = next_size(trials, met, asked.sizes), asked.spans[0].path
     counts: dict[str, Any] = {"solutions": len(trials.known), "failed": len(trials.reasons)}
@@ -172,15 +174,17 @@ def _sized(trials: Trials, found: Found, met: Trial | None, asked: Question) -> 
         largest = shown_value(trials.scene, path, asked.sizes[-1])
         why = "; ".join(filter(None, (f"no size in the catalogue, up to {largest}, meets the goal", found.message)))
         return replace(found, status="none", message=why, scene=None, **counts)
-    scene = _written(with_values(trials.scene, {path: size.value}))
+    scene = _with_text(with_values(trials.scene, {path: size.value}))
     message = "" if found.status == "none" else found.message
     return replace(found, status="ok", message=message, size=size, scene=scene, result=size.result, **counts)
 
 
-def _written(scene: Scene) -> Scene:
+def _with_text(scene: Scene) -> Scene:
     return replace(scene, text=scene_text(scene))
 
 
 def rounded(scene: Scene, values: Mapping[str, float]) -> dict[str, float]:
-    """Return values [SI] as they are written: with `DIGITS` digits in the customary unit."""
-    return {path: read_text(scene, path, shown_value(scene, path, value, DIGITS)) for path, value in values.items()}
+    """Return values [SI] as they are written: with `VALUE_DIGITS` digits in the customary unit."""
+    return {
+        path: read_text(scene, path, shown_value(scene, path, value, VALUE_DIGITS)) for path, value in values.items()
+    }

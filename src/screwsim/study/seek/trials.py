@@ -5,12 +5,12 @@ from dataclasses import dataclass, field
 from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 from screwsim.study.goals import Goal
-from screwsim.study.optimum import Simulate, absolute_error, closed
+from screwsim.study.optimum import Simulate, absolute_error, simulated_if_valid
 from screwsim.study.progress import Progress
 from screwsim.study.spans import Span
 
-CLOSE = 0.5  # of the estimated errors of the figures: distance within which a goal is met
-ROUNDING = 1e-9  # of a goal
+MET_TOLERANCE = 0.5  # of the estimated errors of the figures: distance within which a goal is met
+GOAL_ROUNDING = 1e-9  # of a goal
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Trials:
 
     def _solved(self, places: tuple[float, ...]) -> Trial:
         scene, names = self.scene_at(places), [goal.figure for goal in self.goals]
-        result = closed(scene, self.simulate)
+        result = simulated_if_valid(scene, self.simulate)
         lacks = result.lacks(names) if result.status == "ok" else []
         if result.status != "ok" or lacks:
             self.reasons.append("; ".join(lacks) or result.told)
@@ -71,9 +71,9 @@ class Trials:
 
     def met(self, trial: Trial) -> bool:
         """Return whether a solution meets its goals within their estimated errors, or the tolerance."""
-        least = max(self.tolerance, ROUNDING)
+        least = max(self.tolerance, GOAL_ROUNDING)
         return trial.off is not None and all(
-            abs(off) <= max(CLOSE * error, least * abs(goal.value))
+            abs(off) <= max(MET_TOLERANCE * error, least * abs(goal.value))
             for off, error, goal in zip(trial.off, trial.errors, self.goals, strict=True)
         )
 
@@ -101,7 +101,7 @@ def size_of(goal: Goal) -> float:
     return 10.0 if declared(goal.figure).units == "K" else max(abs(goal.value), 1e-12)
 
 
-class Told:
+class ReportedSimulation:
     """Simulation that reports progress; within `with` it expects `expected` solutions, then as many again."""
 
     def __init__(self, simulate: Simulate, progress: Progress, expected: int) -> None:

@@ -12,7 +12,7 @@ from screwsim.explain import WIDTH, explain
 from screwsim.fluid.composition import is_blend
 from screwsim.inputs.declare import KINDS, choice, quantity
 from screwsim.inputs.faults import SceneError, UsageError
-from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped
+from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
 from screwsim.scene import Scene, load
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.lines import condensate_enthalpy, lines
@@ -20,15 +20,15 @@ from screwsim.scene.schema import DRAFT, leaf_schema, mapping
 from screwsim.scene.sections import read_section
 from screwsim.scene.units import readable_quantity
 from screwsim.scene.values import shown
-from screwsim.scene.yaml_tree import Node, Place, Problem, compose, scene_error
+from screwsim.scene.yaml_tree import LocatedFault, Node, Position, compose, scene_error
 
-KEY = "stages"
-NAMES = ("first", "second")
+STAGES_KEY = "stages"
+STAGE_NAMES = ("first", "second")
 _REMEDY = "write stages: [first.yaml, second.yaml]"
 
 
 COOLS, FLASHES = "cooler", "economizer"
-BETWEEN = {  # what lies between both stages, in words
+INTERCOOLER_KINDS = {  # what lies between both stages, in words
     "none": "The second stage draws in the gas as the first one delivers it (M201).",
     COOLS: "A cooler cools the gas to {T} if it is warmer (M201).",
     FLASHES: "Vapour from a flash tank between condenser and evaporator mixes with the gas (M202).",
@@ -41,7 +41,7 @@ class Intercooler:
 
     kind: str = choice(
         "none; cooler: the gas is cooled; economizer: vapour of a flash tank mixes in (two-stage expansion)",
-        tuple(BETWEEN),
+        tuple(INTERCOOLER_KINDS),
         "none",
     )
     outlet_temperature: float | None = quantity(
@@ -61,7 +61,7 @@ class Intercooler:
 
 
 @dataclass(frozen=True)
-class Chain:
+class StageChain:
     """Two scenes in series. The first one's discharge and the second one's suction line are solved for, not read."""
 
     title: str
@@ -72,26 +72,26 @@ class Chain:
 
 def is_stages(path: str | os.PathLike[str]) -> bool:
     """Return whether a YAML file describes stages instead of one scene."""
-    root = _root(shipped(path), [])
-    return root is not None and KEY in root.value
+    root = _root(shipped_name(path), [])
+    return root is not None and STAGES_KEY in root.value
 
 
-def read_stages(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> Chain:
+def read_stages(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> StageChain:
     """Return the chain of a YAML file, its scenes changed by `first.PATH=VALUE` and `second.PATH=VALUE`.
 
     Raises `SceneError` with one line per fault, `UsageError` for an override that makes no sense.
     """
-    name = shipped(path)
-    problems: list[Problem] = []
+    name = shipped_name(path)
+    problems: list[LocatedFault] = []
     root = _root(name, problems)
-    chain = None if root is None else _typed(root, _sorted(overrides), problems)
+    chain = None if root is None else _typed(root, _overrides_by_stage(overrides), problems)
     if problems or chain is None:
         raise scene_error(problems)
     return chain
 
 
-def _root(name: str, problems: list[Problem]) -> Node | None:
-    place = Place(0, name, folder=os.path.dirname(os.path.abspath(name)))
+def _root(name: str, problems: list[LocatedFault]) -> Node | None:
+    place = Position(0, name, folder=os.path.dirname(os.path.abspath(name)))
     try:
         text = read_text(name, MOST_YAML)
     except Unreadable:
@@ -100,11 +100,11 @@ def _root(name: str, problems: list[Problem]) -> Node | None:
     return root if root is not None and isinstance(root.value, dict) else None
 
 
-def _sorted(overrides: Iterable[str]) -> dict[str, list[str]]:
-    found: dict[str, list[str]] = {name: [] for name in NAMES}
+def _overrides_by_stage(overrides: Iterable[str]) -> dict[str, list[str]]:
+    found: dict[str, list[str]] = {name: [] for name in STAGE_NAMES}
     for override in overrides:
         head, _, rest = override.partition(".")
-        if head.partition("=")[0] in ("title", KEY, "intercooler"):
+        if head.partition("=")[0] in ("title", STAGES_KEY, "intercooler"):
             raise UsageError(f"--set {override}: belongs to the two-stage file (write it there)")
         if head not in found or not rest:
             what = "starts with neither first. nor second., which name the stage"
@@ -113,32 +113,32 @@ def _sorted(overrides: Iterable[str]) -> dict[str, list[str]]:
     return found
 
 
-def _typed(root: Node, overrides: dict[str, list[str]], problems: list[Problem]) -> Chain | None:
+def _typed(root: Node, overrides: dict[str, list[str]], problems: list[LocatedFault]) -> StageChain | None:
     content: dict[str, Any] = dict(root.value)
-    for extra in (name for name in content if name not in ("title", KEY, "intercooler")):
-        what = f"is not known in a two-stage file (known: title, {KEY}, intercooler)"
-        problems.append(Problem(content[extra].heading, extra, what))
+    for extra in (name for name in content if name not in ("title", STAGES_KEY, "intercooler")):
+        what = f"is not known in a two-stage file (known: title, {STAGES_KEY}, intercooler)"
+        problems.append(LocatedFault(content[extra].heading, extra, what))
     between = Intercooler()
     if "intercooler" in content:
         between = read_section(section_of(Intercooler), content["intercooler"], "intercooler", problems)
-    files = _files(root, content[KEY], problems)
+    files = _files(root, content[STAGES_KEY], problems)
     if problems or files is None:
         return None
     if between.cools != (between.outlet_temperature is not None):
         missing = between.cools
         what = "is missing (kind: cooler needs it, e.g. 35 degC)" if missing else "belongs to kind: cooler (remove it)"
-        problems.append(Problem(content["intercooler"].place, "intercooler.outlet_temperature", what))
+        problems.append(LocatedFault(content["intercooler"].place, "intercooler.outlet_temperature", what))
         return None
     first, second = _scenes(files, overrides)
     _check(first, second, between, content, problems)
     title = content["title"].value if "title" in content else ""
-    return Chain(str(title or ""), first, second, between)
+    return StageChain(str(title or ""), first, second, between)
 
 
 def _scenes(files: list[str], overrides: dict[str, list[str]]) -> list[Scene]:
     """Return both scenes; raise `SceneError` with the faults of both."""
     found, lines = [], []
-    for name, file in zip(NAMES, files, strict=True):
+    for name, file in zip(STAGE_NAMES, files, strict=True):
         try:
             found.append(load(file, overrides[name], stage=f"{name}."))
         except SceneError as error:
@@ -148,47 +148,53 @@ def _scenes(files: list[str], overrides: dict[str, list[str]]) -> list[Scene]:
     return found
 
 
-def _files(root: Node, node: Node, problems: list[Problem]) -> list[str] | None:
+def _files(root: Node, node: Node, problems: list[LocatedFault]) -> list[str] | None:
     names = [item.value for item in node.value] if isinstance(node.value, list) else None
-    if names is None or len(names) != len(NAMES) or not all(isinstance(name, str) for name in names):
+    if names is None or len(names) != len(STAGE_NAMES) or not all(isinstance(name, str) for name in names):
         problems.append(
-            Problem(node.place, KEY, f"is {shown(names or node.value)}, not the files of two scenes ({_REMEDY})")
+            LocatedFault(
+                node.place, STAGES_KEY, f"is {shown(names or node.value)}, not the files of two scenes ({_REMEDY})"
+            )
         )
         return None
     files = [os.path.join(root.place.folder, name) for name in names]
     for item, file in zip(node.value, files, strict=True):
         if not os.path.isfile(file):
             what = f"{shown(item.value)} is not a file (name an existing scene, relative to this file)"
-            problems.append(Problem(item.place, KEY, what))
+            problems.append(LocatedFault(item.place, STAGES_KEY, what))
     return files
 
 
-def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str, Any], problems: list[Problem]) -> None:
+def _check(
+    first: Scene, second: Scene, between: Intercooler, content: dict[str, Any], problems: list[LocatedFault]
+) -> None:
     """Add faults of what does not go together: gases, expanders, drawn gas, an economizer without a condenser."""
-    place = content[KEY].place
-    for name, scene in zip(NAMES, (first, second), strict=True):
+    place = content[STAGES_KEY].place
+    for name, scene in zip(STAGE_NAMES, (first, second), strict=True):
         for effect, part in build_parts(scene).all(Plenum):
             if part.product:
                 what = (
                     f"the {name} scene names {effect}, which draws gas that the balance between the stages does "
                     "not include"
                 )
-                problems.append(Problem(place, KEY, f"{what} (leave it out there)"))
+                problems.append(LocatedFault(place, STAGES_KEY, f"{what} (leave it out there)"))
     if first.gas != second.gas:
-        problems.append(Problem(place, KEY, "have different gases (write the same gas: section in both)"))
+        problems.append(LocatedFault(place, STAGES_KEY, "have different gases (write the same gas: section in both)"))
     if first.machine.expands or second.machine.expands:
-        problems.append(Problem(place, KEY, "must be compressors, not machine.mode: expander (choose compressors)"))
+        problems.append(
+            LocatedFault(place, STAGES_KEY, "must be compressors, not machine.mode: expander (choose compressors)")
+        )
     if second.gas.relative_humidity is not None:
         what = "states a relative_humidity, but the water that condenses between the stages is not modelled"
-        problems.append(Problem(place, KEY, f"{what} (remove it from both scenes, or run them one by one)"))
+        problems.append(LocatedFault(place, STAGES_KEY, f"{what} (remove it from both scenes, or run them one by one)"))
     if between.flashes and is_blend(second.gas.name):
         what = f"vapour boiling off {second.gas.name}, a blend, differs from it in composition"
         remedy = "write kind: cooler, or name a pure fluid"
-        problems.append(Problem(content["intercooler"].place, "intercooler.kind", f"{what} ({remedy})"))
+        problems.append(LocatedFault(content["intercooler"].place, "intercooler.kind", f"{what} ({remedy})"))
     if between.flashes and condensate_enthalpy(second) is None:
         what = "economizer needs operation.condensing_temperature or gas_cooler in the second scene"
         what = f"{what}: its liquid feeds the tank"
-        problems.append(Problem(content["intercooler"].place, "intercooler.kind", f"{what} (state it there)"))
+        problems.append(LocatedFault(content["intercooler"].place, "intercooler.kind", f"{what} (state it there)"))
 
 
 def stages_schema() -> dict[str, Any]:
@@ -203,21 +209,21 @@ def stages_schema() -> dict[str, Any]:
     }
     files = {
         "type": "array",
-        "description": f"the scenes of the {' and the '.join(NAMES)} stage, relative to this file",
+        "description": f"the scenes of the {' and the '.join(STAGE_NAMES)} stage, relative to this file",
         "items": {"type": "string"},
-        "minItems": len(NAMES),
-        "maxItems": len(NAMES),
+        "minItems": len(STAGE_NAMES),
+        "maxItems": len(STAGE_NAMES),
     }
-    properties = {"title": {"type": ["string", "null"]}, KEY: files, "intercooler": between}
-    return {"$schema": DRAFT, "title": "screwsim stages"} | mapping(properties, [KEY])
+    properties = {"title": {"type": ["string", "null"]}, STAGES_KEY: files, "intercooler": between}
+    return {"$schema": DRAFT, "title": "screwsim stages"} | mapping(properties, [STAGES_KEY])
 
 
-def explain_stages(chain: Chain) -> str:
+def explain_stages(chain: StageChain) -> str:
     """Return the explanation as text. Raises UsageError for a fluid that is not available."""
     p_s, p_d = lines(chain.first).p_s, lines(chain.second).p_d
     ends = " to ".join(readable_quantity(KINDS["pressure"], p) for p in (p_s, p_d))
     between = chain.intercooler
-    words = BETWEEN[between.kind]
+    words = INTERCOOLER_KINDS[between.kind]
     if between.outlet_temperature is not None:
         words = words.format(T=readable_quantity(KINDS["temperature"], between.outlet_temperature))
     if between.pressure_drop > 0.0:
@@ -230,7 +236,7 @@ def explain_stages(chain: Chain) -> str:
     )
     head = [chain.title] if chain.title else []
     blocks = [*head, textwrap.fill(found, WIDTH)]
-    for name, scene in zip(NAMES, (chain.first, chain.second), strict=True):
+    for name, scene in zip(STAGE_NAMES, (chain.first, chain.second), strict=True):
         title = f"The {name} stage"
         blocks += [f"{title}\n{'=' * len(title)}", str(explain(scene))]
     return "\n\n".join(blocks)

@@ -12,11 +12,11 @@ from screwsim.outputs import STAGES, Figures, Result
 from screwsim.scene import Scene
 
 if TYPE_CHECKING:
-    from screwsim.study.stages.solve import Pair
+    from screwsim.study.stages.solve import StagePair
 
-STEP = 1.02  # factor of the pressure between the stages, for the slopes by that pressure
-WARMER = 1.0  # K, warming of the first stage's gas, for the slopes by its temperature
-USED = ("gas_mass_flow", "shaft_power", "discharge_temperature", "separator_temperature", "oil_cooler_duty")
+PRESSURE_STEP = 1.02  # factor of the pressure between the stages, for the slopes by that pressure
+TEMPERATURE_STEP = 1.0  # K, warming of the first stage's gas, for the slopes by its temperature
+STAGE_FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "separator_temperature", "oil_cooler_duty")
 
 
 @dataclass(frozen=True)
@@ -45,12 +45,12 @@ class ChainResult:
         }
 
 
-Given = tuple[dict[str, float | None], dict[str, str]]  # figures, and why some are None
+FiguresAndReasons = tuple[dict[str, float | None], dict[str, str]]  # figures, and why some are None
 
 
 def capacities(
     cooling: float, power: float, second: Mapping[str, Any], rejected: float | None, unparted: str = ""
-) -> Given:
+) -> FiguresAndReasons:
     """Return both capacities [W] and their COP relative to the power of both stages [W], or None with the reason.
 
     `second` has the figures of the second stage, whose gas gives off `rejected` [J/kg] in the condenser; None where gas
@@ -63,10 +63,10 @@ def capacities(
 
 
 def chain_errors(
-    pair: Pair,
-    figures: Callable[[Pair], Mapping[str, Any]],
-    beside: Callable[[float], Pair],
-    warmer: Callable[[float], Pair],
+    pair: StagePair,
+    figures: Callable[[StagePair], Mapping[str, Any]],
+    beside: Callable[[float], StagePair],
+    warmer: Callable[[float], StagePair],
 ) -> Figures:
     """Return the estimated error of each figure of a chain, over its scale; empty where a stage has no estimates.
 
@@ -77,15 +77,15 @@ def chain_errors(
         return Figures()
     found = figures(pair)
     off, left = dict.fromkeys(found, 0.0), abs(pair.excess)
-    for which, name, error in _told(pair.results):
-        hands_on = which == 0 and name == handed_on(pair.results[0])
-        other = warmer(WARMER) if hands_on else _changed(pair, which, name, error)
-        share = error / WARMER if hands_on else 1.0
+    for which, name, error in _stage_errors(pair.results):
+        hands_on = which == 0 and name == delivery_temperature_figure(pair.results[0])
+        other = warmer(TEMPERATURE_STEP) if hands_on else _with_changed_figure(pair, which, name, error)
+        share = error / TEMPERATURE_STEP if hands_on else 1.0
         left += share * abs(other.excess - pair.excess)
-        off = {key: off[key] + share * size for key, size in _change(found, figures(other)).items()}
-    other = beside(pair.p * STEP)
+        off = {key: off[key] + share * size for key, size in _figure_changes(found, figures(other)).items()}
+    other = beside(pair.p * PRESSURE_STEP)
     shift = left / max(abs(other.excess - pair.excess), 1e-300)  # fraction of the step to that other pressure
-    by_pressure = _change(found, figures(other))
+    by_pressure = _figure_changes(found, figures(other))
     known = {name: 0.0 if value is None else value for name, value in found.items()}
     scales = {name: STAGES[name].scale for name, value in found.items() if value is not None}
     sizes = {name: error_scale(name, scale, known) for name, scale in scales.items() if not scale.unasked}
@@ -97,23 +97,23 @@ def chain_errors(
     )
 
 
-def handed_on(first: Result) -> str:
+def delivery_temperature_figure(first: Result) -> str:
     """Return the figure that is the temperature of the first stage's gas: behind its separator, where it has oil."""
     return (
         "discharge_temperature" if first.performance.get("separator_temperature") is None else "separator_temperature"
     )
 
 
-def _told(results: tuple[Result, ...]) -> Iterator[tuple[int, str, float]]:
+def _stage_errors(results: tuple[Result, ...]) -> Iterator[tuple[int, str, float]]:
     """Yield stage, name and error, in its own unit, of each figure that enters those of the whole."""
     for which, result in enumerate(results):
-        for name in USED:
+        for name in STAGE_FIGURES:
             error = error_in_unit(name, result.performance, result.error)
             if error is not None:
                 yield which, name, error
 
 
-def _changed(pair: Pair, which: int, name: str, error: float) -> Pair:
+def _with_changed_figure(pair: StagePair, which: int, name: str, error: float) -> StagePair:
     """Return a pair with one figure of a stage increased by its error."""
     result = pair.results[which]
     performance = result.performance.copy()
@@ -123,7 +123,7 @@ def _changed(pair: Pair, which: int, name: str, error: float) -> Pair:
     return pair._replace(results=(results[0], results[1]))
 
 
-def _change(found: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, float]:
+def _figure_changes(found: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, float]:
     """Return the differences between two chains' figures; zero where one is missing."""
     pairs = ((name, value, other.get(name)) for name, value in found.items())
     return {name: 0.0 if value is None or its is None else abs(its - value) for name, value, its in pairs}

@@ -22,17 +22,24 @@ from screwsim.scene import Scene, cross_check, lines, scene_text, suction_enthal
 from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.types import ActiveEffect
 from screwsim.simulate import simulate
-from screwsim.study.stages.read import NAMES, Chain, Intercooler
-from screwsim.study.stages.result import ChainResult, Given, capacities, chain_errors, handed_on
+from screwsim.study.stages.read import STAGE_NAMES, Intercooler, StageChain
+from screwsim.study.stages.result import (
+    ChainResult,
+    FiguresAndReasons,
+    capacities,
+    chain_errors,
+    delivery_temperature_figure,
+)
 
-GROWTH = 1.25  # factor between successive pressures while the solution is being bracketed
-EDGE = 1.02  # least pressure ratio of a stage that is tried
-LEFT = 0.1  # of the wanted accuracy: difference of both flows at which the search ends
-MOST = 40  # pairs of simulations
-BEGIN = (0.5, 0.25, 0.75, 0.1, 0.9)  # of the way between both ends, in ln p: first points tried, until one succeeds
-HALVES = 5  # halvings of the way back from a pressure at which a stage has no result
-PARTED = ("separator_temperature", "oil_cooler_duty")  # figures of each stage's separator
-SATURATED = 1e-6  # relative distance from the saturation temperature within which vapour counts as wet
+BRACKET_GROWTH = 1.25  # factor between successive pressures while the solution is being bracketed
+LEAST_STAGE_RATIO = 1.02  # least pressure ratio of a stage that is tried
+FLOW_TOLERANCE = 0.1  # of the wanted accuracy: difference of both flows at which the search ends
+MOST_PAIRS = 40  # pairs of simulations
+# of the way between both ends, in ln p: first points tried, until one succeeds
+START_FRACTIONS = (0.5, 0.25, 0.75, 0.1, 0.9)
+MOST_HALVINGS = 5  # halvings of the way back from a pressure at which a stage has no result
+SEPARATOR_FIGURES = ("separator_temperature", "oil_cooler_duty")  # figures of each stage's separator
+WET_TOLERANCE = 1e-6  # relative distance from the saturation temperature within which vapour counts as wet
 _STATED = ("suction.superheat", "suction.quality", "evaporating_temperature", "condensing_temperature", "superheat")
 _STATED += ("subcooling", "gas_cooler")
 
@@ -45,7 +52,7 @@ class _Stop(Exception):
         self.status, self.results = status, results
 
 
-class Pair(NamedTuple):
+class StagePair(NamedTuple):
     """Both stages at one intermediate pressure: scenes, results, tank vapour per unit of the first stage's gas."""
 
     p: float
@@ -80,7 +87,7 @@ def _set_lines(scene: Scene, which: str, p_s: float, state: tuple[str, float], p
     return replace(changed, text=scene_text(changed))
 
 
-def _parted(scene: Scene) -> Scene:
+def _with_separator(scene: Scene) -> Scene:
     """Return a scene with a separator for gas and oil: only the gas goes on to the other stage (M201)."""
     every = scene.effects.values()
     if scene.oil_supply is None or any(isinstance(active.parameters, CoolsOil) for active in every):
@@ -92,20 +99,20 @@ def _parted(scene: Scene) -> Scene:
     return parted if stated else replace(parted, text=scene_text(parted))
 
 
-def _given(result: Result) -> float:
+def _delivery_temperature(result: Result) -> float:
     """Return the temperature [K] of the gas that a stage delivers."""
-    return result.performance[handed_on(result)]
+    return result.performance[delivery_temperature_figure(result)]
 
 
-class _Chain:
+class _ChainSolver:
     """Solver of a chain."""
 
-    def __init__(self, chain: Chain) -> None:
+    def __init__(self, chain: StageChain) -> None:
         self.chain, self.gas = chain, build_gas(chain.first)
         self.low, self.high = lines(chain.first), lines(chain.second)
         self.tried = 0
 
-    def pair(self, p: float, trace: bool = False) -> Pair:
+    def pair(self, p: float, trace: bool = False) -> StagePair:
         """Return both stages at an intermediate pressure [Pa]; raise `_Stop` where one has no result."""
         self.tried += 1
         try:
@@ -113,13 +120,13 @@ class _Chain:
         except UsageError as error:
             raise _Stop("failed", f"at {p / 1e5:.4g} bar between the stages: {error}") from None
 
-    def _pair(self, p: float, trace: bool) -> Pair:
+    def _pair(self, p: float, trace: bool) -> StagePair:
         between = self.chain.intercooler
         quality = self.low.quality
         state = ("temperature", self.low.T_s) if quality is None else ("quality", quality)
-        scene = _parted(_set_lines(self.chain.first, "first", self.low.p_s, state, p))
+        scene = _with_separator(_set_lines(self.chain.first, "first", self.low.p_s, state, p))
         first = self._solved(scene, "first", trace)
-        T_d = _given(first)
+        T_d = _delivery_temperature(first)
         self._check_dry(p, T_d, first)
         vapour, T = self._between(p, T_d, between)
         out = p - between.pressure_drop
@@ -128,28 +135,28 @@ class _Chain:
             raise _Stop("failed", f"{what} (choose a higher intercooler.outlet_temperature)", (first,))
         other = _set_lines(self.chain.second, "second", out, ("temperature", T), self.high.p_d)
         other, second, unparted = self._second(other, trace, first)
-        return Pair(p, (scene, other), (first, second), vapour, T, unparted)
+        return StagePair(p, (scene, other), (first, second), vapour, T, unparted)
 
-    def warmer(self, pair: Pair, kelvin: float) -> Pair:
+    def warmer(self, pair: StagePair, kelvin: float) -> StagePair:
         """Return a pair at the same pressure with the first stage's gas warmer by some kelvins."""
         between, (first, second) = self.chain.intercooler, pair.results
         changed = first.performance.copy()
-        changed[handed_on(first)] += kelvin
+        changed[delivery_temperature_figure(first)] += kelvin
         first = replace(first, performance=changed)
-        vapour, T = self._between(pair.p, _given(first), between)
+        vapour, T = self._between(pair.p, _delivery_temperature(first), between)
         if T == pair.T:
             return pair._replace(results=(first, second), vapour=vapour)
         out = pair.p - between.pressure_drop
         other = _set_lines(self.chain.second, "second", out, ("temperature", T), self.high.p_d)
         other, second, unparted = self._second(other, True, first)
-        return Pair(pair.p, (pair.scenes[0], other), (first, second), vapour, T, unparted)
+        return StagePair(pair.p, (pair.scenes[0], other), (first, second), vapour, T, unparted)
 
     def _second(self, scene: Scene, trace: bool, first: Result) -> tuple[Scene, Result, str]:
         """Return the second stage; at the end (`trace`) with a separator, or why gas and oil are not separated.
 
         Nothing else in the chain depends on that separator.
         """
-        parted = _parted(scene) if trace else scene
+        parted = _with_separator(scene) if trace else scene
         if parted is scene:
             return scene, self._solved(scene, "second", trace, (first,)), ""
         result = simulate(parted, trace=trace)
@@ -175,7 +182,7 @@ class _Chain:
             saturation = constants.saturation_temperature(gas.name, p)
         except UsageError:  # above the critical pressure
             return
-        if T_d <= saturation * (1.0 + SATURATED):
+        if T_d <= saturation * (1.0 + WET_TOLERANCE):
             what = f"the first stage delivers wet vapour at {p / 1e5:.4g} bar"
             raise _Stop("failed", f"{what} (use warmer or less oil there, or drier suction gas)", (first,))
 
@@ -217,17 +224,17 @@ class _Chain:
 
     # ---- the pressure ------------------------------------------------------------------------------------------
 
-    def solve(self) -> Pair:
+    def solve(self) -> StagePair:
         """Return the pair whose flows match (M200); raise `_Stop` where none does."""
         drop = self.chain.intercooler.pressure_drop
-        least, most = EDGE * self.low.p_s + drop, self.high.p_d / EDGE
+        least, most = LEAST_STAGE_RATIO * self.low.p_s + drop, self.high.p_d / LEAST_STAGE_RATIO
         if not least < most:
             raise _Stop("failed", "the second stage's discharge pressure is not above the first one's suction pressure")
         at = self._begun(least, most)
         guess = float(np.clip(at.p * np.exp(at.excess), least, most))
         a, b = self._enclosed(at, self._towards(guess, at) if guess != at.p else at, least, most)
-        tolerance = LEFT * max(scene.numerics.accuracy for scene in at.scenes)
-        while min(abs(a.excess), abs(b.excess)) > tolerance and self.tried < MOST:
+        tolerance = FLOW_TOLERANCE * max(scene.numerics.accuracy for scene in at.scenes)
+        while min(abs(a.excess), abs(b.excess)) > tolerance and self.tried < MOST_PAIRS:
             share = a.excess / (a.excess - b.excess)  # of the way in ln p, kept off the ends
             p = float(np.exp(np.log(a.p) + min(max(share, 0.02), 0.98) * np.log(b.p / a.p)))
             middle = self.pair(p)
@@ -237,20 +244,20 @@ class _Chain:
         best = min((a, b), key=lambda each: abs(each.excess))
         return self.pair(best.p, trace=True)
 
-    def _begun(self, least: float, most: float) -> Pair:
+    def _begun(self, least: float, most: float) -> StagePair:
         """Return a first pair with results, at the geometric mean of both ends if possible; raise its `_Stop`."""
         stops: list[_Stop] = []
-        for share in BEGIN:
+        for share in START_FRACTIONS:
             try:
                 return self.pair(float(np.sqrt(least * most)) if share == 0.5 else least * (most / least) ** share)
             except _Stop as stop:
                 stops.append(stop)
         raise stops[0]
 
-    def _towards(self, p: float, here: Pair) -> Pair:
+    def _towards(self, p: float, here: StagePair) -> StagePair:
         """Return the pair at p [Pa], or as near to it from `here` as both stages have results; raise `_Stop`."""
         stops: list[_Stop] = []
-        while len(stops) <= HALVES and self.tried < MOST:
+        while len(stops) <= MOST_HALVINGS and self.tried < MOST_PAIRS:
             try:
                 return self.pair(p)
             except _Stop as stop:
@@ -258,24 +265,24 @@ class _Chain:
                 p = float(np.sqrt(p * here.p))
         raise stops[0] if stops else _Stop("failed", self._none_found(here.p), here.results)
 
-    def _enclosed(self, one: Pair, other: Pair, least: float, most: float) -> tuple[Pair, Pair]:
+    def _enclosed(self, one: StagePair, other: StagePair, least: float, most: float) -> tuple[StagePair, StagePair]:
         """Return two pairs around the solution: too much gas arrives at the lower pressure, too little at the other."""
         a, b = (one, other) if one.p <= other.p else (other, one)
         while a.excess < 0.0:
             if a.p <= least * (1.0 + 1e-12):
                 raise _Stop("failed", self._none("takes more", least, "smaller or slower"), a.results)
-            a, b = self._towards(max(a.p / GROWTH, least), a), a
+            a, b = self._towards(max(a.p / BRACKET_GROWTH, least), a), a
         while b.excess > 0.0:
             if b.p >= most * (1.0 - 1e-12):
                 raise _Stop("failed", self._none("takes less", most, "larger or faster"), b.results)
-            a, b = b, self._towards(min(b.p * GROWTH, most), b)
+            a, b = b, self._towards(min(b.p * BRACKET_GROWTH, most), b)
         return a, b
 
     @staticmethod
     def _none_found(p: float) -> str:
         return (
-            f"no intermediate pressure is found in {MOST} tries, the last at {p / 1e5:.4g} bar (change one of the "
-            "stages)"
+            f"no intermediate pressure is found in {MOST_PAIRS} tries, the last at {p / 1e5:.4g} bar "
+            "(change one of the stages)"
         )
 
     def _none(self, what: str, p: float, remedy: str) -> str:
@@ -286,11 +293,11 @@ class _Chain:
 
     # ---- the figures -------------------------------------------------------------------------------------------
 
-    def figures(self, pair: Pair) -> tuple[Figures, Mapping[str, str]]:
+    def figures(self, pair: StagePair) -> tuple[Figures, Mapping[str, str]]:
         """Return the figures of the whole that the chain calls for (M203), and why some are None."""
         first, second = (result.performance for result in pair.results)
         power, flow, p = first.shaft_power + second.shaft_power, first.gas_mass_flow, pair.p
-        h_d = self.gas.enthalpy(p, _given(pair.results[0]))
+        h_d = self.gas.enthalpy(p, _delivery_temperature(pair.results[0]))
         h_2 = self.gas.enthalpy(p - self.chain.intercooler.pressure_drop, pair.T)
         T_e = None if pair.vapour == 0.0 else constants.saturation_temperature(self.chain.first.gas.name, p)
         drawn = [] if T_e is None else [(pair.vapour * flow, self.gas.vapour(p, T_e))]
@@ -311,7 +318,7 @@ class _Chain:
             first_shaft_power=first.shaft_power,
             second_shaft_power=second.shaft_power,
             shaft_power=power,
-            **_of_coolers(pair),
+            **_cooler_figures(pair),
             first_pressure_ratio=p / self.low.p_s,
             second_pressure_ratio=self.high.p_d / (p - self.chain.intercooler.pressure_drop),
             discharge_temperature=second.discharge_temperature,
@@ -319,10 +326,10 @@ class _Chain:
             **cooled,
             flow_mismatch=abs(comes - taken) / max(comes, taken),
         )
-        notes |= {f"{NAMES[1]}_{name}": pair.unparted for name in PARTED if pair.unparted}
+        notes |= {f"{STAGE_NAMES[1]}_{name}": pair.unparted for name in SEPARATOR_FIGURES if pair.unparted}
         return found, {name: notes.get(name, "this gas has none") for name, value in found.items() if value is None}
 
-    def errors(self, pair: Pair) -> tuple[Figures, tuple[str, ...]]:
+    def errors(self, pair: StagePair) -> tuple[Figures, tuple[str, ...]]:
         """Return the estimated errors of the figures of the whole (M395), or a warning why there are none."""
         try:
             beside = partial(self.pair, trace=True)
@@ -330,27 +337,27 @@ class _Chain:
         except (_Stop, UsageError) as stop:
             return Figures(), (f"the errors of the two-stage figures could not be estimated: {stop}",)
 
-    def _capacities(self, pair: Pair, flow: float, power: float, h_s: float) -> Given:
+    def _capacities(self, pair: StagePair, flow: float, power: float, h_s: float) -> FiguresAndReasons:
         """Return the result of `capacities` for a flow of the first stage [kg/s] and its inlet enthalpy h_s [J/kg]."""
         if condensate_enthalpy(self.chain.second) is None:
             return {}, {}
         sucked, liquid, second = suction_enthalpy(self.chain.first), self.liquid(), pair.results[1].performance
         evaporated = liquid if pair.vapour == 0.0 else constants.wet_enthalpy(self.chain.first.gas.name, pair.p, 0.0)
-        T = second.get(PARTED[0]) or second.discharge_temperature
+        T = second.get(SEPARATOR_FIGURES[0]) or second.discharge_temperature
         rejected = None if pair.unparted else sucked - liquid + self.gas.enthalpy(self.high.p_d, T) - h_s
         return capacities(flow * (sucked - evaporated), power, second, rejected, pair.unparted)
 
 
-def _of_coolers(pair: Pair) -> dict[str, float | None]:
+def _cooler_figures(pair: StagePair) -> dict[str, float | None]:
     """Return the figures of each oiled stage's separator and oil cooler (M287); None where gas and oil stay mixed."""
-    stages = zip(NAMES, pair.scenes, (result.performance for result in pair.results), strict=True)
+    stages = zip(STAGE_NAMES, pair.scenes, (result.performance for result in pair.results), strict=True)
     oiled = [(which, p) for which, scene, p in stages if scene.oil_supply is not None]
-    return {f"{which}_{name}": p.get(name) for name in PARTED for which, p in oiled}
+    return {f"{which}_{name}": p.get(name) for name in SEPARATOR_FIGURES for which, p in oiled}
 
 
-def run_stages(chain: Chain) -> ChainResult:
+def run_stages(chain: StageChain) -> ChainResult:
     """Return both stages at the intermediate pressure at which their flows match; a status where there is none."""
-    solving = _Chain(chain)
+    solving = _ChainSolver(chain)
     try:
         pair = solving.solve()
         found, notes = solving.figures(pair)

@@ -6,9 +6,19 @@ needs.
 """
 
 from screwsim.study.validation.discrepancy import compared, model_errors
-from screwsim.study.validation.record import Compared, Comparison, NotRun, Panel, Row, Series, equal, shown, trend
+from screwsim.study.validation.record import (
+    Comparison,
+    NotRun,
+    Panel,
+    Row,
+    Series,
+    ValidationPoint,
+    equal,
+    trend,
+    value_text,
+)
 from screwsim.study.validation.sources import (
-    Outcome,
+    SourceOutcome,
     document,
     errors_of,
     folder_of,

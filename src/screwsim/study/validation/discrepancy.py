@@ -18,9 +18,9 @@ from screwsim.scene import Scene
 from screwsim.scene.types import COVERAGE
 from screwsim.study.model_error import conditions_of
 from screwsim.study.uncertain import with_uncertainty
-from screwsim.study.validation.record import Compared
+from screwsim.study.validation.record import ValidationPoint
 
-PARTS = {"numerical": "u_num", "inputs": "u_input", "stated": "u_D"}
+UNCERTAINTY_PARTS = {"numerical": "u_num", "inputs": "u_input", "stated": "u_D"}
 
 
 def is_relative(figure: str) -> bool:
@@ -38,12 +38,12 @@ def compared(
     *,
     stated: Mapping[str, float] | None = None,
     fitted: bool = False,
-) -> list[Compared]:
+) -> list[ValidationPoint]:
     """Return the comparison of a solved point with figures of a source [SI] and their standard uncertainties."""
     by_inputs = with_uncertainty(scene, result).uncertainty.get("figures", {}) if scene.uncertain else {}
     at = conditions_of(scene, result.performance)
     return [
-        Compared(
+        ValidationPoint(
             machine,
             name,
             figure,
@@ -64,7 +64,7 @@ def numerical_of(result: Result, figure: str) -> float | None:
     return error_in_unit(figure, result.performance, result.error)
 
 
-def interval(point: Compared) -> tuple[float, float, float]:
+def interval(point: ValidationPoint) -> tuple[float, float, float]:
     """Return E of a point, and the ends of the interval of the model error; relative to the source's value, or [SI]."""
     over = abs(point.theirs) if is_relative(point.figure) else 1.0
     found = (point.ours - point.theirs) / over
@@ -72,33 +72,35 @@ def interval(point: Compared) -> tuple[float, float, float]:
     return found, found - COVERAGE * u_val, found + COVERAGE * u_val
 
 
-def _parts(point: Compared) -> dict[str, float | None]:
-    return {name: getattr(point, name) for name in PARTS}
+def _parts(point: ValidationPoint) -> dict[str, float | None]:
+    return {name: getattr(point, name) for name in UNCERTAINTY_PARTS}
 
 
-def model_errors(points: Sequence[Compared], source: str, citation: str) -> dict[str, Any]:
+def model_errors(points: Sequence[ValidationPoint], source: str, citation: str) -> dict[str, Any]:
     """Return the model error of each machine of a source by its points, in JSON types only."""
     machines = dict.fromkeys(point.machine for point in points)
     return {
         name: {
             "source": source,
             "citation": citation,
-            "range": _range([point for point in points if point.machine == name and not point.fitted]),
+            "range": _condition_range([point for point in points if point.machine == name and not point.fitted]),
             "figures": dict(_figures([point for point in points if point.machine == name])),
         }
         for name in machines
     }
 
 
-def _figures(points: Sequence[Compared]) -> Iterator[tuple[str, dict[str, Any]]]:
+def _figures(points: Sequence[ValidationPoint]) -> Iterator[tuple[str, dict[str, Any]]]:
     for figure in dict.fromkeys(point.figure for point in points):
         mine = [[point for point in points if point.figure == figure and point.fitted is fit] for fit in (False, True)]
-        unknown = [word for part, word in PARTS.items() if any(getattr(point, part) is None for point in mine[0])]
-        held, fitted = map(_told, mine)
+        unknown = [
+            word for part, word in UNCERTAINTY_PARTS.items() if any(getattr(point, part) is None for point in mine[0])
+        ]
+        held, fitted = map(_statistics, mine)
         yield figure, {"relative": is_relative(figure), "held_out": held, "fitted": fitted, "not_stated": unknown}
 
 
-def _told(points: Sequence[Compared]) -> dict[str, Any] | None:
+def _statistics(points: Sequence[ValidationPoint]) -> dict[str, Any] | None:
     """Return number of points, mean of E, and the interval that covers those of all points; None without any."""
     found = [interval(point) for point in points]
     if not found:
@@ -108,7 +110,7 @@ def _told(points: Sequence[Compared]) -> dict[str, Any] | None:
     return {"points": len(found), "mean": mean, "low": low, "high": high}
 
 
-def _range(points: Sequence[Compared]) -> dict[str, Any]:
+def _condition_range(points: Sequence[ValidationPoint]) -> dict[str, Any]:
     """Return the ends of each condition, or its words, over some points."""
     found: dict[str, Any] = {}
     for name in dict.fromkeys(name for point in points for name in point.at):

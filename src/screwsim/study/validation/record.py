@@ -80,7 +80,7 @@ class Panel:
 
 
 @dataclass(frozen=True)
-class Compared:
+class ValidationPoint:
     """One figure at one point of a machine, ours and the source's in SI units, with their standard uncertainties.
 
     `inputs` is ours due to the tolerances of the scene, `stated` the source's own: None where it is not stated.
@@ -111,7 +111,7 @@ class Comparison:
     about: str
     rows: Sequence[Row]
     panels: Sequence[Panel] = ()
-    points: Sequence[Compared] = ()
+    points: Sequence[ValidationPoint] = ()
 
 
 def equal(
@@ -141,7 +141,7 @@ def trend(quantity: str, ours: str, theirs: str, holds: bool, *, note: str = "",
     return Row(quantity, ours, theirs, kind, "holds" if holds else "fails", note=note)
 
 
-def shown(value: float | str | None, digits: int = 4) -> str:
+def value_text(value: float | str | None, digits: int = 4) -> str:
     """Return a value of a row as text."""
     if value is None:
         return "–"
@@ -150,21 +150,21 @@ def shown(value: float | str | None, digits: int = 4) -> str:
     return f"{value:.{digits}g}"
 
 
-def _line(cells: Mapping[str, str]) -> str:
+def _table_line(cells: Mapping[str, str]) -> str:
     return " ".join(f"{cells[name]:<{width}}" for name, width in _COLUMNS).rstrip()
 
 
 def row_text(row: Mapping[str, Any]) -> list[str]:
     """Return the lines of one row; text too long for its column goes below."""
-    uncertainty = shown(row["uncertainty"], 2)
-    cells = {**row, "ours": shown(row["ours"]), "theirs": shown(row["theirs"]), "±": uncertainty}
+    uncertainty = value_text(row["uncertainty"], 2)
+    cells = {**row, "ours": value_text(row["ours"]), "theirs": value_text(row["theirs"]), "±": uncertainty}
     widths, below = dict(_COLUMNS), []
     for name in ("ours", "theirs"):
         if len(cells[name]) > widths[name]:
             below.append(f"{name}: {cells[name]}")
             cells[name] = "below"
     first, *more = textwrap.wrap(row["quantity"], widths["quantity"], subsequent_indent="  ")
-    text = [_line({**cells, "quantity": first}), *more]
+    text = [_table_line({**cells, "quantity": first}), *more]
     for part in (*below, row["basis"], row["note"]):
         text += textwrap.wrap(part, WIDTH, initial_indent=_INDENT, subsequent_indent=_INDENT)
     return text
@@ -175,7 +175,7 @@ def source_text(name: str, source: Mapping[str, Any]) -> str:
     if source["status"] != "ok":
         return f"{name}: not run: {source['reason']}"
     lines = [f"{name}: {source['title']}", *textwrap.wrap(source["citation"], WIDTH - 2, initial_indent="  ")]
-    lines.append(_line({column: column for column, _ in _COLUMNS}))
+    lines.append(_table_line({column: column for column, _ in _COLUMNS}))
     for row in source["rows"]:
         lines += row_text(row)
     return "\n".join(lines)

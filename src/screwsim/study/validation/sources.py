@@ -13,26 +13,27 @@ from typing import Any
 
 import screwsim
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.near import nearest
 from screwsim.inputs.sheets import BadSheet, read_sheet
+from screwsim.inputs.suggestions import nearest
 from screwsim.inputs.textfiles import Unreadable, read_text
 from screwsim.outputs import Result
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate
-from screwsim.study.each import each
+from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
 from screwsim.study.validation.discrepancy import model_errors
 from screwsim.study.validation.record import VERDICTS, Comparison, NotRun
 from screwsim.version import version
 
 FOLDER, MODULE = "validation", "compare.py"
-PACKAGE = Path(screwsim.__file__).resolve().parent
-FIRST = ("plain", "exact", "bitzer", "paper", "cross_code")  # the longest; side by side they compile different models
-DIED = "its worker died (run this source alone)"
+PACKAGE_FOLDER = Path(screwsim.__file__).resolve().parent
+# the longest; side by side they compile different models
+LONGEST_SOURCES = ("plain", "exact", "bitzer", "paper", "cross_code")
+WORKER_DIED = "its worker died (run this source alone)"
 
 
 @dataclass(frozen=True)
-class Outcome:
+class SourceOutcome:
     """Result of one source: the comparison, or why there is none; time [s]."""
 
     name: str
@@ -54,23 +55,23 @@ def folder_of(wanted: str | Path | None = None) -> Path:
     root = _checkout()
     if root is not None and names_of(root / FOLDER):
         return root / FOLDER
-    inside = PACKAGE / "shipped" / FOLDER
+    inside = PACKAGE_FOLDER / "shipped" / FOLDER
     if names_of(inside):
         return inside
     raise UsageError(
-        f"this screwsim ({PACKAGE}) has no folder {FOLDER}/: it comes with a checkout and with built packages (name "
-        f"one whose programs {MODULE} you trust with --folder, or run screwsim from a checkout)"
+        f"this screwsim ({PACKAGE_FOLDER}) has no folder {FOLDER}/: it comes with a checkout and with built packages "
+        f"(name one whose programs {MODULE} you trust with --folder, or run screwsim from a checkout)"
     )
 
 
 def _checkout() -> Path | None:
     """Return the checkout whose source is the running package; None for an installed one."""
-    root = PACKAGE.parents[1]
+    root = PACKAGE_FOLDER.parents[1]
     try:
         project = tomllib.loads(read_text(root / "pyproject.toml"))
     except (Unreadable, tomllib.TOMLDecodeError):
         return None
-    ours = PACKAGE.parent.name == "src" and project.get("project", {}).get("name") == PACKAGE.name
+    ours = PACKAGE_FOLDER.parent.name == "src" and project.get("project", {}).get("name") == PACKAGE_FOLDER.name
     return root if ours else None
 
 
@@ -81,7 +82,7 @@ def names_of(folder: Path) -> list[str]:
 
 def run_sources(
     folder: Path, names: Sequence[str] = (), progress: Progress | None = None, jobs: int | None = 1
-) -> list[Outcome]:
+) -> list[SourceOutcome]:
     """Return the results of the named sources (default: all), run `jobs` at a time (None: as many as cores).
 
     Raises UsageError for an unknown name.
@@ -97,11 +98,13 @@ def run_sources(
             hint = f"did you mean {near}?" if near else f"known: {', '.join(known)}"
             raise UsageError(f"{name}: no source of that name in {folder} ({hint})")
     wanted = list(dict.fromkeys(names)) or known
-    begun = sorted(wanted, key=lambda name: FIRST.index(name) if name in FIRST else len(FIRST))
-    outcomes = each(
-        partial(_run, tuple(folder / name for name in begun)),
+    begun = sorted(
+        wanted, key=lambda name: LONGEST_SOURCES.index(name) if name in LONGEST_SOURCES else len(LONGEST_SOURCES)
+    )
+    outcomes = parallel_map(
+        partial(_run_source, tuple(folder / name for name in begun)),
         len(begun),
-        died=lambda number: Outcome(begun[number], None, DIED, 0.0),
+        died=lambda number: SourceOutcome(begun[number], None, WORKER_DIED, 0.0),
         jobs=jobs,
         failed=lambda outcome: outcome.comparison is None,
         progress=progress,
@@ -109,16 +112,16 @@ def run_sources(
     return sorted(outcomes, key=lambda outcome: wanted.index(outcome.name))
 
 
-def _run(folders: tuple[Path, ...], number: int) -> Outcome:
+def _run_source(folders: tuple[Path, ...], number: int) -> SourceOutcome:
     folder, began, comparison, reason = folders[number], time.perf_counter(), None, ""
     try:
         comparison = sibling(folder / MODULE).compare(folder)
     except NotRun as error:
         reason = " ".join(str(error).split())
-    return Outcome(folder.name, comparison, reason, time.perf_counter() - began)
+    return SourceOutcome(folder.name, comparison, reason, time.perf_counter() - began)
 
 
-def document(outcomes: Sequence[Outcome]) -> dict[str, Any]:
+def document(outcomes: Sequence[SourceOutcome]) -> dict[str, Any]:
     """Return everything as one document; it has no times, so that equal results give equal documents."""
     sources: dict[str, Any] = {}
     counts: dict[str, int] = dict.fromkeys(VERDICTS, 0)
@@ -134,7 +137,7 @@ def document(outcomes: Sequence[Outcome]) -> dict[str, Any]:
     return {"version": version(), "verdicts": counts, "sources": sources}
 
 
-def errors_of(outcomes: Sequence[Outcome]) -> dict[str, Any]:
+def errors_of(outcomes: Sequence[SourceOutcome]) -> dict[str, Any]:
     """Return the model errors by machine; nothing for sources that compare no figures."""
     found: dict[str, Any] = {}
     for outcome in outcomes:

@@ -1,0 +1,69 @@
+"""Backflow from the discharge line: extrapolate its effect from one turn to all turns to come.
+
+Gas and oil that flow back mix with what is compressed and leave with it. If they are warmer by ΔT, they warm the
+outflow by s ΔT, where s is their share of its heat capacity, and that is what flows back next: all later turns together
+add s/(1 − s) ΔT. This holds where oil is carried, whose heat leaves with it. It does not hold for heat that goes to a
+stated outlet temperature, to droplets, or to a gas whose two phases are followed: that heat does not come back.
+
+Source: docs/explanation/closing.md, oil and heat that flow back.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.cycle.balances import streams_of
+from screwsim.cycle.feedback import AT_ENTHALPY, AT_TEMPERATURE
+from screwsim.cycle.problem import Problem
+from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, OF_OIL
+
+Array = np.ndarray
+LARGEST_SHARE = 0.5  # largest share of backflow for which it is assumed that nothing else takes its heat
+LEAST_OIL = 0.1  # smallest heat capacity of the oil over the gas's; with less, the amount of oil itself returns slowly
+LARGEST_CHANGE = 0.1  # largest relative change of the oil's temperature that is extrapolated
+
+
+class BackflowFeedback(NamedTuple):
+    """The share of the outflow that flows back, and the later turns' addition to the discharge line [J/kg], [K]."""
+
+    share: float = 0.0
+    enthalpy: float = 0.0
+    temperature: float = 0.0
+
+    def extrapolated(self, made: Array) -> Array:
+        """Return the unknowns `made` with the addition of later turns; unchanged where that is zero."""
+        if self.temperature == 0.0:
+            return made
+        line = made.copy()
+        line[AT_ENTHALPY] += self.enthalpy
+        line[AT_TEMPERATURE] += self.temperature
+        return line
+
+
+NO_FEEDBACK = BackflowFeedback()
+
+
+def backflow_feedback(problem: Problem, q: Array, met: Array, made: Array) -> BackflowFeedback:
+    """Return the backflow's share and later effect.
+
+    The life has quadratures q; `met` are its unknowns, `made` their next values.
+    """
+    parts, known = problem.parts, problem.scene.gas
+    if not problem.composition.carried or parts.oil is None or parts.held_back or known.equilibrium:
+        return NO_FEEDBACK
+    if problem.scene.operation.discharge.temperature is not None:
+        return NO_FEEDBACK
+    at_line = streams_of(problem.composition, q)[DISCHARGE_IN : DISCHARGE_OUT + 1]
+    back, out = at_line[:, [OF_GAS, OF_OIL]].tolist()  # [kg]
+    gas, oil = parts.gas.c_p, parts.oil.heat_capacity
+    comes, goes = (gas * flow[0] + oil * flow[1] for flow in (back, out))
+    if not 0.0 < comes < -goes or oil * out[1] > LEAST_OIL * gas * out[0]:  # both are negative
+        return NO_FEEDBACK
+    share = min(comes / -goes, LARGEST_SHARE)
+    change = made - met
+    warmer = float(back[0] * change[AT_ENTHALPY] + back[1] * oil * change[AT_TEMPERATURE]) / comes
+    later = share / (1.0 - share) * warmer
+    believed = (
+        abs(later) < LARGEST_CHANGE * made[AT_TEMPERATURE] and abs(gas * later) < LARGEST_CHANGE * made[AT_ENTHALPY]
+    )
+    return BackflowFeedback(share, gas * later, later) if believed else BackflowFeedback(share)

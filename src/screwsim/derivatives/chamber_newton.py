@@ -1,0 +1,175 @@
+"""Approximate Newton iterations of the collocated cycle with each chamber's own derivatives only.
+
+Chambers are coupled by gaps, weakly. So the matrix is that of one chamber, and a solution costs a fraction of the full
+one. To place slices (`approach`), start and unknowns are kept as the integrator left them. To close the cycle
+(`closed`), a chamber's changes are followed through its life, and the unknowns are set to their image.
+"""
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.derivatives.blocks import Blocks
+from screwsim.derivatives.lane_rates import rates
+from screwsim.derivatives.linear import injection
+from screwsim.derivatives.pitch import CollocatedPitch
+from screwsim.derivatives.shifted_life import ShiftedLife
+from screwsim.derivatives.slices import INTEGRALS
+
+Array = np.ndarray
+MOST_ITERATIONS = 12  # iterations
+KEEP_SLOPES_BELOW = 0.2  # ratio of residuals up to which the derivatives of the iteration before are kept
+CLOSINGS = 8  # iterations that may close a cycle, while each residual is at most ...
+AGAIN = 4.0  # ... this many times the least before: a residual may return through other chambers before it decays
+LONGEST = 0.3  # relative change of a state in one iteration
+SWING_SHARE = 0.4  # ratio to the change before, above which a change of opposite sign is halved
+SMALL = 1e-3  # least size of a state, for relative residuals
+UNCHANGED_WITHIN = 1e-3  # relative change of a state, up to which its slice's derivatives are kept for the next round
+
+
+@dataclass
+class ChamberFactors:
+    """The last factored stage equations of each chamber alone, with the edges and states of their slices.
+
+    They are tried for other slices of the same number, which have moved slightly with turning flows. If the number
+    differs, slices that existed before with nearly the same states keep their factors.
+    """
+
+    blocks: Blocks | None = None
+    edges: Array = field(default_factory=lambda: np.zeros(1))
+    states: Array = field(default_factory=lambda: np.zeros(0))
+    good: bool = True  # whether iterations with them converged fast enough
+
+    def of(self, pitch: CollocatedPitch) -> Blocks | None:
+        """Return the kept factors, if they may serve a pitch."""
+        return self.blocks if pitch.count == len(self.edges) - 1 else None
+
+    def begun(self, pitch: CollocatedPitch, Y: Array) -> Blocks:
+        """Return the factors for a pitch with other slices; only new slices are factored."""
+        if self.blocks is None or not self.good:
+            return self.anew(pitch, Y)
+        edges, before = pitch.slices.edges, self.edges
+        at = np.minimum(np.searchsorted(before, edges[:-1]), len(before) - 2)
+        apart = (np.abs(Y - self.states[at]) / np.maximum(np.abs(Y), SMALL)).max(axis=(1, 2))
+        new = (before[at] != edges[:-1]) | (before[at + 1] != edges[1:]) | (apart > UNCHANGED_WITHIN)
+        found, self.states = _blocks(pitch, Y, np.flatnonzero(new)), np.where(new[:, None, None], Y, self.states[at])
+        self.blocks, self.edges = found.among(self.blocks, new, at[~new], pitch.N // pitch.n), edges
+        return self.blocks
+
+    def anew(self, pitch: CollocatedPitch, Y: Array) -> Blocks:
+        """Return, and keep, new factors for a pitch at given states."""
+        self.blocks, self.edges = _blocks(pitch, Y, np.arange(pitch.count)), pitch.slices.edges
+        self.states = Y
+        return self.blocks
+
+
+def approach(pitch: CollocatedPitch, bound: float, kept: ChamberFactors) -> tuple[Array, Array] | None:
+    """Return states at the start and the nodes with less than a relative residual, installed.
+
+    None if none are found.
+    """
+    Y, before, blocks = pitch.read(), np.inf, kept.of(pitch)
+    start, last, nothing = pitch.begin(Y), np.zeros_like(Y), np.zeros((pitch.N, pitch.N))
+    for _ in range(MOST_ITERATIONS):
+        open_ = residual(pitch, Y, start, rates(pitch, Y)[0])
+        size = size_of(open_, Y)
+        if size < bound:
+            kept.good = size < KEEP_SLOPES_BELOW * before
+            pitch.install(start, Y)
+            return start, Y
+        if not np.isfinite(size):
+            break
+        if blocks is None:
+            blocks = kept.begun(pitch, Y)
+        elif size > KEEP_SLOPES_BELOW * before:
+            blocks = kept.anew(pitch, Y)
+        before = size
+        last = damped(blocks.follow_one_by_one(-open_, nothing), last)
+        Y = limited_step(pitch, Y, last)
+    return None
+
+
+def closed(pitch: CollocatedPitch, Y: Array, bound: float, kept: ChamberFactors) -> Array | None:
+    """Return states at the nodes that close the cycle within a relative residual, installed; None if none are found.
+
+    The unknowns are set to their image; where it fails, they are restored.
+    """
+    at, least, first = pitch.numbers, np.inf, Y
+    blocks, inject = kept.of(pitch), None
+    lent = blocks is not None
+    for _ in range(CLOSINGS):
+        off, residual_, size, (start, _) = residual_of(pitch, Y)
+        if size < bound:
+            pitch.install(start, Y)
+            return Y
+        worse = not size < AGAIN * least
+        if worse and not (lent and np.isfinite(size)):
+            break
+        if blocks is None:
+            blocks, lent = kept.begun(pitch, Y), True
+        elif worse:
+            blocks, lent = kept.anew(pitch, Y), False
+        inject = injection(pitch, Y)[0] if inject is None else inject
+        least = min(size, least)
+        Y = limited_step(pitch, Y, blocks.follow_one_by_one(-residual_, inject))
+        met = pitch.met
+        pitch.meet(pitch.problem.entries.coordinates(met) + off, met)
+    pitch.put(at)
+    pitch.install(pitch.begin(first), first)
+    return None
+
+
+class CollocationResidual(NamedTuple):
+    """The difference of the unknowns from their image, the residual of the stage equations, the largest of both.
+
+    `read` are the states at the start and the quadratures.
+    """
+
+    off: Array
+    residual: Array
+    size: float
+    read: tuple[Array, Array]
+
+
+def residual_of(pitch: CollocatedPitch, Y: Array) -> CollocationResidual:
+    """Return the residuals of states at the nodes."""
+    start, (f, g) = pitch.begin(Y), rates(pitch, Y)
+    sums = pitch.sums(g)
+    life = ShiftedLife.of(pitch, lambda: pitch.install(start, Y))
+    off = pitch.image(sums, life) - pitch.problem.entries.coordinates(pitch.met)
+    open_ = residual(pitch, Y, start, f)
+    return CollocationResidual(
+        off, open_, max(size_of(open_, Y), float(np.max(np.abs(off), initial=0.0))), (start, sums)
+    )
+
+
+def _blocks(pitch: CollocatedPitch, Y: Array, slices: Array) -> Blocks:
+    """Return the factored stage equations of each chamber alone, for some slices."""
+    chambers, n = pitch.N // pitch.n, pitch.n
+    return Blocks(pitch.by_own_states(Y, slices), np.tile(pitch.slices.widths[slices], chambers), n, 0)
+
+
+def residual(pitch: CollocatedPitch, Y: Array, start: Array, f: Array) -> Array:
+    """Return the residual of the stage equations (slices, NODES, N)."""
+    before = np.concatenate([start[None], Y[:-1, -1]])
+    return Y - before[:, None] - pitch.slices.widths[:, None, None] * (INTEGRALS @ f)
+
+
+def size_of(open_: Array, Y: Array) -> float:
+    """Return a relative residual."""
+    return float(np.max(np.abs(open_) / np.maximum(np.abs(Y), SMALL)))
+
+
+def damped(change: Array, last: Array) -> Array:
+    """Return a change, halved where it nearly takes back the last one, alternating across a steep flow."""
+    swings = (change * last < 0.0) & (np.abs(change) > SWING_SHARE * np.abs(last))
+    return np.where(swings, 0.5 * change, change)
+
+
+def limited_step(pitch: CollocatedPitch, Y: Array, change: Array) -> Array:
+    """Return states changed by at most `LONGEST` of themselves; states of either sign change without limit."""
+    c = pitch.machinery.composition
+    signed = np.tile(np.isin(np.arange(pitch.n), c.signed), c.chambers)
+    most = np.where(signed, np.inf, LONGEST * np.maximum(np.abs(Y), 0.0))
+    return Y + np.clip(change, -most, most)

@@ -1,0 +1,318 @@
+"""Close the collocated cycle, starting from the one that the integrator closed."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.cycle.problem import Problem
+from screwsim.derivatives import chamber_newton, slices
+from screwsim.derivatives.chamber_newton import SMALL, ChamberFactors, approach, damped, limited_step, residual_of
+from screwsim.derivatives.crossings import crossings
+from screwsim.derivatives.linear import ArgumentChange, DirectEffects, LinearisedPitch, Response
+from screwsim.derivatives.peak import peak
+from screwsim.derivatives.phases import borders
+from screwsim.derivatives.pitch import CollocatedPitch, RateNumbers, Slopes
+from screwsim.derivatives.shifted_life import ShiftedLife
+from screwsim.model.run import Machinery
+from screwsim.model.slots import P_PITCH
+from screwsim.model.trajectory import Trajectory
+
+Array = np.ndarray
+STEPS = (4.0, 2.0, 1.0)  # integrator's steps per slice at the start; fewer where more do not close
+ERROR = 0.03  # of the wanted accuracy: error of a slice
+READ_INSIDE = 0.1  # factor on that where flows to pulsating lines are read inside slices, less surely estimated
+WIDER_INSIDE = 0.8  # ... and on the growth of slices around the turning of a flow
+ROUNDS = 9  # of refinement
+MOST_ITERATIONS = 20  # Newton iterations ...
+STALLED = 6  # ... of which this many may pass without progress
+CLOSED = 1e-7  # relative residual of a closed cycle ...
+STATES_WITHIN = 1e-5  # ... that is accepted where no iteration reduces it further ...
+NEARLY_CLOSED = 1e-4  # ... and that is enough to place slices, where `chamber_newton` finds no states
+STATES_SHARE = 0.1  # of a slice's error: residual of the states with which that error is estimated ...
+FIRST_ROUND_FACTOR = 100.0  # ... and in the first round, whose slices are much too long
+SHIFT = 1e-6  # of coordinates, for differences of the image
+KEEP_SLOPES_BELOW = 0.2  # ratio of residuals up to which the derivatives of the iteration before are kept
+VANISHED_WITHIN = 20.0  # layers around a crossing, within which it may be one of the round before
+PLACED = 0.5 * slices.SHARE_BEFORE  # layers between a crossing and its slice's end, within which it counts as placed
+IDENTITY_WITHIN = 1e-6  # departure of an image's derivatives from identity, up to which the scene states the unknown
+
+
+class Fineness(NamedTuple):
+    """The wanted accuracy of derivatives, as factors on the constants above and on those of `slices`.
+
+    They apply to the error of a slice, `divided`: the factor on it up to which a divided slice is not checked
+    again; the residual of the cycle; the slices around a turning of a flow, the first and the ratio from each to
+    the next; the longest slice; and how near to its turning a slice must end. If not `estimated`, the cycle is the
+    first that the scene's tolerances close, whatever the error of its figures.
+    """
+
+    error: float = 1.0
+    divided: float = 1.0
+    closed: float = 1.0
+    ring: float = 1.0
+    wider: float = 1.0
+    longest: float = 1.0
+    near: float = 1.0
+    estimated: bool = True
+
+
+FINE = Fineness(0.1, 1.0, 1.0, 0.5, 0.7)  # errors of 1e-5 of a derivative, in 95 of 100
+QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5, 50.0, False)  # errors of 1e-3
+
+
+class CollocatedCycle(NamedTuple):
+    """A collocated cycle: states at the start and the nodes, rates there, quadratures, numbers, unknowns."""
+
+    pitch: CollocatedPitch
+    start: Array
+    nodes: Array
+    slopes: Slopes
+    sums: Array
+    at: RateNumbers
+    met: Array
+
+
+class LinearisedCycle(NamedTuple):
+    """The response of a collocated cycle to changes, a column each, at fixed unknowns, and to each unknown.
+
+    `back` (u, u) is the response of the unknowns to themselves, in coordinates; `given` marks those that the scene
+    states.
+    """
+
+    by_changes: Response
+    by_unknowns: Response
+    back: Array
+    given: Array
+
+
+class NotClosed(Exception):
+    """The collocated cycle does not close."""
+
+
+def collocated(problem: Problem, machinery: Machinery, life: Trajectory, fineness: Fineness = FINE) -> CollocatedCycle:
+    """Return the collocated cycle of a closed life; raise NotClosed where none is found."""
+    c = machinery.composition
+    machinery.composition = replace(c, TAB=c.TAB.copy())  # a writable copy
+    why = NotClosed()
+    for steps in STEPS:
+        try:
+            return _collocated(problem, machinery, life, steps, fineness)
+        except (NotClosed, np.linalg.LinAlgError) as error:
+            why = NotClosed(str(error))
+    raise why
+
+
+def _collocated(
+    problem: Problem, machinery: Machinery, life: Trajectory, steps: float, fineness: Fineness
+) -> CollocatedCycle:
+    """Collocate with slices of so many steps at first.
+
+    Refine and place them at turning flows until both have settled.
+    """
+    machinery.put(life)
+    inside = bool(problem.parts.pulsations)
+    seams = slices.fixed_edges(machinery, problem.parts)
+    tolerance = fineness.error * ERROR * problem.scene.numerics.accuracy
+    tolerance *= READ_INSIDE if inside else 1.0
+    growth = fineness.ring, fineness.wider * (WIDER_INSIDE if inside else 1.0)
+    plain = slices.edges_of(machinery, seams, steps, fineness.longest * slices.LONGEST)
+    pitch = CollocatedPitch(problem, machinery, slices.between(plain))
+    Y, turns, linear, good, closing, own = np.empty(0), crossings(pitch), None, False, False, ChamberFactors()
+    for left in range(ROUNDS, 0, -1):
+        pitch = CollocatedPitch(
+            problem, machinery, slices.between(slices.with_rings(plain, seams, turns, growth, _peak(pitch)))
+        )
+        kept = linear if linear is not None and linear.pitch.count == pitch.count else None
+        placed = (
+            None
+            if closing
+            else approach(pitch, (FIRST_ROUND_FACTOR if left == ROUNDS else STATES_SHARE) * tolerance, own)
+        )
+        if placed is None:
+            Y, linear = _closed(pitch, fineness.closed * CLOSED if closing else NEARLY_CLOSED, kept, own)
+        start, Y = placed or (pitch.begin(Y), Y)
+        before, turns = turns, _with_vanished(crossings(pitch), turns)
+        if closing and (left == 1 or (good and _slices_still_fit(turns, before, fineness.near * PLACED))):
+            break
+        if not good:
+            errors = errors_of(pitch, start, Y)
+            good, of_plain = bool(errors.max() <= fineness.divided * tolerance), np.zeros(len(plain) - 1)
+            np.maximum.at(of_plain, np.searchsorted(plain, pitch.slices.middles) - 1, errors)
+            plain = slices.refined(plain, of_plain, tolerance)
+        closing = good or left <= 3
+    slopes = pitch.slopes(Y)
+    return CollocatedCycle(pitch, pitch.begin(Y), Y, slopes, pitch.sums(slopes.g), pitch.numbers, pitch.met)
+
+
+def _peak(pitch: CollocatedPitch) -> float:
+    """Return the angle [rad of the pitch] of the highest pressure in the last history; NaN if there is none."""
+    c = pitch.machinery.composition
+    return peak(pitch.machinery.trajectory, pitch.problem.parts.geometry)[1] % float(c.P[P_PITCH])
+
+
+def _with_vanished(turns: list[slices.Crossing], before: list[slices.Crossing]) -> list[slices.Crossing]:
+    """Return crossings together with earlier ones that have disappeared, as where pressures barely touch.
+
+    Each earlier one is matched with at most one that is present: of two close together, one may be lost.
+    """
+    pairs = sorted(
+        (abs(one.angle - each.angle) / one.layer, i, j)
+        for i, one in enumerate(before)
+        for j, each in enumerate(turns)
+        if abs(one.angle - each.angle) <= VANISHED_WITHIN * one.layer
+    )
+    met: set[int] = set()
+    there: set[int] = set()
+    for _, i, j in pairs:
+        if i not in met and j not in there:
+            met.add(i)
+            there.add(j)
+    return sorted([*turns, *(one for i, one in enumerate(before) if i not in met)])
+
+
+def _slices_still_fit(turns: list[slices.Crossing], before: list[slices.Crossing], bound: float) -> bool:
+    """Return whether all crossings are within so many layers of where slices were ended for them."""
+    if len(before) != len(turns):
+        return False
+    pairs = zip(turns, before, strict=True)
+    return all(abs(one.angle - other.angle) < bound * one.layer for one, other in pairs)
+
+
+def errors_of(pitch: CollocatedPitch, start: Array, Y: Array) -> Array:
+    """Return the relative error of each slice: Radau's embedded estimate, of order 3, separately for each chamber."""
+    before, widths = np.concatenate([start[None], Y[:-1, -1]]), pitch.slices.widths
+    f, own = pitch.slopes_at(pitch.slices.edges[:-1], before)
+    defect = f + slices.EMBEDDED @ (Y - before[:, None]) / widths[:, None]
+    own = own.swapaxes(0, 1)
+    matrix = (slices.EIGENVALUE / widths)[:, None, None, None] * np.eye(pitch.n) - own
+    found = np.abs(np.linalg.solve(matrix, defect.reshape(*own.shape[:-1], 1))).reshape(defect.shape)
+    return (found / np.maximum(np.maximum(np.abs(before), np.abs(Y[:, -1])), SMALL)).max(axis=1)
+
+
+def _closed(
+    pitch: CollocatedPitch, nearly: float, linear: LinearisedPitch | None, own: ChamberFactors
+) -> tuple[Array, LinearisedPitch | None]:
+    """Close the cycle to a relative residual; return the states at the nodes, installed, and the last linearisation.
+
+    It starts from the linearisation of the slices before, if their number is the same.
+    """
+    Y, entries, size, before = pitch.read(), pitch.problem.entries, np.inf, np.inf
+    found = chamber_newton.closed(pitch, Y, nearly, own)
+    if found is not None:
+        return found, linear
+    last, least, stalled = np.zeros_like(Y), np.inf, 0
+    for left in range(MOST_ITERATIONS, 0, -1):
+        off, residual, size, read = residual_of(pitch, Y)
+        stalled = 0 if size < least else stalled + 1
+        least = min(size, least)
+        ends = left == 1 or stalled == STALLED
+        if size < nearly or (size < STATES_WITHIN and ends):
+            pitch.install(read[0], Y)
+            return Y, linear
+        if ends or not np.isfinite(size):
+            break
+        at, met = pitch.numbers, pitch.met
+        stages = -residual[..., None]
+        if linear is None or size > KEEP_SLOPES_BELOW * before:
+            changes = [_moved(pitch, at, met, j) for j in range(len(met))]
+            linear = LinearisedPitch(pitch, Y, pitch.slopes(Y), changes)
+        response, of_unknowns = linear.respond(stages), linear.first
+        before = size
+        cycle = CycleReading(read[0], Y, read[1], at)
+        back = unknowns_response(pitch, cycle, of_unknowns, met, 0)
+        change = solve_unknowns(
+            back, off + unknowns_response(pitch, cycle, response, met, 1)[:, 0], _stated_unknowns(back)
+        )
+        last = damped(response.of(0).nodes + of_unknowns.weighted(change).nodes, last)
+        Y = limited_step(pitch, Y, last)
+        pitch.meet(entries.coordinates(met) + change, met)
+    raise NotClosed(f"the collocated cycle leaves a residual of {size:.1g} open")
+
+
+def linearised(cycle: CollocatedCycle, changes: Sequence[ArgumentChange], injected: DirectEffects) -> LinearisedCycle:
+    """Return the cycle's responses to changes and to its unknowns.
+
+    `injected` are the changes of states and cells by the injection, one column for each change (…, changes). All
+    are computed together, as rates side by side, followed through the slices in one pass, cost less.
+    """
+    pitch, Y, at, met = cycle.pitch, cycle.nodes, cycle.at, cycle.met
+    pitch.put(at)
+    unknowns = [_moved(pitch, at, met, j) for j in range(len(met))]
+    linear = LinearisedPitch(pitch, Y, cycle.slopes, [*unknowns, *changes], injected, borders(pitch, Y))
+    by_unknowns, by_changes = (linear.first.of(columns) for columns in (slice(len(met)), slice(len(met), None)))
+    back = unknowns_response(pitch, CycleReading(cycle.start, Y, cycle.sums, at), by_unknowns, met, 0)
+    return LinearisedCycle(by_changes, by_unknowns, back, _stated_unknowns(back))
+
+
+def _stated_unknowns(back: Array) -> Array:
+    """Return which unknowns the scene states: these map to themselves."""
+    return np.abs(np.eye(len(back)) - back).max(axis=1, initial=0.0) < IDENTITY_WITHIN
+
+
+class CycleReading(NamedTuple):
+    """What is read of a cycle: states at the start and the nodes, quadratures, numbers."""
+
+    start: Array
+    nodes: Array
+    sums: Array
+    at: RateNumbers
+
+
+def _moved(pitch: CollocatedPitch, at: RateNumbers, met: Array, j: int) -> ArgumentChange:
+    """Return the change of the numbers with a coordinate of an unknown."""
+    coordinates = pitch.problem.entries.coordinates(met)
+    found = []
+    for sign in (1.0, -1.0):
+        pitch.put(at)
+        there = coordinates.copy()
+        there[j] += sign * SHIFT
+        pitch.meet(there, met)
+        found.append(pitch.numbers)
+    pitch.put(at)
+    return ArgumentChange(RateNumbers(*((above - below) / (2.0 * SHIFT) for above, below in zip(*found, strict=True))))
+
+
+def unknowns_response(pitch: CollocatedPitch, cycle: CycleReading, response: Response, met: Array, first: int) -> Array:
+    """Return the response of the unknowns' next values to columns of a response.
+
+    The columns from `first` on each include a unit change of one unknown.
+    """
+    found, read = np.empty((len(met), response.sums.shape[1])), False
+    coordinates = pitch.problem.entries.coordinates(met)
+
+    def fill(by: float, j: int) -> None:
+        nonlocal read
+        read = True
+        one = response.of(j)
+        pitch.install(cycle.start + by * one.start, cycle.nodes + by * one.nodes)
+
+    for j in range(found.shape[1]):
+        images = []
+        for by in (SHIFT, -SHIFT):
+            pitch.put(cycle.at.plus(by, pitch.cells_as_numbers(response.cells[:, j])))
+            there = coordinates.copy()
+            if j >= first:
+                there[j - first] += by
+            pitch.meet(there, met)
+            life = ShiftedLife.of(pitch, partial(fill, by, j))
+            images.append(pitch.image(cycle.sums + by * response.sums[:, j], life))
+        found[:, j] = (images[0] - images[1]) / (2.0 * SHIFT)
+    pitch.put(cycle.at)
+    if read:
+        pitch.install(cycle.start, cycle.nodes)
+    return found
+
+
+def solve_unknowns(back: Array, off: Array, given: Array) -> Array:
+    """Return the change of the unknowns that makes them equal to their image.
+
+    Stated ones are changed by `off` itself.
+    """
+    if not len(off):
+        return np.zeros_like(off)
+    matrix, right = np.eye(len(back)) - back, off.copy()
+    matrix[given] = np.eye(len(back))[given]
+    return np.linalg.solve(matrix, right)

@@ -1,0 +1,179 @@
+"""Rates at all nodes, computed side by side in the lanes of a core, each lane with its own numbers or its own nodes.
+
+Kernels for lanes are compiled on first use, which takes seconds, and kept. The result in a lane does not depend on
+earlier calls, so a scene always gives the same answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.codegen.kinds import FLOAT, INTEGER, LANES, Kind
+from screwsim.codegen.program import CannotCompile
+from screwsim.derivatives.pitch import CollocatedPitch, RateNumbers
+from screwsim.derivatives.slices import NODES
+from screwsim.model.contexts import CoupledContext
+from screwsim.model.run import Machinery
+from screwsim.model.side_by_side import address, aligned
+from screwsim.numerics.reused_arrays import empty
+
+Array = np.ndarray
+RATES = "slices__rates_at_all"
+FEWEST_LANES = 4  # sets of rates from which on lanes pay
+LANE_ARRAYS = ("P", "R", "port_states", "work")  # parts of a context that are interleaved by lane
+_whole, _beside = Kind("v", (FLOAT,), 1), Kind("p", (FLOAT,), 1)
+_CONTEXT = Kind(
+    "c",
+    tuple(_beside if name in LANE_ARRAYS else _whole for name in CoupledContext._fields),
+    names=CoupledContext._fields,
+)
+_ROWS = Kind("p", (FLOAT,), 2)
+KINDS = (_whole, _whole, Kind("v", (FLOAT,), 2), _CONTEXT, INTEGER, _ROWS, _ROWS)
+
+
+class LaneRows(NamedTuple):
+    """The addresses of each lane's rows, their shape, and the arrays that own the memory."""
+
+    addresses: list[int]
+    shape: tuple[int, ...]
+    held: Any
+
+    @classmethod
+    def each(cls, arrays: Sequence[Array]) -> LaneRows:
+        """Return one array for each lane; unused lanes point to the first array."""
+        first, *others = arrays = [np.ascontiguousarray(each) for each in arrays]
+        at = address(first)
+        addresses = [at, *(at if each is first else address(each) for each in others)]
+        return cls([*addresses, *[at] * (LANES - len(addresses))], first.shape, arrays)
+
+    @classmethod
+    def parts(cls, whole: Array, part: int) -> LaneRows:
+        """Return one part of an array for each lane, `part` rows each; missing rows at the end repeat the last one."""
+        missing = LANES * part - len(whole)
+        whole = np.concatenate([whole, *[whole[-1:]] * missing]) if missing else np.ascontiguousarray(whole)
+        at, step = address(whole), part * whole.strides[0]
+        return cls([at + step * lane for lane in range(LANES)], (part, *whole.shape[1:]), whole)
+
+
+class Nodes(NamedTuple):
+    """Where rates are evaluated: angles [rad], angles [rad] that select segments of the laws, states, a row each."""
+
+    angles: LaneRows
+    middles: LaneRows
+    y: LaneRows
+
+
+class RateRequest(NamedTuple):
+    """The numbers for a set of rates, and the edges [rad] of the slices; None for those of the pitch."""
+
+    numbers: RateNumbers
+    edges: Array | None
+
+
+_entries: dict[str, Any] = {}  # entries of compiled lanes by module; None where its text cannot be compiled so
+
+
+def rates(pitch: CollocatedPitch, Y: Array, edges: Array | None = None) -> tuple[Array, Array]:
+    """Return the same as `CollocatedPitch.rates`, each lane computing a part of the nodes."""
+    entry = _entry(pitch.machinery)
+    if entry is None:
+        return pitch.rates(Y, edges)
+    slices, many = pitch.slices if edges is None else pitch.slices._replace(edges=edges), pitch.count * NODES
+    asked, numbers = (slices.angles.ravel(), slices.middles[pitch.of_nodes], Y.reshape(many, -1)), [pitch.numbers]
+    found = []
+    for rows in pitch.runs(pitch.of_nodes):
+        some = rows.stop - rows.start
+        part = -(-some // LANES)
+        nodes = Nodes(*(LaneRows.parts(each[rows], part) for each in asked))
+        lanes = _in_lanes(pitch, nodes, numbers * LANES, entry)
+        found.append([np.moveaxis(each, -1, 0).reshape(LANES * part, -1)[:some] for each in lanes])
+    f, g = _concatenated(found)
+    return f.reshape(pitch.count, NODES, -1), g.reshape(pitch.count, NODES, -1)
+
+
+def _concatenated(found: Sequence[Sequence[Array]]) -> Sequence[Array]:
+    """Return the arrays of several runs of slices, concatenated."""
+    return found[0] if len(found) == 1 else [np.concatenate(each) for each in zip(*found, strict=True)]
+
+
+def rates_of(pitch: CollocatedPitch, Y: Array, asked: Sequence[RateRequest]) -> Iterator[tuple[slice, Array, Array]]:
+    """Yield ranges of `asked`, with their rates of states and quadratures at the nodes (slices, NODES, …, LANES).
+
+    Each range has as many entries as there are lanes, or fewer at the end, where the other lanes are meaningless.
+    The pitch's numbers are left as they were.
+    """
+    at, shape, slices = pitch.numbers, (pitch.count, NODES), pitch.slices
+    for first in range(0, len(asked), LANES):
+        now = asked[first : first + LANES]
+        entry = _entry(pitch.machinery) if len(now) >= FEWEST_LANES else None
+        if entry is not None:
+            middles, y = np.repeat(slices.middles, NODES), Y.reshape(-1, pitch.N)
+            angles = slices.angles.ravel()
+            moved = [each.edges for each in now]
+            own = [angles if e is None else slices._replace(edges=e).angles.ravel() for e in moved]
+            lanes = []
+            for rows in pitch.runs(pitch.of_nodes):
+                laid = ([each[rows] for each in every] for every in (own, [middles] * len(now), [y] * len(now)))
+                nodes = Nodes(*(LaneRows.each(every) for every in laid))
+                lanes.append(_in_lanes(pitch, nodes, [each.numbers for each in now], entry))
+            found = [each.reshape(*shape, -1, LANES) for each in _concatenated(lanes)]
+        else:
+            found = [empty(*shape, size, LANES) for size in (pitch.N, pitch.q)]
+            for i, (numbers, edges) in enumerate(now):
+                pitch.put(numbers)
+                found[0][..., i], found[1][..., i] = rates(pitch, Y, edges)
+            pitch.put(at)
+        yield slice(first, first + len(now)), found[0], found[1]
+
+
+def _entry(machinery: Machinery) -> Any:
+    """Return the entry of the compiled lanes; None where they cannot be compiled."""
+    module = machinery.together
+    if module.__name__ not in _entries:
+        try:
+            with machinery.compiling("numbers"):
+                _entries[module.__name__] = module.of_lanes(RATES, KINDS)
+        except CannotCompile:
+            _entries[module.__name__] = None
+    return _entries[module.__name__]
+
+
+def _room(size: int, _of: Any) -> Array:
+    """Return an array of so many numbers, uninitialised."""
+    return empty(size)
+
+
+def _in_lanes(pitch: CollocatedPitch, nodes: Nodes, numbers: Sequence[RateNumbers], entry: Any) -> tuple[Array, Array]:
+    """Return the rates at the nodes (nodes, …, lanes) of each lane, with its numbers.
+
+    All lanes have equally many nodes.
+    """
+    machinery = pitch.machinery
+    port_states, work = machinery.coupled_space()["spaces"]
+    rows = {"port_states": aligned(len(port_states)), "work": aligned(len(work))}
+    rows["port_states"][:], rows["work"][:] = port_states[:, None], work[:, None]
+    alike = all(each is numbers[0] for each in numbers)
+    for name in ("P", "R"):
+        first = getattr(numbers[0], name)
+        rows[name] = aligned(len(first))
+        each_of = first[:, None] if alike else np.transpose([getattr(each, name) for each in numbers])
+        rows[name][:, : len(numbers)] = each_of
+    by_lane = {"TAB": LaneRows.each([numbers[0].TAB] if alike else [each.TAB for each in numbers])}
+    out = [aligned(nodes.y.shape[0] * size, room=_room).reshape(-1, size, LANES) for size in (pitch.N, pitch.q)]
+    words: list[int] = [(1 << len(numbers)) - 1]
+    for each in nodes:
+        words.extend([*each.addresses, *each.shape])
+    for name in CoupledContext._fields:
+        if name in rows:
+            words.extend([address(rows[name]), len(rows[name])])
+        else:
+            words.extend([*by_lane[name].addresses, *by_lane[name].shape])
+    words.append(machinery.composition.n_E_all)
+    for each in out:
+        words.extend([address(each), *each.shape[:2]])
+    held = np.array(words, np.int64)  # keeps the memory alive during the call
+    entry(held.ctypes.data, None)
+    return out[0], out[1]

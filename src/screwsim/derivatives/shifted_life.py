@@ -1,0 +1,135 @@
+"""The life of a cycle that a number has shifted; its history is installed only when somebody reads it.
+
+Most figures follow from quadratures and numbers, while a history costs the gas's properties at the ends of all steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.derivatives.pitch import CollocatedPitch
+from screwsim.derivatives.sweeps import compiled as sweeps
+from screwsim.model.trajectory import Trajectory
+from screwsim.numerics.identity_cache import once
+from screwsim.numerics.rodas import dense_value
+
+Array = np.ndarray
+
+
+class PeakPlace(NamedTuple):
+    """The highest pressure inside a step of a life: the step and the share of it where it lies.
+
+    `states` (4, n) are those at the start and the nodes of the step.
+    """
+
+    step: int
+    share: float
+    states: Array
+
+
+def in_step(pitch: CollocatedPitch, y: Array, inside: Callable[[slice], Array], step: int) -> Array:
+    """Return states at the start and the nodes (4, n) of a step of a life, or changes of these.
+
+    `inside` returns those at the nodes of a range of slices (slices, NODES, N).
+    """
+    chamber, k = divmod(step, pitch.count)
+    rows = slice(chamber * pitch.n, (chamber + 1) * pitch.n)
+    before = y[rows] if k == 0 else inside(slice(k - 1, k))[0, -1, rows]
+    return np.concatenate([before[None], inside(slice(k, k + 1))[0, :, rows]])
+
+
+def between(states: Array, share: float) -> Array:
+    """Return the states (n,) at a share of a step, from those at its start and its nodes (`CollocatedPitch.life`)."""
+    found = np.empty((1, 1, states.size))
+    nodes = np.ascontiguousarray(states[1:, :, None])
+    sweeps().sweeps__lives(np.ascontiguousarray(states[0, :, None]), nodes, states.shape[1], found)
+    y0, y1, c3, c4 = found.reshape(states.shape)
+    return dense_value(share, y0, y1, c3, c4)
+
+
+class ShiftedLife(Trajectory):
+    """A life that is installed in its machinery as the last history on first use; its quadratures cover the whole life.
+
+    With a `turning` its highest pressure is read there. It must be read before the machinery is used for anything
+    else.
+    """
+
+    fill: Callable[[], Trajectory]
+    turning: PeakPlace | None
+
+    @classmethod
+    def of(cls, pitch: CollocatedPitch, fill: Callable[[], None], turning: PeakPlace | None = None) -> ShiftedLife:
+        """Return the life of a pitch; `fill` installs it as the last history."""
+        machinery = pitch.machinery
+        nothing: Any = None
+        found = cls(
+            machinery.composition,
+            machinery.module,
+            machinery.R,
+            nothing,
+            nothing,
+            nothing,
+            0,
+            nothing,
+            machinery._reading,
+        )
+        found.turning = turning
+
+        def read() -> Trajectory:
+            fill()
+            return machinery.trajectory
+
+        found.fill = read
+        return found
+
+    @once
+    def _there(self) -> Trajectory:
+        """The installed history."""
+        return self.fill()
+
+    @once
+    def _worked(self) -> Trajectory:
+        """The installed history with its work integrated."""
+        there = self._there
+        there.module.trace__work_along(there.times, there.dense, there.quads, there.steps, there.context)
+        return there
+
+    @property
+    def times(self) -> Array:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Edges of the steps [rad]."""
+        return self._there.times
+
+    @property
+    def dense(self) -> Array:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Polynomials of the steps."""
+        return self._there.dense
+
+    @property
+    def quads(self) -> Array:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The work only, for traces."""
+        return self._worked.quads
+
+    @property
+    def steps(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The number of steps."""
+        return self._there.steps
+
+    @property
+    def context(self) -> Any:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The context for kernels that read a life."""
+        return self._there.context
+
+    def sum_until(self, angle: float, quadrature: int) -> float:
+        """Return 0: partial quadratures of this life are not known."""
+        return 0.0
+
+    def peak_pressure(self, limit: float) -> float:
+        """Return the highest pressure [Pa] from injection up to an angle [rad]: that at the turning, if known."""
+        if self.turning is None:
+            return super().peak_pressure(limit)
+        c, found = self.composition, np.empty(1)
+        self.module.trace__pressures(between(self.turning.states, self.turning.share)[None], c.P, c.TAB, found)
+        return float(found[0])

@@ -1,0 +1,107 @@
+"""Two results files in one figure: curves of their sweeps, or cycles that they keep, A with solid lines, B dashed."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from screwsim.report import families
+from screwsim.report.families import Curve, Layout, curves_of_slice, slices
+from screwsim.report.quantities import PRESSURE, VOLUME, shown_axis, shown_figure
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, grid, new_figure, note, plain_ticks, write_all
+from screwsim.report.sweeps import OTHER_FIGURES, label_axes, label_curves, thinned
+from screwsim.report.trace import Trace, chosen_trace
+from screwsim.results import Results
+
+WIDTHS = 1.2, 0.9  # [pt] line widths of A and B
+DASH = DASHES[1]
+COLOUR_B = COLOURS[3]  # of the second cycle
+
+
+def draw_overlay(a: Results, b: Results, folder: str | Path) -> list[str]:
+    """Write the figures that two files have in common, and return their paths; none where they share no axes."""
+    return write_all(dict(plans(a, b)), folder)
+
+
+def plans(a: Results, b: Results) -> Mapping[str, Callable[[], Any]]:
+    """Return the figures that both files have data for, by name."""
+    found: dict[str, Callable[[], Any]] = {}
+    layouts = families.layout_of(a), families.layout_of(b)
+    if None not in layouts and _same(a, b, *layouts):  # type: ignore[arg-type]
+        found["comparison"] = partial(_curves, a, b, *layouts)
+    traces = chosen_trace(a), chosen_trace(b)
+    if None not in traces:
+        found["comparison_cycles"] = partial(_cycles, a, b, *traces)
+    return found
+
+
+def _same(a: Results, b: Results, one: Layout, other: Layout) -> bool:
+    """Tell whether both files are swept over the same axes, so that their curves can be compared."""
+    return [axis.path for axis in a.axis_list] == [axis.path for axis in b.axis_list] and one == other
+
+
+def _curves(a: Results, b: Results, layout: Layout, _other: Layout) -> Any:
+    """Draw figures over the common axis of both sweeps, one panel each, with further axes at their first values."""
+    _, constant, chosen = next(slices(a, layout))
+    efficiency = families.efficiency_name(a)
+    names = [name for name in (efficiency, *OTHER_FIGURES) if name is not None]
+    both = {name: [curves_of_slice(each, layout, chosen, None, name) for each in (a, b)] for name in names}
+    shown = {name: (one, _in_units(a, b, name, other)) for name, (one, other) in both.items() if one and other}
+    few = {curve.text for one, _ in shown.values() for curve in thinned(one)[0]}
+    kept = next((words for one, _ in shown.values() if (words := thinned(one)[1])), "")
+    shown = {
+        name: tuple([curve for curve in curves if curve.text in few] for curves in pair) for name, pair in shown.items()
+    }
+    figure = new_figure(DOUBLE, 22.0 + 52.0 * ((len(shown) + 1) // 2))
+    panels = grid(figure, len(shown))
+    for axes, (name, pair) in zip(panels, shown.items(), strict=True):
+        texts = list(dict.fromkeys(curve.text for curves in pair for curve in curves))
+        for curves, width, dashes in zip(pair, WIDTHS, ("-", DASH), strict=True):
+            for curve in curves:
+                colour = COLOURS[texts.index(curve.text) % len(COLOURS)]
+                axes.plot(curve.x, curve.y, color=colour, linestyle=dashes, linewidth=width)
+                if curve.banded:
+                    axes.fill_between(curve.x, curve.low, curve.high, color=colour, alpha=0.16, linewidth=0.0)
+        x = [curve.x for curves in pair for curve in curves]
+        label_axes(axes, shown_axis(a.axis_list[layout.x]).label, shown_figure(a, name).label, x)
+    heading, words = families.curves_heading(a, layout)
+    _head(figure, a, b, constant, words, kept)
+    if layout.curves is not None:
+        label_curves(zip(panels, (one for one, _ in shown.values()), strict=True), heading)
+    return figure
+
+
+def _in_units(a: Results, b: Results, name: str, curves: list[Curve]) -> list[Curve]:
+    """Return the curves of B in the units in which A shows the figure."""
+    own, wanted = shown_figure(b, name), shown_figure(a, name)
+
+    def of(values: np.ndarray) -> np.ndarray:
+        return wanted.of((values - own.offset) / own.factor)
+
+    return [curve._replace(y=of(curve.y), low=of(curve.low), high=of(curve.high)) for curve in curves]
+
+
+def _cycles(a: Results, b: Results, one: Trace, other: Trace) -> Any:
+    """Draw the pressures of both cycles over volume and over angle."""
+    figure = new_figure(DOUBLE, 78.0)
+    left, right = figure.subplots(1, 2)
+    for trace, colour, dashes in ((one, COLOURS[0], "-"), (other, COLOUR_B, DASH)):
+        pressure = trace.values["pressure"] * PRESSURE.factor
+        left.plot(trace.values["volume"] * VOLUME.factor, pressure, color=colour, linestyle=dashes)
+        right.plot(trace.angle, pressure, color=colour, linestyle=dashes)
+    left.set(xlabel=VOLUME.label, ylabel=PRESSURE.label)
+    right.set(xlabel=one.axis.label, ylabel=PRESSURE.label)
+    plain_ticks(left.xaxis, left.yaxis, right.xaxis, right.yaxis)
+    _head(figure, a, b, *dict.fromkeys((one.title, other.title)) if a.axis_list or b.axis_list else ())
+    return figure
+
+
+def _head(figure: Any, a: Results, b: Results, *words: str) -> None:
+    """Write above a figure which file has solid and which dashed lines, and other remarks."""
+    names = [each.path.name for each in (a, b)]
+    titles = [str(each.attributes.get("title", "")) for each in (a, b)]
+    apart = titles if titles[0] != titles[1] else ["", ""]
+    told = [f"{name}, {title}" if title else name for name, title in zip(names, apart, strict=True)]
+    note(figure, f"drawn: {told[0]}", f"dashed: {told[1]}", *words)

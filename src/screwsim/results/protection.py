@@ -1,0 +1,68 @@
+"""Protection of foreign files: an output replaces only a file of its own kind, so that `-o` destroys nothing else."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+from screwsim.inputs.faults import UsageError
+from screwsim.results.atomic import FOREIGN_FILE, HDF5_SIGNATURE, check_target_kind, has_content, protect_others
+
+PAGE = '<meta name="generator" content="screwsim '  # how our pages identify themselves
+PDF = "/Creator (screwsim)"
+
+
+def protect_folder(folder: Path, begins: Mapping[str, str]) -> None:
+    """Raise UsageError where a folder has a file of one of these names that does not begin as ours do."""
+    for name, text in begins.items():
+        protect_others(folder / name, text.encode())
+
+
+def protect_other_text(texts: Mapping[Path, str]) -> None:
+    """Raise UsageError where an existing file does not begin with the first line of the text to be written."""
+    for path, text in texts.items():
+        protect_others(path, text.splitlines()[0].encode())
+
+
+def protect_unmarked(path: Path, mark: str) -> None:
+    """Raise UsageError where a non-empty file at `path` does not contain the `mark`."""
+    text = _text(path)
+    if text and mark not in text:
+        raise UsageError(FOREIGN_FILE.format(path))
+
+
+def protect_other_json(path: Path, *keys: str, alone: bool = False) -> None:
+    """Raise UsageError where a file at `path` is not a JSON object with the `keys` (`alone`: and no others)."""
+    text = _text(path)
+    if not text:
+        return
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError):  # not JSON
+        found = None
+    there = set(found) if isinstance(found, dict) else set()
+    if not there.issuperset(keys) or (alone and not there.issubset(keys)):
+        raise UsageError(FOREIGN_FILE.format(path))
+
+
+def protect_other_hdf5(path: Path, attribute: str, begins: str = "") -> None:
+    """Raise UsageError where a file at `path` is not HDF5 with an attribute whose text begins with `begins`."""
+    protect_others(path, HDF5_SIGNATURE)
+    if not has_content(path):
+        return
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            found = file.attrs.get(attribute)
+    except OSError:
+        found = None
+    if found is None or not str(found).startswith(begins):
+        raise UsageError(FOREIGN_FILE.format(path))
+
+
+def _text(path: Path) -> str:
+    check_target_kind(path)
+    try:
+        return path.read_text(encoding="utf-8", errors="replace")
+    except OSError:  # missing, or not readable: if it cannot be replaced either, that is reported then
+        return ""

@@ -1,0 +1,99 @@
+"""Warnings of the cases of a results file: which cases warn, and the kinds of warnings with their numbers of cases."""
+
+import re
+import textwrap
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.results.read import Results
+
+NAME = "warnings"
+LONGEST = 110  # characters of a warning in a caption
+_NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
+
+
+class WarningKind(NamedTuple):
+    """Warnings that differ only in their numbers: how many cases have them, the first such case, and its text."""
+
+    cases: int
+    first: int
+    text: str
+
+
+class WarningSummary(NamedTuple):
+    """Number of cases with warnings, and the kinds of their warnings, the most frequent first."""
+
+    cases: int
+    kinds: tuple[WarningKind, ...]
+
+
+def kind_of(warning: str) -> str:
+    """Return a warning with its numbers masked, so that warnings that differ only in these are equal."""
+    return _NUMBER.sub("#", warning)
+
+
+def kinds_of(every: Iterable[Iterable[str]]) -> tuple[tuple[int, str], ...]:
+    """Return the kinds of warnings of results, each with the number of results and the first text."""
+    found: dict[str, tuple[int, str]] = {}
+    for warnings in every:
+        for kind, text in {kind_of(text): text for text in warnings}.items():
+            count, first = found.get(kind, (0, text))
+            found[kind] = count + 1, first
+    return tuple(sorted(found.values(), key=lambda each: -each[0]))
+
+
+def warning_summary(results: Results) -> WarningSummary:
+    """Return the warnings of the cases of a file."""
+    words, number = results.performance.texts(NAME)
+    counts, firsts = np.bincount(number, minlength=len(words)), _first_cases(number, len(words))
+    found: dict[str, WarningKind] = {}
+    told = 0
+    for word, count, first in zip(words, counts.tolist(), firsts, strict=True):
+        if not word or not count:
+            continue
+        told += count
+        for mask, text in {kind_of(line): line for line in reversed(word.split("\n"))}.items():
+            known = found.get(mask, WarningKind(0, first, text))
+            earlier = known if known.first < first else WarningKind(0, first, text)
+            found[mask] = WarningKind(known.cases + count, earlier.first, earlier.text)
+    return WarningSummary(told, tuple(sorted(found.values(), key=lambda kind: (-kind.cases, kind.first, kind.text))))
+
+
+def _first_cases(number: np.ndarray, words: int) -> list[int]:
+    """Return the first case of each word; the number of cases for a word without any."""
+    firsts = np.full(words, number.size)
+    found, places = np.unique(number, return_index=True)
+    firsts[found] = places
+    return firsts.tolist()
+
+
+def cases_with_warnings(results: Results) -> np.ndarray:
+    """Return which cases warn, on the axes of the results; none for a file without warnings."""
+    if NAME not in results.performance:
+        return np.zeros(results.shape, bool)
+    words, numbers = results.performance.texts(NAME)
+    return np.array([bool(word) for word in words])[numbers].reshape(results.shape)
+
+
+def warnings_of(results: Results, index: tuple[int, ...]) -> list[str]:
+    """Return the warnings of one case."""
+    if NAME not in results.performance:
+        return []
+    number = int(np.ravel_multi_index(index, results.shape)) if index else 0
+    (text,) = results.performance.texts_at(NAME, np.array([number]))
+    return text.split("\n") if text else []
+
+
+def warning_kinds_of_file(results: Results) -> tuple[WarningKind, ...]:
+    """Return the kinds of warnings, the most frequent first."""
+    return warning_summary(results).kinds if NAME in results.performance else ()
+
+
+def warning_caption(warnings: list[str]) -> str:
+    """Return the caption on warnings in a figure of one case; empty without any."""
+    if not warnings:
+        return ""
+    first = textwrap.shorten(warnings[0], LONGEST, placeholder=" …")  # between words, as half a number misleads
+    return f"{len(warnings)} warnings, the first: {first}" if len(warnings) > 1 else f"warning: {first}"

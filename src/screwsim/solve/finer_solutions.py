@@ -1,0 +1,255 @@
+"""Finer solutions for error estimates: lives that follow a closed cycle, or the cycle closed once more.
+
+Source: docs/model.md M41; docs/explanation/errors.md.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from screwsim.cycle.balances import meets_line_at_angle, streams_of
+from screwsim.cycle.close import MOST_OF_A_TRY, close_again
+from screwsim.cycle.coordinates import WEIGHT
+from screwsim.cycle.feedback import set_unknowns, unknowns
+from screwsim.cycle.newton import Correction, Corrections, corrected_start
+from screwsim.cycle.problem import Problem
+from screwsim.cycle.relaxation import SLOW_CONTRACTION, along
+from screwsim.cycle.search import FALLBACK_NAME
+from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
+from screwsim.cycle.solution import CorrectedState, CycleSolution
+from screwsim.cycle.ways import way_of
+from screwsim.evaluate.evaluation import Evaluation, evaluate
+from screwsim.figures.errors import relative_errors, worst
+from screwsim.model import slots
+from screwsim.model.slices import INSIDE
+from screwsim.model.turn_scheduler import reach_station
+from screwsim.outputs import Figures
+from screwsim.solve.estimate_protocol import BARELY_DELIVERS, FINER, NO_SOLUTIONS, EstimateRequest, FinerSolutions
+
+TWO_LIVES_BELOW = 1e-4  # wanted accuracy up to which two lives estimate
+LEAKAGE_DOMINATES = 0.75  # volumetric efficiency below which leaks dominate, and two lives estimate
+QUICK_CONVERGENCE = 0.7  # ratio of successive lives' changes below which two lives determine the limit
+LAST_CHANGE = 0.05  # of the wanted accuracy: change of the last life below which no more are needed
+RELIABLE_CORRECTION = 0.15  # relative error of the corrections in closing, below which one replaces the second life
+LEAST_DELIVERY = 0.2  # volumetric efficiency above which it may do so: with less delivered, leaks hide larger errors
+TOGETHER_FACTOR = 0.05  # factor on the tolerance on changes when chambers are closed together beside a closed cycle
+SHIFT = 10.0  # wanted accuracies by which densities are moved before chambers that barely deliver are closed again
+LINEARITY_ERROR = 0.1  # share of such a correction that is assumed to be wrong, at least
+
+
+def finer_lives(request: EstimateRequest) -> FinerSolutions:
+    """Return one or two further lives, finer than the closed cycle's; NOTHING where one stops.
+
+    It applies to cycles closed by waveform relaxation. One life suffices unless errors feed back. Then there are
+    two: the first is moved to its limit by the tangents that closed the cycle, or, without any and if the two
+    lives' changes hardly shrink, the second by new tangents, for a third.
+    """
+    cycle = request.cycle
+    if cycle.needed or way_of(cycle).whole:
+        return NO_SOLUTIONS
+    if not _errors_feed_back(request):
+        return _next_life(request)
+    lives = _Lives(request)
+    if not lives.next():
+        return NO_SOLUTIONS
+    corrected = cycle.tangents is not None and lives.correct()
+    if lives.correction is not None and _correction_suffices(request):
+        return lives.foretold(lives.correction, max(LINEARITY_ERROR, cycle.missed))
+    if not lives.next():
+        return NO_SOLUTIONS
+    if not corrected and lives.repeated() > SLOW_CONTRACTION and lives.correct():
+        corrected = lives.next()
+        if not corrected:
+            return NO_SOLUTIONS
+    return lives.read(FinerSolutions(lives.figures, left=lives.left() if corrected else None))
+
+
+def changes(of: Evaluation, finer: Sequence[Figures]) -> list[Figures]:
+    """Return the relative changes of the figures from each solution to the next, starting from the closed cycle."""
+    return [relative_errors(old, new, *of.least) for old, new in pairwise([of.figures, *finer])]
+
+
+def repeated_share(steps: Sequence[Figures]) -> float:
+    """Return the ratio of the last change to the one before."""
+    before, last = (worst(step)[1] for step in steps[-2:])
+    return last / before if before > 0.0 else 0.0
+
+
+def _errors_feed_back(request: EstimateRequest) -> bool:
+    """Return whether one finer life is not enough because errors feed back through what it still takes from the cycle.
+
+    These are the coarser lives of its neighbours, unknowns beyond the discharge line, and its own initial state
+    where much of that persists: with a single chamber, reeds, an oil amount that only flows determine, or films
+    between chambers.
+    """
+    problem = request.problem
+    return (
+        problem.scene.numerics.accuracy <= TWO_LIVES_BELOW
+        or request.filling < LEAKAGE_DOMINATES
+        or _inherits_more(problem)
+    )
+
+
+def _inherits_more(problem: Problem) -> bool:
+    """Return whether a life inherits more from the one before than the states of gas and its oil."""
+    parts, c = problem.parts, problem.composition
+    if parts.made or parts.suction_line or any(parts.films):
+        return True
+    displaced = c.carried and parts.oil is not None and "ratio" not in parts.oil.supply
+    kept = c.chambers == 1 or bool(c.own_states)
+    return kept or displaced or c.ported or c.dissolves
+
+
+def _correction_suffices(request: EstimateRequest) -> bool:
+    """Return whether a correction may stand in for another life, being as reliable as those that closed the cycle."""
+    problem = request.problem
+    if problem.scene.numerics.accuracy <= TWO_LIVES_BELOW or request.filling <= LEAST_DELIVERY:
+        return False
+    plain = meets_line_at_angle(problem) and not _inherits_more(problem) and not problem.composition.pulsating
+    return plain and request.cycle.missed < RELIABLE_CORRECTION
+
+
+def _next_life(request: EstimateRequest) -> FinerSolutions:
+    """Return the life that follows a closed cycle; NOTHING where it stops."""
+    _, machinery, wanted, cycle = request
+    machinery.composition.P[machinery.composition.widths] = wanted.widths
+    status, _, _, q = machinery.turn(cycle.y.copy(), FINER * cycle.rtol, 1e-3)
+    if status != 0:
+        return NO_SOLUTIONS
+    machinery.swap()
+    reach_station()
+    return FinerSolutions([Evaluation(request.problem, machinery.trajectory, q).figures])
+
+
+class _Lives:
+    """Consecutive lives after a closed cycle, with finer steps and the criteria that are asked for."""
+
+    def __init__(self, request: EstimateRequest) -> None:
+        self.of, machinery, wanted, cycle = request
+        self.machinery, self.rtol, self.y = machinery, FINER * cycle.rtol, cycle.y.copy()
+        machinery.composition.P[machinery.composition.widths] = wanted.widths
+        self.corrections = Corrections(request.problem, machinery, cycle.tangents)
+        self.met = self.made = unknowns(request.problem, machinery)
+        self.figures: list[Figures] = []
+        self.correction: Correction | None = None  # of the last life
+        self.changes: list[float] = []  # of states and unknowns over each life
+
+    def next(self) -> bool:
+        """Integrate one more life; return whether it completed."""
+        problem, machinery = self.of.problem, self.machinery
+        if self.figures:
+            self.met = self.made
+            set_unknowns(problem, machinery, self.met)
+        self.start, self.steps = along(machinery, self.y), int(machinery.kept[1])
+        status, _, _, self.q = machinery.turn(self.y, self.rtol, 1e-3)
+        if status != 0:
+            return False
+        machinery.swap()
+        life = Evaluation(problem, machinery.trajectory, self.q)
+        self.figures.append(life.figures)
+        self.made = problem.entries.possible(life.image)
+        self.end = along(machinery, self.y)
+        moved = WEIGHT * float(np.max(np.abs(self.end - self.start)))
+        self.changes.append(max(moved, problem.entries.change(self.made, self.met)))
+        return True
+
+    def correct(self) -> bool:
+        """Move the last life to the limit of all that follow; return whether there was a correction."""
+        pulsating = self.of.problem.composition.pulsating  # new tangents cost as much as some lives there
+        if not self.corrections.able or (pulsating and not self.corrections.begun):
+            return False
+        n = self.machinery.n
+        found = self.corrections.of_turn(self.steps, self.end[:n] - self.start[:n], self.q, self.met, self.made)
+        if found is None:
+            return False
+        self.made, self.correction = corrected_start(self.of.problem, found, self.end[:n], self.y, self.made), found
+        return True
+
+    def foretold(self, by: Correction, wrong: float) -> FinerSolutions:
+        """Return the lives together with the response to the last correction, read from the history that it moved.
+
+        The net flow is left as in the last life: port flow and flow across the angle each change by far more
+        than their sum.
+        """
+        problem, machinery, c = self.of.problem, self.machinery, self.of.problem.composition
+        sums = by.sums.copy()
+        streams = streams_of(c, sums)
+        out = streams[slots.DISCHARGE_IN : slots.DISCHARGE_OUT + 1, slots.OF_GAS].sum()
+        passed = abs(out / max(float(machinery.R[slots.R_TRAPPED]), 1e-300))
+        streams[: slots.SUCTION_OUT + 1, slots.OF_GAS] = 0.0
+        set_unknowns(problem, machinery, self.made)
+        at, n = float(c.P[slots.P_INJECTION]), machinery.n
+        y = np.zeros(c.chambers * n)
+        index = round(at / c.P[slots.P_PITCH])
+        y[index * n : index * n + n] = machinery.states_at(np.array([at - INSIDE]))[0]
+        machinery.inject(y)
+        life = Evaluation(problem, machinery.trajectory, self.q + sums)
+        led = CorrectedState(self.y, (float(machinery.R[slots.R_TRAPPED]), float(life.q[slots.Q_WORK])))
+        return self.read(
+            FinerSolutions(
+                [*self.figures, life.figures], left=wrong, flow=max(abs(by.mass), passed), corrected_state=led
+            )
+        )
+
+    def repeated(self) -> float:
+        """Return the ratio of the last life's change to that of the one before."""
+        return repeated_share(changes(self.of, self.figures))
+
+    def read(self, finer: FinerSolutions) -> FinerSolutions:
+        """Return finer solutions marked with whether they determine the limit of all later ones."""
+        steps = changes(self.of, finer.figures)
+        small = worst(steps[-1])[1] < LAST_CHANGE * self.of.problem.scene.numerics.accuracy
+        again = repeated_share(steps) if finer.left is None else finer.left
+        return finer._replace(enough=small or again < QUICK_CONVERGENCE)
+
+    def left(self) -> float:
+        """Return the share of the first life's change that its correction left; 0 where hardly anything is left."""
+        before, last = self.changes[-2:]
+        return 0.0 if last < LAST_CHANGE * self.of.problem.scene.numerics.accuracy else last / max(before, 1e-300)
+
+
+def chambers_together(request: EstimateRequest) -> FinerSolutions:
+    """Return the cycle closed simultaneously from the closed one, where further lives would only repeat its error.
+
+    Chambers begin from the closed cycle: pitches change next to nothing from the first on, and slowly lead far away.
+    """
+    if not request.hidden:
+        return NO_SOLUTIONS
+    problem, machinery, cycle = request.problem, request.machinery, request.cycle
+    wanted = replace(request.wanted, rtol=FINER * cycle.rtol, tolerance=TOGETHER_FACTOR * request.wanted.tolerance)
+    finer = close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
+    if finer.closed:
+        return FinerSolutions([evaluate(problem, finer).figures])
+    machinery.put(cycle.trajectory)
+    return NO_SOLUTIONS
+
+
+def closed_again(request: EstimateRequest) -> FinerSolutions:
+    """Return the cycle closed again, with finer steps, from the closed one.
+
+    A cycle that needed a fallback attracts its neighbourhood slowly or not at all, so a single life shows much less
+    than its error. It is closed by the way that closed it before, at the cost of a fallback at most.
+
+    Where simultaneous closing left a machine that barely delivers, it starts from densities that are moved. What slow
+    pitches leave of that move is as much as they left of the first guess, which no closing from the cycle itself shows.
+    """
+    problem, machinery, cycle = request.problem, request.machinery, request.cycle
+    wanted = replace(request.wanted, rtol=FINER * cycle.rtol, tolerance=FINER * request.wanted.tolerance)
+    if cycle.needed:
+        finer = close_again(problem, machinery, wanted, cycle)
+    else:
+        start = _with_moved_densities(request) if way_of(cycle).whole and request.filling < BARELY_DELIVERS else cycle
+        finer = way_of(cycle).finer(problem, machinery, wanted, start, MOST_OF_A_TRY)
+    if finer is None or not finer.closed:
+        return NO_SOLUTIONS
+    return FinerSolutions([evaluate(problem, finer).figures], cycle=finer if finer.needed == FALLBACK_NAME else None)
+
+
+def _with_moved_densities(request: EstimateRequest) -> CycleSolution:
+    """Return the cycle with the densities of all chambers moved by `SHIFT` of the wanted accuracy."""
+    cycle = request.cycle
+    states = cycle.y.reshape(-1, len(request.problem.composition.states)).copy()
+    states[:, slots.S_RHO] *= 1.0 + SHIFT * request.problem.scene.numerics.accuracy
+    return replace(cycle, y=states.ravel())

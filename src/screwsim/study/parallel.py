@@ -1,0 +1,195 @@
+"""Work on all cores for studies whose answers fit into memory: a function of a range of numbers, or small batches.
+
+`BatchWorkers` keeps its workers for many batches, for studies whose next questions depend on the last answers.
+"""
+
+from __future__ import annotations
+
+import pickle
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, wait
+from dataclasses import replace
+from functools import lru_cache, partial
+from typing import Any, TypeVar
+
+from screwsim.outputs import Result
+from screwsim.scene import Scene
+from screwsim.study.progress import Progress
+from screwsim.study.workers import (
+    DEATH_GRACE,
+    POLL_INTERVAL,
+    Chunks,
+    ChunkWork,
+    DeathGuard,
+    LocalPool,
+    cores,
+    drain,
+    pickled_work,
+    stop_executor,
+    submit,
+    worker_died,
+)
+
+Answer = TypeVar("Answer")
+OnFinished = Callable[[range, tuple[list[Any], float]], None]
+
+
+def parallel_map(
+    function: Callable[[int], Answer],
+    count: int,
+    *,
+    died: Callable[[int], Answer],
+    jobs: int | None = None,
+    failed: Callable[[Answer], bool] = lambda answer: getattr(answer, "status", "ok") != "ok",
+    progress: Progress | None = None,
+    answers: dict[int, Answer] | None = None,
+) -> list[Answer]:
+    """Return [function(0), …, function(count - 1)], computed by `jobs` workers (default: all cores; 1: this process).
+
+    The function is pickled once. `died` gives the answer for a number whose worker died; `failed` decides which answers
+    the progress counts as failed, by default those with a status other than ok. After an interruption `answers` holds
+    those found so far.
+    """
+    progress, jobs = progress or Progress(), min(jobs or cores(), count)
+    answers = {} if answers is None else answers
+
+    chunks = Chunks([range(count)], count, lambda: jobs)
+
+    def finish(numbers: range, outcome: tuple[list[Answer], float]) -> None:
+        found, seconds = outcome
+        chunks.learn(len(numbers), seconds)
+        answers.update(zip(numbers, found, strict=True))
+        progress.advance(len(found), sum(map(failed, found)))
+
+    progress.start(count, 0)
+    try:
+        if jobs <= 1:
+            for number in range(count):
+                finish(range(number, number + 1), ([function(number)], 0.0))
+        else:
+            _map_on_workers(pickled_work(function), chunks, jobs, finish, died, progress.tick)
+    finally:
+        progress.stop()
+    return [answers[number] for number in range(count)]
+
+
+def _map_on_workers(
+    function: bytes, chunks: Chunks, jobs: int, finish: OnFinished, died: Callable[[int], Any], tick: Callable[[], None]
+) -> None:
+    """Run chunks on workers; numbers lost when a worker died are run again one by one, each on a worker of its own."""
+    work = ChunkWork(LocalPool(jobs), partial(_answers, function), lambda numbers: numbers, finish, tick)
+    while lost := drain(chunks, work):
+        for number in sorted(number for chunk in lost for number in chunk.blocks):
+            alone = range(number, number + 1)
+            if drain(Chunks([alone], 1, lambda: 1), replace(work, pool=LocalPool(1))):
+                finish(alone, ([died(number)], 0.0))
+
+
+def _answers(function: bytes, numbers: range) -> tuple[list[Any], float]:
+    """Return the answers for numbers, and the time taken [s]."""
+    began, call = time.perf_counter(), _unpacked(function)
+    return [call(number) for number in numbers], time.perf_counter() - began
+
+
+_unpacked = lru_cache(maxsize=1)(pickle.loads)
+
+
+class BatchWorkers:
+    """Call a module-level function for each payload of a batch on the same workers; with one job in this process.
+
+    A payload over which a worker dies is tried once more, alone; if that worker dies, too, the answer is
+    `died(payload)`.
+    """
+
+    def __init__(self, jobs: int, died: Callable[[Any], Any], tick: Callable[[], None]) -> None:
+        self.jobs = jobs
+        self._died = died
+        self._tick = tick
+        self._executor: Executor | None = None
+
+    def __enter__(self) -> BatchWorkers:
+        """Return the crew, whose workers start with the first batch."""
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Stop the workers."""
+        self.leave()
+
+    def leave(self) -> None:
+        """Stop the workers, which frees their memory; the next batch starts new ones."""
+        if self._executor is not None:
+            thread = getattr(self._executor, "_executor_manager_thread", None)
+            stop_executor(self._executor)
+            if thread is not None:
+                thread.join(DEATH_GRACE)  # while it runs, new workers would not be forked (`workers.start_method`)
+            self._executor = None
+
+    def answers(self, task: Callable[[Any], Any], payloads: Sequence[Any]) -> list[Any]:
+        """Return the answers to payloads, in their order."""
+        if self.jobs <= 1:
+            return [self._here(task, payload) for payload in payloads]
+        found: dict[int, Any] = {}
+        self._executor = self._executor or LocalPool(self.jobs).executor(self.jobs)
+        lost = _lost_payloads(self._executor, task, dict(enumerate(payloads)), found, self._tick)
+        if lost:
+            self.leave()
+        for number in sorted(lost):
+            alone = LocalPool(1).executor(1)
+            try:
+                if _lost_payloads(alone, task, {number: payloads[number]}, found, self._tick):
+                    found[number] = self._died(payloads[number])
+            finally:
+                stop_executor(alone)
+        return [found[number] for number in range(len(payloads))]
+
+    def _here(self, task: Callable[[Any], Any], payload: Any) -> Any:
+        self._tick()
+        return task(payload)
+
+
+def _lost_payloads(
+    executor: Executor,
+    task: Callable[[Any], Any],
+    payloads: dict[int, Any],
+    found: dict[int, Any],
+    tick: Callable[[], None],
+) -> set[int]:
+    """Put the answers to payloads into `found`; return the numbers of those lost when a worker died."""
+    guard = DeathGuard(executor)
+    running = {submit(executor, task, payload): number for number, payload in payloads.items()}
+    lost: set[int] = set()
+    while running:
+        done, _ = wait(running, POLL_INTERVAL, FIRST_COMPLETED)
+        for future in done:
+            number = running.pop(future)
+            if worker_died(future):
+                lost.add(number)
+            else:
+                found[number] = future.result()
+        guard.look()
+        tick()
+    return lost
+
+
+class WarmSimulation:
+    """Simulate a scene when called, without traces, starting from the scene of the last call where that is near."""
+
+    def __init__(self) -> None:
+        self._scene: Scene | None = None
+        self._course: Iterator[Result] | None = None
+
+    def __call__(self, scene: Scene) -> Result:
+        from screwsim.simulate import simulate_many
+
+        self._scene = scene
+        self._course = self._course or iter(simulate_many(self._scenes(), trace=False))
+        try:
+            return next(self._course)
+        except Exception:
+            self._course = None
+            raise
+
+    def _scenes(self) -> Iterator[Scene]:
+        while self._scene is not None:
+            yield self._scene

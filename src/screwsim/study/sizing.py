@@ -1,0 +1,151 @@
+"""A new machine from its maker's sheet: its size is found by solving the cycle, so that it delivers what is stated.
+
+A sheet states what a machine delivers or takes, not what it displaces. Delivery is nearly proportional to size, so that
+a few solutions find the displacement.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Result
+from screwsim.scene import Scene, loads
+from screwsim.simulate import simulate
+from screwsim.study.inputs import shown_figure
+from screwsim.template import SceneRequest, kind_of, new_scene
+from screwsim.template.gas import INVERTER_LOSS_SHARE
+from screwsim.template.sizes import flow_text, rpm
+
+DELIVERED, TAKEN = "free_air_delivered", "shaft_power"
+COOLS, HEATS = "cooling_capacity", "heating_capacity"
+NEAR, TRIES = 1e-3, 8  # relative tolerance within which the stated value is met, and number of sizes tried
+FIRM, ROUNDED = 3, 5e-3  # a scene's numbers are rounded, so that sizes jump: the tolerance after so many tries
+FAST_TIP_SPEED = 40.0  # [m/s] tip speed above which oil films cost points of efficiency (docs/how-to/new-machine.md)
+TIGHTER_ACCURACY = 1e-4  # accuracy where the default does not suffice
+UNSTEADY_PORT = (
+    "--economizer: no temperature is found at which the port draws the vapour (choose a --condition with ends farther "
+    "apart, another --vi, or no --economizer)"
+)
+HEAVY, LIGHT = 1.15, 0.6  # motor loads (NEMA MG 1: service factor 1.15) beyond which sheet and machine hardly match
+
+
+class SizedMachine(NamedTuple):
+    """The text of a new scene, the scene, and its result."""
+
+    text: str
+    scene: Scene
+    result: Result
+
+
+def sized_machine(kind: str, asked: SceneRequest) -> SizedMachine:
+    """Return a new machine with the stated flow or capacity, or else one that loads the motor fully.
+
+    Raise UsageError, in one line, where no size does.
+    """
+    about = kind_of(kind)
+    goals = (
+        ("--flow", DELIVERED, asked.free_air),
+        ("--capacity", about.cools, asked.capacity),
+        ("--motor", TAKEN, asked.motor),
+    )
+    option, figure, wanted = next((*names, wanted) for *names, wanted in goals if wanted is not None)
+    flow = about.first(asked)
+    for count in range(TRIES):
+        found = solved_machine(_text(kind, replace(asked, flow=flow, sought=option), option))
+        result = found.result
+        value = result.performance.get(figure)
+        if asked.economizer and result.status == "not_closed":
+            raise UsageError(UNSTEADY_PORT)
+        if result.status != "ok" or not value or value <= 0.0:
+            why = result.told if result.status != "ok" else f"no {figure.replace('_', ' ')}"
+            what = f"the machine of {flow_text(flow)} tried for it does not run: {why}"
+            raise UsageError(f"{option}: {what} (choose another {option}, --speed, --vi or --condition)")
+        if abs(value / wanted - 1.0) <= (NEAR if count < FIRM else ROUNDED):
+            return found
+        flow *= wanted / value
+    raise UsageError(
+        f"{option}: no size was found that gives {shown_figure(figure, wanted)} (state one with --displacement)"
+    )
+
+
+def solved_machine(text: str) -> SizedMachine:
+    """Return a new scene with its result; with a tighter accuracy where the default leaves the cycle unclosed."""
+    scene = loads(text)
+    result = simulate(scene, trace=False)
+    if result.status == "not_closed":
+        told = "the cycle does not close at the default accuracy"
+        tighter = f"{text.rstrip()}\n\nnumerics: {{accuracy: {TIGHTER_ACCURACY:g}}}    # {told}\n"
+        closed = simulate(loads(tighter), trace=False)
+        if closed.status == "ok":
+            return SizedMachine(tighter, loads(tighter), closed)
+    return SizedMachine(text, scene, result)
+
+
+def with_steady_port(text: str) -> str:
+    """Return the text of a scene whose economizer's port draws steadily; raise UsageError where none is found."""
+    text, _, result = solved_machine(text)
+    if result.status != "ok":
+        raise UsageError(UNSTEADY_PORT)
+    return text
+
+
+def _text(kind: str, asked: SceneRequest, option: str) -> str:
+    """Return the text of a machine of some size; errors name the option that asks for it."""
+    try:
+        return new_scene(kind, asked)
+    except UsageError as error:
+        what = str(error)
+        displaced = what.removeprefix("--displacement ")
+        raise UsageError(what if displaced == what else f"{option}: a displacement of {displaced}") from None
+
+
+def performance_lines(asked: SceneRequest, found: SizedMachine) -> Iterator[str]:
+    """Yield the machine's performance, how it fits what was stated, and what was assumed, a line each."""
+    p, scene = found.result.performance, found.scene
+    every = (active.parameters for active in scene.effects.values())
+    rated = next(parameters.rated_power for parameters in every if hasattr(parameters, "rated_power"))
+    load = p.shaft_power / rated
+    package = DELIVERED in p
+    gives, takes = _package_in_words(found) if package else _plant_in_words(found)
+    shaft = f"takes {shown_figure(TAKEN, p.shaft_power)} at the shaft"
+    yield f"computed: {gives}, {shaft} ({100.0 * load:.0f} % of a motor of {1e-3 * rated:g} kW), {takes}"
+    if asked.motor is not None and not LIGHT <= load <= HEAVY:
+        word = "more" if load > HEAVY else "less"
+        check = "--flow, --motor and --pressure" if package else "--capacity, --motor and --condition"
+        yield f"the motor carries {word} than data sheets show (check {check}, or --speed)"
+    tips = 0.5 * scene.operation.speed * scene.machine.rotor_diameter
+    if tips > FAST_TIP_SPEED:
+        yield (
+            f"rotor tips run at {tips:.0f} m/s, where oil films take much power (choose a lower --speed, larger rotors)"
+        )
+    ratio = scene.machine.built_in_volume_ratio
+    assumed = [] if asked.ratio is not None else [f"built-in volume ratio {ratio:g} from the pressure ratio"]
+    assumed += [] if asked.speed is not None else [rpm(scene.operation.speed)]
+    rotors = 1e3 * scene.machine.rotor_diameter
+    assumed += [f"rotors of family b, {rotors:.0f} mm", "clearances, shafts and bearings scaled to that size"]
+    if package:
+        assumed += [f"{p.oil_ratio:.2g} kg of oil per kg of air"]
+        assumed += ["losses of a typical package, a fan of 4 % of the motor"]
+        assumed += [f"an inverter that loses {100.0 * INVERTER_LOSS_SHARE:g} % of it"] if asked.variable else []
+    else:
+        assumed += [f"{p.oil_ratio:.2g} kg of oil per kg of gas", "losses fitted to similar machines"]
+    yield f"assumed: {', '.join(assumed)}"
+    yield from (f"warning: {each}" for each in found.result.warnings)
+
+
+def _package_in_words(found: SizedMachine) -> tuple[str, str]:
+    """Return, in words, what an air package delivers, and its total input."""
+    p = found.result.performance
+    over = 1e-5 * (p.package_discharge_pressure - found.scene.operation.suction.pressure)
+    takes = f"{shown_figure('package_input_power', p.package_input_power)} with motor and fan"
+    gives = f"delivers {shown_figure(DELIVERED, p[DELIVERED])} at {over:.4g} bar over its inlet"
+    return gives, f"{takes}, {shown_figure('package_specific_power', p.package_specific_power)}"
+
+
+def _plant_in_words(found: SizedMachine) -> tuple[str, str]:
+    """Return, in words, the capacities of a refrigeration or heat-pump machine, and its total input."""
+    p = found.result.performance
+    gives = f"cools {shown_figure(COOLS, p[COOLS])} and heats {shown_figure(HEATS, p[HEATS])}"
+    takes = f"{shown_figure('electrical_power', p.electrical_power)} with its motor"
+    return gives, f"{takes}, COP {p.electrical_cop:.3g} of cooling, {p.electrical_heating_cop:.3g} of heating"

@@ -1,0 +1,175 @@
+"""The request for a new scene: what the command line states; each kind chooses the rest."""
+
+import math
+import re
+from dataclasses import dataclass
+from typing import Any
+
+from screwsim.fluid import constants, names
+from screwsim.fluid.oils import OILS
+from screwsim.inputs.declare import KINDS
+from screwsim.inputs.faults import UsageError
+from screwsim.inputs.suggestions import nearest
+from screwsim.scene.units import NUMBER, Refused, gauge_pressures_over, parse_quantity
+from screwsim.template import sizes
+
+SPEED = 2950.0 * math.pi / 30.0  # [rad/s] of screws
+ATMOSPHERE = 1e5  # [Pa] of a template's surroundings, as in ISO 1217
+_PAIR = re.compile(rf"\s*({NUMBER})\s*([^/,]*?)\s*/\s*({NUMBER})\s*([^,]*?)\s*(?:,\s*(.+?)\s*)?")
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Two lines: `low` and `high` in SI and as written with their units, and the text after the comma."""
+
+    low: float
+    high: float
+    low_text: str
+    high_text: str
+    beside: str = ""
+
+
+@dataclass(frozen=True)
+class SceneRequest:
+    """Values that the command states, in SI units; None where the kind is to choose."""
+
+    fluid: str | None = None
+    flow: float | None = None  # displacement, [m^3/s]
+    speed: float | None = None
+    ratio: float | None = None  # built-in
+    oil: str | None = None
+    condition: str | None = None
+    diameter: float | None = None  # of the male rotor; determines the flow
+    motor: float | None = None  # rated power, [W]
+    free_air: float | None = None  # delivered by an air package, [m^3/s]: its size is to be sought
+    capacity: float | None = None  # cooling of a refrigeration machine, heating of a heat pump, [W]: likewise
+    economizer: bool = False
+    slide: bool = False  # a slide valve
+    variable: bool = False  # with an inverter, and speeds to sweep
+    sought: str = ""  # option for which the flow was sought with the cycle
+
+    @property
+    def by_sheet(self) -> bool:
+        """Whether the size is to be sought, from what the machine delivers or what its motor takes."""
+        delivered = self.free_air if self.capacity is None else self.capacity
+        return delivered is not None or (self.flow is None and self.motor is not None)
+
+
+def request_of(
+    fluid: str | None,
+    displacement: str | None,
+    vi: float | None,
+    speed: str | None,
+    oil: str | None,
+    condition: str | None,
+    diameter: str | None = None,
+    *,
+    motor: str | None = None,
+    free_air: str | None = None,
+    pressure: str | None = None,
+    capacity: str | None = None,
+    economizer: bool = False,
+    slide: bool = False,
+    variable: bool = False,
+) -> SceneRequest:
+    """Return the request; raise UsageError, in one line, for one that is impossible.
+
+    `motor`, `free_air` and `pressure` are those on the sheet of an air package, the pressure that of its outlet;
+    `capacity` is the cooling of a refrigeration machine, or the heating of a heat pump.
+    """
+    condition = _by_pressure(condition, pressure)
+    if fluid is not None and constants.limits(fluid) is None:
+        other, blend = names.same_fluid(fluid), names.suggested_blend(fluid)
+        hint = f"; did you mean '{other}'?" if other else f"; {blend}" if blend else ""
+        hint = hint or " (write one of its names, e.g. R134a, R454B or CO2)"
+        raise UsageError(f"--fluid {fluid}: is not a fluid or blend of CoolProp{hint}")
+    if oil is not None and oil not in OILS:
+        near = nearest(oil, OILS)
+        hint = f"; did you mean '{near}'?" if near else ""
+        raise UsageError(f"--oil {oil}: is not a stored oil{hint} (known: {', '.join(OILS)})")
+    if vi is not None and not 1.0 < vi <= 12.0:
+        raise UsageError(f"--vi {vi:g}: a built-in volume ratio is above 1 and at most 12 (write e.g. --vi 3)")
+    flow = None if displacement is None else _quantity("--displacement", "displacement", displacement, "600 m^3/h")
+    at = None if speed is None else _quantity("--speed", "speed", speed, "2950 rpm")
+    rated = None if motor is None else _quantity("--motor", "power", motor, "45 kW")
+    delivered = None if free_air is None else _quantity("--flow", "volume_flow", free_air, "7.5 m^3/min")
+    cools = None if capacity is None else _quantity("--capacity", "power", capacity, "300 kW")
+    size = "--displacement" if displacement is not None else "--diameter" if diameter is not None else ""
+    for option, sought in (("--flow", delivered), ("--capacity", cools)):
+        if sought is not None and size:
+            raise UsageError(
+                f"{option}: is given together with {size}, which also states the size (remove one of the two)"
+            )
+    if diameter is None:
+        return SceneRequest(
+            fluid, flow, at, vi, oil, condition, None, rated, delivered, cools, economizer, slide, variable
+        )
+    if flow is not None:
+        raise UsageError(
+            "--diameter: is given together with --displacement, which also states it (remove one of the two)"
+        )
+    rotor = _quantity("--diameter", "length", diameter, "204 mm")
+    if not sizes.SMALLEST <= rotor <= sizes.LARGEST:
+        ends = f"{sizes.mm(sizes.SMALLEST)} to {sizes.mm(sizes.LARGEST)}"
+        raise UsageError(f"--diameter {diameter}: screws are made from {ends} (choose one within)")
+    displaced = sizes.displaced(rotor, at or SPEED)
+    return SceneRequest(fluid, displaced, at, vi, oil, condition, rotor, rated, None, None, economizer, slide, variable)
+
+
+def _by_pressure(condition: str | None, pressure: str | None) -> str | None:
+    """Return both lines of a package that draws in ambient air and delivers it at a pressure."""
+    if pressure is None:
+        return condition
+    if condition is not None:
+        raise UsageError("--pressure: is given together with --condition, which also states it (remove one of the two)")
+    with gauge_pressures_over(ATMOSPHERE):
+        found = _quantity("--pressure", "pressure", pressure, "7.5 bar(g)")
+    if found <= ATMOSPHERE:
+        raise UsageError(f"--pressure {pressure}: is not above the ambient 1 bar (write e.g. --pressure '7.5 bar(g)')")
+    return f"0 bar(g)/{pressure.strip()}"
+
+
+def _quantity(option: str, kind: str, text: str, example: str) -> float:
+    """Return the value [SI] of an option, which must be positive."""
+    try:
+        found = parse_quantity(KINDS[kind], text)
+    except Refused as refusal:
+        raise UsageError(f"{option} {text}: {refusal}") from None
+    if not found > 0.0:
+        raise UsageError(f"{option} {text}: is not above zero (write e.g. {option} '{example}')")
+    return found
+
+
+def condition_of(text: str, kind: str, example: str) -> Condition:
+    """Return two temperatures or pressures `LOW/HIGH UNIT`; the first without a unit has that of the second.
+
+    Gauge pressures are relative to `ATMOSPHERE`, which the scene then states.
+    """
+    match = _PAIR.fullmatch(text)
+    if match is None:
+        raise UsageError(f"--condition {text}: is not a pair of {kind}s (write e.g. --condition '{example}')")
+    low, unit, high, last, beside = match.groups()
+    if not last:
+        raise UsageError(f"--condition {text}: has no unit (write e.g. --condition '{example}')")
+    texts = [f"{low} {unit or last}", f"{high} {last}"]
+    try:
+        with gauge_pressures_over(ATMOSPHERE):
+            first, second = (parse_quantity(KINDS[kind], each) for each in texts)
+    except Refused as refusal:
+        raise UsageError(f"--condition {text}: {refusal}") from None
+    return Condition(first, second, texts[0], texts[1], beside or "")
+
+
+def quantity_after_comma(condition: Condition, kind: str, default: str) -> tuple[str, float]:
+    """Return the quantity after the comma of a condition: its text and its value [SI]."""
+    text = condition.beside or default
+    try:
+        return text, parse_quantity(KINDS[kind], text)
+    except Refused as refusal:
+        raise UsageError(f"--condition …, {text}: {refusal}") from None
+
+
+def refuse_option(option: str, asked: Any, why: str) -> None:
+    """Raise UsageError if an option was given that a kind does not have."""
+    if asked is not None:
+        raise UsageError(f"{option}: {why}")
