@@ -78,8 +78,8 @@ def _oil() -> list[Case]:
     for d in (0, 0.01, 10, 50, 80):
         why = "no oil: the states of the oil are those of nothing" if d == 0 else "little oil" if d < 1 else "much oil"
         if d == 80:
-            why = "the oil would fill the chamber; it takes no room in this model, and a warning says so"
-        says = ("no room",) if d == 80 else ()
+            why = "the oil would fill the chamber; it takes up no volume in this model, and a warning says so"
+        says = ("takes up no volume",) if d == 80 else ()
         cases.append(Case(f"paper, d = {d}", {"oil_supply.ratio": d}, why, says=says))
         cases.append(Case(f"carried, d = {d}", {**CARRIED, "oil_supply.ratio": d}, why, says=says))
     full = {**CARRIED, **lines("3.1462 bar", "12 bar")}
@@ -88,8 +88,8 @@ def _oil() -> list[Case]:
         Case(
             "carried, d = 40, dense suction",
             {**full, "oil_supply.ratio": 40},
-            "from d = 35 up the oil would fill the chamber; it takes no room in this model, and a warning says so",
-            says=("the oil would fill 116% of the chamber", "no room", "lower oil_supply.ratio"),
+            "from d = 35 up the oil would fill the chamber; it takes up no volume in this model, and a warning says so",
+            says=("the oil would fill 116% of the chamber", "takes up no volume", "lower oil_supply.ratio"),
         ),
     ]
     for T, word in (("363 K", "hotter"), ("203 K", "colder")):
