@@ -105,7 +105,7 @@ def test_more_cooling_than_the_gas_can_give_fails_with_a_remedy():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"rotor_cooling": "1 W", "rotor_temperature": "300 K"}, "beside rotor_temperature"),
+        ({"rotor_cooling": "1 W", "rotor_temperature": "300 K"}, "as well as rotor_temperature"),
         ({"rotor_cooling": "1 W", "nusselt_factor": 0}, "no gas warms"),
         ({"gas_viscosity": "12 uPa s"}, "gas_conductivity, gas_viscosity"),
         ({"reference_pressure": "2 bar"}, "reference_temperature"),
@@ -201,7 +201,7 @@ def test_rotors_that_touch_fail_with_a_remedy():
     ("changes", "words"),
     [
         ({**CARRIED, "effects.thermal_clearances": {"axis_distance": "125 mm"}}, "rotor_temperature: is missing"),
-        ({**WALLS, "effects.thermal_clearances": WARM}, "beside effects.wall_heat"),
+        ({**WALLS, "effects.thermal_clearances": WARM}, "as well as effects.wall_heat"),
         ({**GAPS, "effects.thermal_clearances": {**WARM, "axis_distance": None}}, "axis_distance: is missing"),
     ],
 )

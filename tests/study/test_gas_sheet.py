@@ -152,7 +152,7 @@ def test_axes_are_the_sweeps_the_options_or_shares_of_the_scenes_own():
         ("paper/point", ["--suction", "1 bar"], "1 bar: is not LOW..HIGH (write e.g. --suction '4 bar..6 bar')"),
         ("paper/point", ["--discharge", "9 bar..7 bar"], "is empty (LOW must be below HIGH)"),
         ("paper/point", ["--discharge", "7..9"], "--discharge 7..9: '7' has no unit"),
-        ("paper/fig1", [], "and the scene varies"),
+        ("paper/fig1", [], "but the scene varies"),
         ("air/fixed_speed_7", ["--suction", "1 bar..2 bar"], "and the scene is an air package (remove it)"),
     ],
 )
