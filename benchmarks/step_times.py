@@ -83,7 +83,7 @@ def closed(scene: Scene) -> tuple[Machinery, Callable[[int], None]]:
     """Return the machinery of a closed scene, and a function that repeats turns of its life among closed neighbours."""
     problem = problem_of(scene)
     machinery = lease_for(problem)
-    rtol = close(problem, machinery, problem.wanted).rtol
+    rtol = close(problem, machinery, problem.criteria).rtol
     times, dense, quads, steps = machinery.last()
     new = machinery.histories[1]  # neighbours behind are read from the turn being integrated, which is the same one
     new[0][: steps + 1], new[1][:steps], new[2][:steps] = times[: steps + 1], dense[:steps], quads[:steps]

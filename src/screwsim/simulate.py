@@ -176,7 +176,7 @@ def _solved(
     reach_station()
     reach_station()
     if course is not None:
-        record_in_course(course, accurate.evaluation, accurate.cycle, accurate.wanted, accurate.tightness)
+        record_in_course(course, accurate.evaluation, accurate.cycle, accurate.criteria, accurate.tightness)
     cycle, of, errors, numerics = accurate.cycle, accurate.evaluation, accurate.errors, _numerics(machinery, accurate)
     reach_station()
     found, notes = of.read
@@ -200,7 +200,7 @@ def _solved(
         *of_loads,
         *((f"the cycle closed only with {cycle.needed}",) if cycle.needed else ()),
         *of_drive,
-        *stability.warnings(problem, machinery, cycle, accurate.wanted.rtol),
+        *stability.warnings(problem, machinery, cycle, accurate.criteria.rtol),
         *cautions.warnings(of),
         *cautions.inaccurate(scene.numerics.accuracy, errors),
         *(second_cycle.warnings(of, machinery, accurate) if status == OK else ()),

@@ -30,11 +30,11 @@ def closed_tightly(problem, machinery, begun=None, rtol=RTOL, tolerance=TOLERANC
 
     `widths` [Pa] of the regularisation are those of the problem where none are given.
     """
-    wanted = replace(problem.wanted, rtol=rtol, tolerance=tolerance, bound=BOUND, closing="coupled")
+    wanted = replace(problem.criteria, rtol=rtol, tolerance=tolerance, bound=BOUND, closing="coupled")
     wanted = wanted if widths is None else replace(wanted, widths=widths)
     machinery.begin(problem.composition)
     if begun is None:
-        close(problem, machinery, problem.wanted)
+        close(problem, machinery, problem.criteria)
     else:
         numbers = machinery.composition.P.copy()
         machinery.put(begun)
@@ -54,7 +54,7 @@ class Tight:
     def __init__(self, problem, machinery, widths=None, rtol=RTOL, tolerance=TOLERANCE):
         """`problem` stands at what lies around it, as a solution found that, with `widths` of the regularisation."""
         self.machinery, self.series, self.how = machinery, Series(), (rtol, tolerance)
-        own = problem.wanted.widths  # which follow the pressures of the lines, as those of a solution do
+        own = problem.criteria.widths  # which follow the pressures of the lines, as those of a solution do
         self.tightened = [a / b if b else 1.0 for a, b in zip(widths or own, own, strict=True)]
         self.loses = problem.scene.losses is not None  # pressures, in what lies around it
         lost = (2, 3) if self.loses else ()
@@ -99,5 +99,5 @@ class Tight:
             self.series.losses = PressureLosses(*(KPA * x[2:4]).tolist())
             scene = replace(scene, losses=self.series.losses)
         problem = problem_of(scene, self.series)
-        widths = tuple(a * b for a, b in zip(self.tightened, problem.wanted.widths, strict=True))
+        widths = tuple(a * b for a, b in zip(self.tightened, problem.criteria.widths, strict=True))
         return closed_tightly(problem, self.machinery, self.begun, *self.how, widths)

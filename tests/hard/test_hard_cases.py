@@ -194,6 +194,6 @@ def test_a_further_try_says_which_one_it_needed(monkeypatch):
 def test_every_further_try_closes_a_cycle_that_is_there(index):
     wanted = simulate(make({}), trace=False).performance
     problem = problem_of(make({}))
-    cycle = list(fallbacks(problem, lease_for(problem), problem.wanted))[index][1]()
+    cycle = list(fallbacks(problem, lease_for(problem), problem.criteria))[index][1]()
     assert cycle.status == "ok"
     assert evaluate(problem, cycle).figures.work_per_cycle == pytest.approx(wanted.work_per_cycle, rel=3e-4)

@@ -159,7 +159,7 @@ def closed(scene: Scene) -> tuple[Problem, Machinery, CycleSolution]:
     """Return a scene's problem, its machinery, and the cycle on which it stands, closed once."""
     problem = problem_of(scene)
     machinery = lease_for(problem)
-    return problem, machinery, close(problem, machinery, problem.wanted)
+    return problem, machinery, close(problem, machinery, problem.criteria)
 
 
 def run(changes: dict[str, Any] | None = None) -> Result:

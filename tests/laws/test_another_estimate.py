@@ -26,7 +26,7 @@ def from_afar(asked):
     """Close the cycle from the first guess with a twentieth of the tolerances, in a machinery of its own."""
     machinery = lease_for(asked.problem)
     try:
-        cycle = close(asked.problem, machinery, asked.wanted.tighter(TIGHTER))
+        cycle = close(asked.problem, machinery, asked.criteria.tighter(TIGHTER))
         found = evaluate(asked.problem, cycle).figures
     finally:
         leases.give_back(machinery)

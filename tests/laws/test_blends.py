@@ -92,7 +92,7 @@ def test_the_stored_change_of_entropy_is_what_comes_out(kind):
 def test_nothing_is_asked_of_coolprop_inside_the_cycle(monkeypatch):
     problem = problem_of(load(CONFIG))
     machinery = lease_for(problem)
-    close(problem, machinery, problem.wanted)  # compiled
+    close(problem, machinery, problem.criteria)  # compiled
 
     def asked(*_args, **_kwargs):
         raise AssertionError("CoolProp was asked")
@@ -100,7 +100,7 @@ def test_nothing_is_asked_of_coolprop_inside_the_cycle(monkeypatch):
     for name in ("AbstractState", "PropsSI"):
         monkeypatch.setattr(coolprop, name, asked)
     monkeypatch.setattr(constants, "ask", asked)
-    assert close(problem, machinery, problem.wanted).status == "ok"
+    assert close(problem, machinery, problem.criteria).status == "ok"
 
 
 def test_a_blends_cycle_takes_about_as_many_evaluations_as_a_pure_fluids():

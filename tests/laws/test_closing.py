@@ -157,7 +157,7 @@ def test_net_flow_is_taken_where_noise_between_open_chambers_does_not_count():
     exact = known_solution(fine).performance["gas_mass_flow"]
     problem = problem_of(replace(scene, numerics=replace(scene.numerics, closing="histories")))
     machinery = lease_for(problem)
-    cycle = close(problem, machinery, problem.wanted)
+    cycle = close(problem, machinery, problem.criteria)
     streams = streams_of(problem.composition, cycle.q)
     across = flow_past_suction_port(problem, machinery.trajectory)
     through = [(streams[0, 0] + streams[1, 0]) * problem.rate, -(streams[2, 0] + streams[3, 0]) * problem.rate]
@@ -206,7 +206,7 @@ QUICKLY, SLOWLY = (40.0, 100.0), (40.0, 8.0)  # gap and change of the states of 
 def test_a_tolerance_is_met_by_chance_while_states_move_on_or_corrections_swing(before, moved, stalled, chance):
     tolerance = 1e-4
     turns = object.__new__(relaxation._Turns)
-    turns.wanted = SimpleNamespace(tolerance=tolerance)
+    turns.criteria = SimpleNamespace(tolerance=tolerance)
     turns.number, turns.gap, turns.moved = 5, 0.8 * tolerance, moved * tolerance
     turns.before = before[0] * tolerance, before[1] * tolerance
     turns.stalled, turns.least_gap = stalled, 1.2 * tolerance

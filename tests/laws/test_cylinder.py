@@ -163,7 +163,7 @@ def test_the_question_whether_a_cycle_lasts_changes_nothing_of_it():
     problem, machinery, cycle = closed(cylinder(REEDS))
     before = evaluate(problem, cycle).figures
     counts = machinery.counts.copy()
-    rtol = problem.wanted.rtol
+    rtol = problem.criteria.rtol
     assert (
         stability.largest_work_change(problem, machinery, replace(cycle, how="coupled"), rtol)
         < stability.LARGEST_WORK_CHANGE

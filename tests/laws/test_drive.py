@@ -36,7 +36,7 @@ CYCLE = ("shaft_power", "gas_mass_flow", "isothermal_efficiency", "peak_pressure
 @cache
 def closed_with_drive(accuracy):
     problem, machinery, cycle = closed(make({**SLOW, "numerics": {"accuracy": accuracy}}))
-    cycle = drive.close_with_drive(problem, machinery, problem.wanted, cycle)
+    cycle = drive.close_with_drive(problem, machinery, problem.criteria, cycle)
     of = evaluate(problem, cycle)
     return of, machinery, cycle, problem.parts.shaft.respond(of.complete)
 
@@ -110,7 +110,7 @@ def test_chambers_and_drive_in_one_system_repeat_the_motion_that_was_closed_by_t
 def test_the_chambers_feel_the_mean_speed_of_the_drive_over_time():
     of, machinery, _, motion = closed_with_drive(1e-6)
     assert motion.mean_speed == pytest.approx(of.life.composition.P[P_OMEGA], rel=1e-9)
-    tolerance = of.problem.wanted.tolerance
+    tolerance = of.problem.criteria.tolerance
     assert drive.set_speed_curve(of.problem, machinery, motion, tolerance)[0] <= tolerance
 
 
@@ -284,7 +284,7 @@ def test_a_pitch_of_a_start_is_that_of_chambers_and_drive_in_one_system():
     changes = {**DRIVEN, "numerics": {"accuracy": 1e-5}, "operation.speed": "900 rpm"}
     problem = steady_problem(make(changes), CREEP)
     machinery = lease_for(problem)
-    cycle = drive.close_with_drive(problem, machinery, problem.wanted, close(problem, machinery, problem.wanted))
+    cycle = drive.close_with_drive(problem, machinery, problem.criteria, close(problem, machinery, problem.criteria))
     of = evaluate(problem, cycle)
     steady = problem.parts.shaft.respond(of.complete)
     start = StartUpRun(of, machinery, steady, CREEP, 10.0)

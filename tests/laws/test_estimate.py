@@ -90,7 +90,7 @@ def test_a_cycle_is_left_as_it_was_by_the_estimate(case):
     problem, machinery, cycle = closed(make(CASES[case]))
     of = evaluate(problem, cycle)
     before, figures = numbers_of(cycle.trajectory), dict(of.figures)
-    assert estimated_errors(of, machinery, problem.wanted, cycle)[0]
+    assert estimated_errors(of, machinery, problem.criteria, cycle)[0]
     assert all(map(np.array_equal, before, numbers_of(cycle.trajectory)))
     assert dict(evaluate(problem, cycle).figures) == figures
 
@@ -107,7 +107,7 @@ def test_a_cycle_stands_when_longer_turns_come_after_it():
     assert len({id(arrays[1]) for arrays in machinery.histories}) == 2
     machinery.put(life)  # and turns go on from there
     assert all(map(np.array_equal, before, numbers_of(machinery.trajectory.copy())))
-    found = close_again(problem, machinery, problem.wanted, cycle)
+    found = close_again(problem, machinery, problem.criteria, cycle)
     assert found.status == "ok"
     assert evaluate(problem, found).figures.shaft_power == pytest.approx(figures.shaft_power, rel=1e-4)
 
@@ -136,9 +136,9 @@ def test_what_a_correction_foretells_is_what_another_life_shows(of, monkeypatch)
     for faithful in (finer_solutions.RELIABLE_CORRECTION, 0.0):
         monkeypatch.setattr(finer_solutions, "RELIABLE_CORRECTION", faithful)
         machinery = lease_for(problem)
-        cycle = close(problem, machinery, problem.wanted)
+        cycle = close(problem, machinery, problem.criteria)
         before = machinery.counts.copy()
-        errors.append(estimated_errors(evaluate(problem, cycle), machinery, problem.wanted, cycle)[0])
+        errors.append(estimated_errors(evaluate(problem, cycle), machinery, problem.criteria, cycle)[0])
         counts.append(machinery.evaluations_of(machinery.counts - before))
     assert counts[0] < 0.55 * counts[1]  # one life in place of two
     foretold, shown = errors
@@ -237,7 +237,7 @@ def test_a_cycle_closed_again_begins_where_its_finer_lives_led():
     leases.give_back(machinery)
     fine = replace(scene, numerics=replace(scene.numerics, accuracy=1e-5, error="none"))
     exact = known_solution(fine).performance
-    assert found.wanted.rtol < problem.wanted.rtol and found.cycle.turns == 1
+    assert found.criteria.rtol < problem.criteria.rtol and found.cycle.turns == 1
     assert worst(found.errors)[1] < ACCURACY
     assert worst(relative_errors(found.evaluation.figures, exact))[1] < 0.5 * ACCURACY
     assert spent < 21_500

@@ -36,7 +36,7 @@ def standing():
     """Return a problem, a machinery that stands on its closed cycle, and that cycle."""
     problem = problem_of(make(SLOW))
     machinery = lease_for(problem)
-    cycle = close(problem, machinery, replace(problem.wanted, rtol=FINE))
+    cycle = close(problem, machinery, replace(problem.criteria, rtol=FINE))
     assert cycle.status == "ok"
     return problem, machinery, cycle
 
@@ -89,7 +89,7 @@ def test_tangents_tell_what_a_pressure_of_a_plenum_makes_of_itself():
     """Of a line that pulsates, its harmonics: what the slices give the line over the pitch makes them."""
     problem = problem_of(make(PLENUMS))
     machinery = lease_for(problem)
-    cycle = close(problem, machinery, replace(problem.wanted, rtol=FINE))
+    cycle = close(problem, machinery, replace(problem.criteria, rtol=FINE))
     assert cycle.status == "ok"
     met = unknowns(problem, machinery)
     here, names = problem.entries.coordinates(met), problem.entries.names

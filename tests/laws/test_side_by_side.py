@@ -143,7 +143,7 @@ def test_an_interrupted_solution_keeps_its_arrays_from_the_next():
     machinery = lease_for(problem)
     machinery.watch = stop
     with pytest.raises(Stop):
-        close(problem, machinery, problem.wanted)
+        close(problem, machinery, problem.criteria)
     assert lease_for(problem) is not machinery
 
 

@@ -144,7 +144,7 @@ class Exact:
         accurate = solve_with_surroundings(self.problem, self.machinery, None, search)
         if accurate.cycle.status != "ok":
             raise UsageError("the cycle does not close")
-        of, self.widths = accurate.evaluation, accurate.wanted.widths
+        of, self.widths = accurate.evaluation, accurate.criteria.widths
         self.problem, self.life = of.problem, of.life
 
     def slopes(self, paths: Sequence[str], fineness: Fineness = FINE) -> dict[str, dict[str, float]]:

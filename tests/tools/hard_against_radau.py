@@ -86,7 +86,7 @@ def from_own_cycle(scene: Scene, method: str, start: str, of_steps: float) -> tu
     problem, accuracy = problem_of(scene), scene.numerics.accuracy
     machinery = lease_for(problem)
     own = solve(problem, machinery)
-    cycle, wanted = own.cycle, own.wanted
+    cycle, wanted = own.cycle, own.criteria
     machinery.put(cycle.trajectory)
     y = cycle.y if way_of(cycle).whole else chambers_at_pitches(machinery)
 

@@ -32,42 +32,42 @@ SPEED_RATIO = 4.0  # speed ratio from which a cycle is continued: leaks and stif
 
 
 def close(
-    problem: Problem, machinery: Machinery, wanted: ClosingCriteria, course: Course | None = None
+    problem: Problem, machinery: Machinery, criteria: ClosingCriteria, course: Course | None = None
 ) -> CycleSolution:
     """Close the cycle, continued from the last ones of a course; from the first guess where that does not close."""
     guess = None if course is None else install_continued_guess(problem, machinery, course)
     reach_station()
     if guess is not None:
-        cycle = close_from(problem, machinery, wanted, guess.start)
+        cycle = close_from(problem, machinery, criteria, guess.start)
         if cycle.closed:
             return cycle
-    return close_from(problem, machinery, wanted, Start(install_first_guess(problem, machinery)))
+    return close_from(problem, machinery, criteria, Start(install_first_guess(problem, machinery)))
 
 
-def close_from(problem: Problem, machinery: Machinery, wanted: ClosingCriteria, start: Start) -> CycleSolution:
+def close_from(problem: Problem, machinery: Machinery, criteria: ClosingCriteria, start: Start) -> CycleSolution:
     """Close the cycle from a start.
 
     With a check, the chambers are then closed together by the check's method, starting from our own solution.
     """
-    cycle = close_by_ways(problem, machinery, replace(wanted, check=None) if wanted.check else wanted, start)
-    if wanted.check is None or cycle.failed:
+    cycle = close_by_ways(problem, machinery, replace(criteria, check=None) if criteria.check else criteria, start)
+    if criteria.check is None or cycle.failed:
         return cycle
-    return close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
+    return close_together(problem, machinery, criteria, chambers_at_pitches(machinery))
 
 
 def close_again(
     problem: Problem,
     machinery: Machinery,
-    wanted: ClosingCriteria,
+    criteria: ClosingCriteria,
     cycle: CycleSolution,
     led: CorrectedState | None = None,
 ) -> CycleSolution:
-    """Close a closed cycle once more, by the criteria now wanted.
+    """Close a closed cycle once more, by the criteria given.
 
     The machinery must hold that cycle as its last history, or, with `led`, the history to which finer lives have
     moved it.
     """
-    found = way_of(cycle).again(problem, machinery, wanted, cycle, led)
+    found = way_of(cycle).again(problem, machinery, criteria, cycle, led)
     if not found.closed:
         return found
     return replace(
@@ -81,7 +81,7 @@ def close_again(
 
 
 def fallbacks(
-    problem: Problem, machinery: Machinery, wanted: ClosingCriteria, left: float = 0.0
+    problem: Problem, machinery: Machinery, criteria: ClosingCriteria, left: float = 0.0
 ) -> Iterator[tuple[str, Callable[[], CycleSolution]]]:
     """Yield further attempts at a cycle that did not close, as (name, function that makes the attempt).
 
@@ -92,11 +92,14 @@ def fallbacks(
     """
 
     def closed(
-        rule: MixingRule = FULL_RULE, most: int = MOST_OF_A_TRY, wanted: ClosingCriteria = wanted, patient: bool = False
+        rule: MixingRule = FULL_RULE,
+        most: int = MOST_OF_A_TRY,
+        criteria: ClosingCriteria = criteria,
+        patient: bool = False,
     ) -> CycleSolution:
         install_first_guess(problem, machinery)
         y = chambers_at_pitches(machinery)
-        return close_together(problem, machinery, wanted, y, rule, most, PITCHES_OF_A_TRY, patient)
+        return close_together(problem, machinery, criteria, y, rule, most, PITCHES_OF_A_TRY, patient)
 
     def plain(patient: bool = False) -> CycleSolution:
         return closed(MixingRule(0, near=NEAR_PLAIN), 2 * MOST_OF_A_TRY, patient=patient)
@@ -105,28 +108,28 @@ def fallbacks(
         rule = MixingRule(DAMPED_DEPTH, DAMPING, NEAR_DAMPED)
         if search_applies(problem) and not patient:
             return sought_from_guess(rule, MOST_OF_A_TRY, early=True)
-        return with_growth(problem, machinery, wanted, closed(rule))
+        return with_growth(problem, machinery, criteria, closed(rule))
 
     def faster(patient: bool = False) -> CycleSolution:
         install_first_guess(problem, machinery)
         P, omega = machinery.composition.P, problem.parts.omega
         P[P_OMEGA] = SPEED_RATIO * omega
         y = chambers_at_pitches(machinery)
-        easier = close_together(problem, machinery, wanted, y, FULL_RULE, MOST_OF_A_TRY, PITCHES_OF_A_TRY, patient)
+        easier = close_together(problem, machinery, criteria, y, FULL_RULE, MOST_OF_A_TRY, PITCHES_OF_A_TRY, patient)
         P[P_OMEGA] = omega
         if easier.failed:
             return easier
-        cycle = close_together(problem, machinery, wanted, easier.y, most=MOST_OF_A_TRY, patient=patient)
-        return with_growth(problem, machinery, wanted, cycle)
+        cycle = close_together(problem, machinery, criteria, easier.y, most=MOST_OF_A_TRY, patient=patient)
+        return with_growth(problem, machinery, criteria, cycle)
 
     def sought_from_guess(rule: MixingRule, most: int, early: bool = False) -> CycleSolution:
         install_first_guess(problem, machinery)
-        cycle = search_after_pitches(problem, machinery, wanted, chambers_at_pitches(machinery), rule, most, early)
-        return cycle if cycle.needed else with_growth(problem, machinery, wanted, cycle)
+        cycle = search_after_pitches(problem, machinery, criteria, chambers_at_pitches(machinery), rule, most, early)
+        return cycle if cycle.needed else with_growth(problem, machinery, criteria, cycle)
 
     if left < STEPS_HELP_BELOW:
-        tighter = replace(wanted, rtol=max(0.03 * wanted.rtol, 1e-12))
-        yield "a tighter tolerance of the steps", lambda: closed(wanted=tighter)
+        tighter = replace(criteria, rtol=max(0.03 * criteria.rtol, 1e-12))
+        yield "a tighter tolerance of the steps", lambda: closed(criteria=tighter)
     tries = {"closing without acceleration": plain, "damped closing": damped}
     tries[f"continuation from {SPEED_RATIO:g} times the speed"] = faster
     yield from tries.items()

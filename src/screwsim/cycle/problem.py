@@ -58,7 +58,7 @@ class Problem:
     suction: SuctionState
     entries: FeedbackUnknowns
     parameters: Array
-    wanted: ClosingCriteria
+    criteria: ClosingCriteria
 
     @once
     def parted(self) -> float | None:
@@ -188,8 +188,8 @@ def problem_of(scene: Scene, series: Series | None = None, set_speed: float | No
     of_oil = composition.carried, composition.dissolves
     lines_of = (*_discharge_line(*of_oil), *(_suction_line(*of_oil) if parts.suction_line else ()))
     entries = _entries((*lines_of, *(part.entry for _, part in parts.all(Made))))
-    wanted = closing_criteria(scene.numerics, tuple(composition.P[composition.widths].tolist()))
-    return Problem(scene, parts, composition, at, inlet, suction, entries, parameters, wanted)
+    criteria = closing_criteria(scene.numerics, tuple(composition.P[composition.widths].tolist()))
+    return Problem(scene, parts, composition, at, inlet, suction, entries, parameters, criteria)
 
 
 @IdentityCache

@@ -64,7 +64,7 @@ def affordable_evaluations(rtol: float) -> float:
 
 
 def relax(
-    problem: Problem, machinery: Machinery, wanted: ClosingCriteria, start: Start, last: bool
+    problem: Problem, machinery: Machinery, criteria: ClosingCriteria, start: Start, last: bool
 ) -> CycleSolution | None:
     """Close by turns from a start; return None when a turn stops and another way is left to try.
 
@@ -73,9 +73,9 @@ def relax(
     since the error of the guess prevails. A guess from nearby cycles may be good enough to close in the first turn,
     which is then integrated as finely as its expected error allows.
     """
-    turns = _Turns(problem, machinery, wanted, start)
+    turns = _Turns(problem, machinery, criteria, start)
     reach_station()
-    most = np.inf if last else machinery.evaluations_of(machinery.counts) + affordable_evaluations(wanted.rtol)
+    most = np.inf if last else machinery.evaluations_of(machinery.counts) + affordable_evaluations(criteria.rtol)
     for _ in range(MAX_TURNS):
         angle = turns.integrate()
         if angle is not None:
@@ -100,10 +100,10 @@ class _Turns:
     corrected or mixed. `left` is the estimated change still to come.
     """
 
-    def __init__(self, problem: Problem, machinery: Machinery, wanted: ClosingCriteria, start: Start) -> None:
-        self.problem, self.machinery, self.wanted, self.y = problem, machinery, wanted, start.y.copy()
+    def __init__(self, problem: Problem, machinery: Machinery, criteria: ClosingCriteria, start: Start) -> None:
+        self.problem, self.machinery, self.criteria, self.y = problem, machinery, criteria, start.y.copy()
         c, expected = machinery.composition, start.expected
-        c.P[c.widths] = wanted.widths
+        c.P[c.widths] = criteria.widths
         self.corrections, self.accelerate = Corrections(problem, machinery, start.tangents), Anderson(DEPTH)
         self.images: list[tuple[Array, Array, int]] = []
         self.seen: list[tuple[float, float]] = []  # mass and work of each image
@@ -113,7 +113,7 @@ class _Turns:
             [expected.seen],
             expected.contraction,
         )
-        self.finest = self.rtol = expected.share * wanted.histories_factor * wanted.rtol
+        self.finest = self.rtol = expected.share * criteria.histories_factor * criteria.rtol
         self.next_rtol = self.finest if expected.gap <= GOOD_GUESS else FIRST_RTOL
         self.gap = self.first_gap = self.moved = self.left = 1.0
         self.before = 1.0, 1.0  # gap and change of the states in the turn before
@@ -149,7 +149,7 @@ class _Turns:
         self.moved = WEIGHT * float(np.maximum.reduce(np.abs(self.image - self.point)))
         if self.number == 1:  # expected mass and work may agree by chance: the states must agree, too
             self.gap = self.first_gap = max(self.gap, self.moved)
-        if self.corrected_before and self.left >= TELLING_CHANGE * self.wanted.tolerance:
+        if self.corrected_before and self.left >= TELLING_CHANGE * self.criteria.tolerance:
             self.missed = self.gap / self.left
         self.expected, self.residual_before = [now], self.residual
         self.open = residuals(problem, machinery.R, self.q) if self.rtol <= self.finest else None
@@ -162,12 +162,12 @@ class _Turns:
         Where only the balances are open and no longer fall from turn to turn, the steps are to blame and are
         refined.
         """
-        if not (self.gap <= self.wanted.tolerance and self.rtol <= self.finest):
+        if not (self.gap <= self.criteria.tolerance and self.rtol <= self.finest):
             return False
-        if self.residual <= CLOSED_SHARE * self.wanted.bound:
+        if self.residual <= CLOSED_SHARE * self.criteria.bound:
             return not self.by_chance()
-        if self.moved <= self.wanted.tolerance and self.residual > FALLING * self.residual_before:
-            self.finest = refined_rtol(self.finest, self.residual / self.wanted.bound)
+        if self.moved <= self.criteria.tolerance and self.residual > FALLING * self.residual_before:
+            self.finest = refined_rtol(self.finest, self.residual / self.criteria.bound)
         return False
 
     def by_chance(self) -> bool:
@@ -177,7 +177,7 @@ class _Turns:
         where corrected turns go back and forth. It is not where the turn before met the tolerance too: states
         may stall above it, moved by the noise of the steps alone.
         """
-        (gap, moved), tolerance = self.before, self.wanted.tolerance
+        (gap, moved), tolerance = self.before, self.criteria.tolerance
         if self.number == 1 or gap <= tolerance:
             return False
         return self._swings() or self.moved * min(self.moved / moved, 1.0) > CHANCE_MOVE * tolerance
@@ -188,13 +188,13 @@ class _Turns:
 
     def closes(self, corrected: bool) -> bool:
         """Return whether too little is still to come to need a confirming turn, and the balances are closed well."""
-        little = self.left <= (PREDICTED_WITHIN if corrected else 1.0) * self.wanted.tolerance
-        return little and self.rtol <= self.finest and self.residual <= self.wanted.ahead * self.wanted.bound
+        little = self.left <= (PREDICTED_WITHIN if corrected else 1.0) * self.criteria.tolerance
+        return little and self.rtol <= self.finest and self.residual <= self.criteria.ahead * self.criteria.bound
 
     @property
     def near(self) -> bool:
         """Whether the end is so near that turns reach it without corrections."""
-        return self.gap <= min(NEAR_TOLERANCES * self.wanted.tolerance, NEAR_GAP)
+        return self.gap <= min(NEAR_TOLERANCES * self.criteria.tolerance, NEAR_GAP)
 
     def slow(self) -> bool:
         """Return whether this turn should be corrected: where turns contract slowly, or will.
@@ -210,7 +210,9 @@ class _Turns:
             return not self.guessed and residuals(self.problem, self.machinery.R, self.q).mass > LEAKS
         ratio, known = self.gap / self.before[0], self.number > (1 if self.guessed else 2)
         if self.near:  # where more than two further turns would be needed
-            return known and SLOW_CONTRACTION < ratio < NOISE_RATIO and self.gap * ratio * ratio > self.wanted.tolerance
+            return (
+                known and SLOW_CONTRACTION < ratio < NOISE_RATIO and self.gap * ratio * ratio > self.criteria.tolerance
+            )
         far = FIRST_CHANGE_OIL if self.problem.composition.carried else FIRST_CHANGE
         return self.moved < LINEAR_WITHIN and (ratio > SLOW_CONTRACTION if self.number > 2 else self.gap > far)
 
@@ -219,7 +221,7 @@ class _Turns:
         ratio = self.gap / self.before[0]
         noise = self.near and ratio >= NOISE_RATIO
         known = self.number > (1 if self.guessed else 2) and self.moved < LINEAR_WITHIN and not noise
-        return known and self.gap * ratio**LEAST_SAVING > self.wanted.tolerance
+        return known and self.gap * ratio**LEAST_SAVING > self.criteria.tolerance
 
     def correction(self) -> Correction | None:
         """Return Newton's correction of this turn, applied to the last history; set `left`, the change still to come.
@@ -274,11 +276,11 @@ class _Turns:
         """
         if self.rtol > self.finest:  # the next turn is finer anyway
             return
-        if correction is not None and self.gap <= self.wanted.tolerance:
+        if correction is not None and self.gap <= self.criteria.tolerance:
             foretold = residuals(self.problem, self.machinery.R, self.q + correction.sums).largest
             stays = min(foretold, self.residual)
-            if stays > CLOSED_SHARE * self.wanted.bound:
-                self.finest = refined_rtol(self.finest, stays / self.wanted.bound)
+            if stays > CLOSED_SHARE * self.criteria.bound:
+                self.finest = refined_rtol(self.finest, stays / self.criteria.bound)
                 return
         if self.corrections.begun and self.near:
             progress = self.gap < PROGRESS * self.least_gap
@@ -330,13 +332,13 @@ class _Turns:
             angle=angle,
             change=0.0 if status == FAILED else self.gap,
             first_gap=self.first_gap if ok else 1.0,
-            residual=self.residual / self.wanted.bound if ok else 0.0,
+            residual=self.residual / self.criteria.bound if ok else 0.0,
             impacts=machinery.impacts,
             tangents=self.corrections.last,
             contraction=self.contraction,
             open=self.open if ok and not self.corrected else None,
             made=self.made if ok and not self.corrected else None,
-            left=self.left if ok and self.gap > self.wanted.tolerance and self.corrections.begun else 0.0,
+            left=self.left if ok and self.gap > self.criteria.tolerance and self.corrections.begun else 0.0,
             missed=self.missed,
         )
 

@@ -52,7 +52,7 @@ def search_applies(problem: Problem) -> bool:
 def search_after_pitches(
     problem: Problem,
     machinery: Machinery,
-    wanted: ClosingCriteria,
+    criteria: ClosingCriteria,
     y: Array,
     rule: MixingRule,
     most: int,
@@ -66,12 +66,12 @@ def search_after_pitches(
     """
     budget = int(machinery.counts[EVALUATED]) + most
     while True:
-        cycle = close_together(problem, machinery, wanted, y, rule, MOST_BETWEEN, PITCHES_BETWEEN)
+        cycle = close_together(problem, machinery, criteria, y, rule, MOST_BETWEEN, PITCHES_BETWEEN)
         if cycle.status != NOT_CLOSED or machinery.counts[EVALUATED] > budget:
             return cycle
         y, met = cycle.y, unknowns(problem, machinery)
         found = search_and_close(
-            problem, machinery, wanted, y.copy(), MOST_OF_AN_EARLY_ONE if early else MOST_OF_A_SEARCH
+            problem, machinery, criteria, y.copy(), MOST_OF_AN_EARLY_ONE if early else MOST_OF_A_SEARCH
         )
         if found is not None:
             return found
@@ -81,7 +81,7 @@ def search_after_pitches(
 def search_and_close(
     problem: Problem,
     machinery: Machinery,
-    wanted: ClosingCriteria,
+    criteria: ClosingCriteria,
     y: Array,
     most: int = MOST_OF_A_SEARCH,
     judged: bool = True,
@@ -90,22 +90,24 @@ def search_and_close(
 
     With `judged`, its `growth` says whether pitches converge to it.
     """
-    zero = newton_search(problem, machinery, wanted, y, most, judged)
+    zero = newton_search(problem, machinery, criteria, y, most, judged)
     if zero is None:
         return None
-    fine = replace(wanted, rtol=min(wanted.rtol, LARGEST_RTOL))
+    fine = replace(criteria, rtol=min(criteria.rtol, LARGEST_RTOL))
     cycle = close_together(problem, machinery, fine, zero.y, most=MOST_TO_VERIFY)
     return replace(cycle, needed=FALLBACK_NAME, growth=zero.growth) if cycle.closed else None
 
 
-def with_growth(problem: Problem, machinery: Machinery, wanted: ClosingCriteria, cycle: CycleSolution) -> CycleSolution:
+def with_growth(
+    problem: Problem, machinery: Machinery, criteria: ClosingCriteria, cycle: CycleSolution
+) -> CycleSolution:
     """Return a cycle with its `growth`, if it closed and searches are possible.
 
     It is the machinery's last history again.
     """
     if not cycle.closed or not search_applies(problem):
         return cycle
-    pitch = _PitchMap(problem, machinery, wanted)
+    pitch = _PitchMap(problem, machinery, criteria)
     here = pitch.first(cycle.y.copy())
     growth = 0.0 if here is None else pitch.growth(here)
     machinery.put(cycle.trajectory)
@@ -126,20 +128,20 @@ class PeriodicState(NamedTuple):
 def newton_search(
     problem: Problem,
     machinery: Machinery,
-    wanted: ClosingCriteria,
+    criteria: ClosingCriteria,
     y: Array,
     most: int = MOST_OF_A_SEARCH,
     judged: bool = False,
 ) -> PeriodicState | None:
     """Return the zero that Newton's method finds from the states y, with its unknowns set; None if it finds none."""
-    pitch = _PitchMap(problem, machinery, wanted)
+    pitch = _PitchMap(problem, machinery, criteria)
     budget = int(machinery.counts[EVALUATED]) + most
     here, share = pitch.first(y), 1.0
     before: tuple[Array, Array] | None = None  # the last step, and the simplified step after it
     for _ in range(MOST_STEPS + 1):
         if here is None or machinery.counts[EVALUATED] >= budget:
             return None
-        if float(np.abs(here.changed).max()) <= FOUND_WITHIN * wanted.tolerance:
+        if float(np.abs(here.changed).max()) <= FOUND_WITHIN * criteria.tolerance:
             growth = pitch.growth(here) if judged else 0.0
             found, met = pitch.values(here.x, here.raw)
             set_unknowns(problem, machinery, met)
@@ -195,11 +197,11 @@ class SearchPoint:
 class _PitchMap:
     """The map of a pitch in coordinates of states and unknowns, and its derivatives."""
 
-    def __init__(self, problem: Problem, machinery: Machinery, wanted: ClosingCriteria) -> None:
-        self.problem, self.machinery, self.rtol = problem, machinery, min(wanted.rtol, LARGEST_RTOL)
-        self.check = wanted.check
+    def __init__(self, problem: Problem, machinery: Machinery, criteria: ClosingCriteria) -> None:
+        self.problem, self.machinery, self.rtol = problem, machinery, min(criteria.rtol, LARGEST_RTOL)
+        self.check = criteria.check
         self.c = machinery.composition
-        self.c.P[self.c.widths] = wanted.widths
+        self.c.P[self.c.widths] = criteria.widths
 
     def first(self, y: Array) -> SearchPoint | None:
         """Return the point of the states y and the unknowns as they are set."""

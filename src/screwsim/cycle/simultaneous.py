@@ -35,7 +35,7 @@ CHECK_FACTOR = 20  # ... times this under a check, one pitch of which may take a
 def close_together(
     problem: Problem,
     machinery: Machinery,
-    wanted: ClosingCriteria,
+    criteria: ClosingCriteria,
     y: Array,
     rule: MixingRule = FULL_RULE,
     most: int = MAX_EVALUATIONS,
@@ -46,8 +46,8 @@ def close_together(
 
     Unless it is `patient`, iteration ends early where pitches make no progress.
     """
-    run = _Pitches(problem, machinery, wanted, y, rule)
-    budget = int(machinery.counts[EVALUATED]) + (CHECK_FACTOR * most if wanted.check else most)
+    run = _Pitches(problem, machinery, criteria, y, rule)
+    budget = int(machinery.counts[EVALUATED]) + (CHECK_FACTOR * most if criteria.check else most)
     for run.number in range(1, pitches + 1):
         if machinery.counts[EVALUATED] > budget:
             break
@@ -70,14 +70,14 @@ class _Pitches:
     """
 
     def __init__(
-        self, problem: Problem, machinery: Machinery, wanted: ClosingCriteria, y: Array, rule: MixingRule
+        self, problem: Problem, machinery: Machinery, criteria: ClosingCriteria, y: Array, rule: MixingRule
     ) -> None:
-        self.problem, self.machinery, self.wanted, self.rule, self.y = problem, machinery, wanted, rule, y
+        self.problem, self.machinery, self.criteria, self.rule, self.y = problem, machinery, criteria, rule, y
         self.c, self.entries = machinery.composition, problem.entries
-        self.c.P[self.c.widths] = wanted.widths
+        self.c.P[self.c.widths] = criteria.widths
         self.corrections = Corrections(problem, machinery)
-        self.mixing, self.refining = Mixing(rule), StepRefinement(wanted.rtol, wanted.tolerance, wanted.bound)
-        self.met, self.q, self.rtol = unknowns(problem, machinery), np.zeros(machinery.nq), wanted.rtol
+        self.mixing, self.refining = Mixing(rule), StepRefinement(criteria.rtol, criteria.tolerance, criteria.bound)
+        self.met, self.q, self.rtol = unknowns(problem, machinery), np.zeros(machinery.nq), criteria.rtol
         self.astray: tuple[Array, Array] | None = None
         self.seen: list[tuple[float, float]] = []  # trapped mass and work of each pitch
         self.gaps: list[float] = []
@@ -88,7 +88,7 @@ class _Pitches:
         problem, machinery, c, entries = self.problem, self.machinery, self.c, self.entries
         self.point = np.concatenate([logarithms(self.y, c), entries.coordinates(self.met)])
         end, self.rtol = self.y.copy(), self.refining.rtol
-        status, angle, _, self.q = machinery.pitch(end, self.rtol, 1e-3, check=self.wanted.check)
+        status, angle, _, self.q = machinery.pitch(end, self.rtol, 1e-3, check=self.criteria.check)
         if status != 0:
             self.y = end
             return angle
@@ -109,12 +109,12 @@ class _Pitches:
 
     def closed(self) -> bool:
         """Return whether pitches have settled and the balances close; open balances may refine the next steps."""
-        problem, wanted = self.problem, self.wanted
+        problem, criteria = self.problem, self.criteria
         least = LEAST_WORK * self.seen[-1][0] * problem.pv
-        if not (_figures_agree(self.seen, wanted.tolerance, least) and _is_stationary(self.gaps, wanted.tolerance)):
+        if not (_figures_agree(self.seen, criteria.tolerance, least) and _is_stationary(self.gaps, criteria.tolerance)):
             return False
         residual = residuals(problem, self.machinery.R, self.q).largest
-        if residual <= CLOSED_SHARE * wanted.bound:
+        if residual <= CLOSED_SHARE * criteria.bound:
             return True
         self.refining.consider(self.gap, residual)
         return False
@@ -122,7 +122,7 @@ class _Pitches:
     def go_on(self) -> None:
         """Set the start of the next pitch: the image, corrected or mixed with earlier ones."""
         plain = self.rule is FULL_RULE and not self.c.pulsating  # a jump of states at a pitch's start would kick a line
-        near = self.wanted.tolerance < self.gap < FARTHEST
+        near = self.criteria.tolerance < self.gap < FARTHEST
         if self.corrections.due(plain and self.number > 1 and near, self.gap):
             self._correct()
         if self.astray is not None and not self.corrections.able:  # continue without corrections, from where they began

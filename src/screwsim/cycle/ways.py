@@ -35,7 +35,7 @@ class Way(ABC):
 
     @abstractmethod
     def close(
-        self, problem: Problem, machinery: Machinery, wanted: ClosingCriteria, start: Start, last: bool
+        self, problem: Problem, machinery: Machinery, criteria: ClosingCriteria, start: Start, last: bool
     ) -> CycleSolution | None:
         """Close the cycle from a start; None or an unclosed cycle hands over to the next way (never None if `last`)."""
 
@@ -44,7 +44,7 @@ class Way(ABC):
         self,
         problem: Problem,
         machinery: Machinery,
-        wanted: ClosingCriteria,
+        criteria: ClosingCriteria,
         cycle: CycleSolution,
         led: CorrectedState | None,
     ) -> CycleSolution:
@@ -52,12 +52,12 @@ class Way(ABC):
 
     @abstractmethod
     def finer(
-        self, problem: Problem, machinery: Machinery, wanted: ClosingCriteria, cycle: CycleSolution, most: int
+        self, problem: Problem, machinery: Machinery, criteria: ClosingCriteria, cycle: CycleSolution, most: int
     ) -> CycleSolution | None:
         """Close a cycle with finer steps, within `most` evaluations where the number is not bounded otherwise."""
 
     @abstractmethod
-    def share(self, cycle: CycleSolution, wanted: ClosingCriteria) -> float:
+    def share(self, cycle: CycleSolution, criteria: ClosingCriteria) -> float:
         """Return the factor on the wanted tolerance of a step with which the balances closed."""
 
     @abstractmethod
@@ -72,34 +72,34 @@ class WaveformRelaxation(Way):
     instead = "numerics.closing: coupled"
 
     def close(
-        self, problem: Problem, machinery: Machinery, wanted: ClosingCriteria, start: Start, last: bool
+        self, problem: Problem, machinery: Machinery, criteria: ClosingCriteria, start: Start, last: bool
     ) -> CycleSolution | None:
         """Relax until that has cost as much as simultaneous closing would."""
-        return relax(problem, machinery, wanted, start, last)
+        return relax(problem, machinery, criteria, start, last)
 
     def again(
         self,
         problem: Problem,
         machinery: Machinery,
-        wanted: ClosingCriteria,
+        criteria: ClosingCriteria,
         cycle: CycleSolution,
         led: CorrectedState | None,
     ) -> CycleSolution:
         """Relax from the cycle, or from where its finer lives have moved it."""
         y, seen = led or (cycle.y, cycle.seen)
         expected = Expectation(seen, 0.0, 1.0, cycle.contraction, cycle.missed)
-        return close_by_ways(problem, machinery, wanted, Start(y, expected, cycle.tangents))
+        return close_by_ways(problem, machinery, criteria, Start(y, expected, cycle.tangents))
 
     def finer(
-        self, problem: Problem, machinery: Machinery, wanted: ClosingCriteria, cycle: CycleSolution, most: int
+        self, problem: Problem, machinery: Machinery, criteria: ClosingCriteria, cycle: CycleSolution, most: int
     ) -> CycleSolution | None:
         """Relax from the machinery's last life; relaxation bounds its own length."""
         expected = Expectation((float(machinery.R[R_TRAPPED]), float(cycle.q[Q_WORK])), 0.0)  # the last life's mass
-        return relax(problem, machinery, wanted, Start(cycle.y, expected), last=True)
+        return relax(problem, machinery, criteria, Start(cycle.y, expected), last=True)
 
-    def share(self, cycle: CycleSolution, wanted: ClosingCriteria) -> float:
+    def share(self, cycle: CycleSolution, criteria: ClosingCriteria) -> float:
         """Return the factor relative to the tolerance that waveform relaxation starts with."""
-        return cycle.rtol / (wanted.histories_factor * wanted.rtol)
+        return cycle.rtol / (criteria.histories_factor * criteria.rtol)
 
     def stopped(self, cycle: CycleSolution, states: int, chambers: int) -> Iterable[Array]:
         """Return the state of the one chamber."""
@@ -112,32 +112,32 @@ class SimultaneousClosing(Way):
     whole = True
 
     def close(
-        self, problem: Problem, machinery: Machinery, wanted: ClosingCriteria, start: Start, last: bool
+        self, problem: Problem, machinery: Machinery, criteria: ClosingCriteria, start: Start, last: bool
     ) -> CycleSolution | None:
         """Close from the states that the installed life has at the chambers' angles."""
-        return close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
+        return close_together(problem, machinery, criteria, chambers_at_pitches(machinery))
 
     def again(
         self,
         problem: Problem,
         machinery: Machinery,
-        wanted: ClosingCriteria,
+        criteria: ClosingCriteria,
         cycle: CycleSolution,
         led: CorrectedState | None,
     ) -> CycleSolution:
         """Close from the states of the cycle, by a search where a search found it."""
         found = None
         if cycle.needed == FALLBACK_NAME:
-            found = search_and_close(problem, machinery, wanted, cycle.y.copy(), judged=False)
-        return found or close_together(problem, machinery, wanted, cycle.y.copy())
+            found = search_and_close(problem, machinery, criteria, cycle.y.copy(), judged=False)
+        return found or close_together(problem, machinery, criteria, cycle.y.copy())
 
     def finer(
-        self, problem: Problem, machinery: Machinery, wanted: ClosingCriteria, cycle: CycleSolution, most: int
+        self, problem: Problem, machinery: Machinery, criteria: ClosingCriteria, cycle: CycleSolution, most: int
     ) -> CycleSolution | None:
         """Close from the states of the cycle."""
-        return close_together(problem, machinery, wanted, cycle.y.copy(), most=most)
+        return close_together(problem, machinery, criteria, cycle.y.copy(), most=most)
 
-    def share(self, cycle: CycleSolution, wanted: ClosingCriteria) -> float:
+    def share(self, cycle: CycleSolution, criteria: ClosingCriteria) -> float:
         """Return 1: what pitches needed says nothing about waveform relaxation."""
         return 1.0
 
@@ -155,15 +155,15 @@ def way_of(cycle: CycleSolution) -> Way:
     return WAYS[cycle.how]
 
 
-def close_by_ways(problem: Problem, machinery: Machinery, wanted: ClosingCriteria, start: Start) -> CycleSolution:
-    """Close the cycle by the wanted ways in turn; an unclosed attempt before the last way is kept as `left_at`."""
-    *first, last = (WAYS[name] for name in CLOSINGS[wanted.closing].ways)
+def close_by_ways(problem: Problem, machinery: Machinery, criteria: ClosingCriteria, start: Start) -> CycleSolution:
+    """Close the cycle by the ways of its setting in turn; an unclosed attempt before the last way is kept as `left_at`."""
+    *first, last = (WAYS[name] for name in CLOSINGS[criteria.closing].ways)
     left = None
     for way in first:
-        found = way.close(problem, machinery, wanted, start, last=False)
+        found = way.close(problem, machinery, criteria, start, last=False)
         if found is not None and found.status != NOT_CLOSED:
             return found
         left = found or left
-    found = last.close(problem, machinery, wanted, start, last=True)
+    found = last.close(problem, machinery, criteria, start, last=True)
     assert found is not None
     return found if left is None else replace(found, abandoned_cycle=left)

@@ -127,7 +127,7 @@ def balance(of: Evaluation) -> Figures:
     if oil is not None and T_out is not None:  # heat to the oil beyond what it carries to discharge (M40) [W]
         carried = float(of.life.R[R_INJECTED]) * oil.heat_capacity * (T_out - oil.temperature)
         residual = float(-of.q[Q_HEAT] - carried) * problem.rate
-    oil_mass, bound = left.oil if c.carried else None, problem.wanted.bound
+    oil_mass, bound = left.oil if c.carried else None, problem.criteria.bound
     return Figures(mass=left.mass, energy=left.energy, oil_mass=oil_mass, oil_residue=residual, bound=bound)
 
 

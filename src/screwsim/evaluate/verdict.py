@@ -122,7 +122,7 @@ def unclosed(of: Evaluation, cycle: CycleSolution) -> str:
     for part in problem.parts.pulsations:
         if part.shut is not None and part.shut(of.turn):
             return part.stuck or f"the {part.to} line stays shut and the turns do not settle"
-    if check_of(numerics.integrator) or not problem.wanted.fallbacks or cycle.status != NOT_CLOSED:
+    if check_of(numerics.integrator) or not problem.criteria.fallbacks or cycle.status != NOT_CLOSED:
         instead = way_of(cycle).instead
         return f"try {f'{instead}, or ' if instead else ''}a tighter numerics.accuracy"
     if cycle.change < FAR_FROM_CLOSED:

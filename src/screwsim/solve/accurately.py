@@ -38,13 +38,13 @@ NO_COUNTS = np.zeros(4, np.int64)  # counts before any integration
 class Accurate(NamedTuple):
     """A closed cycle with its evaluation, the estimated errors of its figures ({}: not estimated), and their cost.
 
-    `counts` and `closing_time` [s] are those of closing, `estimating_time` [s] that of estimating; `wanted` are the
+    `counts` and `closing_time` [s] are those of closing, `estimating_time` [s] that of estimating; `criteria` are the
     last criteria, `tightness` is the factor on the tolerances with which the next scene of a course starts.
     """
 
     cycle: CycleSolution
     evaluation: Evaluation
-    wanted: ClosingCriteria
+    criteria: ClosingCriteria
     errors: Figures
     tightness: float
     counts: Array
@@ -63,9 +63,11 @@ def solve(
     """
     numerics, watch = problem.scene.numerics, CostMeter(machinery)
     tightness = 1.0 if course is None else course.tightness
-    wanted = criteria_of(problem, tightness)
+    criteria = criteria_of(problem, tightness)
     if given is None:
-        cycle = close_with_drive(problem, machinery, wanted, _close_with_fallbacks(problem, machinery, wanted, course))
+        cycle = close_with_drive(
+            problem, machinery, criteria, _close_with_fallbacks(problem, machinery, criteria, course)
+        )
     else:
         cycle = given
         machinery.put(given.trajectory)
@@ -73,18 +75,18 @@ def solve(
     of, errors, largest = evaluate(problem, cycle), Figures(), 0.0
     watch.lap("closing")
     for attempt in range(TRIES):
-        if not cycle.closed or wanted.check or not numerics.estimates:
+        if not cycle.closed or criteria.check or not numerics.estimates:
             break
-        errors, on = estimated_errors(of, machinery, wanted, cycle)
+        errors, on = estimated_errors(of, machinery, criteria, cycle)
         largest = worst(errors)[1]
         watch.lap("estimating")
         if largest <= numerics.accuracy or numerics.rtol is not None or attempt == TRIES - 1:
             break
         finer = on if isinstance(on, CycleSolution) and problem.parts.shaft is None else None
         factor = max(TIGHTER, AIM * numerics.accuracy / largest) if finer is None else FINER
-        tightness, wanted = tightness * factor, wanted.tighter(factor)
+        tightness, criteria = tightness * factor, criteria.tighter(factor)
         led = on if isinstance(on, CorrectedState) else None
-        tighter = finer or _tighter(problem, machinery, wanted, cycle, led=led)  # a search is costly: keep its cycle
+        tighter = finer or _tighter(problem, machinery, criteria, cycle, led=led)  # a search is costly: keep its cycle
         watch.lap("closing")
         if not tighter.closed:
             break
@@ -93,7 +95,7 @@ def solve(
         tightness = min(1.0, LOOSER * tightness)
     tightness = max(tightness, TIGHTEST)
     times, counts = watch.times, watch.counts["closing"]
-    return Accurate(cycle, of, wanted, errors, tightness, counts, times["closing"], times["estimating"])
+    return Accurate(cycle, of, criteria, errors, tightness, counts, times["closing"], times["estimating"])
 
 
 def criteria_of(problem: Problem, tightness: float) -> ClosingCriteria:
@@ -102,9 +104,9 @@ def criteria_of(problem: Problem, tightness: float) -> ClosingCriteria:
     With an oil separator the bound on the balances is tightened too: an open energy balance opens the oil's
     circuit, relative to the shaft power, which is less than the sum of flows.
     """
-    wanted = problem.wanted if tightness == 1.0 else problem.wanted.tighter(tightness)
+    criteria = problem.criteria if tightness == 1.0 else problem.criteria.tighter(tightness)
     separates = problem.parts.all(Separator)
-    return replace(wanted, ahead=EARLY_SHARE, bound=tightness * wanted.bound) if separates else wanted
+    return replace(criteria, ahead=EARLY_SHARE, bound=tightness * criteria.bound) if separates else criteria
 
 
 def solve_tighter(machinery: Machinery, accurate: Accurate) -> Accurate:
@@ -114,20 +116,20 @@ def solve_tighter(machinery: Machinery, accurate: Accurate) -> Accurate:
     while these are far from the values that the turn was integrated with, and every first turn would do so again.
     """
     watch, of, problem = CostMeter(machinery), accurate.evaluation, accurate.evaluation.problem
-    wanted = accurate.wanted.tighter(TIGHTER)
-    cycle = _tighter(problem, machinery, wanted, accurate.cycle, problem.entries.possible(of.image))
+    criteria = accurate.criteria.tighter(TIGHTER)
+    cycle = _tighter(problem, machinery, criteria, accurate.cycle, problem.entries.possible(of.image))
     watch.lap("closing")
     counts, spent = accurate.counts + watch.counts["closing"], accurate.closing_time + watch.times["closing"]
     accurate = accurate._replace(counts=counts, closing_time=spent)
     if not cycle.closed:
         return accurate
-    return accurate._replace(cycle=cycle, evaluation=evaluate(problem, cycle), wanted=wanted)
+    return accurate._replace(cycle=cycle, evaluation=evaluate(problem, cycle), criteria=criteria)
 
 
 def _tighter(
     problem: Problem,
     machinery: Machinery,
-    wanted: ClosingCriteria,
+    criteria: ClosingCriteria,
     cycle: CycleSolution,
     made: Array | None = None,
     led: CorrectedState | None = None,
@@ -141,21 +143,21 @@ def _tighter(
         machinery.put(cycle.trajectory)
     if made is not None:
         set_unknowns(problem, machinery, made)
-    return close_with_drive(problem, machinery, wanted, close_again(problem, machinery, wanted, cycle, led))
+    return close_with_drive(problem, machinery, criteria, close_again(problem, machinery, criteria, cycle, led))
 
 
 def _close_with_fallbacks(
-    problem: Problem, machinery: Machinery, wanted: ClosingCriteria, course: Course | None
+    problem: Problem, machinery: Machinery, criteria: ClosingCriteria, course: Course | None
 ) -> CycleSolution:
     """Close the cycle, by fallbacks where the first way fails and the scene allows them.
 
     A gas outside its equation of state stays there, so nothing further is tried. Where no fallback closes the
     cycle, the first way's result is returned.
     """
-    cycle = close(problem, machinery, wanted, course)
-    if cycle.closed or wanted.check or not wanted.fallbacks or _outside_gas_range(problem, cycle):
+    cycle = close(problem, machinery, criteria, course)
+    if cycle.closed or criteria.check or not criteria.fallbacks or _outside_gas_range(problem, cycle):
         return cycle
-    for name, attempt in fallbacks(problem, machinery, wanted, cycle.change):
+    for name, attempt in fallbacks(problem, machinery, criteria, cycle.change):
         better = attempt()
         if better.closed:
             return better if better.needed else replace(better, needed=name)
@@ -175,7 +177,7 @@ def _outside_gas_range(problem: Problem, cycle: CycleSolution) -> bool:
 
 
 def record_in_course(
-    course: Course, of: Evaluation, cycle: CycleSolution, wanted: ClosingCriteria, tightness: float
+    course: Course, of: Evaluation, cycle: CycleSolution, criteria: ClosingCriteria, tightness: float
 ) -> None:
     """Record a closed cycle for the following problems of a course.
 
@@ -184,7 +186,7 @@ def record_in_course(
     """
     curve = speed.curve_at(of.life.composition) if cycle.speed_curve is None else cycle.speed_curve
     made = np.concatenate([of.problem.entries.possible(of.image), curve])
-    course.add(cycle, of.problem.parameters, made, way_of(cycle).share(cycle, wanted), tightness)
+    course.add(cycle, of.problem.parameters, made, way_of(cycle).share(cycle, criteria), tightness)
 
 
 class CostMeter:

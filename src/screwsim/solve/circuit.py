@@ -117,8 +117,8 @@ class SurroundingsSearch:
         """Return a problem's closed cycle, started from a course; None where it does not close."""
         machinery = lease_for(problem)
         watch, asked = CostMeter(machinery), criteria_of(problem, self.course.tightness)
-        wanted = _rough_criteria(asked, self.expected)
-        cycle = close_with_drive(problem, machinery, wanted, close(problem, machinery, wanted, course))
+        criteria = _rough_criteria(asked, self.expected)
+        cycle = close_with_drive(problem, machinery, criteria, close(problem, machinery, criteria, course))
         watch.lap("closing")
         self.counts = watch.counts["closing"] + (0 if self.counts is None else self.counts)
         self.time += watch.times["closing"]
@@ -126,8 +126,8 @@ class SurroundingsSearch:
         of = evaluate(problem, cycle)
         if not cycle.closed:
             return None
-        self.cycle = cycle if wanted is asked else None
-        record_in_course(self.course, of, cycle, wanted, self.course.tightness)
+        self.cycle = cycle if criteria is asked else None
+        record_in_course(self.course, of, cycle, criteria, self.course.tightness)
         return of
 
     def posed(self, problem: Problem, x: Array) -> Problem | None:
@@ -175,16 +175,16 @@ class SurroundingsSearch:
         return None
 
 
-def _rough_criteria(wanted: ClosingCriteria, open_: float) -> ClosingCriteria:
+def _rough_criteria(criteria: ClosingCriteria, open_: float) -> ClosingCriteria:
     """Return the criteria for a cycle whose surroundings will leave the residual `open_`.
 
     Unchanged where that is too small.
     """
     tolerance, bound = ROUGH_TOLERANCE * open_, CONTRACTION * open_
-    if wanted.check or tolerance <= wanted.tolerance:
-        return wanted
-    rtol = min(tolerance * wanted.rtol / wanted.tolerance, max(ROUGHEST_RTOL, wanted.rtol))
-    return replace(wanted, rtol=rtol, tolerance=tolerance, bound=max(bound, wanted.bound), histories_factor=1.0)
+    if criteria.check or tolerance <= criteria.tolerance:
+        return criteria
+    rtol = min(tolerance * criteria.rtol / criteria.tolerance, max(ROUGHEST_RTOL, criteria.rtol))
+    return replace(criteria, rtol=rtol, tolerance=tolerance, bound=max(bound, criteria.bound), histories_factor=1.0)
 
 
 def unknowns_of(problem: Problem) -> Array:
@@ -298,7 +298,9 @@ def solve_with_surroundings(
             break
         x = unknowns_of(accurate.evaluation.problem)
         tightness = min(tightness, accurate.tightness * min(1.0, AIM / size))  # looser balances would mislead
-        record_in_course(search.course, accurate.evaluation, accurate.cycle, accurate.wanted, max(tightness, TIGHTEST))
+        record_in_course(
+            search.course, accurate.evaluation, accurate.cycle, accurate.criteria, max(tightness, TIGHTEST)
+        )
         search.learn(accurate.evaluation, x)
         other = search.posed(accurate.evaluation.problem, x + search.step(x, asked))
         if other is None:

@@ -24,7 +24,7 @@ MOST_SPEEDS = 20  # iterations of a mean speed that follows from the motor's cha
 
 
 def close_with_drive(
-    problem: Problem, machinery: Machinery, wanted: ClosingCriteria, cycle: CycleSolution
+    problem: Problem, machinery: Machinery, criteria: ClosingCriteria, cycle: CycleSolution
 ) -> CycleSolution:
     """Return the cycle, which the machinery holds, closed together with its drive; unchanged where there is no drive.
 
@@ -39,11 +39,11 @@ def close_with_drive(
             motion = part.respond(evaluate(problem, cycle).complete)
         except NoMotion:
             return replace(cycle, status=NOT_CLOSED, change=change)
-        change, curve = set_speed_curve(problem, machinery, motion, wanted.tolerance)
+        change, curve = set_speed_curve(problem, machinery, motion, criteria.tolerance)
         curve = cycle.speed_curve if curve is None else curve
-        if change <= wanted.tolerance:
+        if change <= criteria.tolerance:
             return replace(cycle, speed_curve=curve)
-        cycle = replace(close_again(problem, machinery, wanted, cycle), speed_curve=curve)
+        cycle = replace(close_again(problem, machinery, criteria, cycle), speed_curve=curve)
         if not cycle.closed:
             return cycle
     return replace(cycle, status=NOT_CLOSED, change=change)
@@ -85,7 +85,7 @@ def at_motor_speed(problem: Problem, series: Series) -> Problem:
     for _ in range(MOST_SPEEDS):
         machinery = lease_for(problem)
         cycle = close_with_drive(
-            problem, machinery, problem.wanted, close(problem, machinery, problem.wanted, series.course)
+            problem, machinery, problem.criteria, close(problem, machinery, problem.criteria, series.course)
         )
         leases.give_back(machinery)
         if not cycle.closed:
@@ -97,7 +97,7 @@ def at_motor_speed(problem: Problem, series: Series) -> Problem:
         at = problem.scene.operation
         scene = replace(problem.scene, operation=replace(at, speed=found))
         problem = problem_of(scene, series, stated)
-        if abs(found / at.speed - 1.0) <= 0.1 * problem.wanted.tolerance:
+        if abs(found / at.speed - 1.0) <= 0.1 * problem.criteria.tolerance:
             break
     return problem
 

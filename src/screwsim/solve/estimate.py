@@ -31,7 +31,7 @@ ESTIMATES: dict[str, Estimate] = {TOGETHER: chambers_together, LIVES: finer_live
 
 
 def estimated_errors(
-    of: Evaluation, machinery: Machinery, wanted: ClosingCriteria, cycle: CycleSolution
+    of: Evaluation, machinery: Machinery, criteria: ClosingCriteria, cycle: CycleSolution
 ) -> tuple[Figures, CorrectedState | CycleSolution | None]:
     """Return the estimated relative error of every figure of a closed cycle, which the machinery holds.
 
@@ -40,7 +40,7 @@ def estimated_errors(
     """
     found = of.figures
     reach_station()
-    narrower = replace(wanted, widths=tuple(NARROWER * width for width in wanted.widths))
+    narrower = replace(criteria, widths=tuple(NARROWER * width for width in criteria.widths))
     request = EstimateRequest(of, machinery, narrower, cycle)
     finer = _finer_solutions(request)
     if not finer.figures:

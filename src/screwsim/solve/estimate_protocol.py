@@ -25,7 +25,7 @@ class EstimateRequest(NamedTuple):
 
     of: Evaluation
     machinery: Machinery
-    wanted: ClosingCriteria
+    criteria: ClosingCriteria
     cycle: CycleSolution
 
     @property

@@ -113,8 +113,8 @@ def _correction_suffices(request: EstimateRequest) -> bool:
 
 def _next_life(request: EstimateRequest) -> FinerSolutions:
     """Return the life that follows a closed cycle; NOTHING where it stops."""
-    _, machinery, wanted, cycle = request
-    machinery.composition.P[machinery.composition.widths] = wanted.widths
+    _, machinery, criteria, cycle = request
+    machinery.composition.P[machinery.composition.widths] = criteria.widths
     status, _, _, q = machinery.turn(cycle.y.copy(), FINER * cycle.rtol, 1e-3)
     if status != 0:
         return NO_SOLUTIONS
@@ -127,9 +127,9 @@ class _Lives:
     """Consecutive lives after a closed cycle, with finer steps and the criteria that are asked for."""
 
     def __init__(self, request: EstimateRequest) -> None:
-        self.of, machinery, wanted, cycle = request
+        self.of, machinery, criteria, cycle = request
         self.machinery, self.rtol, self.y = machinery, FINER * cycle.rtol, cycle.y.copy()
-        machinery.composition.P[machinery.composition.widths] = wanted.widths
+        machinery.composition.P[machinery.composition.widths] = criteria.widths
         self.corrections = Corrections(request.problem, machinery, cycle.tangents)
         self.met = self.made = unknowns(request.problem, machinery)
         self.figures: list[Figures] = []
@@ -218,8 +218,10 @@ def chambers_together(request: EstimateRequest) -> FinerSolutions:
     if not request.hidden:
         return NO_SOLUTIONS
     problem, machinery, cycle = request.problem, request.machinery, request.cycle
-    wanted = replace(request.wanted, rtol=FINER * cycle.rtol, tolerance=TOGETHER_FACTOR * request.wanted.tolerance)
-    finer = close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
+    criteria = replace(
+        request.criteria, rtol=FINER * cycle.rtol, tolerance=TOGETHER_FACTOR * request.criteria.tolerance
+    )
+    finer = close_together(problem, machinery, criteria, chambers_at_pitches(machinery))
     if finer.closed:
         return FinerSolutions([evaluate(problem, finer).figures])
     machinery.put(cycle.trajectory)
@@ -236,12 +238,12 @@ def closed_again(request: EstimateRequest) -> FinerSolutions:
     pitches leave of that move is as much as they left of the first guess, which no closing from the cycle itself shows.
     """
     problem, machinery, cycle = request.problem, request.machinery, request.cycle
-    wanted = replace(request.wanted, rtol=FINER * cycle.rtol, tolerance=FINER * request.wanted.tolerance)
+    criteria = replace(request.criteria, rtol=FINER * cycle.rtol, tolerance=FINER * request.criteria.tolerance)
     if cycle.needed:
-        finer = close_again(problem, machinery, wanted, cycle)
+        finer = close_again(problem, machinery, criteria, cycle)
     else:
         start = _with_moved_densities(request) if way_of(cycle).whole and request.filling < BARELY_DELIVERS else cycle
-        finer = way_of(cycle).finer(problem, machinery, wanted, start, MOST_OF_A_TRY)
+        finer = way_of(cycle).finer(problem, machinery, criteria, start, MOST_OF_A_TRY)
     if finer is None or not finer.closed:
         return NO_SOLUTIONS
     return FinerSolutions([evaluate(problem, finer).figures], cycle=finer if finer.needed == FALLBACK_NAME else None)

@@ -43,11 +43,17 @@ def warnings(of: Evaluation, machinery: Machinery, accurate: Accurate) -> Iterat
     if beside is not None:
         machinery.put(beside.trajectory)
         start = Start(beside.y.copy(), Expectation(beside.seen, beside.change))
-        other = relax(problem, machinery, replace(problem.wanted, rtol=FINER * problem.wanted.rtol), start, last=False)
+        other = relax(
+            problem, machinery, replace(problem.criteria, rtol=FINER * problem.criteria.rtol), start, last=False
+        )
         begun = "from the state that the turns of single chambers had reached"
     elif _dry_start_needed(problem, machinery.evaluations_of(accurate.counts)):
         other = relax(
-            problem, machinery, accurate.wanted, Start(install_first_guess(problem, machinery, DRY_FACTOR)), last=False
+            problem,
+            machinery,
+            accurate.criteria,
+            Start(install_first_guess(problem, machinery, DRY_FACTOR)),
+            last=False,
         )
         begun = ""
     else:

@@ -77,7 +77,7 @@ def start_up(scene: Scene, creep: float = CREEP_SPEED, longest: float = LONGEST)
     problem = steady_problem(scene, creep)
     machinery, part = lease_for(problem), problem.parts.shaft
     assert part is not None  # `steady_problem`
-    cycle = drive.close_with_drive(problem, machinery, problem.wanted, close(problem, machinery, problem.wanted))
+    cycle = drive.close_with_drive(problem, machinery, problem.criteria, close(problem, machinery, problem.criteria))
     if cycle.failed:
         return StartUp(FAILED, UNCLOSED)
     of = evaluate(problem, cycle)
@@ -149,7 +149,7 @@ class StartUpRun:
 
     def advance(self) -> StartUpPitch | str:
         """Return the next pitch; a text where the chambers could not be integrated."""
-        tolerance, change = self.problem.wanted.tolerance, math.inf
+        tolerance, change = self.problem.criteria.tolerance, math.inf
         gas, loss, work, end = self.load, 0.0, 0.0, self.chambers
         motion = run_up(self.train, self.steady.no_load_speed, self.drive, self.load, self.creep)
         for _ in range(MOST_TURNS):
@@ -187,7 +187,7 @@ class StartUpRun:
         composition.P[P_OMEGA] = mean
         speed.put(composition.P, at, speed.curve_of(motion.squares / mean**2, motion.slopes / mean**2, pitch))
         y = self.chambers.copy()
-        status, angle, _, q = machinery.pitch(y, problem.wanted.rtol, STEP, END_MARGIN)
+        status, angle, _, q = machinery.pitch(y, problem.criteria.rtol, STEP, END_MARGIN)
         if status != 0 or not np.isfinite(y).all():
             return f"the chambers could not be integrated beyond {math.degrees(angle):.2f} deg of a pitch"
         machinery.install_coupled()

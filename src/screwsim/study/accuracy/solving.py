@@ -116,7 +116,7 @@ def solve(scene: Scene, how: Method, limit: float = math.inf, machinery: Machine
     loose = ClosingCriteria(
         0.3 * START_ACCURACY, 0.2 * START_ACCURACY, START_ACCURACY, "auto", tuple((START_ACCURACY * pressures).tolist())
     )
-    problem = replace(problem, composition=composition, wanted=wanted)
+    problem = replace(problem, composition=composition, criteria=wanted)
     lent = machinery is None
     machinery = machinery or leases.lease(composition)
     machinery.begin(composition)
