@@ -34,7 +34,7 @@ def test_an_error_that_is_not_met_is_told_with_exit_code_4(command, folder):
     over = "operation.discharge.pressure=3 bar..25 bar"
     wanted = ("--error", "0.00031", "--most-cases", "5", "--jobs", "1", "--sources-only")
     answer = command("export", "fmu", "small.yaml", "-o", "x.fmu", "--over", over, *wanted)
-    assert answer.code == 4 and "is above the 0.00031 asked for" in answer.err
+    assert answer.code == 4 and "is above the 0.00031 requested" in answer.err
     assert Path("x.fmu").exists()
 
 

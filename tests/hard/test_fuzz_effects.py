@@ -91,9 +91,9 @@ def test_turns_stood_beside_a_cycle_that_is_farther_away_than_they_would_have_go
         scene=SimpleNamespace(numerics=SimpleNamespace(accuracy=3e-4)), parts=SimpleNamespace(shaft=None), pv=1.0
     )
     left = SimpleNamespace(change=change, seen=(mass, 2.0))
-    cycle = SimpleNamespace(left_at=left, seen=(1.0, 2.0))
+    cycle = SimpleNamespace(abandoned_cycle=left, seen=(1.0, 2.0))
     assert second_cycle.nearly_closed_apart(problem, cycle) is (left if asked else None)
-    assert second_cycle.nearly_closed_apart(problem, SimpleNamespace(left_at=None)) is None
+    assert second_cycle.nearly_closed_apart(problem, SimpleNamespace(abandoned_cycle=None)) is None
 
 
 LEAKS_ALONE = {  # structure, seed, number: machines that deliver nothing, and what they were off by

@@ -42,7 +42,7 @@ def test_limits_that_are_times_hold(limit, tmp_path):
 
 @pytest.mark.parametrize("jobs", [0, -1])
 def test_no_workers_are_refused(jobs, tmp_path):
-    with pytest.raises(UsageError, match=f"jobs: {jobs} is no number of workers"):
+    with pytest.raises(UsageError, match=f"jobs: {jobs} is not a number of workers"):
         run_sweep(grid_scene(), tmp_path / "out.h5", jobs=jobs, simulate=forbidden)
 
 

@@ -200,7 +200,7 @@ def test_results_of_another_version_are_refused_until_a_restart(reference, tmp_p
     output = tmp_path / "out.h5"
     output.write_bytes(reference.read_bytes())
     monkeypatch.setattr("screwsim.__version__", "99")
-    with pytest.raises(UsageError, match=r"of screwsim .* \(--restart computes them again\)"):
+    with pytest.raises(UsageError, match=r"from screwsim .* \(--restart computes them again\)"):
         run_sweep(grid_scene(), output, jobs=1, simulate=forbidden)
     assert run_sweep(grid_scene(), output, jobs=1, restart=True, simulate=fake_simulate).reused == 0
 
