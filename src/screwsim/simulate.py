@@ -106,7 +106,7 @@ def _result(scene: Scene, trace: Trace, series: Series | None) -> Result:
             series.course.forget()
         text = " ".join(f"{type(error).__name__}: {error}".split())
         what = "ends the program" if isinstance(error, SystemExit) else "fails"
-        return Result(FAILED, f"{own[name]}: {what} ({text}); mend that module", effects=tuple(scene.effects))
+        return Result(FAILED, f"{own[name]}: {what} ({text}); fix that module", effects=tuple(scene.effects))
 
 
 _tried: dict[tuple[str, ...], list[Any]] = {}  # machines and effects already tried; their own modules
@@ -123,7 +123,7 @@ def _tried_in_child(scene: Scene) -> None:
         what = f"a process that built, compiled and ran them died {how}"
         which = "the effects" if scene.machine.kind not in scene.own else "what is"
         where = ", ".join(scene.own.values())
-        raise UsageError(f"{where}: {what}; mend the module (they are {which} of your own here)")
+        raise UsageError(f"{where}: {what}; fix the module (they are {which} of your own here)")
     _tried[names] = modules
 
 

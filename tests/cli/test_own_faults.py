@@ -89,7 +89,7 @@ def test_what_is_wrong_in_it_on_import_is_a_fault_of_the_scene(wrong, own, comma
     name = own(on_import=text)
     answer = command("run", "ended.yaml")
     assert (answer.code, answer.out) == (3, "")
-    assert f": effects.{name}: fails on import {told}; mend that module" in answer.err
+    assert f": effects.{name}: fails on import {told}; fix that module" in answer.err
 
 
 def test_a_death_on_import_is_a_fault_of_the_scene(own, folder, python):
@@ -142,7 +142,7 @@ def test_a_death_of_the_process_is_told_with_the_effects_of_ones_own(verb, place
     answer = apart.ended(apart.command, verb, "ends.yaml" if verb == "sweep" else "ended.yaml", "-o", "out.h5")
     assert (answer.code, answer.out) == (2, "")
     [line] = answer.err.splitlines()
-    assert line.startswith(f"effects.{name}: a process that built, compiled and ran them died {how}; mend the module")
+    assert line.startswith(f"effects.{name}: a process that built, compiled and ran them died {how}; fix the module")
     assert not Path("out.h5").exists()
 
 

@@ -107,7 +107,7 @@ def test_coupling_is_as_stated():
         cells = f"| {math.degrees(theta):.3f}° | {1e-3 * each.stiffness(theta):.1f} kN m/rad | {100 * eps:.2f} %"
         assert f"{cells} | {force:.2f} N | {math.degrees(far):.3f}° |" in COUPLING
     every = module.read_leans()["all"]
-    bands = [module.band(module.COUPLING, math.radians(x), every.low, every.high) for x in (1.0, 1.5)]
+    bands = [module.torque_band(module.COUPLING, math.radians(x), every.low, every.high) for x in (1.0, 1.5)]
     for found in bands:
         for value in (found.least, found.largest):
             assert f"{value:,.0f}".replace(",", " ") in COUPLING

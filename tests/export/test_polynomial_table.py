@@ -129,7 +129,7 @@ def test_open_nodes_stay_flagged(polynomials):
 
 
 def test_without_both_temperatures_it_says_what_is_missing(table, tmp_path, capsys):
-    said = r"no operation\.evaporating_temperature and no operation\.condensing"
+    said = r"need operation\.evaporating_temperature and operation\.condensing"
     with pytest.raises(UsageError, match=said):
         polynomial_table(table)
     scene = str(Path(R134A).parents[1] / "paper" / "point.yaml")

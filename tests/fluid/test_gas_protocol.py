@@ -227,7 +227,7 @@ def test_a_gas_that_lacks_a_part_of_the_protocol_is_refused_by_its_name(tmp_path
     text = "from screwsim.fluid.models import GasModel\nGAS = GasModel(lambda asked: object())\n"
     (tmp_path / "poor_gas" / "it.py").write_text(text, encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
-    with pytest.raises(UsageError, match=r"gas.model: poor_gas.it: .*its gas has no equations, varies.*mend that"):
+    with pytest.raises(UsageError, match=r"gas.model: poor_gas.it: .*its gas has no equations, varies.*fix that"):
         simulate(scene_of("poor_gas.it"))
 
 

@@ -392,7 +392,7 @@ def test_a_reservoir_of_saturated_liquid_or_vapour_flows_as_one_phase():
 
 def test_a_reservoir_of_liquid_refuses_what_is_wet():
     gas = RealGas("R134a")
-    with pytest.raises(UsageError, match="no liquid"):
+    with pytest.raises(UsageError, match="not a liquid"):
         gas.liquid(5e5, 300e3)
 
 

@@ -101,7 +101,7 @@ def test_a_motor_that_is_too_small_is_told_or_does_not_turn(rated, status, words
 
 def test_oil_on_which_a_real_gas_condenses_is_told_at_the_front():
     scene = load(PLAIN, overrides=("oil_supply.temperature=300 K",))
-    words = "R134a condenses on it at the discharge pressure, 11.6 bar, below 45 degC (warmer oil)"
+    words = "R134a condenses on it at the discharge pressure, 11.6 bar, below 45 degC (use warmer oil)"
     assert any(words in each and each.startswith("oil_supply.temperature: ") for each in scene_warnings(scene))
     assert not scene_warnings(load(PLAIN))
     dry = load(PLAIN, ("oil_supply.temperature=300 K",), without=("oil_heat",))

@@ -86,7 +86,7 @@ def test_explain_names_plenum_and_equations():
     ("changes", "words"),
     [
         ({**SOLUBLE, "effects.oil_injection": DROP}, "needs effects.oil_injection"),
-        ({**SOLUBLE, "gas.fluid": "R1234yf"}, "knows R134a in POE oil only"),
+        ({**SOLUBLE, "gas.fluid": "R1234yf"}, "covers R134a in POE oil only"),
         (
             {**SOLUBLE, "effects.refrigerant_solubility.separator_temperature": "310 K"},
             "at 36.85 degC the gas condenses in the separator, at 12 bar",

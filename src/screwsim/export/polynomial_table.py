@@ -49,7 +49,7 @@ def check_inputs(inputs: Sequence[Input]) -> None:
     paths = [one.path for one in inputs]
     missing = [path for path in (EVAPORATING, CONDENSING) if path not in paths]
     if missing:
-        absent = " and no ".join(missing)
+        absent = " and ".join(missing)
         raise UsageError(
             f"no polynomials: they need {absent}, over which the map does not run (name ranges with --over)"
         )

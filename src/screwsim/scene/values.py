@@ -112,7 +112,7 @@ def imported(name: str, look: Callable[[], Any]) -> Any:
     except KeyError as error:
         if "." not in name:  # no such name in the package
             raise
-        raise Refused(f"fails on import (KeyError: {error}); mend that module") from None
+        raise Refused(f"fails on import (KeyError: {error}); fix that module") from None
     except ModuleNotFoundError as error:
         raise Refused(f"cannot be imported ({error}); tried PYTHONPATH and the working folder (is it there?)") from None
     except ImportError as error:
