@@ -89,7 +89,9 @@ def test_what_comes_after_the_output_is_done_though_nobody_reads_it():
     os.close(reading)
     text = "import sys\nfrom screwsim import cli\n"
     text += "def report(*_):\n    for _ in range(9): print('x' * 9999, flush=True)\n"
-    text += "    print('done', file=sys.stderr)\n    raise cli.UsageError('a fault')\ncli.points.loaded_scene = report\n"
+    text += (
+        "    print('done', file=sys.stderr)\n    raise cli.UsageError('a fault')\ncli.points.loaded_scene = report\n"
+    )
     command = [sys.executable, "-c", text + "import sys; sys.argv = ['screwsim', 'explain', 'x']; cli.main()"]
     try:
         found = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, text=True)

@@ -84,7 +84,7 @@ def test_a_curve_is_read_in_radians(tmp_path):
         ("angle,area\n0,0\n1,1\n2,0\n", "needs the columns angle_deg and area_m2"),
         ("", "needs the columns"),
         ("angle_deg,area_m2\n0,0\n1,x\n2,0\n", "line 3: '1', 'x' are not two numbers"),
-        ("angle_deg,area_m2\n0,0\n1\n2,0\n", "line 3: has 1 cell, the first line 2"),
+        ("angle_deg,area_m2\n0,0\n1\n2,0\n", "line 3: has 1 cell, but the first line has 2"),
         ("angle_deg,area_m2\n0,0\n1,-1\n2,0\n", "not negative"),
         ("angle_deg,area_m2\n0,0\n1,nan\n2,0\n", "finite"),
         ("angle_deg,area_m2\n0,0\n2,1\n1,0\n", "angles must increase"),

@@ -156,7 +156,10 @@ def way_of(cycle: CycleSolution) -> Way:
 
 
 def close_by_ways(problem: Problem, machinery: Machinery, criteria: ClosingCriteria, start: Start) -> CycleSolution:
-    """Close the cycle by the ways of its setting in turn; an unclosed attempt before the last way is kept as `abandoned_cycle`."""
+    """Close the cycle by the ways of its setting in turn.
+
+    An unclosed attempt before the last way is kept as `abandoned_cycle`.
+    """
     *first, last = (WAYS[name] for name in CLOSINGS[criteria.closing].ways)
     left = None
     for way in first:
