@@ -198,13 +198,13 @@ def test_all_inputs_of_a_point_are_derived_at_once_and_it_is_solved_once(monkeyp
     point = Point("here", {}, {"shaft_power": Measurement(12e3, 60.0), "gas_mass_flow": Measurement(0.17, 1e-3)})
     result, groups, calls = screwsim.simulate(scene), groups_of(scene), []
     alone = [residual_shifts(scene, point, [group])[0] for group in groups]
-    for name in ("found", "simulate"):
+    for name in ("scene_derivatives", "simulate"):
         own = getattr(local, name)
         monkeypatch.setattr(
             local, name, lambda *of, _own=own, _name=name, **more: calls.append(_name) or _own(*of, **more)
         )
     together = residual_shifts(scene, point, groups, result)
-    assert calls == ["found"]
+    assert calls == ["scene_derivatives"]
     assert len(groups) > 2 and np.array_equal(np.array(together), np.array(alone))
     assert residual_shifts(scene, point, ()) == []
 

@@ -77,7 +77,7 @@ def test_failed_cycles_are_counted_with_their_message():
 @pytest.mark.parametrize(
     ("text", "count", "message"),
     [
-        (TEXT, 1, "too few"),
+        (TEXT, 1, "too small for a spread"),
         (
             "machine: {rotor_diameter: 160 mm, rotor_length: 176 mm, volume: {max: 600 cm^3, phi_A: 60 deg}}\n"
             + TEXT.partition("\n")[2],
