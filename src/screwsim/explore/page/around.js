@@ -51,9 +51,8 @@ function askSweep() {
 function askColours() {
   clearColours();
   hideHalves();
-  const each = (performance.now() - sweep.begun) / sweep.x.length;
   around = { id: 0, entries: [], values: [], left: 0 };
-  if (!document.getElementById("coloured").value || each > SLOW) return;
+  if (!document.getElementById("coloured").value || !(sweep.pace <= SLOW)) return; // no pace yet: at the sweep's end
   const entries = liveNumbers().filter(({ control }) => control.kind === "number");
   if (data.slopes) around = { id: askSlopes(), entries, values: [], left: 1 };
   else askDifferences(entries);
@@ -93,7 +92,10 @@ function receivePoint(head) {
   if (head.lane === "curve" && head.id === sweep.id) {
     sweep.all[head.index] = head.status === "ok" ? head.performance : {};
     later("sweep", 30, drawSweep);
-    if (head.index === sweep.x.length - 1) askColours();
+    if (head.index === sweep.x.length - 1) {
+      sweep.pace = (performance.now() - sweep.begun) / sweep.x.length;
+      askColours();
+    }
   } else if (head.lane === "around" && head.id === around.id) {
     around.values[head.index] = head.status === "ok" ? head.performance : null;
     around.left -= 1;
