@@ -174,7 +174,6 @@ def _solved(
     reach_station()
     accurate, balance, book = _closed_in_entropy(problem, machinery, accurate, trace)
     reach_station()
-    reach_station()
     if course is not None:
         record_in_course(course, accurate.evaluation, accurate.cycle, accurate.criteria, accurate.tightness)
     cycle, of, errors, numerics = accurate.cycle, accurate.evaluation, accurate.errors, _numerics(machinery, accurate)
