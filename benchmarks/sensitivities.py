@@ -47,8 +47,8 @@ class Counted:
 
     def __init__(self) -> None:
         self.times, self.rates, self.jacobians, self.slices = dict.fromkeys(PARTS, 0.0), 0, 0, 0
-        for part, (owner, name) in PARTS.items():
-            setattr(owner, name, self._timed(part, getattr(owner, name)))
+        for part, (owner, work) in PARTS.items():
+            setattr(owner, work.__name__, self._timed(part, work))
         rates, lanes, slopes = CollocatedPitch.rates, lane_rates._in_lanes, CollocatedPitch._slopes
 
         def counted(pitch: CollocatedPitch, Y: Any, edges: Any = None) -> Any:
@@ -86,12 +86,12 @@ class Counted:
         return timed
 
 
-PARTS = {  # by their names here
-    "cycle": (solving, "collocated"),
-    "composed": (Directions, "of"),
-    "moved": (solving, "responses"),
-    "placed": (solving, "placed"),
-    "read": (solving, "_read"),
+PARTS = {  # by their names here: whose they are, and which function
+    "cycle": (solving, solving.collocated),
+    "composed": (Directions, Directions.of),
+    "moved": (solving, solving.responses),
+    "shifted": (solving, solving.shifted_evaluation),
+    "read": (solving, solving._readings_of),
 }
 
 
@@ -113,7 +113,7 @@ def told(scene: Scene, runs: int, counted: Counted, fineness: Fineness) -> str:
     # `scene_derivatives` also closes the cycle of the point itself, which the ratio includes
     ratio = statistics.median(after / before for before, after in pairs)
     point, told = statistics.median(points), simulate(scene, trace=False).numerics
-    parts = counted.times | {"read": counted.times["placed"] + counted.times["read"]}
+    parts = counted.times | {"read": counted.times["shifted"] + counted.times["read"]}
     parts = "".join(f" {parts[name] / runs / point:9.1f}" for name in SHOWN)
     of_point = f"{told['rhs_evaluations']} rates, {told['jacobians']} Jacobians"
     of_all = f"{counted.rates // runs} rates, {counted.jacobians // runs} Jacobians, {counted.slices} slices"
