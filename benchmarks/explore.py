@@ -29,6 +29,7 @@ from screwsim.simulate import simulate
 
 SCENE = Path(__file__).parents[1] / "configs" / "paper" / "point.yaml"
 CHANGES, BETWEEN = 60, 0.1  # changes of the slider, and seconds between two: about as fast as a hand presses
+PATIENCE = 120.0  # [s] for all answers: a server that has ended gives none
 SPEEDS, RATIOS = range(800, 1600, 50), (0.5, 1.0, 2.0, 3.0)
 SWITCHED = "blow_hole"
 
@@ -47,6 +48,15 @@ def served(scene: str) -> Iterator[tuple[str, int]]:
             process.terminate()
 
 
+def wait_until(page: Any, holds: str) -> None:
+    """Wait until an expression of the page is true."""
+    end = time.monotonic() + PATIENCE
+    while not page.evaluate(holds):
+        if time.monotonic() > end:
+            raise SystemExit(f"the page waits in vain: {holds}")
+        time.sleep(0.1)
+
+
 def follow(host: str) -> str:
     """Return in words how quickly a page follows its slider."""
     from playwright.sync_api import sync_playwright
@@ -57,16 +67,14 @@ def follow(host: str) -> str:
     with sync_playwright() as playwright:
         page = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"]).new_page(reduced_motion="reduce")
         page.goto(f"http://{host}/")
-        while not page.evaluate("shown !== null && around.left === 0"):
-            time.sleep(0.1)
+        wait_until(page, "shown !== null && around.left === 0")
         page.focus("input[type=range][data-path='operation.speed']")
         page.evaluate("log.ms = []")
         before = page.evaluate("log")
         for _ in range(CHANGES):
             page.keyboard.press("ArrowRight")
             time.sleep(BETWEEN)
-        while page.evaluate("sent.size"):
-            time.sleep(0.1)
+        wait_until(page, "sent.size === 0")
         after, ms = page.evaluate("log"), page.evaluate("log.ms")
     answered, overtaken = (after[name] - before[name] for name in ("answered", "overtaken"))
     order = "in order" if after["order"] else "OUT OF ORDER"
