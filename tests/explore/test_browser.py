@@ -305,6 +305,25 @@ def test_a_line_that_is_cut_is_opened_again(browser):
         page.close()
 
 
+def test_the_small_sweep_comes_however_late_the_line_opens(browser, server):
+    late = """
+        const Line = WebSocket;
+        window.WebSocket = class extends Line {
+            addEventListener(name, act) {
+                const open = (event) => setTimeout(() => { this.opened = true; act(event); }, 1500);
+                super.addEventListener(name, name === "open" ? open : act);
+            }
+            get readyState() { return this.opened ? super.readyState : Line.CONNECTING; }
+        };
+    """
+    with browser.new_context(reduced_motion="reduce") as context:
+        context.add_init_script(late)
+        seen = Seen(context.new_page())
+        seen.page.goto(server.url)
+        seen.until("sweep.pace > 0")
+        assert seen.complaints == []
+
+
 def test_the_small_sweep_is_drawn_through_the_point(seen):
     seen.page.select_option("#over", "operation.suction.temperature")
     seen.until("sweep.all.every((each) => 'isothermal_efficiency' in each)")

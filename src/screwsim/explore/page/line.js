@@ -6,6 +6,7 @@ let number = 0;
 let sent = new Map(); // number -> [when the change was made [ms], the settings]
 let lineId = 0;
 let machineKey = "";
+let undrawn = 0; // answers that the next frame draws
 const log = { sent: 0, answered: 0, order: true, ms: [], overtaken: 0 }; // for whoever wants to know how fast it is
 
 function openLine() {
@@ -82,7 +83,9 @@ function receiveAnswer(head, floats) {
   answer.settings = asked;
   if (head.machine_key) machineKey = head.machine_key;
   busy("");
+  undrawn += 1;
   requestAnimationFrame(() => {
+    undrawn -= 1;
     take(answer);
     if (begun) {
       log.ms.push(performance.now() - begun);

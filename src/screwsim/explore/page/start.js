@@ -57,7 +57,7 @@ function changed() {
 }
 
 function rest() {
-  if (sent.size) { // not all is answered
+  if (!isOpen() || sent.size || undrawn) { // the line is not open yet, or not all is answered and drawn
     rests = setTimeout(rest, RESTS);
     return;
   }
