@@ -25,6 +25,7 @@ from screwsim.simulate import simulate
 from screwsim.solve import accurately, finer_solutions
 from screwsim.solve.estimate import ESTIMATES, estimated_errors
 from screwsim.solve.estimate_protocol import BARELY_DELIVERS, NO_SOLUTIONS
+from screwsim.solve.swings import swing_errors
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 ACCURACY = 3e-4  # the default
@@ -262,6 +263,16 @@ def test_a_swing_errs_by_no_less_than_its_curves_amplitudes_make_of_it():
     error = simulate(scene, trace=False).error
     amplitudes = [error[f"gas_torque_harmonic_{k}"] for k in range(1, 5)]
     assert 0.0 < math.sqrt(2.0 * sum(each**2 for each in amplitudes)) <= error["gas_torque_peak_to_peak"]
+
+
+def test_a_swing_errs_by_the_phases_of_its_curves_harmonics_as_well():
+    """Two curves have the same amplitudes and the same lowest and highest values: one is the other, run backwards."""
+    angle = np.linspace(0.0, 2.0 * math.pi, 720, endpoint=False)
+    one, other = (np.cos(angle) + 0.1 * np.cos(2.0 * angle + phase) for phase in (0.3, -0.3))
+    figures = Figures(gas_torque_peak_to_peak=float(np.ptp(one)))
+    assert np.ptp(one) == pytest.approx(np.ptp(other)) and np.abs(np.fft.rfft(one - other)[1]) < 1e-9
+    (size,) = swing_errors(figures, {"gas_torque_peak_to_peak": one}, {"gas_torque_peak_to_peak": other}).values()
+    assert size == pytest.approx(0.2 * math.sin(0.3) / np.ptp(one))  # amplitude of the difference: 0.2 sin 0.3
 
 
 @pytest.mark.parametrize("name", ["specific_power", "cop", "cooling_capacity", "heating_cop", "economizer_flow_ratio"])

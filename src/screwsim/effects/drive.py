@@ -34,13 +34,20 @@ SWING = "coupling_torque_amplitude", "twist_amplitude"  # the coupling's loss is
 FIGURES = (
     Figure("mean_speed", "rad s-1", "mean speed of the rotors, over time"),
     Figure("no_load_speed", "rad s-1", "speed at which the motor's torque vanishes"),
-    Figure("speed_ripple", "1", "largest minus smallest speed of the rotors, over the mean"),
-    Figure("motor_speed_ripple", "1", "largest minus smallest speed of the motor, over the mean"),
+    Figure("speed_ripple", "1", "largest minus smallest speed of the rotors, over the mean", swing_of="speed"),
+    Figure(
+        "motor_speed_ripple", "1", "largest minus smallest speed of the motor, over the mean", swing_of="motor_speed"
+    ),
     Figure("coupling_torque_mean", "N m", "mean torque of the coupling over the rotors' angle"),
-    Figure("coupling_torque_amplitude", "N m", "half of the coupling torque's range, from lowest to highest"),
+    Figure(
+        "coupling_torque_amplitude",
+        "N m",
+        "half of the coupling torque's range, from lowest to highest",
+        swing_of="coupling_torque",
+    ),
     Figure("coupling_torque_peak", "N m", "largest magnitude of the coupling torque"),
     Figure("twist_mean", "rad", "mean twist of the coupling over the rotors' angle"),
-    Figure("twist_amplitude", "rad", "half of the twist's range, from lowest to highest"),
+    Figure("twist_amplitude", "rad", "half of the twist's range, from lowest to highest", swing_of="twist"),
     Figure("torsional_frequency", "Hz", "first torsional frequency of small motions about the mean twist, undamped"),
     Figure("resonance_speed", "rad s-1", "speed at which the lobe frequency equals the torsional frequency"),
     power_figure("motor_power", "mean power from the motor to the coupling"),

@@ -34,7 +34,7 @@ FIGURES = (
         "mean torque of the gas on the male rotor's shaft, that of the female rotor included",
         SWING,
     ),
-    Figure("gas_torque_peak_to_peak", "N m", OF_SWING, SWING, curve=HARMONICS),
+    Figure("gas_torque_peak_to_peak", "N m", OF_SWING, SWING, swing_of="gas_torque"),
     *(
         Figure(name, "N m", f"amplitude of the gas torque at {which} lobe frequency", SWING)
         for name, which in zip(HARMONICS, WHICH, strict=True)

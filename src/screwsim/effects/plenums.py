@@ -60,7 +60,7 @@ def _declared(to: str) -> Iterator[Figure]:
     line, needs, what = over(f"{to}_pressure", alone=True), (f".{to}_volume",), f"in the {to} plenum"
     yield Figure(f"{to}_plenum_pressure", "Pa", f"mean pressure {what}", needs=needs)
     swing = f"pressure {what}, highest minus lowest value"
-    yield Figure(f"{to}_pulsation_peak_to_peak", "Pa", swing, line, needs)
+    yield Figure(f"{to}_pulsation_peak_to_peak", "Pa", swing, line, needs, swing_of=f"{to}_plenum_pressure")
     for k, which in enumerate(WHICH, 1):
         amplitude = f"amplitude of the pressure {what} at {which} lobe frequency"
         yield Figure(f"{to}_pulsation_harmonic_{k}", "Pa", amplitude, line, needs)

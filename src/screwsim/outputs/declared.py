@@ -59,8 +59,10 @@ class Figure:
     effect that declares the figure, 'key: word' requires that value, and ' and ' joins several. The figure's error
     follows that of the net gas flow (`by_flow`), of the injected oil (`by_oil`), of the flow through the port of its
     effect's plenum (`by_port`), or of the gas that the oil holds dissolved (`by_held`), whose closing error counts over
-    the gas that flashes. `curve` names the amplitudes of its curve: its error is at least that which follows from
-    theirs. `shown` is the unit in which people write it (`engineering.SCALES`), if not the usual one of its SI unit.
+    the gas that flashes. `curve` names the swings of its curve, with whose square it goes: its error is at least
+    twice theirs. `swing_of` names the trace to whose swing it is proportional: its error is at least that of
+    reading the trace at two angles. `shown` is the unit in which people write it (`engineering.SCALES`), if not the
+    usual one of its SI unit.
     """
 
     name: str
@@ -73,6 +75,7 @@ class Figure:
     by_port: bool = False
     by_held: bool = False
     curve: tuple[str, ...] = ()
+    swing_of: str = ""
     shown: str = ""
 
 

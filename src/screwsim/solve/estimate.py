@@ -6,7 +6,6 @@ correction to the limit of all that follow; or the cycle closed again, finer. A 
 `solve.estimate_protocol.Estimate` says, an entry in `ESTIMATES`, and one in `numerics.error_options`.
 """
 
-import math
 from dataclasses import replace
 
 from screwsim.cycle.solution import ClosingCriteria, CorrectedState, CycleSolution
@@ -20,6 +19,7 @@ from screwsim.outputs import Figures
 from screwsim.solve.estimate_protocol import NARROWER, NO_SOLUTIONS, Estimate, EstimateRequest, FinerSolutions
 from screwsim.solve.finer_solutions import chambers_together, changes, closed_again, finer_lives, repeated_share
 from screwsim.solve.open_balances import open_balance_errors
+from screwsim.solve.swings import Curves, curves_of, swing_errors
 
 WHOLE = 1.0 / (1.0 - NARROWER**0.5)  # error over the change, where the error is the regularisation's, going as ε^½
 LEAKY_BELOW = 0.5  # volumetric efficiency below which an error of waveform relaxation persists for many turns
@@ -38,7 +38,7 @@ def estimated_errors(
     The second value is where finer lives have led, if the machinery now stands there, or the finer cycle that a
     search closed; otherwise None.
     """
-    found = of.figures
+    found, curves = of.figures, curves_of(of)
     reach_station()
     narrower = replace(criteria, widths=tuple(NARROWER * width for width in criteria.widths))
     request = EstimateRequest(of, machinery, narrower, cycle)
@@ -46,7 +46,7 @@ def estimated_errors(
     if not finer.figures:
         return Figures(dict.fromkeys(found)), None
     reach_station()
-    errors = _errors_shown(of, finer)
+    errors = _errors_shown(of, finer, curves)
     c = of.problem.composition
     told = c.chambers == 1 or way_of(cycle).whole or finer.left is not None  # feedback through other chambers seen
     among_leaks = not told and request.filling < LEAKY_BELOW  # leaks dominate: errors pass from turn to turn
@@ -61,21 +61,15 @@ def estimated_errors(
     for each in (*lost_now, *open_balance_errors(of, cycle)):
         for name, size in each.items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)
-    of_curves(found, errors)
+    of_squares(found, errors)
     return errors, finer.corrected_state or finer.cycle
 
 
-def of_curves(found: Figures, errors: Figures) -> None:
-    """Raise errors of readings between two angles of a curve to what the errors of its amplitudes imply.
-
-    Two curves may agree at two angles by chance. An amplitude's error is one of two components of a harmonic's
-    error, the other being in phase: at two angles, with arbitrary phases, the curves differ by the root of twice
-    the sum of squares.
-    """
+def of_squares(found: Figures, errors: Figures) -> None:
+    """Raise the errors of figures that go with the square of swings to twice the largest error of these."""
     for name, about in found.about.items():
         if about.curve and errors.get(name) is not None:
-            of_curve = math.sqrt(2.0 * sum((errors[each] or 0.0) ** 2 for each in about.curve))
-            errors[name] = max(errors[name] or 0.0, of_curve)
+            errors[name] = max(errors[name] or 0.0, *(2.0 * (errors[each] or 0.0) for each in about.curve))
 
 
 def _finer_solutions(request: EstimateRequest) -> FinerSolutions:
@@ -92,23 +86,33 @@ def _finer_solutions(request: EstimateRequest) -> FinerSolutions:
     return found._replace(corrected_state=None)
 
 
-def _errors_shown(of: Evaluation, finer: FinerSolutions) -> Figures:
+def _errors_shown(of: Evaluation, finer: FinerSolutions, curves: Curves) -> Figures:
     """Return the error of each figure as finer solutions show it: their largest change, plus those of further lives.
 
-    Two lives may agree with the closed one by chance, each in another figure, so the largest change counts. Later
-    lives continue the last one's change as a geometric series with the ratio of the last two changes. A corrected
-    life is at the limit of all lives, up to what its correction left; earlier lives are only on the way there.
+    Two lives may agree with the closed one by chance, each in another figure, so the largest change counts; a swing
+    changes by no less than its curve among `curves` does. Later lives continue the last one's change as a geometric
+    series with the ratio of the last two changes. A corrected life is at the limit of all lives, up to what its
+    correction left; earlier lives are only on the way there.
     """
-    found, least, lives, left = of.figures, of.least, finer.figures, finer.left
-    errors = relative_errors(found, lives[-1], *least)
-    for each in lives[:-1] if left is None else ():
-        for name, size in relative_errors(found, each, *least).items():
+    lives, left = finer.figures, finer.left
+    solutions = [*zip([of.figures, *lives], [curves, *(finer.curves or [{}] * len(lives))], strict=True)]
+    errors = _distances(of, solutions[0], solutions[-1])
+    for each in solutions[1:-1] if left is None else ():
+        for name, size in _distances(of, solutions[0], each).items():
             if size is not None and errors[name] is not None:
                 errors[name] = max(errors[name], size)
     if len(lives) > 1:
-        steps = changes(of, lives)
-        again = min(repeated_share(steps) if left is None else left, LARGEST_RATIO)
-        for name, size in steps[-1].items():
+        again = min(repeated_share(changes(of, lives)) if left is None else left, LARGEST_RATIO)
+        for name, size in _distances(of, *solutions[-2:]).items():
             if size is not None and errors[name] is not None:
                 errors[name] += size * again / (1.0 - again)
     return errors
+
+
+def _distances(of: Evaluation, found: tuple[Figures, Curves], better: tuple[Figures, Curves]) -> Figures:
+    """Return the relative errors of the figures beside better ones; those of swings are no less than their curves'."""
+    sizes = relative_errors(found[0], better[0], *of.least)
+    for name, size in swing_errors(*found, better[1]).items():
+        if sizes.get(name) is not None:
+            sizes[name] = max(sizes[name], size)
+    return sizes

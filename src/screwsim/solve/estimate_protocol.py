@@ -14,6 +14,7 @@ from screwsim.cycle.ways import way_of
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.model.run import Machinery
 from screwsim.outputs import Figures
+from screwsim.solve.swings import Curves
 
 FINER = 0.25  # factor on the tolerance of a step in a life that estimates errors
 NARROWER = 0.25  # factor on the regularisation in such a life
@@ -62,7 +63,8 @@ class FinerSolutions(NamedTuple):
 
     `left` is the share of the first one's change that Newton's correction left to the second. The last entry may be
     read from a correction instead of a life: `flow` is then its change of the net flow, `corrected_state` where the
-    machinery stands. `cycle` is the finer cycle that a search closed, which the machinery then holds.
+    machinery stands. `cycle` is the finer cycle that a search closed, which the machinery then holds. `curves` are
+    those of each solution whose swings are figures.
     """
 
     figures: Sequence[Figures]
@@ -71,6 +73,7 @@ class FinerSolutions(NamedTuple):
     flow: float = 0.0
     corrected_state: CorrectedState | None = None
     cycle: CycleSolution | None = None
+    curves: Sequence[Curves] = ()
 
 
 NO_SOLUTIONS = FinerSolutions((), enough=False)

@@ -27,6 +27,7 @@ from screwsim.model.slices import INSIDE
 from screwsim.model.turn_scheduler import reach_station
 from screwsim.outputs import Figures
 from screwsim.solve.estimate_protocol import BARELY_DELIVERS, FINER, NO_SOLUTIONS, EstimateRequest, FinerSolutions
+from screwsim.solve.swings import Curves, curves_of
 
 TWO_LIVES_BELOW = 1e-4  # wanted accuracy up to which two lives estimate
 LEAKAGE_DOMINATES = 0.75  # volumetric efficiency below which leaks dominate, and two lives estimate
@@ -63,7 +64,7 @@ def finer_lives(request: EstimateRequest) -> FinerSolutions:
         corrected = lives.next()
         if not corrected:
             return NO_SOLUTIONS
-    return lives.read(FinerSolutions(lives.figures, left=lives.left() if corrected else None))
+    return lives.read(FinerSolutions(lives.figures, left=lives.left() if corrected else None, curves=lives.curves))
 
 
 def changes(of: Evaluation, finer: Sequence[Figures]) -> list[Figures]:
@@ -120,7 +121,8 @@ def _next_life(request: EstimateRequest) -> FinerSolutions:
         return NO_SOLUTIONS
     machinery.swap()
     reach_station()
-    return FinerSolutions([Evaluation(request.problem, machinery.trajectory, q).figures])
+    life = Evaluation(request.problem, machinery.trajectory, q)
+    return FinerSolutions([life.figures], curves=[curves_of(life)])
 
 
 class _Lives:
@@ -133,6 +135,7 @@ class _Lives:
         self.corrections = Corrections(request.problem, machinery, cycle.tangents)
         self.met = self.made = unknowns(request.problem, machinery)
         self.figures: list[Figures] = []
+        self.curves: list[Curves] = []
         self.correction: Correction | None = None  # of the last life
         self.changes: list[float] = []  # of states and unknowns over each life
 
@@ -149,6 +152,7 @@ class _Lives:
         machinery.swap()
         life = Evaluation(problem, machinery.trajectory, self.q)
         self.figures.append(life.figures)
+        self.curves.append(curves_of(life))
         self.made = problem.entries.possible(life.image)
         self.end = along(machinery, self.y)
         moved = WEIGHT * float(np.max(np.abs(self.end - self.start)))
@@ -189,7 +193,11 @@ class _Lives:
         led = CorrectedState(self.y, (float(machinery.R[slots.R_TRAPPED]), float(life.q[slots.Q_WORK])))
         return self.read(
             FinerSolutions(
-                [*self.figures, life.figures], left=wrong, flow=max(abs(by.mass), passed), corrected_state=led
+                [*self.figures, life.figures],
+                left=wrong,
+                flow=max(abs(by.mass), passed),
+                corrected_state=led,
+                curves=[*self.curves, curves_of(life)],
             )
         )
 
@@ -223,7 +231,8 @@ def chambers_together(request: EstimateRequest) -> FinerSolutions:
     )
     finer = close_together(problem, machinery, criteria, chambers_at_pitches(machinery))
     if finer.closed:
-        return FinerSolutions([evaluate(problem, finer).figures])
+        better = evaluate(problem, finer)
+        return FinerSolutions([better.figures], curves=[curves_of(better)])
     machinery.put(cycle.trajectory)
     return NO_SOLUTIONS
 
@@ -246,7 +255,9 @@ def closed_again(request: EstimateRequest) -> FinerSolutions:
         finer = way_of(cycle).finer(problem, machinery, criteria, start, MOST_OF_A_TRY)
     if finer is None or not finer.closed:
         return NO_SOLUTIONS
-    return FinerSolutions([evaluate(problem, finer).figures], cycle=finer if finer.needed == FALLBACK_NAME else None)
+    better = evaluate(problem, finer)
+    searched = finer if finer.needed == FALLBACK_NAME else None
+    return FinerSolutions([better.figures], cycle=searched, curves=[curves_of(better)])
 
 
 def _with_moved_densities(request: EstimateRequest) -> CycleSolution:

@@ -140,6 +140,7 @@ def _discharge_curves(
     """Return the areas of the discharge port: on the bores from `opens` [rad] on, on the end face from `face_opens`."""
     pair, chain, h = rotors.pair, rotors.chain, rotors.h
     begins = [each + later for each in dict.fromkeys((opens, face_opens)) for later in (0.0, pair.pitch)]
+    begins.append(ports.axial_opening(grooves, rotors.sections, rotors.wrap, face_opens))
     grid = _grid(rotors, [*begins, rotors.wrap - pair.beta1 - pair.pitch, rotors.wrap - pair.beta1])
     phi = grid[0]
     one, two = ports.radial_discharge(pair, chain, phi, rotors.wrap, h, opens)

@@ -5,6 +5,7 @@ The edges of a port are the flanks and tip helices of the chamber at the angle a
 docs/reference/rotors.md. φ and ψ as in `leakage`; areas in m², lengths in m, angles in rad; h = L/τ [m/rad].
 """
 
+import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -14,6 +15,9 @@ from screwsim.machine.rotors.flanks import Flanks, female_flanks, male_flanks
 from screwsim.machine.rotors.leakage import TURN, Helix, female_tip, male_tip
 from screwsim.machine.rotors.pair import Array, Chain, Pair
 from screwsim.machine.rotors.sections import Sections
+from screwsim.numerics.roots import brentq
+
+APART = math.radians(0.5)  # of angles at which the opening of a port on the end face is searched: a row of its curve
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,9 +49,32 @@ def uncovered_area(pair: Pair, chain: Chain, cut: Sections) -> UncoveredArea:
 
 def axial_discharge(grooves: UncoveredArea, cut: Sections, phi: Array, wrap: float, phi_dis: float) -> Array:
     """Return the open area [m²] of the discharge port on the end face: uncovered, less what the mesh has taken."""
+    return np.maximum(_left_on_face(grooves, cut, phi, wrap, phi_dis), 0.0)
+
+
+def axial_opening(grooves: UncoveredArea, cut: Sections, wrap: float, phi_dis: float) -> float:
+    """Return the angle [rad] at which the discharge port on the end face opens; its edge is passed at `phi_dis`.
+
+    A port that is cut late opens later, for until then the mesh has taken more than the edge has uncovered. It counts
+    as opening at its edge where it opens less than `APART` later.
+    """
+    phi = np.arange(phi_dis + APART, wrap, APART)
+    left = _left_on_face(grooves, cut, phi, wrap, phi_dis)
+    begins = int(np.argmax(left > 0.0))
+    if begins == 0:  # at once, or never
+        return phi_dis
+
+    def left_at(angle: float) -> float:
+        return float(_left_on_face(grooves, cut, np.array([angle]), wrap, phi_dis)[0])
+
+    return brentq(left_at, float(phi[begins - 1]), float(phi[begins]), xtol=1e-9)
+
+
+def _left_on_face(grooves: UncoveredArea, cut: Sections, phi: Array, wrap: float, phi_dis: float) -> Array:
+    """Return what an edge has uncovered of the grooves, less what the mesh has taken; negative where that is more."""
     psi = phi - wrap
     taken = np.where(psi > -0.75 * TURN, cut.grooves - cut.area_at(psi), 0.0)
-    return np.maximum(grooves.area(phi - phi_dis) - taken, 0.0)
+    return grooves.area(phi - phi_dis) - taken
 
 
 def axial_suction(grooves: UncoveredArea, cut: Sections, phi: Array, phi_close: float) -> Array:
