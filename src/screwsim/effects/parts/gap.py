@@ -174,7 +174,7 @@ def check_defaults(name: str, parameters, facts, *keys: str) -> Iterator[Fault]:
 
 
 def check_unused(name: str, parameters, what: str, *keys: str) -> Iterator[Fault]:
-    """Yield those of the keys with a default that the scene states otherwise though nothing uses them, as `what` says."""
+    """Yield the keys with a default that the scene states otherwise, though nothing uses them, as `what` says."""
     for key in _stated_otherwise(parameters, keys):
         yield Fault(f"effects.{name}.{key}", what)
 
