@@ -2,6 +2,8 @@
 
 import itertools
 import shutil
+import subprocess
+import sys
 import zipfile
 from pathlib import Path
 
@@ -216,3 +218,16 @@ def test_a_page_replaces_its_own_and_no_other(kind, swept, sheet, tmp_path, caps
     for _ in range(2):
         assert exit_code([*asked, "-o", str(own)]) == 0
     assert own.stat().st_size > 1000
+
+
+@pytest.mark.parametrize("held", [(), ("mine.txt",)])
+def test_a_folder_made_for_files_that_never_came_is_removed_at_the_end(held, tmp_path):
+    """As after Ctrl-C; a folder that was there, or that holds something, stays."""
+    old, new = tmp_path / "old", tmp_path / "outer" / "inner"
+    old.mkdir()
+    program = "import sys\nfrom pathlib import Path\nfrom screwsim.results.atomic import make_folder\n"
+    program += "old, new, *held = map(Path, sys.argv[1:])\nmake_folder(old)\nmake_folder(new)\nassert new.is_dir()\n"
+    program += "for name in held: (new / name).touch()\nraise KeyboardInterrupt\n"
+    subprocess.run([sys.executable, "-c", program, old, new, *held], capture_output=True, check=False)
+    assert old.is_dir()
+    assert new.is_dir() == new.parent.is_dir() == bool(held)

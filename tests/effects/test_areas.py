@@ -265,6 +265,31 @@ def test_defaults_that_a_profile_does_not_use_may_be_written_out():
     load(PROFILED, ("effects.blow_hole.opens=373 deg", "effects.end_face_leakage.suction_share=0.25"))
 
 
+@pytest.mark.parametrize(
+    ("angle", "tabled", "what"),
+    [
+        ({"opens": "380 deg"}, True, "is stated as well as area_file"),
+        ({"closes": "680 deg"}, True, "is stated as well as area_file"),
+        ({"suction_closes": "430 deg"}, False, "has no meaning without suction_area"),
+    ],
+)
+def test_angles_that_nothing_uses_are_refused(angle, tabled, what, tmp_path):
+    (tmp_path / "a.csv").write_text("angle_deg,area_m2\n100,0\n200,3e-6\n300,0\n")
+    sized = {"area_file": str(tmp_path / "a.csv")} if tabled else {"area": "6 mm^2"}
+    with pytest.raises(SceneError, match=rf"blow_hole\.{next(iter(angle))}: {what}"):
+        make({"effects.blow_hole": {**sized, **angle}})
+    make({"effects.blow_hole": sized})
+    make({"effects.blow_hole": {"area": "6 mm^2", "suction_area": "5 mm^2", **angle}})
+
+
+def test_suction_closes_beside_a_table_on_a_profile_is_refused(tmp_path):
+    (tmp_path / "a.csv").write_text("angle_deg,area_m2\n100,0\n200,3e-6\n300,0\n")
+    table = f"effects.blow_hole.area_file={tmp_path / 'a.csv'}"
+    with pytest.raises(SceneError, match=r"suction_closes: is stated as well as area_file"):
+        load(PROFILED, (table, "effects.blow_hole.suction_closes=430 deg"))
+    load(PROFILED, (table,))
+
+
 def test_both_end_face_paths_together_are_the_whole_length():
     most = [areas(PATHS[f"end_face_leakage neighbour {offset}"], FINE).max() for offset in (1, 4)]
     assert sum(most) == pytest.approx(50e-6 * 0.08, rel=1e-12)

@@ -40,7 +40,7 @@ def running(*arguments, **variables):
         command = ["taskset", "-c", str(min(os.sched_getaffinity(0))), *command]
     environment = {**os.environ, "PYTHONPATH": SOURCES, **variables}
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    with subprocess.Popen(command, env=environment, text=True, **pipes) as process:
+    with subprocess.Popen(command, env=environment, text=True, start_new_session=True, **pipes) as process:
         try:
             yield Running(process)
         finally:
@@ -92,6 +92,16 @@ def test_the_command_compiles_and_tells_the_page_and_ctrl_c_ends_all(tmp_path):
         assert found.process.wait(20.0) == 130
         assert found.process.stderr.read().splitlines()[-1] == "interrupted"
         assert gone(below)
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.5])
+def test_ctrl_c_while_the_workers_start_is_one_line(seconds):
+    """A terminal sends it to all processes, also to the one that forks them and still imports."""
+    with running(PAPER) as found:
+        time.sleep(seconds)
+        os.killpg(found.process.pid, signal.SIGINT)
+        assert found.process.wait(20.0) == 130
+        assert found.process.stderr.read().splitlines() == ["interrupted"]
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="asks Linux for the processes")

@@ -242,6 +242,12 @@ def test_a_shaft_leak_that_oil_seals_carries_it_and_rubs_at_the_walls(passage):
     assert G_m / G_h == pytest.approx(1.0, rel=1e-3) or passage > 1e-4
 
 
+def test_a_number_of_shafts_beside_their_area_is_refused():
+    with pytest.raises(SceneError, match=r"shaft_leakage\.shafts: is stated as well as area"):
+        make({**LINE, "effects.shaft_leakage": {"area": "17 mm^2", "shafts": 1}})
+    make({**LINE, "effects.shaft_leakage": {**ANNULI, "shafts": 1}})
+
+
 def test_more_oil_in_the_line_seals_the_shafts_more():
     def leaked(ratio, changes):
         return run({**LINE, **changes, "oil_supply.ratio": ratio}).performance.shaft_leakage_gas_flow

@@ -129,6 +129,16 @@ def test_a_fault_of_the_fit_is_located(old, new, line, tmp_path):
         ),
         ("[rpm]", "", "points.csv:3:7: operation.speed: '1000' has no unit"),
         (",shaft_power_uncertainty [kW]", ",oil_ratio", "points.csv:2:32: shaft_power: needs a column shaft_power_unc"),
+        (
+            "shaft_power [kW],",
+            "shaft_power [kW] (k=2),",
+            "points.csv:2:32: shaft_power: has a coverage factor, which only",
+        ),
+        (
+            "shaft_power_uncertainty [kW]",
+            "shaft_power_uncertainty [kW] (k=0)",
+            "points.csv:2:49: shaft_power_uncertainty: k=0 is not a coverage factor (write k=1",
+        ),
         ("operation.speed [rpm]", "oil.heat_capacity", "points.csv:2:10: oil.heat_capacity: is a parameter of the fit"),
     ],
 )
@@ -203,6 +213,15 @@ def test_the_schema_has_what_a_fit_may_have():
 def yaml_of(text: str) -> dict:
     """Return a YAML text as plain values."""
     return YAML(typ="safe", pure=True).load(text)
+
+
+def test_an_uncertainty_is_standard_unless_its_head_states_another_coverage_factor(tmp_path):
+    def uncertainty(factor):
+        points = POINTS.replace("_uncertainty [kW]", f"_uncertainty [kW]{factor}")
+        return read_fit(write_fit(tmp_path, points=points)).points[0].measured["shaft_power"].uncertainty
+
+    assert uncertainty(" (k=1)") == uncertainty("") == pytest.approx(100.0)
+    assert uncertainty(" (k=2)") == uncertainty("(k = 2)") == pytest.approx(50.0)
 
 
 def test_an_empty_cell_is_not_measured(tmp_path):

@@ -120,6 +120,39 @@ def test_templates_that_had_no_solution_or_warned_run(kind, stated):
     figures(kind, **stated)
 
 
+@pytest.mark.parametrize("fluid", ["CO2", "R744", "CarbonDioxide"])
+def test_carbon_dioxide_above_its_critical_point_gets_a_gas_cooler_near_its_best_pressure(fluid):
+    """Liao, Zhao, Jakobsen 2000: (2.778 − 0.0157 t_e) t_c + 0.381 t_e − 9.34 bar; the machine's own COP agrees."""
+    scene = scene_of("reciprocating", fluid=fluid, condition="-10/35 degC, 10 K")
+    cooler = scene.operation.gas_cooler
+    assert cooler.outlet_temperature == pytest.approx(308.15)
+    assert cooler.pressure == pytest.approx(1e5 * (2.935 * 35.0 - 13.15), rel=1e-3)
+    own, less, more = (
+        screwsim.simulate(scene.with_({"operation.gas_cooler.pressure": f"{share * cooler.pressure} Pa"}), trace=False)
+        for share in (1.0, 0.93, 1.07)
+    )
+    assert (own.status, own.warnings) == ("ok", ())
+    assert own.performance.cop > max(less.performance.cop, more.performance.cop)
+
+
+def test_carbon_dioxide_that_condenses_has_a_condenser():
+    scene = scene_of("reciprocating", fluid="CO2", condition="-30/-5 degC")
+    assert scene.operation.gas_cooler is None
+    assert screwsim.simulate(scene, trace=False).status == "ok"
+
+
+def test_the_cylinder_for_carbon_dioxide_is_the_one_of_the_shipped_scene():
+    known = screwsim.load(ROOT / "configs" / "co2" / "transcritical.yaml")
+    own = scene_of(
+        "reciprocating", fluid="CO2", condition="-10/35 degC, 10 K", displacement="1.562016 m^3/h"
+    )  # 17.95 cm³, 1450 rpm
+    for name in ("bore", "crank_radius", "rod_length", "clearance"):
+        assert getattr(own.machine, name) == pytest.approx(getattr(known.machine, name), rel=1e-3)
+    theirs = known.effects["reed_valves"].parameters
+    for name, value in vars(own.effects["reed_valves"].parameters).items():
+        assert value == pytest.approx(getattr(theirs, name), rel=1e-3), name
+
+
 def test_a_motor_takes_what_a_built_in_ratio_costs_that_the_pressures_do_not_call_for():
     """R22 from 41 to 68 °C with 2.98 in place of 1.8, and an economizer's gas: 1.4 of the motor's power before."""
     asked = request_of("R22", "4637 m^3/h", 2.98, None, None, "41/68 degC, 0 K", economizer=True)
@@ -323,8 +356,20 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
         (["air", "--flow", "9000 m^3/min"], "--flow: a displacement of 600000 m^3/h at 2950 rpm: would take rotors"),
         (
             ["refrigeration", "--fluid", "R744"],
-            "--condition 0/40 degC, which is the default: R744 saturates between -56.6 and 31.0 degC "
-            "(write e.g. --condition '-12.8/13.5 degC')",
+            "--condition 0/40 degC, which is the default: R744 condenses up to 31.0 degC, and needs a gas cooler above",
+        ),
+        (
+            ["heat_pump", "--fluid", "CO2", "--condition", "-10/35 degC"],
+            "--condition -10/35 degC: CO2 condenses up to 31.0 degC, and needs a gas cooler above, for whose pressures "
+            "hardly a screw is built (screwsim new reciprocating --fluid CO2 --condition '-10/35 degC' writes",
+        ),
+        (
+            ["refrigeration", "--fluid", "CO2", "--condition", "-60/5 degC"],
+            "--condition -60/5 degC: CO2 saturates between -56.6 and 31.0 degC (write e.g. --condition '-12.8/13.5 d",
+        ),
+        (
+            ["reciprocating", "--fluid", "CO2", "--condition", "-10/65 degC"],
+            "--condition -10/65 degC: the outlet of the gas cooler is above 60 degC, to which its best pressure",
         ),
         (
             ["refrigeration", "--economizer", "--condition", "0/5 degC"],

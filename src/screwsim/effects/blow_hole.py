@@ -22,6 +22,7 @@ from screwsim.effects.parts.gap import (
     check_defaults,
     check_formula,
     check_gap,
+    check_unused,
     gap_path,
     profile_paths,
     ramp,
@@ -102,6 +103,13 @@ def check(parameters: Parameters, facts) -> Faults:
     if parameters.suction_area is not None:
         yield from check_formula("effects.blow_hole.suction_area", facts)
     yield from check_defaults("blow_hole", parameters, facts, "opens", "closes", "suction_closes")
+    profiled = bool(facts.machine.finds_gaps)
+    if parameters.area_file is not None:
+        what = "is stated as well as area_file, whose table says where the area is open (remove one of the two)"
+        yield from check_unused("blow_hole", parameters, what, "opens", "closes", *(["suction_closes"] * profiled))
+    if parameters.suction_area is None and not profiled:
+        what = "has no meaning without suction_area, whose end it is (state that, or remove this)"
+        yield from check_unused("blow_hole", parameters, what, "suction_closes")
     if parameters.closes - parameters.opens < 2.0 * RAMP:
         yield Fault("effects.blow_hole.closes", "must lie at least 40 deg after opens (choose a later angle)")
 

@@ -26,6 +26,7 @@ from screwsim.machine.protocol import ROTORS
 from screwsim.outputs import HEATED, Figure, over
 
 _ANNULUS = ("shaft_diameter", "clearance")
+_SHAFTS = 2  # default number of shafts
 _SEALED = {"mixture_viscosity": "mcadams", "passage": "10 mm"}
 FIGURES = (
     Figure("shaft_leakage_gas_flow", "kg s-1", "gas that leaks from discharge to suction, past the chambers"),
@@ -44,7 +45,7 @@ class Parameters:
         "length", "diameter of a shaft where it passes the discharge end", None, gt=0.0
     )
     clearance: float | None = quantity("length", "radial clearance between shaft and bore", None, ge=0.0)
-    shafts: int = number("number of shafts of that diameter and clearance", 2, ge=1, le=4)
+    shafts: int = number("number of shafts of that diameter and clearance", _SHAFTS, ge=1, le=4)
     flow_coefficient: float = flow_coefficient("the leak", 0.7)
     model: str = choice("flow model (M190)", ("nozzle", "oil_sealed"), "nozzle")
     mixture_viscosity: str | None = choice("viscosity rule (model: oil_sealed)", tuple(gap_flow.MIXTURES), None)
@@ -84,6 +85,9 @@ def check(parameters: Parameters, facts) -> Faults:
             yield Fault(f"{path}.area", "is missing (state it, or shaft_diameter and clearance)")
     elif parameters.area is not None and given:
         yield Fault(f"{path}.{given[0]}", "is stated as well as area (remove one of the two)")
+    elif parameters.area is not None and parameters.shafts != _SHAFTS:
+        what = "is stated as well as area, which is that of all shafts together (remove one of the two)"
+        yield Fault(f"{path}.shafts", what)
     yield from _model_faults(path, parameters, facts)
     if "suction_line" not in facts.effects:
         what = "needs effects.suction_line, which takes its gas and oil (add it)"

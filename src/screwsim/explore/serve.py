@@ -31,7 +31,7 @@ from screwsim.explore.guard import AccessRules, App, Guard
 from screwsim.explore.page import page_text
 from screwsim.explore.pages import LONGEST_MESSAGE, InvalidMessage, Page, RateLimit
 from screwsim.explore.worker import Job
-from screwsim.explore.worker_pool import Timeouts, WorkerPool
+from screwsim.explore.worker_pool import Timeouts, WorkerPool, start_fork_server
 from screwsim.inputs.faults import UsageError
 from screwsim.study.workers import cores
 
@@ -149,6 +149,7 @@ def serve(
     """Serve the page of a scene until Ctrl-C."""
     base = open_base(file, overrides, without)
     address = listen(host, port)
+    start_fork_server()
     say(f"{address.url} shows {base.scene.title or file} (Ctrl-C ends it)")
     if browser:
         threading.Timer(0.5, webbrowser.open, (address.url,)).start()

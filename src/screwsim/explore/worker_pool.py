@@ -10,6 +10,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field
+from multiprocessing import forkserver
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -36,6 +37,31 @@ class NoAnswer(Exception):
     """Reason why a worker gave no answer."""
 
 
+def _context() -> Any:
+    """Return the way in which workers are started: on Linux by a server that forks them, with all imported."""
+    if sys.platform != "linux":
+        return multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(["screwsim.explore.worker"])
+    return context
+
+
+def start_fork_server() -> None:
+    """Start the process from which workers are forked, on Linux; called in the main thread.
+
+    It ignores Ctrl-C from its first line on, also while it imports: a terminal sends that to all processes, and this
+    one's answer to it ends them.
+    """
+    if sys.platform != "linux":
+        return
+    _context()
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        forkserver.ensure_running()
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 @dataclass
 class Worker:
     """One process and its pipe; `compiling` is true while it reports a compilation."""
@@ -50,13 +76,11 @@ class Worker:
 
     def start(self) -> None:
         """Start the process; it prepares itself in the meantime."""
-        context = multiprocessing.get_context("forkserver" if sys.platform == "linux" else "spawn")
-        if sys.platform == "linux":
-            context.set_forkserver_preload(["screwsim.explore.worker"])  # type: ignore[attr-defined]
+        context = _context()
         mine, its = context.Pipe()
         base = self.base
         arguments = (its, base.file, base.overrides, worker_state())
-        self.process = context.Process(target=serve_jobs, args=arguments, daemon=True)  # type: ignore[attr-defined]
+        self.process = context.Process(target=serve_jobs, args=arguments, daemon=True)
         self.process.start()
         its.close()
         self.pipe, self.compiling = mine, False

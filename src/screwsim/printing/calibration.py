@@ -186,7 +186,7 @@ def _points(found: Calibration) -> list[str]:
         measured = digits(factor * each.measured.value - zero)
         head = [each.point.name + ("" if each.point.fitted else " *"), shown_name(each.figure)]
         rows.append([*head, measured, f"{factor * each.measured.uncertainty:.2g}", ours, unit, residual])
-    lines = plain_table(["point", "figure", "measured", "±", "fitted", "", "residual /±"], rows, 2)
+    lines = plain_table(["point", "figure", "measured", "± (k=1)", "fitted", "", "residual /±"], rows, 2)
     if not all(each.point.fitted for each in found.compared):
         lines.append("* not fitted, only predicted")
     return lines

@@ -73,12 +73,12 @@ def _verdict(scene: Scene, found: Comparison) -> Iterator[str]:
         names = ", ".join(shown_name(row.figure) for row in bare)
         yield (
             f"no sigma for {names}: state the uncertainty of the measurement as half of the 95 % interval ('132 kW "
-            f"± 2 kW')"
+            f"± 2 kW') or as one standard uncertainty ('132 kW ± 1 kW (k=1)')"
         )
     if far or not bare:
         yield (
             "sigma: difference over the combined standard uncertainty of measurement, inputs and numerics; each ± is "
-            "two standard uncertainties"
+            "two standard uncertainties (k=2), half of a 95 % interval"
         )
     missing = [] if scene.uncertain else ["tolerances of inputs (gap: 27 um ± 5 um)"]
     if any(row.model is None for row in found.rows):

@@ -1,6 +1,7 @@
 """Output of `screwsim plan`, printed and written."""
 
 import csv
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -98,7 +99,7 @@ def _plan_notes(found: Plan) -> Iterator[str]:
 def protect_measured(path: Path) -> None:
     """Raise UsageError where a file at `path` is not a plan, or has measured figures filled in."""
     check_target_kind(path)
-    heads = [head.partition(" [")[0] for head in first_line(path)]
+    heads = [re.split(r" *[\[(]", head, maxsplit=1)[0] for head in first_line(path)]
     figures = [number for number, head in enumerate(heads) if f"{head}{UNCERTAINTY_SUFFIX}" in heads]
     if heads and not figures:
         raise UsageError(FOREIGN_FILE.format(path))

@@ -1,9 +1,10 @@
 """Atomic files, complete or absent: written under a temporary name, forced to disk, then renamed."""
 
+import atexit
 import csv
 import os
 import stat
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -135,9 +136,24 @@ def cannot_write(path: Path, error: OSError) -> str:
 
 
 def make_folder(folder: Path) -> None:
-    """Make a folder and those above it; raise UsageError, in one line, when the system refuses."""
+    """Make a folder and those above it; raise UsageError, in one line, when the system refuses.
+
+    Those that are still empty when the process ends, as after Ctrl-C, are removed again.
+    """
     with refused(folder):
+        whole = Path(os.path.abspath(folder))
+        missing = [each for each in (whole, *whole.parents) if not os.path.lexists(each)]
         folder.mkdir(parents=True, exist_ok=True)
+        if missing:
+            atexit.register(_remove_empty, missing, os.getpid())
+
+
+def _remove_empty(folders: Sequence[Path], process: int) -> None:
+    """Remove those of the folders that are empty, innermost first; a process forked from that one leaves them."""
+    if os.getpid() == process:
+        with suppress(OSError):  # not empty, already removed, or no longer ours
+            for each in folders:
+                each.rmdir()
 
 
 def remove(path: Path) -> None:

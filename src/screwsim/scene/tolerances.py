@@ -1,8 +1,8 @@
 """Values with a tolerance: `27 um ± 5 um`, `3 ± 10 %`, `50 um ×/÷ 2`, and which of their errors are fully correlated.
 
-A tolerance is half of the interval in which the value lies in 95 of 100 cases, a coverage factor of 2 (GUM). With ± the
-value is normally distributed, its standard uncertainty half the tolerance; with ×/÷ its logarithm is. In ASCII the
-signs are +/- and */.
+A tolerance is half of the interval in which the value lies in 95 of 100 cases, a coverage factor of 2 (GUM), unless
+another stands behind it: `27 um ± 2.5 um (k=1)` is the same as `27 um ± 5 um`. With ± the value is normally
+distributed, its standard uncertainty half the tolerance; with ×/÷ its logarithm is. In ASCII the signs are +/- and */.
 """
 
 import math
@@ -14,9 +14,10 @@ from typing import Any, NamedTuple
 from screwsim.effects import catalogue
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.suggestions import nearest
+from screwsim.scene.coverage import split_coverage
 from screwsim.scene.fields import Leaf, effect_keys, leaf_paths, leaves_of, value_at
 from screwsim.scene.model_errors import BLOCK, MODEL
-from screwsim.scene.types import Scene, Tolerance
+from screwsim.scene.types import COVERAGE, Scene, Tolerance
 from screwsim.scene.units import NUMBER, Refused, format_quantity, parse_quantity
 from screwsim.scene.values import limits_text, shown, text_of, within
 from screwsim.scene.yaml_tree import LocatedFault, Node, Position, join
@@ -77,7 +78,7 @@ def _nominal(value: str, text: str, factor: bool) -> Any:
     """Return a value without its tolerance; one without a unit takes the tolerance's unit, or is a plain number."""
     if not _BARE.fullmatch(value):
         return value
-    match = None if factor else _UNIT.fullmatch(text)
+    match = None if factor else _UNIT.fullmatch(text.partition("(")[0].rstrip())
     unit = match[1].strip() if match else ""
     return f"{value} {unit}" if unit and unit != "%" else float(value)
 
@@ -95,13 +96,25 @@ def read_tolerances(
             if path.startswith(CERTAIN_SECTIONS):
                 raise Refused("has a tolerance, which only values that describe the machine and its operation may have")
             value = float(value_at(scene, path))
-            tolerance = _factor(leaf, each, value) if each.factor else _half_interval(leaf, each, value)
+            tolerance = _tolerance(leaf, each, value)
             _check_ends(leaf, tolerance, value, "its")
             found[path] = tolerance
             _check_sweep(leaf, found[path], scene.sweep.get(path, ()))
         except Refused as refusal:
             problems.append(LocatedFault(each.place, path, str(refusal)))
     return found, _correlated_groups(block, set(given), scene, problems)
+
+
+def _tolerance(leaf: Leaf, given: WrittenTolerance, value: float) -> Tolerance:
+    """Return a tolerance at two standard uncertainties, by whatever coverage factor it is written."""
+    text, factor = split_coverage(given.text, COVERAGE)
+    given, wider = given._replace(text=text), COVERAGE / factor
+    if given.factor:
+        written = _factor(leaf, given, value)
+        return replace(written, size=written.size**wider)
+    written = _half_interval(leaf, given, value)
+    percent = None if written.percent is None else wider * written.percent
+    return replace(written, size=wider * written.size, percent=percent)
 
 
 def _check_ends(leaf: Leaf, tolerance: Tolerance, value: float, whose: str) -> None:

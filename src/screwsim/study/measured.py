@@ -18,8 +18,9 @@ from screwsim.figures.errors import error_in_unit
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, leaf_of, with_values
+from screwsim.scene.coverage import split_coverage
 from screwsim.scene.types import COVERAGE
-from screwsim.scene.units import NUMBER
+from screwsim.scene.units import NUMBER, Refused
 from screwsim.scene.values import within
 from screwsim.study.figures import figure_of
 from screwsim.study.goals import read_figure
@@ -117,7 +118,10 @@ class Comparison:
 
 
 def read_measured(scene: Scene, texts: Iterable[str]) -> tuple[MeasuredFigure, ...]:
-    """Return the measurements of texts FIGURE=VALUE or FIGURE=VALUE ± UNCERTAINTY; raise UsageError in one line."""
+    """Return the measurements of texts FIGURE=VALUE, FIGURE=VALUE ± UNCERTAINTY or FIGURE=VALUE ± UNCERTAINTY (k=K).
+
+    Without k the uncertainty is half of the 95 % interval. Raise UsageError in one line.
+    """
     found = tuple(_read(scene, text) for text in texts)
     names = [each.figure for each in found]
     twice = next((name for name in names if names.count(name) > 1), None)
@@ -129,16 +133,21 @@ def read_measured(scene: Scene, texts: Iterable[str]) -> tuple[MeasuredFigure, .
 def _read(scene: Scene, text: str) -> MeasuredFigure:
     name, equals, stated = (part.strip() for part in text.partition("="))
     value, *behind = (part.strip() for part in _SIGN.split(stated))
-    if not (name and equals and value) or len(behind) > 1 or "" in behind:
+    bare = any(not part or part.startswith("(") for part in behind)  # no number behind ±, or (k=1) alone
+    if not (name and equals and value) or len(behind) > 1 or bare:
         raise UsageError(f"{OPTION} {text}: is not FIGURE=VALUE ± UNCERTAINTY (write e.g. {OPTION} '{EXAMPLE}')")
     figure, where = figure_of(scene, name, OPTION), f"{OPTION} {text}"
-    unit = _unit(behind[0]) if behind else ""
+    try:
+        half, factor = split_coverage(behind[0] if behind else "", COVERAGE)
+    except Refused as refusal:
+        raise UsageError(f"{where}: {refusal}") from None
+    unit = _unit(half)
     if unit not in ("", "%") and re.fullmatch(NUMBER, value):
         value = f"{value} {unit}"  # 132 ± 2 kW
     number = read_figure(figure, value, where)
     if not math.isfinite(number):
         raise UsageError(f"{where}: {value} is not a value that can be measured")
-    return MeasuredFigure(figure, number, _standard(figure, number, value, behind[0], where) if behind else None)
+    return MeasuredFigure(figure, number, _size(figure, number, value, half, where) / factor if behind else None)
 
 
 def _unit(text: str) -> str:
@@ -146,8 +155,8 @@ def _unit(text: str) -> str:
     return match[1].strip() if match else ""
 
 
-def _standard(figure: str, number: float, value: str, text: str, where: str) -> float:
-    """Return the standard uncertainty [SI] from half a 95 % interval as written; percent are of the value.
+def _size(figure: str, number: float, value: str, text: str, where: str) -> float:
+    """Return an uncertainty [SI] from its text; percent are of the value.
 
     For a figure that is itself stated in percent, as an efficiency, they are percentage points.
     """
@@ -165,7 +174,7 @@ def _standard(figure: str, number: float, value: str, text: str, where: str) -> 
         size = read_figure(figure, text, where)
     if not 0.0 < size < math.inf:
         raise UsageError(f"{where}: an uncertainty must be above 0 (write e.g. {OPTION} '{EXAMPLE}')")
-    return size / COVERAGE
+    return size
 
 
 def compare_measured(scene: Scene, result: Result, measured: Sequence[MeasuredFigure]) -> Comparison:

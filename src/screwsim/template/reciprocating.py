@@ -1,21 +1,92 @@
 """A reciprocating refrigeration compressor: the cylinder of configs/slider_crank/r134a.yaml in another size."""
 
 import math
+from typing import NamedTuple
 
 from screwsim.fluid.description import is_mixture
 from screwsim.inputs.faults import UsageError
 from screwsim.template import sizes
+from screwsim.template.gas_cooler import BY, best_pressure, is_carbon_dioxide, needs_gas_cooler, refuse_too_warm
 from screwsim.template.refrigeration import Duty, conditions, duty_of
-from screwsim.template.request import SceneRequest, refuse_option
+from screwsim.template.request import SceneRequest, condition_of, refuse_option
 from screwsim.template.texts import filled
 
 RPM = math.pi / 30.0
-BORE, CRANK, ROD, OFFSET, CLEARANCE = 25.4e-3, 8e-3, 40e-3, 2e-3, 0.16e-6
-STROKE = 16.045e-3  # [m], from that crank, rod and offset
-SWEPT, SPEED = 0.25 * math.pi * BORE**2 * STROKE, 2950.0 * RPM
+
+
+class Valve(NamedTuple):
+    """A port and its reed, in SI units."""
+
+    area: float
+    perimeter: float
+    stop: float
+    mass: float
+    stiffness: float
+
+
+class Cylinder(NamedTuple):
+    """A known cylinder, in SI units, with what is known of it; `wall`: its temperature, from coldest to hottest gas."""
+
+    known: str
+    evidence: str
+    bore: float
+    crank: float
+    rod: float
+    offset: float
+    stroke: float
+    clearance: float
+    speed: float
+    suction: Valve
+    discharge: Valve
+    ring: float
+    wall: float
+    friction: float
+
+    @property
+    def swept(self) -> float:
+        """Swept volume [m³]."""
+        return 0.25 * math.pi * self.bore**2 * self.stroke
+
+
+RATED = """\
+# On R404A the isentropic efficiency of the electrical power lies within 5 points of the ratings of six semi-hermetic
+# compressors (validation/energyplus: 70 to 73 % at pressure ratios of 4.2 to 5.6); no ratings on other fluids were
+# available."""
+KNOWN = Cylinder(
+    known="configs/slider_crank/r134a.yaml (bore 25.4 mm, 2950 rpm)",
+    evidence=RATED,
+    bore=25.4e-3,
+    crank=8e-3,
+    rod=40e-3,
+    offset=2e-3,
+    stroke=16.045e-3,  # from that crank, rod and offset
+    clearance=0.16e-6,
+    speed=2950.0 * RPM,
+    suction=Valve(50e-6, 25e-3, 1.5e-3, 0.25e-3, 300.0),
+    discharge=Valve(28e-6, 19e-3, 1e-3, 0.2e-3, 600.0),
+    ring=1e-6,
+    wall=0.57,  # 360 K in the known machine
+    friction=0.12,
+)
+CARBON_DIOXIDE = Cylinder(
+    known="configs/co2/transcritical.yaml (bore 30 mm, 1450 rpm)",
+    evidence="# No ratings of compressors for CO2 were available.",
+    bore=30e-3,
+    crank=12.7e-3,
+    rod=62e-3,
+    offset=0.0,
+    stroke=25.4e-3,
+    clearance=0.9e-6,
+    speed=1450.0 * RPM,
+    suction=Valve(60e-6, 28e-3, 1.2e-3, 0.4e-3, 1500.0),
+    discharge=Valve(40e-6, 23e-3, 1e-3, 0.35e-3, 3000.0),
+    ring=2e-6,
+    wall=0.84,  # 350 K in the known machine
+    friction=0.08,
+)
+FLOW, SMALL_FLOW = 10.0 / 3600.0, 1.5 / 3600.0  # [m³/s] default displacement of a cylinder; of CO2, which is denser
 LARGEST_PORT_SHARE = 0.3  # of the piston's area: largest possible port
 ESTIMATED_EFFICIENCY = 0.65  # for an estimate of the power
-WALL_TEMPERATURE_SHARE = 0.57  # of the way from suction gas to gas compressed without loss: 360 K in the known machine
 
 
 def reciprocating(asked: SceneRequest) -> str:
@@ -26,16 +97,24 @@ def reciprocating(asked: SceneRequest) -> str:
     refuse_option("--diameter", asked.diameter, "is for rotors; the bore follows from --displacement (write that)")
     refuse_option("--oil", asked.oil, "no oil is injected into a cylinder (remove it)")
     fluid, speed, example = asked.fluid or "R134a", asked.speed or 1450.0 * RPM, "-10/40 degC, 20 K"
-    flow = asked.flow or 10.0 / 3600.0
-    duty = duty_of(fluid, flow, asked.condition or example, example)
-    s = (2.0 * math.pi * flow / speed / SWEPT) ** (1.0 / 3.0)
-    faster = s * speed / SPEED  # mean piston speed over the known one
-    if 50e-6 * s**2 * faster > LARGEST_PORT_SHARE * 0.25 * math.pi * (BORE * s) ** 2:
-        what = f"leaves no room for valves at {faster * 1.58:.3g} m/s of its piston"
+    condition = asked.condition or example
+    dense = is_carbon_dioxide(fluid)
+    of = CARBON_DIOXIDE if dense else KNOWN
+    flow = asked.flow or (SMALL_FLOW if dense else FLOW)
+    stated = condition_of(condition, "temperature", example)
+    pressure = None
+    if needs_gas_cooler(fluid, stated):
+        refuse_too_warm(condition, stated)
+        pressure = best_pressure(stated.low, stated.high)
+    duty = duty_of(fluid, flow, condition, example, pressure)
+    s = (2.0 * math.pi * flow / speed / of.swept) ** (1.0 / 3.0)
+    faster = s * speed / of.speed  # mean piston speed over the known one
+    if of.suction.area * s**2 * faster > LARGEST_PORT_SHARE * 0.25 * math.pi * (of.bore * s) ** 2:
+        what = f"leaves no room for valves at {faster * of.stroke * of.speed / math.pi:.3g} m/s of its piston"
         raise UsageError(
             f"--displacement {sizes.flow_text(flow)} at {sizes.rpm(speed)}: one cylinder {what} (a lower --speed)"
         )
-    return _text(fluid, duty, s, faster, flow, speed)
+    return _text(of, fluid, duty, s, faster, flow, speed, pressure is not None)
 
 
 def _wall(fluid: str, T: float) -> str:
@@ -46,34 +125,61 @@ def _wall(fluid: str, T: float) -> str:
     return f"  cylinder_heat: {{wall_temperature: {T:.0f} K}}    # {told}\n"
 
 
-def _text(fluid: str, duty: Duty, s: float, faster: float, flow: float, speed: float) -> str:
-    wide = s * math.sqrt(faster)  # scale of a port's lengths: its area grows with the piston speed
-    stiff = s**3 * (speed / SPEED) ** 2  # reeds follow the crank as in the known machine
+def _text(
+    of: Cylinder, fluid: str, duty: Duty, s: float, faster: float, flow: float, speed: float, cooled: bool
+) -> str:
     rated = sizes.motor_for(duty.gas_flow * duty.work / ESTIMATED_EFFICIENCY)
     T_s = duty.T_e + duty.more
     values = {
-        **conditions(duty),
+        **_warm_side(duty, cooled),
+        "known": of.known,
+        "evidence": of.evidence,
         "fluid": fluid,
         "flow": sizes.flow_text(flow),
         "speed": sizes.rpm(speed),
-        "bore": sizes.mm(BORE * s, 4),
-        "crank": sizes.mm(CRANK * s, 4),
-        "rod": sizes.mm(ROD * s, 4),
-        "offset": sizes.mm(OFFSET * s),
-        "clearance": f"{1e6 * CLEARANCE * s**3:.3g} cm^3",
-        "suction_area": sizes.area(50e-6 * wide**2),
-        "suction_perimeter": sizes.mm(25e-3 * wide),
-        "suction_stop": sizes.mm(1.5e-3 * wide),
-        "suction_mass": f"{0.25 * s**3:.3g} g",
-        "suction_stiffness": f"{300.0 * stiff:.3g} N/m",
-        "discharge_area": sizes.area(28e-6 * wide**2),
-        "discharge_perimeter": sizes.mm(19e-3 * wide),
-        "discharge_stop": sizes.mm(1e-3 * wide),
-        "discharge_mass": f"{0.2 * s**3:.3g} g",
-        "discharge_stiffness": f"{600.0 * stiff:.3g} N/m",
-        "ring": sizes.um(1e-6 * s),
-        "wall": _wall(fluid, T_s + WALL_TEMPERATURE_SHARE * (duty.hottest - T_s)),
+        "bore": sizes.mm(of.bore * s, 4),
+        "crank": sizes.mm(of.crank * s, 4),
+        "rod": sizes.mm(of.rod * s, 4),
+        "offset": f"  offset: {sizes.mm(of.offset * s)}\n" if of.offset else "",
+        "clearance": f"{1e6 * of.clearance * s**3:.3g} cm^3",
+        "share": f"{100.0 * of.clearance / of.swept:.0f}",
+        **_valve("suction", of.suction, s, faster, speed / of.speed),
+        **_valve("discharge", of.discharge, s, faster, speed / of.speed),
+        "ring": sizes.um(of.ring * s),
+        "wall": _wall(fluid, T_s + of.wall * (duty.hottest - T_s)),
+        "friction": f"{of.friction:g}",
         "rated": f"{rated:g} kW",
         "efficiency": sizes.motor_efficiency(rated),
     }
     return filled("reciprocating", values)
+
+
+def _valve(side: str, known: Valve, s: float, faster: float, speeds: float) -> dict[str, str]:
+    """Return the entries of a valve at a scale s of lengths, with piston speed and speed over the known ones."""
+    wide = s * math.sqrt(faster)  # scale of a port's lengths: its area grows with the piston speed
+    stiff = float(f"{known.stiffness * s**3 * speeds**2:.3g}")  # reeds follow the crank as in the known machine
+    return {
+        f"{side}_area": sizes.area(known.area * wide**2),
+        f"{side}_perimeter": sizes.mm(known.perimeter * wide),
+        f"{side}_stop": sizes.mm(known.stop * wide),
+        f"{side}_mass": f"{1e3 * known.mass * s**3:.3g} g",
+        f"{side}_stiffness": f"{stiff:g} N/m",
+    }
+
+
+def _warm_side(duty: Duty, cooled: bool) -> dict[str, str]:
+    """Return the temperatures of a duty and its lines: of a condenser, or of a gas cooler."""
+    told = conditions(duty)
+    if not cooled:
+        lines = ("condensing_temperature: {condensing}", "superheat: {superheat}", "subcooling: {subcooling}")
+    else:
+        pressure = f"{1e-5 * duty.p_d:.1f} bar"
+        told["condition"] = f"{told['evaporating']}, gas cooler {pressure}/{told['condensing']}"
+        lines = (
+            "superheat: {superheat}",
+            "# Above its critical point CO2 does not condense. This pressure gives the best COP by",
+            f"# {BY};",
+            "# a sweep of operation.gas_cooler.pressure finds that of this machine.",
+            f"gas_cooler: {{{{pressure: {pressure}, outlet_temperature: {{condensing}}}}}}",
+        )
+    return {**told, "warm_side": "".join(f"  {line}\n" for line in lines).format(**told)}

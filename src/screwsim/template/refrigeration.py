@@ -12,6 +12,7 @@ from screwsim.machine.rotors.slide import fitting_slide
 from screwsim.scene import loads
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes, texts
+from screwsim.template.gas_cooler import refused_screw
 from screwsim.template.request import SceneRequest, condition_of, quantity_after_comma
 
 RPM = math.pi / 30.0
@@ -294,25 +295,29 @@ def _transport(fluid: str, duty: Duty) -> dict[str, str]:
     return {"transport": told + "".join(f"    {line}\n" for line in lines)}
 
 
-def duty_of(fluid: str, flow: float, condition: str, example: str) -> Duty:
-    """Return the states of a condition with estimates of flow and power; raise UsageError for an impossible one."""
+def duty_of(fluid: str, flow: float, condition: str, example: str, p_cooler: float | None = None) -> Duty:
+    """Return the states of a condition with estimates of flow and power; raise UsageError for an impossible one.
+
+    `p_cooler` [Pa] is the pressure of a gas cooler, which the condition's upper temperature leaves; without it, the gas
+    condenses.
+    """
     found = condition_of(condition, "temperature", example)
     superheat, more = quantity_after_comma(found, "temperature_difference", "10 K")
     limits = constants.limits(fluid)
     assert limits is not None
-    for T in (found.low, found.high):
+    for T in (found.low, found.high) if p_cooler is None else (found.low,):
         if not limits.T_triple < T < limits.T_critical:
             least, most = (end - ZERO_CELSIUS for end in (limits.T_triple, limits.T_critical))
             usual = ", which is the default" if condition == example else ""
             what = f"{fluid} saturates between {least:.1f} and {most:.1f} degC"
-            raise UsageError(
-                f"--condition {condition}{usual}: {what} (write e.g. --condition '{_possible_condition(limits)}')"
-            )
+            what += f" (write e.g. --condition '{_possible_condition(limits)}')"
+            cooler = refused_screw(fluid, condition, example) if T is found.high else ""
+            raise UsageError(f"--condition {condition}{usual}: {cooler or what}")
     if not found.low < found.high:
         raise UsageError(
             f"--condition {condition}: evaporates above the condensing temperature (write LOW/HIGH, e.g. '{example}')"
         )
-    p_s, p_d = constants.dew_pressure(fluid, found.low), constants.condensing_pressure(fluid, found.high)
+    p_s, p_d = constants.dew_pressure(fluid, found.low), p_cooler or constants.condensing_pressure(fluid, found.high)
     T, R = found.low + more, constants.gas_constant(fluid)
     k = constants.isentropic_exponent(fluid, T)
     hottest = T * (p_d / p_s) ** ((k - 1.0) / k)

@@ -4,7 +4,7 @@ Source: screwsim. The paper gives (19) for the housing tips and refers to Amosov
 profile and end-face gaps; the forms used here for those two are ours (docs/model.md, M20–M22).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from math import isclose, pi
 from typing import Any
@@ -168,12 +168,21 @@ def check_formula(path: str, facts) -> Iterator[Fault]:
 
 def check_defaults(name: str, parameters, facts, *keys: str) -> Iterator[Fault]:
     """Yield those of the keys with a default that only the formula uses and that a profiled scene states otherwise."""
-    if not facts.machine.finds_gaps or parameters.area_file is not None:
-        return
-    defaults: dict[str, Any] = {field.name: field.default for field in fields(parameters)}
-    for key in keys:
-        if not isclose(getattr(parameters, key), defaults[key], rel_tol=1e-9):
+    if facts.machine.finds_gaps and parameters.area_file is None:
+        for key in _stated_otherwise(parameters, keys):
             yield from check_formula(f"effects.{name}.{key}", facts)
+
+
+def check_unused(name: str, parameters, what: str, *keys: str) -> Iterator[Fault]:
+    """Yield the keys with a default that the scene states otherwise, though nothing uses them, as `what` says."""
+    for key in _stated_otherwise(parameters, keys):
+        yield Fault(f"effects.{name}.{key}", what)
+
+
+def _stated_otherwise(parameters, keys: Sequence[str]) -> Iterator[str]:
+    """Yield those of the keys whose value is not their default."""
+    defaults: dict[str, Any] = {field.name: field.default for field in fields(parameters)}
+    return (key for key in keys if not isclose(getattr(parameters, key), defaults[key], rel_tol=1e-9))
 
 
 def port_path(parameters, law, to) -> FlowPath:

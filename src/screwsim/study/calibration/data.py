@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from screwsim.figures import declared, known
@@ -16,6 +16,7 @@ from screwsim.outputs import Figure
 from screwsim.outputs.customary import in_celsius
 from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene, leaf_of, lines
+from screwsim.scene.coverage import COVERAGE_FACTOR, split_coverage
 from screwsim.scene.fields import Leaf, leaf_paths, unknown_key
 from screwsim.scene.numerals import odd_number, odd_number_text
 from screwsim.scene.units import NUMBER, Refused, gauge_pressures_over, parse_quantity, tidy_unit
@@ -58,7 +59,8 @@ _EXAMPLE = "write e.g. operation.speed [rpm], shaft_power [kW], shaft_power_unce
 class _Column:
     """One column: its kind (name, use, figure, uncertainty, path), what it is of, and its unit.
 
-    `quantity` is the dimension of a figure whose unit is one that only scenes know.
+    `quantity` is the dimension of a figure whose unit is one that only scenes know, `coverage` how many standard
+    uncertainties an uncertainty of the column is.
     """
 
     kind: str
@@ -66,6 +68,7 @@ class _Column:
     unit: str
     leaf: Leaf | None = None
     quantity: Kind | None = None
+    coverage: float = 1.0
 
 
 def read_points(
@@ -162,11 +165,11 @@ def _columns(
 ) -> list[tuple[_Column, Position]]:
     found, refused = [], set()
     for cell, place in cells:
-        match = re.fullmatch(r"(.*?)\s*(?:\[([^\]]*)\])?", cell)
+        match = re.fullmatch(r"(.*?)\s*(?:\[([^\]]*)\])?", COVERAGE_FACTOR.sub("", cell))
         assert match is not None
         name, unit = match[1], (match[2] or "").strip()
         try:
-            found.append((_column(name, unit, scene, taken), place))
+            found.append((_covered(_column(name, unit, scene, taken), cell), place))
         except (Refused, UsageError) as refusal:
             refused.add(name)
             problems.append(LocatedFault(place, name or "data", str(refusal).removeprefix(f"{name}: ")))
@@ -226,6 +229,14 @@ def _is_unit_of(kind: Kind, unit: str) -> bool:
     return bool(unit)
 
 
+def _covered(column: _Column, head: str) -> _Column:
+    """Return a column with the coverage factor that its head states; raise `Refused` where it has none to state."""
+    rest, coverage = split_coverage(head, 1.0)
+    if rest != head and column.kind != "uncertainty":
+        raise Refused(f"has a coverage factor, which only a column …{UNCERTAINTY_SUFFIX} may have (remove it)")
+    return replace(column, coverage=coverage)
+
+
 def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column:
     """Return the meaning of a column; raise `Refused` or UsageError."""
     if name in ("name", "use"):
@@ -261,7 +272,7 @@ def odd_uncertainty(value: float, own: float) -> str:
     if SMALLEST * size <= own <= LARGEST * size or not size > 0.0:
         return ""
     what = "smaller than any measurement achieves" if own < size else "too large to be of use"
-    remedy = "state one standard deviation, in the unit of the column"
+    remedy = "state one standard uncertainty, in the unit of the column, or write (k=2) behind the column's unit"
     return f"its uncertainty is {own / size:.1g} of the value, {what} ({remedy})"
 
 
@@ -321,7 +332,7 @@ def _value(column: _Column, text: str) -> Any:
     if column.kind == "uncertainty" and not value > 0.0:
         raise Refused(f"{text} is out of range (an uncertainty must be greater than 0)")
     if column.quantity is not None:
-        return value
+        return value / column.coverage
     if column.unit == CELSIUS:
         return value + ZERO
-    return value * units_of(column.of)[column.unit]
+    return value * units_of(column.of)[column.unit] / column.coverage
