@@ -184,7 +184,7 @@ def test_a_large_result_is_read_lazily(tmp_path):
     write_tables(tmp_path / "out.h5", swept, axes_of(swept), InMemory(table), "sweep")
     for engine in ("h5netcdf", "netcdf4"):
         opened = xr.open_dataset(tmp_path / "out.h5", group="performance", engine=engine, chunks={})
-        with opened as data, dask.config.set(scheduler="threads"):  # named, so that no cluster is looked for
+        with opened as data, dask.config.set(scheduler=dask.get):  # so that no cluster is looked for
             power = data.shaft_power
             assert power.chunks is not None
             assert len(power.chunks[0]) > 1  # as it is stored
