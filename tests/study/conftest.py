@@ -1,6 +1,7 @@
 """Let the tests, and the workers they start, import the fakes and `true_error`, whatever the import mode."""
 
 import sys
+from datetime import datetime
 from pathlib import Path
 
 import pytest
@@ -22,3 +23,22 @@ def quick(monkeypatch):
         "screwsim.study.calibration.residuals.scene_derivatives", lambda *asked: SceneDerivatives({}, {}, "not asked")
     )
     monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)
+
+
+class OneMoment:
+    """A clock that stands."""
+
+    @staticmethod
+    def now(zone) -> datetime:
+        return datetime(2026, 1, 1, tzinfo=zone)
+
+
+@pytest.fixture(scope="module")
+def one_moment():
+    """Write all files of a module's tests at one moment: HDF5's checksums go with the moment that a file tells.
+
+    Equal files then have equal bytes, and need not be read to be compared.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("screwsim.results.schema.datetime", OneMoment)
+        yield

@@ -24,7 +24,7 @@ from sweep_fakes import (
 from screwsim.results import open_results
 from screwsim.study.sweep import run_sweep
 
-pytestmark = pytest.mark.around
+pytestmark = [pytest.mark.around, pytest.mark.usefixtures("one_moment")]
 
 
 def test_a_case_that_kills_its_worker_is_failed_and_no_other(tmp_path):

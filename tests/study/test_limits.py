@@ -19,6 +19,8 @@ from screwsim.study.progress import OccasionalLine, Progress, TolerantProgress, 
 from screwsim.study.sensitivity import InputRange, sensitivity
 from screwsim.study.sweep import run_sweep
 
+pytestmark = pytest.mark.usefixtures("one_moment")
+
 
 @pytest.mark.parametrize("limit", [math.inf, -math.inf, math.nan, 0.0, -1.0, 1e9, 1e300])
 def test_a_limit_that_is_no_time_is_refused(limit, tmp_path):

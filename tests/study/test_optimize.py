@@ -27,13 +27,12 @@ from screwsim.study.optimize.store import held_parts
 from screwsim.study.optimum import optimum
 from screwsim.study.optimum import question as of_optimum
 from screwsim.study.parallel import BatchWorkers
-from screwsim.study.shards import MOST_SMALL_PARTS
 
 RATIO, SPEED = "oil_supply.ratio=1..3", "operation.speed=1000 rpm..5000 rpm"
 FIG1 = Path(__file__).parents[2] / "configs" / "paper" / "fig1.yaml"
 
 
-EVALUATIONS = 3_000  # of a long run
+EVALUATIONS, SMALL_PARTS = 3_000, 16  # of a long run, in 30 batches: parts are joined
 
 
 def scene(extra: str = ""):
@@ -219,8 +218,9 @@ def test_workers_that_have_left_leave_no_thread_beside_which_none_is_forked():
 
 def test_a_long_run_keeps_few_bytes_of_an_evaluation_in_memory(monkeypatch, tmp_path):
     monkeypatch.setattr("screwsim.study.shards.BYTES_IN_MEMORY", 100_000)
+    monkeypatch.setattr("screwsim.study.shards.MOST_SMALL_PARTS", SMALL_PARTS)
     asked = question(scene(), [RATIO, SPEED], ["gas_mass_flow"], ["shaft_power"], evaluations=EVALUATIONS)
-    batch, generator, sizes = 20, np.random.default_rng(1), []
+    batch, generator, sizes = 100, np.random.default_rng(1), []
     tracemalloc.start()
     try:
         with held_parts(tmp_path / "long.h5", asked, restart=False) as parts:
@@ -234,7 +234,7 @@ def test_a_long_run_keeps_few_bytes_of_an_evaluation_in_memory(monkeypatch, tmp_
         tracemalloc.stop()
     numbers = 8 * (len(asked.spans) + 2 * len(asked.aims))
     assert numbers <= (sizes[1] - sizes[0]) / (EVALUATIONS // 2) < 2 * numbers
-    assert len(list((tmp_path / "long.h5.parts").glob("*.npz"))) <= MOST_SMALL_PARTS
+    assert len(list((tmp_path / "long.h5.parts").glob("*.npz"))) <= SMALL_PARTS
 
 
 class Canned(BatchWorkers):

@@ -4,9 +4,9 @@ import errno
 import os
 import sys
 from dataclasses import replace
-from datetime import datetime
 from pathlib import Path
 
+import dask
 import h5py
 import numpy as np
 import pytest
@@ -28,6 +28,7 @@ from screwsim.study.columns import Column, write_columns
 from screwsim.study.shards import Parts
 from screwsim.study.sweep import run_sweep
 
+pytestmark = pytest.mark.usefixtures("one_moment")
 LONG = SCENE + "sweep: {operation.speed: {from: 1000 rpm, to: 2000 rpm, count: 300}, oil_supply.ratio: [1, 2, 3]}\n"
 
 
@@ -132,18 +133,9 @@ def test_a_file_does_not_depend_on_how_its_cases_came(chunk, long, tmp_path, mon
         assert join(pieces).texts["warnings"].words == ("first warning\nη of 2",)
 
 
-class OneMoment:
-    """A clock that stands: HDF5's checksums go with the moment that a file tells."""
-
-    @staticmethod
-    def now(zone) -> datetime:
-        return datetime(2026, 1, 1, tzinfo=zone)
-
-
 @pytest.mark.parametrize("changes", [{}, {"effects": ("blow_hole",)}, {"ledger": {"residue": np.zeros(1)}}])
-def test_a_file_laid_out_ahead_is_that_laid_out_in_the_end(changes, long, tmp_path, monkeypatch):
+def test_a_file_laid_out_ahead_is_that_laid_out_in_the_end(changes, long, tmp_path):
     """A first part may know less of the names than all parts, or others: the file is laid out again then."""
-    monkeypatch.setattr("screwsim.results.schema.datetime", OneMoment)
     swept, whole = long
     write_tables(tmp_path / "late.h5", swept, axes_of(swept), InMemory(whole), "sweep")
     with Draft(tmp_path / "early.h5", swept, axes_of(swept), "sweep") as draft:
@@ -191,7 +183,8 @@ def test_a_large_result_is_read_lazily(tmp_path):
     table.column("performance", "shaft_power")[:] = np.add.outer(speed, ratio).ravel()
     write_tables(tmp_path / "out.h5", swept, axes_of(swept), InMemory(table), "sweep")
     for engine in ("h5netcdf", "netcdf4"):
-        with xr.open_dataset(tmp_path / "out.h5", group="performance", engine=engine, chunks={}) as data:
+        opened = xr.open_dataset(tmp_path / "out.h5", group="performance", engine=engine, chunks={})
+        with opened as data, dask.config.set(scheduler=dask.get):  # so that no cluster is looked for
             power = data.shaft_power
             assert power.chunks is not None
             assert len(power.chunks[0]) > 1  # as it is stored

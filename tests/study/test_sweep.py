@@ -33,6 +33,8 @@ from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
 from screwsim.study.sweep import run_sweep, sweep
 
+pytestmark = pytest.mark.usefixtures("one_moment")
+
 
 @pytest.fixture(scope="module")
 def reference(tmp_path_factory) -> Path:

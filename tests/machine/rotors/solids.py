@@ -18,12 +18,12 @@ STEP = 0.1e-3  # [m] pixel of a section
 
 
 def picture(x, y, radius):
-    """Return a boolean picture of a polygon [m] in a square of half-width `radius`."""
+    """Return a boolean picture of a polygon [m] in a square of half-width `radius`, with an empty pixel around it."""
     size = math.ceil(2 * radius / FINE) + 1
     image = Image.new("1", (size, size))
     points = np.column_stack([(x + radius) / FINE, (y + radius) / FINE])
     ImageDraw.Draw(image).polygon([tuple(p) for p in points.tolist()], fill=1)
-    return np.asarray(image)
+    return np.pad(np.asarray(image), 1)
 
 
 class Solids:
@@ -56,10 +56,13 @@ class Solids:
 
     @staticmethod
     def _look(image, u, v, radius):
-        last = len(image) - 1
-        i, j = (np.rint((each + radius) / FINE).astype(np.int32) for each in (v, u))
-        rows, columns = np.clip(i, 0, last), np.clip(j, 0, last)
-        return image[rows, columns] & (rows == i) & (columns == j)
+        size, places = len(image), []
+        for each in (v, u):
+            place = each + radius
+            place /= FINE
+            np.rint(place, out=place)
+            places.append(np.clip(place, -1, size - 2, out=place).astype(np.int32) + 1)  # beyond it: the empty edge
+        return image.take(places[0] * size + places[1])
 
     def free(self, psi):
         """Return the free pixels of a section at ψ."""

@@ -5,6 +5,7 @@ angles in rad.
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -17,7 +18,7 @@ THIN = 0.01  # thickness over centre distance below which a lobe is refused
 SEEN = 2e-4  # step along a curve over the outer radius (10 µm at 50 mm)
 OTHER_SIZE = 2e-3  # relative error of the outer radius allowed to points, whose tip may be cut or rounded
 SCALED = "to change the size of a machine, scale all lengths of its profile"
-NEAR = 1e-2  # search radius for touching points, over the centre distance
+NEAR = 1e-2  # search radius over the centre distance for points that lie no nearer than the steps of the curves
 DEEP = 1e-4  # interference over centre distance above which is refused (8 µm at 80 mm; closed forms: 1e-7)
 DEEPER = 3.0  # further interference allowed to measured points, over their tolerance
 OF_POINTS = "set machine.profile.tolerance to 3 to 5 times the noise of the points, or give more points there"
@@ -143,7 +144,7 @@ def mesh(pair: Pair, chain: Chain, angles: int = 12) -> tuple[float, float]:
     near = pair.centre_distance - pair.female_radius
     female = np.column_stack([fx, fy])
     longest = max(float(np.hypot(np.diff(x), np.diff(y)).max()) for x, y in ((mx, my), (fx, fy)))
-    reach = max(NEAR * pair.centre_distance, 2.0 * longest)
+    reaches = 2.0 * longest, max(NEAR * pair.centre_distance, 2.0 * longest)
     tree, gap, depth = KDTree(female), -math.inf, -math.inf
     for psi in chain.psi[0] + pair.pitch * (np.arange(angles) + 0.5) / angles:
         c, s = math.cos(psi), math.sin(psi)
@@ -151,7 +152,7 @@ def mesh(pair: Pair, chain: Chain, angles: int = 12) -> tuple[float, float]:
         close = x > near - 1e-3 * pair.centre_distance
         x, y = x[close] - pair.centre_distance, y[close]
         c, s = math.cos(pair.k * psi), math.sin(pair.k * psi)
-        least = _least(np.column_stack([c * x + s * y, c * y - s * x]), female, tree, reach)
+        least = _least(np.column_stack([c * x + s * y, c * y - s * x]), female, tree, reaches)
         gap, depth = max(gap, least), max(depth, -least)
     return max(gap, 0.0), max(depth, 0.0)
 
@@ -167,19 +168,20 @@ def inside(points: Array, polygon: Array) -> Array:
     return np.count_nonzero(spans & right, axis=1) % 2 == 1
 
 
-def _least(points: Array, polygon: Array, tree, reach: float) -> float:
+def _least(points: Array, polygon: Array, tree, reaches: Sequence[float]) -> float:
     """Return the least distance of points on a curve from a clockwise polygon [m], negative inside.
 
-    Points within `reach` of a corner are enough where the result is less than half of that: the polygon's sides and the
+    Points within a reach of a corner are enough where the result is less than half of that: the polygon's sides and the
     steps along the curve are at most half as long, so that no other point can be nearer, or deeper inside, without a
-    point between it and the edge having been considered.
+    point between it and the edge having been considered. Short reaches come first: few points lie within them.
     """
-    away, i = tree.query(points, distance_upper_bound=reach)
-    near = np.isfinite(away)
-    if near.any():
-        least = float(_signed(points[near], polygon, i[near]).min())
-        if abs(least) < 0.5 * reach:
-            return least
+    for reach in reaches:
+        away, i = tree.query(points, distance_upper_bound=reach)
+        near = np.isfinite(away)
+        if near.any():
+            least = float(_signed(points[near], polygon, i[near]).min())
+            if abs(least) < 0.5 * reach:
+                return least
     return float(_signed(points, polygon, tree.query(points)[1]).min())
 
 
