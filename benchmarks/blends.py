@@ -23,7 +23,7 @@ from properties import loop_cost
 from screwsim.codegen.modules import for_speed
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import lease_for
-from screwsim.cycle.problem import problem_of
+from screwsim.cycle.problem import ClosingTask, problem_of
 from screwsim.fluid import constants
 from screwsim.fluid.composition import composition, predefined
 from screwsim.fluid.description import Description, describe
@@ -135,7 +135,7 @@ def points() -> None:
         for _ in range(RUNS):
             machinery = lease_for(problem)
             before, started = machinery.counts.copy(), time.perf_counter()
-            close(problem, machinery, problem.criteria)
+            close(ClosingTask(problem, machinery, problem.criteria))
             times.append(1e3 * (time.perf_counter() - started))
             evaluations = int((machinery.counts - before)[2])
         base = base or min(times)

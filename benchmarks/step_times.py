@@ -17,7 +17,7 @@ from screwsim.codegen.modules import for_speed
 from screwsim.codegen.modules import load as compiled
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import lease_for
-from screwsim.cycle.problem import problem_of
+from screwsim.cycle.problem import ClosingTask, problem_of
 from screwsim.cycle.simultaneous import chambers_at_pitches
 from screwsim.fluid import nozzle
 from screwsim.model.run import Machinery
@@ -83,7 +83,7 @@ def closed(scene: Scene) -> tuple[Machinery, Callable[[int], None]]:
     """Return the machinery of a closed scene, and a function that repeats turns of its life among closed neighbours."""
     problem = problem_of(scene)
     machinery = lease_for(problem)
-    rtol = close(problem, machinery, problem.criteria).rtol
+    rtol = close(ClosingTask(problem, machinery, problem.criteria)).rtol
     times, dense, quads, steps = machinery.last()
     new = machinery.histories[1]  # neighbours behind are read from the turn being integrated, which is the same one
     new[0][: steps + 1], new[1][:steps], new[2][:steps] = times[: steps + 1], dense[:steps], quads[:steps]

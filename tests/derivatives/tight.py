@@ -7,7 +7,7 @@ import numpy as np
 from screwsim.build import Temperatures, open_temperatures, with_temperatures
 from screwsim.cycle.close import close
 from screwsim.cycle.feedback import set_lines, set_unknowns, unknowns
-from screwsim.cycle.problem import Series, problem_of
+from screwsim.cycle.problem import ClosingTask, Series, problem_of
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.effects.base import PressureLosses
 from screwsim.evaluate.evaluation import Evaluation
@@ -34,7 +34,7 @@ def closed_tightly(problem, machinery, begun=None, rtol=RTOL, tolerance=TOLERANC
     wanted = wanted if widths is None else replace(wanted, widths=widths)
     machinery.begin(problem.composition)
     if begun is None:
-        close(problem, machinery, problem.criteria)
+        close(ClosingTask(problem, machinery, problem.criteria))
     else:
         numbers = machinery.composition.P.copy()
         machinery.put(begun)
@@ -42,7 +42,7 @@ def closed_tightly(problem, machinery, begun=None, rtol=RTOL, tolerance=TOLERANC
         machinery.composition.P[:] = numbers
         set_lines(problem, machinery, float(begun.ends[0][0]), 0.0)
         set_unknowns(problem, machinery, met)
-    cycle = close_together(problem, machinery, wanted, chambers_at_pitches(machinery), most=MOST)
+    cycle = close_together(ClosingTask(problem, machinery, wanted), chambers_at_pitches(machinery), most=MOST)
     if cycle.status != "ok":
         raise NotTight(f"a cycle is {cycle.status} at {rtol:g} a step")
     return Evaluation(problem, cycle.trajectory, cycle.q)

@@ -7,7 +7,7 @@ import pytest
 from scenes import make
 
 from screwsim.effects import bearings, motor, oil_drag
-from screwsim.evaluate.performance import effect_figures
+from screwsim.evaluate.performance import effect_figures, parted
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import SceneError
 
@@ -123,7 +123,7 @@ def electrical(shaft, omega=300.0, **parameters):
     (reading,) = motor.build(motor.Parameters(rated_power=1e5, **parameters), MACHINE)
     none = {"isothermal_efficiency": None, "isentropic_efficiency": 0.8, "cop": None, "heating_cop": None}
     given = reading.read(SimpleNamespace(shaft_power=shaft, motor_power=None, omega=omega, **none))
-    found, notes = effect_figures(given, "motor")
+    found, notes = parted(effect_figures(given, "motor"))
     assert {name for name, value in found.items() if value is None} == set(notes) and all(notes.values())
     return found
 

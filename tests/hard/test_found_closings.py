@@ -15,7 +15,7 @@ from screwsim.cycle.coordinates import logarithms
 from screwsim.cycle.feedback import image, set_unknowns
 from screwsim.cycle.guess import install_first_guess, lease_for
 from screwsim.cycle.mixing import MixingRule
-from screwsim.cycle.problem import problem_of
+from screwsim.cycle.problem import ClosingTask, problem_of
 from screwsim.cycle.search import FALLBACK_NAME, LARGEST_RTOL, newton_search, search_after_pitches
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.figures.errors import relative_errors, worst
@@ -188,7 +188,7 @@ def left():
     yield (
         problem,
         machinery,
-        search_after_pitches(problem, machinery, problem.criteria, start, MixingRule(5, 0.3), 2_000_000),
+        search_after_pitches(ClosingTask(problem, machinery, problem.criteria), start, MixingRule(5, 0.3), 2_000_000),
     )
     leases.give_back(machinery)
 
@@ -201,11 +201,11 @@ def test_search_finds_the_cycle_that_pitches_leave(left):
     end = found.y.copy()
     machinery.pitch(end, LARGEST_RTOL, 1e-3)
     assert np.abs(logarithms(machinery.shift(end), c) - place).max() < problem.criteria.tolerance
-    again = newton_search(problem, machinery, problem.criteria, found.y * np.exp(1e-2))
+    again = newton_search(ClosingTask(problem, machinery, problem.criteria), found.y * np.exp(1e-2))
     assert again is not None
     assert np.abs(logarithms(again.y, c) - place).max() < 1e-3
     y = found.y * np.exp(1e-3)
-    swung = close_together(problem, machinery, problem.criteria, y, MixingRule(0), 400_000, 300)
+    swung = close_together(ClosingTask(problem, machinery, problem.criteria), y, MixingRule(0), 400_000, 300)
     assert swung.status == "not_closed"
     assert np.abs(logarithms(swung.y, c) - place).max() > 0.1  # the machine's own course leads away
 
@@ -254,5 +254,5 @@ def test_a_check_is_not_given_up_after_the_evaluations_of_our_own_method():
     y, found = chambers_at_pitches(machinery), {}
     for check in (None, check_of("scipy-radau")):
         wanted = replace(problem.criteria, check=check)
-        found[check is not None] = close_together(problem, machinery, wanted, y.copy(), most=2000).status
+        found[check is not None] = close_together(ClosingTask(problem, machinery, wanted), y.copy(), most=2000).status
     assert found == {False: "not_closed", True: "ok"}

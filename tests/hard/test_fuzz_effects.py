@@ -73,7 +73,7 @@ def test_a_cycle_beside_which_turns_stood_is_told(monkeypatch):
     """What turns close from there may be any other cycle: here that of a machine whose gaps are wider."""
     _, _, beside = closed(make({"effects.tip_leakage.gap": "40 um"}))
     monkeypatch.setattr(second_cycle, "nearly_closed_apart", lambda problem, cycle: beside)
-    monkeypatch.setattr(second_cycle, "relax", lambda problem, machinery, wanted, start, last: beside)
+    monkeypatch.setattr(second_cycle, "relax", lambda task, start, last: beside)
     result = simulate(make({}))
     (warning,) = [words for words in result.warnings if "another cycle" in words]
     assert "from the state that the turns of single chambers had reached" in warning

@@ -15,7 +15,7 @@ from scenes import make, run
 from screwsim.cycle import close, guess
 from screwsim.cycle.close import fallbacks
 from screwsim.cycle.guess import lease_for
-from screwsim.cycle.problem import problem_of
+from screwsim.cycle.problem import ClosingTask, problem_of
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.figures.errors import relative_errors, worst
@@ -180,8 +180,8 @@ def test_a_result_does_not_depend_on_what_was_run_before():
 
 
 def test_a_further_try_says_which_one_it_needed(monkeypatch):
-    def not_closed(problem, machinery, wanted, start):
-        done = close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
+    def not_closed(task, start):
+        done = close_together(task, chambers_at_pitches(task.machinery))
         return replace(done, status="not_closed", y=start.y)
 
     monkeypatch.setattr(close, "close_by_ways", not_closed)
@@ -194,6 +194,6 @@ def test_a_further_try_says_which_one_it_needed(monkeypatch):
 def test_every_further_try_closes_a_cycle_that_is_there(index):
     wanted = simulate(make({}), trace=False).performance
     problem = problem_of(make({}))
-    cycle = list(fallbacks(problem, lease_for(problem), problem.criteria))[index][1]()
+    cycle = list(fallbacks(ClosingTask(problem, lease_for(problem), problem.criteria)))[index][1]()
     assert cycle.status == "ok"
     assert evaluate(problem, cycle).figures.work_per_cycle == pytest.approx(wanted.work_per_cycle, rel=3e-4)

@@ -14,7 +14,7 @@ from typing import Any
 
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import lease_for
-from screwsim.cycle.problem import Problem, problem_of
+from screwsim.cycle.problem import ClosingTask, Problem, problem_of
 from screwsim.cycle.solution import CycleSolution
 from screwsim.model.run import Machinery
 from screwsim.outputs import Result
@@ -159,7 +159,7 @@ def closed(scene: Scene) -> tuple[Problem, Machinery, CycleSolution]:
     """Return a scene's problem, its machinery, and the cycle on which it stands, closed once."""
     problem = problem_of(scene)
     machinery = lease_for(problem)
-    return problem, machinery, close(problem, machinery, problem.criteria)
+    return problem, machinery, close(ClosingTask(problem, machinery, problem.criteria))
 
 
 def run(changes: dict[str, Any] | None = None) -> Result:

@@ -7,6 +7,7 @@ from scenes import make
 
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import lease_for
+from screwsim.cycle.problem import ClosingTask
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.model import leases
@@ -26,7 +27,7 @@ def from_afar(asked):
     """Close the cycle from the first guess with a twentieth of the tolerances, in a machinery of its own."""
     machinery = lease_for(asked.problem)
     try:
-        cycle = close(asked.problem, machinery, asked.criteria.tighter(TIGHTER))
+        cycle = close(ClosingTask(asked.problem, machinery, asked.criteria.tighter(TIGHTER)))
         found = evaluate(asked.problem, cycle).figures
     finally:
         leases.give_back(machinery)

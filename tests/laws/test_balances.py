@@ -7,7 +7,7 @@ from known_figures import known_solution
 from scenes import RADAU, SPEEDS, closed, make, run
 
 from screwsim.cycle.close import close
-from screwsim.cycle.problem import problem_of
+from screwsim.cycle.problem import ClosingTask, problem_of
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.evaluate.traces import traces
 from screwsim.model import leases
@@ -182,5 +182,5 @@ def test_every_scene_is_solved_as_if_it_were_the_first(way):
     problem = problem_of(other)
     lent, fresh = leases.lease(problem.composition), Machinery(problem.composition)
     assert lent.last()[0].any() and not fresh.last()[0].any()  # the first has been used before
-    found = evaluate(problem, close(problem, fresh, problem.criteria)).figures
+    found = evaluate(problem, close(ClosingTask(problem, fresh, problem.criteria))).figures
     assert found == after.performance

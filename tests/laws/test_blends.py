@@ -13,7 +13,7 @@ from scenes import make, run
 from screwsim.build import build_gas
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import lease_for
-from screwsim.cycle.problem import problem_of
+from screwsim.cycle.problem import ClosingTask, problem_of
 from screwsim.explain import explain
 from screwsim.fluid import constants
 from screwsim.inputs.faults import SceneError
@@ -92,7 +92,7 @@ def test_the_stored_change_of_entropy_is_what_comes_out(kind):
 def test_nothing_is_asked_of_coolprop_inside_the_cycle(monkeypatch):
     problem = problem_of(load(CONFIG))
     machinery = lease_for(problem)
-    close(problem, machinery, problem.criteria)  # compiled
+    close(ClosingTask(problem, machinery, problem.criteria))  # compiled
 
     def asked(*_args, **_kwargs):
         raise AssertionError("CoolProp was asked")
@@ -100,7 +100,7 @@ def test_nothing_is_asked_of_coolprop_inside_the_cycle(monkeypatch):
     for name in ("AbstractState", "PropsSI"):
         monkeypatch.setattr(coolprop, name, asked)
     monkeypatch.setattr(constants, "ask", asked)
-    assert close(problem, machinery, problem.criteria).status == "ok"
+    assert close(ClosingTask(problem, machinery, problem.criteria)).status == "ok"
 
 
 def test_a_blends_cycle_takes_about_as_many_evaluations_as_a_pure_fluids():

@@ -15,7 +15,7 @@ from screwsim.cycle.balances import flow_past_suction_port, meets_line_at_angle,
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.mixing import FULL_RULE, Mixing, MixingRule
-from screwsim.cycle.problem import problem_of
+from screwsim.cycle.problem import ClosingTask, problem_of
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.scene import load
@@ -157,7 +157,7 @@ def test_net_flow_is_taken_where_noise_between_open_chambers_does_not_count():
     exact = known_solution(fine).performance["gas_mass_flow"]
     problem = problem_of(replace(scene, numerics=replace(scene.numerics, closing="histories")))
     machinery = lease_for(problem)
-    cycle = close(problem, machinery, problem.criteria)
+    cycle = close(ClosingTask(problem, machinery, problem.criteria))
     streams = streams_of(problem.composition, cycle.q)
     across = flow_past_suction_port(problem, machinery.trajectory)
     through = [(streams[0, 0] + streams[1, 0]) * problem.rate, -(streams[2, 0] + streams[3, 0]) * problem.rate]

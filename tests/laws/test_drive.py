@@ -11,7 +11,7 @@ from scenes import SOLUBLE_RATE, closed, make, run
 from screwsim.build import build_parts
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import lease_for
-from screwsim.cycle.problem import problem_of
+from screwsim.cycle.problem import ClosingTask, problem_of
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.model.compose import compose
@@ -36,7 +36,7 @@ CYCLE = ("shaft_power", "gas_mass_flow", "isothermal_efficiency", "peak_pressure
 @cache
 def closed_with_drive(accuracy):
     problem, machinery, cycle = closed(make({**SLOW, "numerics": {"accuracy": accuracy}}))
-    cycle = drive.close_with_drive(problem, machinery, problem.criteria, cycle)
+    cycle = drive.close_with_drive(ClosingTask(problem, machinery, problem.criteria), cycle)
     of = evaluate(problem, cycle)
     return of, machinery, cycle, problem.parts.shaft.respond(of.complete)
 
@@ -284,7 +284,9 @@ def test_a_pitch_of_a_start_is_that_of_chambers_and_drive_in_one_system():
     changes = {**DRIVEN, "numerics": {"accuracy": 1e-5}, "operation.speed": "900 rpm"}
     problem = steady_problem(make(changes), CREEP)
     machinery = lease_for(problem)
-    cycle = drive.close_with_drive(problem, machinery, problem.criteria, close(problem, machinery, problem.criteria))
+    cycle = drive.close_with_drive(
+        ClosingTask(problem, machinery, problem.criteria), close(ClosingTask(problem, machinery, problem.criteria))
+    )
     of = evaluate(problem, cycle)
     steady = problem.parts.shaft.respond(of.complete)
     start = StartUpRun(of, machinery, steady, CREEP, 10.0)

@@ -13,7 +13,7 @@ from scenes import closed, make, run
 from screwsim.build import build_parts
 from screwsim.cycle.close import close, close_again
 from screwsim.cycle.guess import lease_for
-from screwsim.cycle.problem import problem_of
+from screwsim.cycle.problem import ClosingTask, problem_of
 from screwsim.evaluate import cautions
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.figures.errors import relative_errors, worst
@@ -108,7 +108,7 @@ def test_a_cycle_stands_when_longer_turns_come_after_it():
     assert len({id(arrays[1]) for arrays in machinery.histories}) == 2
     machinery.put(life)  # and turns go on from there
     assert all(map(np.array_equal, before, numbers_of(machinery.trajectory.copy())))
-    found = close_again(problem, machinery, problem.criteria, cycle)
+    found = close_again(ClosingTask(problem, machinery, problem.criteria), cycle)
     assert found.status == "ok"
     assert evaluate(problem, found).figures.shaft_power == pytest.approx(figures.shaft_power, rel=1e-4)
 
@@ -137,7 +137,7 @@ def test_what_a_correction_foretells_is_what_another_life_shows(of, monkeypatch)
     for faithful in (finer_solutions.RELIABLE_CORRECTION, 0.0):
         monkeypatch.setattr(finer_solutions, "RELIABLE_CORRECTION", faithful)
         machinery = lease_for(problem)
-        cycle = close(problem, machinery, problem.criteria)
+        cycle = close(ClosingTask(problem, machinery, problem.criteria))
         before = machinery.counts.copy()
         errors.append(estimated_errors(evaluate(problem, cycle), machinery, problem.criteria, cycle)[0])
         counts.append(machinery.evaluations_of(machinery.counts - before))

@@ -7,7 +7,7 @@ from CoolProp.CoolProp import PropsSI
 from scenes import RATED, make, run
 
 from screwsim.build import build_gas
-from screwsim.evaluate.performance import NO_POWER, NONE_DELIVERED, heating
+from screwsim.evaluate.performance import NO_POWER, NONE_DELIVERED, heating, parted
 from screwsim.scene import lines, load, refrigerating_effect
 from screwsim.simulate import simulate, simulate_many
 
@@ -105,11 +105,11 @@ def test_pressures_alone_and_an_expander_call_for_no_heating():
     ("flow", "power", "rejected", "capacity", "reasons"),
     [
         (-0.01, 5e3, 180e3, None, dict.fromkeys(("heating_capacity", "heating_cop"), NONE_DELIVERED)),
-        (0.4, 5e3, None, None, dict.fromkeys(("heating_capacity", "heating_cop"), "gas condenses")),
+        (0.4, 5e3, "gas condenses", None, dict.fromkeys(("heating_capacity", "heating_cop"), "gas condenses")),
         (0.4, -5e3, 180e3, 72e3, {"heating_cop": NO_POWER}),
     ],
 )
 def test_what_cannot_heat_says_why(flow, power, rejected, capacity, reasons):
-    found, notes = heating({"shaft_power": power}, flow, rejected, "gas condenses")
+    found, notes = parted(heating({"shaft_power": power}, flow, rejected))
     assert found["heating_capacity"] == (None if capacity is None else pytest.approx(capacity))
     assert found["heating_cop"] is None and notes == reasons

@@ -12,7 +12,7 @@ from screwsim.cycle.close import close
 from screwsim.cycle.feedback import image, set_unknowns, unknowns
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.newton import Corrections, Residual, corrected
-from screwsim.cycle.problem import problem_of
+from screwsim.cycle.problem import ClosingTask, problem_of
 from screwsim.cycle.tangents import linearised, shifted, slopes_of_image
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.scene import loads
@@ -36,7 +36,7 @@ def standing():
     """Return a problem, a machinery that stands on its closed cycle, and that cycle."""
     problem = problem_of(make(SLOW))
     machinery = lease_for(problem)
-    cycle = close(problem, machinery, replace(problem.criteria, rtol=FINE))
+    cycle = close(ClosingTask(problem, machinery, replace(problem.criteria, rtol=FINE)))
     assert cycle.status == "ok"
     return problem, machinery, cycle
 
@@ -89,7 +89,7 @@ def test_tangents_tell_what_a_pressure_of_a_plenum_makes_of_itself():
     """Of a line that pulsates, its harmonics: what the slices give the line over the pitch makes them."""
     problem = problem_of(make(PLENUMS))
     machinery = lease_for(problem)
-    cycle = close(problem, machinery, replace(problem.criteria, rtol=FINE))
+    cycle = close(ClosingTask(problem, machinery, replace(problem.criteria, rtol=FINE)))
     assert cycle.status == "ok"
     met = unknowns(problem, machinery)
     here, names = problem.entries.coordinates(met), problem.entries.names

@@ -6,7 +6,7 @@ import pytest
 from scenes import DROP, RATED, make, run
 
 from screwsim.build import build_gas
-from screwsim.evaluate.performance import refrigeration
+from screwsim.evaluate.performance import parted, refrigeration
 from screwsim.figures.errors import relative_errors
 from screwsim.outputs import Figures
 from screwsim.scene import lines, refrigerating_effect, suction_enthalpy
@@ -150,13 +150,13 @@ def test_lines_are_reported_whichever_way_they_are_stated(result):
 
 
 def test_a_machine_that_delivers_nothing_cools_nothing():
-    figures, notes = refrigeration({"gas_mass_flow": -0.01, "shaft_power": 5e3}, 13.0, 145e3)
+    figures, notes = parted(refrigeration({"gas_mass_flow": -0.01, "shaft_power": 5e3}, 13.0, 145e3))
     assert set(figures.values()) == {None}
     assert set(notes) == set(figures)
 
 
 def test_no_positive_power_has_no_cop():
-    figures, notes = refrigeration({"gas_mass_flow": 0.4, "shaft_power": -5e3}, 13.0, 145e3)
+    figures, notes = parted(refrigeration({"gas_mass_flow": 0.4, "shaft_power": -5e3}, 13.0, 145e3))
     assert figures["cop"] is None and figures["cooling_capacity"] == pytest.approx(0.4 * 145e3)
     assert notes == {"cop": "the shaft power is not positive"}
 

@@ -12,7 +12,7 @@ from screwsim.cycle.backflow import LARGEST_CHANGE, LARGEST_SHARE, NO_FEEDBACK, 
 from screwsim.cycle.balances import streams_of
 from screwsim.cycle.feedback import unknowns
 from screwsim.cycle.guess import install_first_guess, lease_for
-from screwsim.cycle.problem import problem_of
+from screwsim.cycle.problem import ClosingTask, problem_of
 from screwsim.cycle.relaxation import _Turns, relax
 from screwsim.cycle.solution import Start
 from screwsim.figures.errors import relative_errors, worst
@@ -99,12 +99,12 @@ def test_the_line_is_led_nearer_to_that_of_the_closed_cycle(rpm):
     """Of the first turn, whose oil comes back as cold as it was supplied: that is what is guessed."""
     problem = problem_of(load(PAPER, ["oil.transport=carried", f"operation.speed={rpm} rpm"]))
     machinery = lease_for(problem)
-    turns = _Turns(problem, machinery, problem.criteria, Start(install_first_guess(problem, machinery)))
+    turns = _Turns(ClosingTask(problem, machinery, problem.criteria), Start(install_first_guess(problem, machinery)))
     assert turns.integrate() is None
     assert turns.correction() is None
     made, led = turns.made, turns.returning.extrapolated(turns.made)
     turns.go_on(None)
-    cycle = relax(problem, machinery, problem.criteria, Start(turns.y), last=True)
+    cycle = relax(ClosingTask(problem, machinery, problem.criteria), Start(turns.y), last=True)
     assert cycle.status == "ok"
     steady = unknowns(problem, machinery)
     leases.give_back(machinery)
@@ -115,7 +115,9 @@ def test_a_fast_machine_with_carried_oil_closes_in_three_turns():
     """Only the heat of the line comes back there, by a fifth a turn: it took five."""
     problem = problem_of(load(PAPER, ["oil.transport=carried", "operation.speed=6000 rpm"]))
     machinery = lease_for(problem)
-    cycle = relax(problem, machinery, problem.criteria, Start(install_first_guess(problem, machinery)), last=True)
+    cycle = relax(
+        ClosingTask(problem, machinery, problem.criteria), Start(install_first_guess(problem, machinery)), last=True
+    )
     leases.give_back(machinery)
     assert cycle.status == "ok" and cycle.turns == 3
 

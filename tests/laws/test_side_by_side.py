@@ -13,7 +13,7 @@ from scenes import SOLUBLE, make
 from screwsim import simulate
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import lease_for
-from screwsim.cycle.problem import Problem, Series, problem_of
+from screwsim.cycle.problem import ClosingTask, Problem, Series, problem_of
 from screwsim.cycle.solution import CycleSolution
 from screwsim.evaluate.evaluation import balance, evaluate
 from screwsim.evaluate.ledger.total import ledger
@@ -156,7 +156,7 @@ def test_an_interrupted_solution_keeps_its_arrays_from_the_next():
     machinery = lease_for(problem)
     machinery.watch = stop
     with pytest.raises(Stop):
-        close(problem, machinery, problem.criteria)
+        close(ClosingTask(problem, machinery, problem.criteria))
     assert lease_for(problem) is not machinery
 
 

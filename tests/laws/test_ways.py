@@ -18,16 +18,16 @@ class HalfTogether(SimultaneousClosing):
 
     instead = "numerics.closing: auto"
 
-    def close(self, problem, machinery, wanted, start, last):
+    def close(self, task, start, last):
         """Close coarsely, then as is wanted."""
-        coarse = super().close(problem, machinery, wanted.tighter(10.0), start, last)
+        coarse = super().close(task._replace(criteria=task.criteria.tighter(10.0)), start, last)
         if coarse.status != "ok":
             return replace(coarse, how=NAME)
-        return replace(super().again(problem, machinery, wanted, coarse, None), how=NAME)
+        return replace(super().again(task, coarse, None), how=NAME)
 
-    def again(self, problem, machinery, wanted, cycle, led):
+    def again(self, task, cycle, led):
         """Close as all chambers together do; the cycle stays one of this way."""
-        return replace(super().again(problem, machinery, wanted, cycle, led), how=NAME)
+        return replace(super().again(task, cycle, led), how=NAME)
 
 
 @pytest.fixture

@@ -33,7 +33,7 @@ from screwsim.cycle.balances import LEAST_WORK  # noqa: E402
 from screwsim.cycle.close import DAMPED_DEPTH, DAMPING, NEAR_DAMPED  # noqa: E402
 from screwsim.cycle.guess import lease_for  # noqa: E402
 from screwsim.cycle.mixing import FULL_RULE, MixingRule  # noqa: E402
-from screwsim.cycle.problem import Problem, problem_of  # noqa: E402
+from screwsim.cycle.problem import ClosingTask, Problem, problem_of  # noqa: E402
 from screwsim.cycle.search import search_and_close  # noqa: E402
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together  # noqa: E402
 from screwsim.cycle.solution import ClosingCriteria, CycleSolution  # noqa: E402
@@ -96,7 +96,7 @@ def from_own_cycle(scene: Scene, method: str, start: str, of_steps: float) -> tu
     for stage in range(1, STAGES + 1) if start == TIGHTENED else ():
         share = FINER ** (stage / STAGES)
         finer = tightened(share, rtol=share * wanted.rtol, tolerance=share * wanted.tolerance)
-        cycle = close_together(problem, machinery, finer, y.copy())
+        cycle = close_together(ClosingTask(problem, machinery, finer), y.copy())
         if cycle.status != "ok":
             return f"{cycle.status} before", Figures(), None
         y = cycle.y
@@ -105,13 +105,15 @@ def from_own_cycle(scene: Scene, method: str, start: str, of_steps: float) -> tu
     if start == FOLLOWED:
         cycle = followed(problem, machinery, finest, y.copy())
     elif start == SOUGHT:
-        found = search_and_close(problem, machinery, replace(finest, tolerance=NOISE * finest.tolerance), y.copy())
+        found = search_and_close(
+            ClosingTask(problem, machinery, replace(finest, tolerance=NOISE * finest.tolerance)), y.copy()
+        )
         if found is None:
             return "not_closed", Figures(), None
         cycle = found
     else:
         rule = MixingRule(DAMPED_DEPTH, DAMPING, NEAR_DAMPED) if start == DAMPED else FULL_RULE
-        cycle = close_together(problem, machinery, finest, y.copy(), rule)
+        cycle = close_together(ClosingTask(problem, machinery, finest), y.copy(), rule)
     return cycle.status, evaluate(problem, cycle).figures, cycle.change
 
 

@@ -12,12 +12,11 @@ from functools import partial
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import install_continued_guess, install_first_guess
 from screwsim.cycle.mixing import FULL_RULE, MixingRule
-from screwsim.cycle.problem import Problem
+from screwsim.cycle.problem import ClosingTask
 from screwsim.cycle.search import FALLBACK_NAME, search_after_pitches, search_applies, with_growth
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
-from screwsim.cycle.solution import ClosingCriteria, CorrectedState, CycleSolution, Start
+from screwsim.cycle.solution import Array, CorrectedState, CycleSolution, Start
 from screwsim.cycle.ways import close_by_ways, way_of
-from screwsim.model.run import Machinery
 from screwsim.model.slots import P_OMEGA
 from screwsim.model.turn_scheduler import reach_station
 
@@ -31,43 +30,35 @@ STEPS_HELP_BELOW = 5e-4  # change of a pitch above which finer steps will not cl
 SPEED_RATIO = 4.0  # speed ratio from which a cycle is continued: leaks and stiffness weigh less there
 
 
-def close(
-    problem: Problem, machinery: Machinery, criteria: ClosingCriteria, course: Course | None = None
-) -> CycleSolution:
+def close(task: ClosingTask, course: Course | None = None) -> CycleSolution:
     """Close the cycle, continued from the last ones of a course; from the first guess where that does not close."""
-    guess = None if course is None else install_continued_guess(problem, machinery, course)
+    guess = None if course is None else install_continued_guess(task.problem, task.machinery, course)
     reach_station()
     if guess is not None:
-        cycle = close_from(problem, machinery, criteria, guess.start)
+        cycle = close_from(task, guess.start)
         if cycle.closed:
             return cycle
-    return close_from(problem, machinery, criteria, Start(install_first_guess(problem, machinery)))
+    return close_from(task, Start(install_first_guess(task.problem, task.machinery)))
 
 
-def close_from(problem: Problem, machinery: Machinery, criteria: ClosingCriteria, start: Start) -> CycleSolution:
+def close_from(task: ClosingTask, start: Start) -> CycleSolution:
     """Close the cycle from a start.
 
     With a check, the chambers are then closed together by the check's method, starting from our own solution.
     """
-    cycle = close_by_ways(problem, machinery, replace(criteria, check=None) if criteria.check else criteria, start)
-    if criteria.check is None or cycle.failed:
-        return cycle
-    return close_together(problem, machinery, criteria, chambers_at_pitches(machinery))
+    if task.criteria.check is None:
+        return close_by_ways(task, start)
+    cycle = close_by_ways(task._replace(criteria=replace(task.criteria, check=None)), start)
+    return cycle if cycle.failed else close_together(task, chambers_at_pitches(task.machinery))
 
 
-def close_again(
-    problem: Problem,
-    machinery: Machinery,
-    criteria: ClosingCriteria,
-    cycle: CycleSolution,
-    led: CorrectedState | None = None,
-) -> CycleSolution:
+def close_again(task: ClosingTask, cycle: CycleSolution, led: CorrectedState | None = None) -> CycleSolution:
     """Close a closed cycle once more, by the criteria given.
 
     The machinery must hold that cycle as its last history, or, with `led`, the history to which finer lives have
     moved it.
     """
-    found = way_of(cycle).again(problem, machinery, criteria, cycle, led)
+    found = way_of(cycle).again(task, cycle, led)
     if not found.closed:
         return found
     return replace(
@@ -80,9 +71,7 @@ def close_again(
     )
 
 
-def fallbacks(
-    problem: Problem, machinery: Machinery, criteria: ClosingCriteria, left: float = 0.0
-) -> Iterator[tuple[str, Callable[[], CycleSolution]]]:
+def fallbacks(task: ClosingTask, left: float = 0.0) -> Iterator[tuple[str, Callable[[], CycleSolution]]]:
     """Yield further attempts at a cycle that did not close, as (name, function that makes the attempt).
 
     `left` is the change over its last pitch: where that is large, finer steps do not help. All attempts start from
@@ -91,45 +80,42 @@ def fallbacks(
     latter carry `growth`, and `needed` where a search found them.
     """
 
-    def closed(
-        rule: MixingRule = FULL_RULE,
-        most: int = MOST_OF_A_TRY,
-        criteria: ClosingCriteria = criteria,
-        patient: bool = False,
-    ) -> CycleSolution:
+    problem, machinery, criteria = task
+
+    def first_states() -> Array:
         install_first_guess(problem, machinery)
-        y = chambers_at_pitches(machinery)
-        return close_together(problem, machinery, criteria, y, rule, most, PITCHES_OF_A_TRY, patient)
+        return chambers_at_pitches(machinery)
+
+    def tighter() -> CycleSolution:
+        by = replace(criteria, rtol=max(0.03 * criteria.rtol, 1e-12))
+        return close_together(task._replace(criteria=by), first_states(), FULL_RULE, MOST_OF_A_TRY, PITCHES_OF_A_TRY)
 
     def plain(patient: bool = False) -> CycleSolution:
-        return closed(MixingRule(0, near=NEAR_PLAIN), 2 * MOST_OF_A_TRY, patient=patient)
+        rule = MixingRule(0, near=NEAR_PLAIN)
+        return close_together(task, first_states(), rule, 2 * MOST_OF_A_TRY, PITCHES_OF_A_TRY, patient)
 
     def damped(patient: bool = False) -> CycleSolution:
         rule = MixingRule(DAMPED_DEPTH, DAMPING, NEAR_DAMPED)
         if search_applies(problem) and not patient:
             return sought_from_guess(rule, MOST_OF_A_TRY, early=True)
-        return with_growth(problem, machinery, criteria, closed(rule))
+        return with_growth(task, close_together(task, first_states(), rule, MOST_OF_A_TRY, PITCHES_OF_A_TRY))
 
     def faster(patient: bool = False) -> CycleSolution:
-        install_first_guess(problem, machinery)
-        P, omega = machinery.composition.P, problem.parts.omega
+        y, P, omega = first_states(), machinery.composition.P, problem.parts.omega
         P[P_OMEGA] = SPEED_RATIO * omega
-        y = chambers_at_pitches(machinery)
-        easier = close_together(problem, machinery, criteria, y, FULL_RULE, MOST_OF_A_TRY, PITCHES_OF_A_TRY, patient)
+        easier = close_together(task, y, FULL_RULE, MOST_OF_A_TRY, PITCHES_OF_A_TRY, patient)
         P[P_OMEGA] = omega
         if easier.failed:
             return easier
-        cycle = close_together(problem, machinery, criteria, easier.y, most=MOST_OF_A_TRY, patient=patient)
-        return with_growth(problem, machinery, criteria, cycle)
+        cycle = close_together(task, easier.y, most=MOST_OF_A_TRY, patient=patient)
+        return with_growth(task, cycle)
 
     def sought_from_guess(rule: MixingRule, most: int, early: bool = False) -> CycleSolution:
-        install_first_guess(problem, machinery)
-        cycle = search_after_pitches(problem, machinery, criteria, chambers_at_pitches(machinery), rule, most, early)
-        return cycle if cycle.needed else with_growth(problem, machinery, criteria, cycle)
+        cycle = search_after_pitches(task, first_states(), rule, most, early)
+        return cycle if cycle.needed else with_growth(task, cycle)
 
     if left < STEPS_HELP_BELOW:
-        tighter = replace(criteria, rtol=max(0.03 * criteria.rtol, 1e-12))
-        yield "a tighter tolerance of the steps", lambda: closed(criteria=tighter)
+        yield "a tighter tolerance of the steps", tighter
     tries = {"closing without acceleration": plain, "damped closing": damped}
     tries[f"continuation from {SPEED_RATIO:g} times the speed"] = faster
     yield from tries.items()

@@ -18,6 +18,7 @@ from screwsim.figures import called_for
 from screwsim.machine.protocol import MachineGeometry
 from screwsim.model.composition import Composition
 from screwsim.model.parts import Effects, Parts
+from screwsim.model.run import Machinery
 from screwsim.model.series import Composer
 from screwsim.model.slots import DENSITY, ENTHALPY
 from screwsim.model.turn_scheduler import reach_station
@@ -110,6 +111,14 @@ class Problem:
         Numbers or arrays.
         """
         return 1.0 / (1.0 + ratio * rho / self.parts.oil.density) if self.parts.oil and self.parts.oil_room else 1.0
+
+
+class ClosingTask(NamedTuple):
+    """What is to be closed: a problem, the machinery that integrates it, and by which criteria."""
+
+    problem: Problem
+    machinery: Machinery
+    criteria: ClosingCriteria
 
 
 BuiltParts = tuple[PartsCache, Composer]

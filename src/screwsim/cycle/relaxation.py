@@ -16,8 +16,8 @@ from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.mixing import refined_rtol
 from screwsim.cycle.newton import Correction, Corrections, corrected_start
-from screwsim.cycle.problem import Problem
-from screwsim.cycle.solution import CLOSED_SHARE, NO_EXPECTATION, ClosingCriteria, CycleSolution, Start
+from screwsim.cycle.problem import ClosingTask
+from screwsim.cycle.solution import CLOSED_SHARE, NO_EXPECTATION, CycleSolution, Start
 from screwsim.effects.base import FlowPath
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_LIFE, Q_WORK, R_TRAPPED
@@ -63,9 +63,7 @@ def affordable_evaluations(rtol: float) -> float:
     return MOST_EVALUATIONS * (RTOL_OF_MOST / rtol) ** 0.25
 
 
-def relax(
-    problem: Problem, machinery: Machinery, criteria: ClosingCriteria, start: Start, last: bool
-) -> CycleSolution | None:
+def relax(task: ClosingTask, start: Start, last: bool) -> CycleSolution | None:
     """Close by turns from a start; return None when a turn stops and another way is left to try.
 
     Unless this is the `last` way, it gives up, unclosed, after the evaluations that the other way takes in the
@@ -73,9 +71,9 @@ def relax(
     since the error of the guess prevails. A guess from nearby cycles may be good enough to close in the first turn,
     which is then integrated as finely as its expected error allows.
     """
-    turns = _Turns(problem, machinery, criteria, start)
+    turns, machinery = _Turns(task, start), task.machinery
     reach_station()
-    most = np.inf if last else machinery.evaluations_of(machinery.counts) + affordable_evaluations(criteria.rtol)
+    most = np.inf if last else machinery.evaluations_of(machinery.counts) + affordable_evaluations(task.criteria.rtol)
     for _ in range(MAX_TURNS):
         angle = turns.integrate()
         if angle is not None:
@@ -100,9 +98,9 @@ class _Turns:
     corrected or mixed. `left` is the estimated change still to come.
     """
 
-    def __init__(self, problem: Problem, machinery: Machinery, criteria: ClosingCriteria, start: Start) -> None:
-        self.problem, self.machinery, self.criteria, self.y = problem, machinery, criteria, start.y.copy()
-        c, expected = machinery.composition, start.expected
+    def __init__(self, task: ClosingTask, start: Start) -> None:
+        self.problem, self.machinery, self.criteria = problem, machinery, criteria = task
+        self.y, c, expected = start.y.copy(), machinery.composition, start.expected
         c.P[c.widths] = criteria.widths
         self.corrections, self.accelerate = Corrections(problem, machinery, start.tangents), Anderson(DEPTH)
         self.images: list[tuple[Array, Array, int]] = []

@@ -20,11 +20,10 @@ from screwsim.cycle.coordinates import logarithms, states_of
 from screwsim.cycle.feedback import next_pitch, set_unknowns, unknowns
 from screwsim.cycle.linear_pitch import shifted
 from screwsim.cycle.mixing import MixingRule
-from screwsim.cycle.problem import Problem
+from screwsim.cycle.problem import ClosingTask, Problem
 from screwsim.cycle.simultaneous import close_together
-from screwsim.cycle.solution import ClosingCriteria, CycleSolution
+from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.tangents import linearised, slopes_of_image
-from screwsim.model.run import Machinery
 from screwsim.numerics.rodas import EVALUATED
 from screwsim.outputs.variables import NOT_CLOSED
 
@@ -50,13 +49,7 @@ def search_applies(problem: Problem) -> bool:
 
 
 def search_after_pitches(
-    problem: Problem,
-    machinery: Machinery,
-    criteria: ClosingCriteria,
-    y: Array,
-    rule: MixingRule,
-    most: int,
-    early: bool = False,
+    task: ClosingTask, y: Array, rule: MixingRule, most: int, early: bool = False
 ) -> CycleSolution:
     """Return the cycle found from the states y by alternating damped pitches and searches.
 
@@ -64,53 +57,45 @@ def search_after_pitches(
     search found the cycle and empty where damped pitches closed it. Where neither did, the cycle is the last one
     that damped pitches left, with its unknowns.
     """
+    problem, machinery, _ = task
     budget = int(machinery.counts[EVALUATED]) + most
     while True:
-        cycle = close_together(problem, machinery, criteria, y, rule, MOST_BETWEEN, PITCHES_BETWEEN)
+        cycle = close_together(task, y, rule, MOST_BETWEEN, PITCHES_BETWEEN)
         if cycle.status != NOT_CLOSED or machinery.counts[EVALUATED] > budget:
             return cycle
         y, met = cycle.y, unknowns(problem, machinery)
-        found = search_and_close(
-            problem, machinery, criteria, y.copy(), MOST_OF_AN_EARLY_ONE if early else MOST_OF_A_SEARCH
-        )
+        found = search_and_close(task, y.copy(), MOST_OF_AN_EARLY_ONE if early else MOST_OF_A_SEARCH)
         if found is not None:
             return found
         set_unknowns(problem, machinery, met)
 
 
 def search_and_close(
-    problem: Problem,
-    machinery: Machinery,
-    criteria: ClosingCriteria,
-    y: Array,
-    most: int = MOST_OF_A_SEARCH,
-    judged: bool = True,
+    task: ClosingTask, y: Array, most: int = MOST_OF_A_SEARCH, judged: bool = True
 ) -> CycleSolution | None:
     """Return the cycle that a search from the states y finds, then closed by pitches like any other; None if none.
 
     With `judged`, its `growth` says whether pitches converge to it.
     """
-    zero = newton_search(problem, machinery, criteria, y, most, judged)
+    zero = newton_search(task, y, most, judged)
     if zero is None:
         return None
-    fine = replace(criteria, rtol=min(criteria.rtol, LARGEST_RTOL))
-    cycle = close_together(problem, machinery, fine, zero.y, most=MOST_TO_VERIFY)
+    fine = replace(task.criteria, rtol=min(task.criteria.rtol, LARGEST_RTOL))
+    cycle = close_together(task._replace(criteria=fine), zero.y, most=MOST_TO_VERIFY)
     return replace(cycle, needed=FALLBACK_NAME, growth=zero.growth) if cycle.closed else None
 
 
-def with_growth(
-    problem: Problem, machinery: Machinery, criteria: ClosingCriteria, cycle: CycleSolution
-) -> CycleSolution:
+def with_growth(task: ClosingTask, cycle: CycleSolution) -> CycleSolution:
     """Return a cycle with its `growth`, if it closed and searches are possible.
 
     It is the machinery's last history again.
     """
-    if not cycle.closed or not search_applies(problem):
+    if not cycle.closed or not search_applies(task.problem):
         return cycle
-    pitch = _PitchMap(problem, machinery, criteria)
+    pitch = _PitchMap(task)
     here = pitch.first(cycle.y.copy())
     growth = 0.0 if here is None else pitch.growth(here)
-    machinery.put(cycle.trajectory)
+    task.machinery.put(cycle.trajectory)
     return replace(cycle, growth=growth)
 
 
@@ -126,15 +111,10 @@ class PeriodicState(NamedTuple):
 
 
 def newton_search(
-    problem: Problem,
-    machinery: Machinery,
-    criteria: ClosingCriteria,
-    y: Array,
-    most: int = MOST_OF_A_SEARCH,
-    judged: bool = False,
+    task: ClosingTask, y: Array, most: int = MOST_OF_A_SEARCH, judged: bool = False
 ) -> PeriodicState | None:
     """Return the zero that Newton's method finds from the states y, with its unknowns set; None if it finds none."""
-    pitch = _PitchMap(problem, machinery, criteria)
+    pitch, (problem, machinery, criteria) = _PitchMap(task), task
     budget = int(machinery.counts[EVALUATED]) + most
     here, share = pitch.first(y), 1.0
     before: tuple[Array, Array] | None = None  # the last step, and the simplified step after it
@@ -197,10 +177,10 @@ class SearchPoint:
 class _PitchMap:
     """The map of a pitch in coordinates of states and unknowns, and its derivatives."""
 
-    def __init__(self, problem: Problem, machinery: Machinery, criteria: ClosingCriteria) -> None:
-        self.problem, self.machinery, self.rtol = problem, machinery, min(criteria.rtol, LARGEST_RTOL)
-        self.check = criteria.check
-        self.c = machinery.composition
+    def __init__(self, task: ClosingTask) -> None:
+        self.problem, self.machinery, criteria = task
+        self.rtol, self.check = min(criteria.rtol, LARGEST_RTOL), criteria.check
+        self.c = self.machinery.composition
         self.c.P[self.c.widths] = criteria.widths
 
     def first(self, y: Array) -> SearchPoint | None:

@@ -12,8 +12,8 @@ from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.mixing import FULL_RULE, Mixing, MixingRule, StepRefinement
 from screwsim.cycle.newton import Corrections
-from screwsim.cycle.problem import Problem
-from screwsim.cycle.solution import CLOSED_SHARE, ClosingCriteria, CycleSolution
+from screwsim.cycle.problem import ClosingTask
+from screwsim.cycle.solution import CLOSED_SHARE, CycleSolution
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH, Q_WORK, R_TRAPPED
 from screwsim.numerics.rodas import EVALUATED, dense_value
@@ -33,9 +33,7 @@ CHECK_FACTOR = 20  # ... times this under a check, one pitch of which may take a
 
 
 def close_together(
-    problem: Problem,
-    machinery: Machinery,
-    criteria: ClosingCriteria,
+    task: ClosingTask,
     y: Array,
     rule: MixingRule = FULL_RULE,
     most: int = MAX_EVALUATIONS,
@@ -46,8 +44,8 @@ def close_together(
 
     Unless it is `patient`, iteration ends early where pitches make no progress.
     """
-    run = _Pitches(problem, machinery, criteria, y, rule)
-    budget = int(machinery.counts[EVALUATED]) + (CHECK_FACTOR * most if criteria.check else most)
+    run, machinery = _Pitches(task, y, rule), task.machinery
+    budget = int(machinery.counts[EVALUATED]) + (CHECK_FACTOR * most if task.criteria.check else most)
     for run.number in range(1, pitches + 1):
         if machinery.counts[EVALUATED] > budget:
             break
@@ -69,10 +67,9 @@ class _Pitches:
     the change of states and unknowns over a pitch. `astray` keeps those from before the first correction.
     """
 
-    def __init__(
-        self, problem: Problem, machinery: Machinery, criteria: ClosingCriteria, y: Array, rule: MixingRule
-    ) -> None:
-        self.problem, self.machinery, self.criteria, self.rule, self.y = problem, machinery, criteria, rule, y
+    def __init__(self, task: ClosingTask, y: Array, rule: MixingRule) -> None:
+        self.problem, self.machinery, self.criteria = problem, machinery, criteria = task
+        self.rule, self.y = rule, y
         self.c, self.entries = machinery.composition, problem.entries
         self.c.P[self.c.widths] = criteria.widths
         self.corrections = Corrections(problem, machinery)

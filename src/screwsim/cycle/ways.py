@@ -12,12 +12,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from screwsim.cycle.problem import Problem
+from screwsim.cycle.problem import ClosingTask
 from screwsim.cycle.relaxation import relax
 from screwsim.cycle.search import FALLBACK_NAME, search_and_close
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.cycle.solution import Array, ClosingCriteria, CorrectedState, CycleSolution, Expectation, Start
-from screwsim.model.run import Machinery
 from screwsim.model.slots import Q_WORK, R_TRAPPED
 from screwsim.numerics.settings import CLOSINGS, TOGETHER, WAVEFORMS
 from screwsim.outputs.variables import NOT_CLOSED
@@ -34,26 +33,15 @@ class Way(ABC):
     instead: str = ""
 
     @abstractmethod
-    def close(
-        self, problem: Problem, machinery: Machinery, criteria: ClosingCriteria, start: Start, last: bool
-    ) -> CycleSolution | None:
+    def close(self, task: ClosingTask, start: Start, last: bool) -> CycleSolution | None:
         """Close the cycle from a start; None or an unclosed cycle hands over to the next way (never None if `last`)."""
 
     @abstractmethod
-    def again(
-        self,
-        problem: Problem,
-        machinery: Machinery,
-        criteria: ClosingCriteria,
-        cycle: CycleSolution,
-        led: CorrectedState | None,
-    ) -> CycleSolution:
+    def again(self, task: ClosingTask, cycle: CycleSolution, led: CorrectedState | None) -> CycleSolution:
         """Close a cycle that this way has closed once more, from where finer lives have moved it, if given."""
 
     @abstractmethod
-    def finer(
-        self, problem: Problem, machinery: Machinery, criteria: ClosingCriteria, cycle: CycleSolution, most: int
-    ) -> CycleSolution | None:
+    def finer(self, task: ClosingTask, cycle: CycleSolution, most: int) -> CycleSolution | None:
         """Close a cycle with finer steps, within `most` evaluations where the number is not bounded otherwise."""
 
     @abstractmethod
@@ -71,31 +59,20 @@ class WaveformRelaxation(Way):
     whole = False
     instead = "numerics.closing: coupled"
 
-    def close(
-        self, problem: Problem, machinery: Machinery, criteria: ClosingCriteria, start: Start, last: bool
-    ) -> CycleSolution | None:
+    def close(self, task: ClosingTask, start: Start, last: bool) -> CycleSolution | None:
         """Relax until that has cost as much as simultaneous closing would."""
-        return relax(problem, machinery, criteria, start, last)
+        return relax(task, start, last)
 
-    def again(
-        self,
-        problem: Problem,
-        machinery: Machinery,
-        criteria: ClosingCriteria,
-        cycle: CycleSolution,
-        led: CorrectedState | None,
-    ) -> CycleSolution:
+    def again(self, task: ClosingTask, cycle: CycleSolution, led: CorrectedState | None) -> CycleSolution:
         """Relax from the cycle, or from where its finer lives have moved it."""
         y, seen = led or (cycle.y, cycle.seen)
         expected = Expectation(seen, 0.0, 1.0, cycle.contraction, cycle.missed)
-        return close_by_ways(problem, machinery, criteria, Start(y, expected, cycle.tangents))
+        return close_by_ways(task, Start(y, expected, cycle.tangents))
 
-    def finer(
-        self, problem: Problem, machinery: Machinery, criteria: ClosingCriteria, cycle: CycleSolution, most: int
-    ) -> CycleSolution | None:
+    def finer(self, task: ClosingTask, cycle: CycleSolution, most: int) -> CycleSolution | None:
         """Relax from the machinery's last life; relaxation bounds its own length."""
-        expected = Expectation((float(machinery.R[R_TRAPPED]), float(cycle.q[Q_WORK])), 0.0)  # the last life's mass
-        return relax(problem, machinery, criteria, Start(cycle.y, expected), last=True)
+        seen = float(task.machinery.R[R_TRAPPED]), float(cycle.q[Q_WORK])  # the last life's mass
+        return relax(task, Start(cycle.y, Expectation(seen, 0.0)), last=True)
 
     def share(self, cycle: CycleSolution, criteria: ClosingCriteria) -> float:
         """Return the factor relative to the tolerance that waveform relaxation starts with."""
@@ -111,31 +88,20 @@ class SimultaneousClosing(Way):
 
     whole = True
 
-    def close(
-        self, problem: Problem, machinery: Machinery, criteria: ClosingCriteria, start: Start, last: bool
-    ) -> CycleSolution | None:
+    def close(self, task: ClosingTask, start: Start, last: bool) -> CycleSolution | None:
         """Close from the states that the installed life has at the chambers' angles."""
-        return close_together(problem, machinery, criteria, chambers_at_pitches(machinery))
+        return close_together(task, chambers_at_pitches(task.machinery))
 
-    def again(
-        self,
-        problem: Problem,
-        machinery: Machinery,
-        criteria: ClosingCriteria,
-        cycle: CycleSolution,
-        led: CorrectedState | None,
-    ) -> CycleSolution:
+    def again(self, task: ClosingTask, cycle: CycleSolution, led: CorrectedState | None) -> CycleSolution:
         """Close from the states of the cycle, by a search where a search found it."""
         found = None
         if cycle.needed == FALLBACK_NAME:
-            found = search_and_close(problem, machinery, criteria, cycle.y.copy(), judged=False)
-        return found or close_together(problem, machinery, criteria, cycle.y.copy())
+            found = search_and_close(task, cycle.y.copy(), judged=False)
+        return found or close_together(task, cycle.y.copy())
 
-    def finer(
-        self, problem: Problem, machinery: Machinery, criteria: ClosingCriteria, cycle: CycleSolution, most: int
-    ) -> CycleSolution | None:
+    def finer(self, task: ClosingTask, cycle: CycleSolution, most: int) -> CycleSolution | None:
         """Close from the states of the cycle."""
-        return close_together(problem, machinery, criteria, cycle.y.copy(), most=most)
+        return close_together(task, cycle.y.copy(), most=most)
 
     def share(self, cycle: CycleSolution, criteria: ClosingCriteria) -> float:
         """Return 1: what pitches needed says nothing about waveform relaxation."""
@@ -155,18 +121,18 @@ def way_of(cycle: CycleSolution) -> Way:
     return WAYS[cycle.how]
 
 
-def close_by_ways(problem: Problem, machinery: Machinery, criteria: ClosingCriteria, start: Start) -> CycleSolution:
+def close_by_ways(task: ClosingTask, start: Start) -> CycleSolution:
     """Close the cycle by the ways of its setting in turn.
 
     An unclosed attempt before the last way is kept as `abandoned_cycle`.
     """
-    *first, last = (WAYS[name] for name in CLOSINGS[criteria.closing].ways)
+    *first, last = (WAYS[name] for name in CLOSINGS[task.criteria.closing].ways)
     left = None
     for way in first:
-        found = way.close(problem, machinery, criteria, start, last=False)
+        found = way.close(task, start, last=False)
         if found is not None and found.status != NOT_CLOSED:
             return found
         left = found or left
-    found = last.close(problem, machinery, criteria, start, last=True)
+    found = last.close(task, start, last=True)
     assert found is not None
     return found if left is None else replace(found, abandoned_cycle=left)

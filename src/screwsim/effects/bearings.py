@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from math import hypot, pi
 
 from screwsim.effects.base import Effect, Faults, PowerLoss
-from screwsim.effects.oil_drag import film_temperature
+from screwsim.effects.oil_drag import declared_film_temperature, film_temperature
 from screwsim.effects.parts.usual import FRICTION, Sized
 from screwsim.inputs.declare import choice, count, number, quantity
 from screwsim.inputs.faults import Fault
@@ -55,13 +55,8 @@ class Parameters:
         "f_1, of the load-dependent moment (friction: two_term)", None, ge=0.0, le=1.0, hardly=(None, 0.01)
     )
     count: int = count("bearings of one rotor, for the load-independent moment (friction: two_term)", 4, ge=1)
-    film_temperature: float | None = quantity(
-        "temperature",
-        "temperature of the lubricating oil (friction: two_term; default: as in oil_drag)",
-        None,
-        ge=150.0,
-        le=700.0,
-        hardly=(210.0, 500.0),
+    film_temperature: float | None = declared_film_temperature(
+        "temperature of the lubricating oil (friction: two_term; default: as in oil_drag)"
     )
 
 

@@ -11,6 +11,7 @@ Parameters: tip_gap, tip_land, end_gap, end_solidity, female_diameter, film_temp
 
 from dataclasses import dataclass
 from math import pi
+from typing import Any
 
 from screwsim.effects.base import Effect, Faults, PowerLoss
 from screwsim.effects.parts.usual import Sized
@@ -18,6 +19,11 @@ from screwsim.inputs.declare import number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import DIAMETER, LOBE, ROTORS
 from screwsim.outputs import power_figure
+
+
+def declared_film_temperature(what: str) -> Any:
+    """Declare the temperature of an oil film."""
+    return quantity("temperature", what, None, ge=150.0, le=700.0, hardly=(210.0, 500.0))
 
 
 @dataclass(frozen=True)
@@ -35,13 +41,8 @@ class Parameters:
     female_diameter: float | None = quantity(
         "length", "outer diameter of the female rotor (default: machine.profile's, else the male rotor's)", None, gt=0.0
     )
-    film_temperature: float | None = quantity(
-        "temperature",
-        "T_f: temperature of the films (default: mean of injected and discharged oil)",
-        None,
-        ge=150.0,
-        le=700.0,
-        hardly=(210.0, 500.0),
+    film_temperature: float | None = declared_film_temperature(
+        "T_f: temperature of the films (default: mean of injected and discharged oil)"
     )
     film_share: float = number("share of the gaps filled by oil", 1.0, ge=0.0, le=1.0)
 

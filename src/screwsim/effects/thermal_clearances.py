@@ -17,14 +17,15 @@ from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, Made, Reading, Scaled, Site, Turn
 from screwsim.effects.parts.usual import Sized
+from screwsim.effects.wall_heat import LUMPS, fixed_temperature
+from screwsim.effects.wall_heat import NAME as WALLS
 from screwsim.inputs.declare import quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import DIAMETER, ROTORS, SPAN
 from screwsim.numerics.feedback_unknowns import FeedbackUnknown
 from screwsim.outputs import Figure, names_of
 
-NAME, WALLS = "thermal_clearances", "wall_heat"
-LUMPS = ("rotor", "housing")
+NAME = "thermal_clearances"
 GAPS = {"tip_leakage": "tip_gap", "interlobe_leakage": "interlobe_gap", "end_face_leakage": "end_face_gap"}
 MEANINGS = ("between tips and housing", "between the rotors", "of the discharge end faces")
 FIGURES = tuple(
@@ -66,22 +67,8 @@ class Parameters:
     bearing_distance: float = quantity(
         "length", "distance from the thrust bearing to the discharge end face", 0.0, ge=0.0
     )
-    rotor_temperature: float | None = quantity(
-        "temperature",
-        f"fixed temperature (default: from effects.{WALLS})",
-        None,
-        ge=50.0,
-        le=2500.0,
-        hardly=(150.0, 800.0),
-    )
-    housing_temperature: float | None = quantity(
-        "temperature",
-        f"fixed temperature (default: from effects.{WALLS})",
-        None,
-        ge=50.0,
-        le=2500.0,
-        hardly=(150.0, 800.0),
-    )
+    rotor_temperature: float | None = fixed_temperature(f"from effects.{WALLS}")
+    housing_temperature: float | None = fixed_temperature(f"from effects.{WALLS}")
 
 
 def growth(parameters: Parameters, rotor: float, housing: float) -> float:

@@ -14,6 +14,7 @@ housing_cooling; rotor_temperature, housing_temperature; reference state or λ, 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 from screwsim.effects.base import Around, Effect, Faults, Made, Reading, Site, Turn, Wall
 from screwsim.effects.parts.gas_transport import gas_faults, gas_numbers
@@ -36,6 +37,12 @@ GAS = ("gas_conductivity", "gas_viscosity")
 COLDEST = 100.0  # [K] lower bound; a lump that reaches it is cooled by more than the gas can supply
 
 
+def fixed_temperature(default: str) -> Any:
+    """Declare the temperature of a lump; in words what it is by default."""
+    what = f"fixed temperature (default: {default})"
+    return quantity("temperature", what, None, ge=50.0, le=2500.0, hardly=(150.0, 800.0))
+
+
 @dataclass(frozen=True)
 class Parameters:
     """The walls of one chamber, the gas that passes them, and what cools them from outside."""
@@ -55,22 +62,8 @@ class Parameters:
     nusselt_factor: float = number("C in Nu = C Re^0.8", 0.023, ge=0.0, le=1e4, hardly=(None, 1.0))
     rotor_cooling: float = quantity("power", "heat removed from the rotors outside the chambers", 0.0, ge=0.0)
     housing_cooling: float = quantity("power", "heat removed from the housing at its outside", 0.0, ge=0.0)
-    rotor_temperature: float | None = quantity(
-        "temperature",
-        "fixed temperature (default: found from its heat balance)",
-        None,
-        ge=50.0,
-        le=2500.0,
-        hardly=(150.0, 800.0),
-    )
-    housing_temperature: float | None = quantity(
-        "temperature",
-        "fixed temperature (default: found from its heat balance)",
-        None,
-        ge=50.0,
-        le=2500.0,
-        hardly=(150.0, 800.0),
-    )
+    rotor_temperature: float | None = fixed_temperature("found from its heat balance")
+    housing_temperature: float | None = fixed_temperature("found from its heat balance")
     reference_pressure: float | None = quantity(
         "pressure", "pressure at which lambda, mu of the gas are evaluated", None, gt=0.0
     )

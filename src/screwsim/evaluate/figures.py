@@ -11,7 +11,7 @@ from screwsim.cycle import suction_line
 from screwsim.cycle.balances import flow_past_suction_port, outflow_dissolved_gas, outflow_of, streams_of
 from screwsim.cycle.cycle_figures import CycleFigures, oil_lift
 from screwsim.cycle.problem import Problem
-from screwsim.effects.base import SUCTION, Drawn, Plenum, Separator, Turn
+from screwsim.effects.base import SUCTION, Drawn, Given, Plenum, Separator, Turn
 from screwsim.evaluate import humidity, performance
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures import Performance, figures_declared_elsewhere
@@ -54,45 +54,43 @@ def figures_of(
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
     reach_station()
     drawn = performance.plenum_products(parts, streams, rate)
-    found, notes = performance.efficiencies(parts.gas, problem.lines, problem.inlet, flow, shaft, drawn)
     mean = outflow_of(streams)
     leaving = None if mean is None else mean.enthalpy
-    found = {**found, **losses, **_of_machine(problem, life, q, leaving, flow)}
+    found: dict[str, Any] = {**losses, **_of_machine(problem, life, q, leaving, flow)}
     found |= {"indicated_power": known.indicated_power, "shaft_power": shaft, "shaft_torque": shaft / parts.omega}
-    notes |= WHY_NONE
+    notes = dict(WHY_NONE)
 
-    def take(own: Mapping[str, Any], reasons: Mapping[str, str]) -> None:
+    def take(given: Given) -> None:
+        own, reasons = performance.parted(given)
         found.update(own)
         notes.update(reasons)
 
+    take(performance.efficiencies(parts.gas, problem.lines, problem.inlet, flow, shaft, drawn))
     reach_station()
     if parts.oil is not None:
         found |= _of_oil(problem, life, known, flow) | {"oil_lift_power": lift}
     if circuit is not None and parts.all(Separator):
-        take(*_of_circuit(problem, circuit))
+        take(_of_circuit(problem, circuit))
     if parts.dissolves:
         found["discharge_dissolved_gas_ratio"] = outflow_dissolved_gas(streams)
-    take(*_of_plenums(problem, sucked, streams, about))
+    take(_of_plenums(problem, sucked, streams, about))
     reach_station()
-    take(*humidity.figures(problem, life, streams, found, circuit))
-    take(*performance.refrigeration(found, problem.inlet.density, _refrigerating_effect(problem, found)))
+    take(humidity.figures(problem, life, streams, found, circuit))
+    take(performance.refrigeration(found, problem.inlet.density, _refrigerating_effect(problem, found)))
     if problem.refrigerating_effect is not None:
         condensed = flow + sum(net for net, _ in drawn)
-        take(*performance.heating(found, condensed, *_condenser_heat(problem, circuit, leaving)))
-    take(*performance.saturation_figures(problem, found))
+        take(performance.heating(found, condensed, _condenser_heat(problem, circuit, leaving)))
+    take(performance.saturation_figures(problem, found))
     if "intake_pressure" in problem.called:
         found["intake_pressure"] = problem.suction.pressure
         found["intake_temperature"] = _intake_temperature(problem, life)
     if parts.suction_line:
         found |= _of_suction_line(problem, life, streams, suction_line.suction_heat(problem, shaft))
     if parts.geometry.expands:
-        changed, reasons = _of_expander(problem, life, found)
-        for name in changed:
-            notes.pop(name, None)
-        take(changed, reasons)
+        take(_of_expander(problem, life, found))
     if parts.walls:
         found["wall_heat"] = float(q[slots.Q_WALLS : slots.Q_WALLS + 2 * len(parts.walls) : 2].sum()) * rate
-    take(*performance.readings(parts, known, found))
+    take(performance.readings(parts, known, found))
     values = dict(zip(about, map(found.get, about), strict=True))
     none = {name: notes.get(name, NO_REASON) for name, value in values.items() if value is None}
     return Performance(values, about), none
@@ -131,10 +129,8 @@ def _refrigerating_effect(problem: Problem, found: Mapping[str, Any]) -> float |
     return None if effect is None else effect * (1.0 + gain)
 
 
-def _of_expander(
-    problem: Problem, life: Trajectory, found: dict[str, Any]
-) -> tuple[dict[str, float | None], dict[str, str]]:
-    """Return the figures that an expander has in place of a compressor's, and the reasons for those that are None."""
+def _of_expander(problem: Problem, life: Trajectory, found: dict[str, Any]) -> Given:
+    """Return the figures that an expander has in place of a compressor's."""
     geometry, closes = problem.parts.geometry, problem.parts.geometry.inlet_closes
     filled = None if closes is None else problem.inlet.density * life.volume(closes)  # where the inlet closes
     filled = None if filled is None else filled * problem.parts.omega / geometry.pitch
@@ -197,33 +193,33 @@ def _of_suction_line(problem: Problem, life: Trajectory, streams: Array, heat: f
     }
 
 
-def _condenser_heat(problem: Problem, circuit: Circuit | str | None, leaving: float | None) -> tuple[float | None, str]:
-    """Return the heat that a kilogram of gas gives off in the condenser [J/kg] (M410), or None and the reason.
+def _condenser_heat(problem: Problem, circuit: Circuit | str | None, leaving: float | None) -> float | str:
+    """Return the heat that a kilogram of gas gives off in the condenser [J/kg] (M410), or why there is none.
 
     The gas comes from the separator, or without one from the chambers, with the enthalpy `leaving`.
     """
     effect, parted = problem.refrigerating_effect, problem.parts.all(Separator)
     if isinstance(circuit, str) and parted:
-        return None, circuit
+        return circuit
     if leaving is None or effect is None:
-        return None, NONE_LEAVES
+        return NONE_LEAVES
     h = leaving
     if isinstance(circuit, Circuit) and parted:
         h = problem.parts.gas.enthalpy(problem.lines.p_d, circuit.parted.T_separator)
-    return effect + h - problem.inlet.enthalpy, ""
+    return effect + h - problem.inlet.enthalpy
 
 
-def _of_circuit(problem: Problem, circuit: Circuit | str) -> tuple[dict[str, float | None], dict[str, str]]:
+def _of_circuit(problem: Problem, circuit: Circuit | str) -> Given:
     """Return the figures of separator and oil cooler, or the reason why there are none (M280–M285)."""
     oil = problem.scene.oil
     assert problem.parts.oil is not None and oil is not None
     T = problem.parts.oil.temperature
-    found: dict[str, float | None] = {"oil_supply_temperature": float(T)}
+    found = {"oil_supply_temperature": float(T)}
     if isinstance(circuit, str):
-        return found | dict.fromkeys(OF_SEPARATOR), dict.fromkeys(OF_SEPARATOR, circuit)
+        return found | dict.fromkeys(OF_SEPARATOR, circuit)
     parted, volume = circuit.parted, circuit.outflow.oil_flow / oil.at(T).density
     values = parted.T_mixture, parted.T_separator, parted.duty, circuit.residual, volume
-    return found | dict(zip(OF_SEPARATOR, values, strict=True)), {}
+    return found | dict(zip(OF_SEPARATOR, values, strict=True))
 
 
 def _shut(problem: Problem, turn: Turn | None) -> bool:
@@ -235,14 +231,9 @@ def _shut(problem: Problem, turn: Turn | None) -> bool:
     return turn is not None and any(part.shut is not None and part.shut(turn) for part in lines)
 
 
-def _of_plenums(
-    problem: Problem, sucked: float, streams: Array, about: dict[str, Figure]
-) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the figures of effects with own plenums, and the reasons for those that are None.
-
-    `sucked` [kg/life], net.
-    """
-    found, notes, parts = {}, {}, problem.parts
+def _of_plenums(problem: Problem, sucked: float, streams: Array, about: dict[str, Figure]) -> Given:
+    """Return the figures of effects with own plenums; `sucked` [kg/life], net."""
+    found, parts = {}, problem.parts
     gas, energy = streams[:, slots.OF_GAS], streams[:, slots.OF_ENERGY]
     suction = sucked * problem.rate * (1.0 - problem.suction.returned)
     why = "" if suction > 0.0 else performance.NONE_DELIVERED
@@ -253,8 +244,7 @@ def _of_plenums(
         site = build_site(problem.scene, parts.gas)
         brought = float(gas[i + 1] * state.h - energy[i + 1]) * problem.rate
         drawn = Drawn(float(gas[i] + gas[i + 1]) * problem.rate, suction, state, site, brought)
-        given, reasons = performance.effect_figures(plenum.figures(drawn), name, why)
+        given = performance.effect_figures(plenum.figures(drawn), name, why)
         about |= figures_declared_elsewhere(name, problem.scene.effects[name].effect, given)
         found |= given
-        notes |= reasons
-    return found, notes
+    return found

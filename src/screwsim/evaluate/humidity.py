@@ -12,6 +12,7 @@ import numpy as np
 from screwsim.build import package_of
 from screwsim.cycle import suction_line
 from screwsim.cycle.problem import Problem
+from screwsim.effects.base import Given
 from screwsim.evaluate.performance import NONE_DELIVERED
 from screwsim.evaluate.separator import Circuit
 from screwsim.fluid import water
@@ -37,46 +38,46 @@ NOTHING_OUT = "nothing flows out to the discharge line"
 
 def figures(
     problem: Problem, life: Trajectory, streams: Array, found: Mapping[str, Any], circuit: Circuit | str | None
-) -> tuple[dict[str, float | None], dict[str, str]]:
-    """Return the figures of moist air, and the reasons for those that are None.
-
-    Nothing for a scene without humidity.
-    """
+) -> Given:
+    """Return the figures of moist air, or the reasons why there are none; nothing for a scene without humidity."""
     gas, scene = problem.parts.gas, problem.scene
     if scene.gas.relative_humidity is None:
-        return {}, {}
+        return {}
     wet = gas if isinstance(gas, MoistAir) else None
     p_d, brought = problem.lines.p_d, found["gas_mass_flow"] * (0.0 if wet is None else wet.share)
-    own: dict[str, float | None] = {
+    margin = MARGIN if scene.gas.dew_point_margin is None else scene.gas.dew_point_margin
+    dew = _dew_point(wet, p_d)
+    own: dict[str, float | str] = {
         "humidity_ratio": 0.0 if wet is None else wet.humidity_ratio,
         "water_flow": brought,
-        "pressure_dew_point": None if wet is None else wet.dew_point(p_d),
+        "pressure_dew_point": dew,
         "chamber_condensate_share": 0.0 if wet is None else chamber_share(problem, wet, life),
+        "lowest_safe_oil_temperature": dew if isinstance(dew, str) else dew + margin,
     }
-    why = DRY if wet is None else NO_DEW
-    notes = {"pressure_dew_point": why, "lowest_safe_oil_temperature": why}
-    dew = own["pressure_dew_point"]
-    margin = MARGIN if scene.gas.dew_point_margin is None else scene.gas.dew_point_margin
-    own["lowest_safe_oil_temperature"] = None if dew is None else dew + margin
     T, out = outlet_temperature(found, circuit), _discharge_flow(problem, life, streams, circuit)
     names = ("condensate_flow", "vapour_flow", "water_residual", AFTERCOOLER, PACKAGE_VAPOUR, PACKAGE_DEW)
     if T is None or not (out > 0.0 and found["gas_mass_flow"] > 0.0):
-        why = NOTHING_OUT if T is None else NONE_DELIVERED
-        return own | dict.fromkeys(names), notes | dict.fromkeys(names, why)
+        return own | dict.fromkeys(names, NOTHING_OUT if T is None else NONE_DELIVERED)
     liquid = 0.0 if wet is None else out * wet.condensed(p_d, T)
     vapour = 0.0 if wet is None else out * wet.share - liquid
     own["condensate_flow"], own["vapour_flow"] = liquid, vapour
     own["water_residual"] = 0.0 if wet is None else (brought - liquid - vapour) / brought
-    return own | _delivered(problem, wet, out, T, vapour), notes | _undelivered(problem)
+    return own | _delivered(problem, wet, out, T, vapour)
 
 
-def _delivered(problem: Problem, wet: MoistAir | None, out: float, T: float, vapour: float) -> dict[str, float | None]:
+def _dew_point(wet: MoistAir | None, p: float) -> float | str:
+    """Return the dew point [K] of air at p [Pa], or why it has none."""
+    found = None if wet is None else wet.dew_point(p)
+    return (DRY if wet is None else NO_DEW) if found is None else found
+
+
+def _delivered(problem: Problem, wet: MoistAir | None, out: float, T: float, vapour: float) -> dict[str, float | str]:
     """Return an aftercooler's condensate and the vapour after it, by the vapour [kg/s] behind the separator (M361)."""
     scene, p_d = problem.scene, problem.lines.p_d
     package = package_of(scene)
-    none: dict[str, float | None] = {AFTERCOOLER: 0.0, PACKAGE_VAPOUR: 0.0, PACKAGE_DEW: None}
     if wet is None or (package is not None and not package.delivers):
-        return none
+        none = BLOWN_OFF if package is not None and not package.delivers else DRY
+        return {AFTERCOOLER: 0.0, PACKAGE_VAPOUR: 0.0, PACKAGE_DEW: none}
     outlet = p_d if package is None or scene.losses is None else p_d - scene.losses.behind
     liquid = out * wet.share - vapour
     cooled = min(T, cooled_to(problem, T) or T)
@@ -85,15 +86,7 @@ def _delivered(problem: Problem, wet: MoistAir | None, out: float, T: float, vap
         return {AFTERCOOLER: condensed}
     left = vapour - condensed
     passed = replace(wet, share=left / (left + out * (1.0 - wet.share)))
-    return {AFTERCOOLER: condensed, PACKAGE_VAPOUR: left, PACKAGE_DEW: passed.dew_point(outlet)}
-
-
-def _undelivered(problem: Problem) -> dict[str, str]:
-    """Return the reason why a package has no dew point behind it."""
-    package = package_of(problem.scene)
-    if package is not None and not package.delivers:
-        return {PACKAGE_DEW: BLOWN_OFF}
-    return {PACKAGE_DEW: NO_DEW if isinstance(problem.parts.gas, MoistAir) else DRY}
+    return {AFTERCOOLER: condensed, PACKAGE_VAPOUR: left, PACKAGE_DEW: _dew_point(passed, outlet)}
 
 
 def cooled_to(problem: Problem, T: float) -> float | None:

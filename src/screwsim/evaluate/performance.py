@@ -1,5 +1,6 @@
 """Performance figures of a cycle: flows, powers, efficiencies, and saturation temperatures of both lines.
 
+A text in place of a figure's value is the reason why there is none.
 Source: docs/model.md M25–M36, M43–M45, M151, M152, M410, M411.
 """
 
@@ -32,24 +33,22 @@ NONE_DELIVERED = "no net gas is delivered: the machine leaks more than it takes 
 
 def efficiencies(
     gas: Gas, lines: Lines, inlet: Inlet, flow: float, shaft_power: float, drawn: Sequence[tuple[float, Reservoir]] = ()
-) -> tuple[dict[str, float | None], dict[str, str]]:
-    """Return isothermal and isentropic efficiency (M35, M36), or None with the reason.
+) -> Given:
+    """Return isothermal and isentropic efficiency (M35, M36).
 
     `drawn` holds the net flow [kg/s] and the state of each own plenum: their ideal powers add to that of the suction
     gas (M101).
     """
     names = ("isothermal_efficiency", "ideal_isothermal_efficiency", "isentropic_efficiency")
     if flow <= 0.0 or shaft_power <= 0.0:
-        reason = NONE_DELIVERED if flow <= 0.0 else NO_POWER
-        return dict.fromkeys(names), dict.fromkeys(names, reason)
+        return dict.fromkeys(names, NONE_DELIVERED if flow <= 0.0 else NO_POWER)
     works, obstacle = _ideal_works(gas, lines, inlet)
     powers = [None if work is None else flow * work for work in works]
     for net, state in drawn:
         others, reason = _plenum_works(gas, lines.p_d, state)
         powers = [None if a is None or b is None else a + net * b for a, b in zip(powers, others, strict=True)]
         obstacle = obstacle or reason
-    found = {name: None if power is None else power / shaft_power for name, power in zip(names, powers, strict=True)}
-    return found, {} if obstacle is None else {"isothermal_efficiency": obstacle}
+    return {name: obstacle if power is None else power / shaft_power for name, power in zip(names, powers, strict=True)}
 
 
 @lru_cache(maxsize=64)
@@ -59,7 +58,7 @@ def _ideal_works(gas: Gas, lines: Lines, inlet: Inlet) -> tuple[tuple[float | No
     ideal = gas.ideal_isothermal_work(*ends)
     if lines.quality is not None:
         isentropic = gas.isentropic_work_of_enthalpy(lines.p_s, lines.p_d, inlet.enthalpy)
-        return (None, ideal, isentropic), "the intake is wet"
+        return (None, ideal, isentropic), WET
     return (gas.isothermal_work(*ends), ideal, gas.isentropic_work(*ends)), gas.isothermal_obstacle(*ends)
 
 
@@ -72,6 +71,12 @@ def _plenum_works(gas: Gas, p_d: float, state: Reservoir) -> tuple[tuple[float |
     return (isothermal, gas.ideal_isothermal_work(state.p, p_d, state.T), isentropic), obstacle
 
 
+def parted(given: Given) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return figures with None in place of each text, and these texts: the reasons why there is no value."""
+    reasons = {name: value for name, value in given.items() if isinstance(value, str)}
+    return {**given, **dict.fromkeys(reasons)}, reasons
+
+
 def plenum_products(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reservoir]]:
     """Return the net flow [kg/s] and state of each own plenum whose gas is a product."""
     products = {part.name for _, part in parts.all(Plenum) if part.product}
@@ -79,10 +84,8 @@ def plenum_products(parts: Parts, streams: Array, rate: float) -> list[tuple[flo
     return [(float(streams[i, OF_GAS] + streams[i + 1, OF_GAS]) * rate, state) for i, state in rows]
 
 
-def refrigeration(
-    found: Mapping[str, Any], rho_s: float, effect: float | None
-) -> tuple[dict[str, float | None], dict[str, str]]:
-    """Return specific power and the figures of cooling (M43–M45), or None with the reason.
+def refrigeration(found: Mapping[str, Any], rho_s: float, effect: float | None) -> Given:
+    """Return specific power and the figures of cooling (M43–M45).
 
     `rho_s` is the gas model's density in the suction line [kg/m³], `effect` the refrigerating effect [J/kg], None
     where the scene calls for no figures of cooling.
@@ -90,64 +93,51 @@ def refrigeration(
     flow, power = found["gas_mass_flow"], found["shaft_power"]
     names = ("specific_power", *(("cooling_capacity", "cop", "volumetric_cooling_capacity") if effect else ()))
     if flow <= 0.0:
-        return dict.fromkeys(names), dict.fromkeys(names, NONE_DELIVERED)
-    figures: dict[str, float | None] = {"specific_power": power * rho_s / flow}
+        return dict.fromkeys(names, NONE_DELIVERED)
+    specific = {"specific_power": power * rho_s / flow}
     if effect is None:
-        return figures, {}
-    cop = flow * effect / power if power > 0.0 else None
-    figures |= {"cooling_capacity": flow * effect, "cop": cop, "volumetric_cooling_capacity": rho_s * effect}
-    return figures, {} if power > 0.0 else {"cop": NO_POWER}
+        return specific
+    cop = flow * effect / power if power > 0.0 else NO_POWER
+    return specific | dict(zip(names[1:], (flow * effect, cop, rho_s * effect), strict=True))
 
 
-def heating(
-    found: Mapping[str, Any], condensed: float, rejected: float | None, why: str
-) -> tuple[dict[str, float | None], dict[str, str]]:
-    """Return the heat given off in the condenser [W] and its ratio to the shaft power (M410), or None with the reason.
+def heating(found: Mapping[str, Any], condensed: float, rejected: float | str) -> Given:
+    """Return the heat given off in the condenser [W] and its ratio to the shaft power (M410).
 
     `condensed` [kg/s] is all gas that reaches the condenser, `rejected` the heat given off by a kilogram of it
-    [J/kg], None with the reason `why`.
+    [J/kg], or the reason why there is none.
     """
     power, names = found["shaft_power"], ("heating_capacity", "heating_cop")
-    if condensed <= 0.0 or rejected is None:
-        return dict.fromkeys(names), dict.fromkeys(names, why if rejected is None else NONE_DELIVERED)
+    if isinstance(rejected, str) or condensed <= 0.0:
+        return dict.fromkeys(names, rejected if isinstance(rejected, str) else NONE_DELIVERED)
     capacity = condensed * rejected
-    cop = capacity / power if power > 0.0 else None
-    reasons = {} if power > 0.0 else {"heating_cop": NO_POWER}
-    return {"heating_capacity": capacity, "heating_cop": cop}, reasons
+    return dict(zip(names, (capacity, capacity / power if power > 0.0 else NO_POWER), strict=True))
 
 
-def effect_figures(
-    given: Given, effect: str, why: str = "", finite: bool = True
-) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the figures that an effect gives, and the reasons for those that are None.
+def effect_figures(given: Given, effect: str, why: str = "", finite: bool = True) -> Given:
+    """Return the figures that an effect gives, with a reason for each that it gives neither a value nor a reason.
 
     Raises Impossible for a figure that is not a number, unless `finite` is False.
     """
-    found = {name: None if isinstance(value, str) else value for name, value in given.items()}
+    none = why or f"effects.{effect} finds no value in this cycle"
+    found = {name: value or none if isinstance(value, str | None) else value for name, value in given.items()}
     for name, value in found.items():
         if finite:
-            checked_own_number(effect, f"its figure {name}", 0.0 if value is None else value)
-    reasons = {name: value if isinstance(value, str) else why for name, value in given.items()}
-    none = f"effects.{effect} finds no value in this cycle"
-    return found, {name: reasons[name] or none for name, value in found.items() if value is None}
+            checked_own_number(effect, f"its figure {name}", 0.0 if isinstance(value, str) else value)
+    return found
 
 
-def readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the figures that effects read from the closed cycle, and the reasons for those that are None.
-
-    All other figures are known by then.
-    """
-    values: dict[str, Any] = {}
-    notes: dict[str, str] = {}
+def readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> Given:
+    """Return the figures that effects read from the closed cycle; all other figures are known by then."""
+    given: dict[str, float | str | None] = {}
     reading = parts.all(Reading)
     names = ("shaft_power", "isothermal_efficiency", "isentropic_efficiency", "cop", "heating_cop")
     complete = with_changes(known, **{name: found.get(name) for name in names}) if reading else known
     for name, part in sorted(reading, key=lambda each: MOTOR_POWER not in each[1].figures):  # others may read it
-        given = part.read(with_changes(complete, motor_power=values.get(MOTOR_POWER), found={**found, **values}))
-        read, reasons = effect_figures(given, name, finite=bool(np.isfinite(known.indicated_power)))
-        values |= read
-        notes |= reasons
-    return values, notes
+        values, _ = parted(given)
+        read = part.read(with_changes(complete, motor_power=values.get(MOTOR_POWER), found={**found, **values}))
+        given |= effect_figures(read, name, finite=bool(np.isfinite(known.indicated_power)))
+    return given
 
 
 def judge_readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:
@@ -169,41 +159,31 @@ NO_MEANING = {
 }
 
 
-def figures_of_expander(
-    found: Mapping[str, Any], isentropic_work: float, filled: float | None
-) -> tuple[dict[str, float | None], dict[str, str]]:
-    """Return the figures of an expander in place of a compressor's, and the reasons for those that are None.
+def figures_of_expander(found: Mapping[str, Any], isentropic_work: float, filled: float | None) -> Given:
+    """Return the figures of an expander in place of a compressor's.
 
     `isentropic_work` h_2s − h_1 [J/kg], negative; `filled` [kg/s]: flow that fills the chambers where the inlet
     closes, None without an inlet port.
     """
     flow, shaft = float(found["gas_mass_flow"]), float(found["shaft_power"])
-    changed: dict[str, float | None] = dict.fromkeys(NO_MEANING)
-    reasons = dict(NO_MEANING)
-    changed |= {"output_power": -shaft, "isentropic_efficiency": None, "filling_factor": None}
+    changed: dict[str, float | str] = {**NO_MEANING, "output_power": -shaft}
     if flow <= 0.0:
-        reasons |= dict.fromkeys(("isentropic_efficiency", "filling_factor"), "no net gas flows through the expander")
-        return changed, reasons
-    if filled is None:
-        reasons["filling_factor"] = (
-            "the machine has no port whose closing ends the filling (name machine.discharge_port)"
-        )
-    else:
-        changed["filling_factor"] = flow / filled
-    if shaft < 0.0:
-        changed["isentropic_efficiency"] = shaft / (flow * isentropic_work)
-    else:
-        reasons["isentropic_efficiency"] = "the shaft gives no power: the losses exceed what the gas gives"
-    return changed, reasons
+        none = "no net gas flows through the expander"
+        return changed | dict.fromkeys(("isentropic_efficiency", "filling_factor"), none)
+    no_port = "the machine has no port whose closing ends the filling (name machine.discharge_port)"
+    changed["filling_factor"] = no_port if filled is None else flow / filled
+    no_power = "the shaft gives no power: the losses exceed what the gas gives"
+    changed["isentropic_efficiency"] = shaft / (flow * isentropic_work) if shaft < 0.0 else no_power
+    return changed
 
 
-def saturation_figures(problem: Problem, found: dict[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return saturation temperatures and superheats [K], as called for, and the reasons for those that are None.
+def saturation_figures(problem: Problem, found: Mapping[str, Any]) -> Given:
+    """Return saturation temperatures and superheats [K], as called for.
 
     `found` has the temperature of the gas at discharge.
     """
     if "suction_superheat" not in problem.called:
-        return {}, {}
+        return {}
     lines, fluid = problem.lines, problem.scene.gas.name
     dew_s, bubble_s, why_s = _saturated(fluid, lines.p_s)
     dew_d, bubble_d, why_d = _saturated(fluid, lines.p_d)
@@ -222,7 +202,7 @@ def saturation_figures(problem: Problem, found: dict[str, Any]) -> tuple[dict[st
         reasons["suction_superheat"] = WET
     if dew_d is not None:  # the remaining reason: no outflow
         reasons["discharge_superheat"] = "nothing flows out to the discharge line"
-    return values, {name: why for name, why in reasons.items() if values[name] is None}
+    return {name: reasons[name] if value is None else value for name, value in values.items()}
 
 
 @lru_cache(maxsize=64)

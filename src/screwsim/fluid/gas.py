@@ -25,7 +25,10 @@ more than this, such as condensed liquid or saturation, check for `gas.model: re
 """
 
 from collections.abc import Mapping, Sequence
+from math import log
 from typing import Any, Protocol
+
+import numpy as np
 
 from screwsim.fluid.limits import Outside
 from screwsim.fluid.reservoir import Reservoir
@@ -149,3 +152,41 @@ class Gas(Protocol):
     def why_outside(self, T: float, rho: float) -> Outside | None:
         """Return which limit of its equation a state violates; None where it violates none."""
         ...
+
+
+class CommonGas:
+    """What gases have in common, from their own densities, enthalpies and entropies; one that differs overrides it."""
+
+    @property
+    def c_p(self: Gas) -> float:
+        """Heat capacity at constant pressure [J/(kg K)] of the dilute gas."""
+        return self.c_v + self.R
+
+    def vapour(self: Gas, p: float, T: float) -> Reservoir:
+        """Return a reservoir at p [Pa] and T [K]."""
+        p, rho, h, exponent, choke, choked = self.port_state(p, T)
+        return Reservoir(p, T, rho, h, self.entropy(p, T), exponent, choke, choked)
+
+    def nearest_vapour(self, p: float, T: float) -> float:
+        """Return T: there is gas at every temperature."""
+        return T
+
+    def isothermal_obstacle(self, p_1: float, p_2: float, T: float) -> str | None:
+        """Return None: there is no obstacle; liquid that condenses on the way is in equilibrium."""
+        return None
+
+    def isothermal_work(self: Gas, p_1: float, p_2: float, T: float) -> float | None:
+        """Return the reversible isothermal work Δ(h − T s) [J/kg]; None where `isothermal_obstacle` says why."""
+        if self.isothermal_obstacle(p_1, p_2, T) is not None:
+            return None
+        g_1, g_2 = (self.enthalpy(p, T) - T * self.entropy(p, T) for p in (p_1, p_2))
+        return g_2 - g_1
+
+    def ideal_isothermal_work(self: Gas, p_1: float, p_2: float, T: float) -> float:
+        """Return R T ln(p_2/p_1) [J/kg], the work of an ideal gas."""
+        return self.R * T * log(p_2 / p_1)
+
+    def first_outside(self: Gas, T: np.ndarray, rho: np.ndarray) -> int | None:
+        """Return the index of an extreme state to which `why_outside` objects; None where there is none."""
+        extremes = sorted({int(T.argmin()), int(T.argmax()), int(rho.argmax()), int((rho * T).argmax())})
+        return next((i for i in extremes if self.why_outside(float(T[i]), float(rho[i])) is not None), None)

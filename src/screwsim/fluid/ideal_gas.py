@@ -6,9 +6,9 @@ Source: Chernov et al. 2015, assumptions; docs/model.md M5, M6. It implements th
 import math
 from dataclasses import dataclass
 
+from screwsim.fluid.gas import CommonGas
 from screwsim.fluid.limits import Outside
 from screwsim.fluid.nozzle import choking
-from screwsim.fluid.reservoir import Reservoir
 from screwsim.numerics.identity_cache import once
 from screwsim.numerics.kernel import kernel
 
@@ -29,7 +29,7 @@ def specific_entropy(T, rho, R_gas, c_v_gas):
 
 
 @dataclass(frozen=True)
-class IdealGas:
+class IdealGas(CommonGas):
     """An ideal gas by its constant R [J/(kg K)] and isentropic exponent k."""
 
     R: float
@@ -85,14 +85,6 @@ class IdealGas:
         """Return specific entropy [J/(kg K)], zero at 273.15 K and 1 kg/m³."""
         return specific_entropy(T, self.density(p, T), self.R, self.c_v)
 
-    def saturation_temperature(self, p: float) -> float | None:
-        """Return None: an ideal gas does not condense."""
-        return None
-
-    def nearest_vapour(self, p: float, T: float) -> float:
-        """Return T: an ideal gas is vapour everywhere."""
-        return T
-
     def temperature(self, p: float, h: float) -> float:
         """Return temperature [K] at pressure [Pa] and specific enthalpy [J/kg]."""
         return h / self.c_p
@@ -105,30 +97,13 @@ class IdealGas:
         """Return the same as `port_state`, at pressure [Pa] and specific enthalpy [J/kg]."""
         return self.port_state(p, self.temperature(p, h))
 
-    def vapour(self, p: float, T: float) -> Reservoir:
-        """Return a reservoir of gas at p [Pa] and T [K]."""
-        p, rho, h, exponent, choke, choked = self.port_state(p, T)
-        return Reservoir(p, T, rho, h, self.entropy(p, T), exponent, choke, choked)
-
-    def first_outside(self, T: object, rho: object) -> int | None:
-        """Return None: an ideal gas covers every state."""
-        return None
-
     def why_outside(self, T: float, rho: float) -> Outside | None:
         """Return None: an ideal gas has no limits."""
         return None
 
-    def isothermal_obstacle(self, p_1: float, p_2: float, T: float) -> str | None:
-        """Return None: every isothermal compression of an ideal gas is possible."""
-        return None
-
-    def ideal_isothermal_work(self, p_1: float, p_2: float, T: float) -> float:
-        """Return R T ln(p_2/p_1) [J/kg]."""
-        return self.isothermal_work(p_1, p_2, T)
-
     def isothermal_work(self, p_1: float, p_2: float, T: float) -> float:
         """Return the reversible isothermal work R T ln(p_2/p_1) [J/kg]."""
-        return self.R * T * math.log(p_2 / p_1)
+        return self.ideal_isothermal_work(p_1, p_2, T)
 
     def isentropic_work_of_enthalpy(self, p_1: float, p_2: float, h: float) -> float:
         """Return the isentropic enthalpy rise [J/kg] from p_1 and specific enthalpy h to p_2."""

@@ -15,15 +15,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any, TypeVar
 
-import numpy as np
-
 from screwsim.codegen.modules import load
 from screwsim.fluid import moist_states as states
 from screwsim.fluid import water
+from screwsim.fluid.gas import CommonGas
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.limits import Outside
 from screwsim.fluid.real_gas import RealGas
-from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.faults import QuantityNotFound, UsageError
 from screwsim.numerics.kept_text import flat_module
 from screwsim.numerics.kernel import Kernel
@@ -37,7 +35,7 @@ TYPICAL = 300.0  # [K] temperature of the representative heat capacities
 
 
 @dataclass(frozen=True)
-class MoistAir:
+class MoistAir(CommonGas):
     """Dry air with a `share` of water [kg per kg of both]; `c_water` is c_v [J/(kg K)] of ideal vapour, None if real.
 
     All specific properties are per kilogram of the mixture.
@@ -112,11 +110,6 @@ class MoistAir:
         own = water.energy(TYPICAL)[0] if self.c_water is None else self.c_water
         return (1.0 - self.share) * self.dry.c_v + self.share * own
 
-    @property
-    def c_p(self) -> float:
-        """Heat capacity at constant pressure [J/(kg K)] of the dilute gas, for first guesses."""
-        return self.c_v + self.R
-
     # ---- states ----------------------------------------------------------------------------------------------
 
     def density(self, p: float, T: float) -> float:
@@ -156,15 +149,6 @@ class MoistAir:
     def port_state_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
         """Return the same as `port_state`, at p [Pa] and specific enthalpy h [J/kg]."""
         return self._port_state(p, *self._at(p, h, False))
-
-    def vapour(self, p: float, T: float) -> Reservoir:
-        """Return a reservoir at p [Pa] and T [K]."""
-        p, rho, h, exponent, choke, choked = self.port_state(p, T)
-        return Reservoir(p, T, rho, h, self.entropy(p, T), exponent, choke, choked)
-
-    def nearest_vapour(self, p: float, T: float) -> float:
-        """Return T: there is gas at every temperature, beside the liquid."""
-        return T
 
     # ---- water -----------------------------------------------------------------------------------------------
 
@@ -208,25 +192,7 @@ class MoistAir:
     def _rise(self, p: float, s: float, h: float) -> float:
         return float(self._compiled("state", *self._at(p, s, True))[1]) - h
 
-    def isothermal_obstacle(self, p_1: float, p_2: float, T: float) -> str | None:
-        """Return None: condensation on the way is in equilibrium, and Δ(h − T s) holds."""
-        return None
-
-    def isothermal_work(self, p_1: float, p_2: float, T: float) -> float:
-        """Return the reversible isothermal work Δ(h − T s) [J/kg]."""
-        g_1, g_2 = (self.enthalpy(p, T) - T * self.entropy(p, T) for p in (p_1, p_2))
-        return g_2 - g_1
-
-    def ideal_isothermal_work(self, p_1: float, p_2: float, T: float) -> float:
-        """Return R T ln(p_2/p_1) [J/kg]."""
-        return self.R * T * math.log(p_2 / p_1)
-
     # ---- limits ----------------------------------------------------------------------------------------------
-
-    def first_outside(self, T: np.ndarray, rho: np.ndarray) -> int | None:
-        """Return the index of a state (T [K], ρ [kg/m³]) to which `why_outside` objects; None where there is none."""
-        extremes = sorted({int(T.argmin()), int(T.argmax()), int(rho.argmax()), int((rho * T).argmax())})
-        return next((i for i in extremes if self.why_outside(float(T[i]), float(rho[i])) is not None), None)
 
     def why_outside(self, T: float, rho: float) -> Outside | None:
         """Return which limit of its dry air a state violates; None where it violates none."""

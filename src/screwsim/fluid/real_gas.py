@@ -10,7 +10,7 @@ here is for use outside the cycle, and runs compiled.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import inf, log
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from screwsim.fluid.blend_flash import dome
 from screwsim.fluid.blend_wet import blend_wet
 from screwsim.fluid.description import PSEUDO_PURE, Description, describe
 from screwsim.fluid.dome import margin_kernel
+from screwsim.fluid.gas import CommonGas
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.fluid.oils import ZERO_CELSIUS
 from screwsim.fluid.real_kernels import compiled, entropy_of, state_of, two_phases
@@ -35,7 +36,7 @@ TYPICAL = 300.0  # [K] temperature of the representative heat capacities
 
 
 @dataclass(frozen=True)
-class RealGas:
+class RealGas(CommonGas):
     """A fluid by one of CoolProp's names, or a blend; `two_phase` is 'refuse' or 'equilibrium'."""
 
     fluid: str
@@ -122,11 +123,6 @@ class RealGas:
         T = min(max(TYPICAL, self.known.T_min), self.known.T_max)
         return float(self._kernels["state"](T, 1e-9 * self.known.rho_c)[2])
 
-    @property
-    def c_p(self) -> float:
-        """Heat capacity at constant pressure of the dilute gas at 300 K [J/(kg K)], for first guesses only."""
-        return self.c_v + self.R
-
     # ---- states ----------------------------------------------------------------------------------------------
 
     @cached_property
@@ -153,13 +149,12 @@ class RealGas:
             return T
         return (self.saturation_temperature(p) or saturation(self.fluid).T_c) + 1.0
 
-    def saturation_pressure(self, T: float) -> float:
-        """Return the saturation pressure [Pa] at T [K]; infinite from the critical temperature on."""
-        return self._saturation_pressure(T)
-
     @cached_property
-    def _saturation_pressure(self) -> Callable[[float], float]:
-        """Implementation of `saturation_pressure`; a few temperatures are asked for again and again."""
+    def saturation_pressure(self) -> Callable[[float], float]:
+        """Function that returns the saturation pressure [Pa] at T [K]; infinite from the critical temperature on.
+
+        A few temperatures are asked for again and again.
+        """
         found, pressure = saturation(self.fluid), self._kernels["pressure"]
         return lru_cache(maxsize=64)(lambda T: float(pressure(max(T, found.T_low))[0]) if T < found.T_c else inf)
 
@@ -262,17 +257,6 @@ class RealGas:
         at = f"{self.known.name} at {T - ZERO_CELSIUS:.2f} °C"
         return f"{at} condenses at {p_sat / 1e5:.4g} bar, below the discharge pressure"
 
-    def isothermal_work(self, p_1: float, p_2: float, T: float) -> float | None:
-        """Return the reversible isothermal work Δ(h − T s) [J/kg]; None where `isothermal_obstacle` says why."""
-        if self.isothermal_obstacle(p_1, p_2, T) is not None:
-            return None
-        g_1, g_2 = (self.enthalpy(p, T) - T * self.entropy(p, T) for p in (p_1, p_2))
-        return g_2 - g_1
-
-    def ideal_isothermal_work(self, p_1: float, p_2: float, T: float) -> float:
-        """Return R T ln(p_2/p_1) [J/kg] of an ideal gas, for comparison only."""
-        return self.R * T * log(p_2 / p_1)
-
     # ---- limits ----------------------------------------------------------------------------------------------
 
     def first_outside(self, T: np.ndarray, rho: np.ndarray) -> int | None:
@@ -286,8 +270,7 @@ class RealGas:
             for i in beyond:
                 if self.why_outside(float(T[i]), float(rho[i])) is not None:
                     return int(i)
-        extremes = sorted({int(T.argmin()), int(T.argmax()), int(rho.argmax()), int((rho * T).argmax())})
-        return next((i for i in extremes if self.why_outside(float(T[i]), float(rho[i])) is not None), None)
+        return super().first_outside(T, rho)
 
     def why_outside(self, T: float, rho: float) -> Outside | None:
         """Return which limit a state violates; None where it violates none.

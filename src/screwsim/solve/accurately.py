@@ -8,7 +8,7 @@ import numpy as np
 from screwsim.cycle.close import close, close_again, fallbacks
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.feedback import set_unknowns
-from screwsim.cycle.problem import Problem
+from screwsim.cycle.problem import ClosingTask, Problem
 from screwsim.cycle.solution import ClosingCriteria, CorrectedState, CycleSolution
 from screwsim.cycle.ways import way_of
 from screwsim.effects.base import Separator
@@ -65,9 +65,8 @@ def solve(
     tightness = 1.0 if course is None else course.tightness
     criteria = criteria_of(problem, tightness)
     if given is None:
-        cycle = close_with_drive(
-            problem, machinery, criteria, _close_with_fallbacks(problem, machinery, criteria, course)
-        )
+        task = ClosingTask(problem, machinery, criteria)
+        cycle = close_with_drive(task, _close_with_fallbacks(task, course))
     else:
         cycle = given
         machinery.put(given.trajectory)
@@ -86,7 +85,8 @@ def solve(
         factor = max(TIGHTER, AIM * numerics.accuracy / largest) if finer is None else FINER
         tightness, criteria = tightness * factor, criteria.tighter(factor)
         led = on if isinstance(on, CorrectedState) else None
-        tighter = finer or _tighter(problem, machinery, criteria, cycle, led=led)  # a search is costly: keep its cycle
+        task = ClosingTask(problem, machinery, criteria)
+        tighter = finer or _tighter(task, cycle, led=led)  # a search is costly: keep its cycle
         watch.lap("closing")
         if not tighter.closed:
             break
@@ -116,23 +116,18 @@ def solve_tighter(machinery: Machinery, accurate: Accurate) -> Accurate:
     while these are far from the values that the turn was integrated with, and every first turn would do so again.
     """
     watch, of, problem = CostMeter(machinery), accurate.evaluation, accurate.evaluation.problem
-    criteria = accurate.criteria.tighter(TIGHTER)
-    cycle = _tighter(problem, machinery, criteria, accurate.cycle, problem.entries.possible(of.image))
+    task = ClosingTask(problem, machinery, accurate.criteria.tighter(TIGHTER))
+    cycle = _tighter(task, accurate.cycle, problem.entries.possible(of.image))
     watch.lap("closing")
     counts, spent = accurate.counts + watch.counts["closing"], accurate.closing_time + watch.times["closing"]
     accurate = accurate._replace(counts=counts, closing_time=spent)
     if not cycle.closed:
         return accurate
-    return accurate._replace(cycle=cycle, evaluation=evaluate(problem, cycle), criteria=criteria)
+    return accurate._replace(cycle=cycle, evaluation=evaluate(problem, cycle), criteria=task.criteria)
 
 
 def _tighter(
-    problem: Problem,
-    machinery: Machinery,
-    criteria: ClosingCriteria,
-    cycle: CycleSolution,
-    made: Array | None = None,
-    led: CorrectedState | None = None,
+    task: ClosingTask, cycle: CycleSolution, made: Array | None = None, led: CorrectedState | None = None
 ) -> CycleSolution:
     """Close a closed cycle again, together with its drive.
 
@@ -140,24 +135,22 @@ def _tighter(
     holds.
     """
     if led is None:
-        machinery.put(cycle.trajectory)
+        task.machinery.put(cycle.trajectory)
     if made is not None:
-        set_unknowns(problem, machinery, made)
-    return close_with_drive(problem, machinery, criteria, close_again(problem, machinery, criteria, cycle, led))
+        set_unknowns(task.problem, task.machinery, made)
+    return close_with_drive(task, close_again(task, cycle, led))
 
 
-def _close_with_fallbacks(
-    problem: Problem, machinery: Machinery, criteria: ClosingCriteria, course: Course | None
-) -> CycleSolution:
+def _close_with_fallbacks(task: ClosingTask, course: Course | None) -> CycleSolution:
     """Close the cycle, by fallbacks where the first way fails and the scene allows them.
 
     A gas outside its equation of state stays there, so nothing further is tried. Where no fallback closes the
     cycle, the first way's result is returned.
     """
-    cycle = close(problem, machinery, criteria, course)
-    if cycle.closed or criteria.check or not criteria.fallbacks or _outside_gas_range(problem, cycle):
+    cycle, criteria = close(task, course), task.criteria
+    if cycle.closed or criteria.check or not criteria.fallbacks or _outside_gas_range(task.problem, cycle):
         return cycle
-    for name, attempt in fallbacks(problem, machinery, criteria, cycle.change):
+    for name, attempt in fallbacks(task, cycle.change):
         better = attempt()
         if better.closed:
             return better if better.needed else replace(better, needed=name)

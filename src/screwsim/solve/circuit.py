@@ -23,7 +23,7 @@ from screwsim.build import (
 from screwsim.cycle.close import close
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import lease_for
-from screwsim.cycle.problem import Problem, Series, problem_of
+from screwsim.cycle.problem import ClosingTask, Problem, Series, problem_of
 from screwsim.cycle.solution import ClosingCriteria, CycleSolution
 from screwsim.effects.base import InSeparator, PressureLosses
 from screwsim.evaluate.evaluation import Evaluation, evaluate
@@ -118,7 +118,8 @@ class SurroundingsSearch:
         machinery = lease_for(problem)
         watch, asked = CostMeter(machinery), criteria_of(problem, self.course.tightness)
         criteria = _rough_criteria(asked, self.expected)
-        cycle = close_with_drive(problem, machinery, criteria, close(problem, machinery, criteria, course))
+        task = ClosingTask(problem, machinery, criteria)
+        cycle = close_with_drive(task, close(task, course))
         watch.lap("closing")
         self.counts = watch.counts["closing"] + (0 if self.counts is None else self.counts)
         self.time += watch.times["closing"]

@@ -10,8 +10,8 @@ import numpy as np
 
 from screwsim.cycle.close import close, close_again
 from screwsim.cycle.guess import lease_for
-from screwsim.cycle.problem import Problem, Series, problem_of
-from screwsim.cycle.solution import ClosingCriteria, CycleSolution
+from screwsim.cycle.problem import ClosingTask, Problem, Series, problem_of
+from screwsim.cycle.solution import CycleSolution
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.machine.drive.collocation import differentiation, resampled
 from screwsim.machine.drive.response import NoMotion, Response
@@ -23,14 +23,13 @@ MOST_TURNS = 20  # rounds of chambers and drive
 MOST_SPEEDS = 20  # iterations of a mean speed that follows from the motor's characteristic
 
 
-def close_with_drive(
-    problem: Problem, machinery: Machinery, criteria: ClosingCriteria, cycle: CycleSolution
-) -> CycleSolution:
+def close_with_drive(task: ClosingTask, cycle: CycleSolution) -> CycleSolution:
     """Return the cycle, which the machinery holds, closed together with its drive; unchanged where there is no drive.
 
     The status is `not_closed` where the rounds do not converge, or the drive has no steady motion; the cycle is
     then that of the last speed.
     """
+    problem, machinery, criteria = task
     part, change = problem.parts.shaft, 0.0
     if part is None or not cycle.closed:
         return cycle
@@ -43,7 +42,7 @@ def close_with_drive(
         curve = cycle.speed_curve if curve is None else curve
         if change <= criteria.tolerance:
             return replace(cycle, speed_curve=curve)
-        cycle = replace(close_again(problem, machinery, criteria, cycle), speed_curve=curve)
+        cycle = replace(close_again(task, cycle), speed_curve=curve)
         if not cycle.closed:
             return cycle
     return replace(cycle, status=NOT_CLOSED, change=change)
@@ -84,9 +83,8 @@ def at_motor_speed(problem: Problem, series: Series) -> Problem:
     problem = problem_of(problem.scene, series, stated)
     for _ in range(MOST_SPEEDS):
         machinery = lease_for(problem)
-        cycle = close_with_drive(
-            problem, machinery, problem.criteria, close(problem, machinery, problem.criteria, series.course)
-        )
+        task = ClosingTask(problem, machinery, problem.criteria)
+        cycle = close_with_drive(task, close(task, series.course))
         leases.give_back(machinery)
         if not cycle.closed:
             return problem

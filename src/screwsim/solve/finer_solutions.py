@@ -14,7 +14,7 @@ from screwsim.cycle.close import MOST_OF_A_TRY, close_again
 from screwsim.cycle.coordinates import WEIGHT
 from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.newton import Correction, Corrections, corrected_start
-from screwsim.cycle.problem import Problem
+from screwsim.cycle.problem import ClosingTask, Problem
 from screwsim.cycle.relaxation import SLOW_CONTRACTION, along
 from screwsim.cycle.search import FALLBACK_NAME
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
@@ -229,7 +229,7 @@ def chambers_together(request: EstimateRequest) -> FinerSolutions:
     criteria = replace(
         request.criteria, rtol=FINER * cycle.rtol, tolerance=TOGETHER_FACTOR * request.criteria.tolerance
     )
-    finer = close_together(problem, machinery, criteria, chambers_at_pitches(machinery))
+    finer = close_together(ClosingTask(problem, machinery, criteria), chambers_at_pitches(machinery))
     if finer.closed:
         better = evaluate(problem, finer)
         return FinerSolutions([better.figures], curves=[curves_of(better)])
@@ -246,13 +246,14 @@ def closed_again(request: EstimateRequest) -> FinerSolutions:
     Where simultaneous closing left a machine that barely delivers, it starts from densities that are moved. What slow
     pitches leave of that move is as much as they left of the first guess, which no closing from the cycle itself shows.
     """
-    problem, machinery, cycle = request.problem, request.machinery, request.cycle
+    problem, cycle = request.problem, request.cycle
     criteria = replace(request.criteria, rtol=FINER * cycle.rtol, tolerance=FINER * request.criteria.tolerance)
+    task = ClosingTask(problem, request.machinery, criteria)
     if cycle.needed:
-        finer = close_again(problem, machinery, criteria, cycle)
+        finer = close_again(task, cycle)
     else:
         start = _with_moved_densities(request) if way_of(cycle).whole and request.filling < BARELY_DELIVERS else cycle
-        finer = way_of(cycle).finer(problem, machinery, criteria, start, MOST_OF_A_TRY)
+        finer = way_of(cycle).finer(task, start, MOST_OF_A_TRY)
     if finer is None or not finer.closed:
         return NO_SOLUTIONS
     better = evaluate(problem, finer)

@@ -15,7 +15,7 @@ from dataclasses import replace
 from screwsim.cycle.balances import LEAST_WORK
 from screwsim.cycle.coordinates import change
 from screwsim.cycle.guess import install_first_guess
-from screwsim.cycle.problem import Problem
+from screwsim.cycle.problem import ClosingTask, Problem
 from screwsim.cycle.relaxation import relax
 from screwsim.cycle.solution import CycleSolution, Expectation, Start
 from screwsim.evaluate.evaluation import Evaluation, evaluate
@@ -43,21 +43,14 @@ def warnings(of: Evaluation, machinery: Machinery, accurate: Accurate) -> Iterat
     if beside is not None:
         machinery.put(beside.trajectory)
         start = Start(beside.y.copy(), Expectation(beside.seen, beside.change))
-        other = relax(
-            problem, machinery, replace(problem.criteria, rtol=FINER * problem.criteria.rtol), start, last=False
-        )
+        criteria = replace(problem.criteria, rtol=FINER * problem.criteria.rtol)
         begun = "from the state that the turns of single chambers had reached"
     elif _dry_start_needed(problem, machinery.evaluations_of(accurate.counts)):
-        other = relax(
-            problem,
-            machinery,
-            accurate.criteria,
-            Start(install_first_guess(problem, machinery, DRY_FACTOR)),
-            last=False,
-        )
+        start, criteria = Start(install_first_guess(problem, machinery, DRY_FACTOR)), accurate.criteria
         begun = ""
     else:
         return
+    other = relax(ClosingTask(problem, machinery, criteria), start, last=False)
     if other is None or not other.closed:
         return
     found = evaluate(problem, other).figures

@@ -13,7 +13,7 @@ import numpy as np
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.pitch import POINTS
-from screwsim.cycle.problem import LEAST_OIL, Problem, Series, problem_of
+from screwsim.cycle.problem import LEAST_OIL, ClosingTask, Problem, Series, problem_of
 from screwsim.effects.base import OilSolution
 from screwsim.effects.gas_torque import raw_torque
 from screwsim.evaluate.evaluation import Evaluation, evaluate, loss_torque
@@ -77,7 +77,8 @@ def start_up(scene: Scene, creep: float = CREEP_SPEED, longest: float = LONGEST)
     problem = steady_problem(scene, creep)
     machinery, part = lease_for(problem), problem.parts.shaft
     assert part is not None  # `steady_problem`
-    cycle = drive.close_with_drive(problem, machinery, problem.criteria, close(problem, machinery, problem.criteria))
+    task = ClosingTask(problem, machinery, problem.criteria)
+    cycle = drive.close_with_drive(task, close(task))
     if cycle.failed:
         return StartUp(FAILED, UNCLOSED)
     of = evaluate(problem, cycle)

@@ -6,6 +6,7 @@ where gas and oil leave the chambers, unmixed, and the oil's supply is given.
 
 from collections.abc import Sequence
 from math import log
+from typing import NamedTuple
 
 import numpy as np
 
@@ -42,20 +43,20 @@ def cool_at_lines(cycle: LedgerCycle, paths: Rows) -> None:
         row[kernels.OUT_OIL_T] -= row[kernels.OUT_OIL] * cycle.problem.oil_pressure_term(cycle.pressure(end))
 
 
-def oil_rise(
-    book: Book,
-    cycle: LedgerCycle,
-    ends: Sequence[FlowEnd],
-    suction: State,
-    paths: Rows,
-    heats: Array,
-    sums: Array,
-    met: Streams | None,
-) -> float:
-    """Return the exergy rise of the oil [W] (M56); enter its heat, injection, supply and what is not conserved.
+class OilSums(NamedTuple):
+    """Sums over a life, as rates: by flow path, with the end of each, and those of the oil (`model.ledger`).
 
     `met` are the streams in a suction line that keeps backflow.
     """
+
+    paths: Rows
+    ends: Sequence[FlowEnd]
+    oil: Array
+    met: Streams | None
+
+
+def oil_rise(book: Book, cycle: LedgerCycle, sums: OilSums, heats: Array, suction: State) -> float:
+    """Return the exergy rise of the oil [W] (M56); enter its heat, injection, supply and what is not conserved."""
     c, known = cycle.composition, cycle.known
     for name, row in zip(c.heats, heats, strict=True):
         book.add(name, energy=float(row[kernels.HEAT]), entropy=float(row[kernels.HEAT_GENERATED]))
@@ -66,59 +67,40 @@ def oil_rise(
             through = known.oil_volume_flow + known.leaked_oil_flow
             book.add(name, exergy=through * (known.plenum_pressure - cycle.lines.p_d))
     if c.ported:
-        book.add(OIL_INJECTION, entropy=float(sums[kernels.PORT_GENERATED]))
+        book.add(OIL_INJECTION, entropy=float(sums.oil[kernels.PORT_GENERATED]))
     reach_station()
-    dissolved = _flash(book, cycle, ends, suction, paths, sums, met)
+    dissolved = _flash(book, cycle, sums, suction)
     mechanical = known.oil_volume_flow * (cycle.lines.p_d - known.oil_source_pressure)
     if c.carried:
-        return dissolved + mechanical + _carried(book, cycle, ends, paths, met)
+        return dissolved + mechanical + _carried(book, cycle, sums)
     if c.heats:
-        return mechanical + _not_carried(book, cycle, paths, sums)
+        return mechanical + _not_carried(book, cycle, sums)
     return mechanical
 
 
-def _flash(
-    book: Book,
-    cycle: LedgerCycle,
-    ends: Sequence[FlowEnd],
-    suction: State,
-    paths: Rows,
-    sums: Array,
-    met: Streams | None,
-) -> float:
-    """Enter the gas that flashes out of the oil.
+def _flash(book: Book, cycle: LedgerCycle, sums: OilSums, suction: State) -> float:
+    """Enter the gas that flashes out of the oil; return the exergy [W] by which dissolved gas falls short of it (M197).
 
-    Return the exergy [W] by which dissolved gas falls short of it (M197).
+    Where gas is released over time, return what `_released` does.
     """
-    content, flashed = cycle.parts.oil_content, float(sums[kernels.FLASH_MASS])
+    content, flashed = cycle.parts.oil_content, float(sums.oil[kernels.FLASH_MASS])
     if content is None:
         return 0.0
     if isinstance(content, OilSolution):
-        return _released(book, cycle, ends, suction, paths, sums, met)
+        return _released(book, cycle, sums, suction)
     for name, _ in cycle.parts.all(OilGas):
-        generated = float(sums[kernels.FLASH_GENERATED])
+        generated = float(sums.oil[kernels.FLASH_GENERATED])
         book.add(name, gas=flashed, energy=flashed * content.latent, entropy=generated)
     return flashed * content.latent * (1.0 - cycle.T_0 / cycle.oil.temperature)
 
 
-def _released(
-    book: Book,
-    cycle: LedgerCycle,
-    ends: Sequence[FlowEnd],
-    suction: State,
-    paths: Rows,
-    sums: Array,
-    met: Streams | None,
-) -> float:
-    """Enter the gas that oil gives off over time.
-
-    Return the exergy rise [W] of the dissolved and of that gas (M234).
-    """
-    held, coming = DissolvedGas(cycle, suction), {end: [] for end in ends}
-    for name, end, row in zip(cycle.paths, ends, paths, strict=True):
+def _released(book: Book, cycle: LedgerCycle, sums: OilSums, suction: State) -> float:
+    """Enter gas that oil gives off over time; return the exergy rise [W] of the dissolved and of that gas (M234)."""
+    held, coming, met = DissolvedGas(cycle, suction), {end: [] for end in sums.ends}, sums.met
+    for name, end, row in zip(cycle.paths, sums.ends, sums.paths, strict=True):
         coming[end].append((name, row))
     held.at_lines(coming, book.add)
-    gas, energy = float(sums[kernels.FLASH_MASS]), float(sums[kernels.RELEASED])
+    gas, energy = float(sums.oil[kernels.FLASH_MASS]), float(sums.oil[kernels.RELEASED])
     rise = held.rise()
     if met is not None:
         of_suction = [each for end, some in coming.items() if end.name == SUCTION for each in some]
@@ -127,7 +109,7 @@ def _released(
         book.add(SUCTION_LINE, exergy=held.of_stream(met.back) + leaked - held.of_stream(met.sucked))
         rise -= leaked
     for name, part in cycle.parts.all(OilGas):
-        book.add(name, gas=gas, energy=energy, entropy=float(sums[kernels.FLASH_GENERATED]))
+        book.add(name, gas=gas, energy=energy, entropy=float(sums.oil[kernels.FLASH_GENERATED]))
         i = 2 * cycle.parts.number(part.plenum)
         net = float(cycle.streams[i : i + 2, slots.OF_GAS].sum()) * cycle.rate
         rise += held.of_gas(net, cycle.parts.plenums[part.plenum])
@@ -169,9 +151,9 @@ def _mixing(book: Book, cycle: LedgerCycle, paths: Rows, T_mean: float, line: st
             book.add(name, entropy=c_oil * ((mass_T / T_mean - mass) - (mass_log - mass * log(T_mean))))
 
 
-def _carried(book: Book, cycle: LedgerCycle, ends: Sequence[FlowEnd], paths: Rows, met: Streams | None) -> float:
+def _carried(book: Book, cycle: LedgerCycle, sums: OilSums) -> float:
     """Return the thermal exergy rise of carried oil [W]; enter its injection and what the suction line takes."""
-    oil = cycle.oil
+    oil, (paths, ends, _, met) = cycle.oil, sums
     out, out_T = (-float(cycle.streams[slots.DISCHARGE_OUT, i]) * cycle.rate for i in (slots.OF_OIL, slots.OF_OIL_HEAT))
     out_T -= out * cycle.problem.oil_pressure_term(cycle.lines.p_d)
     back = float(cycle.streams[slots.DISCHARGE_IN, slots.OF_OIL]) * cycle.rate
@@ -227,12 +209,12 @@ def _injection(cycle: LedgerCycle) -> float:
     return oil.heat_capacity * (mixed + (before * log(T_after / T_before) if before > 0.0 else 0.0))
 
 
-def _not_carried(book: Book, cycle: LedgerCycle, paths: Rows, sums: Array) -> float:
+def _not_carried(book: Book, cycle: LedgerCycle, sums: OilSums) -> float:
     """Return the thermal exergy rise of oil at a constant ratio [W]; enter the oil that appears and vanishes (M57)."""
     oil, R = cycle.oil, cycle.R
-    out, out_T = (sum([row[column] for row in paths]) for column in (kernels.OUT_OIL, kernels.OUT_OIL_T))
+    out, out_T = (sum([row[column] for row in sums.paths]) for column in (kernels.OUT_OIL, kernels.OUT_OIL_T))
     T_mean = out_T / out if out > 0.0 else oil.temperature
-    _mixing(book, cycle, paths, T_mean)
+    _mixing(book, cycle, sums.paths, T_mean)
     injected = cycle.known.oil_mass_flow
     times, dense, steps = cycle.life.rows
     c = cycle.composition
@@ -240,9 +222,9 @@ def _not_carried(book: Book, cycle: LedgerCycle, paths: Rows, sums: Array) -> fl
     rest = cycle.rate * float(R[slots.R_RATIO] * dense[steps - 1, 1, slots.S_RHO]) * volume
     rise = _thermal(cycle, *_mixed(injected, injected * T_mean))
     entry = _thermal(cycle, *_mixed(rest, rest * float(dense[steps - 1, 1, slots.S_T_OIL])))
-    entry -= _thermal(cycle, sums[kernels.MADE], sums[kernels.MADE_T], sums[kernels.MADE_LOG])
+    entry -= _thermal(cycle, sums.oil[kernels.MADE], sums.oil[kernels.MADE_T], sums.oil[kernels.MADE_LOG])
     entry += _thermal(cycle, *_mixed(out, out_T)) - rise
-    entry += float(sums[kernels.LOST] - cycle.T_0 * sums[kernels.LOST_OVER_T])
+    entry += float(sums.oil[kernels.LOST] - cycle.T_0 * sums.oil[kernels.LOST_OVER_T])
     book.add(NOT_CONSERVED, exergy=float(entry))
     return rise
 

@@ -16,7 +16,7 @@ from screwsim.effects.base import DISCHARGE, SUCTION, PowerLoss, Reading
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.ledger import gas
 from screwsim.evaluate.ledger.book import Book, Entry, LedgerCycle, State
-from screwsim.evaluate.ledger.oil import cool_at_lines, oil_rise, through_circuit
+from screwsim.evaluate.ledger.oil import OilSums, cool_at_lines, oil_rise, through_circuit
 from screwsim.inputs.faults import checked_own_number
 from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE, R_SUCTION
 from screwsim.model.turn_scheduler import reach_station
@@ -109,7 +109,7 @@ def ledger(of: Evaluation) -> Ledger:
     of_oil = None
     reach_station()
     if cycle.parts.oil is not None:
-        of_oil = oil_rise(book, cycle, ends, suction, paths, heats[:warmed], oil, met)
+        of_oil = oil_rise(book, cycle, OilSums(paths, ends, oil, met), heats[:warmed], suction)
         of_gas, of_oil = through_circuit(book, cycle, of, of_gas, of_oil)
     _losses(book, cycle)
     return Ledger(book.entries, book.T_0, cycle.shaft_power, of_gas, of_oil)

@@ -17,7 +17,7 @@ import numpy as np
 from screwsim.build import WIDTH
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import compile_start
-from screwsim.cycle.problem import Series, problem_of
+from screwsim.cycle.problem import ClosingTask, Series, problem_of
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.cycle.solution import ClosingCriteria, CycleSolution
 from screwsim.evaluate.evaluation import Evaluation, evaluate
@@ -125,10 +125,11 @@ def solve(scene: Scene, how: Method, limit: float = math.inf, machinery: Machine
     with work_limit(machinery, limit), warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")  # explicit methods overflow before they shorten a step
         first = wanted if check is None else loose
-        cycle = close_with_drive(problem, machinery, first, close(problem, machinery, first))
+        task = ClosingTask(problem, machinery, first)
+        cycle = close_with_drive(task, close(task))
         if check is not None and not cycle.failed:
-            cycle = close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
-            cycle = close_with_drive(problem, machinery, wanted, cycle)
+            task = ClosingTask(problem, machinery, wanted)
+            cycle = close_with_drive(task, close_together(task, chambers_at_pitches(machinery)))
     watch.lap("closing")
     counts, evaluations = watch.counts["closing"], machinery.evaluations_of(watch.counts["closing"])
     if lent:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from screwsim.evaluate.performance import NO_POWER, heating
+from screwsim.evaluate.performance import NO_POWER, heating, parted
 from screwsim.figures.errors import error_in_unit, error_scale
 from screwsim.outputs import STAGES, Figures, Result
 from screwsim.outputs.display import picked
@@ -51,7 +51,8 @@ def capacities(
     and oil are not separated, with the reason `unparted`.
     """
     cop = cooling / power if power > 0.0 else None
-    warming, reasons = heating({"shaft_power": power}, second["gas_mass_flow"], rejected, unparted)
+    given = heating({"shaft_power": power}, second["gas_mass_flow"], unparted if rejected is None else rejected)
+    warming, reasons = parted(given)
     notes = reasons if cop is not None else {"cop": NO_POWER, **reasons}
     return {"cooling_capacity": cooling, "cop": cop, **warming}, notes
 

@@ -12,7 +12,7 @@ from screwsim.cycle.problem import Inlet
 from screwsim.effects import catalogue, stating
 from screwsim.effects.base import CoolsOil, InSeparator
 from screwsim.evaluate.cautions import inaccurate
-from screwsim.evaluate.performance import efficiencies
+from screwsim.evaluate.performance import efficiencies, parted
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
 from screwsim.inputs.faults import UsageError
@@ -305,7 +305,7 @@ class _ChainSolver:
         if self.low.quality is not None:
             port_state = self.gas.port_state_of_enthalpy(self.low.p_s, suction_enthalpy(self.chain.first))
         ends = replace(self.low, p_d=self.high.p_d)
-        etas, notes = efficiencies(self.gas, ends, Inlet(port_state[1], port_state[2]), flow, power, drawn)
+        etas, notes = parted(efficiencies(self.gas, ends, Inlet(port_state[1], port_state[2]), flow, power, drawn))
         comes, taken = pair.flows
         cooled, reasons = self._capacities(pair, flow, power, port_state[2])
         notes = {**notes, **reasons}
