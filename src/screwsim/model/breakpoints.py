@@ -67,7 +67,7 @@ def _unstated(name: str, path: FlowPath, symbols: Mapping[str, float], life: flo
 def _placed(
     path: FlowPath, symbols: Mapping[str, float], found: list[float], angles: Array, areas: Array
 ) -> Iterator[float]:
-    """Yield features; where a path opens or shuts that angle, not the sample beside, from which a step misreads the flow.
+    """Yield features; where a path opens or shuts, that angle: from the sample beside, a step misreads what flows.
 
     Tops and bottoms stay at their samples: a law has no corner there.
     """
