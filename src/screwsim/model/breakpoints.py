@@ -69,7 +69,7 @@ def _placed(
 ) -> Iterator[float]:
     """Yield features; where a path opens or shuts, that angle: from the sample beside, a step misreads what flows.
 
-    Tops and bottoms stay at their samples: a law has no corner there.
+    Tops and bottoms stay at their samples: a smooth law has no corner there.
     """
     shut = negligible_areas(areas)
     least = LEAST * float(areas.max())
