@@ -205,6 +205,12 @@ def test_only_laws_of_a_users_effect_are_sampled():
     assert len(plain) < len(sampled) < len(stated)  # of the hole alone: neighbours feel it through pressures only
 
 
+def test_steps_end_where_a_sampled_hole_opens_and_shuts_not_at_the_sample_beside():
+    paper = CONFIGS / "paper" / "point.yaml"
+    found = np.degrees(compose(build_parts(load(paper, [spike(1.9)]))).breakpoints)
+    assert [np.min(np.abs(found - at)) for at in (516.05, 517.95)] == pytest.approx([0.0, 0.0], abs=1e-3)
+
+
 REEDS = (  # stiff at suction, soft at discharge, and much of a bounce: at 0 deg a reed still moves
     "operation.speed=493.28 rpm",
     "operation.suction={pressure: 1.4112 bar, temperature: 289.3 K}",

@@ -5,7 +5,7 @@ are not known; that takes some milliseconds.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from numbers import Real
 from typing import Any
 
@@ -14,10 +14,11 @@ import numpy as np
 from screwsim.effects.base import FlowPath
 from screwsim.model.numbers import symbols_of
 from screwsim.model.parts import Parts
-from screwsim.numerics.spline import features, pack_curve
+from screwsim.numerics.spline import LEAST, features, negligible_areas, pack_curve
 
 Array = np.ndarray
 EVERY = math.radians(0.2)  # spacing of samples: a narrower feature may be missed
+PLACED = 1e-6  # rad, to which it is found where a path opens or shuts between two samples
 STATED = math.radians(0.5)  # distance from a declared breakpoint within which no other is needed
 
 
@@ -59,7 +60,32 @@ def _unstated(name: str, path: FlowPath, symbols: Mapping[str, float], life: flo
     if areas is None or not np.all(np.isfinite(areas)) or areas.max() <= 0.0:
         return ()
     stated = np.array([*path.breakpoints, *path.own_breakpoints, 0.0, life])
-    return tuple(x for x in features(angles, areas) if np.min(np.abs(stated - x)) > STATED)
+    found = [x for x in features(angles, areas) if np.min(np.abs(stated - x)) > STATED]
+    return tuple(_placed(path, symbols, found, angles, areas))
+
+
+def _placed(
+    path: FlowPath, symbols: Mapping[str, float], found: list[float], angles: Array, areas: Array
+) -> Iterator[float]:
+    """Yield features; where a path opens or shuts, that angle: from the sample beside, a step misreads what flows.
+
+    Tops and bottoms stay at their samples: a smooth law has no corner there.
+    """
+    shut = negligible_areas(areas)
+    least = LEAST * float(areas.max())
+    for x in found:
+        i = int(np.searchsorted(angles, x))
+        for j in (i + 1, i - 1) if shut[i] else ():
+            if 0 <= j < len(angles) and not shut[j]:
+                closed, is_open = float(angles[i]), float(angles[j])
+                while abs(is_open - closed) > PLACED:
+                    middle = 0.5 * (closed + is_open)
+                    area = _areas(path, symbols, np.array([middle]))
+                    closed, is_open = (middle, is_open) if area is None or area[0] <= least else (closed, middle)
+                yield closed
+                break
+        else:
+            yield x
 
 
 def _areas(path: FlowPath, symbols: Mapping[str, float], angles: Array) -> Array | None:
