@@ -43,13 +43,18 @@ R = 8.31446261815324  # [J/(mol K)]
 
 
 def _residuals(f: Fugacities, u: Array) -> Array:
-    """Return the n + 2 residuals at u = (k, ln ρ_w, ln ρ_z, ln T) [n + 3, ...]."""
-    n = f.n
-    T, z = np.exp(u[n + 2]), f.z.reshape(-1, *([1] * (u.ndim - 1)))
+    """Return the n + 2 residuals at u = (k, ln ρ_w, ln ρ_z, ln T) [n + 3, ...].
+
+    Both phases are asked for in one call: most of its time goes into numpy's calls, which few points hardly lengthen.
+    """
+    n, m = f.n, u.shape[-1]
+    T, z, rho = np.exp(u[n + 2]), f.z.reshape(-1, *([1] * (u.ndim - 1))), np.exp(u[n : n + 2])
     w = z * np.exp(u[:n])
-    log_w, p_w = f(T, np.exp(u[n]), w / np.sum(w, axis=0))
-    log_z, p_z = f(T, np.exp(u[n + 1]), z + 0.0 * u[:n])
-    return np.concatenate([log_w - log_z, ((p_w - p_z) / np.exp(u[n + 1]))[None], (np.sum(w, axis=0) - 1.0)[None]])
+    total = np.sum(w, axis=0)
+    phases = np.concatenate([w / total, z + 0.0 * u[:n]], axis=-1)
+    log_f, p = f(np.concatenate([T, T], axis=-1), np.concatenate([*rho], axis=-1), phases)
+    of_p = (p[..., :m] - p[..., m:]) / rho[1]
+    return np.concatenate([log_f[..., :m] - log_f[..., m:], of_p[None], (total - 1.0)[None]])
 
 
 def solved(f: Fugacities, u: Array, stated: int, steps: int = 25) -> tuple[Array, Array]:
