@@ -35,7 +35,8 @@ def started(monkeypatch):
     """Let a start give stated figures; return what it was asked."""
     asked = {}
 
-    def fake(scene, creep, longest):
+    def fake(scene, creep, longest, told):
+        told(0.5)
         asked.update(scene=scene, creep=creep, longest=longest)
         return asked.get("outcome") or start_up.StartUp("ok", "", ("it hammers",), Figures(FIGURES), dict(TRACES))
 
@@ -52,6 +53,26 @@ def test_it_prints_figures_in_customary_units_and_warnings(started, capsys):
     assert "residue" not in out
     assert started["creep"] == pytest.approx(2.0 * np.pi)
     assert started["longest"] == 3.0
+
+
+@pytest.mark.parametrize(
+    ("text", "rpm"), [("45", 45.0), ("45 rpm", 45.0), ("4.5 rad/s", 4.5 * 30.0 / np.pi), (None, 30.0)]
+)
+def test_the_creeping_speed_may_have_a_unit(started, text, rpm):
+    creep = [] if text is None else ["--creep", text]
+    assert cli.exit_code(["startup", str(CONFIGS / "drive/point.yaml"), *creep]) == 0
+    assert started["creep"] == pytest.approx(rpm * np.pi / 30.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [("30 m/s", "'30 m/s' is not a"), ("fast", "'fast' is not a"), ("0", "--creep 0: is below 0.1 rpm (write e.g.")],
+)
+def test_a_creeping_speed_that_is_none_is_one_line(started, text, words, capsys):
+    assert cli.exit_code(["startup", str(CONFIGS / "drive/point.yaml"), "--creep", text]) == 2
+    told = capsys.readouterr().err
+    assert words in told and told.count("\n") == 1
+    assert not started
 
 
 def test_json_is_one_document_and_a_failed_start_has_exit_code_4(started, capsys):

@@ -110,6 +110,25 @@ def test_a_title_of_many_lines_stays_in_its_comment(swept_map):
         assert "one, two Curve:Bicubic;" in text.splitlines()[0]
 
 
+def test_conditions_of_coefficients_have_units_and_name_the_subcooling(swept_map):
+    found = polynomials(swept_map, FIGURES)
+    stated = {"operation.superheat": 10.0, "oil_supply.temperature": 313.15, "oil_supply.ratio": 1.5}
+    of_scene = replace(found, conditions=stated)
+    lines = en12900_csv(of_scene).splitlines()
+    for line in (
+        "# operation.superheat = 10 K",
+        "# oil_supply.temperature = 40 degC",
+        "# oil_supply.ratio = 1.5 kg/kg",
+        "# operation.subcooling = 0 K, as the scene states none",
+    ):
+        assert line in lines
+    lines = en12900_csv(replace(found, conditions={**stated, "operation.subcooling": 5.0}), ip=True).splitlines()
+    assert {"# operation.superheat = 18 degF", "# oil_supply.temperature = 104 degF"} <= set(lines)
+    assert "# operation.subcooling = 9 degF" in lines
+    swept = en12900_csv(replace(found, conditions=stated, axes={"operation.subcooling": "K"}))
+    assert "operation.subcooling =" not in swept
+
+
 def test_the_power_is_that_of_the_motor_where_there_is_one():
     assert energyplus.power_of(["shaft_power", "electrical_power"]) == "electrical_power"
     assert energyplus.power_of(["shaft_power"]) == "shaft_power"

@@ -21,6 +21,7 @@ from screwsim.cli.declare import summary
 from screwsim.cli.export import app as export_app
 from screwsim.cli.new import new
 from screwsim.cli.options import BAD_SCENE, INTERNAL, INTERRUPTED, OK, USAGE, print_error
+from screwsim.cli.startup import startup
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.screen import say
 from screwsim.version import version
@@ -59,7 +60,7 @@ _POINTS = (points.run, points.sweep, points.explain, points.accuracy)
 _STUDIES = (studies.optimum, studies.sensitivity, studies.performance_map, studies.compare, studies.calibrate)
 _FILES = (files.explore, files.rotors, files.plot, files.scene, files.report, files.validate, files.schema)
 _SEEK = (seek.find, seek.optimize)
-_MEASURED = (measured.diagnose, measured.plan, studies.tolerance, studies.startup)
+_MEASURED = (measured.diagnose, measured.plan, studies.tolerance, startup)
 for _command in (new, *_POINTS, datasheet, *_SEEK, *_STUDIES, *_MEASURED, *_FILES):
     app.command("map" if _command is studies.performance_map else None)(_command)
 app.add_typer(export_app, name="export", short_help=str(export_app.info.help).rstrip("."))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Sequence
 from functools import partial
@@ -19,8 +18,6 @@ from screwsim.screen import say
 
 if TYPE_CHECKING:
     from screwsim.scene import Scene
-
-RPM = math.pi / 30.0
 
 
 def optimum(
@@ -284,11 +281,11 @@ def calibrate(
 
 def tolerance(
     scene_file: SceneFile,
-    grade: Annotated[int, option("IT", "ISO 286 tolerance grade of crank, rod and offset.")] = 10,
-    crank_grade: Annotated[int | None, option("IT", "Grade of the crank alone.")] = None,
-    rod_grade: Annotated[int | None, option("IT", "Grade of the rod alone.")] = None,
-    offset_grade: Annotated[int | None, option("IT", "Grade of the offset alone.")] = None,
-    bore_grade: Annotated[int | None, option("IT", "Grade of the bore (default: exact).")] = None,
+    grade: Annotated[int, option("N", "ISO 286 tolerance grade of crank, rod and offset, e.g. 7 for IT7.")] = 10,
+    crank_grade: Annotated[int | None, option("N", "Grade of the crank alone.")] = None,
+    rod_grade: Annotated[int | None, option("N", "Grade of the rod alone.")] = None,
+    offset_grade: Annotated[int | None, option("N", "Grade of the offset alone.")] = None,
+    bore_grade: Annotated[int | None, option("N", "Grade of the bore (default: exact).")] = None,
     count: Annotated[int, option("N", "Number of machines to draw.")] = 64,
     seed: Annotated[int, option("N", "Random seed.", min=0)] = 1,
     folder: Annotated[File, option("DIR", "Write the figures.", "-o")] = None,
@@ -315,35 +312,3 @@ def tolerance(
         for path in draw_machine(found.links, (found.table, found.shifts, deviations), folder):
             say(path, err=as_json)
     return OK if not found.failed else NOT_ALL_OK
-
-
-def startup(
-    scene_file: SceneFile,
-    folder: Annotated[File, option("DIR", "Folder for traces and figure.", "-o")] = None,
-    creep: Annotated[float, option("RPM", "Speed at the start.", min=0.1)] = 30.0,
-    longest: Annotated[float, option("SECONDS", "Simulated time after which to give up.", min=0.01)] = 10.0,
-    overrides: Overrides = None,
-    without: Without = None,
-    as_json: AsJson = False,
-) -> int:
-    """Start a machine that has a drive, against the discharge pressure."""
-    options.check_folder_name(folder)
-    scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
-    from screwsim.printing import print_json
-    from screwsim.printing.startup import TRACES, protect_other_traces, startup_text, write_traces
-    from screwsim.report.drive import draw_start
-    from screwsim.results.atomic import make_folder
-    from screwsim.solve.start_up import start_up
-
-    if folder is not None:
-        make_folder(folder)
-        protect_other_traces(folder / TRACES)
-    found = start_up(scene, creep * RPM, longest)
-    if as_json:
-        print_json(found.as_json())
-    else:
-        say(startup_text(scene.title, found))
-    if folder is not None and found.traces:
-        for path in (write_traces(folder / TRACES, found), *draw_start(found, scene.title, folder)):
-            say(path, err=as_json)
-    return OK if found.status == "ok" else NOT_ALL_OK

@@ -1,5 +1,6 @@
 """Rating tables and coefficients after EN 12900 and AHRI 540 as comma-separated text, in SI or inch-pound units."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -7,6 +8,8 @@ import numpy as np
 
 from screwsim.export.polynomials import DOCUMENT_KEYS, Polynomials, document, in_fahrenheit, temperature_limits
 from screwsim.results.protection import protect_other_json, protect_unmarked
+from screwsim.scene.operation import SUBCOOLING
+from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.performance_map import COEFFICIENT_NAMES, PerformanceMap
 
 FIGURES = ("cooling_capacity", "shaft_power", "gas_mass_flow")
@@ -23,6 +26,22 @@ HEAD_LINE = "table,map,figure,unit"  # of the coefficients' table
 RATED_STEPS = 6  # rated temperatures along each axis
 
 
+def _condition_lines(found: Polynomials, ip: bool) -> Iterator[str]:
+    """Yield the conditions that hold for all maps, with their units; subcooling also where the scene states none."""
+    stated = dict(found.conditions)
+    if SUBCOOLING not in {*stated, *found.axes, *found.within}:
+        stated[SUBCOOLING] = 0.0
+    for path, value in stated.items():
+        if path.endswith(("superheat", "subcooling")):
+            shown = f"{1.8 * value:.6g} degF" if ip else f"{value:.6g} K"
+        elif path.endswith("temperature"):
+            celsius = value - ZERO_CELSIUS
+            shown = f"{1.8 * celsius + 32.0:.6g} degF" if ip else f"{celsius:.6g} degC"
+        else:
+            shown = f"{value:.6g} kg/kg"
+        yield f"{path} = {shown}" + ("" if path in found.conditions else ", as the scene states none")
+
+
 def en12900_csv(found: Polynomials, ip: bool = False) -> str:
     """Return the coefficients, then the rated points in the envelope, of each map."""
     degree = "degF" if ip else "degC"
@@ -30,7 +49,7 @@ def en12900_csv(found: Polynomials, ip: bool = False) -> str:
         f"# {found.title}: {found.fluid}",
         f"# {document(found)['formula']}",
         f"# S evaporating (dew), D condensing ({found.condensing}) temperature, {degree}",
-        *(f"# {path} = {value:.6g} (SI)" for path, value in found.conditions.items()),
+        *(f"# {line}" for line in _condition_lines(found, ip)),
         f"{HEAD_LINE}," + ",".join(COEFFICIENT_NAMES) + ",largest_error,left_out_error",
     ]
     for one in found.maps:

@@ -5,6 +5,7 @@ integrated at the speed over time, and the drive under the torque of the chamber
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -30,6 +31,7 @@ from screwsim.scene.types import Scene
 from screwsim.solve import circuit, drive
 
 Array = np.ndarray
+Told = Callable[[float], None]
 CREEP_SPEED = 30.0 * math.pi / 30.0  # rad/s, initial speed
 LONGEST = 10.0  # s, longest start-up
 MOST_PITCHES = 4000  # of a start-up
@@ -68,9 +70,12 @@ class StartUp:
         return {**kept, "figures": dict(self.figures)}
 
 
-def start_up(scene: Scene, creep: float = CREEP_SPEED, longest: float = LONGEST) -> StartUp:
+def start_up(
+    scene: Scene, creep: float = CREEP_SPEED, longest: float = LONGEST, told: Told = lambda share: None
+) -> StartUp:
     """Return the start-up of a scene with a `drive`, from a creeping speed [rad/s], in at most `longest` [s].
 
+    `told` is called after each lobe pitch, with its mean speed over the steady one.
     Raises UsageError where the scene has no drive, its motor has no torque limit, or `creep` is not below the
     steady speed.
     """
@@ -91,7 +96,7 @@ def start_up(scene: Scene, creep: float = CREEP_SPEED, longest: float = LONGEST)
     if creep >= steady.mean_speed:
         target = _rpm(steady.mean_speed)
         raise UsageError(f"the start creeps at {_rpm(creep)}, the steady speed is {target} (choose a slower creep)")
-    found = StartUpRun(of, machinery, steady, creep, longest).run()
+    found = StartUpRun(of, machinery, steady, creep, longest).run(told)
     leases.give_back(machinery)
     return found
 
@@ -200,7 +205,7 @@ class StartUpRun:
 
     # ---- all of it -------------------------------------------------------------------------------------------
 
-    def run(self) -> StartUp:
+    def run(self, told: Told = lambda share: None) -> StartUp:
         """Continue until the steady speed is reached and kept, or the start ends otherwise."""
         stays, target = 0, self.steady.mean_speed
         unsettled = 0
@@ -220,6 +225,7 @@ class StartUpRun:
             unsettled += not step.settled
             self.go_on(step)
             m, mean = step.motion, _mean(step.motion, self.train.pitch)
+            told(mean / target)
             stays = stays + 1 if abs(mean / target - 1.0) <= STEADY_WITHIN else 0
             if stays >= STEADY_PITCHES:
                 status = OK if unsettled == 0 else NOT_CLOSED

@@ -19,6 +19,7 @@ from screwsim.scene import cross_check, dimensions, with_values
 from screwsim.scene.types import Scene
 from screwsim.study.agreement import Requirements, refuse_to_differ
 from screwsim.study.limit import TimeLimit, clock_handed_on, clocks_running
+from screwsim.study.tally import no_mark
 from screwsim.study.workers import pickled_work
 
 BLOCK_CASES = 16  # cases per block at most in small sweeps: even work for all cores
@@ -44,6 +45,7 @@ class Job:
     limit: float | None
     batch: bool = False  # blocks side by side, in the SIMD lanes of a core,
     gpu: bool = False  # or on a GPU
+    mark: Callable[[], None] = no_mark  # called after each case
 
 
 @dataclass(frozen=True)
@@ -111,6 +113,7 @@ def _results_of_block(job: Job, block: Block) -> list[Result]:
             run.append((place, scene))
             continue
         results[place] = Result("failed", message=failed)
+        job.mark()
         results |= _consecutive_results(job, run)
         run = []
     results |= _consecutive_results(job, run)
@@ -138,6 +141,7 @@ def _consecutive_results(job: Job, run: Sequence[tuple[int, Scene]]) -> dict[int
         except (Exception, SystemExit) as error:  # noqa: BLE001 - any error of one case; KeyboardInterrupt is none
             results[place] = Result("failed", message=_error_in_words(error))
             many = None
+        job.mark()
     return results
 
 

@@ -18,6 +18,9 @@ class Progress:
     def advance(self, cases: int, failed: int) -> None:
         """Count finished cases, `failed` of them without a closed cycle."""
 
+    def solving(self, cases: int) -> None:
+        """Show cases that are solved, and that `advance` will count when their chunk is finished."""
+
     def more(self, cases: int) -> None:
         """Expect more cases than announced at the beginning."""
 
@@ -39,6 +42,9 @@ class TolerantProgress(Progress):
 
     def advance(self, cases: int, failed: int) -> None:
         self._try(lambda: self._told.advance(cases, failed))
+
+    def solving(self, cases: int) -> None:
+        self._try(lambda: self._told.solving(cases))
 
     def more(self, cases: int) -> None:
         self._try(lambda: self._told.more(cases))
@@ -69,7 +75,7 @@ class TerminalBar(Progress):
         self._title = title
         self._bar: Any = None
         self._task: Any = None
-        self._failed = self._new = 0
+        self._failed = self._new = self._ahead = 0
 
     def start(self, cases: int, reused: int) -> None:
         from rich.console import Console
@@ -95,11 +101,21 @@ class TerminalBar(Progress):
 
     def advance(self, cases: int, failed: int) -> None:
         self._failed += failed
+        shown = min(self._ahead, cases)
+        self._ahead -= shown
+        self._count(cases - shown, refresh=True)
+
+    def solving(self, cases: int) -> None:
+        more, self._ahead = cases - self._ahead, cases
+        if more:
+            self._count(more, refresh=False)
+
+    def _count(self, cases: int, refresh: bool) -> None:
         self._new += cases
         elapsed = self._bar.tasks[0].elapsed or 0.0
         rate = f"{digits(self._new / elapsed)} points/s" if elapsed else ""
         failures = f"{self._failed} not ok" if self._failed else ""
-        self._bar.update(self._task, advance=cases, rate=rate, failures=failures, refresh=True)
+        self._bar.update(self._task, advance=cases, rate=rate, failures=failures, refresh=refresh)
 
     def more(self, cases: int) -> None:
         self._bar.update(self._task, total=self._bar.tasks[0].total + cases)
@@ -118,7 +134,7 @@ class CountingProgress(Progress):
     def __init__(self, title: str, clock: Callable[[], float]) -> None:
         self._title = title
         self._clock = clock
-        self._cases = self._reused = self._done = self._failed = 0
+        self._cases = self._reused = self._done = self._failed = self._ahead = 0
         self._began = 0.0
 
     def start(self, cases: int, reused: int) -> None:
@@ -126,9 +142,15 @@ class CountingProgress(Progress):
         self._began = self._clock()
 
     def advance(self, cases: int, failed: int) -> None:
-        self._done += cases
+        shown = min(self._ahead, cases)
+        self._ahead -= shown
+        self._done += cases - shown
         self._failed += failed
         self.tick()
+
+    def solving(self, cases: int) -> None:
+        self._done += cases - self._ahead
+        self._ahead = cases
 
     def more(self, cases: int) -> None:
         self._cases += cases
@@ -184,6 +206,14 @@ class OverwrittenLine(CountingProgress):
 
     def advance(self, cases: int, failed: int) -> None:
         super().advance(cases, failed)
+        self._write_now_and_then()
+
+    def solving(self, cases: int) -> None:
+        if cases != self._ahead:
+            super().solving(cases)
+            self._write_now_and_then()
+
+    def _write_now_and_then(self) -> None:
         now = self._clock()
         if now - self._told >= self._every:
             self._told = now

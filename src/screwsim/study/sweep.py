@@ -42,6 +42,7 @@ from screwsim.study.limit import CASE_LIMIT, checked_limit
 from screwsim.study.progress import Progress, progress_of
 from screwsim.study.scene_values import scene_values
 from screwsim.study.shards import Parts
+from screwsim.study.tally import Tally, place_of
 from screwsim.study.workers import Chunks, ChunkWork, LocalPool, Pool, cores
 from screwsim.version import release
 
@@ -246,21 +247,22 @@ class _Sweep:
         longest = (CHUNK_TRACES if keep else CHUNK_CASES) // size
         self._chunks = Chunks(todo, longest, pool.workers, self._beside.blocks(size))
         base = replace(self.scene, sweep={}, joints=(), text="")
-        job = Job(base, tuple(self.scene.sweep), self._many, self._warm_up, keep, limit, *self._beside)
+        tally = self._tally = Tally(self._progress, place_of(pool, alone=limit is None))
+        job = Job(base, tuple(self.scene.sweep), self._many, self._warm_up, keep, limit, *self._beside, tally.mark)
         self._progress.start(self.blocks.cases, reused)
         try:
             if limit is None:
                 while (blocks := self._chunks.take()) is not None:
                     self._finish(blocks, run_blocks(job, self._payload(blocks)))
-                    self._progress.tick()
+                    tally.tick()
             else:
                 task = partial(run_packed, packed(job), self._wanted)
-                run_chunks(self._chunks, ChunkWork(pool, task, self._payload, self._finish, self._progress.tick), limit)
+                run_chunks(self._chunks, ChunkWork(pool, task, self._payload, self._finish, tally.tick), limit)
         except UsageError:
             self._watch.look()  # a worker that started after a file changed here reads the changed one
             raise
         finally:
-            self._progress.stop()
+            tally.stop()
 
     def _payload(self, blocks: range) -> list[Block]:
         """Return the cases of blocks, built on demand."""
@@ -287,7 +289,7 @@ class _Sweep:
         self._watch.look()
         self._parts.write(self.blocks.cases_of(blocks).start, table)
         self._chunks.learn(len(blocks), seconds)
-        self._progress.advance(len(table), int(np.count_nonzero(table.status)))
+        self._tally.advance(len(table), int(np.count_nonzero(table.status)))
         self._draft.lay_out(table)  # once, while the other chunks are being computed
 
 

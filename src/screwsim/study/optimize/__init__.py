@@ -31,6 +31,7 @@ from screwsim.study.progress import Progress, progress_of
 from screwsim.study.search import Maximum
 from screwsim.study.seek import rounded
 from screwsim.study.spans import read_spans
+from screwsim.study.tally import Place, Tally
 from screwsim.study.workers import cores
 
 __all__ = ["Aim", "EquallyGoodRange", "Optimum", "Question", "optimize", "question", "run_question", "spans_of"]
@@ -169,17 +170,18 @@ def run_question(
     check_fit(with_values(asked.scene, asked.points.points[0].values), begin, ", ".join(begin))
     if simulate is None:
         simulator(with_values(asked.scene, begin))  # compiled before the fork
-    progress = progress or Progress()
+    progress, jobs = progress or Progress(), jobs or cores()
+    tally = Tally(progress, Place.BESIDE if jobs > 1 else Place.HERE)
     target = None if output is None else Path(output)
     if target is not None:
         make_folder(target.parent)
     with nullcontext() if target is None else held_parts(target, asked, restart) as parts:
         try:
-            with BatchWorkers(jobs or cores(), lambda work: None, progress.tick) as crew:
-                record = Record(asked, crew, parts, simulate, progress)
+            with BatchWorkers(jobs, lambda work: None, tally.tick) as crew:
+                record = Record(asked, crew, parts, simulate, progress, tally)
                 top = search(record)
         finally:
-            progress.stop()
+            tally.stop()
         found = _optimum_of(record, top, simulate or WarmSimulation())
         if target is not None:
             write(target, record, _feasible(record), found.front)

@@ -8,7 +8,7 @@ cut depends on the batch alone, so that answers depend neither on the number of 
 import pickle
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import NamedTuple
@@ -26,6 +26,7 @@ from screwsim.study.parallel import BatchWorkers, WarmSimulation
 from screwsim.study.point import with_slopes
 from screwsim.study.progress import Progress
 from screwsim.study.shards import Parts
+from screwsim.study.tally import Tally, no_mark
 from screwsim.study.workers import WORKER_DIED, pickled_work
 
 # evaluations after which workers start afresh: their caches fill with tables and rotors of many profiles
@@ -33,7 +34,8 @@ EVALUATIONS_PER_WORKER = 2000
 BLOCK_EVALUATIONS = 4  # evaluations of a batch whose cycles start from each other
 MOST_REASONS = 100  # kinds of failure reasons that are kept
 OTHER_REASON = "another reason"
-_Job = tuple[Question, Simulate | None, float | None]  # question, simulation, time limit of a case [s]
+# question, simulation, time limit of a case [s], and what counts an evaluation
+_Job = tuple[Question, Simulate | None, float | None, Callable[[], None]]
 
 
 class BudgetExhausted(Exception):
@@ -49,6 +51,7 @@ class Record:
     parts: Parts | None = None  # where the cases are stored
     simulate: Simulate | None = None
     progress: Progress = field(default_factory=Progress)
+    tally: Tally | None = None  # of evaluations that are at work; shared where the crew has several workers
     reasons: Counter[str] = field(default_factory=Counter)
     reused: int = 0
     warned: dict[int, tuple[str, ...]] = field(default_factory=dict)  # by number of the evaluation, of those that warn
@@ -61,7 +64,7 @@ class Record:
 
     def __post_init__(self) -> None:
         limit = CASE_LIMIT * len(self.asked.points.points) if self.crew.jobs > 1 else None
-        job = self.asked, self.simulate, limit
+        job = self.asked, self.simulate, limit, no_mark if self.tally is None else self.tally.mark
         self._job = job if self.crew.jobs <= 1 else pickled_work(job)
         if self.parts is not None:
             for cases in self.parts.finished():
@@ -117,7 +120,7 @@ class Record:
             self.reasons[self._kinds.get(kind, OTHER_REASON)] += 1
         self._places.append(places)
         self._rows.append(np.array([(*each.aims, *each.errors, *each.excess) for each in found], float))
-        self.progress.advance(len(found), len(failed))
+        (self.progress.advance if self.tally is None else self.tally.advance_all)(len(found), len(failed))
 
     def _computed(self, places: np.ndarray) -> Table:
         if len(self) // EVALUATIONS_PER_WORKER > self._crews:  # bounds the memory of workers
@@ -165,7 +168,7 @@ _unpacked = lru_cache(maxsize=1)(pickle.loads)
 
 def _block(work: _SentBlock) -> Table:
     """Return the results of a block, one operating point per row."""
-    asked, simulate, limit = work.job if isinstance(work.job, tuple) else _unpacked(work.job)
+    asked, simulate, limit, mark = work.job if isinstance(work.job, tuple) else _unpacked(work.job)
     simulate = simulate or WarmSimulation()
     results: list[Result] = []
     for places in work.places:
@@ -174,4 +177,5 @@ def _block(work: _SentBlock) -> Table:
             machine = with_values(asked.scene, values)
             for each in simulated(asked, values, simulate):
                 results.append(with_slopes(with_values(machine, each.values), each.result))
+        mark()
     return table_of(results, keep_cycle=False, keep_slopes=True)

@@ -1,0 +1,89 @@
+"""The command that starts a machine which has a drive."""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Annotated
+
+from screwsim.cli import options
+from screwsim.cli.declare import File, option
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Overrides, SceneFile, Without, loaded_scene
+from screwsim.inputs.faults import UsageError
+from screwsim.screen import say
+
+RPM = math.pi / 30.0
+LEAST_CREEP = 0.1  # [rpm] slowest start
+
+
+def _creep_speed(text: str) -> float:
+    """Return the speed [rad/s] of --creep; raise UsageError for one that is none."""
+    from screwsim.inputs.declare import KINDS
+    from screwsim.scene.units import NUMBER, Refused, parse_quantity
+
+    try:
+        found = parse_quantity(KINDS["speed"], f"{text} rpm" if re.fullmatch(NUMBER, text.strip()) else text)
+    except Refused as refusal:
+        raise UsageError(f"--creep {text}: {refusal}") from None
+    if not found >= LEAST_CREEP * RPM:
+        raise UsageError(f"--creep {text}: is below {LEAST_CREEP:g} rpm (write e.g. --creep '30 rpm')")
+    return found
+
+
+@contextmanager
+def _shown_speed() -> Iterator[Callable[[float], None]]:
+    """Give a function that shows how far a start has come, by its speed over the steady one, on a terminal."""
+    from screwsim.study.progress import OverwrittenLine, Progress, TolerantProgress
+
+    on_terminal = sys.stderr is not None and sys.stderr.isatty()
+    shown = TolerantProgress(OverwrittenLine("startup, % of the steady speed")) if on_terminal else Progress()
+    reached = 0
+
+    def told(share: float) -> None:
+        nonlocal reached
+        now = max(reached, min(100, int(100.0 * share)))
+        shown.advance(now - reached, 0)
+        reached = now
+
+    shown.start(100, 0)
+    try:
+        yield told
+    finally:
+        shown.stop()
+
+
+def startup(
+    scene_file: SceneFile,
+    folder: Annotated[File, option("DIR", "Folder for traces and figure.", "-o")] = None,
+    creep: Annotated[str, option("SPEED", "Speed at the start; a bare number is in rpm.")] = "30 rpm",
+    longest: Annotated[float, option("SECONDS", "Simulated time after which to give up.", min=0.01)] = 10.0,
+    overrides: Overrides = None,
+    without: Without = None,
+    as_json: AsJson = False,
+) -> int:
+    """Start a machine that has a drive, against the discharge pressure."""
+    options.check_folder_name(folder)
+    slow = _creep_speed(creep)
+    scene = options.base_point(loaded_scene(scene_file, overrides, without), scene_file)
+    from screwsim.printing import print_json
+    from screwsim.printing.startup import TRACES, protect_other_traces, startup_text, write_traces
+    from screwsim.report.drive import draw_start
+    from screwsim.results.atomic import make_folder
+    from screwsim.solve.start_up import start_up
+
+    if folder is not None:
+        make_folder(folder)
+        protect_other_traces(folder / TRACES)
+    with _shown_speed() as told:
+        found = start_up(scene, slow, longest, told)
+    if as_json:
+        print_json(found.as_json())
+    else:
+        say(startup_text(scene.title, found))
+    if folder is not None and found.traces:
+        for path in (write_traces(folder / TRACES, found), *draw_start(found, scene.title, folder)):
+            say(path, err=as_json)
+    return OK if found.status == "ok" else NOT_ALL_OK
