@@ -29,10 +29,7 @@ TakesNumbers = FlowPath | HeatRate | Wall | ChamberState | LineLeak
 
 
 class _Built(NamedTuple):
-    """Parts of an effect and the objects that they were built from.
-
-    The objects are kept alive because the cache identifies them by their `id`.
-    """
+    """Parts of an effect and the objects they were built from, kept alive as the cache identifies them by `id`."""
 
     active: ActiveEffect
     geometry: MachineGeometry

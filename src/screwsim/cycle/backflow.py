@@ -44,10 +44,7 @@ NO_FEEDBACK = BackflowFeedback()
 
 
 def backflow_feedback(problem: Problem, q: Array, met: Array, made: Array) -> BackflowFeedback:
-    """Return the backflow's share and later effect.
-
-    The life has quadratures q; `met` are its unknowns, `made` their next values.
-    """
+    """Return the backflow's share and later effect after a life of quadratures q, from unknowns `met` to `made`."""
     parts, known = problem.parts, problem.scene.gas
     if not problem.composition.carried or parts.oil is None or parts.held_back or known.equilibrium:
         return NO_FEEDBACK

@@ -144,10 +144,7 @@ def _distances(a: Array, b: Array) -> Array:
 
 
 def _weights(known: list[Array], wanted: Array) -> list[Array]:
-    """Return the weights of polynomials that extrapolate to the wanted parameters.
-
-    The last entry is the last cycle alone.
-    """
+    """Return weights of polynomials that extrapolate to the wanted parameters; the last is the last cycle alone."""
     last = LAST_ALONE
     if len(known) < 2:
         return [last]

@@ -22,10 +22,7 @@ from screwsim.numerics.frozen import fast_init
 @fast_init
 @dataclass(frozen=True)
 class CycleFigures:
-    """Quantities of a closed cycle that a power loss or a reading may use (SI units).
-
-    `set_speed` to `turn` are for readings only.
-    """
+    """Quantities of a closed cycle for power losses and readings (SI units); `set_speed` to `turn`: readings only."""
 
     omega: float
     tip_speed: float
@@ -145,10 +142,7 @@ def _leaked_oil(problem: Problem, life: Trajectory) -> float:
 
 
 def chamber_end_pressure(problem: Problem, life: Trajectory, to: str) -> float | None:
-    """Return the mean pressure [Pa] at the chambers' end of a pulsating line (M184).
-
-    None if the line does not pulsate.
-    """
+    """Return the mean pressure [Pa] at the chambers' end of a line (M184); None if it does not pulsate."""
     parts, c = problem.parts, life.composition
     for part in parts.pulsations:
         if part.to == to:
@@ -172,10 +166,7 @@ def _oil_discharge_temperature(problem: Problem, life: Trajectory, q: Array) -> 
 
 
 def outflow_oil_temperature(life: Trajectory) -> float | None:
-    """Return the mean oil temperature [K], weighted with the gas outflow.
-
-    Oil leaves at constant d (transport: paper).
-    """
+    """Return the oil temperature [K], weighted with the gas outflow; oil leaves at constant d (transport: paper)."""
     heat, mass = life.oil_with_outflow()
     return float(heat / mass) if mass != 0.0 else None
 

@@ -76,10 +76,7 @@ def set_unknowns(problem: Problem, machinery: Machinery, values: Array) -> None:
 def image(
     problem: Problem, life: Trajectory, q: Array, turn: Turn | None = None, into: LineInflow | None = None
 ) -> Array:
-    """Return the next values of the unknowns by a life with quadratures q.
-
-    `turn` and `into` may be passed where they are known already.
-    """
+    """Return the unknowns' next values by a life with quadratures q; `turn` and `into` may be given where known."""
     lines = [_outflow(problem, life.R, q)]
     turn = turn or turn_of(problem, life, q, into) if problem.parts.made else None
     if problem.parts.suction_line:

@@ -68,10 +68,7 @@ class StepRefinement:
         self.hoped, self.share = np.inf, 1.0
 
     def consider(self, gap: float, residual: float) -> None:
-        """Refine the steps if the gap is too small to explain the residual.
-
-        After a vain refinement require a smaller gap.
-        """
+        """Refine steps if the gap cannot explain the residual; after a vain refinement require a smaller gap."""
         explained = self.share * min(1.0, self.bound / max(residual, 1e-300))
         if gap > self.tolerance * max(LEAST_GAP, explained):
             return

@@ -201,10 +201,7 @@ class Corrections:
         return self._found(lambda t: Residual(np.zeros((len(t.step), len(start))), start, q, met, made), met)
 
     def _found(self, residual: Callable[[Tangents], Residual], met: Array) -> Correction | None:
-        """Return the correction of a residual, with new tangents where needed.
-
-        Stop correcting after `MOST_SHORTENED` failures.
-        """
+        """Return a residual's correction, with new tangents where needed; stop after `MOST_SHORTENED` failures."""
         self._fresh = self.tangents is None
         try:
             tangents = self.tangents or linearised(self.problem, self.machinery, met)

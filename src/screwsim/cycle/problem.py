@@ -106,10 +106,7 @@ class Problem:
         return p / (oil.density * oil.heat_capacity) if oil is not None and self.parts.oil_room else 0.0
 
     def gas_share(self, rho: Any, ratio: Any) -> Any:
-        """Return the gas's share of a volume at a density [kg/m³] and oil per gas; 1 where oil takes no room (M106).
-
-        Numbers or arrays.
-        """
+        """Return the gas's share of a volume at ρ [kg/m³] and oil per gas, or arrays; 1 without room for oil (M106)."""
         return 1.0 / (1.0 + ratio * rho / self.parts.oil.density) if self.parts.oil and self.parts.oil_room else 1.0
 
 
@@ -172,10 +169,7 @@ def sharing() -> Iterator[None]:
 
 
 def problem_of(scene: Scene, series: Series | None = None, set_speed: float | None = None) -> Problem:
-    """Return the problem that a scene poses.
-
-    `set_speed` [rad/s] is the stated speed where the scene's own was derived from it.
-    """
+    """Return a scene's problem; `set_speed` [rad/s] is the stated one where the scene's speed was derived from it."""
     series = series or Series()
     scene = completed(scene, series.temperatures, series.losses, series.sought)
     reach_station()

@@ -86,10 +86,7 @@ def search_and_close(
 
 
 def with_growth(task: ClosingTask, cycle: CycleSolution) -> CycleSolution:
-    """Return a cycle with its `growth`, if it closed and searches are possible.
-
-    It is the machinery's last history again.
-    """
+    """Return a cycle with its `growth`, if it closed and searches are possible; it is the last history again."""
     if not cycle.closed or not search_applies(task.problem):
         return cycle
     pitch = _PitchMap(task)
@@ -207,10 +204,7 @@ class _PitchMap:
         return SearchPoint(x, changed, (y, made), q) if np.isfinite(changed).all() else None
 
     def inverse(self, here: SearchPoint) -> Array | None:
-        """Return the pseudo-inverse of the derivatives of the change at the start of the last pitch.
-
-        None if not finite.
-        """
+        """Return the pseudo-inverse of the change's derivatives at the last pitch's start; None if not finite."""
         try:
             J = self._derivatives(here)
             return np.linalg.pinv(J, rcond=SINGULAR) if np.isfinite(J).all() else None

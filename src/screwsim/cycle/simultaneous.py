@@ -163,10 +163,7 @@ def _figures_agree(seen: list[tuple[float, float]], tolerance: float, least: flo
 
 
 def _make_no_progress(gaps: list[float], count: int) -> bool:
-    """Return whether the last `count` pitches changed much, and hardly less at the end.
-
-    A machine that oscillates does so.
-    """
+    """Return whether the last `count` pitches changed much and hardly less at the end: the machine oscillates."""
     if len(gaps) < count:
         return False
     before, last = min(gaps[-count : -count // 2]), min(gaps[-count // 2 :])
@@ -174,10 +171,7 @@ def _make_no_progress(gaps: list[float], count: int) -> bool:
 
 
 def _is_stationary(gaps: list[float], tolerance: float) -> bool:
-    """Return whether the last pitch changed the states within the tolerance, or stalled near it.
-
-    What is left is noise then.
-    """
+    """Return whether the last pitch changed the states within the tolerance, or stalled near it: the rest is noise."""
     if gaps[-1] <= tolerance:
         return True
     stalled = len(gaps) > 2 * STALL and min(gaps[-STALL:]) >= 0.5 * min(gaps[:-STALL])

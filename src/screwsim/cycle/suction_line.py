@@ -174,10 +174,7 @@ def image(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -
 
 
 def _mixture(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -> Mixture | None:
-    """Return the mixture in the line after a life, None where nothing is sucked.
-
-    Raise UsageError where it cannot exist.
-    """
+    """Return the line's mixture after a life, None where nothing is sucked; raise UsageError where none can exist."""
     sucked, returned = Stream(*streams[SUCTION_IN].tolist()).fluid, backflow(problem, R, streams)
     if not sucked > 0.0:
         return None

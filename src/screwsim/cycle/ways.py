@@ -122,10 +122,7 @@ def way_of(cycle: CycleSolution) -> Way:
 
 
 def close_by_ways(task: ClosingTask, start: Start) -> CycleSolution:
-    """Close the cycle by the ways of its setting in turn.
-
-    An unclosed attempt before the last way is kept as `abandoned_cycle`.
-    """
+    """Close the cycle by its setting's ways in turn; an unclosed attempt before the last is its `abandoned_cycle`."""
     *first, last = (WAYS[name] for name in CLOSINGS[task.criteria.closing].ways)
     left = None
     for way in first:

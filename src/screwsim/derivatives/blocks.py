@@ -15,11 +15,7 @@ class Blocks:
     """1 − h a J of every slice, factored; J (slices, NODES, N, N) are derivatives by the states of all chambers."""
 
     def __init__(self, J: Array, widths: Array, states: int, reach: int) -> None:
-        """Factor.
-
-        `states` are those of a chamber, `reach` is how many chambers on it couples to, further ones are left
-        out.
-        """
+        """Factor; a chamber has so many `states` and couples to `reach` chambers on, further ones are left out."""
         count, _, N, _ = J.shape
         self.states, self.reach = states, reach
         self.factors, self.pivots = empty(count, NODES * N, NODES * N), np.empty((count, NODES * N), np.int64)

@@ -65,10 +65,7 @@ class ChamberFactors:
 
 
 def approach(pitch: CollocatedPitch, bound: float, kept: ChamberFactors) -> tuple[Array, Array] | None:
-    """Return states at the start and the nodes with less than a relative residual, installed.
-
-    None if none are found.
-    """
+    """Return states at start and nodes with less than a relative residual, installed; None if none are found."""
     Y, before, blocks = pitch.read(), np.inf, kept.of(pitch)
     start, last, nothing = pitch.begin(Y), np.zeros_like(Y), np.zeros((pitch.N, pitch.N))
     for _ in range(MOST_ITERATIONS):

@@ -108,10 +108,7 @@ def collocated(problem: Problem, machinery: Machinery, life: Trajectory, finenes
 def _collocated(
     problem: Problem, machinery: Machinery, life: Trajectory, steps: float, fineness: Fineness
 ) -> CollocatedCycle:
-    """Collocate with slices of so many steps at first.
-
-    Refine and place them at turning flows until both have settled.
-    """
+    """Collocate with slices of so many steps first; refine and place them at turning flows until both settle."""
     machinery.put(life)
     inside = bool(problem.parts.pulsations)
     seams = slices.fixed_edges(machinery, problem.parts)
@@ -307,10 +304,7 @@ def unknowns_response(pitch: CollocatedPitch, cycle: CycleReading, response: Res
 
 
 def solve_unknowns(back: Array, off: Array, given: Array) -> Array:
-    """Return the change of the unknowns that makes them equal to their image.
-
-    Stated ones are changed by `off` itself.
-    """
+    """Return the change of the unknowns that makes them equal their image; stated ones change by `off` itself."""
     if not len(off):
         return np.zeros_like(off)
     matrix, right = np.eye(len(back)) - back, off.copy()

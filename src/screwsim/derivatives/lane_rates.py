@@ -147,10 +147,7 @@ def _room(size: int, _of: Any) -> Array:
 
 
 def _in_lanes(pitch: CollocatedPitch, nodes: Nodes, numbers: Sequence[RateNumbers], entry: Any) -> tuple[Array, Array]:
-    """Return the rates at the nodes (nodes, …, lanes) of each lane, with its numbers.
-
-    All lanes have equally many nodes.
-    """
+    """Return the rates at the nodes (nodes, …, lanes) of each lane's numbers; all lanes have equally many nodes."""
     machinery = pitch.machinery
     port_states, work = machinery.coupled_space()["spaces"]
     rows = {"port_states": aligned(len(port_states)), "work": aligned(len(work))}

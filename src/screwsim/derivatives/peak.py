@@ -25,10 +25,7 @@ REAL = 1e-9  # imaginary part up to which a root counts as real
 
 
 def peak_pressure(of: Evaluation) -> float:
-    """Return the highest chamber pressure [Pa] from injection to the end of the figure's range, by states.
-
-    NaN if none.
-    """
+    """Return the highest pressure [Pa] from injection to the end of the figure's range, by states; NaN if none."""
     return peak(of.life, of.problem.parts.geometry)[0]
 
 

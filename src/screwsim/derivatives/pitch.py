@@ -31,10 +31,7 @@ INSIDE = 1e-9  # share of a pitch before its end that still belongs to the same 
 
 
 class RateNumbers(NamedTuple):
-    """The arguments of the rates besides states and angle: parameters, tables and run-time cells.
-
-    Also a change of these.
-    """
+    """Arguments of rates besides states and angle, or a change of these: parameters, tables and run-time cells."""
 
     P: Array
     TAB: Array
@@ -279,10 +276,7 @@ class CollocatedPitch:
         machinery.install(np.append(begins, c.P[P_LIFE]), life, 0.0)
 
     def image(self, q: Array, life: Trajectory | None = None) -> Array:
-        """Return the next values of the unknowns, in coordinates, after a life with quadratures q.
-
-        None: the last history.
-        """
+        """Return the next unknowns, in coordinates, after a life (None: the last history) with quadratures q."""
         return self.problem.entries.coordinates(image_of(self.problem, life or self.machinery.trajectory, q))
 
     @property

@@ -45,8 +45,5 @@ def imported() -> dict[str, Effect]:
 
 
 def find_effect(name: str) -> Effect:
-    """Return the effect of a name.
-
-    Raise KeyError where there is none, ImportError where a dotted one cannot be imported.
-    """
+    """Return the effect of a name; KeyError where there is none, ImportError where a dotted one has no module."""
     return registry_entry(catalogue(), name, "EFFECT", Effect)

@@ -130,10 +130,7 @@ def rotor_torques(parameters: Parameters, pitch, ratio: float) -> tuple[np.ndarr
 
 
 def force(area: float | None, pitch) -> np.ndarray | None:
-    """Return the gas force [N] on a projected area [m²] of each chamber at the points of a pitch (M146).
-
-    None without one.
-    """
+    """Return the gas force [N] on each chamber's area [m²] at the points of a pitch (M146); None without one."""
     return None if area is None else area * _pressing(pitch.pressure - pitch.low_pressure)
 
 

@@ -77,10 +77,7 @@ class Parameters(WindowParameters, Sought):
 
     @property
     def stands(self) -> float | None:
-        """Current value of the search coordinate, `VALVE` times the logarithm of the opening [K].
-
-        None where it has none yet.
-        """
+        """Current search coordinate, `VALVE` times the logarithm of the opening [K]; None where it has none yet."""
         return VALVE * math.log(self.opening) if self.opening else None
 
     def span(self, facts: Any, suction_pressure: Callable[[], float]) -> Span:

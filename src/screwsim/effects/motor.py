@@ -150,10 +150,7 @@ def loss_of_table(rows: list[tuple[float, float]]) -> Loss:
 
 
 def motor_loss(parameters: Parameters, load: float, loss: Loss) -> tuple[float, float]:
-    """Return the losses [W] of a motor, alone and with its inverter, at a load [W] (M148, M204).
-
-    The load of a generator is negative.
-    """
+    """Return a motor's losses [W], alone and with its inverter, at a load [W], negative as generator (M148, M204)."""
     own = parameters.rated_power * loss(load / parameters.rated_power)
     inner = load + own
     driven = inner / parameters.drive_efficiency if inner >= 0.0 else inner * parameters.drive_efficiency

@@ -187,10 +187,7 @@ class PlenumWithLine:
         self._last: tuple[Any, ValvedState | None, list[float]] = None, None, []
 
     def _found(self, turn: Turn) -> tuple[ValvedState | None, list[float]]:
-        """Return the state of a plenum with a valve (else None) and its coefficients after a turn.
-
-        Computed once a turn.
-        """
+        """Return a plenum's state with a valve (else None) and its coefficients after a turn, computed once a turn."""
         of, mean, coefficients = self._last  # one read of the tuple: threads that read other turns share it
         if of is not turn.line:
             held = np.array([turn.held[name] for name in self.names]).reshape(-1, 2)

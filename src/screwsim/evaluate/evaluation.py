@@ -75,10 +75,7 @@ class Evaluation:
 
     @once
     def circuit(self) -> Circuit | str | None:
-        """The oil's circuit through separator and cooler.
-
-        None where nothing needs it, a text where it cannot be found.
-        """
+        """The oil's circuit through separator and cooler; None where nothing needs it, a text where none is found."""
         parts = self.problem.parts
         lift = oil_lift(parts, self.known) if parts.oil is not None else 0.0
         return circuit_of(self.problem, self.life, self.q, self.losses, lift)

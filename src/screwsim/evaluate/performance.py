@@ -178,10 +178,7 @@ def figures_of_expander(found: Mapping[str, Any], isentropic_work: float, filled
 
 
 def saturation_figures(problem: Problem, found: Mapping[str, Any]) -> Given:
-    """Return saturation temperatures and superheats [K], as called for.
-
-    `found` has the temperature of the gas at discharge.
-    """
+    """Return saturation temperatures and superheats [K], as called for; `found` has the discharge temperature."""
     if "suction_superheat" not in problem.called:
         return {}
     lines, fluid = problem.lines, problem.scene.gas.name

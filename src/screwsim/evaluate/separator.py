@@ -90,10 +90,7 @@ def circuit_of(
 
 
 def _unexplained_power(outflow: SeparatorInflow, parted: Separated) -> float:
-    """Return the power [W] that comes in beyond what gas, cooler and surroundings take (M285).
-
-    0 where gas condenses.
-    """
+    """Return the power [W] that comes in beyond what gas, cooler, surroundings take (M285); 0 where gas condenses."""
     if parted.why:
         return 0.0
     comes = outflow.supplied + outflow.heating + outflow.friction

@@ -95,10 +95,7 @@ def _or_oil(problem: Problem) -> str:
 
 
 def beyond_its_mean(problem: Problem, life: Trajectory) -> str:
-    """Return a message where a plenum's pressure swings by more than its mean, so that M186 does not hold.
-
-    Else empty.
-    """
+    """Return a message where a plenum's pressure swings by more than its mean, so that M186 fails; else empty."""
     for part in problem.parts.pulsations:
         line = problem.parts.number(part.to)
         angles = np.linspace(0.0, problem.parts.geometry.pitch, PHASES, endpoint=False)
@@ -184,10 +181,7 @@ def failure(problem: Problem, cycle: CycleSolution) -> str:
 
 
 def _hydraulic_lock(problem: Problem, cycle: CycleSolution) -> str:
-    """Return a message on a hydraulic lock and its angle.
-
-    Empty where oil does not fill the chamber or takes no room (M111).
-    """
+    """Return a message on a hydraulic lock and its angle; empty where oil fills no chamber or takes no room (M111)."""
     parts, R, n = problem.parts, cycle.trajectory.R, len(problem.composition.states)
     if not parts.oil_room or parts.oil is None:
         return ""

@@ -54,10 +54,7 @@ class BlendWet:
         return -f_T if entropy else f - T * f_T - v * f_v
 
     def at_pressure(self, p: float, wanted: float, entropy: bool) -> tuple[float, float] | None:
-        """Return (T [K], ρ [kg/m³]) at p [Pa] and the wanted entropy (else enthalpy).
-
-        None where that is a single phase.
-        """
+        """Return (T [K], ρ [kg/m³]) at p [Pa] and a wanted entropy (else enthalpy); None where that is one phase."""
         lines = self.border.lines
         if p >= lines.p_c or p <= self.border.bubble_pressure(lines.T_low):
             return None

@@ -32,10 +32,7 @@ _alone = threading.RLock()  # setting a CoolProp state and reading it must not i
 
 
 class Limits(NamedTuple):
-    """Temperatures [K] and vapour pressures [Pa] between which a fluid saturates.
-
-    Highest temperature of its equation.
-    """
+    """Temperatures [K] and vapour pressures [Pa] between which a fluid saturates, and its equation's highest T."""
 
     T_triple: float
     T_critical: float
@@ -207,10 +204,7 @@ def condensing_pressure(fluid: str, T: float) -> float:
 
 
 def condensed(fluid: str, T: float) -> float:
-    """Return the temperature [K] of saturated liquid behind a condenser at T [K].
-
-    It is lower for a blend (M43, M316).
-    """
+    """Return the temperature [K] of saturated liquid behind a condenser at T [K]: lower for a blend (M43, M316)."""
     mixed = _blend(fluid)
     return T if mixed is None else mixed.bubble_temperature(mixed.dew_pressure(T))
 
@@ -228,10 +222,7 @@ def saturated_liquid_density(fluid: str, T: float) -> float:
 
 
 def wet_enthalpy(fluid: str, p: float, quality: float) -> float:
-    """Return the enthalpy [J/kg] of liquid and vapour in equilibrium at p [Pa].
-
-    `quality` is the mass fraction of vapour.
-    """
+    """Return the enthalpy [J/kg] of liquid and vapour in equilibrium at p [Pa]; `quality`: mass share of vapour."""
     if _blend(fluid) is not None:
         T, rho = _wet(fluid, p, quality)
         return blend_wet(fluid).value(T, 1.0 / rho, False)
@@ -239,10 +230,7 @@ def wet_enthalpy(fluid: str, p: float, quality: float) -> float:
 
 
 def wet_temperature(fluid: str, p: float, quality: float) -> float:
-    """Return the temperature [K] of liquid and vapour in equilibrium at p [Pa].
-
-    `quality` is the mass fraction of vapour.
-    """
+    """Return the temperature [K] of liquid and vapour in equilibrium at p [Pa]; `quality`: mass share of vapour."""
     return saturation_temperature(fluid, p) if _blend(fluid) is None else _wet(fluid, p, quality)[0]
 
 

@@ -273,10 +273,7 @@ class RealGas(CommonGas):
         return super().first_outside(T, rho)
 
     def why_outside(self, T: float, rho: float) -> Outside | None:
-        """Return which limit a state violates; None where it violates none.
-
-        With `two_phase: equilibrium` two phases are not a violation.
-        """
+        """Return which limit a state violates, None where none; two phases do not with `two_phase: equilibrium`."""
         known, found = self.known, saturation(self.fluid)
         at = f"{known.name} at {in_celsius(T)} is"
         if T < found.T_low:

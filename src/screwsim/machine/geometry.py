@@ -155,10 +155,7 @@ class Geometry(MachineGeometry):
         return self.life if self.settings.discharge_port is None else self.discharge_law().widest
 
     def opening_angle(self, ratio: float) -> float | None:
-        """Return the angle [rad] at which a compressor's chamber has its largest volume over a ratio.
-
-        None where it never has.
-        """
+        """Return the angle [rad] at which a compressor's chamber has its largest volume over a ratio; None: never."""
         own = self.profile.injection if self.profile is not None else self.settings.volume.injection_angle or TURN
         return moved_port.opening_angle(self._volume_law(), own, self.life, ratio)
 

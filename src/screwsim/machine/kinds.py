@@ -37,10 +37,7 @@ MACHINES: dict[str, MachineKind] = {TWIN_SCREW: _twin_screw.MACHINE, "slider_cra
 
 
 def find_machine(name: str) -> MachineKind:
-    """Return the kind of a name.
-
-    Raise KeyError where there is none, ImportError where a dotted one cannot be imported.
-    """
+    """Return the kind of a name; KeyError where there is none, ImportError where a dotted one has no module."""
     return registry_entry(MACHINES, name, "MACHINE", MachineKind)
 
 

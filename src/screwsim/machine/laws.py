@@ -140,10 +140,7 @@ class TableLaw(Law):
 
 
 class ProfileLaw(PaperLaw):
-    """Laws from the rotor profile (docs/reference/rotors.md).
-
-    Those of the paper for a port beside another volume law.
-    """
+    """Laws from the rotor profile (docs/reference/rotors.md); the paper's for a port beside another volume law."""
 
     def volume(self, geometry: Geometry) -> VolumeKernels:
         """Return the volume that the rotors enclose."""

@@ -21,10 +21,7 @@ Array = np.ndarray
 
 
 def opening_angle(volume: VolumeKernels, closes: float, end: float, ratio: float) -> float | None:
-    """Return the angle [rad] at which the volume is that at `closes` over a ratio.
-
-    None where there is none before `end`.
-    """
+    """Return the angle [rad] of the volume at `closes` over a ratio; None where there is none before `end`."""
     rows = np.linspace(closes, end, 65)
     values = volume.along(rows)[0]
     wanted = float(values[0]) / ratio

@@ -169,10 +169,7 @@ class MachineGeometry(Protocol):
 
     @property
     def discharge_opens(self) -> float | None:
-        """Angle at which the discharge port opens, or an expander's inlet closes [rad].
-
-        None where there is no such angle.
-        """
+        """Angle [rad] at which the discharge port opens, or an expander's inlet closes; None where there is none."""
         return None
 
     @property
@@ -193,10 +190,7 @@ class MachineGeometry(Protocol):
         raise NotImplementedError
 
     def interfaces(self, gap: str) -> tuple[Any, ...] | None:
-        """Return the gaps (`profile_law.Interface`) of a kind such as TIP_GAP.
-
-        None: formulas of the effects define them.
-        """
+        """Return a kind's gaps (`profile_law.Interface`) such as TIP_GAP; None: the effects' formulas define them."""
         return None
 
     def wall_speed(self, gap: str) -> float:

@@ -51,10 +51,7 @@ WHOLE = (OilGas, OilRoom, Plenum, Pulsation, Scaled, Shaft, Stops, SuctionLine) 
 
 
 def stored_numbers(parts: Parts, law: Any, numbers: Mapping[int, tuple[Any, str]]) -> tuple[StoredNumber, ...] | None:
-    """Return where numbers, given by index in P, are stored in parts.
-
-    None where one is stored nowhere or ambiguously.
-    """
+    """Return where numbers, by index in P, are stored in parts; None where one is stored nowhere or ambiguously."""
     holders = list(_holders(parts, law))
     by_id = {id(each): i for i, each in enumerate(holders)}
     if len(by_id) < len(holders) or not all(id(holder) in by_id for holder, _ in numbers.values()):

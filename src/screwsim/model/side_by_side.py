@@ -101,10 +101,7 @@ class Lanes:
             return self._turns(requests)
 
     def _turns(self, requests: Sequence[TurnRequest]) -> list[Answer]:
-        """Return the answers of at most as many turns as there are lanes.
-
-        Interleave their arrays and copy them back.
-        """
+        """Return the answers of at most as many turns as there are lanes: interleave their arrays, copy them back."""
         named = [arrays_of(each) for each in requests]
         for name, rows in self._rows.items():
             for lane, arrays in enumerate(named):

@@ -103,10 +103,7 @@ WATCHED = 16  # evaluations between two calls of the machinery's `watch`, which 
 
 
 def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
-    """Do what `Machinery.turn` does, by a check's method.
-
-    A loose turn of our own gives the scale of the quadratures.
-    """
+    """Do what `Machinery.turn` does, by a check's method; a loose turn of our own scales the quadratures."""
     _, _, _, q_scale = machinery.turn(y.copy(), 1e-3, h)
     c, module, context, own = machinery.composition, machinery.module, machinery.context, machinery.spaces[1]
     held = slice(OPENING + len(c.plenum_paths), OPENING + 2 * len(c.plenum_paths))
@@ -135,10 +132,7 @@ def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) ->
 
 
 def pitch(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
-    """Do what `Machinery.pitch` does, by a check's method.
-
-    A loose one of our own gives the scale of the quadratures.
-    """
+    """Do what `Machinery.pitch` does, by a check's method; a loose one of our own scales the quadratures."""
     _, _, _, q_scale = machinery.own_pitch(y.copy(), 1e-3, h)
     space, c, module = machinery.coupled_space(), machinery.composition, machinery.together
     machinery.inject(y)

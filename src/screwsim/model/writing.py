@@ -182,10 +182,7 @@ def made(writer: ModelWriter, name: str) -> str:
 
 
 def scales(writer: ModelWriter, parts: Parts, clearances: bool = False) -> dict[str, list[str]]:
-    """Return for each effect the factors on its areas that the cycle determines.
-
-    With `clearances` those of its gap only.
-    """
+    """Return each effect's factors on areas that the cycle determines; with `clearances` those of its gap."""
     found: dict[str, list[str]] = {}
     for _, part in parts.all(Scaled):
         if part.clearance or not clearances:

@@ -26,10 +26,7 @@ def slopes(x: Array, y: Array) -> Array:
 
 
 def _tridiagonal(below: list[float], diagonal: list[float], above: list[float], right: list[float]) -> Array:
-    """Return the solution of a tridiagonal system, with row exchanges as in LAPACK's gtsv.
-
-    The lists are overwritten.
-    """
+    """Return a tridiagonal system's solution, with row exchanges as in LAPACK's gtsv; the lists are overwritten."""
     n = len(diagonal)
     second = [0.0] * n  # second superdiagonal, filled where rows were exchanged
     for i in range(n - 1):

@@ -137,10 +137,7 @@ class Forward:
         raise self._partials.fail(f"it has {ast.unparse(node).splitlines()[0]!r}")
 
     def _assignment(self, name: str, value: Expression) -> list[ast.stmt]:
-        """Return statements that set a variable and its derivatives.
-
-        The latter first, as they may need its old value.
-        """
+        """Return statements that set a variable and, first, its derivatives, which may need its old value."""
         before: list[ast.stmt] = []
         plain, slopes = self._partials.expression(value, before)
         found = self._by_seeds(slopes, self.active.get(name, ()), before, name)

@@ -57,10 +57,7 @@ class FeedbackUnknowns:
         return float(changes.max())
 
     def coordinates(self, values: Array) -> Array:
-        """Return the coordinates that are mixed: logarithms, or values over their scale.
-
-        Negligible amounts are at their floor.
-        """
+        """Return the coordinates that are mixed: logarithms or scaled values; negligible amounts at their floor."""
         found = np.log(np.maximum(values + self.shifts, LEAST))
         if self._mixed:
             found = np.where(self.linear, values / self.scales, found)

@@ -61,10 +61,7 @@ def digest(content: bytes) -> str:
 
 
 def record_module(name: str, made: Any) -> None:
-    """Record the texts of a user's module that has just been imported.
-
-    `made` is the object that a new import replaces.
-    """
+    """Record the texts of a user's module just imported; `made` is the object that a new import replaces."""
     if name not in _noted or _noted[name][0] is not made:
         top = name.partition(".")[0]
         found: dict[str, str] = {}

@@ -17,7 +17,7 @@ from screwsim.scene.sections import read_leaf
 from screwsim.scene.tolerances import tolerance_sign
 from screwsim.scene.units import Refused, customary_unit, to_customary
 from screwsim.scene.values import convert, shown, text_of
-from screwsim.scene.yaml_tree import LocatedFault, Node, join
+from screwsim.scene.yaml_tree import Faults, Node, join
 
 LONGEST_AXIS = 100_000  # values; more is taken for a typing error
 SPACING = Leaf("choice", "spacing of the values", "linear", {"options": ("linear", "log")})
@@ -28,9 +28,7 @@ _RANGE = "write {from: …, to: …, count: …}"
 _COLUMN = "write {file: x.csv, column: …}"
 
 
-def read_axis(
-    leaf: Leaf, node: Node, path: str, problems: list[LocatedFault], distinct: bool = True
-) -> tuple[Any, ...]:
+def read_axis(leaf: Leaf, node: Node, path: str, problems: Faults, distinct: bool = True) -> tuple[Any, ...]:
     """Return the values of an axis; where they must be `distinct`, a repeated one is a fault."""
     if isinstance(node.value, dict):
         read = _column if "file" in node.value else _range
@@ -39,37 +37,35 @@ def read_axis(
         values = [_item(leaf, item, path, problems) for item in node.value]
     else:
         what = f"{shown(node.value)} is neither a list nor {{from, to, count}} (write e.g. [{example(leaf)}])"
-        problems.append(LocatedFault(node.place, path, what))
+        problems.add(node.place, path, what)
         return ()
     if any(isinstance(value, FoundWithCycle) for value in values):
-        problems.append(
-            LocatedFault(node.place, path, f"lists {AUTO}, which is not a value (write values, or a separate scene)")
-        )
+        problems.add(node.place, path, f"lists {AUTO}, which is not a value (write values, or a separate scene)")
         return ()
     good = [value for value in values if value is not None]
     twice = next((value for value, times in Counter(good).items() if times > 1), None) if distinct else None
     if not values and isinstance(node.value, list):
-        problems.append(LocatedFault(node.place, path, f"has no values (write e.g. [{example(leaf)}])"))
+        problems.add(node.place, path, f"has no values (write e.g. [{example(leaf)}])")
     elif twice is not None:
         comma = ", or write decimals with a point" if leaf.kind == "number" and _all_whole(node) else ""
-        problems.append(LocatedFault(node.place, path, f"has {text_of(leaf, twice)} twice (remove one{comma})"))
+        problems.add(node.place, path, f"has {text_of(leaf, twice)} twice (remove one{comma})")
     return tuple(good)
 
 
-def _item(leaf: Leaf, node: Node, path: str, problems: list[LocatedFault]) -> Any:
+def _item(leaf: Leaf, node: Node, path: str, problems: Faults) -> Any:
     """Return one value of a list, or None after its fault was added."""
     if isinstance(node.value, str) and tolerance_sign(node.value):
         remedy = (
             f"write it after the value of {path.removeprefix('sweep.')}; it then applies to every value of the sweep"
         )
-        problems.append(LocatedFault(node.place, path, f"{shown(node.value)} has a tolerance of its own ({remedy})"))
+        problems.add(node.place, path, f"{shown(node.value)} has a tolerance of its own ({remedy})")
         return None
     if leaf.kind != "fluid":
         return read_leaf(leaf, node, path, problems)
     try:
         return listed_fluid(node.value)
     except Refused as refusal:
-        problems.append(LocatedFault(node.place, path, str(refusal)))
+        problems.add(node.place, path, str(refusal))
         return None
 
 
@@ -86,37 +82,32 @@ def example(leaf: Leaf) -> str:
 
 
 def read_fields(
-    fields: Mapping[str, Leaf],
-    node: Node,
-    path: str,
-    problems: list[LocatedFault],
-    remedy: str,
-    also: tuple[str, ...] = (),
+    fields: Mapping[str, Leaf], node: Node, path: str, problems: Faults, remedy: str, also: tuple[str, ...] = ()
 ) -> dict[str, Any] | None:
     """Return the values of a small mapping, or None after faults were added; the names `also` are read elsewhere."""
     if not isinstance(node.value, dict):
-        problems.append(LocatedFault(node.place, path, f"{shown(node.value)} is not a mapping ({remedy})"))
+        problems.add(node.place, path, f"{shown(node.value)} is not a mapping ({remedy})")
         return None
     before = len(problems)
     for name, child in node.value.items():
         if name not in fields and name not in also:
-            problems.append(LocatedFault(child.heading, join(path, name), stray_key(name, [*fields, *also])))
+            problems.add(child.heading, join(path, name), stray_key(name, [*fields, *also]))
     given: dict[str, Any] = {}
     for name, field in fields.items():
         child = node.value.get(name)
         if child is not None:
             given[name] = read_leaf(field, child, join(path, name), problems)
         elif field.required:
-            problems.append(LocatedFault(node.heading, join(path, name), f"is missing ({remedy})"))
+            problems.add(node.heading, join(path, name), f"is missing ({remedy})")
         else:
             given[name] = field.default
     return given if len(problems) == before else None
 
 
-def _range(leaf: Leaf, node: Node, path: str, problems: list[LocatedFault]) -> list[Any]:
+def _range(leaf: Leaf, node: Node, path: str, problems: Faults) -> list[Any]:
     """Return the values of {from, to, count, spacing}, or an empty list after faults were added."""
     if leaf.kind in OF_WORDS:
-        problems.append(LocatedFault(node.place, path, OF_WORDS[leaf.kind]))
+        problems.add(node.place, path, OF_WORDS[leaf.kind])
         return []
     end = dataclasses.replace(leaf, default=dataclasses.MISSING)
     fields = {"from": end, "to": end, "count": _COUNT, "spacing": SPACING}
@@ -126,7 +117,7 @@ def _range(leaf: Leaf, node: Node, path: str, problems: list[LocatedFault]) -> l
     try:
         return spread(leaf, given["from"], given["to"], given["count"], given["spacing"])
     except Refused as refusal:
-        problems.append(LocatedFault(node.place, path, str(refusal)))
+        problems.add(node.place, path, str(refusal))
         return []
 
 
@@ -157,7 +148,7 @@ def _rounded(leaf: Leaf, number: float) -> Any:
     return convert(leaf, f"{text} {customary_unit(kind)}" if kind else float(text))
 
 
-def _column(leaf: Leaf, node: Node, path: str, problems: list[LocatedFault]) -> list[Any]:
+def _column(leaf: Leaf, node: Node, path: str, problems: Faults) -> list[Any]:
     """Return the values of {file, column, unit}: a column of a CSV file whose first line names the columns."""
     required = dataclasses.replace(_WORD, default=dataclasses.MISSING)
     given = read_fields({"file": required, "column": required, "unit": _WORD}, node, path, problems, _COLUMN)
@@ -167,7 +158,7 @@ def _column(leaf: Leaf, node: Node, path: str, problems: list[LocatedFault]) -> 
         cells = _cells(os.path.join(node.place.folder, given["file"]), given["file"], given["column"])
         return [_cell(leaf, text, given["unit"], f"{given['file']} line {line}") for line, text in cells]
     except Refused as refusal:
-        problems.append(LocatedFault(node.place, path, str(refusal)))
+        problems.add(node.place, path, str(refusal))
         return []
 
 

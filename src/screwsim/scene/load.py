@@ -29,7 +29,7 @@ from screwsim.scene.types import STANDARD_ATMOSPHERE, Scene
 from screwsim.scene.units import Refused, gauge_pressures_over, parse_quantity
 from screwsim.scene.values import shown
 from screwsim.scene.write import scene_text
-from screwsim.scene.yaml_tree import LocatedFault, Node, Position, compose, merge, one_line, pointer, scene_error
+from screwsim.scene.yaml_tree import Faults, LocatedFault, Node, Position, compose, merge, one_line, pointer
 
 OVERRIDE = 1_000_000  # rank of the first override, above those of all files
 SET = "--set "  # prefix of an override in messages
@@ -54,7 +54,7 @@ def load(
     if isinstance(path, Mapping):
         return loads(yaml_text(path), DICT_NAME, overrides=overrides, without=without)
     name = shipped_name(path)
-    problems: list[LocatedFault] = []
+    problems = Faults()
     start = Position(0, name, folder=os.path.dirname(os.path.abspath(name)))
     root = _read_file(name, start, (os.path.realpath(name),), problems)
     return _finish(root, start, overrides, without, problems, stage)
@@ -73,7 +73,7 @@ def loads(
 
     `told` is put before an override in messages about its faults.
     """
-    problems: list[LocatedFault] = []
+    problems = Faults()
     start = Position(0, name, folder=os.path.abspath(folder))
     return _finish(_read_text(text, start, (), problems), start, overrides, without, problems, told=told)
 
@@ -83,19 +83,19 @@ def _finish(
     start: Position,
     overrides: Iterable[str],
     without: Iterable[str],
-    problems: list[LocatedFault],
+    problems: Faults,
     stage: str = "",
     told: str = SET,
 ) -> Scene:
     overrides, without = as_list(overrides), as_list(without)  # they may be iterators, or a single text
     if root is None:
-        raise scene_error(problems)
+        raise problems.error()
     for number, override in enumerate(overrides):
         there = replace(start, rank=OVERRIDE + number, line=0, column=0)
         root = _override(root, override, there, problems, told + stage)
     scene = _typed(_remove(root, without), start.folder, problems)
     if problems or scene is None:
-        raise scene_error(_of_stage(problem, stage) for problem in problems)
+        raise Faults(_of_stage(problem, stage) for problem in problems).error()
     return replace(scene, text=scene_text(scene))
 
 
@@ -108,7 +108,7 @@ def _of_stage(problem: LocatedFault, stage: str) -> LocatedFault:
 
 
 def _read_file(
-    name: str, start: Position, trail: tuple[str, ...], problems: list[LocatedFault], at: LocatedFault | None = None
+    name: str, start: Position, trail: tuple[str, ...], problems: Faults, at: LocatedFault | None = None
 ) -> Node | None:
     """Return the tree of a file and its bases; `at` says where and how it was named, `trail` which files led to it."""
     try:
@@ -139,22 +139,21 @@ def _near_file(name: str) -> str | None:
     return None if near is None else os.path.join(folder, near)
 
 
-def _read_text(text: str, start: Position, trail: tuple[str, ...], problems: list[LocatedFault]) -> Node | None:
+def _read_text(text: str, start: Position, trail: tuple[str, ...], problems: Faults) -> Node | None:
     """Return the tree of a text merged over its base, or None after a fault was added."""
     before = len(problems)
     root = compose(text, start, problems)
     if root is None:
         if len(problems) == before:
             needed = [name for name, item in scene_section().fields.items() if item.required]
-            problems.append(LocatedFault(start, "", f"is empty (write at least {', '.join(needed)})"))
+            problems.add(start, "", f"is empty (write at least {', '.join(needed)})")
         return None
     if not isinstance(root.value, dict):
-        what = f"is {shown(root.value)}, not a mapping (write lines such as machine: …)"
-        problems.append(LocatedFault(root.place, "", what))
+        problems.add(root.place, "", f"is {shown(root.value)}, not a mapping (write lines such as machine: …)")
         return None
     other = other_file(root.value, start.source)
     if other is not None:
-        problems.append(LocatedFault(root.place, "", other))
+        problems.add(root.place, "", other)
         return None
     content = dict(root.value)
     base = content.pop("base", None)
@@ -165,7 +164,7 @@ def _read_text(text: str, start: Position, trail: tuple[str, ...], problems: lis
     return None if below is None else merge(below, above)  # without the base, nearly all keys would be reported missing
 
 
-def _read_base(node: Node, trail: tuple[str, ...], problems: list[LocatedFault]) -> Node | None:
+def _read_base(node: Node, trail: tuple[str, ...], problems: Faults) -> Node | None:
     at = LocatedFault(node.place, "base", "")
     if not isinstance(node.value, str):
         problems.append(replace(at, what=f"{shown(node.value)} is not the name of a file (write e.g. point.yaml)"))
@@ -182,7 +181,7 @@ def _read_base(node: Node, trail: tuple[str, ...], problems: list[LocatedFault])
     return _read_file(path, start, (*trail, real), problems, at)
 
 
-def _override(root: Node, override: str, place: Position, problems: list[LocatedFault], told: str) -> Node:
+def _override(root: Node, override: str, place: Position, problems: Faults, told: str) -> Node:
     """Return the tree changed by one `PATH=VALUE`; `told` is put before the override in messages."""
     path, equals, text = override.partition("=")
     path = path.strip()
@@ -199,7 +198,7 @@ def _override(root: Node, override: str, place: Position, problems: list[Located
     if node.value == {} and (there := _at(root, keys)) is not None and isinstance(there.value, dict) and there.value:
         out = "off" if path.startswith("effects.") else "null"
         what = f"{{}} changes nothing, as it is merged into what is there (write {out} to remove that)"
-        problems.append(LocatedFault(place, path, what))
+        problems.add(place, path, what)
     for name in reversed(keys):
         node = Node({name: node}, place, place)
     return merge(root, node)
@@ -212,7 +211,7 @@ def _at(root: Node, keys: Iterable[str]) -> Node | None:
     return node
 
 
-def _override_value(text: str, place: Position, path: str, problems: list[LocatedFault]) -> Node | None:
+def _override_value(text: str, place: Position, path: str, problems: Faults) -> Node | None:
     before = len(problems)
     node = compose(text, place, problems, path)
     if len(problems) > before:
@@ -269,7 +268,7 @@ def _not_active(name: str, named: list[str]) -> str:
     return f"that effect is not active in this scene{hint} (active: {active})"
 
 
-def _machine_kind(root: Node, problems: list[LocatedFault]) -> str:
+def _machine_kind(root: Node, problems: Faults) -> str:
     """Return the machine kind that a tree names; the default where it names none, or one that does not exist."""
     machine = root.value.get("machine")
     named = machine.value.get("kind") if machine is not None and isinstance(machine.value, dict) else None
@@ -279,7 +278,7 @@ def _machine_kind(root: Node, problems: list[LocatedFault]) -> str:
     try:
         find_kind(name)
     except Refused as refusal:
-        problems.append(LocatedFault(named.place, "machine.kind", f"{shown(name)} {refusal}"))
+        problems.add(named.place, "machine.kind", f"{shown(name)} {refusal}")
         return TWIN_SCREW
     return name
 
@@ -294,7 +293,7 @@ def _paths(root: Node, kind: str) -> list[str]:
     return list(dict.fromkeys([*leaves, *above, *(f"effects.{name}" for name in known)]))
 
 
-def _typed(root: Node, folder: str, problems: list[LocatedFault]) -> Scene | None:
+def _typed(root: Node, folder: str, problems: Faults) -> Scene | None:
     """Return the typed scene, or None after faults were added; cross-checks wait until every field is valid."""
     with gauge_pressures_over(_ambient(root)):
         return _read(root, folder, problems)
@@ -312,7 +311,7 @@ def _ambient(root: Node) -> float | None:
         return None
 
 
-def _read(root: Node, folder: str, problems: list[LocatedFault]) -> Scene | None:
+def _read(root: Node, folder: str, problems: Faults) -> Scene | None:
     root, given = split_tolerances(root)
     kind = _machine_kind(root, problems)
     paths = _paths(root, kind)

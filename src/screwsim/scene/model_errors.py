@@ -12,7 +12,7 @@ from typing import Any
 
 from screwsim.inputs.suggestions import nearest
 from screwsim.scene.values import shown
-from screwsim.scene.yaml_tree import LocatedFault, Node
+from screwsim.scene.yaml_tree import Faults, Node
 
 BLOCK, MODEL = "uncertainty", "model"
 FILE = "model_errors.json"
@@ -26,7 +26,7 @@ def stored_model_errors() -> Mapping[str, Any]:
     return json.loads(resources.files("screwsim.scene").joinpath(FILE).read_text(encoding="utf-8"))
 
 
-def read_model_error(block: Node | None, problems: list[LocatedFault]) -> str:
+def read_model_error(block: Node | None, problems: Faults) -> str:
     """Return the name of the validation whose model error a scene asks for; '' where it asks for none."""
     node = block.value.get(MODEL) if block is not None and isinstance(block.value, dict) else None
     if node is None or node.value is None:
@@ -37,7 +37,7 @@ def read_model_error(block: Node | None, problems: list[LocatedFault]) -> str:
     near = nearest(node.value, known) if isinstance(node.value, str) else None
     hint = f"did you mean '{near}'? " if near else ""
     what = f"{shown(node.value)} is not a validation that states a model error ({hint}known: {', '.join(known)})"
-    problems.append(LocatedFault(node.place, f"{BLOCK}.{MODEL}", what))
+    problems.add(node.place, f"{BLOCK}.{MODEL}", what)
     return ""
 
 

@@ -11,18 +11,13 @@ from screwsim.scene.fields import Leaf, Section, section_of, stray_key, unknown_
 from screwsim.scene.types import ActiveEffect
 from screwsim.scene.units import Refused, customary_unit
 from screwsim.scene.values import convert, describe_leaf, imported, shown
-from screwsim.scene.yaml_tree import LocatedFault, Node, join
+from screwsim.scene.yaml_tree import Faults, LocatedFault, Node, join
 
 OFF_WORDS = ("off", "no", "false")
 
 
 def read_section(
-    section: Section,
-    node: Node,
-    path: str,
-    problems: list[LocatedFault],
-    also: Iterable[str] = (),
-    paths: Iterable[str] = (),
+    section: Section, node: Node, path: str, problems: Faults, also: Iterable[str] = (), paths: Iterable[str] = ()
 ) -> Any:
     """Return the dataclass of a section, or None after its faults were added.
 
@@ -33,13 +28,13 @@ def read_section(
         options = ", ".join(section.fields) or "nothing; write {}"
         remedy = "null to leave it out, or lines" if is_off(content) and not section.required else "lines"
         what = f"{shown(content)} is not a mapping (write {remedy} NAME: value; known: {options})"
-        problems.append(LocatedFault(node.place, path, what))
+        problems.add(node.place, path, what)
         return None
     before = len(problems)
     options = [*section.fields, *also]
     for name, child in content.items():
         if name not in options:
-            problems.append(LocatedFault(child.heading, join(path, name), stray_key(name, options, paths)))
+            problems.add(child.heading, join(path, name), stray_key(name, options, paths))
     values = {}
     for name, item in section.fields.items():
         child = content.get(name)
@@ -53,19 +48,15 @@ def read_section(
     return section.type(**values) if len(problems) == before else None
 
 
-def _absent(
-    item: Leaf | Section, node: Node, path: str, problems: list[LocatedFault], beside: Mapping[str, Node]
-) -> None:
+def _absent(item: Leaf | Section, node: Node, path: str, problems: Faults, beside: Mapping[str, Node]) -> None:
     if isinstance(item, Section) and item.required:
         needed = [name for name, field in item.fields.items() if field.required]
-        problems.append(
-            LocatedFault(node.heading, path, f"is missing (write it with {', '.join(needed or item.fields)})")
-        )
+        problems.add(node.heading, path, f"is missing (write it with {', '.join(needed or item.fields)})")
     others = item.otherwise if isinstance(item, Leaf) else ()
     stated = any(name in beside and beside[name].value is not None for name in others)
     if isinstance(item, Leaf) and (item.required or (others and not stated)):
         remedy = f"write {path.rpartition('.')[2]}: {_blank(item)}"
-        problems.append(LocatedFault(node.heading, path, f"is missing ({remedy}; {item.doc})"))
+        problems.add(node.heading, path, f"is missing ({remedy}; {item.doc})")
 
 
 def _blank(leaf: Leaf) -> str:
@@ -75,22 +66,22 @@ def _blank(leaf: Leaf) -> str:
     return " or ".join(leaf.limits["options"]) if leaf.kind == "choice" else describe_leaf(leaf)
 
 
-def read_leaf(leaf: Leaf, node: Node, path: str, problems: list[LocatedFault]) -> Any:
+def read_leaf(leaf: Leaf, node: Node, path: str, problems: Faults) -> Any:
     """Return the SI value of a node, or None after its fault was added."""
     try:
         return convert(leaf, node.value, node.place.folder)
     except Refused as refusal:
-        problems.append(LocatedFault(node.place, path, str(refusal)))
+        problems.add(node.place, path, str(refusal))
         return None
 
 
-def read_effects(node: Node | None, problems: list[LocatedFault]) -> dict[str, ActiveEffect]:
+def read_effects(node: Node | None, problems: Faults) -> dict[str, ActiveEffect]:
     """Return the active effects in the catalogue's order, then user-defined ones in the order of the file."""
     if node is None or node.value is None:
         return {}
     if not isinstance(node.value, dict):
         what = f"{shown(node.value)} is not a mapping (write NAME: with its parameters under it, or NAME: null)"
-        problems.append(LocatedFault(node.place, "effects", what))
+        problems.add(node.place, "effects", what)
         return {}
     rank = {name: index for index, name in enumerate(catalogue())}
     active = {}
@@ -99,14 +90,14 @@ def read_effects(node: Node | None, problems: list[LocatedFault]) -> dict[str, A
         try:
             effect, section = find_effect_section(name)
         except Refused as refusal:
-            problems.append(LocatedFault(child.heading, path, str(refusal)))
+            problems.add(child.heading, path, str(refusal))
             continue
         if is_off(child.value):  # removes an effect that a base names
             continue
         if not isinstance(child.value, dict | None):
             known = ", ".join(section.fields) or "none"
             what = f"{shown(child.value)} is neither parameters nor off (write {name}: alone, or with parameters under "
-            problems.append(LocatedFault(child.place, path, f"{what}it: {known}; or {name}: off to leave it out)"))
+            problems.add(child.place, path, f"{what}it: {known}; or {name}: off to leave it out)")
             continue
         before = len(problems)
         parameters = read_section(section, child, path, problems)

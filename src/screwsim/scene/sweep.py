@@ -17,7 +17,7 @@ from screwsim.scene.sections import is_off
 from screwsim.scene.types import ActiveEffect, Joint, Sample
 from screwsim.scene.units import Refused
 from screwsim.scene.values import shown
-from screwsim.scene.yaml_tree import LocatedFault, Node, join, locate
+from screwsim.scene.yaml_tree import Faults, Node, join, locate
 
 Axes = dict[str, tuple[Any, ...]]
 LeafOf = Callable[[str], Leaf]  # raises `Refused`
@@ -34,7 +34,7 @@ DESIGNS = ("zip", "sample")  # keys of a sweep that are not paths
 
 
 def read_sweep(
-    node: Node | None, root: Node, active: Mapping[str, ActiveEffect], kind: str, problems: list[LocatedFault]
+    node: Node | None, root: Node, active: Mapping[str, ActiveEffect], kind: str, problems: Faults
 ) -> tuple[Axes, tuple[Joint, ...]]:
     """Return {path: values in SI} in the order of the file, and which paths vary together; `kind` is the machine's."""
     if node is None or node.value is None:
@@ -42,7 +42,7 @@ def read_sweep(
     if not isinstance(node.value, dict):
         remedy = "null to leave it out, or e.g." if is_off(node.value) else "e.g."
         what = f"{shown(node.value)} is not a mapping (write {remedy} operation.speed: [1000 rpm, 2000 rpm])"
-        problems.append(LocatedFault(node.place, "sweep", what))
+        problems.add(node.place, "sweep", what)
         return {}, ()
     parameters = {name: effect.effect.parameters for name, effect in active.items()}
 
@@ -57,17 +57,17 @@ def read_sweep(
     for name, child in node.value.items():
         for joint, axes in _part(name, child, leaf_of, problems):
             for path in sweep.keys() & axes.keys():
-                problems.append(LocatedFault(child.heading, f"sweep.{path}", "is varied twice (remove one)"))
+                problems.add(child.heading, f"sweep.{path}", "is varied twice (remove one)")
             sweep |= axes
             joints += [joint] if joint else []
             cases *= max(map(len, axes.values()), default=1) or 1
     what = too_many(cases)
     if what:
-        problems.append(LocatedFault(node.heading, "sweep", what))
+        problems.add(node.heading, "sweep", what)
     return sweep, tuple(joints)
 
 
-def _part(name: str, node: Node, leaf_of: LeafOf, problems: list[LocatedFault]) -> list[tuple[Joint | None, Axes]]:
+def _part(name: str, node: Node, leaf_of: LeafOf, problems: Faults) -> list[tuple[Joint | None, Axes]]:
     """Return the axes of one key of the sweep, with their joint if they vary together."""
     path = f"sweep.{name}"
     if node.value is None and name in DESIGNS:  # removes what a base names
@@ -92,23 +92,23 @@ def _refuse_absent_section(path: str, root: Node) -> None:
         raise Refused(f"the section {parent} is not in this scene (write it first)")
 
 
-def read_axes(node: Node, path: str, leaf_of: LeafOf, problems: list[LocatedFault], distinct: bool = True) -> Axes:
+def read_axes(node: Node, path: str, leaf_of: LeafOf, problems: Faults, distinct: bool = True) -> Axes:
     """Return {path: values} of a mapping of axes."""
     axes: Axes = {}
     for name, child in node.value.items():
         try:
             leaf = leaf_of(name)
         except Refused as refusal:
-            problems.append(LocatedFault(child.heading, join(path, name), str(refusal)))
+            problems.add(child.heading, join(path, name), str(refusal))
             continue
         axes[name] = read_axis(leaf, child, join(path, name), problems, distinct)
     return axes
 
 
-def read_zip(node: Node, path: str, leaf_of: LeafOf, problems: list[LocatedFault]) -> list[tuple[Joint, Axes]]:
+def read_zip(node: Node, path: str, leaf_of: LeafOf, problems: Faults) -> list[tuple[Joint, Axes]]:
     """Return the groups of axes whose values are combined one by one, each with its joint."""
     if not isinstance(node.value, list) or not all(isinstance(group.value, dict) for group in node.value):
-        problems.append(LocatedFault(node.place, path, f"is not a list of mappings ({_ZIP})"))
+        problems.add(node.place, path, f"is not a list of mappings ({_ZIP})")
         return []
     found = []
     for number, group in enumerate(node.value, 1):
@@ -116,17 +116,17 @@ def read_zip(node: Node, path: str, leaf_of: LeafOf, problems: list[LocatedFault
         lengths = {name: len(values) for name, values in axes.items() if values}
         if len(set(lengths.values())) > 1:
             told = ", ".join(f"{name} {length}" for name, length in lengths.items())
-            problems.append(LocatedFault(group.place, path, f"has axes of different lengths: {told} (make them equal)"))
+            problems.add(group.place, path, f"has axes of different lengths: {told} (make them equal)")
         elif not group.value:
-            problems.append(LocatedFault(group.place, path, f"has a group without an axis ({_ZIP})"))
+            problems.add(group.place, path, f"has a group without an axis ({_ZIP})")
         found.append((Joint("case" if number == 1 else f"case_{number}", tuple(axes)), axes))
     return found
 
 
-def read_sample(node: Node, path: str, leaf_of: LeafOf, problems: list[LocatedFault]) -> tuple[Joint, Axes] | None:
+def read_sample(node: Node, path: str, leaf_of: LeafOf, problems: Faults) -> tuple[Joint, Axes] | None:
     """Return a sample with its values, or None after faults were added."""
     if not isinstance(node.value, dict):
-        problems.append(LocatedFault(node.place, path, f"{shown(node.value)} is not a mapping ({_SAMPLE})"))
+        problems.add(node.place, path, f"{shown(node.value)} is not a mapping ({_SAMPLE})")
         return None
     before = len(problems)
     given = read_fields(_FIELDS, node, path, problems, _SAMPLE, also=("over",))
@@ -136,30 +136,28 @@ def read_sample(node: Node, path: str, leaf_of: LeafOf, problems: list[LocatedFa
     if given["kind"] == "sobol" and given["count"] & (given["count"] - 1):
         better = 2 ** round(math.log2(given["count"]))
         what = f"{given['count']} is not a power of two, which a Sobol sample needs (write e.g. {better})"
-        problems.append(LocatedFault(node.value["count"].place, join(path, "count"), what))
+        problems.add(node.value["count"].place, join(path, "count"), what)
         return None
     sample = Sample(given["kind"], given["count"], given["seed"], over)
     return Joint("sample", tuple(name for name, _ in over), sample), draw(sample)
 
 
-def _over(
-    node: Node, path: str, leaf_of: LeafOf, problems: list[LocatedFault]
-) -> tuple[tuple[str, tuple[Any, ...]], ...]:
+def _over(node: Node, path: str, leaf_of: LeafOf, problems: Faults) -> tuple[tuple[str, tuple[Any, ...]], ...]:
     child = node.value.get("over")
     if child is None or not isinstance(child.value, dict) or not child.value:
         place = node.heading if child is None else child.place
-        problems.append(LocatedFault(place, path, f"must name the paths that vary ({_SAMPLE})"))
+        problems.add(place, path, f"must name the paths that vary ({_SAMPLE})")
         return ()
     found = []
     for name, span in child.value.items():
         try:
             found.append((name, _span(leaf_of(name), span, join(path, name), problems)))
         except Refused as refusal:
-            problems.append(LocatedFault(span.heading, join(path, name), str(refusal)))
+            problems.add(span.heading, join(path, name), str(refusal))
     return tuple(found)
 
 
-def _span(leaf: Leaf, node: Node, path: str, problems: list[LocatedFault]) -> tuple[Any, ...]:
+def _span(leaf: Leaf, node: Node, path: str, problems: Faults) -> tuple[Any, ...]:
     """Return ("any", values) or ("linear" or "log", first, last); () after faults were added."""
     if isinstance(node.value, list):
         return ("any", *read_axis(leaf, node, path, problems))
@@ -172,9 +170,9 @@ def _span(leaf: Leaf, node: Node, path: str, problems: list[LocatedFault]) -> tu
         return ()
     first, last, spacing = given["from"], given["to"], given["spacing"]
     if not first < last:
-        problems.append(LocatedFault(node.place, path, "from is not below to (swap them)"))
+        problems.add(node.place, path, "from is not below to (swap them)")
     elif spacing == "log" and not first > 0.0:
-        problems.append(LocatedFault(node.place, path, "log spacing needs ends above zero (choose another from)"))
+        problems.add(node.place, path, "log spacing needs ends above zero (choose another from)")
     return (spacing, first, last)
 
 

@@ -20,7 +20,7 @@ from screwsim.scene.model_errors import BLOCK, MODEL
 from screwsim.scene.types import COVERAGE, Scene, Tolerance
 from screwsim.scene.units import NUMBER, Refused, format_quantity, parse_quantity
 from screwsim.scene.values import limits_text, shown, text_of, within
-from screwsim.scene.yaml_tree import LocatedFault, Node, Position, join
+from screwsim.scene.yaml_tree import Faults, Node, Position, join
 
 CORRELATED_KEY = "correlated"
 CERTAIN_SECTIONS = ("numerics.", "output.")  # only the machine and its operation are uncertain
@@ -84,7 +84,7 @@ def _nominal(value: str, text: str, factor: bool) -> Any:
 
 
 def read_tolerances(
-    given: Mapping[str, WrittenTolerance], block: Node | None, scene: Scene, problems: list[LocatedFault]
+    given: Mapping[str, WrittenTolerance], block: Node | None, scene: Scene, problems: Faults
 ) -> tuple[dict[str, Tolerance], tuple[tuple[str, ...], ...]]:
     """Return the tolerances of a scene by path, and the groups that err together; faults are added at their places."""
     leaves, found = leaves_of(scene), {}
@@ -101,7 +101,7 @@ def read_tolerances(
             found[path] = tolerance
             _check_sweep(leaf, found[path], scene.sweep.get(path, ()))
         except Refused as refusal:
-            problems.append(LocatedFault(each.place, path, str(refusal)))
+            problems.add(each.place, path, str(refusal))
     return found, _correlated_groups(block, set(given), scene, problems)
 
 
@@ -170,14 +170,14 @@ def _half_interval(leaf: Leaf, given: WrittenTolerance, value: float) -> Toleran
 
 
 def _correlated_groups(
-    block: Node | None, known: Set[str], scene: Scene, problems: list[LocatedFault]
+    block: Node | None, known: Set[str], scene: Scene, problems: Faults
 ) -> tuple[tuple[str, ...], ...]:
     """Return the groups of paths that err together, without paths of effects that the scene does not name."""
     if block is None or block.value is None:
         return ()
     if not isinstance(block.value, dict) or not set(block.value) <= {CORRELATED_KEY, MODEL}:
         what = f"does not list correlated groups (write {CORRELATED_KEY}: [[PATH, PATH], …], or {MODEL}: NAME)"
-        problems.append(LocatedFault(block.place, BLOCK, what))
+        problems.add(block.place, BLOCK, what)
         return ()
     groups, seen = [], set()
     if CORRELATED_KEY not in block.value or block.value[CORRELATED_KEY].value is None:
@@ -187,7 +187,7 @@ def _correlated_groups(
         if not isinstance(group.value, list) or len(group.value) < 2:
             told = "one path" if isinstance(group.value, list) and group.value else shown(group.value)
             what = f"{told} is not a group of paths (write [[PATH, PATH], …])"
-            problems.append(LocatedFault(group.place, f"{BLOCK}.{CORRELATED_KEY}", what))
+            problems.add(group.place, f"{BLOCK}.{CORRELATED_KEY}", what)
             continue
         names = []
         for node in group.value:
@@ -200,7 +200,7 @@ def _correlated_groups(
                     else ""
                 )
                 what = f"{shown(node.value)} is not a path{why} (write [[PATH, PATH], …])"
-                problems.append(LocatedFault(node.place, f"{BLOCK}.{CORRELATED_KEY}", what))
+                problems.add(node.place, f"{BLOCK}.{CORRELATED_KEY}", what)
                 continue
             twice = "is listed twice (name it once)" if node.value in names else "is in two groups (name it in one)"
             why = twice if node.value in seen else ""
@@ -209,7 +209,7 @@ def _correlated_groups(
                 hint = f"; did you mean '{near}'?" if near else ""
                 why = f"has no tolerance in this scene{hint} (write it there, or leave it out)"
             if why:
-                problems.append(LocatedFault(node.place, f"{BLOCK}.{CORRELATED_KEY}", f"{shown(node.value)} {why}"))
+                problems.add(node.place, f"{BLOCK}.{CORRELATED_KEY}", f"{shown(node.value)} {why}")
             seen.add(node.value)
             names.append(str(node.value))
         groups.append(tuple(names))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 from screwsim.effects.base import Effect, PressureLosses
@@ -18,10 +19,11 @@ NO_SUPERHEAT = (
     "0 K is saturated vapour; for wet gas state operation.suction.quality instead, with gas.model: real and "
     "gas.two_phase: equilibrium"
 )
-
-
 STANDARD_ATMOSPHERE = 101325.0  # [Pa], ISO 2533
 COVERAGE = 2.0  # standard uncertainties in a tolerance: 95 % of a normal distribution (GUM)
+_superheat = partial(
+    quantity, "temperature_difference", default=None, ge=0.0, hardly=(None, 150.0), remedy=NO_SUPERHEAT
+)
 
 
 @dataclass(frozen=True)
@@ -30,14 +32,7 @@ class SuctionState:
 
     pressure: float | None = quantity("pressure", "absolute pressure p_s", None, ge=1.0, le=1e9, hardly=(1e3, 1e7))
     temperature: float | None = quantity("temperature", "temperature T_s", None, gt=0.0, le=2500.0, hardly=(4.0, 700.0))
-    superheat: float | None = quantity(
-        "temperature_difference",
-        "superheat above saturation, instead of temperature",
-        None,
-        ge=0.0,
-        hardly=(None, 150.0),
-        remedy=NO_SUPERHEAT,
-    )
+    superheat: float | None = _superheat("superheat above saturation, instead of temperature")
     quality: float | None = number(
         "wet suction: mass fraction of vapour, instead of temperature or superheat (gas.two_phase: equilibrium)",
         None,
@@ -109,14 +104,9 @@ class Operation:
     condensing_temperature: float | None = quantity(
         "temperature", "bubble point (of a blend: dew point) at p_d, instead of discharge.pressure", None, gt=0.0
     )
-    superheat: float | None = quantity(
-        "temperature_difference",
+    superheat: float | None = _superheat(
         "superheat of the suction gas above evaporating_temperature, which needs it (or suction.quality, for wet "
-        "suction)",
-        None,
-        ge=0.0,
-        hardly=(None, 150.0),
-        remedy=NO_SUPERHEAT,
+        "suction)"
     )
     subcooling: float | None = quantity(
         "temperature_difference",

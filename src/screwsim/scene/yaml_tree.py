@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -76,9 +76,16 @@ class LocatedFault:
         return one_line(f"{self.place}: {path}: {self.what}" if path else f"{self.place}: {self.what}")
 
 
-def scene_error(problems: Iterable[LocatedFault]) -> SceneError:
-    """Return the error that lists all problems, each once, in the order of their places."""
-    return SceneError([str(each) for each in sorted(dict.fromkeys(problems), key=lambda each: each.place)])
+class Faults(list[LocatedFault]):
+    """The faults found so far in what is being read."""
+
+    def add(self, place: Position, path: str, what: str) -> None:
+        """Add a fault."""
+        self.append(LocatedFault(place, path, what))
+
+    def error(self) -> SceneError:
+        """Return the error that lists all faults, each once, in the order of their places."""
+        return SceneError([str(each) for each in sorted(dict.fromkeys(self), key=lambda each: each.place)])
 
 
 def one_line(text: str) -> str:
@@ -91,33 +98,33 @@ def join(path: str, name: str) -> str:
     return f"{path}.{name}" if path else name
 
 
-def compose(text: str, start: Position, problems: list[LocatedFault], path: str = "") -> Node | None:
+def compose(text: str, start: Position, problems: Faults, path: str = "") -> Node | None:
     """Return the tree of a YAML text that begins at `start`; None if empty or, after a fault was added, not YAML."""
     try:
         root = _tree(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = start if mark is None else start.at(mark.line + 1, mark.column + 1)
-        problems.append(LocatedFault(place, path, not_yaml(error, text)))
+        problems.add(place, path, not_yaml(error, text))
         return None
     except ReaderError as error:
         before = text[: error.position]
         place = start.at(before.count("\n") + 1, len(before.rpartition("\n")[2]) + 1)
         what = f"is not YAML: it contains the control character U+{ord(text[error.position]):04X}"
-        problems.append(LocatedFault(place, path, f"{what} (remove it, or save the file as plain text in UTF-8)"))
+        problems.add(place, path, f"{what} (remove it, or save the file as plain text in UTF-8)")
         return None
     except YAMLError as error:
         what = str(error).splitlines()[0]
-        problems.append(LocatedFault(start, path, f"is not YAML: {what} (save the file as plain text)"))
+        problems.add(start, path, f"is not YAML: {what} (save the file as plain text)")
         return None
     except RecursionError:
-        problems.append(LocatedFault(start, path, _TOO_DEEP))
+        problems.add(start, path, _TOO_DEEP)
         return None
     if root is None:
         return None
     what = _size_fault(root)
     if what:
-        problems.append(LocatedFault(start, path, what))
+        problems.add(start, path, what)
         return None
     return _Converter(start, problems).convert(root, path)
 
@@ -177,7 +184,7 @@ def _children(node: Any) -> list[Any]:
 class _Converter:
     """Converter from ruamel's nodes to `Node`, each converted once: an alias shares the node of its anchor."""
 
-    def __init__(self, start: Position, problems: list[LocatedFault]) -> None:
+    def __init__(self, start: Position, problems: Faults) -> None:
         self.start = start
         self.problems = problems
         self.done: dict[int, Node | None] = {}
@@ -189,9 +196,7 @@ class _Converter:
             self.done[id(node)] = Node(self.value(node, path), place)
         found = self.done[id(node)]
         if found is None:
-            self.problems.append(
-                LocatedFault(place, path, "contains itself (write the values out instead of the alias)")
-            )
+            self.problems.add(place, path, "contains itself (write the values out instead of the alias)")
             return Node(None, place)
         return found
 
@@ -203,7 +208,7 @@ class _Converter:
         if tag.removeprefix(_CORE) not in _KNOWN:
             shown = tag.replace(_CORE, "!!")
             what = f"has the tag {shown[:40]}, which a scene cannot have (remove it)"
-            self.problems.append(LocatedFault(self.place(node), path, what))
+            self.problems.add(self.place(node), path, what)
         if isinstance(node, ScalarNode):
             text = self.text(node, path)
             return float(text) if node.style is None and _LEADING_POINT.fullmatch(text) else scalar(node.tag, text)
@@ -219,7 +224,7 @@ class _Converter:
             ("\0" in text, "a null character"),
         ):
             if fault:
-                self.problems.append(LocatedFault(self.place(node), path, f"contains {what} (remove it)"))
+                self.problems.add(self.place(node), path, f"contains {what} (remove it)")
                 return ""
         return text
 
@@ -236,7 +241,7 @@ class _Converter:
             elif name in seen:
                 what = f"appears twice, first in line {seen[name].line} (remove one)"
             if what is not None:
-                self.problems.append(LocatedFault(place, join(path, name), what))
+                self.problems.add(place, join(path, name), what)
                 continue
             seen[name] = place
             made = self.convert(child, join(path, name))

@@ -132,10 +132,7 @@ class SurroundingsSearch:
         return of
 
     def posed(self, problem: Problem, x: Array) -> Problem | None:
-        """Return the problem at other unknowns x.
-
-        None, with the reason in `why`, where oil or effects are impossible there.
-        """
+        """Return the problem at unknowns x; None, with the reason in `why`, where oil or effects rule it out."""
         scene = problem.scene
         if any(open_temperatures(scene)):
             self.series.temperatures = Temperatures(*x[:2].tolist())
@@ -177,10 +174,7 @@ class SurroundingsSearch:
 
 
 def _rough_criteria(criteria: ClosingCriteria, open_: float) -> ClosingCriteria:
-    """Return the criteria for a cycle whose surroundings will leave the residual `open_`.
-
-    Unchanged where that is too small.
-    """
+    """Return criteria for a cycle whose surroundings will leave the residual `open_`; unchanged where too small."""
     tolerance, bound = ROUGH_TOLERANCE * open_, CONTRACTION * open_
     if criteria.check or tolerance <= criteria.tolerance:
         return criteria
@@ -189,10 +183,7 @@ def _rough_criteria(criteria: ClosingCriteria, open_: float) -> ClosingCriteria:
 
 
 def unknowns_of(problem: Problem) -> Array:
-    """Return the unknowns that a problem stands at.
-
-    Temperatures [K] of supply and separator, lost pressures [kPa], other open numbers.
-    """
+    """Return where a problem stands: supply and separator [K], lost pressures [kPa], other open numbers."""
     T = _oil_temperature(problem)
     every = (one.parameters for one in problem.scene.effects.values())
     asked = (one.separator_temperature for one in every if isinstance(one, InSeparator))
@@ -243,10 +234,7 @@ def surroundings_follow(problem: Problem) -> bool:
 
 
 def steady_state(problem: Problem, series: Series) -> tuple[Problem, SurroundingsSearch | None]:
-    """Return the problem at its mean speed and surroundings, with the search that found these.
-
-    None without a search.
-    """
+    """Return the problem at its mean speed and surroundings, and the search that found these (None: no search)."""
     if not surroundings_follow(problem):
         return at_motor_speed(problem, series), None
     search = SurroundingsSearch(series, problem.scene.operation.speed)

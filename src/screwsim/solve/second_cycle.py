@@ -69,10 +69,7 @@ def warnings(of: Evaluation, machinery: Machinery, accurate: Accurate) -> Iterat
 
 
 def nearly_closed_apart(problem: Problem, cycle: CycleSolution) -> CycleSolution | None:
-    """Return the all but closed cycle that relaxation was at, away from that which simultaneous closing found.
-
-    Else None.
-    """
+    """Return relaxation's all but closed cycle apart from the one that simultaneous closing found; else None."""
     left, accuracy = cycle.abandoned_cycle, problem.scene.numerics.accuracy
     if left is None or problem.parts.shaft is not None or left.change > NEARLY_CLOSED * accuracy:
         return None

@@ -181,10 +181,7 @@ class StartUpRun:
         self.chambers = step.states
 
     def _chambers_under(self, motion: Motion) -> tuple[Array, float, float, Array] | str:
-        """Return gas torque, loss torque, gas work and final states at a given course of the speed.
-
-        A text where that fails.
-        """
+        """Return torques of gas and losses, gas work and final states at a course of the speed; a text if failed."""
         problem, machinery = self.problem, self.machinery
         composition, pitch = machinery.composition, problem.parts.geometry.pitch
         mean = _mean(motion, pitch)

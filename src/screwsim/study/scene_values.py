@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator
 
-from screwsim.scene.yaml_tree import Node, Position, compose
+from screwsim.scene.yaml_tree import Faults, Node, Position, compose
 
 
 def scene_values(text: str, file: str, left_out: tuple[str, ...] = ()) -> dict[str, str]:
     """Return {dotted path: text} of a scene's canonical text from a file, without the sections `left_out`."""
-    root = compose(text, Position(0, file), [])
+    root = compose(text, Position(0, file), Faults())
     return {} if root is None else dict(_leaves(root, "", left_out))
 
 

@@ -110,10 +110,7 @@ def read_points(path: str) -> list[tuple[float, float, float]]:
 
 
 def fitted(rows: list[tuple[float, float, float]]) -> tuple[float, float, float, float]:
-    """Return the four terms that fit a maker's points best (M432).
-
-    Raise UsageError where they determine no such law.
-    """
+    """Return the four terms that fit a maker's points best (M432); raise UsageError where they give no such law."""
     f, i, loss = np.array(rows).reshape(-1, 3).T
     terms = np.stack([np.ones_like(i), i, i * i, i * f], axis=1)
     if len(rows) < FEWEST or np.linalg.matrix_rank(terms) < terms.shape[1]:

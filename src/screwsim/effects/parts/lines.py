@@ -98,10 +98,7 @@ class LosesPressure:
         return True
 
     def cooled(self, T: float, inlet: float) -> float | None:
-        """Return the temperature [K] to which the package cools gas of T [K], given that of its inlet.
-
-        None: it does not cool.
-        """
+        """Return the temperature [K] to which the package cools gas of T [K], given its inlet's; None: uncooled."""
         return None
 
 

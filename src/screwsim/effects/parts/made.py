@@ -130,10 +130,7 @@ class Sought:
         return None
 
     def span(self, facts: Any, suction_pressure: Callable[[], float]) -> Span:
-        """Return the range of the coordinate in a scene.
-
-        The suction pressure [Pa] is computed only where it is needed.
-        """
+        """Return the coordinate's range in a scene; the suction pressure [Pa] is computed only where it is needed."""
         raise NotImplementedError
 
     def first(self, span: Span) -> float:
@@ -153,8 +150,5 @@ class Sought:
         raise NotImplementedError
 
     def idle(self, figures: Mapping[str, Any], x: float, lowest: bool) -> str:
-        """Return a text that says that the coordinate is at its lowest or highest end.
-
-        Empty where nothing can be said.
-        """
+        """Return a text on the coordinate being at its lowest or highest end; empty where nothing can be said."""
         raise NotImplementedError

@@ -7,10 +7,7 @@ from typing import NamedTuple
 
 
 class Usual(NamedTuple):
-    """Something that hardly any machine lacks.
-
-    One effect that provides it is enough. `oiled`: not for a dry machine.
-    """
+    """Something that hardly any machine lacks; one effect that has it is enough. `oiled`: not for a dry machine."""
 
     what: str
     oiled: bool = False

@@ -84,10 +84,7 @@ class Book:
 
 
 class LedgerCycle:
-    """The quantities of a closed cycle that the ledger uses.
-
-    `line_given`: the discharge line's state is not that of the outflow.
-    """
+    """Quantities of a closed cycle for the ledger; `line_given`: the discharge line's state is not the outflow's."""
 
     def __init__(self, of: Evaluation) -> None:
         self.problem, self.life, self.streams, self.known = of.problem, of.life, of.streams, of.known
@@ -110,10 +107,7 @@ class LedgerCycle:
         return State(T, rho, h, float(self.life.module.gas_entropy(T, rho, c.P, c.TAB)))
 
     def pressure_behind(self, to: str) -> float | None:
-        """Return the mean pressure [Pa] at the chambers' end of a pulsating line (M184).
-
-        None if it does not pulsate.
-        """
+        """Return the mean pressure [Pa] at the chambers' end of a line (M184); None if it does not pulsate."""
         return chamber_end_pressure(self.problem, self.life, to)
 
     def behind(self, to: str, line: State) -> State:

@@ -176,10 +176,7 @@ def enter_line(
 
 
 def _warmed_fresh_gas(book: Book, cycle: LedgerCycle, met: Streams, fresh: State) -> State:
-    """Return the fresh gas after it was warmed on its way.
-
-    Enter the exergy this adds, which does not come from the shaft.
-    """
+    """Return the fresh gas as warmed on its way; enter the exergy this adds, which is not from the shaft."""
     found = fresh
     for name, part in cycle.parts.all(SuctionHeat):
         if met.fresh > 0.0:

@@ -137,10 +137,7 @@ def _response(train: Train, x: Array, torque: Array) -> Response:
 
 
 def _newton(train: Train, x: Array, torque: Array, omega: float, left: list[int]) -> Array | None:
-    """Return Newton's solution from a guess.
-
-    None where it fails. left[0]: number of linear systems it may still solve.
-    """
+    """Return Newton's solution from a guess, None where it fails. left[0]: linear systems it may still solve."""
     n, x = POINTS, x.copy()
     for _ in range(min(MOST_STEPS, left[0])):
         left[0] -= 1

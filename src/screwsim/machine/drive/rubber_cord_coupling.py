@@ -83,10 +83,7 @@ def family_energy(theta, cords, r_A, r_B, lean, E, b):
 
 @kernel
 def torque(theta, cords, r_A, r_B, lean_plus, lean_minus, E, b):
-    """Return the torque of the coupling [N m] at a twist (K6).
-
-    `cords`: those of one direction in all discs and layers.
-    """
+    """Return the coupling's torque [N m] at a twist (K6); `cords`: one direction's in all discs and layers."""
     plus = family_torque(theta, cords, r_A, r_B, lean_plus, E, b)
     return plus + family_torque(theta, cords, r_A, r_B, -lean_minus, E, b)
 

@@ -106,10 +106,7 @@ def from_male(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
 
 
 def from_rack(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
-    """Return the chain of a rack: x above the pitch line, y along it [m], y increasing.
-
-    y = 0 lies on the centre line at ψ = 0.
-    """
+    """Return a rack's chain: x above the pitch line, y along it [m], increasing, 0 on the centre line at ψ = 0."""
     x, y, angle = _curve(x, y, smoothing)
     tx, ty = np.cos(angle), np.sin(angle)
     if np.min(ty) <= 0.0:

@@ -118,10 +118,7 @@ class Chain:
         return self._of_pair(pair)[2]
 
     def _of_pair(self, pair: Pair) -> tuple[Array, Array, Array]:
-        """Return the contact points on the female rotor and their distances from its centre.
-
-        Cached for the last pair.
-        """
+        """Return the female rotor's contact points and their distances from its centre, cached for the last pair."""
         if pair not in self._known:
             self._known.clear()
             c, s = np.cos(pair.k * self.psi), np.sin(pair.k * self.psi)

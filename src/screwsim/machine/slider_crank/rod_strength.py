@@ -44,10 +44,7 @@ class SchmidtLoad:
 
 
 def pressure_load(pressure: Array, behind: float, bore: float) -> Array:
-    """Return the rod's load P [N] from the pressures [Pa] in the cylinder and behind the piston.
-
-    Compression is negative.
-    """
+    """Return the rod's load P [N] from the pressures [Pa] in cylinder and behind the piston; negative if pressed."""
     return -0.25 * math.pi * bore**2 * (np.asarray(pressure) - behind)
 
 

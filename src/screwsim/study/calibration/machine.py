@@ -12,7 +12,7 @@ from screwsim.inputs.declare import FoundWithCycle
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, value_at
-from screwsim.scene.yaml_tree import LocatedFault, Position, scene_error
+from screwsim.scene.yaml_tree import Faults, LocatedFault, Position
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Point
 from screwsim.study.calibration.residuals import Array, Simulate
@@ -105,7 +105,7 @@ def points_of(fit: Fit, file: str | os.PathLike[str], option: str, what: str) ->
     """
     if not os.path.isfile(file):
         raise UsageError(f"{option} {file}: is not a file (name an existing one)")
-    problems: list[LocatedFault] = []
+    problems = Faults()
     name, values = os.fspath(file), fit.first_start()
     rows = read_points(name, name, fit.scene, list(fit.changes(values)), problems, candidates=True)
     for point, place in rows:
@@ -113,7 +113,7 @@ def points_of(fit: Fit, file: str | os.PathLike[str], option: str, what: str) ->
     if not rows and not problems:
         problems.append(LocatedFault(Position(1, name), "", f"has no {what}"))
     if problems:
-        raise scene_error(problems)
+        raise problems.error()
     return tuple(point for point, _ in rows)
 
 

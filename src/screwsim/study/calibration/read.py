@@ -13,7 +13,7 @@ from screwsim.scene.axis import SPACING, read_fields
 from screwsim.scene.fields import Leaf
 from screwsim.scene.file_kinds import other_file
 from screwsim.scene.values import limits_text, shown, text_of, within
-from screwsim.scene.yaml_tree import LocatedFault, Node, Position, compose, join, scene_error
+from screwsim.scene.yaml_tree import Faults, LocatedFault, Node, Position, compose, join
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Parameter, Point, Prior, Tie, prior_of
 from screwsim.study.inputs import DISCRETE_KINDS, shown_value
@@ -47,16 +47,16 @@ def read_fit(
     """
     name = shipped_name(path)
     place = Position(0, name, folder=os.path.dirname(os.path.abspath(name)))
-    problems: list[LocatedFault] = []
+    problems = Faults()
     root = _read(name, place, problems)
     other = {key: os.fspath(each) for key, each in (("scene", scene), ("data", data)) if each is not None}
     fit = None if root is None else _typed(root, name, other, fixed, problems)
     if problems or fit is None:
-        raise scene_error(problems)
+        raise problems.error()
     return fit
 
 
-def _read(name: str, place: Position, problems: list[LocatedFault]) -> Node | None:
+def _read(name: str, place: Position, problems: Faults) -> Node | None:
     try:
         text = read_text(name, MOST_YAML)
     except Unreadable as error:
@@ -76,7 +76,7 @@ def _read(name: str, place: Position, problems: list[LocatedFault]) -> Node | No
     return root
 
 
-def _typed(root: Node, name: str, other: Mapping[str, str], fixed: bool, problems: list[LocatedFault]) -> Fit | None:
+def _typed(root: Node, name: str, other: Mapping[str, str], fixed: bool, problems: Faults) -> Fit | None:
     head = read_fields(HEAD_FIELDS, root, "", problems, _REMEDY, also=("parameters",))
     for key, file in other.items():
         if not os.path.isfile(file):
@@ -100,7 +100,7 @@ def _typed(root: Node, name: str, other: Mapping[str, str], fixed: bool, problem
     return fit
 
 
-def _is_file(root: Node, key: str, name: str, problems: list[LocatedFault]) -> bool:
+def _is_file(root: Node, key: str, name: str, problems: Faults) -> bool:
     found = os.path.isfile(os.path.join(root.place.folder, name))
     if not found:
         what = f"{shown(name)} is not a file (name an existing one, relative to this file)"
@@ -117,7 +117,7 @@ def _with_fit_accuracy(scene: Scene, accuracy: float | None) -> Scene:
     return replace(scene, numerics=replace(numerics, accuracy=wanted))
 
 
-def _parameters(root: Node, scene: Scene, problems: list[LocatedFault]) -> tuple[Parameter, ...]:
+def _parameters(root: Node, scene: Scene, problems: Faults) -> tuple[Parameter, ...]:
     node = root.value.get("parameters")
     if node is None or not isinstance(node.value, dict) or not node.value:
         place = root.place if node is None else node.place
@@ -140,7 +140,7 @@ def _parameters(root: Node, scene: Scene, problems: list[LocatedFault]) -> tuple
     return tuple(found)
 
 
-def _leaf(scene: Scene, path: str, place: Position, where: str, problems: list[LocatedFault]) -> Leaf | None:
+def _leaf(scene: Scene, path: str, place: Position, where: str, problems: Faults) -> Leaf | None:
     """Return the leaf of a continuous path; None after adding a fault."""
     try:
         leaf = leaf_of(scene, path)
@@ -154,7 +154,7 @@ def _leaf(scene: Scene, path: str, place: Position, where: str, problems: list[L
     return leaf
 
 
-def _parameter(path: str, node: Node, scene: Scene, problems: list[LocatedFault]) -> Parameter | None:
+def _parameter(path: str, node: Node, scene: Scene, problems: Faults) -> Parameter | None:
     where, before = join("parameters", path), len(problems)
     leaf = _leaf(scene, path, node.heading, where, problems)
     if leaf is None:
@@ -199,7 +199,7 @@ def difference(leaf: Leaf, default: Any = dataclasses.MISSING, **limits: float) 
     return Leaf(kind, f"difference of {leaf.doc}", default, limits)
 
 
-def _prior(leaf: Leaf, node: Node | None, where: str, problems: list[LocatedFault]) -> Prior | None:
+def _prior(leaf: Leaf, node: Node | None, where: str, problems: Faults) -> Prior | None:
     if node is None or node.value is None:
         return None
     fields = {"mean": replace(leaf, default=dataclasses.MISSING), "deviation": difference(leaf, gt=0.0)}
@@ -207,7 +207,7 @@ def _prior(leaf: Leaf, node: Node | None, where: str, problems: list[LocatedFaul
     return None if given is None else Prior(given["mean"], given["deviation"])
 
 
-def _ties(leaf: Leaf, node: Node | None, scene: Scene, where: str, problems: list[LocatedFault]) -> tuple[Tie, ...]:
+def _ties(leaf: Leaf, node: Node | None, scene: Scene, where: str, problems: Faults) -> tuple[Tie, ...]:
     if node is None or node.value is None:
         return ()
     remedy = "write {PATH: {factor: …, offset: …}}"
@@ -234,7 +234,7 @@ def _ties(leaf: Leaf, node: Node | None, scene: Scene, where: str, problems: lis
     return tuple(found)
 
 
-def _check_ties(parameter: Parameter, leaf: Leaf, node: Node, scene: Scene, problems: list[LocatedFault]) -> None:
+def _check_ties(parameter: Parameter, leaf: Leaf, node: Node, scene: Scene, problems: Faults) -> None:
     """Add a fault where a path follows itself, or leaves its limits."""
     where = join("parameters", parameter.path)
     for tie in parameter.ties:
@@ -252,7 +252,7 @@ def _check_ties(parameter: Parameter, leaf: Leaf, node: Node, scene: Scene, prob
                 break
 
 
-def _check(fit: Fit, rows: list[tuple[Point, Position]], root: Node, fixed: bool, problems: list[LocatedFault]) -> None:
+def _check(fit: Fit, rows: list[tuple[Point, Position]], root: Node, fixed: bool, problems: Faults) -> None:
     """Add a fault where values of a point and of the first start do not fit together, or there are too few data.
 
     Without `fixed` one measured figure is enough.
