@@ -8,18 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
-from screwsim.cli.options import (
-    NOT_ALL_OK,
-    OK,
-    AsJson,
-    Jobs,
-    Overrides,
-    SceneFile,
-    Without,
-    base_point,
-    loaded_scene,
-    progress_bar,
-)
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -63,7 +52,7 @@ def run(
         if other:
             raise UsageError(f"{scene_file}: stages have no {other} (run one of the two scenes instead)")
         return _run_stages(scene_file, output, overrides, without, knock_out, as_json)
-    scene = base_point(loaded_scene(scene_file, overrides, without), scene_file)
+    scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
     if output is not None:
         options.check_place(output)
     points, left_out = _read_measured(scene, measured), _knock_out_groups(scene, knock_out, together)
@@ -76,7 +65,7 @@ def run(
         from screwsim.study.knock_out import knock_out as knocked_out
 
         names = [f"without {each.name}" for each in left_out]
-        result = knocked_out(scene, result, progress_bar("knock-out", names), left_out)
+        result = knocked_out(scene, result, options.progress_bar("knock-out", names), left_out)
     if scene.uncertain or scene.model_error:
         from screwsim.study.uncertain import with_uncertainty
 
@@ -186,7 +175,7 @@ def sweep(
     """Simulate all cases of a scene's sweep, or resume it."""
     if scheduler is not None and jobs is not None:
         raise UsageError("--jobs counts workers on this machine; a --scheduler has its own (remove one of the two)")
-    scene = loaded_scene(scene_file, overrides, without)
+    scene = options.loaded_scene(scene_file, overrides, without)
     if not scene.sweep:
         raise UsageError(
             f"{scene_file}: has no sweep (add a sweep: block, or --set 'sweep.operation.speed=[1000 rpm, 3000 rpm]'; "
@@ -199,7 +188,7 @@ def sweep(
         options.check_results(output)
     file = output or Path("results") / f"{Path(scene_file).stem}.h5"
     where = {"jobs": jobs, "scheduler": scheduler, "case_limit": case_limit, "batch": batch, "gpu": gpu}
-    summary = run_sweep(scene, file, **where, restart=restart, progress=progress_bar())
+    summary = run_sweep(scene, file, **where, restart=restart, progress=options.progress_bar())
     document = sweep_document(scene, summary)
     print_json(document) if as_json else print_sweep(document, scene)
     return OK if summary.ok == summary.cases else NOT_ALL_OK
@@ -229,7 +218,7 @@ def explain(
             raise UsageError(f"{scene_file}: stages have no {option} (explain one of the two scenes instead)")
         say(explain_stages(read_stages(scene_file, overrides or ())))
         return
-    scene = loaded_scene(scene_file, overrides, without)
+    scene = options.loaded_scene(scene_file, overrides, without)
     if parameters:
         from screwsim.explain.parameters import parameters as keys
 
@@ -252,7 +241,7 @@ def accuracy(
 
     if is_stages(scene_file):
         raise UsageError(f"{scene_file}: describes two stages, and accuracy needs one scene (name that of one stage)")
-    scene = base_point(loaded_scene(scene_file, overrides, without), scene_file)
+    scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
     options.check_folder_name(folder)
     from screwsim.printing import accuracy_drawing
     from screwsim.report.accuracy import draw
@@ -263,7 +252,7 @@ def accuracy(
         make_folder(folder)
         files.protect_other_studies(folder)
     try:
-        found = study(scene, QUICK_SCOPE if quick else Scope(), progress_bar("accuracy"))
+        found = study(scene, QUICK_SCOPE if quick else Scope(), options.progress_bar("accuracy"))
     except NoReference as error:
         return options.print_error(f"{scene_file}: {error}", NOT_ALL_OK)
     say(words.report(found))

@@ -7,18 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, option, switch
-from screwsim.cli.options import (
-    NOT_ALL_OK,
-    OK,
-    AsJson,
-    Jobs,
-    Overrides,
-    SceneFile,
-    Without,
-    loaded_scene,
-    print_document_or_text,
-    progress_bar,
-)
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -46,7 +35,7 @@ def find(
     as_json: AsJson = False,
 ) -> int:
     """Find values of paths that give wanted figures: a speed for a capacity, a size for a duty."""
-    scene = loaded_scene(scene_file, overrides, without)
+    scene = options.loaded_scene(scene_file, overrides, without)
     from screwsim.printing.find import find_document, print_find, write_find
     from screwsim.scene import case_count
     from screwsim.scene.grid import with_sweep_over
@@ -63,8 +52,8 @@ def find(
         if several:
             raise UsageError(f"-o {output}: the sweep gives one answer per row (write -o FOUND.csv or .h5)")
         check_scene_file(output)
-    rows = find_each(scene, asked, jobs=jobs, progress=progress_bar("find"))
-    print_document_or_text(as_json, find_document, print_find, scene, asked, rows)
+    rows = find_each(scene, asked, jobs=jobs, progress=options.progress_bar("find"))
+    options.print_document_or_text(as_json, find_document, print_find, scene, asked, rows)
     found = rows[0]
     if output is not None and table:
         write_find(output, scene, asked, rows)
@@ -110,7 +99,7 @@ def optimize(
     as_json: AsJson = False,
 ) -> int:
     """Find values of paths that make figures best: one or several aims, within bounds, over operating points."""
-    scene = loaded_scene(scene_file, overrides, without)
+    scene = options.loaded_scene(scene_file, overrides, without)
     from screwsim.printing.optimize import optimize_document, print_optimize
     from screwsim.study.optimize import question, run_question, spans_of
     from screwsim.study.optimize.points import as_csv, read_points
@@ -132,8 +121,8 @@ def optimize(
             remedy = "pick a point of the front: --json lists their values"
             raise UsageError(f"--best {best}: several aims have no single best ({remedy})")
         check_scene_file(best, "--best")
-    found = run_question(asked, output, jobs=jobs, restart=restart, progress=progress_bar("optimize"))
-    print_document_or_text(as_json, optimize_document, print_optimize, found)
+    found = run_question(asked, output, jobs=jobs, restart=restart, progress=options.progress_bar("optimize"))
+    options.print_document_or_text(as_json, optimize_document, print_optimize, found)
     if best is not None and found.scene is not None:
         told = f"optimize {Path(scene_file).name} --vary {', '.join(span.path for span in asked.spans)}"
         values = rounded_values(found)

@@ -13,18 +13,7 @@ import typer
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
-from screwsim.cli.options import (
-    NOT_ALL_OK,
-    OK,
-    AsJson,
-    Jobs,
-    Overrides,
-    SceneFile,
-    Without,
-    loaded_scene,
-    print_document_or_text,
-    progress_bar,
-)
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -50,7 +39,7 @@ def optimum(
     as_json: AsJson = False,
 ) -> int:
     """Find the best value of one path at each point of the sweep's other axes."""
-    scene = loaded_scene(scene_file, overrides, without)
+    scene = options.loaded_scene(scene_file, overrides, without)
     from screwsim.printing.optimum import optimum_document, print_optimum, write_optimum
     from screwsim.study.inputs import efficiency_note
     from screwsim.study.optimum import optimum as found
@@ -60,10 +49,10 @@ def optimum(
         typer.echo(f"optimum: {told}", err=True)
     asked = question(scene, path, figure, minimum=minimum, first=first, last=last)
     options.check_columns(output, "optimum of", "accuracy", "solutions", "failed_solutions", "place")
-    rows = found(scene, asked, jobs=jobs, progress=progress_bar("optimum"))
+    rows = found(scene, asked, jobs=jobs, progress=options.progress_bar("optimum"))
     if output is not None:
         write_optimum(output, scene, asked, rows)
-    print_document_or_text(as_json, optimum_document, print_optimum, scene, asked, rows)
+    options.print_document_or_text(as_json, optimum_document, print_optimum, scene, asked, rows)
     return OK if all(row.status == "ok" for row in rows) else NOT_ALL_OK
 
 
@@ -106,9 +95,9 @@ def performance_map(
     if output is not None:
         write_maps(output, results, maps)
     if found:
-        print_document_or_text(as_json, points_document, print_points, results, found)
+        options.print_document_or_text(as_json, points_document, print_points, results, found)
         return OK
-    print_document_or_text(as_json, map_document, print_maps, results, maps)
+    options.print_document_or_text(as_json, map_document, print_maps, results, maps)
     return OK if not any(each.message or each.not_ok for each in maps) else NOT_ALL_OK
 
 
@@ -138,7 +127,7 @@ def sensitivity(
     as_json: AsJson = False,
 ) -> int:
     """Rank the inputs that a figure depends on: Sobol indices over ranges, or derivatives at the point (--local)."""
-    scene = options.base_point(loaded_scene(scene_file, overrides, without), scene_file)
+    scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
     if check_sobol is not None:
         return _print_checked_uncertainty(scene, check_sobol, jobs, as_json)
     if local:
@@ -155,14 +144,14 @@ def sensitivity(
     names = tuple(dict.fromkeys(figures or ()))
     if not names and (told := efficiency_note(scene)):
         typer.echo(f"sensitivity: {told}", err=True)
-    ranges, progress = read_ranges(scene, paths or ()), progress_bar("sensitivity")
+    ranges, progress = read_ranges(scene, paths or ()), options.progress_bar("sensitivity")
     samples = usual_samples(len(ranges)) if samples is None else samples
     if sys.stderr.isatty():
         say(wrapped(f"sensitivity: {cost_in_words(len(ranges), samples)}"), err=True)
     found = studied(scene, ranges, names, samples=samples, seed=seed, jobs=jobs, progress=progress)
     if output is not None and not found.message:
         write_sensitivity(output, found)
-    print_document_or_text(as_json, sensitivity_document, print_sensitivity, scene, found)
+    options.print_document_or_text(as_json, sensitivity_document, print_sensitivity, scene, found)
     return OK if not found.message else NOT_ALL_OK
 
 
@@ -175,7 +164,7 @@ def _print_checked_uncertainty(scene: Scene, count: int, jobs: int | None, as_js
 
     linear = uncertainty(scene, jobs=jobs)
     if linear.slopes.result.status == "ok":
-        linear = checked_by_sample(scene, linear, count, jobs=jobs, progress=progress_bar("samples"))
+        linear = checked_by_sample(scene, linear, count, jobs=jobs, progress=options.progress_bar("samples"))
     if as_json:
         print_json({**linear.as_json(), "sampled": check_document(linear)})
     else:
@@ -206,10 +195,10 @@ def _local_sensitivity(
     else:
         options.check_columns(output, "local sensitivities", "figure", "path", "number", "derivative")
     names = [figure_of(scene, name) for name in figures]
-    found = sensitivities(scene, places, names, jobs=jobs, progress=progress_bar("sensitivity"))
+    found = sensitivities(scene, places, names, jobs=jobs, progress=options.progress_bar("sensitivity"))
     if output is not None and found.derivatives:
         write_local(output, scene, found)
-    print_document_or_text(as_json, local_document, partial(print_local, chosen=names), scene, found)
+    options.print_document_or_text(as_json, local_document, partial(print_local, chosen=names), scene, found)
     return OK if found.result.status == "ok" else NOT_ALL_OK
 
 
@@ -232,7 +221,7 @@ def compare(
 
     a, b = open_results(first), open_results(second)
     found = compared(a, b, tolerance)
-    print_document_or_text(as_json, comparison_document, print_comparison, a, b, found)
+    options.print_document_or_text(as_json, comparison_document, print_comparison, a, b, found)
     for path in () if folder is None else write_comparison(a, b, folder):
         say(path, err=as_json)
     return OK
@@ -271,10 +260,10 @@ def calibrate(
             protect_other_samples(folder)
     if sys.stderr.isatty():
         say(wrapped(f"calibrate: {cost_in_words(fit)}"), err=True)
-    found = calibrated(fit, jobs=jobs, progress=progress_bar("calibrate"))
+    found = calibrated(fit, jobs=jobs, progress=options.progress_bar("calibrate"))
     wide = None
     if (posterior or asked) and found.status != "interrupted":
-        wide = posterior_with_predictions(found, asked, jobs=jobs, progress=progress_bar("posterior"))
+        wide = posterior_with_predictions(found, asked, jobs=jobs, progress=options.progress_bar("posterior"))
     if as_json:
         print_json(calibration_document(found) | ({} if wide is None else {"posterior": posterior_document(wide)}))
     else:
@@ -310,15 +299,15 @@ def tolerance(
 ) -> int:
     """Find how length errors of a slider-crank change its motion and, by Monte Carlo, the compressor."""
     options.check_folder_name(folder)
-    scene = options.base_point(loaded_scene(scene_file, overrides, without), scene_file)
+    scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
     from screwsim.printing.tolerance import print_tolerance, tolerance_document
     from screwsim.study.tolerance import tolerances
 
     grades = {"crank_radius": crank_grade, "rod_length": rod_grade, "offset": offset_grade}
     asked = {name: grade if own is None else own for name, own in grades.items()}
     asked |= {} if bore_grade is None else {"bore": bore_grade}
-    found = tolerances(scene, asked, count=count, seed=seed, jobs=jobs, progress=progress_bar("tolerance"))
-    print_document_or_text(as_json, tolerance_document, print_tolerance, scene, found)
+    found = tolerances(scene, asked, count=count, seed=seed, jobs=jobs, progress=options.progress_bar("tolerance"))
+    options.print_document_or_text(as_json, tolerance_document, print_tolerance, scene, found)
     if folder is not None:
         from screwsim.report.tolerance import draw_machine
 
@@ -339,7 +328,7 @@ def startup(
 ) -> int:
     """Start a machine that has a drive, against the discharge pressure."""
     options.check_folder_name(folder)
-    scene = options.base_point(loaded_scene(scene_file, overrides, without), scene_file)
+    scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
     from screwsim.printing import print_json
     from screwsim.printing.startup import TRACES, protect_other_traces, startup_text, write_traces
     from screwsim.report.drive import draw_start

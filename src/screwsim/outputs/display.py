@@ -89,6 +89,13 @@ class Brief:
         return _html(heading, [*notes, *more], columns[:MOST_HTML_COLUMNS], shown)
 
 
+def picked(record: object, *names: str) -> dict[str, Any]:
+    """Return attributes of a record by name, as JSON takes them: mappings as dicts, tuples as lists."""
+    plain = {name: getattr(record, name) for name in names}
+    plain |= {name: dict(value) for name, value in plain.items() if isinstance(value, Mapping)}
+    return plain | {name: list(value) for name, value in plain.items() if type(value) is tuple}
+
+
 def _left_out(rows: int, columns: int) -> list[str]:
     words = [f"{count} more {what}" for count, what in ((rows, "rows"), (columns, "columns")) if count > 0]
     return [f"… {' and '.join(words)}"] if words else []

@@ -85,17 +85,5 @@ class Result:
         """Return the content of `run --json` (the cycle is only in the HDF5 file)."""
         asked: dict[str, Any] = {"knock_out": [dict(cost) for cost in self.knock_out]} if self.knock_out else {}
         asked |= {"uncertainty": dict(self.uncertainty)} if self.uncertainty else {}
-        return {
-            "status": self.status,
-            "message": self.message,
-            "warnings": list(self.warnings),
-            "effects": list(self.effects),
-            "states": list(self.states),
-            "performance": dict(self.performance),
-            "balance": dict(self.balance),
-            "error": dict(self.error),
-            "ledger": dict(self.ledger),
-            "numerics": dict(self.numerics),
-            "notes": dict(self.notes),
-            **asked,
-        }
+        own = ("status", "message", "warnings", "effects", "states", "performance", "balance", "error", "ledger")
+        return display.picked(self, *own, "numerics", "notes") | asked

@@ -9,8 +9,7 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import digits, reading_unit, shown_name
 from screwsim.printing import write_json
-from screwsim.printing.fits import print_title
-from screwsim.printing.tables import plain_table, print_wrapped, wrapped
+from screwsim.printing.tables import plain_table, print_scene_title, print_wrapped, wrapped
 from screwsim.report.calibration import draw
 from screwsim.results.atomic import make_folder, write_text
 from screwsim.results.protection import protect_folder, protect_other_json
@@ -110,7 +109,7 @@ def spread(found: Calibration, index: int) -> tuple[float | None, float | None]:
 
 def print_calibration(found: Calibration) -> None:
     """Print the parameters, their uncertainty, the residuals, and what the data leave undetermined."""
-    print_title(found.fit)
+    print_scene_title(found.fit.title or found.fit.scene.title)
     count = f"{found.solutions} solutions" + (f", {found.failed} without figures" if found.failed else "")
     say(wrapped(f"{len(found.starts)} starts, seed {found.fit.seed}, {count}, {found.jacobians} Jacobians"))
     print_wrapped(_methods(found))

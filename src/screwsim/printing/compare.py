@@ -129,12 +129,9 @@ def write_comparison(a: Results, b: Results, folder: Path) -> list[str]:
         about = (a if name in a.performance else b).figure(name)
         named = {"a": (one, "in A"), "b": (other, "in B"), "error": (error, "estimated errors of both files, combined")}
         for end, (column, words) in named.items():
-            columns[f"{name}_{end}"] = Column(_cells_of(column), about.units, f"{about.long_name}, {words}")
+            cells = [None if math.isnan(value) else value for value in column.tolist()]
+            columns[f"{name}_{end}"] = Column(cells, about.units, f"{about.long_name}, {words}")
     table = folder / TABLE
     protect_other_columns(table, TITLE, *OWN_COLUMNS)
     write_columns(table, TITLE, columns)
     return [str(table), *draw_overlay(a, b, folder)]
-
-
-def _cells_of(values: Any) -> list[float | None]:
-    return [None if math.isnan(value) else value for value in values.tolist()]

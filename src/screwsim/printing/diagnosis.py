@@ -4,8 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from screwsim.printing.fits import print_left_out, print_title
-from screwsim.printing.tables import plain_table, print_wrapped, wrapped
+from screwsim.printing.tables import plain_table, print_left_out, print_scene_title, print_wrapped, wrapped
 from screwsim.screen import say
 from screwsim.study.calibration.diagnosis import Diagnosis
 from screwsim.study.calibration.hypotheses import (
@@ -55,7 +54,7 @@ def _hypothesis(each: Hypothesis) -> dict[str, Any]:
 def print_diagnosis(found: Diagnosis) -> None:
     """Print the hypotheses, the most probable first, and what the points cannot distinguish."""
     fit = found.fit
-    print_title(fit)
+    print_scene_title(fit.title or fit.scene.title)
     points = [point for point in fit.points if point.fitted]
     figures = sum(len(point.measured) for point in points)
     count = f"{len(points)} points, {figures} measured figures, {found.solutions} solutions"

@@ -7,6 +7,7 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import error_text, figure_text, shown_name
 from screwsim.outputs.customary import with_printed_units
+from screwsim.outputs.display import picked
 from screwsim.printing.tables import plain_table, print_scene_title, print_wrapped, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.screen import say
@@ -34,20 +35,13 @@ def find_document(scene: Scene, asked: Question, rows: Sequence[GoalSeekAnswer])
 
 
 def _row_document(row: GoalSeekAnswer) -> dict[str, Any]:
-    size = row.size
-    performance = {} if row.result is None else dict(row.result.performance)
+    result = (
+        {"performance": {}, "warnings": []} if row.result is None else picked(row.result, "performance", "warnings")
+    )
     return {
-        "at": dict(row.at),
-        "status": row.status,
-        "message": row.message,
-        "values": dict(row.values),
-        "uncertainties": dict(row.uncertainties),
-        "figures": dict(row.figures),
-        "errors": dict(row.errors),
-        "borders": dict(row.borders),
-        "size": None if size is None else {"value": size.value, "figure": size.figure},
-        "performance": performance,
-        "warnings": [] if row.result is None else list(row.result.warnings),
+        **picked(row, "at", "status", "message", "values", "uncertainties", "figures", "errors", "borders"),
+        "size": None if row.size is None else picked(row.size, "value", "figure"),
+        **result,
         "solutions": row.solutions,
         "failed_solutions": row.failed,
     }

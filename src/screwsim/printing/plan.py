@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
-from screwsim.printing.fits import print_left_out, print_title
-from screwsim.printing.tables import plain_table, print_wrapped, wrapped
+from screwsim.printing.tables import plain_table, print_left_out, print_scene_title, print_wrapped, wrapped
 from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, make_folder, write_csv
 from screwsim.scene import Scene
 from screwsim.screen import say
@@ -51,7 +50,7 @@ def plan_document(found: Plan) -> dict[str, Any]:
 def print_plan(found: Plan) -> None:
     """Print the points in their order, and how well each parameter is known with them."""
     fit = found.fit
-    print_title(fit)
+    print_scene_title(fit.title or fit.scene.title)
     there = sum(point.fitted for point in fit.points)
     say(wrapped(f"{there} points, {found.candidates} candidates, {found.solutions} solutions"))
     print_left_out(found.reasons)

@@ -9,8 +9,7 @@ import numpy as np
 from screwsim.figures import declared
 from screwsim.figures.engineering import digits, reading_unit, shown_name
 from screwsim.inputs.faults import UsageError
-from screwsim.printing.fits import print_left_out
-from screwsim.printing.tables import plain_table, print_wrapped, wrapped
+from screwsim.printing.tables import plain_table, print_left_out, print_wrapped, wrapped
 from screwsim.report.calibration import ParameterSample, draw_posterior
 from screwsim.results.atomic import FOREIGN_FILE, write_csv
 from screwsim.scene import leaf_of

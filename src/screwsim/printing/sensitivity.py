@@ -8,6 +8,7 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import figure_text, figure_unit
 from screwsim.outputs import EFFICIENCY
 from screwsim.outputs.derivatives import DIFFERENCES
+from screwsim.outputs.display import picked
 from screwsim.printing import shown_name
 from screwsim.printing.tables import plain_table, print_scene_title, wrapped
 from screwsim.results.write import save
@@ -29,11 +30,7 @@ def sensitivity_document(scene: Scene, found: Sensitivity) -> dict[str, Any]:
     return {
         "title": scene.title,
         "ranges": {each.path: [each.low, each.high] for each in found.ranges},
-        "samples": found.samples,
-        "seed": found.seed,
-        "solutions": found.solutions,
-        "failed": found.failed,
-        "message": found.message,
+        **picked(found, "samples", "seed", "solutions", "failed", "message"),
         "warnings": [{"solutions": count, "warning": text} for count, text in found.warnings],
         "confidence": CONFIDENCE,
         "figures": {
@@ -110,14 +107,10 @@ def local_document(scene: Scene, found: Sensitivities) -> dict[str, Any]:
     """Return what `sensitivity --local --json` prints."""
     return {
         "title": scene.title,
-        "status": found.result.status,
-        "message": found.result.message,
-        "warnings": list(found.result.warnings),
+        **picked(found.result, "status", "message", "warnings"),
         "values": dict(found.values),
         "performance": {name: found.result.performance[name] for name in found.derivatives},
-        "method": dict(found.method),
-        "why": dict(found.why),
-        "left_out": dict(found.left_out),
+        **picked(found, "method", "why", "left_out"),
         "derivatives": {name: dict(slopes) for name, slopes in found.derivatives.items()},
         "relative": {
             name: {path: found.relative(name, path) for path in slopes} for name, slopes in found.derivatives.items()
@@ -140,7 +133,11 @@ def print_local(scene: Scene, found: Sensitivities, chosen: Sequence[str] = ()) 
     ranked = sorted(found.values, key=lambda path: -max((abs(each) for each in sizes[path] if each), default=0.0))
     felt = [path for path in ranked if any(each is not None and abs(each) >= LEAST_SENSITIVITY for each in sizes[path])]
     rows = [
-        [_marked_value(found, path), _value(scene, path, found), *map(_percent, sizes[path])]
+        [
+            f"{path} *" if found.method[path] == DIFFERENCES else path,
+            shown_value(scene, path, found.values[path], 4),
+            *map(_percent, sizes[path]),
+        ]
         for path in felt[:MOST_NUMBERS]
     ]
     say("change of a figure, in percent per percent of a number")
@@ -190,14 +187,6 @@ def _round_change(scene: Scene, path: str, value: float) -> tuple[float, str]:
     power = 10.0 ** int(f"{about:e}".partition("e")[2])
     size = max((each * power for each in ROUND_CHANGES if each * power <= about * 1.0001), default=power)
     return size / per, f"{size:g} {unit}".strip()
-
-
-def _marked_value(found: Sensitivities, path: str) -> str:
-    return f"{path} *" if found.method[path] == DIFFERENCES else path
-
-
-def _value(scene: Scene, path: str, found: Sensitivities) -> str:
-    return shown_value(scene, path, found.values[path], 4)
 
 
 def _percent(value: float | None) -> str:

@@ -1,7 +1,7 @@
 """Plain tables and wrapped lines for a terminal of 80 columns."""
 
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from screwsim.outputs.customary import with_printed_units
 from screwsim.screen import say
@@ -59,3 +59,8 @@ def print_wrapped(texts: Iterable[str]) -> None:
     """Print texts in lines that fit, each starting on a new line."""
     for text in texts:
         say(wrapped(text))
+
+
+def print_left_out(reasons: Mapping[str, str]) -> None:
+    """Print the points without a solution, and the reasons."""
+    print_wrapped(f"left out: {name} has no solution: {reason}" for name, reason in reasons.items())

@@ -4,6 +4,7 @@ from typing import Any
 
 from screwsim.figures import declared
 from screwsim.outputs.customary import printed_celsius
+from screwsim.outputs.display import picked
 from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import plain_table, print_scene_title, wrapped
 from screwsim.scene import Scene
@@ -15,14 +16,9 @@ def tolerance_document(scene: Scene, found: ToleranceStudy) -> dict[str, Any]:
     """Return what `tolerance --json` prints."""
     return {
         "title": scene.title,
-        "grades": found.grades,
-        "widths": found.widths,
+        **picked(found, "grades", "widths"),
         "law_of_motion": [row._asdict() for row in found.table],
-        "count": found.count,
-        "seed": found.seed,
-        "hits": found.hits,
-        "failed": found.failed,
-        "message": found.message,
+        **picked(found, "count", "seed", "hits", "failed", "message"),
         "figures": {each.figure: each._asdict() for each in found.spreads},
     }
 

@@ -40,7 +40,8 @@ def print_uncertainty(result: Result) -> None:
         if spread["expanded"] > NEGLIGIBLE * abs(value) or name in by_model:
             rows.append([shown_name(name), *_uncertainty_row(result, name, spread["expanded"], model)])
             some = [one for one in spread["contributors"][:MOST_CONTRIBUTORS] if one["share"] >= LEAST_SHARE]
-            named.append(", ".join(f"{' + '.join(map(_short, one['paths']))} {one['share']:.0%}" for one in some))
+            causes = (" + ".join(path.removeprefix("effects.") for path in one["paths"]) for one in some)
+            named.append(", ".join(f"{cause} {one['share']:.0%}" for cause, one in zip(causes, some, strict=True)))
     parts = [("numerical", True), ("inputs", bool(found)), ("model", bool(by_model))]
     kept = [True, True, True, *(there for _, there in parts)]
     say()
@@ -95,10 +96,6 @@ def model_lines(model: Mapping[str, Any]) -> list[str]:
     inside = "this scene lies within the validated range"
     lines.append(f"warning: outside the validated range, so the error may differ: {'; '.join(out)}" if out else inside)
     return lines
-
-
-def _short(path: str) -> str:
-    return path.removeprefix("effects.")
 
 
 def print_check(found: Uncertainty) -> None:

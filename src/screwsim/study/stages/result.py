@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from screwsim.evaluate.performance import NO_POWER, heating
 from screwsim.figures.errors import error_in_unit, error_scale
 from screwsim.outputs import STAGES, Figures, Result
+from screwsim.outputs.display import picked
 from screwsim.scene import Scene
 
 if TYPE_CHECKING:
@@ -34,15 +35,8 @@ class ChainResult:
 
     def as_json(self) -> dict[str, Any]:
         """Return what `run --json` prints for two stages."""
-        return {
-            "status": self.status,
-            "message": self.message,
-            "warnings": list(self.warnings),
-            "performance": dict(self.performance),
-            "error": dict(self.error),
-            "notes": dict(self.notes),
-            "stages": [result.as_json() for result in self.stages],
-        }
+        own = picked(self, "status", "message", "warnings", "performance", "error", "notes")
+        return own | {"stages": [result.as_json() for result in self.stages]}
 
 
 FiguresAndReasons = tuple[dict[str, float | None], dict[str, str]]  # figures, and why some are None
