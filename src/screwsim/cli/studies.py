@@ -137,8 +137,9 @@ def sensitivity(
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
     from screwsim.printing.tables import wrapped
     from screwsim.study.inputs import efficiency_note
-    from screwsim.study.sensitivity import cost_in_words, read_ranges, usual_samples
+    from screwsim.study.sensitivity import cost_in_words, usual_samples
     from screwsim.study.sensitivity import sensitivity as studied
+    from screwsim.study.spans import read_ranges
 
     options.check_columns(output, "Sobol indices", "figure", "path", "first_order", "total")
     names = tuple(dict.fromkeys(figures or ()))
@@ -157,19 +158,13 @@ def sensitivity(
 
 def _print_checked_uncertainty(scene: Scene, count: int, jobs: int | None, as_json: bool) -> int:
     """Print the linear uncertainties of a scene's figures beside those of a sample of its inputs."""
-    from screwsim.printing import print_json
-    from screwsim.printing.tables import print_scene_title
     from screwsim.printing.uncertain import check_document, print_check
     from screwsim.study.uncertain import checked_by_sample, uncertainty
 
     linear = uncertainty(scene, jobs=jobs)
     if linear.slopes.result.status == "ok":
         linear = checked_by_sample(scene, linear, count, jobs=jobs, progress=options.progress_bar("samples"))
-    if as_json:
-        print_json({**linear.as_json(), "sampled": check_document(linear)})
-    else:
-        print_scene_title(scene.title)
-        print_check(linear)
+    options.print_document_or_text(as_json, check_document, print_check, scene, linear)
     ended = linear.slopes.result.status == "ok" and not linear.message
     return OK if ended else NOT_ALL_OK
 
@@ -329,8 +324,7 @@ def startup(
     """Start a machine that has a drive, against the discharge pressure."""
     options.check_folder_name(folder)
     scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
-    from screwsim.printing import print_json
-    from screwsim.printing.startup import TRACES, protect_other_traces, startup_text, write_traces
+    from screwsim.printing.startup import TRACES, print_startup, protect_other_traces, write_traces
     from screwsim.report.drive import draw_start
     from screwsim.results.atomic import make_folder
     from screwsim.solve.start_up import start_up
@@ -339,10 +333,7 @@ def startup(
         make_folder(folder)
         protect_other_traces(folder / TRACES)
     found = start_up(scene, creep * RPM, longest)
-    if as_json:
-        print_json(found.as_json())
-    else:
-        say(startup_text(scene.title, found))
+    options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_startup, scene.title, found)
     if folder is not None and found.traces:
         for path in (write_traces(folder / TRACES, found), *draw_start(found, scene.title, folder)):
             say(path, err=as_json)
