@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from screwsim.export import energyplus, modelica
-from screwsim.export.csv_table import csv_table
 from screwsim.export.en12900 import BTU, FIGURES, OPTIONAL_FIGURES, POUND, en12900_csv, en12900_document
 from screwsim.export.polynomials import polynomials, rated_temperatures, swept_results
-from screwsim.export.table import table_of
+from screwsim.export.table import csv_table, table_of
 from screwsim.export.tespy import tespy_document
 from screwsim.fluid import constants
 from screwsim.inputs.faults import UsageError

@@ -11,7 +11,7 @@ from screwsim.inputs.faults import SceneError
 from screwsim.outputs import PERFORMANCE
 from screwsim.study.calibration import read_fit
 from screwsim.study.calibration.data import UNITS
-from screwsim.study.calibration.schema import fit_schema
+from screwsim.study.calibration.read import fit_schema
 
 
 def faults(folder, fit=FIT, points=POINTS):

@@ -15,7 +15,7 @@ from screwsim.study.calibration.fit import GROUP_CORRELATION as CORRELATION
 from screwsim.study.calibration.fit import Prior
 from screwsim.study.calibration.plan import candidates_of, plan
 from screwsim.study.calibration.posterior import posterior
-from screwsim.study.calibration.schema import fit_schema
+from screwsim.study.calibration.read import fit_schema
 
 pytestmark = pytest.mark.around
 

@@ -9,7 +9,7 @@ import screwsim
 from screwsim.cli import exit_code
 from screwsim.scene import loads
 from screwsim.scene.operation import P_D, P_S
-from screwsim.study.datasheet.gas import rating_request
+from screwsim.study.datasheet.gas_sheet import rating_request
 from screwsim.study.inputs import ends_of
 from screwsim.study.part_load import SPEED_PATH
 from screwsim.template import new_scene

@@ -16,7 +16,8 @@ from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.results import atomic
 from screwsim.scene.grid import MOST_CASES
 from screwsim.study.progress import OccasionalLine, Progress, TolerantProgress, for_terminal
-from screwsim.study.sensitivity import InputRange, sensitivity
+from screwsim.study.sensitivity import sensitivity
+from screwsim.study.spans import Span
 from screwsim.study.sweep import run_sweep
 
 pytestmark = pytest.mark.usefixtures("one_moment")
@@ -92,7 +93,7 @@ def test_the_largest_grid_loads():
 
 
 def test_a_sample_that_no_one_can_mean_is_refused_before_it_is_drawn():
-    spans = [InputRange("operation.speed", 100.0, 200.0)]
+    spans = [Span("operation.speed", 100.0, 200.0)]
     with pytest.raises(
         UsageError, match=r"--samples 1099511627776: has 3,298,534,883,328 cases, more than the 10,000,"
     ):

@@ -9,9 +9,8 @@ import nbformat
 import pytest
 
 import screwsim
-from screwsim.study.notebook import NotebookBar
 from screwsim.study.parallel import parallel_map
-from screwsim.study.progress import Progress, TolerantProgress, for_program
+from screwsim.study.progress import NotebookBar, Progress, TolerantProgress, for_program
 from screwsim.study.seek.trials import ReportedSimulation
 from screwsim.study.validation import sibling
 

@@ -9,7 +9,8 @@ from study_fakes import gappy, ishigami, noisy
 
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import loads
-from screwsim.study.sensitivity import cost_in_words, read_ranges, sensitivity, usual_samples
+from screwsim.study.sensitivity import cost_in_words, sensitivity, usual_samples
+from screwsim.study.spans import read_ranges
 
 RANGES = (
     "machine.rotor_diameter=100 mm..200 mm",

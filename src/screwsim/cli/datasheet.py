@@ -2,8 +2,9 @@
 
 from typing import Annotated
 
+from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, loaded_scene, progress_bar
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without
 from screwsim.screen import say
 
 
@@ -36,12 +37,11 @@ def datasheet(
     as_json: AsJson = False,
 ) -> int:
     """Rate a machine over its operating states, at part load and within limits; an air package by ISO 1217."""
-    scene = loaded_scene(scene_file, overrides, without)
+    scene = options.loaded_scene(scene_file, overrides, without)
     if output is not None:
         from screwsim.report.datasheet import check_sheet
 
         check_sheet(output)
-    from screwsim.printing import print_json
     from screwsim.printing.datasheet import print_sheet
     from screwsim.study.datasheet import sheet_of
 
@@ -55,12 +55,9 @@ def datasheet(
         heating=heating,
         profile=profile,
         jobs=jobs,
-        progress=progress_bar("datasheet"),
+        progress=options.progress_bar("datasheet"),
     )
-    if as_json:
-        print_json(sheet.document)
-    else:
-        print_sheet(sheet)
+    options.print_document_or_text(as_json, lambda found: found.document, print_sheet, sheet)
     if output is not None:
         from screwsim.report.datasheet import write_sheet
 

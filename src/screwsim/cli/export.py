@@ -157,8 +157,8 @@ def comma_separated(
 ) -> int:
     """Write the nodes of a map as a table in SI units."""
     options.check_target(output, ".csv")
-    from screwsim.export.csv_table import TITLE_SEPARATOR, csv_table
     from screwsim.export.source import map_of
+    from screwsim.export.table import TITLE_SEPARATOR, csv_table
     from screwsim.results.protection import protect_unmarked
 
     protect_unmarked(output, TITLE_SEPARATOR)
@@ -272,10 +272,9 @@ def loads(
 ) -> int:
     """Write loads and noise sources: forces on rotors and bearings, flows in both lines, spectra, rotor surfaces."""
     options.check_folder_name(output)
-    from screwsim.export.loads import document, loads, protect_other_loads, write_loads
+    from screwsim.export.loads import loads, protect_other_loads, write_loads
     from screwsim.export.source import run_of, spans_of
-    from screwsim.printing import print_json
-    from screwsim.printing.export import print_loads
+    from screwsim.printing.export import loads_document, print_loads
 
     protect_other_loads(output)
     spans, through = spans_of(bearings), spans_of(shafts, "--shafts")
@@ -286,10 +285,7 @@ def loads(
     if found.without:
         typer.echo(f"export: {found.without}", err=True)
     files = write_loads(scene, result, found, output, steps)
-    if as_json:
-        print_json({**document(found), "status": result.status, "files": files})
-    else:
-        print_loads(found, result, files)
+    print_document_or_text(as_json, loads_document, print_loads, found, result, files)
     return OK if result.status == "ok" else NOT_ALL_OK
 
 
@@ -300,13 +296,9 @@ def _polynomial_errors(found: Polynomials) -> list[tuple[dict[str, float], list[
 def _print_polynomials_and_files(
     document: dict, figures: Sequence[str], rows: list, files: list[str], as_json: bool
 ) -> int:
-    from screwsim.printing import print_json
-    from screwsim.printing.export import print_polynomials
+    from screwsim.printing.export import polynomials_document, print_polynomials
 
-    if as_json:
-        print_json({**document, "files": files})
-    else:
-        print_polynomials(document, figures, rows, files)
+    print_document_or_text(as_json, polynomials_document, print_polynomials, document, figures, rows, files)
     return OK
 
 

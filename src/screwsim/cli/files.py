@@ -75,11 +75,11 @@ def scene(
     options.check_target(output, ".yaml", ".yml")
     from screwsim.results import open_results
     from screwsim.results.atomic import write_text
-    from screwsim.results.stored_scene import scene_text
+    from screwsim.results.read import stored_scene
 
     if output is not None and output.exists():
         raise UsageError(f"-o {output}: already exists and is not overwritten (choose another name, or remove it)")
-    text = scene_text(open_results(results_file))
+    text = stored_scene(open_results(results_file))
     say(text.rstrip("\n") if output is None else write_text(output, text))
 
 
@@ -148,7 +148,7 @@ def schema(
     if stages:
         from screwsim.study.stages import stages_schema as wanted
     elif fit:
-        from screwsim.study.calibration.schema import fit_schema as wanted
+        from screwsim.study.calibration.read import fit_schema as wanted
     else:
         from screwsim.scene import schema as wanted
     print_json(wanted())

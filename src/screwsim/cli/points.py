@@ -125,7 +125,6 @@ def _run_stages(
 ) -> int:
     if knock_out or without:
         raise UsageError(f"{file}: stages have no --knock-out and no --without (run one of the two scenes instead)")
-    from screwsim.printing import print_json
     from screwsim.printing.stages import print_stages
     from screwsim.study.stages import read_stages, run_stages
 
@@ -147,10 +146,7 @@ def _run_stages(
 
         for place, scene, result in zip(places, found.scenes, found.stages, strict=True):
             save(place, scene, result, derivatives=kept_slopes(scene, result))
-    if as_json:
-        print_json(found.as_json())
-    else:
-        print_stages(chain.title, found)
+    options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_stages, chain.title, found)
     return OK if found.status == "ok" else NOT_ALL_OK
 
 

@@ -68,8 +68,7 @@ def startup(
     options.check_folder_name(folder)
     slow = _creep_speed(creep)
     scene = options.base_point(loaded_scene(scene_file, overrides, without), scene_file)
-    from screwsim.printing import print_json
-    from screwsim.printing.startup import TRACES, protect_other_traces, startup_text, write_traces
+    from screwsim.printing.startup import TRACES, print_startup, protect_other_traces, write_traces
     from screwsim.report.drive import draw_start
     from screwsim.results.atomic import make_folder
     from screwsim.solve.start_up import start_up
@@ -79,10 +78,7 @@ def startup(
         protect_other_traces(folder / TRACES)
     with _shown_speed() as told:
         found = start_up(scene, slow, longest, told)
-    if as_json:
-        print_json(found.as_json())
-    else:
-        say(startup_text(scene.title, found))
+    options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_startup, scene.title, found)
     if folder is not None and found.traces:
         for path in (write_traces(folder / TRACES, found), *draw_start(found, scene.title, folder)):
             say(path, err=as_json)

@@ -134,8 +134,9 @@ def sensitivity(
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
     from screwsim.printing.tables import wrapped
     from screwsim.study.inputs import efficiency_note
-    from screwsim.study.sensitivity import cost_in_words, read_ranges, usual_samples
+    from screwsim.study.sensitivity import cost_in_words, usual_samples
     from screwsim.study.sensitivity import sensitivity as studied
+    from screwsim.study.spans import read_ranges
 
     options.check_columns(output, "Sobol indices", "figure", "path", "first_order", "total")
     names = tuple(dict.fromkeys(figures or ()))
@@ -154,19 +155,13 @@ def sensitivity(
 
 def _print_checked_uncertainty(scene: Scene, count: int, jobs: int | None, as_json: bool) -> int:
     """Print the linear uncertainties of a scene's figures beside those of a sample of its inputs."""
-    from screwsim.printing import print_json
-    from screwsim.printing.tables import print_scene_title
     from screwsim.printing.uncertain import check_document, print_check
     from screwsim.study.uncertain import checked_by_sample, uncertainty
 
     linear = uncertainty(scene, jobs=jobs)
     if linear.slopes.result.status == "ok":
         linear = checked_by_sample(scene, linear, count, jobs=jobs, progress=options.progress_bar("samples"))
-    if as_json:
-        print_json({**linear.as_json(), "sampled": check_document(linear)})
-    else:
-        print_scene_title(scene.title)
-        print_check(linear)
+    options.print_document_or_text(as_json, check_document, print_check, scene, linear)
     ended = linear.slopes.result.status == "ok" and not linear.message
     return OK if ended else NOT_ALL_OK
 

@@ -5,7 +5,9 @@ YAML.
 """
 
 import json
+import os
 import shlex
+import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,9 +15,10 @@ from typing import Any
 
 from screwsim.effects import catalogue
 from screwsim.effects.base import Effect
-from screwsim.explore.watch import Watch, files_of, modules_of
 from screwsim.inputs.declare import KINDS
+from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name, stamp
 from screwsim.machine.kinds import find_machine
+from screwsim.results.identity import file_identity
 from screwsim.results.schema import named_files
 from screwsim.scene import Scene, load
 from screwsim.scene.fields import FIXED, Leaf, leaf_paths
@@ -23,12 +26,32 @@ from screwsim.scene.tolerances import tolerance_text
 from screwsim.scene.units import Refused
 from screwsim.scene.values import convert, shown, text_of
 from screwsim.scene.write import quoted
-from screwsim.study.calibration.scene import lines_of
+from screwsim.scene.yaml_tree import Faults, Position, compose
+from screwsim.study.calibration.scene import lines_of, put
 
 # kinds of fields; only the command may state a fluid, a file or a word
 CHANGEABLE_KINDS = {*KINDS, "number", "count", "choice"}
 LONGEST_VALUE = 60  # characters of a value
 MOST_CHANGES = 400  # most changes at once
+
+
+class Watch:
+    """The contents of files at its making, which comes before they are read: no answer may come from later ones."""
+
+    def __init__(self, paths: Iterable[str]) -> None:
+        self._stamps = {path: stamp(path) for path in paths}
+        self._began = {path: _content(path) for path in self._stamps}
+
+    def changed(self) -> str:
+        """Return in words which file has another content now, and the remedy; '' where none has."""
+        for path, known in self._stamps.items():
+            now = stamp(path)
+            if now == known:
+                continue
+            if _content(path) != self._began[path]:
+                return f"{path} has changed since this page was made (end screwsim explore and start it again)"
+            self._stamps[path] = now
+        return ""
 
 
 @dataclass(frozen=True)
@@ -77,6 +100,37 @@ def open_base(file: str, overrides: Iterable[str] = (), without: Iterable[str] =
     scene = load(file, [*overrides, "sweep=null"], without)
     watches = (own, Watch([*named_files(scene).values(), *modules_of(scene.own)]))
     return SceneArguments(file, (*overrides, *(f"effects.{name}=off" for name in without)), scene, watches)
+
+
+def files_of(file: str) -> list[str]:
+    """Return the paths of a scene's file and its bases, as far as they can be read."""
+    found: list[str] = []
+    path: str | None = shipped_name(file)
+    while path is not None and path not in found:
+        found.append(path)
+        path = _base_of(path)
+    return found
+
+
+def modules_of(names: Iterable[str]) -> list[str]:
+    """Return the paths of imported modules."""
+    return [path for name in names if (path := getattr(sys.modules.get(name), "__file__", None))]
+
+
+def _base_of(path: str) -> str | None:
+    """Return the path of the base of a scene's file; None where it has none."""
+    try:
+        root = compose(read_text(path, MOST_YAML), Position(0, path), Faults())
+    except Unreadable:
+        return None
+    base = root.value.get("base") if root is not None and isinstance(root.value, dict) else None
+    if base is None or not isinstance(base.value, str):
+        return None
+    return os.path.normpath(os.path.join(os.path.dirname(path), base.value))
+
+
+def _content(path: str) -> str:
+    return file_identity({path: path}).popitem()[1]
 
 
 def possible_effects(scene: Scene) -> dict[str, Effect]:
@@ -175,15 +229,7 @@ def yaml_text(base: SceneArguments, overrides: Iterable[str]) -> str:
     tree: dict[str, Any] = {}
     for override in _all_overrides(base, overrides):
         path, _, value = override.partition("=")
-        keys = _keys(path.strip(), base)
-        place = tree
-        for key in keys[:-1]:
-            below = place.get(key)
-            if not isinstance(below, dict):
-                below = place[key] = {}
-            place = below
-        if not (value.strip() == "{}" and isinstance(place.get(keys[-1]), dict)):
-            place[keys[-1]] = {} if value.strip() == "{}" else value
+        put(tree, _keys(path.strip(), base), {} if value.strip() == "{}" else value)
     lines = [f"base: {quoted(str(Path(base.file).resolve()))}", *lines_of(tree)]
     return "\n".join(lines) + "\n"
 

@@ -16,6 +16,7 @@ import webbrowser
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import uvicorn
@@ -90,21 +91,17 @@ def is_loopback(host: str) -> bool:
 
 
 def _bound(host: str, port: int | None) -> socket.socket:
-    wanted = [port] if port is not None else [PORT, 0]
-    for number in wanted:
-        try:
-            family = socket.AF_INET6 if ":" in host else socket.AF_INET
-            bound = socket.create_server((host, number), family=family, backlog=64)
-        except (OSError, OverflowError) as error:
-            number_of = getattr(error, "errno", None)
-            reason = os.strerror(number_of) if number_of else str(error)
-            if number == wanted[-1]:
-                raise UsageError(
-                    f"--host {host} --port {number}: cannot listen there: {reason} (choose another --port, or omit it)"
-                ) from None
-        else:
-            return bound
-    raise AssertionError
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    if port is None:
+        with suppress(OSError):
+            return socket.create_server((host, PORT), family=family, backlog=64)
+    port = port or 0
+    try:
+        return socket.create_server((host, port), family=family, backlog=64)
+    except (OSError, OverflowError) as error:
+        number = getattr(error, "errno", None)
+        told = f"--host {host} --port {port}: cannot listen there: {os.strerror(number) if number else error}"
+        raise UsageError(f"{told} (choose another --port, or omit it)") from None
 
 
 def prepared_server(
@@ -177,24 +174,15 @@ def application(desk: ServerState, rules: AccessRules) -> App:
         finally:
             await desk.crew.stop()
 
-    async def page(request: Request) -> Response:
-        return _page(desk, request)
-
-    async def line(socket: WebSocket) -> None:
-        await _line(desk, socket)
-
-    async def made(request: Request) -> Response:
-        return await _file_response(desk, request)
-
     routes = [
-        Route("/", page, methods=["GET"]),
-        Route("/make/{kind}", made, methods=["POST"]),
-        WebSocketRoute("/line", line),
+        Route("/", partial(_page, desk), methods=["GET"]),
+        Route("/make/{kind}", partial(_file_response, desk), methods=["POST"]),
+        WebSocketRoute("/line", partial(_line, desk)),
     ]
     return Guard(Starlette(routes=routes, lifespan=lifespan), rules)
 
 
-def _page(desk: ServerState, request: Request) -> Response:
+async def _page(desk: ServerState, request: Request) -> Response:
     """Return the page; its policy forbids loading anything, and allows connections to this server only."""
     nonce, host = secrets.token_urlsafe(16), request.headers.get("host", "")
     policy = (

@@ -26,6 +26,7 @@ from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, replacing
 ERROR, VALID = "error_estimate", "valid"
 _ERROR_MEANS = "largest relative error of the map at points inside; 1 outside, where it is unknown"
 _VALID_MEANS = "inside the ranges, among points whose cycles closed"
+_FLAGS = ((ERROR, _ERROR_MEANS, ""), (VALID, _VALID_MEANS, "Boolean"))  # with their types, '' for numbers
 _BITS = {"x86_64": "x86_64", "amd64": "x86_64", "arm64": "aarch64", "aarch64": "aarch64"}
 _SYSTEMS = {"linux": ("linux", "so"), "darwin": ("darwin", "dylib"), "win32": ("windows", "dll")}
 _OLD = {("linux", "x86_64"): "linux64", ("darwin", "x86_64"): "darwin64", ("windows", "x86_64"): "win64"}
@@ -177,25 +178,20 @@ def _unit_attributes(each: Input | Output) -> str:
     return f" unit={quoteattr(text)}" + (f' displayUnit="{shown[0].name}"' if shown else "")
 
 
+def _head_of(name: str, number: int, means: str) -> str:
+    return f'name="{name}" valueReference="{number}" description={quoteattr(means)}'
+
+
 def _description2(table: MapTable, name: str, token: str) -> str:
     count, outputs = len(table.inputs), len(table.outputs)
     variables = []
-    for i, one in enumerate(table.inputs):
-        head = f'name="{one.name}" valueReference="{i}" description={quoteattr(one.long_name)}'
-        real = f'<Real start="{one.value!r}"{_unit_attributes(one)}/>'
-        variables.append(
-            f'    <ScalarVariable {head} causality="input" variability="continuous">{real}</ScalarVariable>'
-        )
-    for i, each in enumerate(table.outputs, count):
-        head = f'name="{each.name}" valueReference="{i}" description={quoteattr(each.long_name)}'
-        real = f"<Real{_unit_attributes(each)}/>"
-        variables.append(
-            f'    <ScalarVariable {head} causality="output" variability="continuous">{real}</ScalarVariable>'
-        )
-    last = 'causality="output" variability="discrete"'
-    for i, (flag, means, kind) in enumerate(((ERROR, _ERROR_MEANS, "Real"), (VALID, _VALID_MEANS, "Boolean"))):
-        head = f'name="{flag}" valueReference="{count + outputs + i}" description={quoteattr(means)}'
-        variables.append(f"    <ScalarVariable {head} {last}><{kind}/></ScalarVariable>")
+    for i, each in enumerate((*table.inputs, *table.outputs)):
+        way, start = ("input", f' start="{each.value!r}"') if isinstance(each, Input) else ("output", "")
+        head = f'{_head_of(each.name, i, each.long_name)} causality="{way}" variability="continuous"'
+        variables.append(f"    <ScalarVariable {head}><Real{start}{_unit_attributes(each)}/></ScalarVariable>")
+    for i, (flag, means, kind) in enumerate(_FLAGS, count + outputs):
+        head = f'{_head_of(flag, i, means)} causality="output" variability="discrete"'
+        variables.append(f"    <ScalarVariable {head}><{kind or 'Real'}/></ScalarVariable>")
     places = " ".join(str(i) for i in range(1, count + 1))
     unknowns = "\n".join(
         f'      <Unknown index="{i}" dependencies="{places}"/>' for i in range(count + 1, count + outputs + 3)
@@ -232,15 +228,13 @@ def _description3(table: MapTable, name: str, token: str) -> str:
         f'    <Float64 name="time" valueReference="{count + outputs + 2}" causality="independent" '
         'variability="continuous" description="time [s]"/>'
     ]
-    for i, one in enumerate(table.inputs):
-        head = f'name="{one.name}" valueReference="{i}" description={quoteattr(one.long_name)}'
-        variables.append(f'    <Float64 {head} causality="input" start="{one.value!r}"{_unit_attributes(one)}/>')
-    for i, each in enumerate(table.outputs, count):
-        head = f'name="{each.name}" valueReference="{i}" description={quoteattr(each.long_name)}'
-        variables.append(f'    <Float64 {head} causality="output"{_unit_attributes(each)}/>')
-    for i, (flag, means, kind) in enumerate(((ERROR, _ERROR_MEANS, "Float64"), (VALID, _VALID_MEANS, "Boolean"))):
-        head = f'name="{flag}" valueReference="{count + outputs + i}" description={quoteattr(means)}'
-        variables.append(f'    <{kind} {head} causality="output" variability="discrete"/>')
+    for i, each in enumerate((*table.inputs, *table.outputs)):
+        way, start = ("input", f' start="{each.value!r}"') if isinstance(each, Input) else ("output", "")
+        head = _head_of(each.name, i, each.long_name)
+        variables.append(f'    <Float64 {head} causality="{way}"{start}{_unit_attributes(each)}/>')
+    for i, (flag, means, kind) in enumerate(_FLAGS, count + outputs):
+        head = f'{_head_of(flag, i, means)} causality="output" variability="discrete"'
+        variables.append(f"    <{kind or 'Float64'} {head}/>")
     places = " ".join(str(i) for i in range(count))
     unknowns = range(count, count + outputs + 2)
     out = "\n".join(f'    <Output valueReference="{i}" dependencies="{places}"/>' for i in unknowns)

@@ -42,19 +42,15 @@ class Harmonic(NamedTuple):
     phase: float
 
 
-def harmonics(values: Array, frequency: float, count: int = HARMONICS) -> list[Harmonic]:
+def harmonics(values: Array, frequency: float) -> list[Harmonic]:
     """Return mean (number 0) and harmonics of a curve sampled evenly over one period, without its end.
 
     value = Σ amplitude cos(2π number t/T + phase).
     """
     found = np.fft.rfft(values) / len(values)
-    numbers = range(min(count, (len(values) - 1) // 2) + 1)
-    return [
-        Harmonic(n, n * frequency, float(abs(found[n])) * (2.0 if n else 1.0), float(np.angle(found[n])) if n else 0.0)
-        if n
-        else Harmonic(0, 0.0, float(found[0].real), 0.0)
-        for n in numbers
-    ]
+    numbers = range(1, min(HARMONICS, (len(values) - 1) // 2) + 1)
+    mean = Harmonic(0, 0.0, float(found[0].real), 0.0)
+    return [mean, *(Harmonic(n, n * frequency, 2.0 * float(abs(found[n])), float(np.angle(found[n]))) for n in numbers)]
 
 
 def lobe_frequency(scene: Scene) -> float:

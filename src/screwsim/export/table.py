@@ -7,6 +7,7 @@ has no such points, it is that of leaving out every second node, and so of a coa
 
 from __future__ import annotations
 
+import itertools
 import math
 import tempfile
 from collections.abc import Callable, Sequence
@@ -18,12 +19,14 @@ import numpy as np
 
 from screwsim.export.hermite import Array, Grid, evaluate, grid_of
 from screwsim.export.inputs import (
+    FIGURES,
     Input,
     Output,
     check_names,
     evenly_spaced_nodes,
     input_name,
     output_of,
+    plain,
     title_on_one_line,
 )
 from screwsim.inputs.faults import UsageError
@@ -38,6 +41,7 @@ SAFETY_SHARE = 0.7  # of the requested error: required at the check points, so t
 FEW_INPUTS = 2  # up to so many, each axis begins with five nodes, beyond with three
 LEAST_SCALE = 0.1  # of the largest value: least scale of relative errors
 TEMPERATURE_SCALE = 100.0  # [K] scale of errors of temperatures
+TITLE_SEPARATOR = "; SI units; error between the nodes "  # in the first line of a table as text
 FEW_NODES = 4  # number of nodes of an axis up to which no error is estimated from it
 
 
@@ -164,7 +168,8 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable
         inputs.append(
             Input(axis.path, input_name(axis.path), axis.units, axis.long_name, low, high, float(values[0]), log)
         )
-    outputs = [output_of(name, {name: results.figure(name)}) for name in figures or _usual(results)]
+    names = figures or [name for name in FIGURES if name in results.figures]
+    outputs = [output_of(name, {name: results.figure(name)}) for name in names]
     check_names(inputs, outputs)
     shape = tuple(len(axis.values) for axis in axes)
     columns = [np.asarray(results.performance[each.name]).reshape(shape)[np.ix_(*orders)] for each in outputs]
@@ -182,12 +187,6 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable
     how = how if checked else "unknown, as no axis has five values"
     title, yaml = title_on_one_line(results.attributes["title"]), results.scene_yaml
     return replace(table, title=title, scene_yaml=yaml, errors=errors, checked=checked, how=how, cases=sound.size)
-
-
-def _usual(results: Results) -> list[str]:
-    from screwsim.export.inputs import FIGURES
-
-    return [name for name in FIGURES if name in results.figures]
 
 
 def _table(
@@ -320,3 +319,18 @@ class _Solver:
             if not sound.all() and not self.why:
                 self.why = next((text for text in results.messages.ravel() if text), "")
         return values, sound
+
+
+def csv_table(table: MapTable) -> str:
+    """Return the rows of all nodes, the last input fastest; `closed` is 0 where a cycle did not close."""
+    heads = [f"{each.name} [{plain(each.units)}]" for each in (*table.inputs, *table.outputs)]
+    lines = [f"# {table.title}{TITLE_SEPARATOR}{table.error_in_words}"]
+    lines.append(",".join([*heads, "closed"]))
+    nodes = [one.at(u) for one, u in zip(table.inputs, table.grid.nodes, strict=True)]
+    values = table.grid.data[(0,) * len(nodes)]
+    for place in itertools.product(*(range(len(x)) for x in nodes)):
+        closed = bool(table.grid.sound[place])
+        at = [f"{x[i]:.12g}" for x, i in zip(nodes, place, strict=True)]
+        figures = [f"{value:.12g}" if closed else "" for value in values[place]]
+        lines.append(",".join([*at, *figures, str(int(closed))]))
+    return "\n".join(lines) + "\n"

@@ -5,7 +5,7 @@ from typing import Any
 
 from screwsim.export.fmu import known_error, map_description
 from screwsim.export.inputs import plain
-from screwsim.export.loads import ExportedLoads, unit_of
+from screwsim.export.loads import ExportedLoads, document, unit_of
 from screwsim.export.table import MapTable
 from screwsim.outputs import Result
 from screwsim.printing.tables import plain_table, print_scene_title, wrapped
@@ -43,6 +43,11 @@ def print_map(table: MapTable, files: Sequence[str]) -> None:
         say(file)
 
 
+def polynomials_document(document: Mapping[str, Any], *shown: Any) -> dict[str, Any]:
+    """Return what `--json` prints for polynomials: their document and, last of what is shown, the files."""
+    return {**document, "files": shown[-1]}
+
+
 def print_polynomials(
     document: Mapping[str, Any],
     figures: Sequence[str],
@@ -58,6 +63,11 @@ def print_polynomials(
     say("\n".join(plain_table(["largest error", *(name.replace("_", " ") for name in figures)], body, 1)))
     for file in files:
         say(file)
+
+
+def loads_document(found: ExportedLoads, result: Result, files: Sequence[str]) -> dict[str, Any]:
+    """Return what `export loads --json` prints."""
+    return {**document(found), "status": result.status, "files": files}
 
 
 def print_loads(found: ExportedLoads, result: Result, files: Sequence[str]) -> None:

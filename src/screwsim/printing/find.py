@@ -35,13 +35,11 @@ def find_document(scene: Scene, asked: Question, rows: Sequence[GoalSeekAnswer])
 
 
 def _row_document(row: GoalSeekAnswer) -> dict[str, Any]:
-    result = (
-        {"performance": {}, "warnings": []} if row.result is None else picked(row.result, "performance", "warnings")
-    )
+    none = {"performance": {}, "warnings": []}
     return {
         **picked(row, "at", "status", "message", "values", "uncertainties", "figures", "errors", "borders"),
         "size": None if row.size is None else picked(row.size, "value", "figure"),
-        **result,
+        **(none if row.result is None else picked(row.result, "performance", "warnings")),
         "solutions": row.solutions,
         "failed_solutions": row.failed,
     }
@@ -61,8 +59,7 @@ def print_find(scene: Scene, asked: Question, rows: Sequence[GoalSeekAnswer]) ->
         return
     paths = list(rows[0].at)
     heads = [*(path.rpartition(".")[2].replace("_", " ") for path in paths)]
-    heads += [*(span.path.rpartition(".")[2] for span in asked.spans), "±"] if len(asked.spans) == 1 else []
-    heads += [] if len(asked.spans) == 1 else [span.path.rpartition(".")[2] for span in asked.spans]
+    heads += [*(span.path.rpartition(".")[2] for span in asked.spans), *(["±"] if len(asked.spans) == 1 else [])]
     heads += [*(["size"] if asked.sizes else []), *(shown_name(goal.figure) for goal in asked.goals), "simulated"]
     say("\n".join(plain_table(heads, [_cells(scene, asked, paths, row) for row in rows])))
     notes = [line for row in rows for line in _notes(scene, paths, row)]

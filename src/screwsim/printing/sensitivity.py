@@ -63,7 +63,7 @@ def print_sensitivity(scene: Scene, found: Sensitivity) -> None:
             continue
         rows = []
         for index in sorted(shares.indices, key=lambda index: -index.total):
-            low, high = (shown_value(scene, index.path, end, 4) for end in spans[index.path][1:])
+            low, high = (shown_value(scene, index.path, getattr(spans[index.path], end), 4) for end in ("low", "high"))
             first = f"{index.first:.3f} ± {index.first_confidence:.3f}"
             total = f"{index.total:.3f} ± {index.total_confidence:.3f}"
             rows.append([index.path, f"{low} … {high}", first, total])

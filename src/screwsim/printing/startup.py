@@ -4,8 +4,9 @@ import math
 from pathlib import Path
 
 from screwsim.outputs.customary import with_printed_units
-from screwsim.printing.tables import wrapped
+from screwsim.printing.tables import print_wrapped, wrapped
 from screwsim.results.atomic import protect_others, write_csv
+from screwsim.screen import say
 from screwsim.solve.start_up import StartUp
 
 TRACES = "startup.csv"
@@ -31,18 +32,18 @@ FIGURE_ROWS = (
 )
 
 
-def startup_text(title: str, found: StartUp) -> str:
-    """Return the figures of a start-up as text for a terminal."""
-    lines = [with_printed_units(title)] if title else []
-    lines.append(wrapped(f"status: {found.status}{f', {found.message}' if found.message else ''}"))
-    lines += [wrapped(f"warning: {warning}") for warning in found.warnings]
+def print_startup(title: str, found: StartUp) -> None:
+    """Print the figures of a start-up."""
+    if title:
+        say(with_printed_units(title))
+    say(wrapped(f"status: {found.status}{f', {found.message}' if found.message else ''}"))
+    print_wrapped(f"warning: {warning}" for warning in found.warnings)
     if found.figures:
-        lines.append("")
+        say()
     for name, unit, factor in FIGURE_ROWS:
         value = found.figures.get(name)
         if value is not None:
-            lines.append(f"{name.replace('_', ' '):<28}{factor * value:>10.5g}  {unit}".rstrip())
-    return "\n".join(lines)
+            say(f"{name.replace('_', ' '):<28}{factor * value:>10.5g}  {unit}".rstrip())
 
 
 def protect_other_traces(path: Path) -> None:

@@ -10,8 +10,10 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, figure_unit, shown_name
 from screwsim.figures.errors import error_in_unit
 from screwsim.outputs import Result
-from screwsim.printing.tables import plain_table, print_wrapped, wrapped
+from screwsim.outputs.display import picked
+from screwsim.printing.tables import plain_table, print_scene_title, print_wrapped, wrapped
 from screwsim.results.read import Results
+from screwsim.scene import Scene
 from screwsim.screen import say
 from screwsim.study.uncertain import COVERAGE, Uncertainty
 
@@ -98,8 +100,9 @@ def model_lines(model: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def print_check(found: Uncertainty) -> None:
+def print_check(scene: Scene, found: Uncertainty) -> None:
     """Print the results of a Sobol sample beside the linear uncertainties, and warn where the latter are wrong."""
+    print_scene_title(scene.title)
     say()
     if found.message:
         say(wrapped(f"no conclusion from the sample: {found.message}"))
@@ -122,10 +125,10 @@ def print_check(found: Uncertainty) -> None:
         say("the linear estimate holds for all of these figures")
 
 
-def check_document(found: Uncertainty) -> dict[str, Any]:
-    """Return the part of `--json` on the sample."""
+def check_document(scene: Scene, found: Uncertainty) -> dict[str, Any]:
+    """Return what `sensitivity --check-sobol --json` prints."""
     figures = {name: each._asdict() for name, each in found.sampled.items()}
-    return {"samples": found.samples, "message": found.message, "figures": figures}
+    return {**found.as_json(), "sampled": {**picked(found, "samples", "message"), "figures": figures}}
 
 
 def uncertainty_ranges(results: Results) -> dict[str, Any]:

@@ -35,9 +35,7 @@ def _valves(trace: Trace) -> Any:
     """Draw the lifts of both valves over the angle, and the pressure above them."""
     figure = new_figure(SINGLE, 84.0)
     upper, lower = figure.subplots(2, 1, sharex=True)
-    upper.plot(trace.angle, trace.values["pressure"] * PRESSURE.factor, color=COLOURS[0])
-    upper.set_ylabel(PRESSURE.label)
-    clipped = _pressure_axis(upper, trace)
+    clipped = _pressure(upper, trace)
     for i, (name, words) in enumerate(_LIFTS.items()):
         lower.plot(trace.angle, trace.values[name], color=COLOURS[i + 1], linestyle=DASHES[i], label=words)
     lower.axhline(1.0, color=GREY, linewidth=0.4)
@@ -59,11 +57,7 @@ def _loop(trace: Trace, measured: Indicated | None) -> Any:
     note(figure, trace.title, clipped)
     # the free corner is above and to the right of the compression line
     axes.figure.draw_without_rendering()
-    labels = []
-    for text, angle in trace.marks.items():
-        at = float(np.interp(angle, trace.angle, V)), float(np.interp(angle, trace.angle, p))
-        axes.plot(*at, "o", color=COLOURS[0], markerfacecolor="white", markeredgewidth=0.9, zorder=3)
-        labels.append((at, f"{text}, {short(angle)}°", ((1, 1), (-1, 1))))
+    labels = [(at, text, ((1, 1), (-1, 1))) for text, at in _marks(axes, trace, V, p)]
     label_points(axes, labels, axes.transData.transform(np.column_stack([V, p])))
     return figure
 
@@ -71,10 +65,16 @@ def _loop(trace: Trace, measured: Indicated | None) -> Any:
 def draw_loop(axes: Any, trace: Trace) -> None:
     """Draw pressure over volume into axes, with named circles at the marked angles."""
     _, V, p = _draw_loop(axes, trace)
+    for text, at in _marks(axes, trace, V, p):
+        axes.annotate(text, at, (6, 6), textcoords="offset points", fontsize=SMALL)
+
+
+def _marks(axes: Any, trace: Trace, V: Any, p: Any) -> Iterator[tuple[str, tuple[float, float]]]:
+    """Draw a circle on the loop at each marked angle, and yield its text and place."""
     for text, angle in trace.marks.items():
         at = float(np.interp(angle, trace.angle, V)), float(np.interp(angle, trace.angle, p))
         axes.plot(*at, "o", color=COLOURS[0], markerfacecolor="white", markeredgewidth=0.9, zorder=3)
-        axes.annotate(f"{text}, {short(angle)}°", at, (6, 6), textcoords="offset points", fontsize=SMALL)
+        yield f"{text}, {short(angle)}°", at
 
 
 def _draw_loop(axes: Any, trace: Trace) -> tuple[str, Any, Any]:

@@ -52,14 +52,9 @@ def campbell_figure(cases: Mapping[str, Sequence[DrivePoint]], lobes: int, title
                 left.plot([at], [order * lobes * at / 60.0], "o", color=COLOURS[i], markersize=3.5)
                 right.axvline(at, color=COLOURS[i], linewidth=0.4, linestyle=(0, (2, 2)), zorder=1)
         right.plot(n, [p.amplitude for p in known], label=name, **look)
-    mean = next(iter(cases.values()))
-    right.plot(
-        [p.speed * RPM for p in mean if p.mean is not None],
-        [p.mean for p in mean if p.mean is not None],
-        color=GREY,
-        linestyle=DASHES[3],
-        label="mean torque",
-    )
+    known = [p for p in next(iter(cases.values())) if p.mean is not None]
+    n, mean = [p.speed * RPM for p in known], [p.mean for p in known]
+    right.plot(n, mean, color=GREY, linestyle=DASHES[3], label="mean torque")
     left.set(xlim=(0.0, longest), ylim=(0.0, highest), ylabel="frequency (Hz)")
     right.set(yscale="log", ylim=(0.2, None), ylabel="coupling torque, amplitude (N m)")
     left.legend(loc="center right", bbox_to_anchor=(1.0, 0.3))  # below the lines of the orders

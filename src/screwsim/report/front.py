@@ -49,11 +49,9 @@ def _remarks(results: Results) -> tuple[str, str]:
     feasible = int(np.count_nonzero(results.optimum["feasible"] == 1))
     front = int(np.count_nonzero(results.optimum["front"] == 1))
     best = f"dark: {front} that no other beats" if front > 1 else "dark: the best"
-    return best, f"{feasible} of {count} evaluations within the bounds" + (", × outside" if _outside(results) else "")
-
-
-def _outside(results: Results) -> bool:
-    return bool(len(_rows(results)[1]))
+    return best, f"{feasible} of {count} evaluations within the bounds" + (
+        ", × outside" if len(_rows(results)[1]) else ""
+    )
 
 
 def _front(results: Results, names: list[str]) -> Any:

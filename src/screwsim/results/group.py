@@ -115,7 +115,7 @@ def values_of(group: Any, name: str) -> np.ndarray:
 
 
 def _in_range(data: Any, count: int, first: int = 0) -> np.ndarray:
-    """Return a variable of indices of words; raise Odd if any is outside `first` to `count` - 1 (`first` = 0 or -1)."""
+    """Return a variable of indices of words; raise MalformedFile if any is outside `first` (0 or -1) to `count` - 1."""
     values = stored.values(data)
     if values.dtype.kind not in "iu" or (values.size and not first <= values.min() <= values.max() < count):
         raise MalformedFile(f"is damaged: {data.name} refers to texts that are missing")

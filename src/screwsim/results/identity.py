@@ -15,6 +15,7 @@ from typing import Any
 from screwsim.figures import known
 from screwsim.numerics import sources
 from screwsim.numerics.trial import import_own_module
+from screwsim.scene.yaml_tree import Faults, Node, Position, compose
 from screwsim.version import release
 
 LIBRARIES = ("CoolProp", "llvmlite", "numpy", "scipy")
@@ -31,7 +32,7 @@ def code_identity(own: Iterable[str]) -> dict[str, str]:
     even of a documentation page, and would refuse results that are still valid.
     """
     found = {"screwsim": release(version()), _SOURCES: sources.package_digest()}
-    found |= {name: _library(name) for name in LIBRARIES}
+    found |= {name: installed_version(name) for name in LIBRARIES}
     for name in own:
         import_own_module(name)  # imports it, if a worker has not yet
         found |= {_MODULE + file: text for file, text in sources.module_digests(name).items()}
@@ -78,6 +79,26 @@ def changed_values(stored: Mapping[str, str], wanted: Mapping[str, str]) -> str:
     changed = [path for path in dict.fromkeys((*stored, *wanted)) if stored.get(path) != wanted.get(path)]
     told = [f"{path}: {stored.get(path, none)}, now {wanted.get(path, none)}" for path in changed]
     return f", {_first_few(told)}" if told else ""
+
+
+def scene_values(text: str, file: str, left_out: tuple[str, ...] = ()) -> dict[str, str]:
+    """Return {dotted path: text} of a scene's canonical text from a file, without the sections `left_out`."""
+    root = compose(text, Position(0, file), Faults())
+    return {} if root is None else dict(_leaves(root, "", left_out))
+
+
+def _leaves(node: Node, path: str, left_out: tuple[str, ...]) -> Iterator[tuple[str, str]]:
+    if isinstance(node.value, list):
+        yield path, f"[{', '.join(str(each.value) for each in node.value)}]"
+        return
+    if not isinstance(node.value, dict):
+        yield path, str(node.value)
+        return
+    if not node.value and path:
+        yield path, "simulated" if path.startswith("effects.") else "{}"
+    for name, child in node.value.items():
+        if path or name not in left_out:
+            yield from _leaves(child, f"{path}.{name}" if path else name, left_out)
 
 
 def _first_few(told: list[str]) -> str:
@@ -140,8 +161,9 @@ def version() -> str:
 
 
 @cache
-def _library(name: str) -> str:
+def installed_version(name: str, absent: str = _NONE) -> str:
+    """Return the version of an installed library, or what says that it is absent."""
     try:
         return metadata.version(name)
     except metadata.PackageNotFoundError:
-        return _NONE
+        return absent

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -26,6 +27,7 @@ from screwsim.results.stored import REMEDY, MalformedFile, opened
 _ALWAYS = ("inputs", "performance", "balance", "error", "numerics")
 _OPTIONAL = ("cycle", "ledger", "knock_out", "optimum", "uncertainty", "contributions", "derivatives")
 _LARGEST = 1e30  # of a coordinate, in SI units
+_VERSIONS = "screwsim", "python", "numpy", "scipy", "llvmlite", "coolprop"  # whose versions a stored scene states
 _TEXTS = ("title", "source", "history", "scene_yaml", "scene_sha256", "screwsim_fingerprint", "screwsim_version")
 
 
@@ -154,7 +156,8 @@ def open_results(path: str | os.PathLike[str]) -> Results:
     """Return the results in a file; raise UsageError if it is not a valid results file of screwsim."""
     path = Path(path)
     with opened(path) as file:
-        return _results(path, file, _root(path, file))
+        attributes, axes = _root(path, file), _axes(stored.member(file, "performance", dataset=False))
+        return Results(path, attributes, axes, *(_group(path, file, name, axes) for name in (*_ALWAYS, *_OPTIONAL)))
 
 
 def read_attributes(path: Path) -> dict[str, Any]:
@@ -163,16 +166,27 @@ def read_attributes(path: Path) -> dict[str, Any]:
         return _root(path, file)
 
 
+def stored_scene(results: Results) -> str:
+    """Return the YAML text of a file's scene, below comment lines on its source, versions and the tables it needs."""
+    told = results.attributes
+    versions = ", ".join(f"{name} {told[f'{name}_version']}" for name in _VERSIONS if f"{name}_version" in told)
+    lines = [f"# The scene of {results.path.name}, scene_sha256 {told['scene_sha256'][:16]}", f"# {versions}"]
+    tables = {
+        name.removeprefix("file "): digest
+        for name, digest in json.loads(told["screwsim_identity"]).items()
+        if name.startswith("file ")
+    }
+    if tables:
+        beside = ", ".join(f"{name} ({digest})" for name, digest in tables.items())
+        lines.append(f"# It needs these files next to it, unchanged (first digits of their SHA-256): {beside}")
+    return "\n".join(lines) + "\n" + results.scene_yaml
+
+
 def count_statuses(path: Path) -> tuple[int, ...]:
     """Return the number of cases of a results file with each status of `outputs.STATUSES`."""
     with opened(path) as file:
         status = values_of(stored.member(file, "performance", dataset=False), "status")
     return tuple(int(np.count_nonzero(status == index)) for index in range(len(STATUSES)))
-
-
-def _results(path: Path, file: Any, attributes: Mapping[str, Any]) -> Results:
-    axes = _axes(stored.member(file, "performance", dataset=False))
-    return Results(path, attributes, axes, *(_group(path, file, name, axes) for name in (*_ALWAYS, *_OPTIONAL)))
 
 
 def _group(path: Path, file: Any, name: str, axes: tuple[Axis, ...]) -> Group:
@@ -216,7 +230,7 @@ class _Shapes:
     own: tuple[int, ...]
 
     def check(self, name: str, data: Any) -> None:
-        """Raise Odd for a variable of another shape, or for texts where none may be."""
+        """Raise MalformedFile for a variable of another shape, or for texts where none may be."""
         found, numbers = stored.shape(data), stored.is_numbers(data)
         if self.group == "inputs":
             fits = numbers and len(found) <= 1
@@ -280,7 +294,7 @@ def _axis(data: Any) -> Axis:
 
 
 def _root(path: Path, file: Any) -> dict[str, Any]:
-    """Return the attributes of a file; raise UsageError or Odd if this version cannot read it."""
+    """Return the attributes of a file; raise UsageError or MalformedFile if this version cannot read it."""
     if not stored.has_attribute(file, "screwsim_schema"):
         raise UsageError(f"{path}: is an HDF5 file of another program ({REMEDY})")
     attributes = stored.attributes(file)

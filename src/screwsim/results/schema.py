@@ -13,8 +13,6 @@ import platform
 import sys
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
-from functools import cache
-from importlib import metadata
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -126,15 +124,7 @@ def identity_of(scene: Scene) -> dict[str, str]:
 def _library_version(name: str) -> str:
     """Return a library's version: its own statement if loaded, since reading the metadata takes milliseconds."""
     told = getattr(sys.modules.get(name), "__version__", None)
-    return _stated_version(name) if told is None else told
-
-
-@cache
-def _stated_version(name: str) -> str:
-    try:
-        return metadata.version(name)
-    except metadata.PackageNotFoundError:
-        return "not installed"
+    return identity.installed_version(name, "not installed") if told is None else told
 
 
 def root_attributes(scene: Scene, command: str) -> dict[str, str | int]:

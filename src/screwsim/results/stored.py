@@ -67,7 +67,7 @@ def _open(path: Path) -> Any:
 
 
 class _malformed_on_error:
-    """Raise Odd where HDF5 fails to read something, which it reports by many types of errors.
+    """Raise MalformedFile where HDF5 fails to read something, which it reports by many types of errors.
 
     The item is named only after a failure: asking HDF5 for a name takes as long as reading an attribute.
     """
@@ -97,7 +97,7 @@ def names(group: Any) -> list[str]:
 
 
 def member(group: Any, name: str, dataset: bool = True) -> Any:
-    """Return a dataset or group stored in the group itself; raise Odd if it is missing, a link or of the wrong type."""
+    """Return a dataset or group in the group itself; raise MalformedFile if missing, a link or of the wrong type."""
     import h5py
     from h5py import h5d, h5l, h5o  # pyright: ignore[reportAttributeAccessIssue] - compiled, without types
 
@@ -135,7 +135,7 @@ def has_attribute(item: Any, name: str) -> bool:
 
 
 def attribute(item: Any, name: str) -> Any:
-    """Return an attribute that is a single text or number; raise Odd for any other, or if it is missing."""
+    """Return an attribute that is a single text or number; raise MalformedFile for any other, or if it is missing."""
     from h5py import h5a, h5t  # pyright: ignore[reportAttributeAccessIssue] - compiled, without types
 
     try:
@@ -155,21 +155,17 @@ def attribute(item: Any, name: str) -> Any:
         found.read(value, kind if plain else None)  # `item.attrs[name]` would take twice as long
     value = value.item() if value.size == 1 else value
     if text:
-        return _decoded(value, item, name)
+        with _malformed_on_error(item, f"@{name}"):
+            text = value.decode() if isinstance(value, bytes) else str(value)
+            text.encode()
+        return text
     if isinstance(value, int | float | np.integer | np.floating):
         return value
     raise MalformedFile(f"is not a results file: {_item_name(item, f'@{name}')} is neither text nor number")
 
 
-def _decoded(value: Any, item: Any, name: str) -> str:
-    with _malformed_on_error(item, f"@{name}"):
-        text = value.decode() if isinstance(value, bytes) else str(value)
-        text.encode()
-    return text
-
-
 def text_attribute(item: Any, name: str) -> str:
-    """Return an attribute that is a text; raise Odd for any other."""
+    """Return an attribute that is a text; raise MalformedFile for any other."""
     value = attribute(item, name)
     if not isinstance(value, str):
         raise MalformedFile(f"is not a results file: {item.name}@{name} is not text")
@@ -196,7 +192,7 @@ def is_scale(data: Any) -> bool:
 
 
 def scale_of(data: Any) -> Any:
-    """Return the coordinate along which a one-dimensional variable lies; raise Odd if there is none."""
+    """Return the coordinate along which a one-dimensional variable lies; raise MalformedFile if there is none."""
     with _malformed_on_error(data):
         if data.ndim != 1 or len(data.dims[0]) != 1:
             raise MalformedFile(f"is not a results file: {data.name} lies along no coordinate")
@@ -204,7 +200,7 @@ def scale_of(data: Any) -> Any:
 
 
 def shape(data: Any) -> tuple[int, ...]:
-    """Return the shape of a variable; raise Odd if it has none."""
+    """Return the shape of a variable; raise MalformedFile if it has none."""
     with _malformed_on_error(data):
         found = data.shape
     if found is None:
@@ -213,7 +209,7 @@ def shape(data: Any) -> tuple[int, ...]:
 
 
 def is_numbers(data: Any) -> bool:
-    """Tell whether a variable holds plain numbers; raise Odd if it holds neither these nor single characters."""
+    """Tell whether a variable holds plain numbers; raise MalformedFile if neither these nor single characters."""
     with _malformed_on_error(data):
         kind = data.dtype
     if kind.kind in _NUMBER_KINDS and kind.itemsize <= 8:
@@ -224,7 +220,7 @@ def is_numbers(data: Any) -> bool:
 
 
 def values(data: Any, index: Any = ()) -> np.ndarray:
-    """Return the values of a variable, or a part of them; raise Odd if they are not stored in the file itself."""
+    """Return the values of a variable, or a part of them; raise MalformedFile if they are not in the file itself."""
     is_numbers(data)
     _check_storage(data)
     with _malformed_on_error(data):
@@ -244,7 +240,7 @@ def characters(data: Any) -> str:
 
 
 def _check_storage(data: Any) -> None:
-    """Raise Odd unless the values are in the file, with HDF5's own filters only, and in a plausible number of bytes."""
+    """Raise MalformedFile unless the file itself has the values, with HDF5's own filters, in plausibly many bytes."""
     import h5py
 
     with _malformed_on_error(data):

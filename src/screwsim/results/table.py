@@ -74,9 +74,8 @@ class Table:
     def size(self) -> int:
         """Size of the numeric arrays [byte]."""
         arrays = [self.status, self.figures, self.angle, *(texts.number for texts in self.texts.values())]
-        return sum(
-            array.nbytes for array in (*arrays, *(v for part in MAPPING_FIELDS for v in getattr(self, part).values()))
-        )
+        arrays += [array for part in MAPPING_FIELDS for array in getattr(self, part).values()]
+        return sum(array.nbytes for array in arrays)
 
     def column(self, group: str, name: str) -> np.ndarray:
         """Return one figure of all cases (cases,); NaN where no case calls for it."""
@@ -207,9 +206,8 @@ def trace_names(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def _traces(results: Sequence[Result], rows: Sequence[int], angle: np.ndarray) -> dict[str, np.ndarray]:
-    traces: dict[str, np.ndarray] = {}
-    for name in trace_names(name for row in rows for name in results[row].cycle):
-        traces[name] = np.full((len(results), len(angle)), np.nan)
+    names = trace_names(name for row in rows for name in results[row].cycle)
+    traces = {name: np.full((len(results), len(angle)), np.nan) for name in names}
     for row in rows:
         same_angles(angle, np.asarray(results[row].cycle["angle"], float))
         for name in trace_names(results[row].cycle):
@@ -354,10 +352,7 @@ def _figures_of(table: Table, about: tuple[Figure, ...]) -> np.ndarray:
 
 
 def _joined_texts(parts: Sequence[CaseTexts]) -> CaseTexts:
-    place: dict[str, int] = {}
-    for part in parts:
-        for word in part.words:
-            place.setdefault(word, len(place))
+    place = {word: i for i, word in enumerate(dict.fromkeys(word for part in parts for word in part.words))}
     return CaseTexts(tuple(place), np.concatenate([renumbered(part, place) for part in parts]))
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs.display import About, Brief
 from screwsim.results import Results
+from screwsim.results.identity import scene_values
 from screwsim.results.schema import variable_name
-from screwsim.study.scene_values import scene_values
 
 Array = np.ndarray
 

@@ -40,7 +40,7 @@ def read_goals(scene: Scene, texts: Iterable[str]) -> tuple[Goal, ...]:
     for text in texts:
         figure, _, value = _split_condition(scene, text, "--for", "=", "cooling_capacity=500 kW")
         found.append(Goal(figure, value))
-    _refuse_twice("--for", [goal.figure for goal in found])
+    refuse_twice("--for", [goal.figure for goal in found])
     if not found:
         raise UsageError("no goal is given (write --for FIGURE=VALUE, e.g. --for 'cooling_capacity=500 kW')")
     return tuple(found)
@@ -51,7 +51,7 @@ def read_bounds(scene: Scene, texts: Iterable[str], option: str = "--subject-to"
     example = "discharge_temperature<90 degC"
     plain = (text.replace("<=", "<").replace(">=", ">") for text in texts)
     found = [Bound(*_split_condition(scene, text, option, "<>", example)) for text in plain]
-    _refuse_twice(option, [f"{bound.figure}{bound.sign}" for bound in found])
+    refuse_twice(option, [f"{bound.figure}{bound.sign}" for bound in found])
     return tuple(found)
 
 
@@ -87,7 +87,8 @@ def read_figure(figure: str, text: str, where: str) -> float:
     raise UsageError(f"{where}: {figure} {what} (write one of {', '.join(offered) or 'a plain number'})")
 
 
-def _refuse_twice(option: str, names: list[str]) -> None:
+def refuse_twice(option: str, names: list[str]) -> None:
+    """Raise UsageError where an option is given twice for one name."""
     for name in names:
         if names.count(name) > 1:
             raise UsageError(f"{option} {name}: is given twice (remove one)")

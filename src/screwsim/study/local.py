@@ -10,7 +10,6 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Any
 
 from screwsim.derivatives.collocation import FINE, QUICK
@@ -22,16 +21,14 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.derivatives import DIFFERENCES, EXACT, ROUGH
 from screwsim.outputs.display import About, Brief
-from screwsim.scene import Scene, scene_of, with_values
+from screwsim.scene import Scene, scene_of
 from screwsim.scene.fields import FIXED, Leaf, leaves_of, value_at
 from screwsim.scene.types import FoundWithCycle
 from screwsim.simulate import simulate
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import DISCRETE_KINDS, check_continuous, shown_value
-from screwsim.study.optimum import simulated_if_valid
-from screwsim.study.parallel import parallel_map
+from screwsim.study.optimum import results_at
 from screwsim.study.progress import Progress, progress_of
-from screwsim.study.workers import WORKER_DIED
 
 DIFFERENCE_STEP = 5e-3  # relative step of a number for differences of closed cycles ...
 # ... at most, for an angle: half a percent of a port's opening angle is three degrees ...
@@ -197,13 +194,8 @@ def _differences(
     scene = replace(scene, numerics=replace(numerics, accuracy=finer, error="none"))
     leaves = leaves_of(scene)
     points = [(path, by) for path, value in values.items() for by in _shifts(leaves[path], value)]
-    results = parallel_map(
-        partial(_shifted_result, scene, values, points),
-        len(points),
-        died=lambda number: Result("failed", WORKER_DIED),
-        jobs=jobs,
-        progress=progress_of("sensitivities", progress),
-    )
+    shifted = [{path: values[path] + by} for path, by in points]
+    results = results_at(scene, shifted, jobs=jobs, progress=progress_of("sensitivities", progress))
     slopes: dict[str, dict[str, float]] = {}
     failed: dict[str, str] = {}
     for i in range(0, len(points), 2):
@@ -226,10 +218,3 @@ def _shifts(leaf: Leaf, value: float) -> tuple[float, float]:
     up = step if most is None or value + step <= most else 0.0
     down = step if least is None or value - step >= least else 0.0
     return up, -down
-
-
-def _shifted_result(
-    scene: Scene, values: Mapping[str, float], points: Sequence[tuple[str, float]], number: int
-) -> Result:
-    path, by = points[number]
-    return simulated_if_valid(with_values(scene, {path: values[path] + by}), partial(simulate, trace=False))

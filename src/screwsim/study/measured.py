@@ -23,7 +23,7 @@ from screwsim.scene.types import COVERAGE
 from screwsim.scene.units import NUMBER, Refused
 from screwsim.scene.values import within
 from screwsim.study.figures import figure_of
-from screwsim.study.goals import read_figure
+from screwsim.study.goals import read_figure, refuse_twice
 from screwsim.study.local import Sensitivities, sensitivities
 
 OPTION, EXAMPLE = "--measured", "shaft_power=132 kW ± 2 kW"
@@ -123,10 +123,7 @@ def read_measured(scene: Scene, texts: Iterable[str]) -> tuple[MeasuredFigure, .
     Without k the uncertainty is half of the 95 % interval. Raise UsageError in one line.
     """
     found = tuple(_read(scene, text) for text in texts)
-    names = [each.figure for each in found]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
-        raise UsageError(f"{OPTION} {twice}: is given twice (remove one)")
+    refuse_twice(OPTION, [each.figure for each in found])
     return found
 
 

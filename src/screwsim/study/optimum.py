@@ -1,7 +1,7 @@
 """Best value of one path for each point of the scene's other axes: searched for, not read off a grid."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
@@ -16,10 +16,10 @@ from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
 from screwsim.study.search import COARSE_POINTS, Maximum, SearchPoint, find_maximum
+from screwsim.study.spans import LOGARITHMIC_FROM
 from screwsim.study.workers import WORKER_DIED
 
 OIL_RATIO, OIL_RANGE = "oil_supply.ratio", (0.1, 10.0)  # range where nothing states one
-LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on the search uses the logarithm
 INSENSITIVE_SHARE = 0.9  # of the range: where the figure is the same over more than this, the path hardly affects it
 WANTED_CERTAINTY = 0.01  # of the range: wanted certainty of the place, each way
 TIGHTER, TIGHTEST = 0.1, 1e-6  # of numerics.accuracy, and least accuracy, where errors leave the place less certain
@@ -140,23 +140,19 @@ def _best(rest: Scene, asked: Question, simulate: Simulate, number: int) -> Best
     trials = _Trials(case(rest, number), asked, simulate)
     ends = asked.coordinate(asked.low), asked.coordinate(asked.high)
     top = find_maximum(trials.point, *ends)
-    while top is not None and _uncertainty_note(top, ends) and trials.tighten():
+    while top is not None and _is_uncertain(top, ends) and trials.tighten():
         margin = 0.25 * (top.bracket[1] - top.bracket[0])
         bracket = max(top.bracket[0] - margin, ends[0]), min(top.bracket[1] + margin, ends[1])
         finer = find_maximum(trials.point, *bracket, count=1 + COARSE_POINTS // 2)
         if finer is None:
             break
-        top = replace(finer, others=top.others, **_common_interval(top, finer, bracket))
+        # the earlier end of the equally good interval where the finer bracket does not contain one
+        low = top.low if finer.low <= bracket[0] else finer.low
+        top = replace(finer, others=top.others, low=low, high=top.high if finer.high >= bracket[1] else finer.high)
     return _best_of_trials(case_values(rest, number), asked, trials, top, ends)
 
 
-def _common_interval(before: Maximum, finer: Maximum, bracket: tuple[float, float]) -> dict[str, float]:
-    """Return the ends of the equally good interval: the earlier end where the finer bracket does not contain one."""
-    low = before.low if finer.low <= bracket[0] else finer.low
-    return {"low": low, "high": before.high if finer.high >= bracket[1] else finer.high}
-
-
-def _uncertainty_note(top: Maximum, ends: tuple[float, float]) -> bool:
+def _is_uncertain(top: Maximum, ends: tuple[float, float]) -> bool:
     return max(top.high - top.point.x, top.point.x - top.low) > WANTED_CERTAINTY * (ends[1] - ends[0])
 
 
@@ -206,6 +202,18 @@ def simulated_if_valid(scene: Scene, simulate: Simulate) -> Result:
         return simulate(scene)
     except (UsageError, ArithmeticError, ValueError) as error:
         return Result("failed", message=" ".join(f"{type(error).__name__}: {error}".split()))
+
+
+def results_at(
+    scene: Scene, points: Sequence[Mapping[str, Any]], *, jobs: int | None = None, progress: Progress | None = None
+) -> list[Result]:
+    """Return the results, without traces, of a scene with the values [SI] of each point, solved by workers."""
+    call, dead = partial(_result_at, scene, points), Result("failed", WORKER_DIED)
+    return parallel_map(call, len(points), died=lambda number: dead, jobs=jobs, progress=progress)
+
+
+def _result_at(scene: Scene, points: Sequence[Mapping[str, Any]], number: int) -> Result:
+    return simulated_if_valid(with_values(scene, points[number]), simulator())
 
 
 def absolute_error(result: Result, name: str, scene: Scene) -> float:

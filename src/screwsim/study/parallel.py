@@ -8,7 +8,7 @@ from __future__ import annotations
 import pickle
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, wait
+from concurrent.futures import Executor
 from dataclasses import replace
 from functools import lru_cache, partial
 from typing import Any, TypeVar
@@ -18,17 +18,14 @@ from screwsim.scene import Scene
 from screwsim.study.progress import Progress
 from screwsim.study.workers import (
     DEATH_GRACE,
-    POLL_INTERVAL,
     Chunks,
     ChunkWork,
-    DeathGuard,
     LocalPool,
+    LostChunk,
     cores,
     drain,
     pickled_work,
     stop_executor,
-    submit,
-    worker_died,
 )
 
 Answer = TypeVar("Answer")
@@ -77,13 +74,18 @@ def parallel_map(
 def _map_on_workers(
     function: bytes, chunks: Chunks, jobs: int, finish: OnFinished, died: Callable[[int], Any], tick: Callable[[], None]
 ) -> None:
-    """Run chunks on workers; numbers lost when a worker died are run again one by one, each on a worker of its own."""
+    """Run chunks on workers; numbers lost when a worker died are run again, each on a worker of its own."""
     work = ChunkWork(LocalPool(jobs), partial(_answers, function), lambda numbers: numbers, finish, tick)
     while lost := drain(chunks, work):
-        for number in sorted(number for chunk in lost for number in chunk.blocks):
-            alone = range(number, number + 1)
-            if drain(Chunks([alone], 1, lambda: 1), replace(work, pool=LocalPool(1))):
-                finish(alone, ([died(number)], 0.0))
+        _run_alone(lost, work, lambda number: ([died(number)], 0.0))
+
+
+def _run_alone(lost: Sequence[LostChunk], work: ChunkWork, died: Callable[[int], Any]) -> None:
+    """Run the numbers of lost chunks one by one, each on a worker of its own; `died` is the outcome where that dies."""
+    for number in sorted(number for chunk in lost for number in chunk.blocks):
+        alone = range(number, number + 1)
+        if drain(Chunks([alone], 1, lambda: 1), replace(work, pool=LocalPool(1))):
+            work.finish(alone, died(number))
 
 
 def _answers(function: bytes, numbers: range) -> tuple[list[Any], float]:
@@ -98,7 +100,7 @@ _unpacked = lru_cache(maxsize=1)(pickle.loads)
 class BatchWorkers:
     """Call a module-level function for each payload of a batch on the same workers; with one job in this process.
 
-    A payload over which a worker dies is tried once more, alone; if that worker dies, too, the answer is
+    A payload that is lost when a worker dies is tried once more, alone; if that worker dies, too, the answer is
     `died(payload)`.
     """
 
@@ -130,46 +132,27 @@ class BatchWorkers:
         if self.jobs <= 1:
             return [self._here(task, payload) for payload in payloads]
         found: dict[int, Any] = {}
-        self._executor = self._executor or LocalPool(self.jobs).executor(self.jobs)
-        lost = _lost_payloads(self._executor, task, dict(enumerate(payloads)), found, self._tick)
-        if lost:
+        work = ChunkWork(
+            LocalPool(self.jobs),
+            task,
+            lambda numbers: payloads[numbers.start],
+            lambda numbers, answer: found.__setitem__(numbers.start, answer),
+            self._tick,
+        )
+        chunks = Chunks([range(len(payloads))], 1, lambda: self.jobs)
+        while lost := drain(chunks, work, self._begun()):
             self.leave()
-        for number in sorted(lost):
-            alone = LocalPool(1).executor(1)
-            try:
-                if _lost_payloads(alone, task, {number: payloads[number]}, found, self._tick):
-                    found[number] = self._died(payloads[number])
-            finally:
-                stop_executor(alone)
+            _run_alone(lost, work, lambda number: self._died(payloads[number]))
         return [found[number] for number in range(len(payloads))]
+
+    def _begun(self) -> Executor:
+        """Return the workers, started where there are none."""
+        self._executor = self._executor or LocalPool(self.jobs).executor(self.jobs)
+        return self._executor
 
     def _here(self, task: Callable[[Any], Any], payload: Any) -> Any:
         self._tick()
         return task(payload)
-
-
-def _lost_payloads(
-    executor: Executor,
-    task: Callable[[Any], Any],
-    payloads: dict[int, Any],
-    found: dict[int, Any],
-    tick: Callable[[], None],
-) -> set[int]:
-    """Put the answers to payloads into `found`; return the numbers of those lost when a worker died."""
-    guard = DeathGuard(executor)
-    running = {submit(executor, task, payload): number for number, payload in payloads.items()}
-    lost: set[int] = set()
-    while running:
-        done, _ = wait(running, POLL_INTERVAL, FIRST_COMPLETED)
-        for future in done:
-            number = running.pop(future)
-            if worker_died(future):
-                lost.add(number)
-            else:
-                found[number] = future.result()
-        guard.look()
-        tick()
-    return lost
 
 
 class WarmSimulation:

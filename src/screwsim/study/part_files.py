@@ -110,30 +110,20 @@ def _is_sound(table: Table, cases: int) -> bool:
     """Return whether the contents of a part are consistent."""
     texts = [(words.number, len(words.words)) for words in table.texts.values()]
     numbers = (table.status, -1, len(STATUSES)), *((number, 0, count) for number, count in texts)
+    names = (*table.effects, *table.states, *table.ledger, *table.inputs, *table.changes)
+    reals = table.figures, table.angle, *table.traces.values(), *table.changes.values(), *table.slopes.values()
     return (
         table.figures.shape == (cases, len(columns_of(names_of(table.about))))
         and all(_in_range(values, cases, first, stop) for values, first, stop in numbers)
         and all(isinstance(word, str) for words in table.texts.values() for word in words.words)
-        and all(isinstance(name, str) for name in _names(table))
+        and all(isinstance(name, str) for name in (*names, *table.numbers, *table.numbers.values(), *table.slopes))
         and table.angle.ndim == 1
         and all(trace.shape == (cases, table.angle.size) for trace in table.traces.values())
         and all(values.shape == (cases,) for values in table.ledger.values())
         and all(values.shape == (cases, len(table.inputs)) for values in table.changes.values())
         and all(values.shape == (cases, len(table.numbers)) for values in table.slopes.values())
-        and all(each.dtype.kind == "f" for each in (table.figures, table.angle, *_more(table)))
+        and all(each.dtype.kind == "f" for each in reals)
     )
-
-
-def _names(table: Table) -> tuple[str, ...]:
-    return (*table.effects, *table.states, *table.ledger, *table.inputs, *table.changes, *_texts(table))
-
-
-def _more(table: Table) -> tuple[np.ndarray, ...]:
-    return (*table.traces.values(), *table.changes.values(), *table.slopes.values())
-
-
-def _texts(table: Table) -> tuple[str, ...]:
-    return (*table.numbers, *table.numbers.values(), *table.slopes)
 
 
 def _in_range(values: np.ndarray, cases: int, first: int, stop: int) -> bool:

@@ -1,12 +1,20 @@
-"""Progress of a study: a bar for terminals, lines for other outputs; notebooks have theirs in `notebook`."""
+"""Progress of a study: a bar for terminals and notebooks, lines for other outputs."""
 
 import sys
 import time
+import uuid
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from html import escape
 from typing import Any
 
 from screwsim.numerics.folder import tell
+
+Publisher = Callable[..., Any]  # of data, metadata, transient, update, as IPython's publish_display_data
+BAR_HTML = (
+    '<div style="display: flex; gap: 0.8em; align-items: center"><span>{title}</span>'
+    '<progress max="{cases}" value="{done}" style="width: 14em"></progress><span>{told}</span></div>'
+)
 
 
 class Progress:
@@ -227,6 +235,65 @@ class OverwrittenLine(CountingProgress):
         print(f"\r{self._title}: {self._done} of {self._cases}{failures}", end=end, file=sys.stderr, flush=True)
 
 
+class NotebookBar(CountingProgress):
+    """A bar in a notebook, of plain HTML without widgets: rate, time left and failures, redrawn five times a second.
+
+    Jupyter, VS Code and Colab replace an output by its name (`display_id`); programs that store or convert a notebook
+    keep the last one, which has counts only and so is the same from run to run. Its metadata mark it by `screwsim:
+    progress`.
+    """
+
+    def __init__(self, title: str, publish: Publisher | None = None, every: float = 0.2) -> None:
+        super().__init__(title, time.monotonic)
+        self._publish = publish
+        self._every = every
+        self._name = uuid.uuid4().hex
+        self._drawn = 0.0
+        self._there = False
+
+    def start(self, cases: int, reused: int) -> None:
+        super().start(cases, reused)
+        self._draw([])
+
+    def tick(self) -> None:
+        if self._there and time.monotonic() - self._drawn >= self._every:
+            self._draw(self._pace())
+
+    def stop(self) -> None:
+        if self._there:
+            self._draw([])
+
+    def _pace(self) -> list[str]:
+        """Return the rate and the time left, once a case has been computed."""
+        seconds, new = time.monotonic() - self._began, self._done - self._reused
+        if not new or seconds <= 0.0:
+            return []
+        left = (self._cases - self._done) * seconds / new
+        return [f"{digits(new / seconds)} points/s", f"{_duration(left)} left"]
+
+    def _draw(self, pace: list[str]) -> None:
+        failed = [f"{self._failed} not ok"] if self._failed else []
+        told = ", ".join([f"{self._done} of {self._cases}", *failed, *pace])
+        html = BAR_HTML.format(title=escape(self._title), cases=max(self._cases, 1), done=self._done, told=told)
+        if self._publish is None:
+            from IPython.display import publish_display_data
+
+            self._publish = publish_display_data
+        self._publish(
+            data={"text/html": html, "text/plain": f"{self._title}: {told}"},
+            metadata={"screwsim": "progress"},
+            transient={"display_id": self._name},
+            update=self._there,
+        )
+        self._there, self._drawn = True, time.monotonic()
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 100.0:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.1f} h"
+
+
 def in_notebook() -> bool:
     """Return whether output is shown in a notebook; a plain IPython shell is none."""
     ipython = sys.modules.get("IPython")
@@ -237,8 +304,6 @@ def in_notebook() -> bool:
 def for_program(title: str, wanted: bool | None = None) -> Progress:
     """Return the progress of a program's call: by default a bar in notebooks only; on request also a bar or a line."""
     if wanted is not False and in_notebook():
-        from screwsim.study.notebook import NotebookBar
-
         return TolerantProgress(NotebookBar(title))
     if not wanted:
         return Progress()

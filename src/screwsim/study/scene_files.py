@@ -12,7 +12,7 @@ from screwsim.results.atomic import make_folder, protect_others, write_text
 from screwsim.scene import Scene, leaf_of, loads, scene_text
 from screwsim.scene.values import text_of
 from screwsim.scene.write import quoted
-from screwsim.study.calibration.scene import keys, lines_of
+from screwsim.study.calibration.scene import keys, lines_of, put
 
 FIRST_LINE = "# Found by: screwsim "  # start of a scene that a study wrote
 SIZE_PATHS = {"machine.displacement.flow", "machine.rotor_diameter", "machine.rotor_length", "machine.volume.max"}
@@ -77,11 +77,7 @@ def _yaml(text: str) -> str:
 
 def _put_text(tree: dict[str, Any], path: str, text: str) -> None:
     effect = path.removeprefix("effects.")
-    *above, last = ["effects", effect] if effect != path and effect in catalogue() else keys(path)
-    for name in above:
-        inner = tree.get(name)
-        tree = tree.setdefault(name, {}) if not isinstance(inner, str) else tree.__setitem__(name, {}) or tree[name]
-    tree[last] = text
+    put(tree, ["effects", effect] if effect != path and effect in catalogue() else keys(path), text)
 
 
 def _is_same_scene(text: str, found: Scene, folder: Path) -> bool:

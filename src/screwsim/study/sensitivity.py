@@ -16,23 +16,16 @@ from screwsim.results.warning_kinds import kinds_of
 from screwsim.scene import Scene, with_values
 from screwsim.scene.grid import too_many
 from screwsim.study.figures import figure_of
-from screwsim.study.inputs import check_continuous, check_fit, ends_of, read_text, shown_value, usual_efficiency
+from screwsim.study.inputs import check_fit, usual_efficiency
 from screwsim.study.optimum import Simulate, absolute_error, simulated_if_valid, simulator
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
+from screwsim.study.spans import Span
 from screwsim.study.workers import WORKER_DIED
 
 CONFIDENCE = 0.95
 SAMPLES, ALONE = 256, 32  # base samples for several inputs; for a single one, which causes all of the variance
 LARGEST_NOISE_SHARE = 0.01  # share of the variance that may be due to numerical errors
-
-
-class InputRange(NamedTuple):
-    """A path with the two values [SI] between which it varies."""
-
-    path: str
-    low: float
-    high: float
 
 
 class SobolIndices(NamedTuple):
@@ -67,7 +60,7 @@ class Sensitivity:
     `warnings` are the kinds of warnings of the solutions: (number of solutions, text of the first).
     """
 
-    ranges: tuple[InputRange, ...]
+    ranges: tuple[Span, ...]
     samples: int
     seed: int
     solutions: int
@@ -83,28 +76,6 @@ class _Answer(NamedTuple):
     errors: tuple[float, ...] = ()
     lacks: bool = False  # True: the point has a solution, but no value of a figure
     warnings: tuple[str, ...] = ()
-
-
-def read_ranges(scene: Scene, texts: Sequence[str]) -> tuple[InputRange, ...]:
-    """Return the ranges of texts PATH=LOW..HIGH; raise UsageError in one line."""
-    found: dict[str, InputRange] = {}
-    for text in texts:
-        path, equals, ends = text.partition("=")
-        path, both = path.strip(), ends_of(ends)
-        if not equals or both is None:
-            example = "--path 'machine.rotor_diameter=120 mm..136 mm'"
-            raise UsageError(f"--path {text}: is not PATH=LOW..HIGH (write e.g. {example})")
-        check_continuous(scene, path)
-        span = InputRange(path, read_text(scene, path, both[0]), read_text(scene, path, both[1]))
-        if not span.low < span.high:
-            shown = " … ".join(shown_value(scene, path, end) for end in span[1:])
-            raise UsageError(f"{path}: the range {shown} is empty (LOW must be below HIGH)")
-        if path in found:
-            raise UsageError(f"{path}: is given twice (remove one)")
-        found[path] = span
-    if not found:
-        raise UsageError("nothing varies (write one or more --path PATH=LOW..HIGH)")
-    return tuple(found.values())
 
 
 def usual_samples(inputs: int) -> int:
@@ -123,7 +94,7 @@ def cost_in_words(inputs: int, samples: int) -> str:
 
 def sensitivity(
     scene: Scene,
-    ranges: Sequence[InputRange],
+    ranges: Sequence[Span],
     figures: Sequence[str] = (),
     *,
     samples: int | None = None,

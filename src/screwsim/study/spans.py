@@ -66,10 +66,12 @@ def read_spans(scene: Scene, texts: Iterable[str], *, ranged: bool, sizes: Seque
         if path in found:
             raise UsageError(f"--vary {path}: is given twice (remove one)")
         check_continuous(scene, path)
-        low, high = _stated_range(scene, path, text, ends) if equals else _default_range(scene, path, ranged, sizes)
-        if not low < high:
-            shown = " … ".join(shown_value(scene, path, end) for end in (low, high))
-            raise UsageError(f"--vary {path}: the range {shown} is empty (LOW must be below HIGH)")
+        if equals:
+            both = _ends(text, ends, "--vary", "operation.speed=1000 rpm..4500 rpm")
+            low, high = (read_text(scene, path, end) for end in both)
+        else:
+            low, high = _default_range(scene, path, ranged, sizes)
+        _refuse_empty(scene, path, low, high, f"--vary {path}")
         found[path] = span_of(scene, path, low, high)
     if not found:
         raise UsageError("nothing varies (write one or more --vary PATH=LOW..HIGH)")
@@ -83,12 +85,35 @@ def span_of(scene: Scene, path: str, low: float, high: float) -> Span:
     return Span(path, low, high, float(start) if inside else None)
 
 
-def _stated_range(scene: Scene, path: str, text: str, ends: str) -> tuple[float, float]:
+def read_ranges(scene: Scene, texts: Iterable[str]) -> tuple[Span, ...]:
+    """Return the spans of texts PATH=LOW..HIGH of --path; raise UsageError in one line."""
+    found: dict[str, Span] = {}
+    for text in texts:
+        path, _, ends = (part.strip() for part in text.partition("="))
+        ends = _ends(text, ends, "--path", "machine.rotor_diameter=120 mm..136 mm")
+        check_continuous(scene, path)
+        low, high = (read_text(scene, path, end) for end in ends)
+        _refuse_empty(scene, path, low, high, path)
+        if path in found:
+            raise UsageError(f"{path}: is given twice (remove one)")
+        found[path] = Span(path, low, high)
+    if not found:
+        raise UsageError("nothing varies (write one or more --path PATH=LOW..HIGH)")
+    return tuple(found.values())
+
+
+def _ends(text: str, ends: str, option: str, example: str) -> tuple[str, str]:
+    """Return both ends of the range in a text; raise UsageError where there is none."""
     both = ends_of(ends)
     if both is None:
-        example = "--vary 'operation.speed=1000 rpm..4500 rpm'"
-        raise UsageError(f"--vary {text}: is not PATH=LOW..HIGH (write e.g. {example})")
-    return read_text(scene, path, both[0]), read_text(scene, path, both[1])
+        raise UsageError(f"{option} {text}: is not PATH=LOW..HIGH (write e.g. {option} '{example}')")
+    return both
+
+
+def _refuse_empty(scene: Scene, path: str, low: float, high: float, where: str) -> None:
+    if not low < high:
+        shown = " … ".join(shown_value(scene, path, end) for end in (low, high))
+        raise UsageError(f"{where}: the range {shown} is empty (LOW must be below HIGH)")
 
 
 def _default_range(scene: Scene, path: str, ranged: bool, sizes: Sequence[float]) -> tuple[float, float]:

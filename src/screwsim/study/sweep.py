@@ -17,7 +17,7 @@ from screwsim.inputs.arguments import FLAG, REAL, TEXT, checked_arguments
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.results.atomic import has_content, make_folder
-from screwsim.results.identity import changed_values, differences, unpacked
+from screwsim.results.identity import changed_values, differences, scene_values, unpacked
 from screwsim.results.read import count_statuses, open_results, read_attributes
 from screwsim.results.schema import axes_of, digest, identity_of
 from screwsim.results.table import same_angles
@@ -40,7 +40,6 @@ from screwsim.study.cases import (
 from screwsim.study.culprits import run_chunks
 from screwsim.study.limit import CASE_LIMIT, checked_limit
 from screwsim.study.progress import Progress, progress_of
-from screwsim.study.scene_values import scene_values
 from screwsim.study.shards import Parts
 from screwsim.study.tally import Tally, place_of
 from screwsim.study.workers import Chunks, ChunkWork, LocalPool, Pool, cores
@@ -68,7 +67,7 @@ class _SideBySide(NamedTuple):
 
     def warming(self, warm_up: WarmUp) -> WarmUp:
         """Return a warm-up that compiles all code needed, to be called before workers are forked."""
-        return partial(_warm_for_gpu if self.gpu else _warm_for_lanes, warm_up) if any(self) else warm_up
+        return partial(_warm_beside, self.gpu, warm_up) if any(self) else warm_up
 
 
 @dataclass(frozen=True)
@@ -321,20 +320,12 @@ def default_simulate_many(scene: Scene) -> SimulateMany:
     return many
 
 
-def _warm_for_lanes(warm_up: WarmUp, scene: Scene) -> None:
-    """Warm up the code for single cases and that for lanes."""
-    from screwsim.batch import warm_up as beside
+def _warm_beside(gpu: bool, warm_up: WarmUp, scene: Scene) -> None:
+    """Warm up the code for single cases and that for lanes, or compile that for a GPU, which each worker opens."""
+    from screwsim import batch
 
     warm_up(scene)
-    beside(scene)
-
-
-def _warm_for_gpu(warm_up: WarmUp, scene: Scene) -> None:
-    """Warm up the code for single cases, and compile that for a GPU; each worker opens the device for itself."""
-    from screwsim.batch import prepare_for_gpu
-
-    warm_up(scene)
-    prepare_for_gpu(scene)
+    (batch.prepare_for_gpu if gpu else batch.warm_up)(scene)
 
 
 def no_warm_up(scene: Scene) -> None:

@@ -1,7 +1,8 @@
 """Uncertainty of a scene's figures due to the tolerances of its inputs, and the inputs that contribute most.
 
 Linear: standard uncertainties times exact derivatives, added within a group of correlated inputs, as the root of the
-sum of squares between groups (GUM, law of propagation). Numerical error and model error are separate, and not added.
+sum of squares between groups (GUM, law of propagation). The numerical error and the model error, which the validation
+that the scene names states (study.validation.discrepancy), are separate, and added to neither.
 
 Source: JCGM 100:2008, Evaluation of measurement data (GUM), section 5; ASME V&V 20-2009.
 """
@@ -9,9 +10,8 @@ Source: JCGM 100:2008, Evaluation of measurement data (GUM), section 5; ASME V&V
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,22 +20,20 @@ from screwsim.inputs.arguments import checked_arguments, instance
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
-from screwsim.scene import Scene, leaf_of, scene_of, value_at, with_values
+from screwsim.scene import Scene, leaf_of, scene_of, value_at
+from screwsim.scene.model_errors import CONDITION_WORDS, RATIO, SPEED, shown_condition, stored_model_errors
 from screwsim.scene.types import COVERAGE
 from screwsim.scene.values import within
-from screwsim.simulate import simulate
 from screwsim.study.inputs import shown_figure
 from screwsim.study.local import Sensitivities, sensitivities
-from screwsim.study.model_error import model_error
-from screwsim.study.optimum import simulated_if_valid
-from screwsim.study.parallel import parallel_map
+from screwsim.study.optimum import results_at
 from screwsim.study.progress import Progress
-from screwsim.study.workers import WORKER_DIED
 
 # of a standard uncertainty: tolerated difference of sampled and linear one; for few samples their scatter
 LINEAR_TOLERANCE = 0.25
 MEAN_TOLERANCE = 0.5  # of a standard uncertainty: allowed distance of a sample's mean from the figure
 LEAST_COUNT = 8
+RANGE_MARGIN = 0.01  # of a value: margin by which it may lie outside the validated range
 
 
 class Contributor(NamedTuple):
@@ -177,6 +175,50 @@ def with_uncertainty(scene: Scene, result: Result) -> Result:
     return replace(result, uncertainty={**found.as_json(), **told}, warnings=(*result.warnings, *lost))
 
 
+def conditions_of(scene: Scene, performance: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the conditions by which points are compared: kind of machine, fluid, speed [rad/s], pressure ratio."""
+    found = {"machine.kind": scene.machine.kind, "gas.fluid": scene.gas.name, SPEED: float(scene.operation.speed)}
+    ratio = performance.get(RATIO)
+    return found if ratio is None else {**found, RATIO: float(ratio)}
+
+
+def model_error(scene: Scene, performance: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what the validation that a scene names says of its figures [SI]; empty where it names none.
+
+    `low` and `high` are the ends between which the model error lies at the held-out points, scaled to the figure's
+    size; `outside` lists the respects in which the scene lies outside the validated conditions.
+    """
+    if not scene.model_error:
+        return {}
+    told = stored_model_errors()[scene.model_error]
+    figures = {}
+    for name, each in told["figures"].items():
+        value, held = performance.get(name), each["held_out"]
+        if value is None or held is None:
+            continue
+        size = abs(value) if each["relative"] else 1.0
+        figures[name] = {end: size * held[end] for end in ("mean", "low", "high")} | {
+            "points": held["points"],
+            "not_stated": each["not_stated"],
+        }
+    outside = list(_outside(told["range"], conditions_of(scene, performance)))
+    return {"of": scene.model_error, "citation": told["citation"], "figures": figures, "outside": outside}
+
+
+def _outside(known: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the conditions that differ from the validated ones, and by how much."""
+    for name, value in here.items():
+        ends = known.get(name)
+        if ends is None:
+            continue
+        if isinstance(value, str):
+            if value not in ends:
+                yield f"{CONDITION_WORDS[name]} {value} ({', '.join(ends)})"
+        elif not ends[0] - RANGE_MARGIN * abs(ends[0]) <= value <= ends[1] + RANGE_MARGIN * abs(ends[1]):
+            shown, low, high = (shown_condition(name, each) for each in (value, *ends))
+            yield f"{CONDITION_WORDS[name]} {shown} ({low if low == high else f'{low} to {high}'})"
+
+
 def _figure_uncertainty(
     scene: Scene, values: Mapping[str, float], slopes: Mapping[str, float], groups: Sequence[tuple[str, ...]]
 ) -> FigureUncertainty:
@@ -198,9 +240,7 @@ def checked_by_sample(
     """Return the same with a Sobol sample of the inputs beside it: where both differ, the linear estimate is wrong."""
     if count < LEAST_COUNT or count & (count - 1):
         raise UsageError(f"--check-sobol {count}: is not a power of two from {LEAST_COUNT} on (write e.g. 64)")
-    points = _drawn_inputs(scene, count)
-    call = partial(_result_at, scene, points)
-    results = parallel_map(call, count, died=lambda number: Result("failed", WORKER_DIED), jobs=jobs, progress=progress)
+    results = results_at(scene, _drawn_inputs(scene, count), jobs=jobs, progress=progress)
     bad = [result for result in results if result.status != "ok"]
     if bad:
         return replace(linear, samples=count, message=f"{len(bad)} of {count} samples have no figures: {bad[0].told}")
@@ -233,10 +273,6 @@ def _value_within_limits(scene: Scene, path: str, deviation: float) -> float:
     tolerance = scene.uncertain[path].around(value)
     found = tolerance.at(value, deviation)
     return found if within(leaf_of(scene, path), found) else tolerance.at(value, float(np.clip(deviation, -2.0, 2.0)))
-
-
-def _result_at(scene: Scene, points: Sequence[Mapping[str, float]], number: int) -> Result:
-    return simulated_if_valid(with_values(scene, points[number]), partial(simulate, trace=False))
 
 
 def _compared_with_sample(values: np.ndarray, figure: float, linear: float) -> FigureSample:

@@ -212,9 +212,12 @@ class LostChunk:
     seconds: float
 
 
-def drain(chunks: Chunks, work: ChunkWork) -> list[LostChunk]:
-    """Run chunks, two per worker, until none is left or a worker dies; return those running at its death."""
-    executor = work.pool.executor(work.pool.workers())
+def drain(chunks: Chunks, work: ChunkWork, lent: Executor | None = None) -> list[LostChunk]:
+    """Run chunks, two per worker, until none is left or a worker dies; return those running at its death.
+
+    The workers are started and stopped here, unless an executor is lent.
+    """
+    executor = work.pool.executor(work.pool.workers()) if lent is None else lent
     guard = DeathGuard(executor)
     running: dict[Future[Any], tuple[range, float]] = {}
     lost: list[LostChunk] = []
@@ -236,7 +239,8 @@ def drain(chunks: Chunks, work: ChunkWork) -> list[LostChunk]:
             guard.look()
             work.tick()
     finally:  # after Ctrl-C or on a full disk workers must not go on; when all is done they hold nothing
-        stop_executor(executor)
+        if lent is None:
+            stop_executor(executor)
     return lost
 
 

@@ -142,9 +142,10 @@ def diagnose(
     names, priors = inputs_of(fit, machine)
     prepare(asked, simulate)
     call = partial(unchanged_point, asked, names, priors, before, simulate)
+    dead = UnchangedPoint(np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), Figures(), WORKER_DIED, 0, 0)
     points = [point for point in asked.points if point.fitted]
     found = parallel_map(
-        call, len(points), died=_point_of_dead_worker, jobs=jobs, failed=lambda one: bool(one.why), progress=progress
+        call, len(points), died=lambda number: dead, jobs=jobs, failed=lambda one: bool(one.why), progress=progress
     )
     reasons = {point.name: one.why for point, one in zip(points, found, strict=True) if one.why}
     solutions, failed = sum(one.solutions for one in found), sum(one.failed for one in found)
@@ -235,10 +236,6 @@ def unchanged_point(
         own.append(slopes[:, i] * deviation / fit.parameters[i].slope(values[path]))
     inputs = np.column_stack(own) if own else empty
     return UnchangedPoint(outcome.residuals, slopes, inputs, outcome.figures[0], "", asked.solutions, asked.failed)
-
-
-def _point_of_dead_worker(number: int) -> UnchangedPoint:
-    return UnchangedPoint(np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), Figures(), WORKER_DIED, 0, 0)
 
 
 def _likely_changes(none: float, by_slopes: Sequence[LinearLikelihood], unchanged: float) -> list[int]:

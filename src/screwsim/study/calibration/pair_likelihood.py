@@ -18,11 +18,10 @@ import numpy as np
 
 from screwsim.study.calibration.descent import least_squares
 from screwsim.study.calibration.fit import DIFFERENCES, Fit
-from screwsim.study.calibration.profile import LinearLikelihood, ProfileLikelihood, log_mass
+from screwsim.study.calibration.profile import LinearLikelihood, ProfileLikelihood, log_mass, refined_grid
 from screwsim.study.calibration.residuals import Array, Objective, Simulate
 
 STEPS, CHEAP = 8, 40  # least-squares steps with solutions, and without
-GRID, FINER = 401, 3  # places of a grid, and number of its refinements where the likelihood lies
 NEGLIGIBLE_DEPTH = 40.0  # of the logarithm below the largest, where the likelihood is negligible
 SLOPE_DISTANCE = 1e-4  # distance of places for the slope of a curve through solutions
 
@@ -166,9 +165,5 @@ def _marginal(places: Array, residuals: Array, slopes: Array, own: int, other: i
         inside = log_mass(-centre * sharp, (1.0 - centre) * sharp)
         return -0.5 * (chi_squared - information * step**2) + 0.5 * np.log(2.0 * np.pi / information) + inside
 
-    grid = np.linspace(0.0, 1.0, GRID)
-    for _ in range(FINER):
-        there = np.flatnonzero(density(grid) > np.max(density(grid)) - NEGLIGIBLE_DEPTH)
-        first, last = max(0, there[0] - 1), min(len(grid) - 1, there[-1] + 1)
-        grid = np.union1d(grid, np.linspace(grid[first], grid[last], GRID))
+    grid = refined_grid(density, NEGLIGIBLE_DEPTH)
     return grid, density(grid)

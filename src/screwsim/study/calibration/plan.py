@@ -36,7 +36,7 @@ from screwsim.study.calibration.residuals import Array, Objective, Simulate, mis
 from screwsim.study.inputs import shown_value
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
-from screwsim.study.sensitivity import InputRange, read_ranges
+from screwsim.study.spans import Span, read_ranges
 from screwsim.study.workers import WORKER_DIED
 
 UNIFORM_INFORMATION = 12.0  # one over the variance of a uniform distribution on 0 … 1
@@ -118,7 +118,7 @@ def candidates_of(
     return found
 
 
-def _candidates_of_ranges(fit: Fit, ranges: Sequence[InputRange], levels: int) -> tuple[Point, ...]:
+def _candidates_of_ranges(fit: Fit, ranges: Sequence[Span], levels: int) -> tuple[Point, ...]:
     if levels < 2:
         raise UsageError(f"--levels {levels}: a range has at least two values, its ends (write 2 or more)")
     taken = fit.changes(fit.first_start())
@@ -164,7 +164,7 @@ def plan(
     found = parallel_map(
         call,
         len(points),
-        died=_information_of_dead_worker,
+        died=lambda number: PointInformation(np.zeros((0, 0)), {}, WORKER_DIED),
         jobs=jobs,
         failed=lambda one: bool(one.why),
         progress=progress,
@@ -253,7 +253,3 @@ def _as_measured(point: Point, figures: Figures, usual: Mapping[str, TypicalUnce
     if point.measured:
         return {name: Measurement(figures[name], one.uncertainty) for name, one in point.measured.items()}
     return {name: Measurement(figures[name], one.of(figures[name])) for name, one in usual.items() if figures[name]}
-
-
-def _information_of_dead_worker(number: int) -> PointInformation:
-    return PointInformation(np.zeros((0, 0)), {}, WORKER_DIED)

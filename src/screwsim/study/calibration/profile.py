@@ -226,16 +226,20 @@ def _interpolated(nodes: Mapping[float, Array]) -> Callable[[Any], Array]:
     return _linear_likelihood_at(places, residuals)
 
 
+def refined_grid(height: Callable[[Array], Array], depth: float) -> Array:
+    """Return a grid of places, finer where a function of the place is less than a depth below its largest value."""
+    grid = np.linspace(0.0, 1.0, GRID)
+    for _ in range(FINER):
+        there = np.flatnonzero(height(grid) > np.max(height(grid)) - depth)
+        first, last = max(0, there[0] - 1), min(len(grid) - 1, there[-1] + 1)
+        grid = np.union1d(grid, np.linspace(grid[first], grid[last], GRID))
+    return grid
+
+
 def _likelihood_over(nodes: Mapping[float, Array]) -> ProfileLikelihood:
     """Return the likelihood from residuals at places; beyond the outer ones they are extrapolated."""
     places, between = np.array(sorted(nodes)), _interpolated(nodes)
-    grid = np.linspace(0.0, 1.0, GRID)
-    for _ in range(FINER):
-        chi_squared = np.sum(between(grid) ** 2, axis=1)
-        there = np.flatnonzero(chi_squared < np.min(chi_squared) + NEGLIGIBLE_DEPTH)
-        first, last = max(0, there[0] - 1), min(len(grid) - 1, there[-1] + 1)
-        grid = np.union1d(grid, np.linspace(grid[first], grid[last], GRID))
-    grid = np.union1d(grid, places)
+    grid = np.union1d(refined_grid(lambda at: -np.sum(between(at) ** 2, axis=1), NEGLIGIBLE_DEPTH), places)
     chi_squared = np.sum(between(grid) ** 2, axis=1)
     return ProfileLikelihood(grid, chi_squared, between(grid[np.argmin(chi_squared)]), dict(nodes))
 

@@ -1,4 +1,4 @@
-"""Read FIT.yaml: the scene, the parameters, the data; each fault is reported with its line."""
+"""Read FIT.yaml: the scene, the parameters, the data; each fault is reported with its line. And its JSON Schema."""
 
 import dataclasses
 import os
@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from screwsim.effects import catalogue
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
 from screwsim.scene import Scene, cross_check, leaf_of, load
 from screwsim.scene.axis import SPACING, read_fields
-from screwsim.scene.fields import Leaf
+from screwsim.scene.fields import Leaf, leaf_paths
 from screwsim.scene.file_kinds import other_file
+from screwsim.scene.schema import DRAFT, OWN_PARAMETER, mapping, value_schema
 from screwsim.scene.values import limits_text, shown, text_of, within
 from screwsim.scene.yaml_tree import Faults, LocatedFault, Node, Position, compose, join
 from screwsim.study.calibration.data import read_points
@@ -30,6 +32,7 @@ HEAD_FIELDS = {
 }
 _REMEDY = "write scene: machine.yaml, data: points.csv and parameters:"
 _PARAMETER = "write {from: …, to: …}"
+NOT_CONTINUOUS = ("choice", "count", "word", "fluid", "numbers", "file")  # kinds that cannot be fitted
 NO_PRIOR = "none"  # prior of a parameter that does not take the scene's tolerance either
 
 
@@ -268,3 +271,36 @@ def _check(fit: Fit, rows: list[tuple[Point, Position]], root: Node, fixed: bool
         problems.append(
             LocatedFault(root.value["parameters"].heading, "parameters", f"{what} (fit fewer, or add data)")
         )
+
+
+def fit_schema() -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12) of a fit."""
+    leaves = leaf_paths({name: effect.parameters for name, effect in catalogue().items()})
+    paths = {path: leaf for path, leaf in leaves.items() if leaf.kind not in NOT_CONTINUOUS}
+    properties = {name: {"description": leaf.doc, **value_schema(leaf)} for name, leaf in HEAD_FIELDS.items()}
+    properties["parameters"] = {
+        "type": "object",
+        "description": "the parameters to fit, by scene path, with their bounds",
+        "properties": {path: _parameter_schema(leaf) for path, leaf in paths.items()},
+        "patternProperties": {OWN_PARAMETER: {"type": "object"}},
+        "additionalProperties": False,
+        "minProperties": 1,
+    }
+    required = [name for name, leaf in HEAD_FIELDS.items() if leaf.required]
+    head = {"$schema": DRAFT, "title": "screwsim fit"}
+    return head | mapping(properties, [*required, "parameters"])
+
+
+def _parameter_schema(leaf: Leaf) -> dict[str, Any]:
+    value, apart = value_schema(leaf), value_schema(difference(leaf))
+    prior = mapping({"mean": value, "deviation": apart}, ["mean", "deviation"])
+    follows = mapping({"factor": {"type": "number"}, "offset": apart})
+    names = {
+        "from": value,
+        "to": value,
+        "start": value,
+        "spacing": {"enum": ["linear", "log"], "default": "linear"},
+        "prior": {"anyOf": [prior, {"const": NO_PRIOR}]},
+        "also": {"type": "object", "additionalProperties": follows},
+    }
+    return mapping(names, ["from", "to"], leaf.doc)

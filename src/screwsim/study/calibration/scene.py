@@ -1,7 +1,7 @@
 """The fitted machine as a scene file: its base, and the paths that the fit changed."""
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +12,6 @@ from screwsim.study.calibration.solve import Calibration
 from screwsim.study.inputs import shown_value
 
 VALUE_DIGITS = 7  # of a fitted value: far below its error
-
-
 FIRST_LINE = "# Fitted by: screwsim calibrate"  # start of a scene that a calibration wrote
 
 
@@ -22,11 +20,7 @@ def fitted_text(found: Calibration, folder: Path) -> str:
     fit = found.fit
     tree: dict[str, Any] = {}
     for path, value in fit.changes(found.values).items():
-        node = tree
-        *above, last = keys(path)
-        for name in above:
-            node = node.setdefault(name, {})
-        node[last] = shown_value(fit.scene, path, value, VALUE_DIGITS).replace("°C", "degC")
+        put(tree, keys(path), shown_value(fit.scene, path, value, VALUE_DIGITS).replace("°C", "degC"))
     title = fit.title or fit.scene.title
     lines = [
         f"{FIRST_LINE} {os.path.basename(fit.name)}; {quality_in_words(found)}.",
@@ -50,6 +44,17 @@ def keys(path: str) -> list[str]:
         return path.split(".")
     name, below = effect_keys(path, catalogue())
     return ["effects", name, *below]
+
+
+def put(tree: dict[str, Any], where: Sequence[str], text: str | dict[str, Any]) -> None:
+    """Put a text into a tree under its keys; a text on the way there gives place to a mapping, {} keeps one."""
+    *above, last = where
+    for name in above:
+        if not isinstance(tree.get(name), dict):
+            tree[name] = {}
+        tree = tree[name]
+    if text or not isinstance(tree.get(last), dict):
+        tree[last] = text
 
 
 def lines_of(tree: Mapping[str, Any], indent: str = "") -> Iterator[str]:

@@ -110,7 +110,6 @@ def _sheet_of_kind(
         demands = () if profile is None else read_profile(profile)
         return air_sheet(scene, air_rating(scene), demands)
     _refuse_unused_options({"--profile": profile}, "the scene is not one")
-    from screwsim.study.datasheet import gas
     from screwsim.study.datasheet.bounds import limits_of
     from screwsim.study.datasheet.rated import rating
 
@@ -123,13 +122,13 @@ def _sheet_of_kind(
         _refuse_unused_options({name: ranges[name] for name in BY_PRESSURE}, "the scene states saturation temperatures")
         asked = rating_request(scene, ranges["--evaporating"], ranges["--condensing"], bounds)
         return refrigeration_sheet(rating(asked, jobs, progress), heating)
-    from screwsim.study.datasheet.gas_sheet import gas_sheet
+    from screwsim.study.datasheet import gas_sheet
 
-    options = gas.options_of(scene)
+    options = gas_sheet.options_of(scene)
     stated = "pressures" if "--suction" in options else "saturation temperatures"
     unused: dict[str, Any] = {name: text for name, text in ranges.items() if name not in options}
     _refuse_unused_options({**unused, "--heating": heating or None}, f"the scene states {stated}")
-    return gas_sheet(rating(gas.rating_request(scene, ranges, bounds), jobs, progress))
+    return gas_sheet.gas_sheet(rating(gas_sheet.rating_request(scene, ranges, bounds), jobs, progress))
 
 
 def _refuse_unused_options(given: Mapping[str, Any], why: str) -> None:

@@ -14,6 +14,7 @@ from screwsim.study.datasheet.air_rating import EFFICIENCY, Point, Rating, Regul
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, warning_lines
+from screwsim.study.datasheet.tables import document_figures
 
 REFERENCE_INLET = 1e5, 293.15  # Pa, K
 KW, MINUTE, HOUR, RPM = 1e3, 60.0, 3600.0, 0.10471975511965977  # W, s, s, rad/s
@@ -168,10 +169,7 @@ def _notes(scene: Scene, points: list[Point]) -> Iterator[str]:
 
 
 def _figures(point: Point) -> dict[str, Any]:
-    found = point.result.performance
-    kept = {name: found[name] for name in DOCUMENT_FIGURES if name in found}
-    said = {"status": point.result.status, "message": point.result.message, "warnings": list(point.result.warnings)}
-    return {"speed": point.speed, **said, **kept}
+    return {"speed": point.speed, **document_figures(point.result, DOCUMENT_FIGURES)}
 
 
 def _document(scene: Scene, rated: Rating) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from screwsim.figures.engineering import quantity, shown_name
 from screwsim.outputs import Result
+from screwsim.outputs.display import picked
 from screwsim.scene import Scene
 from screwsim.scene.operation import CONDENSING
 from screwsim.study.datasheet.bounds import exceeded_bounds, limit_text, motor_of
@@ -183,8 +184,7 @@ def has_figure(result: Result, column: Column) -> bool:
 def document_figures(result: Result, names: Sequence[str]) -> dict[str, Any]:
     """Return the parts of a result that a sheet's document keeps."""
     found = {name: result.performance[name] for name in names if name in result.performance}
-    said = {"status": result.status, "message": result.message, "warnings": list(result.warnings)}
-    return {**said, **found}
+    return picked(result, "status", "message", "warnings") | found
 
 
 def document_of(rated: Rating, names: Sequence[str]) -> dict[str, Any]:

@@ -4,7 +4,6 @@ import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ import numpy as np
 from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
 from screwsim.results.atomic import has_content
-from screwsim.results.identity import differences, unpacked
+from screwsim.results.identity import differences, installed_version, unpacked
 from screwsim.results.optimum import EVALUATION, POINT, EvaluationColumns, write_optimum
 from screwsim.results.read import read_attributes
 from screwsim.results.schema import Axis, axis_of, digest, identity_of
@@ -50,11 +49,7 @@ def question_text(asked: Question) -> str:
 
 def identity(asked: Question) -> dict[str, str]:
     """Return the identity that tells the results of one optimisation from those of another."""
-    try:
-        pymoo = metadata.version("pymoo")
-    except metadata.PackageNotFoundError:
-        pymoo = "none"
-    return {**identity_of(asked.scene), QUESTION_KEY: question_text(asked), "pymoo": pymoo}
+    return {**identity_of(asked.scene), QUESTION_KEY: question_text(asked), "pymoo": installed_version("pymoo")}
 
 
 @contextmanager

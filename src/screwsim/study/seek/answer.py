@@ -207,11 +207,8 @@ def next_size(trials: Trials, met: Trial | None, sizes: Iterable[float]) -> Size
     least = sizes[0] if met is None else span.value(met.places[0])
     for size in (each for each in sizes if each >= least * (1.0 - SAME_SIZE)):
         trial = trials.at(span.place(size))
-        if trial.off is not None and trial.result is not None and _is_beyond(trials, trial, direction):
+        if trial.off is None or trial.result is None:
+            continue
+        if direction * trial.off[0] >= 0.0 or trials.met(trial):
             return Size(size, trial.off[0] + trials.goals[0].value, trial.result)
     return None
-
-
-def _is_beyond(trials: Trials, trial: Trial, direction: float) -> bool:
-    assert trial.off is not None
-    return direction * trial.off[0] >= 0.0 or trials.met(trial)

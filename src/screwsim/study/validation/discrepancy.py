@@ -16,8 +16,7 @@ from screwsim.figures.errors import error_in_unit
 from screwsim.outputs import EFFICIENCY, Result
 from screwsim.scene import Scene
 from screwsim.scene.types import COVERAGE
-from screwsim.study.model_error import conditions_of
-from screwsim.study.uncertain import with_uncertainty
+from screwsim.study.uncertain import conditions_of, with_uncertainty
 from screwsim.study.validation.record import ValidationPoint
 
 UNCERTAINTY_PARTS = {"numerical": "u_num", "inputs": "u_input", "stated": "u_D"}
