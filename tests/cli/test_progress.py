@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import screwsim
+from screwsim import cli
 
 pytestmark = pytest.mark.around
 PARTS = Path("grid.h5.parts")
@@ -79,3 +80,21 @@ def test_nothing_is_shown_when_stderr_is_no_terminal(json, folder, python):
     assert answer.code == 0
     assert "points/s" not in answer.err
     assert "\x1b" not in answer.out + answer.err
+
+
+def test_an_interrupted_optimisation_says_whether_anything_is_kept(tmp_path, monkeypatch, capsys):
+    def interrupted(name):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, "_parser", interrupted)
+    file = str(tmp_path / "front.h5")
+    command = ["optimize", "x.yaml", "-o", file]
+    assert cli.exit_code(command) == 130
+    assert (
+        capsys.readouterr().err.strip().endswith("interrupted; the same command begins anew, as no batch was finished")
+    )
+    Path(f"{file}.parts").mkdir()
+    assert cli.exit_code(command) == 130
+    assert capsys.readouterr().err.strip().endswith("interrupted; the same command continues where it stopped")
+    assert cli.exit_code(["optimize", "x.yaml"]) == 130
+    assert capsys.readouterr().err.strip() == "interrupted"

@@ -97,11 +97,19 @@ def exit_code(arguments: Sequence[str]) -> int:
     except Exception as error:  # noqa: BLE001 - whatever it is, the user gets one line
         outcome = INTERRUPTED if process.interrupted() else _print_fault(error, arguments)
     if process.interrupted() or outcome == INTERRUPTED:  # other code may have swallowed the exception
-        resumes = "; the same command resumes the sweep" if "sweep" in arguments[:1] else ""
-        if "optimize" in arguments[:1] and "-o" in arguments:
-            resumes = "; the same command continues where it stopped"
-        return print_error(f"interrupted{resumes}", INTERRUPTED)
+        return print_error(f"interrupted{_how_to_resume(arguments)}", INTERRUPTED)
     return outcome if isinstance(outcome, int) else OK
+
+
+def _how_to_resume(arguments: Sequence[str]) -> str:
+    """Return that an interrupted command can be given again; '' where it would begin anew."""
+    if "sweep" in arguments[:1]:
+        return "; the same command resumes the sweep"
+    if "optimize" in arguments[:1] and "-o" in arguments[:-1]:
+        parts = arguments[arguments.index("-o") + 1] + ".parts"
+        kept = "continues where it stopped" if os.path.isdir(parts) else "begins anew, as no batch was finished"
+        return f"; the same command {kept}"
+    return ""
 
 
 def _print_fault(error: Exception, arguments: Sequence[str]) -> int:

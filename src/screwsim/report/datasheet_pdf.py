@@ -84,7 +84,7 @@ def _typeset(sheet: Any, form: Typesetting, plot: float) -> Paper:
     if sheet.verdict is not None:
         what, words, good = sheet.verdict
         _heading(paper, what)
-        paper.paragraph(f"{VERDICT_WORDS[good]}: {words}")
+        paper.paragraph(words if VERDICT_WORDS[good] in words else f"{VERDICT_WORDS[good]}: {words}")
     if sheet.notes:
         _heading(paper, "Notes")
         for note in sheet.notes:
