@@ -26,11 +26,8 @@ Array = np.ndarray
 STEPS = 512  # steps of a turn for which the device has room, at first ...
 MOST_STEPS = 8192  # ... and at most
 NO_ROOM = "the GPU has no memory for {} points at once; use fewer (screwsim.batch.together with in_flight={})"
-CONTEXT = Kind(
-    "c",
-    tuple(array(INTEGER if name in WHOLE else FLOAT, AXES.get(name, 1)) for name in ChamberContext._fields),
-    names=ChamberContext._fields,
-)
+_FIELDS = ChamberContext._fields
+CONTEXT = Kind("c", tuple(array(INTEGER if n in WHOLE else FLOAT, AXES.get(n, 1)) for n in _FIELDS), names=_FIELDS)
 GIVEN: dict[str, Kind] = {
     "breakpoints": array(FLOAT, 1),
     "n_breakpoints": INTEGER,

@@ -41,10 +41,8 @@ def gas_rows(scene: Scene, parts: Parts) -> Iterator[str]:
     condensing = "dew" if is_blend(scene.gas.name) else "bubble"
     dew = _saturation_remark(operation.evaporating_temperature, "dew")
     bubble = _saturation_remark(operation.condensing_temperature, condensing)
-    dew, bubble = (
-        dew or _gauge_remark(scene, operation.suction.pressure),
-        bubble or _gauge_remark(scene, operation.discharge.pressure),
-    )
+    dew = dew or _gauge_remark(scene, operation.suction.pressure)
+    bubble = bubble or _gauge_remark(scene, operation.discharge.pressure)
     yield row("suction line", f"{in_bar(at.p_s)}{dew}, {in_celsius(at.T_s)}")
     T_d = operation.discharge.temperature
     back = "mean temperature of the outflow (M27)" if T_d is None else readable_quantity(KINDS["temperature"], T_d)

@@ -67,10 +67,8 @@ def document(base: SceneArguments) -> dict[str, Any]:
     }
     for path in scene.uncertain.keys() & controls.keys():
         controls[path]["tolerance"] = _tolerance(leaves[path], value_at(scene, path), scene.uncertain[path])
-    groups = [
-        {"name": name, "words": words, "controls": [each for path, each in controls.items() if _is_below(path, name)]}
-        for name, words in GROUPS.items()
-    ]
+    below = {name: [each for path, each in controls.items() if _is_below(path, name)] for name in GROUPS}
+    groups = [{"name": name, "words": words, "controls": below[name]} for name, words in GROUPS.items()]
     effects = [
         {
             "name": name,

@@ -152,10 +152,8 @@ def _function(table: MapTable, number: int) -> str:
     for c, (i, j) in zip(coefficients, TERMS, strict=True):
         powers = [name if n == 1 else f"{name}^{n}" for name, n in (("u", i), ("v", j)) if n]
         terms.append("*".join([f"({float(c)!r})", *powers]))
-    scaled = [
-        f"    Real {letter} = ({one.name} - {middle!r})/{half!r};"
-        for letter, one, (middle, half) in zip("uv", table.inputs, middles, strict=True)
-    ]
+    named = zip("uv", table.inputs, middles, strict=True)
+    scaled = [f"    Real {letter} = ({one.name} - {middle!r})/{half!r};" for letter, one, (middle, half) in named]
     inputs = [f'    input Real {one.name}(unit="{plain(one.units)}") {_quoted(one.long_name)};' for one in table.inputs]
     lines = [
         f"  function {each.name} {_quoted(f'{each.long_name}; off from the tables by {error:.2g} at most')}",

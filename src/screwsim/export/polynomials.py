@@ -82,10 +82,8 @@ def swept_results(
     if over:
         inputs = read_inputs(scene, over)
         counts = [SATURATION_NODES if one.path in (EVAPORATING, CONDENSING) else OTHER_NODES for one in inputs]
-        sweep = {
-            one.path: tuple(map(float, one.at(evenly_spaced_nodes(one, count))))
-            for one, count in zip(inputs, counts, strict=True)
-        }
+        pairs = zip(inputs, counts, strict=True)
+        sweep = {one.path: tuple(map(float, one.at(evenly_spaced_nodes(one, count)))) for one, count in pairs}
         scene = replace(scene, sweep=sweep, joints=())
         scene = replace(scene, text=scene_text(replace(scene, text="")))
     missing = [path for path in (EVAPORATING, CONDENSING) if path not in scene.sweep]

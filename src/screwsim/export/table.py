@@ -177,10 +177,8 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable
     sound = (results.status.reshape(shape)[np.ix_(*orders)] == "ok") & np.isfinite(values).all(axis=-1)
     if not sound.any():
         raise UsageError(f"{results.path}: none of its cases closed")
-    nodes = [
-        one.coordinate(np.asarray(axis.values, float)[order])
-        for one, axis, order in zip(inputs, axes, orders, strict=True)
-    ]
+    across = zip(inputs, axes, orders, strict=True)
+    nodes = [one.coordinate(np.asarray(axis.values, float)[order]) for one, axis, order in across]
     table = _table(None, inputs, outputs, nodes, values, sound, None)
     errors, checked = _errors_of_leaving_out(nodes, values, sound, outputs)
     how = f"largest at {checked} nodes when every second one of an axis is left out: for a table twice as coarse"

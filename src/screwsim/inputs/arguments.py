@@ -132,10 +132,8 @@ def _progress(given: Any) -> bool:
     return isinstance(given, bool) or all(hasattr(given, name) for name in ("start", "advance", "stop"))
 
 
-JOBS = Kind(
-    lambda given: given is None or (_whole(given) and given >= 1),
-    "not a number of workers (pass 1 or more, or None for all cores)",
-)
+_WRONG_JOBS = "not a number of workers (pass 1 or more, or None for all cores)"
+JOBS = Kind(lambda given: given is None or (_whole(given) and given >= 1), _WRONG_JOBS)
 SEED = whole(0, "not a seed (pass a whole number, 0 or more)")
 FLAG = Kind(_flag, "neither True nor False")
 REAL = Kind(_real, "no number")  # NaN passes: the function reports it itself

@@ -93,10 +93,8 @@ def impossible_figures(result: Result) -> str:
     names = dict.fromkeys(result.impossible)
     if (result.performance.get("volumetric_efficiency") or 0.0) < 0.0:
         names = {"volumetric_efficiency": None} | names
-    told = ", ".join(
-        " ".join((shown_name(name), *engineering(declared(name, result.performance), result.performance[name]))).strip()
-        for name in names
-    )
+    values = ((name, engineering(declared(name, result.performance), result.performance[name])) for name in names)
+    told = ", ".join(" ".join((shown_name(name), *value)).strip() for name, value in values)
     return f"physically impossible: {told}" if told else ""
 
 
@@ -104,12 +102,8 @@ def _status_line(result: Result) -> str:
     """Return the status with the number of warnings and the message, if any."""
     count = len(result.warnings)
     warned = f", with {count} {'warning' if count == 1 else 'warnings'}" if count else ""
-    filled = result.performance.get("volumetric_efficiency")
-    back = (
-        f"; the volumetric efficiency is {filled:.4g}: more gas flows back than is drawn in"
-        if (filled or 0.0) < 0.0
-        else ""
-    )
+    filled = result.performance.get("volumetric_efficiency") or 0.0
+    back = f"; the volumetric efficiency is {filled:.4g}: more gas flows back than is drawn in" if filled < 0.0 else ""
     return f"{result.status}{warned}{back}" + (f"; {result.message}" if result.message else "")
 
 
@@ -311,10 +305,6 @@ def accuracy_drawing(study: Study) -> Drawing:
         mine = [each for each in cases if each.label == label]
         columns = ([getattr(each, name) for each in mine] for name in ("time", "evaluations", "error"))
         lines.append(Line(label.replace("scipy-", "scipy "), *columns))
-    return Drawing(
-        lines,
-        [(each.time, each.error) for each in pareto_front(cases)],
-        [(each.evaluations, each.error) for each in pareto_front(cases, "evaluations")],
-        study.reference.difference,
-        limit_of_regularisation(study),
-    )
+    front = [(each.time, each.error) for each in pareto_front(cases)]
+    by_evaluations = [(each.evaluations, each.error) for each in pareto_front(cases, "evaluations")]
+    return Drawing(lines, front, by_evaluations, study.reference.difference, limit_of_regularisation(study))

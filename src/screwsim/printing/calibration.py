@@ -238,12 +238,8 @@ def _correlations(found: Calibration) -> Iterator[str]:
     names = list(found.fit.short_names().values())
     if known is None or len(names) < 2:
         return
-    pairs = [
-        (abs(r), f"{names[j]}, {names[i]} {r:+.2f}")
-        for i, row in enumerate(known.correlation)
-        for j, r in enumerate(row[:i])
-        if r is not None
-    ]
+    below = ((i, j, r) for i, row in enumerate(known.correlation) for j, r in enumerate(row[:i]) if r is not None)
+    pairs = [(abs(r), f"{names[j]}, {names[i]} {r:+.2f}") for i, j, r in below]
     if pairs:
         strongest = [text for _, text in sorted(pairs, reverse=True)[:4]]
         yield f"strongest correlations: {'; '.join(strongest)}"

@@ -132,11 +132,8 @@ def _findings(found: Diagnosis) -> Iterator[str]:
         yield f"then {'; '.join(_hypothesis_text(found, each) for each in others[:MOST_IN_WORDS])}"
     two = [each for each in found.hypotheses if len(each.changes) == 2]
     if two:
-        changed = [
-            f"{_name(found, path)} {_probability(each)}"
-            for path, each in found.changed.items()
-            if each > LEAST_PROBABILITY_IN_WORDS
-        ]
+        likely = ((path, each) for path, each in found.changed.items() if each > LEAST_PROBABILITY_IN_WORDS)
+        changed = [f"{_name(found, path)} {_probability(each)}" for path, each in likely]
         if changed and best.path != NO_CHANGE:
             yield f"changed, alone or with another: {', '.join(changed)}"
         hidden = [each.probability for each in two if each.probability <= LIKELY_PROBABILITY]

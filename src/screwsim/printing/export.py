@@ -27,10 +27,8 @@ def map_document(table: MapTable, files: Sequence[str]) -> dict[str, Any]:
 def print_map(table: MapTable, files: Sequence[str]) -> None:
     """Print a map, in SI units."""
     print_scene_title(table.title)
-    rows = [
-        [one.name, f"{one.low:.6g}", f"{one.high:.6g}", plain(one.units), str(len(nodes))]
-        for one, nodes in zip(table.inputs, table.grid.nodes, strict=True)
-    ]
+    inputs = zip(table.inputs, table.grid.nodes, strict=True)
+    rows = [[one.name, f"{one.low:.6g}", f"{one.high:.6g}", plain(one.units), str(len(nodes))] for one, nodes in inputs]
     say("\n".join(plain_table(["input", "from", "to", "unit", "nodes"], rows, 1)))
     say()
     errors = zip(table.outputs, table.errors, strict=True)

@@ -139,10 +139,8 @@ def _figures(asked: Question, row: GoalSeekAnswer) -> Iterator[tuple[str, str]]:
     sought = [goal.figure for goal in asked.goals]
     for name in sought:
         value = row.size.figure if row.size else row.figures[name]
-        yield (
-            shown_name(name),
-            f"{figure_text(name, value)}, error {error_text(name, row.figures[name], row.errors[name])}",
-        )
+        error = error_text(name, row.figures[name], row.errors[name])
+        yield shown_name(name), f"{figure_text(name, value)}, error {error}"
     for name in OTHER_FIGURES:
         if name not in sought and performance.get(name) is not None:
             yield shown_name(name), figure_text(name, performance[name])

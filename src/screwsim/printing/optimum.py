@@ -57,15 +57,9 @@ def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> li
     number, unit = engineering(asked.figure, row.figure)
     low, high = (shown_number(scene, asked.path, end) for end in (row.low, row.high))
     mark = {"lower border": " <", "upper border": " >"}.get(row.place or "", "")
-    return [
-        *head,
-        shown_value(scene, asked.path, row.value, 4) + mark,
-        f"{low} … {high}",
-        f"{number} {unit}".strip(),
-        f"{row.error / abs(row.figure):.0e}" if row.figure else "",
-        f"{row.accuracy:.0e}",
-        str(row.solutions),
-    ]
+    place = [shown_value(scene, asked.path, row.value, 4) + mark, f"{low} … {high}", f"{number} {unit}".strip()]
+    error = f"{row.error / abs(row.figure):.0e}" if row.figure else ""
+    return [*head, *place, error, f"{row.accuracy:.0e}", str(row.solutions)]
 
 
 def _notes(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> Iterator[str]:

@@ -35,11 +35,8 @@ def print_short(title: str, result: Result, changed: Sequence[str] = ()) -> None
         say(_cut_to_lines(printable(first), 1))
     if changed:
         say(_cut_to_lines(printable(", ".join(changed)), 1))
-    say(
-        _cut_to_lines(
-            printable(f"status: {result.status}" + (f"; {result.message}" if result.message else "")), MOST_LINES
-        )
-    )
+    told = f"; {result.message}" if result.message else ""
+    say(_cut_to_lines(printable(f"status: {result.status}{told}"), MOST_LINES))
     if result.warnings:
         say(_cut_to_lines(printable(f"warning: {result.warnings[0]}"), MOST_LINES))
     there = [name for name in FIRST_FIGURES if result.performance.get(name) is not None]

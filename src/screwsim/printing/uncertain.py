@@ -145,11 +145,9 @@ def uncertainty_ranges(results: Results) -> dict[str, Any]:
         square = np.square(np.nan_to_num(results.contributions[name][there]))
         total = square.sum(axis=-1)
         shares = (square[total > 0.0] / total[total > 0.0, None]).mean(axis=0)
-        figures[name] = {
-            "least": float(np.nanmin(expanded)),
-            "largest": float(np.nanmax(expanded)),
-            "shares": dict(zip(results.contributions["contributor"].tolist(), shares.tolist(), strict=True)),
-        }
+        by_input = dict(zip(results.contributions["contributor"].tolist(), shares.tolist(), strict=True))
+        least, largest = float(np.nanmin(expanded)), float(np.nanmax(expanded))
+        figures[name] = {"least": least, "largest": largest, "shares": by_input}
     return {"coverage_factor": COVERAGE, "figures": figures}
 
 

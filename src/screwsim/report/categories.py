@@ -26,11 +26,8 @@ def plans(results: Results) -> Iterator[Plan]:
     place = int(np.argmax(lengths))
     layout = Layout(place, None, tuple(number for number in range(len(axes)) if number != place))
     for suffix, constant, chosen in slices(results, layout):
-        shown = [
-            name
-            for name in (efficiency_name(results), *OTHER_FIGURES)
-            if name and _has_value(results, chosen, name).any()
-        ]
+        names = filter(None, (efficiency_name(results), *OTHER_FIGURES))
+        shown = [name for name in names if _has_value(results, chosen, name).any()]
         if shown and len(axes[place].values) >= _FEWEST:
             name = axes[place].path.rpartition(".")[2]
             yield f"{name}{suffix}", partial(_draw, results, place, chosen, constant, shown)

@@ -59,11 +59,8 @@ def coefficients(scene: Scene) -> dict[str, tuple[float, str, str]]:
     for rotor, width in zip(("male", "female"), leakage.mean_widths(rotors.pair, rotors.chain), strict=True):
         meaning = f"mean thickness of a {rotor} lobe on the end face: `passage` of that leak"
         own[f"{rotor}_lobe_thickness"] = (width, "m", meaning)
-    own["sealing_line_length"] = (
-        _longest_line(laid),
-        "m",
-        "longest contact line of a chamber, including the part over the tip",
-    )
+    longest_line = "longest contact line of a chamber, including the part over the tip"
+    own["sealing_line_length"] = (_longest_line(laid), "m", longest_line)
     over = longest["sealing_line_over_tip"]
     own["sealing_line_over_tip"] = (over, "m", "its part over the male tip: `tip_length` of interlobe_leakage")
     for wanted in dict.fromkeys((ratio, *LISTED_RATIOS)):
@@ -74,11 +71,8 @@ def coefficients(scene: Scene) -> dict[str, tuple[float, str, str]]:
         own[f"opens_at_{wanted:g}"] = (angle, "rad", f"of a chamber's life: the port opens for Vi = {wanted:g}")
     if laid.slot is not None:
         share, volume_ratio = closed_in(rotors, laid.curves)
-        own["slide_volume_share"] = (
-            share,
-            "1",
-            "share of the largest volume that is trapped, with the slide at its position",
-        )
+        trapped = "share of the largest volume that is trapped, with the slide at its position"
+        own["slide_volume_share"] = (share, "1", trapped)
         own["slide_volume_ratio"] = (volume_ratio, "1", "from there to the opening of the discharge port")
     axis = {
         "scene_life": (laid.life, "in whole pitches, as the scene counts them"),
@@ -159,13 +153,8 @@ def table_files(scene: Scene, folder: Path) -> dict[str, str]:
         files["slide_valve.csv"] = _csv(laid.slot, "m^2")
         parameters = replace(effects["slide_valve"].parameters, area_file=str(folder.resolve() / "slide_valve.csv"))
         effects["slide_valve"] = replace(effects["slide_valve"], parameters=parameters)
-    tabled = replace(
-        scene,
-        machine=_tabled_curves(scene, laid, folder.resolve()),
-        effects=effects,
-        sweep={},
-        folder=str(folder.resolve()),
-    )
+    machine = _tabled_curves(scene, laid, folder.resolve())
+    tabled = replace(scene, machine=machine, effects=effects, sweep={}, folder=str(folder.resolve()))
     return {**files, "scene.yaml": _TABLE_NOTE + scene_text(tabled)}
 
 
@@ -184,29 +173,14 @@ def _path_csv(interfaces: tuple[Interface, ...], gap: float | None) -> str:
 def _tabled_curves(scene: Scene, laid: LaidCurves, folder: Path) -> Any:
     machine = twin_screw(scene.machine)
     sizes = ("rotor_diameter", "rotor_length", "male_lobes", "female_lobes")
-    volume = replace(
-        machine.volume,
-        law="table",
-        max=laid.swept,
-        min=machine.volume.dead_of(laid.swept),
-        file=str(folder / "volume.csv"),
-        life=laid.life,
-        injection_angle=laid.injection,
-    )
+    size = {"max": laid.swept, "min": machine.volume.dead_of(laid.swept)}
+    angles = {"life": laid.life, "injection_angle": laid.injection}
+    volume = replace(machine.volume, law="table", file=str(folder / "volume.csv"), **size, **angles)
     ports = {
         name: replace(port, law="table", file=str(folder / f"{name}.csv"))
         for name in ("suction_port", "discharge_port")
         if (port := getattr(machine, name)) is not None and port.from_rotors
     }
     stated = {name: plain(getattr(machine, name)) for name in sizes}
-    return replace(
-        machine,
-        profile=None,
-        displacement=None,
-        built_in_volume_ratio=None,
-        axial_volume_ratio=None,
-        slide_valve=None,
-        volume=volume,
-        **ports,
-        **stated,
-    )
+    rotors = ("profile", "displacement", "built_in_volume_ratio", "axial_volume_ratio", "slide_valve")
+    return replace(machine, volume=volume, **dict.fromkeys(rotors), **ports, **stated)

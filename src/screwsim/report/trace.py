@@ -17,6 +17,7 @@ _INJECTION = 360.0  # [degree] where oil is injected (docs/model.md)
 _LONE = 0.03  # largest share of the angles of a spike that may exceed the axis
 _ROOM = 1.25  # axis limit over the highest pressure outside spikes
 _SIDES = ("leading", "trailing")
+_LINES = {"$p_s$": "suction", "$p_d$": "discharge"}
 
 
 class Trace(NamedTuple):
@@ -45,22 +46,16 @@ def chosen_trace(results: Results) -> Trace | None:
     values = {name: results.cycle[name][index] for name in results.cycle if name != "angle"}
     angle = results.cycle["angle"]
     title = case_title(results, index)
-    pressures = {
-        symbol: value
-        for symbol, line in (("$p_s$", "suction"), ("$p_d$", "discharge"))
-        if np.isfinite(value := _line_pressure(results, line, index))
-    }
+    lines = {symbol: _line_pressure(results, line, index) for symbol, line in _LINES.items()}
+    pressures = {symbol: value for symbol, value in lines.items() if np.isfinite(value)}
     return Trace(title, angle, values, pressures, marks_of(results, index, angle, values), angle_axis(results))
 
 
 def trace_of(result: Result) -> Trace:
     """Return the cycle of a result in memory, with the lines' pressures that the result has, and no marks."""
     values = {name: column for name, column in result.cycle.items() if name != "angle"}
-    pressures = {
-        symbol: float(value)
-        for symbol, line in (("$p_s$", "suction"), ("$p_d$", "discharge"))
-        if (value := result.performance.get(f"{line}_pressure")) is not None
-    }
+    lines = {symbol: result.performance.get(f"{line}_pressure") for symbol, line in _LINES.items()}
+    pressures = {symbol: float(value) for symbol, value in lines.items() if value is not None}
     title = "" if result.status == "ok" else "not closed"
     return Trace(title, result.cycle["angle"], values, pressures, {})
 

@@ -56,12 +56,8 @@ def _draw_panel(axes: Any, panel: Mapping[str, Any]) -> None:
     # above the axes, so that it covers no curve
     _, labels = axes.get_legend_handles_labels()
     longest = max(map(len, labels), default=1) + HANDLE_CHARACTERS
-    axes.legend(
-        loc="lower left",
-        bbox_to_anchor=(0.0, 1.01),
-        ncols=max(1, min(3, LEGEND_CHARACTERS // longest)),
-        columnspacing=1.2,
-    )
+    columns = max(1, min(3, LEGEND_CHARACTERS // longest))
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=columns, columnspacing=1.2)
 
 
 def _logarithmic(axes: Any, which: str) -> None:

@@ -171,11 +171,8 @@ def stored_scene(results: Results) -> str:
     told = results.attributes
     versions = ", ".join(f"{name} {told[f'{name}_version']}" for name in _VERSIONS if f"{name}_version" in told)
     lines = [f"# The scene of {results.path.name}, scene_sha256 {told['scene_sha256'][:16]}", f"# {versions}"]
-    tables = {
-        name.removeprefix("file "): digest
-        for name, digest in json.loads(told["screwsim_identity"]).items()
-        if name.startswith("file ")
-    }
+    identity = json.loads(told["screwsim_identity"])
+    tables = {name.removeprefix("file "): value for name, value in identity.items() if name.startswith("file ")}
     if tables:
         beside = ", ".join(f"{name} ({digest})" for name, digest in tables.items())
         lines.append(f"# It needs these files next to it, unchanged (first digits of their SHA-256): {beside}")

@@ -113,12 +113,8 @@ def identity_of(scene: Scene) -> dict[str, str]:
     drawn = [repr(scene.sweep[path]) for joint in scene.joints if joint.sample for path in joint.paths]
     found = {"schema": str(SCHEMA), "values of the scene": digest(scene.text)}
     found |= {"values of the sample": digest("\0".join(drawn))} if drawn else {}
-    return {
-        **found,
-        **identity.figures_identity(),
-        **identity.code_identity(scene.own),
-        **identity.file_identity(named_files(scene)),
-    }
+    found |= identity.figures_identity() | identity.code_identity(scene.own)
+    return found | identity.file_identity(named_files(scene))
 
 
 def _library_version(name: str) -> str:

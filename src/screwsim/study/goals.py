@@ -36,10 +36,8 @@ class Bound(NamedTuple):
 
 def read_goals(scene: Scene, texts: Iterable[str]) -> tuple[Goal, ...]:
     """Return the goals of texts FIGURE=VALUE; raise UsageError in one line."""
-    found = []
-    for text in texts:
-        figure, _, value = _split_condition(scene, text, "--for", "=", "cooling_capacity=500 kW")
-        found.append(Goal(figure, value))
+    split = (_split_condition(scene, text, "--for", "=", "cooling_capacity=500 kW") for text in texts)
+    found = [Goal(figure, value) for figure, _, value in split]
     refuse_twice("--for", [goal.figure for goal in found])
     if not found:
         raise UsageError("no goal is given (write --for FIGURE=VALUE, e.g. --for 'cooling_capacity=500 kW')")

@@ -121,13 +121,9 @@ def sensitivity(
     middle = {each.path: 0.5 * (each.low + each.high) for each in ranges}
     check_fit(scene, middle, "in the middle of the ranges")
     simulate = simulate or simulator(with_values(scene, middle))
+    call, dead = partial(_answer, scene, problem["names"], points, figures, simulate), _Answer(WORKER_DIED)
     answers = parallel_map(
-        partial(_answer, scene, problem["names"], points, figures, simulate),
-        len(points),
-        died=lambda number: _Answer(WORKER_DIED),
-        jobs=jobs,
-        failed=lambda answer: bool(answer.message),
-        progress=progress,
+        call, len(points), died=lambda number: dead, jobs=jobs, failed=lambda one: bool(one.message), progress=progress
     )
     head = (tuple(ranges), samples, seed, len(points))
     bad = [answer for answer in answers if answer.message]

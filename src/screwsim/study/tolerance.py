@@ -120,13 +120,9 @@ def tolerances(
         raise UsageError(f"the nominal machine: {nominal.told}")
     figures = tuple(name for name in FIGURES if nominal.performance.get(name) is not None)
     lengths = drawn_lengths(machine, widths, count, seed)
+    call, dead = partial(_figures_of_machine, scene, lengths, figures, simulate), _MachineFigures(WORKER_DIED)
     answers = parallel_map(
-        partial(_figures_of_machine, scene, lengths, figures, simulate),
-        count,
-        died=lambda number: _MachineFigures(WORKER_DIED),
-        jobs=jobs,
-        failed=lambda answer: bool(answer.message),
-        progress=progress,
+        call, count, died=lambda number: dead, jobs=jobs, failed=lambda one: bool(one.message), progress=progress
     )
     good = [i for i, answer in enumerate(answers) if not (answer.message or answer.hits)]
     bad = [answer.message for answer in answers if answer.message]

@@ -197,10 +197,8 @@ def model_error(scene: Scene, performance: Mapping[str, Any]) -> dict[str, Any]:
         if value is None or held is None:
             continue
         size = abs(value) if each["relative"] else 1.0
-        figures[name] = {end: size * held[end] for end in ("mean", "low", "high")} | {
-            "points": held["points"],
-            "not_stated": each["not_stated"],
-        }
+        ends = {end: size * held[end] for end in ("mean", "low", "high")}
+        figures[name] = ends | {"points": held["points"], "not_stated": each["not_stated"]}
     outside = list(_outside(told["range"], conditions_of(scene, performance)))
     return {"of": scene.model_error, "citation": told["citation"], "figures": figures, "outside": outside}
 
@@ -261,10 +259,8 @@ def _drawn_inputs(scene: Scene, count: int) -> list[dict[str, float]]:
     groups = groups_of(scene)
     sample = qmc.Sobol(len(groups), scramble=True, rng=1).random(count)
     deviations = np.asarray(norm.ppf(np.clip(sample, 1e-9, 1.0 - 1e-9)))
-    return [
-        {path: _value_within_limits(scene, path, float(row[i])) for i, group in enumerate(groups) for path in group}
-        for row in deviations
-    ]
+    named = [(i, path) for i, group in enumerate(groups) for path in group]
+    return [{path: _value_within_limits(scene, path, float(row[i])) for i, path in named} for row in deviations]
 
 
 def _value_within_limits(scene: Scene, path: str, deviation: float) -> float:

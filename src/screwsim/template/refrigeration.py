@@ -99,11 +99,8 @@ def first_flow(plant: Plant, asked: SceneRequest) -> float:
 
 def scene_of(plant: Plant, asked: SceneRequest) -> str:
     """Return the scene of the compressor of a refrigeration machine or a heat pump."""
-    fluid, flow, speed = (
-        asked.fluid or plant.fluid,
-        asked.flow or DEFAULT_DISPLACEMENT_FLOW,
-        asked.speed or 2950.0 * RPM,
-    )
+    fluid, flow = asked.fluid or plant.fluid, asked.flow or DEFAULT_DISPLACEMENT_FLOW
+    speed = asked.speed or 2950.0 * RPM
     duty, size = duty_of(fluid, flow, asked.condition or plant.condition, plant.condition), texts.sized(flow, speed)
     usual = sizes.matching(duty.p_d / duty.p_s, duty.k, 0.9)
     oil = asked.oil or OILS_FOR.get(fluid.lower(), "POE_68")

@@ -136,13 +136,8 @@ def checks(results: Results) -> Iterator[BalanceCheck]:
         error, name = max(worst)
         wanted = float(results.inputs["numerics_accuracy"]) if "numerics_accuracy" in results.inputs else np.nan
         words = f"largest estimated error of a figure ({shown_name(name)})"
-        known = np.isfinite(wanted)
-        yield BalanceCheck(
-            words,
-            small_number_text(error),
-            small_number_text(wanted) if known else "",
-            _verdict(error <= wanted) if known else "",
-        )
+        told = (small_number_text(wanted), _verdict(error <= wanted)) if np.isfinite(wanted) else ("", "")
+        yield BalanceCheck(words, small_number_text(error), *told)
 
 
 def _verdict(kept: bool) -> str:
@@ -202,11 +197,8 @@ def provenance(results: Results) -> list[tuple[str, str]]:
 
 def notes(results: Results, shown: Selection) -> list[str]:
     """Return what the page leaves out of a large file, and the first message of a failed case."""
-    thinned = [
-        f"one in {stride} values of {axis.path}"
-        for axis, stride in zip(results.axis_list, shown.strides, strict=True)
-        if stride > 1
-    ]
+    strides = zip(results.axis_list, shown.strides, strict=True)
+    thinned = [f"one in {stride} values of {axis.path}" for axis, stride in strides if stride > 1]
     lines = [f"This page shows {' and '.join(thinned)}; all are in the file."] if thinned else []
     failed = np.flatnonzero(results.status.reshape(-1) == "failed")
     if failed.size:

@@ -61,12 +61,8 @@ class Method:
 
 def method_of(accuracy: float, integrator: str = DEFAULT, closing: str = "coupled", **others: Any) -> Method:
     """Return the way that follows from a wanted accuracy (docs/explanation/errors.md), with `others` changed."""
-    known: dict[str, Any] = {
-        "rtol": 0.3 * accuracy,
-        "tolerance": 0.2 * accuracy,
-        "bound": accuracy,
-        "regularised": WIDTH * accuracy,
-    }
+    known: dict[str, Any] = {"rtol": 0.3 * accuracy, "tolerance": 0.2 * accuracy}
+    known |= {"bound": accuracy, "regularised": WIDTH * accuracy}
     return Method(integrator, closing, **(known | others))
 
 
@@ -280,10 +276,8 @@ def omitted_methods(scene: Scene) -> Iterator[tuple[str, str]]:
     kind = kind_of(scene.machine)
     if not kind.dead_volume(scene.machine)[0]:
         tabled = ROTORS in kind.offers
-        yield (
-            "dead volume",
-            "is part of the table of machine.volume.law: table" if tabled else "is not a path of this scene",
-        )
+        what = "part of the table of machine.volume.law: table" if tabled else "not a path of this scene"
+        yield "dead volume", f"is {what}"
     if ROTORS not in kind.offers:
         yield "male lobes", f"{kind.chamber} has none"
 

@@ -134,11 +134,8 @@ def _too_cold(point: Point, scene: Scene) -> Iterator[tuple[str, str]]:
     for name, (value, _) in point.measured.items():
         if declared(name).units == "K" and value < max(LEAST_TEMPERATURE_RATIO * T_s, T_triple):
             limit = f"is drawn in at {in_celsius(T_s)}" if value >= T_triple else f"freezes at {in_celsius(T_triple)}"
-            yield (
-                name,
-                f"{value:.4g} K is {in_celsius(value)}, and {fluid} {limit} (write [{CELSIUS}] for values in that "
-                f"unit)",
-            )
+            what = f"{value:.4g} K is {in_celsius(value)}, and {fluid} {limit}"
+            yield name, f"{what} (write [{CELSIUS}] for values in that unit)"
 
 
 def _cells(row: Row, start: Position) -> list[tuple[str, Position]]:

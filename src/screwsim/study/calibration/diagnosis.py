@@ -189,16 +189,9 @@ def diagnose(
     by_path = {tuple(asked.parameters[i].path for i in which): each for which, each in left.items()}
     message = f"{len(reasons)} of {len(points)} points have no solution" if reasons else ""
     status, inputs = "failed" if reasons else "ok", tuple(" + ".join(group) for group in (*names, *priors))
-    rest = (
-        indistinguishable_pairs(ranked, by_path),
-        chance_of_misfit(ranked[0].misfit, ranked[0].freedom),
-        inputs,
-        reasons,
-        solutions,
-        failed,
-        odds,
-    )
-    return Diagnosis(fit, status, message, before, ranked, *rest)
+    alike, chance = indistinguishable_pairs(ranked, by_path), chance_of_misfit(ranked[0].misfit, ranked[0].freedom)
+    head = fit, status, message, before, ranked
+    return Diagnosis(*head, alike, chance, inputs, reasons, solutions, failed, odds)
 
 
 def _check(unchanged: float, pairs: float) -> None:

@@ -150,10 +150,8 @@ def _combination_in_words(parameters: Sequence[Parameter], moves: Array) -> str:
     names = [each.path for each in parameters]
     if len(parameters) == 1:
         return f"the data hardly constrain {names[0]}"
-    growth = [
-        float(move) * each.slope(each.value(0.5)) / each.value(0.5)
-        for each, move in zip(parameters, moves, strict=True)
-    ]
+    middles = [each.value(0.5) for each in parameters]
+    growth = [float(move) * each.slope(at) / at for each, move, at in zip(parameters, moves, middles, strict=True)]
     if len(parameters) == 2 and all(each.logarithmic for each in parameters):
         ratio = growth[1] / growth[0] if growth[0] else 0.0
         if abs(ratio - 1.0) < 0.05:

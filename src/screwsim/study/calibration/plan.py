@@ -161,13 +161,9 @@ def plan(
     there = [point for point in fit.points if point.fitted and point.measured]
     points = [*there, *candidates]
     call = partial(point_information, asked, points, typical_uncertainties(fit), groups, values, simulate)
+    dead = PointInformation(np.zeros((0, 0)), {}, WORKER_DIED)
     found = parallel_map(
-        call,
-        len(points),
-        died=lambda number: PointInformation(np.zeros((0, 0)), {}, WORKER_DIED),
-        jobs=jobs,
-        failed=lambda one: bool(one.why),
-        progress=progress,
+        call, len(points), died=lambda number: dead, jobs=jobs, failed=lambda one: bool(one.why), progress=progress
     )
     for point, one in zip(points, found, strict=True):
         if one.odd:

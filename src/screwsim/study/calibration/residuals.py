@@ -80,11 +80,8 @@ class Objective:
     def _outcome(self, places: Array) -> Residuals:
         values = self.values(places)
         found = [self.solved(point, values) for point in self.points]
-        every = [
-            (result.performance.get(figure), measured)
-            for point, result in zip(self.points, found, strict=True)
-            for figure, measured in point.measured.items()
-        ]
+        pairs = zip(self.points, found, strict=True)
+        every = [(result.performance.get(name), one) for point, result in pairs for name, one in point.measured.items()]
         residuals = [_residual(value, measured) for value, measured in every]
         unsolved = [value is None for value, _ in every] + [False] * len(self.fit.held)
         held = [self.fit.parameters[i] for i in self.fit.held]
@@ -123,10 +120,8 @@ class Objective:
         if self._slopes is None or self._slopes[0] != (places.tobytes(), sides):
             outcome, values = self.outcome(places), self.values(places)
             self.jacobians += 1
-            rows = [
-                self.point_slopes(point, places, figures, sides)
-                for point, figures in zip(self.points, outcome.figures, strict=True)
-            ]
+            pairs = zip(self.points, outcome.figures, strict=True)
+            rows = [self.point_slopes(point, places, figures, sides) for point, figures in pairs]
             priors = np.zeros((len(self.fit.held), len(places)))
             for row, index in enumerate(self.fit.held):
                 each = self.fit.parameters[index]

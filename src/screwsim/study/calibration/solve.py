@@ -237,10 +237,7 @@ def _calibration_of_starts(
     fit: Fit, starts: Sequence[Start], simulate: Simulate | None, interrupted: bool = False
 ) -> Calibration:
     """Return the answer from the results of the starts."""
-    counts: dict[str, Any] = {
-        "solutions": sum(start.solutions for start in starts),
-        "failed": sum(start.failed for start in starts),
-    }
+    counts: dict[str, Any] = {name: sum(getattr(start, name) for start in starts) for name in ("solutions", "failed")}
     best = min(starts, key=lambda start: start.cost)
     if not np.isfinite(best.cost):
         reason = f"no start has a solution: {best.message} (change starts or bounds)"

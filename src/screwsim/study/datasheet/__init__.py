@@ -69,11 +69,9 @@ def _sheet_with_uncertainty(scene: Scene, sheet: Sheet) -> Sheet:
 
 
 def _input_uncertainties(result: Result, figures: Mapping[str, Any]) -> str:
-    parts = [
-        f"{shown_name(name)} ± {100.0 * figures[name]['expanded'] / abs(result.performance[name]):.2g} %"
-        for name in FIGURES
-        if name in figures and result.performance[name]
-    ]
+    known = [name for name in FIGURES if name in figures and result.performance[name]]
+    shares = (100.0 * figures[name]["expanded"] / abs(result.performance[name]) for name in known)
+    parts = [f"{shown_name(name)} ± {share:.2g} %" for name, share in zip(known, shares, strict=True)]
     told = "at the scene's point, 95 %, by the tolerances of the inputs alone"
     return f"{', '.join(parts)} {told}" if parts else "nothing is known for these figures"
 

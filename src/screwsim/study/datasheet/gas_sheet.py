@@ -24,12 +24,8 @@ from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
 from screwsim.study.datasheet.tables import DUTY, HOUR, KW, PERCENT, Column
 from screwsim.study.part_load import CONTROL_ENDS, GAS, RATIO_PATH, SPEED_PATH, controls, ratios
 
-FLOW, DISCHARGE, ISENTROPIC, FILLING = (
-    "gas_mass_flow",
-    "discharge_temperature",
-    "isentropic_efficiency",
-    "filling_factor",
-)
+FLOW, DISCHARGE = "gas_mass_flow", "discharge_temperature"
+ISENTROPIC, FILLING = "isentropic_efficiency", "filling_factor"
 ELECTRICAL_FIGURES = "electrical_power", "electrical_isentropic_efficiency"
 DOCUMENT_FIGURES = (
     FLOW, "shaft_power", "output_power", *ELECTRICAL_FIGURES, ISENTROPIC, "volumetric_efficiency", FILLING, DISCHARGE,
@@ -197,11 +193,9 @@ def _drawings(rated: Rating) -> Iterator[Drawing]:
     asked = rated.asked
     across, _ = _sides(rated)
     columns = _columns(rated)
+    below = list(enumerate(asked.down.values))
     rows = [
-        (
-            tables.shown_at(asked.across, value),
-            sorted((ratio_at(asked, value, below), (i, j)) for j, below in enumerate(asked.down.values)),
-        )
+        (tables.shown_at(asked.across, value), sorted((ratio_at(asked, value, each), (i, j)) for j, each in below))
         for i, value in enumerate(asked.across.values)
     ]
     for column in (columns[1], columns[2]):
@@ -238,10 +232,8 @@ def rating_request(scene: Scene, ranges: Mapping[str, str | None], bounds: Seque
     over = f"{SPEED_PATH}, {inlet} and {outlet}" if expands else f"{inlet}, {outlet} and controls of the flow"
     base = rating.without_sweep(scene, {inlet, outlet, *beside}, over)
     if expands and ranges.get(first) is None and inlet not in scene.sweep:
-        across = Axis(
-            SPEED_PATH,
-            _swept_values(scene, SPEED_PATH) or tuple(share * base.operation.speed for share in SPEED_SHARES),
-        )
+        speeds = _swept_values(scene, SPEED_PATH) or tuple(share * base.operation.speed for share in SPEED_SHARES)
+        across = Axis(SPEED_PATH, speeds)
     else:
         across = _line(scene, base, inlet, ranges.get(first), first)
     down = _line(scene, base, outlet, ranges.get(second), second)

@@ -112,11 +112,8 @@ def rating(asked: RatingRequest, jobs: int | None = None, progress: Progress | N
     columns, loads = [part.column for part in found[:count]], [part.load for part in found[count:]]
     points = {(i, j): result for i, column in enumerate(columns) for j, result in enumerate(column) if result}
     axes = asked.across.values, asked.down.values
-    figures = {
-        (i, j): points[i, j].performance if (i, j) in points and points[i, j].status == "ok" else None
-        for i in range(count)
-        for j in range(len(axes[1]))
-    }
+    closed = {place: result.performance for place, result in points.items() if result.status == "ok"}
+    figures = {(i, j): closed.get((i, j)) for i in range(count) for j in range(len(axes[1]))}
     reach = tuple(envelope(figures, axes, asked.bounds))
     return Rating(asked, own, points, [load for load in loads if load is not None], reach)
 

@@ -102,10 +102,9 @@ def _drawings(rated: Rating) -> Iterator[Drawing]:
     asked = rated.asked
     columns = columns_of(rated)
     by = "condensing" if asked.down.path == CONDENSING else "gas cooler"
-    rows = [
-        (tables.shown_at(asked.down, value), [(celsius(x), (i, j)) for i, x in enumerate(asked.across.values)])
-        for j, value in enumerate(asked.down.values)
-    ]
+    places = [(celsius(x), i) for i, x in enumerate(asked.across.values)]
+    down = enumerate(asked.down.values)
+    rows = [(tables.shown_at(asked.down, value), [(x, (i, j)) for x, i in places]) for j, value in down]
     for column in (columns[0], columns[2]):
         yield from tables.drawing(rated, column, "evaporating temperature [°C]", by, rows)
     yield from tables.part_load_drawing(rated, columns[2], f"Part load: {columns[2].title}")
@@ -124,22 +123,17 @@ def rating_request(
     second = GAS_COOLER_P if scene.operation.gas_cooler is not None else CONDENSING
     over = f"{EVAPORATING}, {second} and controls of the capacity"
     base = without_sweep(scene, {EVAPORATING, second, RATIO_PATH, *CONTROL_ENDS}, over)
-    axes = (
-        _axis(scene, base, EVAPORATING, evaporating, "--evaporating"),
-        _axis(scene, base, second, condensing, "--condensing"),
-    )
-    return RatingRequest(base, *axes, tuple(bounds), tuple(controls(scene)), ratios(scene))
+    across = _axis(scene, base, EVAPORATING, evaporating, "--evaporating")
+    down = _axis(scene, base, second, condensing, "--condensing")
+    return RatingRequest(base, across, down, tuple(bounds), tuple(controls(scene)), ratios(scene))
 
 
 def _axis(scene: Scene, base: Scene, path: str, text: str | None, option: str) -> Axis:
     if text is not None:
         example = "-10 degC..10 degC" if path != GAS_COOLER_P else "80 bar..110 bar"
         first, last = read_range(base, path, text, option, example)
-        count = (
-            len(PRESSURE_SHARES)
-            if path == GAS_COOLER_P
-            else min(max(round((last - first) / TEMPERATURE_STEP) + 1, 2), MOST_VALUES)
-        )
+        steps = min(max(round((last - first) / TEMPERATURE_STEP) + 1, 2), MOST_VALUES)
+        count = len(PRESSURE_SHARES) if path == GAS_COOLER_P else steps
         return Axis(path, evenly_spaced(first, last, count))
     if path in scene.sweep:
         return Axis(path, tuple(sorted(map(float, scene.sweep[path]))))
@@ -147,10 +141,8 @@ def _axis(scene: Scene, base: Scene, path: str, text: str | None, option: str) -
     if path == GAS_COOLER_P:
         return Axis(path, tuple(own * share for share in PRESSURE_SHARES))
     middle = TEMPERATURE_STEP * round((own - ZERO_CELSIUS) / TEMPERATURE_STEP) + ZERO_CELSIUS
-    values = [
-        middle + TEMPERATURE_STEP * i
-        for i in range(-round(BELOW / TEMPERATURE_STEP), round(ABOVE / TEMPERATURE_STEP) + 1)
-    ]
+    steps = range(-round(BELOW / TEMPERATURE_STEP), round(ABOVE / TEMPERATURE_STEP) + 1)
+    values = [middle + TEMPERATURE_STEP * i for i in steps]
     return Axis(path, tuple(value for value in values if not faults_of(base, {path: value})) or (own,))
 
 
@@ -187,10 +179,8 @@ def heating_columns(rated: Rating) -> tuple[Column, ...]:
     kw = tables.decimals_of(KW * (rated.own.performance.get(HEATING) or DEFAULT_CAPACITY))
     motor = motor_of(rated.asked.scene) is not None
     word = "electrical" if motor else "shaft"
-    return (
-        Column(HEATING, "Heating capacity [kW]", KW, kw),
-        Column(HEATING_COPS[motor], f"COP of heating, of the {word} power", 1.0, 2),
-    )
+    heat = Column(HEATING, "Heating capacity [kW]", KW, kw)
+    return heat, Column(HEATING_COPS[motor], f"COP of heating, of the {word} power", 1.0, 2)
 
 
 def tables_of(rated: Rating, heating: bool) -> Iterator[Table]:

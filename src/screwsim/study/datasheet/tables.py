@@ -193,13 +193,9 @@ def document_of(rated: Rating, names: Sequence[str]) -> dict[str, Any]:
     first, second = (axis.path.removeprefix("operation.").replace(".", "_") for axis in (asked.across, asked.down))
     points = []
     for (i, j), result in rated.points.items():
-        out = (
-            [bound.figure for bound in exceeded_bounds(result.performance, asked.bounds)]
-            if result.status == "ok"
-            else []
-        )
+        out = exceeded_bounds(result.performance, asked.bounds) if result.status == "ok" else []
         at = {first: asked.across.values[i], second: asked.down.values[j]}
-        points.append({**at, **document_figures(result, names), "beyond": out})
+        points.append({**at, **document_figures(result, names), "beyond": [bound.figure for bound in out]})
     every = (rated.own, *rated.points.values(), *(step.result for each in rated.loads for step in each.steps))
     return {
         "own_point": document_figures(rated.own, names),

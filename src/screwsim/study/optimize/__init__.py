@@ -238,10 +238,8 @@ def _why_none(record: Record, solved: np.ndarray, excess: np.ndarray) -> str:
     bound, off = worst
     came = figure_text(bound.figure, bound.value + (off if bound.sign == "<" else -off))
     asked = f"{bound.figure}{bound.sign}{figure_text(bound.figure, bound.value)}"
-    return (
-        f"no evaluation is within the bounds: {asked} was required, and the nearest is {came} (widen the ranges, "
-        "or the bound)"
-    )
+    nearest = f"{asked} was required, and the nearest is {came}"
+    return f"no evaluation is within the bounds: {nearest} (widen the ranges, or the bound)"
 
 
 def _equally_good_range(

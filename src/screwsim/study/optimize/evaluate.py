@@ -1,7 +1,6 @@
 """Evaluation of one set of values: simulated at every operating point, weighted, checked against the bounds."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -17,7 +16,7 @@ from screwsim.study.optimize.points import OperatingPoint, OperatingPoints
 from screwsim.study.optimize.question import Question
 from screwsim.study.optimum import Simulate, simulated_if_valid
 from screwsim.study.seek import one_goal
-from screwsim.study.seek.trials import Trials
+from screwsim.study.seek.trials import Trials, size_of
 from screwsim.study.spans import Span
 
 LOAD_TOLERANCE = 5e-3  # of a part load: the standards measure at loads within some percent
@@ -113,9 +112,7 @@ def evaluation_of(asked: Question, table: Table, row: int) -> Evaluation:
     found = {name: np.array([value_of(table, each, name) for each in rows]) for name in asked.figures}
     wide = {name: np.array([error_of(asked.scene, table, each, name) for each in rows]) for name in asked.figures}
     pairs = [weighted_mean(asked.points, aim.figure, found[aim.figure], wide[aim.figure]) for aim in asked.aims]
-    excess = tuple(
-        float(max(bound.excess(value) for value in found[bound.figure])) for bound in asked.bounds
-    )  # at the worst point
+    excess = tuple(float(max(map(bound.excess, found[bound.figure]))) for bound in asked.bounds)  # at the worst point
     return Evaluation(tuple(value for value, _ in pairs), tuple(error for _, error in pairs), excess)
 
 
@@ -159,7 +156,5 @@ class _Declarations:
 
 def total_violation(asked: Question, evaluation: Evaluation) -> float:
     """Return the sum of all violations of bounds, over their sizes; 0 within all."""
-    sizes: Sequence[float] = [
-        10.0 if declared(bound.figure).units == "K" else max(abs(bound.value), 1e-12) for bound in asked.bounds
-    ]
-    return sum(max(excess, 0.0) / size for excess, size in zip(evaluation.excess, sizes, strict=True))
+    pairs = zip(evaluation.excess, asked.bounds, strict=True)
+    return sum(max(excess, 0.0) / size_of(bound) for excess, bound in pairs)

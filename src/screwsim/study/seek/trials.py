@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
-from screwsim.study.goals import Goal
+from screwsim.study.goals import Bound, Goal
 from screwsim.study.optimum import Simulate, absolute_error, simulated_if_valid
 from screwsim.study.progress import Progress
 from screwsim.study.spans import Span
@@ -94,8 +94,8 @@ class Trials:
         return min(self.closed, key=self.far, default=None)
 
 
-def size_of(goal: Goal) -> float:
-    """Return the scale of differences from a goal [SI]: its size, for a temperature ten kelvins."""
+def size_of(goal: Goal | Bound) -> float:
+    """Return the scale of differences from a goal or a bound [SI]: its size, for a temperature ten kelvins."""
     from screwsim.figures import declared
 
     return 10.0 if declared(goal.figure).units == "K" else max(abs(goal.value), 1e-12)

@@ -171,10 +171,8 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
     for name, scene in zip(STAGE_NAMES, (first, second), strict=True):
         for effect, part in build_parts(scene).all(Plenum):
             if part.product:
-                what = (
-                    f"the {name} scene names {effect}, which draws gas that the balance between the stages does "
-                    "not include"
-                )
+                drawn = "which draws gas that the balance between the stages does not include"
+                what = f"the {name} scene names {effect}, {drawn}"
                 problems.append(LocatedFault(place, STAGES_KEY, f"{what} (leave it out there)"))
     if first.gas != second.gas:
         problems.append(LocatedFault(place, STAGES_KEY, "have different gases (write the same gas: section in both)"))
