@@ -102,13 +102,13 @@ def test_the_line_is_led_nearer_to_that_of_the_closed_cycle(rpm):
     turns = _Turns(ClosingTask(problem, machinery, problem.criteria), Start(install_first_guess(problem, machinery)))
     assert turns.integrate() is None
     assert turns.correction() is None
-    made, led = turns.made, turns.returning.extrapolated(turns.made)
+    unknowns_out, led = turns.unknowns_out, turns.returning.extrapolated(turns.unknowns_out)
     turns.go_on(None)
     cycle = relax(ClosingTask(problem, machinery, problem.criteria), Start(turns.y), last=True)
     assert cycle.status == "ok"
     steady = unknowns(problem, machinery)
     leases.give_back(machinery)
-    assert np.all(np.abs(led - steady)[[0, 2]] < 0.6 * np.abs(made - steady)[[0, 2]])
+    assert np.all(np.abs(led - steady)[[0, 2]] < 0.6 * np.abs(unknowns_out - steady)[[0, 2]])
 
 
 def test_a_fast_machine_with_carried_oil_closes_in_three_turns():

@@ -30,11 +30,11 @@ class BackflowFeedback(NamedTuple):
     enthalpy: float = 0.0
     temperature: float = 0.0
 
-    def extrapolated(self, made: Array) -> Array:
-        """Return the unknowns `made` with the addition of later turns; unchanged where that is zero."""
+    def extrapolated(self, unknowns_out: Array) -> Array:
+        """Return `unknowns_out` with the addition of later turns; unchanged where that is zero."""
         if self.temperature == 0.0:
-            return made
-        line = made.copy()
+            return unknowns_out
+        line = unknowns_out.copy()
         line[AT_ENTHALPY] += self.enthalpy
         line[AT_TEMPERATURE] += self.temperature
         return line
@@ -43,8 +43,8 @@ class BackflowFeedback(NamedTuple):
 NO_FEEDBACK = BackflowFeedback()
 
 
-def backflow_feedback(problem: Problem, q: Array, met: Array, made: Array) -> BackflowFeedback:
-    """Return the backflow's share and later effect after a life of quadratures q, from unknowns `met` to `made`."""
+def backflow_feedback(problem: Problem, q: Array, unknowns_in: Array, unknowns_out: Array) -> BackflowFeedback:
+    """Return the backflow's share and later effect after a life of quadratures q."""
     parts, known = problem.parts, problem.scene.gas
     if not problem.composition.carried or parts.oil is None or parts.held_back or known.equilibrium:
         return NO_FEEDBACK
@@ -57,10 +57,11 @@ def backflow_feedback(problem: Problem, q: Array, met: Array, made: Array) -> Ba
     if not 0.0 < comes < -goes or oil * out[1] > LEAST_OIL * gas * out[0]:  # both are negative
         return NO_FEEDBACK
     share = min(comes / -goes, LARGEST_SHARE)
-    change = made - met
+    change = unknowns_out - unknowns_in
     warmer = float(back[0] * change[AT_ENTHALPY] + back[1] * oil * change[AT_TEMPERATURE]) / comes
     later = share / (1.0 - share) * warmer
     believed = (
-        abs(later) < LARGEST_CHANGE * made[AT_TEMPERATURE] and abs(gas * later) < LARGEST_CHANGE * made[AT_ENTHALPY]
+        abs(later) < LARGEST_CHANGE * unknowns_out[AT_TEMPERATURE]
+        and abs(gas * later) < LARGEST_CHANGE * unknowns_out[AT_ENTHALPY]
     )
     return BackflowFeedback(share, gas * later, later) if believed else BackflowFeedback(share)

@@ -33,7 +33,7 @@ class Guess(NamedTuple):
     """What closing starts with, and the values that the cycle determines."""
 
     start: Start
-    made: Array
+    unknowns_out: Array
 
 
 class _ClosedCycle(NamedTuple):
@@ -66,8 +66,8 @@ class Course:
         self._guessed, self._last = False, None
         self._share = self.tightness = 1.0
 
-    def add(self, cycle: CycleSolution, parameters: Array, made: Array, share: float, tightness: float) -> None:
-        """Record a closed cycle with its parameters, its next unknowns `made` and the factor on its tolerances.
+    def add(self, cycle: CycleSolution, parameters: Array, unknowns_out: Array, share: float, tightness: float) -> None:
+        """Record a closed cycle with its parameters, its `unknowns_out` and the factor on its tolerances.
 
         `share` is the factor on the wanted tolerance of a step with which its balances closed (`cycle.ways`).
         """
@@ -78,7 +78,7 @@ class Course:
                 self.forget()
             self._text = c.text
         self._last = cycle
-        values = np.concatenate([cycle.y[: len(c.states)], cycle.seen, made])
+        values = np.concatenate([cycle.y[: len(c.states)], cycle.seen, unknowns_out])
         self._gap = cycle.first_gap if self._guessed else None
         self._share = min(1.0, COARSER * share if cycle.residual < WELL_CLOSED else share)
         if self._told:

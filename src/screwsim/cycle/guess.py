@@ -48,10 +48,10 @@ def install_continued_guess(problem: Problem, machinery: Machinery, course: Cour
     guess = course.guess(machinery, problem.parameters)
     reach_station()
     if guess is not None:
-        made = len(problem.entries)
-        set_lines(problem, machinery, float(guess.start.y[S_T]), 0.0, float(guess.made[0]))
-        set_unknowns(problem, machinery, guess.made[:made])
-        speed.restore_curve(machinery.composition, guess.made[made:])
+        count = len(problem.entries)
+        set_lines(problem, machinery, float(guess.start.y[S_T]), 0.0, float(guess.unknowns_out[0]))
+        set_unknowns(problem, machinery, guess.unknowns_out[:count])
+        speed.restore_curve(machinery.composition, guess.unknowns_out[count:])
     return guess
 
 

@@ -73,15 +73,15 @@ class Residual(NamedTuple):
     """The changes over a turn or a pitch, in coordinates.
 
     `ahead` (slices, N): where chambers read those ahead from the history before; `start` (N,): of the states at the
-    start of a pitch. q are the quadratures of the life, `met` the unknowns it was integrated with, `made` their
+    start of a pitch. q are the quadratures of the life, `unknowns_in` those it was integrated with, `unknowns_out` their
     next values.
     """
 
     ahead: Array
     start: Array
     q: Array
-    met: Array
-    made: Array
+    unknowns_in: Array
+    unknowns_out: Array
 
 
 def corrected(problem: Problem, machinery: Machinery, tangents: Tangents, residual: Residual) -> Correction | None:
@@ -96,17 +96,17 @@ def corrected(problem: Problem, machinery: Machinery, tangents: Tangents, residu
     along = tangents.along(start, sources)
     given = tangents.sums_along(along, sources)
     given[:, :, 1:] += tangents.sums_by_unknowns
-    met, made = entries.coordinates(residual.met), entries.coordinates(residual.made)
-    back = slopes_of_image(problem, machinery, tangents, given, residual.q, residual.met, residual.made)
+    unknowns_in, unknowns_out = entries.coordinates(residual.unknowns_in), entries.coordinates(residual.unknowns_out)
+    back = slopes_of_image(problem, machinery, tangents, given, residual.q, residual.unknowns_in, residual.unknowns_out)
     if not np.isfinite(back).all():
         return None
-    matrix = np.eye(len(met)) - back[:, 1:]
-    unknowns = np.linalg.lstsq(matrix, made + back[:, 0] - met)[0]
+    matrix = np.eye(len(unknowns_in)) - back[:, 1:]
+    unknowns = np.linalg.lstsq(matrix, unknowns_out + back[:, 0] - unknowns_in)[0]
     kept = np.abs(matrix).max(axis=1, initial=0.0) < IDENTITY_WITHIN
-    unknowns[kept] = made[kept] - met[kept]
+    unknowns[kept] = unknowns_out[kept] - unknowns_in[kept]
     weights = np.append(1.0, unknowns)
-    found = start @ weights, along @ weights, met + unknowns - made
-    largest, changed = _largest(found), _largest((residual.ahead, residual.start, made - met))
+    found = start @ weights, along @ weights, unknowns_in + unknowns - unknowns_out
+    largest, changed = _largest(found), _largest((residual.ahead, residual.start, unknowns_out - unknowns_in))
     if not largest <= SINGULAR * changed:  # not finite, too
         return None
     share = min(1.0, LARGEST / max(largest, LARGEST))
@@ -170,7 +170,7 @@ class Corrections:
         return due
 
     def of_turn(
-        self, before: int, start: Array, q: Array, met: Array, made: Array, whole: bool = False
+        self, before: int, start: Array, q: Array, unknowns_in: Array, unknowns_out: Array, whole: bool = False
     ) -> Correction | None:
         """Return the correction of a turn, and move the last history by it; None where there is none.
 
@@ -183,9 +183,9 @@ class Corrections:
             angles, N = angles_of(tangents.middles, c), c.chambers * machinery.n
             new, old = (logarithms(machinery.states_at(angles, of), c) for of in (None, before))
             ahead = (new - old).reshape(c.chambers, -1, machinery.n).transpose(1, 0, 2).reshape(-1, N)
-            return Residual(ahead, np.concatenate([start, np.zeros(N - len(start))]), q, met, made)
+            return Residual(ahead, np.concatenate([start, np.zeros(N - len(start))]), q, unknowns_in, unknowns_out)
 
-        found = self._found(residual, met)
+        found = self._found(residual, unknowns_in)
         if whole and (found is None or found.share < 1.0):
             self._too_large, self.tangents, self.last = 0, None, None
             return None
@@ -193,18 +193,20 @@ class Corrections:
             _move_history(machinery, found)
         return found
 
-    def of_pitch(self, start: Array, q: Array, met: Array, made: Array) -> Correction | None:
+    def of_pitch(self, start: Array, q: Array, unknowns_in: Array, unknowns_out: Array) -> Correction | None:
         """Return the correction of a pitch of all chambers, which is installed as the last history.
 
         `start` (N,) is the change of the states at its start.
         """
-        return self._found(lambda t: Residual(np.zeros((len(t.step), len(start))), start, q, met, made), met)
+        return self._found(
+            lambda t: Residual(np.zeros((len(t.step), len(start))), start, q, unknowns_in, unknowns_out), unknowns_in
+        )
 
-    def _found(self, residual: Callable[[Tangents], Residual], met: Array) -> Correction | None:
+    def _found(self, residual: Callable[[Tangents], Residual], unknowns_in: Array) -> Correction | None:
         """Return a residual's correction, with new tangents where needed; stop after `MOST_SHORTENED` failures."""
         self._fresh = self.tangents is None
         try:
-            tangents = self.tangents or linearised(self.problem, self.machinery, met)
+            tangents = self.tangents or linearised(self.problem, self.machinery, unknowns_in)
             found = corrected(self.problem, self.machinery, tangents, residual(tangents))
         except np.linalg.LinAlgError:
             tangents = found = None
@@ -246,14 +248,14 @@ class Corrections:
         return found.times(1.0 / (1.0 - share))
 
 
-def corrected_start(problem: Problem, by: Correction, end: Array, y: Array, made: Array) -> Array:
+def corrected_start(problem: Problem, by: Correction, end: Array, y: Array, unknowns_out: Array) -> Array:
     """Set y [in place] to the corrected state that the next life starts with; return the corrected unknowns.
 
     `end` is the uncorrected state in coordinates.
     """
     entries = problem.entries
     y[:] = states_of(end + by.along[-1, -len(end) :], y, problem.composition)
-    return entries.values(entries.coordinates(made) + by.unknowns, made)
+    return entries.values(entries.coordinates(unknowns_out) + by.unknowns, unknowns_out)
 
 
 def _move_history(machinery: Machinery, by: Correction) -> None:

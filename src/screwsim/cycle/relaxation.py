@@ -105,7 +105,7 @@ class _Turns:
         self.corrections, self.accelerate = Corrections(problem, machinery, start.tangents), Anderson(DEPTH)
         self.images: list[tuple[Array, Array, int]] = []
         self.seen: list[tuple[float, float]] = []  # mass and work of each image
-        self.met, self.q, self.number = unknowns(problem, machinery), np.zeros(machinery.nq), 0
+        self.unknowns_in, self.q, self.number = unknowns(problem, machinery), np.zeros(machinery.nq), 0
         self.guessed, self.expected, self.contraction = (
             expected is not NO_EXPECTATION,
             [expected.seen],
@@ -129,7 +129,7 @@ class _Turns:
     def integrate(self) -> float | None:
         """Integrate a turn and measure its changes; return the angle [rad] where it stopped, None if it completed."""
         problem, machinery = self.problem, self.machinery
-        self.point, self.steps_before = self.vector(self.met), int(machinery.kept[1])
+        self.point, self.steps_before = self.vector(self.unknowns_in), int(machinery.kept[1])
         self.corrected, self.corrected_before = False, self.corrected
         self.rtol, self.number = max(self.finest, self.next_rtol), self.number + 1
         status, angle, _, self.q = machinery.turn(self.y, self.rtol, 1e-3)
@@ -137,13 +137,13 @@ class _Turns:
             return angle
         machinery.swap()
         reach_station()
-        self.made = image_of(problem, machinery.trajectory, self.q)
-        self.image = self.vector(self.made)
+        self.unknowns_out = image_of(problem, machinery.trajectory, self.q)
+        self.image = self.vector(self.unknowns_out)
         now = (float(machinery.R[R_TRAPPED]), float(self.q[Q_WORK]))
         self.least_work = LEAST_WORK * now[0] * problem.pv
         self.before = self.gap, self.moved
         changed = min(change(now, expected, self.least_work) for expected in self.expected)
-        self.gap = max(changed, problem.entries.change(self.made, self.met))
+        self.gap = max(changed, problem.entries.change(self.unknowns_out, self.unknowns_in))
         self.moved = WEIGHT * float(np.maximum.reduce(np.abs(self.image - self.point)))
         if self.number == 1:  # expected mass and work may agree by chance: the states must agree, too
             self.gap = self.first_gap = max(self.gap, self.moved)
@@ -233,7 +233,7 @@ class _Turns:
             self.corrected = True
             start = self.image[:n] - self.point[:n]
             whole = self.number == 1  # far from the solution a shortened correction may lead anywhere
-            found = corrections.of_turn(self.steps_before, start, self.q, self.met, self.made, whole)
+            found = corrections.of_turn(self.steps_before, start, self.q, self.unknowns_in, self.unknowns_out, whole)
             if found is not None and not begun:
                 self.accelerate.restart()
             if found is not None and found.share == 1.0:
@@ -241,13 +241,13 @@ class _Turns:
                 told = max(abs(found.mass), work, HEAVIER * float(np.abs(found.unknowns).max(initial=0.0)))
                 self.left = max(told, self.gap * self._missed())
                 if self.corrected_before:  # it was led here by a linear correction too
-                    again = self.missed * self.problem.entries.change(self.made, self.met)
+                    again = self.missed * self.problem.entries.change(self.unknowns_out, self.unknowns_in)
                     self.left = max(self.left, HEAVIER * again)
             return found
         if not begun:
             if self.number > (1 if self.guessed else 2):
                 self.contraction = max(self.gap / self.before[0], self.moved / self.before[1])
-            self.returning = backflow_feedback(self.problem, self.q, self.met, self.made)
+            self.returning = backflow_feedback(self.problem, self.q, self.unknowns_in, self.unknowns_out)
             pace = max(self.contraction, self.returning.share)  # a small contraction may be chance, the backflow is not
             if self.contraction < QUICK:
                 self.left = self.gap * pace / (1.0 - pace)
@@ -289,20 +289,20 @@ class _Turns:
     def go_on(self, correction: Correction | None) -> None:
         """Set the start of the next turn: this one's image, corrected or mixed with earlier ones."""
         problem, machinery, n = self.problem, self.machinery, self.machinery.n
-        made = self.made
+        unknowns_out = self.unknowns_out
         if correction is not None:
-            made = corrected_start(problem, correction, self.image[:n], self.y, made)
+            unknowns_out = corrected_start(problem, correction, self.image[:n], self.y, unknowns_out)
             ((mass, work),) = self.expected
             self.expected = [(mass * float(np.exp(correction.mass)), work + correction.work)]
-            mixed = self._mixed(self.vector(made), self.stalled > 0)
+            mixed = self._mixed(self.vector(unknowns_out), self.stalled > 0)
             self.next_rtol = AFTER_CORRECTION * self.left
         else:
-            made = self.returning.extrapolated(made)
-            mixed = self._mixed(self.image if made is self.made else self.vector(made))
+            unknowns_out = self.returning.extrapolated(unknowns_out)
+            mixed = self._mixed(self.image if unknowns_out is self.unknowns_out else self.vector(unknowns_out))
             self.next_rtol = min(TIGHTENING * self.rtol, RTOL_OF_GAP * self.gap)
         self.y[:] = states_of(mixed[:n], self.y, machinery.composition)
-        self.met = problem.entries.values(mixed[len(mixed) - len(self.met) :], made)
-        set_unknowns(problem, machinery, self.met)
+        self.unknowns_in = problem.entries.values(mixed[len(mixed) - len(self.unknowns_in) :], unknowns_out)
+        set_unknowns(problem, machinery, self.unknowns_in)
 
     def _mixed(self, image: Array, wanted: bool = True) -> Array:
         """Return Anderson's mixture of the last images, with their histories blended likewise; else the image.
@@ -335,7 +335,7 @@ class _Turns:
             tangents=self.corrections.last,
             contraction=self.contraction,
             open=self.open if ok and not self.corrected else None,
-            made=self.made if ok and not self.corrected else None,
+            unknowns_out=self.unknowns_out if ok and not self.corrected else None,
             left=self.left if ok and self.gap > self.criteria.tolerance and self.corrections.begun else 0.0,
             missed=self.missed,
         )

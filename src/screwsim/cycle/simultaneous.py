@@ -74,7 +74,7 @@ class _Pitches:
         self.c.P[self.c.widths] = criteria.widths
         self.corrections = Corrections(problem, machinery)
         self.mixing, self.refining = Mixing(rule), StepRefinement(criteria.rtol, criteria.tolerance, criteria.bound)
-        self.met, self.q, self.rtol = unknowns(problem, machinery), np.zeros(machinery.nq), criteria.rtol
+        self.unknowns_in, self.q, self.rtol = unknowns(problem, machinery), np.zeros(machinery.nq), criteria.rtol
         self.astray: tuple[Array, Array] | None = None
         self.seen: list[tuple[float, float]] = []  # trapped mass and work of each pitch
         self.gaps: list[float] = []
@@ -83,7 +83,7 @@ class _Pitches:
     def integrate(self) -> float | None:
         """Integrate a pitch and measure its changes; return the angle [rad] where it stopped, None if it completed."""
         problem, machinery, c, entries = self.problem, self.machinery, self.c, self.entries
-        self.point = np.concatenate([logarithms(self.y, c), entries.coordinates(self.met)])
+        self.point = np.concatenate([logarithms(self.y, c), entries.coordinates(self.unknowns_in)])
         end, self.rtol = self.y.copy(), self.refining.rtol
         status, angle, _, self.q = machinery.pitch(end, self.rtol, 1e-3, check=self.criteria.check)
         if status != 0:
@@ -92,9 +92,9 @@ class _Pitches:
         self.seen.append((float(machinery.R[R_TRAPPED]), float(self.q[Q_WORK])))
         if c.pulsating:  # the image reads the flows of the pitch
             machinery.install_coupled()
-        self.made = image_of(problem, machinery.trajectory, self.q)
+        self.unknowns_out = image_of(problem, machinery.trajectory, self.q)
         self.next_states = machinery.shift(end)
-        self.image = np.concatenate([logarithms(self.next_states, c), entries.coordinates(self.made)])
+        self.image = np.concatenate([logarithms(self.next_states, c), entries.coordinates(self.unknowns_out)])
         self.gap = float(np.max(np.abs(self.image - self.point)))
         self.gaps.append(self.gap)
         return None
@@ -123,27 +123,27 @@ class _Pitches:
         if self.corrections.due(plain and self.number > 1 and near, self.gap):
             self._correct()
         if self.astray is not None and not self.corrections.able:  # continue without corrections, from where they began
-            (self.y, self.met), self.astray = self.astray, None
+            (self.y, self.unknowns_in), self.astray = self.astray, None
             self.mixing.restart()
         else:
             n, mixed = len(self.y), self.mixing.next(self.point, self.image, self.gap)
             if self.refining.rtol < self.rtol:
                 self.mixing.restart()
-            self.met = self.entries.values(mixed[n:], self.made)
+            self.unknowns_in = self.entries.values(mixed[n:], self.unknowns_out)
             self.y = states_of(mixed[:n], self.next_states, self.c)
-        set_unknowns(self.problem, self.machinery, self.met)
+        set_unknowns(self.problem, self.machinery, self.unknowns_in)
 
     def _correct(self) -> None:
         """Move the image by Newton's correction, if there is one."""
         begun, n = self.corrections.begun, len(self.y)
         if not begun:
             self.machinery.install_coupled()
-            self.astray = self.astray or (self.y.copy(), self.met)
-        found = self.corrections.of_pitch(self.image[:n] - self.point[:n], self.q, self.met, self.made)
+            self.astray = self.astray or (self.y.copy(), self.unknowns_in)
+        found = self.corrections.of_pitch(self.image[:n] - self.point[:n], self.q, self.unknowns_in, self.unknowns_out)
         if found is not None:
             if not begun:
                 self.mixing.restart()
-            unknowns_led = self.entries.coordinates(self.made) + found.unknowns
+            unknowns_led = self.entries.coordinates(self.unknowns_out) + found.unknowns
             self.image = np.concatenate([self.point[:n] + found.start, unknowns_led])
 
     def ended(self, status: str, angle: float = 0.0) -> CycleSolution:

@@ -50,7 +50,7 @@ class CycleSolution:
     tangents: Tangents | None = None  # the linearisation of the last Newton correction, where one was made
     contraction: float = 1.0  # of waveform relaxation: last known ratio of a turn's change to that of the turn before
     open: Residuals | None = None  # balance residuals of the last turn, where known and not corrected since
-    made: Array | None = None  # the feedback unknowns that the last turn gave, under the same condition
+    unknowns_out: Array | None = None  # the feedback unknowns that the last turn gave, under the same condition
     left: float = 0.0  # change still to come by Newton's correction, where that closed the cycle
     missed: float = 1.0  # relative error of the corrections' predictions, seen by the turn after; 1: not known
     lasting: SlowestMode | None = None  # slowest-decaying change of the unknowns, where Newton's corrections gave it

@@ -60,15 +60,15 @@ def angles_of(angles: Array, c: Composition) -> Array:
     return (float(c.P[P_PITCH]) * np.arange(c.chambers)[:, None] + angles).ravel()
 
 
-def linearised(problem: Problem, machinery: Machinery, met: Array, count: int = SLICES) -> Tangents:
-    """Return the pitch linearised along the last history in `count` slices, with the unknowns set to `met`."""
+def linearised(problem: Problem, machinery: Machinery, unknowns_in: Array, count: int = SLICES) -> Tangents:
+    """Return the pitch linearised along the last history in `count` slices, with the unknowns set to `unknowns_in`."""
     c, n = machinery.composition, machinery.n
     edges = edges_of(machinery, count)
     middles, h = 0.5 * (edges[:-1] + edges[1:]), np.diff(edges)[:, None, None]
     N = n * c.chambers
     y = machinery.states_at(angles_of(middles, c)).reshape(c.chambers, count, n).transpose(1, 0, 2)
     slices = _Slices(middles, h[:, 0, 0], y.reshape(count, N), _changes(machinery, edges))
-    A, F, sums, sums_by_unknowns = _slopes(problem, machinery, met, slices)
+    A, F, sums, sums_by_unknowns = _slopes(problem, machinery, unknowns_in, slices)
     z, one = h * A, np.eye(N)
     step = np.linalg.inv(one - z + 0.5 * z @ z)
     gain, twice = (one - 0.5 * z) @ step, 0.5 * (one - z) @ step
@@ -99,7 +99,9 @@ def _changes(machinery: Machinery, edges: Array) -> Array:
     return (at[:, 1] - at[:, 0]).transpose(1, 0, 2).reshape(count, -1)
 
 
-def _slopes(problem: Problem, machinery: Machinery, met: Array, slices: _Slices) -> tuple[Array, Array, Array, Array]:
+def _slopes(
+    problem: Problem, machinery: Machinery, unknowns_in: Array, slices: _Slices
+) -> tuple[Array, Array, Array, Array]:
     """Return the derivatives of rates of coordinates, then of quadratures, each by coordinates and by unknowns.
 
     Values are A (by coordinates), F (by unknowns), and the same two for the quadratures, one entry for each slice,
@@ -108,8 +110,8 @@ def _slopes(problem: Problem, machinery: Machinery, met: Array, slices: _Slices)
     c, (phi, h, y, changes), N = machinery.composition, slices, slices.states.shape[1]
     logarithmic = np.tile(~np.isin(np.arange(machinery.n), c.signed), c.chambers).astype(float)
     shift = LINE_SHIFT if c.pulsating else SHIFT
-    R, P = _shifted_numbers(problem, machinery, met, shift)
-    u, nq, module = len(met), machinery.nq + 1, machinery.together
+    R, P = _shifted_numbers(problem, machinery, unknowns_in, shift)
+    u, nq, module = len(unknowns_in), machinery.nq + 1, machinery.together
     A, Jq, F, G = (np.empty((len(phi), *size)) for size in ((N, N), (nq, N), (u, N), (u, nq)))
     least_oil, led = (LEAST_OIL if c.carried else 0.0), np.array([RELAXED, LARGEST_MOVE, DEPARTURE], float)
     states = phi, h, y, changes, logarithmic, machinery.n, least_oil, led
@@ -125,15 +127,15 @@ def _slopes(problem: Problem, machinery: Machinery, met: Array, slices: _Slices)
     return A, F.transpose(0, 2, 1), Jq[:, :-1] * scale[:, None, :], G[:, :, :-1].transpose(0, 2, 1)
 
 
-def _shifted_numbers(problem: Problem, machinery: Machinery, met: Array, shift: float) -> tuple[Array, Array]:
+def _shifted_numbers(problem: Problem, machinery: Machinery, unknowns_in: Array, shift: float) -> tuple[Array, Array]:
     """Return R and P with each unknown shifted, one row each, and unshifted in the last row; leave them unshifted."""
     entries, R, P = problem.entries, [], []
-    here = entries.coordinates(met)
-    for j in range(len(met) + 1):
+    here = entries.coordinates(unknowns_in)
+    for j in range(len(unknowns_in) + 1):
         there = here.copy()
-        if j < len(met):
+        if j < len(unknowns_in):
             there[j] += shift
-        set_unknowns(problem, machinery, entries.values(there, met) if j < len(met) else met)
+        set_unknowns(problem, machinery, entries.values(there, unknowns_in) if j < len(unknowns_in) else unknowns_in)
         R.append(machinery.R.copy())
         P.append(machinery.composition.P.copy())
     return np.array(R), np.array(P)
@@ -168,17 +170,23 @@ def _injected(machinery: Machinery) -> Array:
 
 
 def slopes_of_image(
-    problem: Problem, machinery: Machinery, tangents: Tangents, given: Array, q: Array, met: Array, made: Array
+    problem: Problem,
+    machinery: Machinery,
+    tangents: Tangents,
+    given: Array,
+    q: Array,
+    unknowns_in: Array,
+    unknowns_out: Array,
 ) -> Array:
     """Return the response of the unknowns' next values to changes of the last life, in coordinates (u, k).
 
     `given` (slices, q, k) are the changes of the quadratures q by slice; the last u columns belong to a change of
-    one unknown each. `met` are the unknowns of the life, `made` their next values.
+    one unknown each. `unknowns_in` are the unknowns of the life, `unknowns_out` their next values.
     """
-    entries, here = problem.entries, problem.entries.coordinates(met)
-    at_made, sums, count = entries.coordinates(made), given.sum(axis=0), given.shape[2]
-    first = count - len(met)
-    found = np.empty((len(met), count))
+    entries, here = problem.entries, problem.entries.coordinates(unknowns_in)
+    at_image, sums, count = entries.coordinates(unknowns_out), given.sum(axis=0), given.shape[2]
+    first = count - len(unknowns_in)
+    found = np.empty((len(unknowns_in), count))
     base = moved = None
     if problem.composition.pulsating:
         base = into_lines(machinery.trajectory)
@@ -191,9 +199,9 @@ def slopes_of_image(
         there = here.copy()
         if j >= first:
             there[j - first] += STEP
-        set_unknowns(problem, machinery, entries.values(there, met) if j >= first else met)
+        set_unknowns(problem, machinery, entries.values(there, unknowns_in) if j >= first else unknowns_in)
         into = None if base is None or moved is None else LineInflow(base.flow + STEP * moved[j], base.volume)
         image = image_of(problem, machinery.trajectory, q + STEP * sums[:, j], into=into)
-        found[:, j] = (entries.coordinates(image) - at_made) / STEP
-    set_unknowns(problem, machinery, met)
+        found[:, j] = (entries.coordinates(image) - at_image) / STEP
+    set_unknowns(problem, machinery, unknowns_in)
     return found

@@ -110,8 +110,8 @@ def closed(pitch: CollocatedPitch, Y: Array, bound: float, kept: ChamberFactors)
         inject = injection(pitch, Y)[0] if inject is None else inject
         least = min(size, least)
         Y = limited_step(pitch, Y, blocks.follow_one_by_one(-residual_, inject))
-        met = pitch.met
-        pitch.meet(pitch.problem.entries.coordinates(met) + off, met)
+        unknowns_in = pitch.unknowns_in
+        pitch.meet(pitch.problem.entries.coordinates(unknowns_in) + off, unknowns_in)
     pitch.put(at)
     pitch.install(pitch.begin(first), first)
     return None
@@ -134,7 +134,7 @@ def residual_of(pitch: CollocatedPitch, Y: Array) -> CollocationResidual:
     start, (f, g) = pitch.begin(Y), rates(pitch, Y)
     sums = pitch.sums(g)
     life = ShiftedLife.of(pitch, lambda: pitch.install(start, Y))
-    off = pitch.image(sums, life) - pitch.problem.entries.coordinates(pitch.met)
+    off = pitch.image(sums, life) - pitch.problem.entries.coordinates(pitch.unknowns_in)
     open_ = residual(pitch, Y, start, f)
     return CollocationResidual(
         off, open_, max(size_of(open_, Y), float(np.max(np.abs(off), initial=0.0))), (start, sums)

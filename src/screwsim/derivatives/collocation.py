@@ -72,7 +72,7 @@ class CollocatedCycle(NamedTuple):
     slopes: Slopes
     sums: Array
     at: RateNumbers
-    met: Array
+    unknowns_in: Array
 
 
 class LinearisedCycle(NamedTuple):
@@ -141,7 +141,7 @@ def _collocated(
             plain = slices.refined(plain, of_plain, tolerance)
         closing = good or left <= 3
     slopes = pitch.slopes(Y)
-    return CollocatedCycle(pitch, pitch.begin(Y), Y, slopes, pitch.sums(slopes.g), pitch.numbers, pitch.met)
+    return CollocatedCycle(pitch, pitch.begin(Y), Y, slopes, pitch.sums(slopes.g), pitch.numbers, pitch.unknowns_in)
 
 
 def _peak(pitch: CollocatedPitch) -> float:
@@ -211,21 +211,21 @@ def _closed(
             return Y, linear
         if ends or not np.isfinite(size):
             break
-        at, met = pitch.numbers, pitch.met
+        at, unknowns_in = pitch.numbers, pitch.unknowns_in
         stages = -residual[..., None]
         if linear is None or size > KEEP_SLOPES_BELOW * before:
-            changes = [_moved(pitch, at, met, j) for j in range(len(met))]
+            changes = [_moved(pitch, at, unknowns_in, j) for j in range(len(unknowns_in))]
             linear = LinearisedPitch(pitch, Y, pitch.slopes(Y), changes)
         response, of_unknowns = linear.respond(stages), linear.first
         before = size
         cycle = CycleReading(read[0], Y, read[1], at)
-        back = unknowns_response(pitch, cycle, of_unknowns, met, 0)
+        back = unknowns_response(pitch, cycle, of_unknowns, unknowns_in, 0)
         change = solve_unknowns(
-            back, off + unknowns_response(pitch, cycle, response, met, 1)[:, 0], _stated_unknowns(back)
+            back, off + unknowns_response(pitch, cycle, response, unknowns_in, 1)[:, 0], _stated_unknowns(back)
         )
         last = damped(response.of(0).nodes + of_unknowns.weighted(change).nodes, last)
         Y = limited_step(pitch, Y, last)
-        pitch.meet(entries.coordinates(met) + change, met)
+        pitch.meet(entries.coordinates(unknowns_in) + change, unknowns_in)
     raise NotClosed(f"the collocated cycle leaves a residual of {size:.1g} open")
 
 
@@ -235,12 +235,14 @@ def linearised(cycle: CollocatedCycle, changes: Sequence[ArgumentChange], inject
     `injected` are the changes of states and cells by the injection, one column for each change (…, changes). All
     are computed together, as rates side by side, followed through the slices in one pass, cost less.
     """
-    pitch, Y, at, met = cycle.pitch, cycle.nodes, cycle.at, cycle.met
+    pitch, Y, at, unknowns_in = cycle.pitch, cycle.nodes, cycle.at, cycle.unknowns_in
     pitch.put(at)
-    unknowns = [_moved(pitch, at, met, j) for j in range(len(met))]
+    unknowns = [_moved(pitch, at, unknowns_in, j) for j in range(len(unknowns_in))]
     linear = LinearisedPitch(pitch, Y, cycle.slopes, [*unknowns, *changes], injected, borders(pitch, Y))
-    by_unknowns, by_changes = (linear.first.of(columns) for columns in (slice(len(met)), slice(len(met), None)))
-    back = unknowns_response(pitch, CycleReading(cycle.start, Y, cycle.sums, at), by_unknowns, met, 0)
+    by_unknowns, by_changes = (
+        linear.first.of(columns) for columns in (slice(len(unknowns_in)), slice(len(unknowns_in), None))
+    )
+    back = unknowns_response(pitch, CycleReading(cycle.start, Y, cycle.sums, at), by_unknowns, unknowns_in, 0)
     return LinearisedCycle(by_changes, by_unknowns, back, _stated_unknowns(back))
 
 
@@ -258,27 +260,29 @@ class CycleReading(NamedTuple):
     at: RateNumbers
 
 
-def _moved(pitch: CollocatedPitch, at: RateNumbers, met: Array, j: int) -> ArgumentChange:
+def _moved(pitch: CollocatedPitch, at: RateNumbers, unknowns_in: Array, j: int) -> ArgumentChange:
     """Return the change of the numbers with a coordinate of an unknown."""
-    coordinates = pitch.problem.entries.coordinates(met)
+    coordinates = pitch.problem.entries.coordinates(unknowns_in)
     found = []
     for sign in (1.0, -1.0):
         pitch.put(at)
         there = coordinates.copy()
         there[j] += sign * SHIFT
-        pitch.meet(there, met)
+        pitch.meet(there, unknowns_in)
         found.append(pitch.numbers)
     pitch.put(at)
     return ArgumentChange(RateNumbers(*((above - below) / (2.0 * SHIFT) for above, below in zip(*found, strict=True))))
 
 
-def unknowns_response(pitch: CollocatedPitch, cycle: CycleReading, response: Response, met: Array, first: int) -> Array:
+def unknowns_response(
+    pitch: CollocatedPitch, cycle: CycleReading, response: Response, unknowns_in: Array, first: int
+) -> Array:
     """Return the response of the unknowns' next values to columns of a response.
 
     The columns from `first` on each include a unit change of one unknown.
     """
-    found, read = np.empty((len(met), response.sums.shape[1])), False
-    coordinates = pitch.problem.entries.coordinates(met)
+    found, read = np.empty((len(unknowns_in), response.sums.shape[1])), False
+    coordinates = pitch.problem.entries.coordinates(unknowns_in)
 
     def fill(by: float, j: int) -> None:
         nonlocal read
@@ -293,7 +297,7 @@ def unknowns_response(pitch: CollocatedPitch, cycle: CycleReading, response: Res
             there = coordinates.copy()
             if j >= first:
                 there[j - first] += by
-            pitch.meet(there, met)
+            pitch.meet(there, unknowns_in)
             life = ShiftedLife.of(pitch, partial(fill, by, j))
             images.append(pitch.image(cycle.sums + by * response.sums[:, j], life))
         found[:, j] = (images[0] - images[1]) / (2.0 * SHIFT)

@@ -74,7 +74,7 @@ class Directions:
             self.cycle.pitch.problem.called
         )  # the structure is the same, so are the figures called for
         own, own_given = self.own  # compute first: the spare machinery is overwritten below
-        side, given = self.numbers(problem, self.cycle.met)
+        side, given = self.numbers(problem, self.cycle.unknowns_in)
         if side.TAB.shape != self.cycle.at.TAB.shape:
             raise Structural("changes the size of the model's tables")
         numbers = RateNumbers(*((there - here) / by for there, here in zip(side, own, strict=True)))
@@ -82,8 +82,8 @@ class Directions:
         start, cells = self._injected(numbers, step)
         return Direction(problem, side, by, change, start, cells, (given - own_given) / by)
 
-    def numbers(self, problem: Problem, met: Array) -> tuple[RateNumbers, Array]:
-        """Return the numbers of a problem with unknowns `met`, and the coordinates of unknowns that its scene states.
+    def numbers(self, problem: Problem, unknowns_in: Array) -> tuple[RateNumbers, Array]:
+        """Return the numbers of a problem with `unknowns_in`, and the coordinates of unknowns that its scene states.
 
         Cells that the injection sets keep the values of the cycle.
         """
@@ -93,17 +93,17 @@ class Directions:
         P[c.widths] *= self.tightened
         set_lines(problem, machinery, float(self.cycle.start[0]), 0.0)
         given = entries.coordinates(unknowns(problem, machinery))
-        set_unknowns(problem, machinery, met)
+        set_unknowns(problem, machinery, unknowns_in)
         noted = self.cycle.pitch.noted
         P[noted], machinery.R[R_RATIO:R_SIZE] = at.P[noted], at.R[R_RATIO:R_SIZE]
         return RateNumbers(P.copy(), c.TAB, machinery.R.copy()), given
 
-    def meeting(self, direction: Direction, met: Array) -> RateNumbers:
+    def meeting(self, direction: Direction, unknowns_in: Array) -> RateNumbers:
         """Return the numbers of a direction's problem with other unknowns than its cycle's."""
         machinery, at, side, noted = self.spare, self.cycle.at, direction.side, self.cycle.pitch.noted
         P, R = machinery.composition.P, machinery.R
         P[:], R[:] = side.P, side.R
-        set_unknowns(direction.problem, machinery, met)
+        set_unknowns(direction.problem, machinery, unknowns_in)
         P[noted], R[R_RATIO:R_SIZE] = at.P[noted], at.R[R_RATIO:R_SIZE]
         return RateNumbers(P.copy(), side.TAB, R.copy())
 
@@ -115,7 +115,7 @@ class Directions:
     @once
     def own(self) -> tuple[RateNumbers, Array]:
         """The result of `numbers` for the cycle's own problem."""
-        return self.numbers(self.cycle.pitch.problem, self.cycle.met)
+        return self.numbers(self.cycle.pitch.problem, self.cycle.unknowns_in)
 
     def _change(self, problem: Problem, numbers: RateNumbers, by: float) -> ArgumentChange:
         """Return the change of the rates: of numbers, and of edges, which move with the breakpoints; with its side."""

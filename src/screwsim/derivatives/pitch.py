@@ -280,7 +280,7 @@ class CollocatedPitch:
         return self.problem.entries.coordinates(image_of(self.problem, life or self.machinery.trajectory, q))
 
     @property
-    def met(self) -> Array:
+    def unknowns_in(self) -> Array:
         """The current unknowns."""
         return unknowns(self.problem, self.machinery)
 

@@ -58,25 +58,25 @@ def derivatives(
 
     `values` are the numbers [SI] at the paths, `built` the parts and composer of the scene's series.
     """
-    made, series = Directions(cycle), Series(built)
+    all_directions, series = Directions(cycle), Series(built)
     around = [
-        made.of(_with_surroundings_shifted(cycle.pitch.problem, series, i), STEP)
+        all_directions.of(_with_surroundings_shifted(cycle.pitch.problem, series, i), STEP)
         for i in _open_unknowns(cycle.pitch.problem)
     ]
     directions, refused = {}, {}
     for path, value in values.items():
         try:
-            directions[path] = made.of(_shifted(cycle.pitch.problem, series, path, value), STEP)
+            directions[path] = all_directions.of(_shifted(cycle.pitch.problem, series, path, value), STEP)
         except (Structural, UsageError) as why:
             refused[path] = str(why)
     every = [*around, *directions.values()]
     if not every:
         return {}, refused
-    moves, read = responses(cycle, every, made), []
-    turn = peak_step(unshifted_evaluation(cycle, made))
-    here = _readings_of(unshifted_evaluation(cycle, made, turn), bool(around))
+    moves, read = responses(cycle, every, all_directions), []
+    turn = peak_step(unshifted_evaluation(cycle, all_directions))
+    here = _readings_of(unshifted_evaluation(cycle, all_directions, turn), bool(around))
     for j, direction in enumerate(every):
-        there = _readings_of(shifted_evaluation(cycle, direction, moves.by(j), made, turn), bool(around))
+        there = _readings_of(shifted_evaluation(cycle, direction, moves.by(j), all_directions, turn), bool(around))
         figures = difference_quotients(there.figures, here.figures, direction.step)
         read.append(SideReadings(figures, (there.asked - here.asked) / direction.step))
     through, own = read[: len(around)], dict(zip(directions, read[len(around) :], strict=True))
@@ -109,22 +109,23 @@ def with_settled_surroundings(
 
 def _newton_step(cycle: CollocatedCycle, series: Series, rows: Sequence[int]) -> tuple[Problem, RateNumbers] | None:
     """Return the problem and its numbers after a Newton step of the surroundings; None where these have converged."""
-    problem, made = cycle.pitch.problem, Directions(cycle)
-    here = _implied_changes(unshifted_evaluation(cycle, made))[rows]
+    problem, all_directions = cycle.pitch.problem, Directions(cycle)
+    here = _implied_changes(unshifted_evaluation(cycle, all_directions))[rows]
     if float(np.abs(here).max()) <= LARGEST_RESIDUAL:
         return None
-    around = [made.of(_with_surroundings_shifted(problem, series, i), STEP) for i in rows]
-    moves = responses(cycle, around, made)
+    around = [all_directions.of(_with_surroundings_shifted(problem, series, i), STEP) for i in rows]
+    moves = responses(cycle, around, all_directions)
     asked = [
-        _implied_changes(shifted_evaluation(cycle, each, moves.by(j), made))[rows] for j, each in enumerate(around)
+        _implied_changes(shifted_evaluation(cycle, each, moves.by(j), all_directions))[rows]
+        for j, each in enumerate(around)
     ]
     matrix = np.array([(there - here) / each.step for there, each in zip(asked, around, strict=True)]).T
     by = np.linalg.solve(matrix, -here)
     x, entries = unknowns_of(problem), problem.entries
     x[rows] += by * SURROUNDINGS_SIZE
     moved = _problem_at(problem, series, x)
-    met = entries.values(entries.coordinates(cycle.met) + moves.unknowns @ by, cycle.met)
-    return moved, made.numbers(moved, met)[0]
+    unknowns_in = entries.values(entries.coordinates(cycle.unknowns_in) + moves.unknowns @ by, cycle.unknowns_in)
+    return moved, all_directions.numbers(moved, unknowns_in)[0]
 
 
 def _implied_changes(of: Evaluation) -> Array:
@@ -266,13 +267,13 @@ def _moved(pitch: CollocatedPitch, response: Response, unknowns: Array) -> Cycle
     return CycleResponses(response, unknowns, cache(lambda: pitch.life(response.start, response.nodes)))
 
 
-def responses(cycle: CollocatedCycle, directions: Sequence[Direction], made: Directions) -> CycleResponses:
+def responses(cycle: CollocatedCycle, directions: Sequence[Direction], all_directions: Directions) -> CycleResponses:
     """Return the response of the cycle and its unknowns to directions (at least one), a column each."""
-    linear, off, pitch = along(cycle, directions), np.zeros((len(cycle.met), len(directions))), cycle.pitch
+    linear, off, pitch = along(cycle, directions), np.zeros((len(cycle.unknowns_in), len(directions))), cycle.pitch
     held = _moved(pitch, linear.by_changes, off.copy())
-    own = _coordinates(unshifted_evaluation(cycle, made))
+    own = _coordinates(unshifted_evaluation(cycle, all_directions))
     for j, direction in enumerate(directions):
-        image = _coordinates(shifted_evaluation(cycle, direction, held.by(j), made))
+        image = _coordinates(shifted_evaluation(cycle, direction, held.by(j), all_directions))
         off[:, j] = np.where(linear.given, direction.stated, (image - own) / direction.step)
     unknowns = np.stack([solved_pitch(linear.back, each, linear.given) for each in off.T], axis=-1)
     return _moved(pitch, linear.by_changes.added(linear.by_unknowns.weighted(unknowns)), unknowns)
@@ -283,19 +284,23 @@ def _coordinates(of: Evaluation) -> Array:
     return of.problem.entries.coordinates(of.image)
 
 
-def unshifted_evaluation(cycle: CollocatedCycle, made: Directions, turn: tuple[int, float] | None = None) -> Evaluation:
+def unshifted_evaluation(
+    cycle: CollocatedCycle, all_directions: Directions, turn: tuple[int, float] | None = None
+) -> Evaluation:
     """Return the evaluation of the unchanged cycle, read in the same way as one that is `shifted_evaluation`."""
     pitch = cycle.pitch
-    pitch.put(made.own[0])
+    pitch.put(all_directions.own[0])
     turning = None if turn is None else PeakPlace(*turn, in_step(pitch, cycle.start, cycle.nodes.__getitem__, turn[0]))
-    return Evaluation(pitch.problem, ShiftedLife.of(pitch, lambda: pitch.install_life(made.life), turning), cycle.sums)
+    return Evaluation(
+        pitch.problem, ShiftedLife.of(pitch, lambda: pitch.install_life(all_directions.life), turning), cycle.sums
+    )
 
 
 def shifted_evaluation(
     cycle: CollocatedCycle,
     direction: Direction,
     moves: CycleResponse,
-    made: Directions,
+    all_directions: Directions,
     turn: tuple[int, float] | None = None,
 ) -> Evaluation:
     """Return the evaluation of the cycle after a shift of a number; with a `turn`, its highest pressure is read there.
@@ -305,14 +310,14 @@ def shifted_evaluation(
     pitch, problem, by = cycle.pitch, direction.problem, direction.step
     at, entries, response = direction.side, problem.entries, moves.response
     if moves.unknowns.any():
-        met = entries.values(entries.coordinates(cycle.met) + by * moves.unknowns, cycle.met)
-        at = made.meeting(direction, met)
+        unknowns_in = entries.values(entries.coordinates(cycle.unknowns_in) + by * moves.unknowns, cycle.unknowns_in)
+        at = all_directions.meeting(direction, unknowns_in)
     pitch.put(at.plus(by, pitch.cells_as_numbers(response.cells)))
 
     def fill() -> None:
         edges = direction.change.edges
         edges = pitch.slices.edges if edges is None else pitch.slices.edges + by * edges
-        pitch.install_life(made.life + by * moves.life(), edges)
+        pitch.install_life(all_directions.life + by * moves.life(), edges)
 
     turning = None
     if turn is not None:

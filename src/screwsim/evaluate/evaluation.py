@@ -23,16 +23,16 @@ from screwsim.outputs import Figures
 @fast_init
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """A life of a problem's chambers with its quadratures q; `left` and `made` where closing knows them.
+    """A life of a problem's chambers with its quadratures q; `left` and `unknowns_out` where closing knows them.
 
-    `left` are its balance residuals, `made` the next values of the feedback unknowns.
+    `left` are its balance residuals, `unknowns_out` the next values of the feedback unknowns.
     """
 
     problem: Problem
     life: Trajectory
     q: Array
     left: Residuals | None = None
-    made: Array | None = None
+    unknowns_out: Array | None = None
 
     @once
     def streams(self) -> Array:
@@ -47,8 +47,8 @@ class Evaluation:
     @property
     def image(self) -> Array:
         """The next values of the feedback unknowns, as a vector."""
-        if self.made is not None:
-            return self.made
+        if self.unknowns_out is not None:
+            return self.unknowns_out
         return image(self.problem, self.life, self.q, self.turn if self.problem.parts.made else None)
 
     @once
@@ -113,7 +113,7 @@ class Evaluation:
 
 def evaluate(problem: Problem, cycle: CycleSolution) -> Evaluation:
     """Return the evaluation of a cycle."""
-    return Evaluation(problem, cycle.trajectory, cycle.q, cycle.open, cycle.made)
+    return Evaluation(problem, cycle.trajectory, cycle.q, cycle.open, cycle.unknowns_out)
 
 
 def balance(of: Evaluation) -> Figures:

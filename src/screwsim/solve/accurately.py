@@ -127,17 +127,17 @@ def solve_tighter(machinery: Machinery, accurate: Accurate) -> Accurate:
 
 
 def _tighter(
-    task: ClosingTask, cycle: CycleSolution, made: Array | None = None, led: CorrectedState | None = None
+    task: ClosingTask, cycle: CycleSolution, unknowns_out: Array | None = None, led: CorrectedState | None = None
 ) -> CycleSolution:
     """Close a closed cycle again, together with its drive.
 
-    It starts from the unknowns `made`, if given, or from where its finer lives have `led`, which the machinery then
+    It starts from `unknowns_out`, if given, or from where its finer lives have `led`, which the machinery then
     holds.
     """
     if led is None:
         task.machinery.put(cycle.trajectory)
-    if made is not None:
-        set_unknowns(task.problem, task.machinery, made)
+    if unknowns_out is not None:
+        set_unknowns(task.problem, task.machinery, unknowns_out)
     return close_with_drive(task, close_again(task, cycle, led))
 
 
@@ -178,8 +178,8 @@ def record_in_course(
     themselves, and the errors of guesses would add up along the course.
     """
     curve = speed.curve_at(of.life.composition) if cycle.speed_curve is None else cycle.speed_curve
-    made = np.concatenate([of.problem.entries.possible(of.image), curve])
-    course.add(cycle, of.problem.parameters, made, way_of(cycle).share(cycle, criteria), tightness)
+    unknowns_out = np.concatenate([of.problem.entries.possible(of.image), curve])
+    course.add(cycle, of.problem.parameters, unknowns_out, way_of(cycle).share(cycle, criteria), tightness)
 
 
 class CostMeter:

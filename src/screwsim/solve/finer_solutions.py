@@ -133,7 +133,7 @@ class _Lives:
         self.machinery, self.rtol, self.y = machinery, FINER * cycle.rtol, cycle.y.copy()
         machinery.composition.P[machinery.composition.widths] = criteria.widths
         self.corrections = Corrections(request.problem, machinery, cycle.tangents)
-        self.met = self.made = unknowns(request.problem, machinery)
+        self.unknowns_in = self.unknowns_out = unknowns(request.problem, machinery)
         self.figures: list[Figures] = []
         self.curves: list[Curves] = []
         self.correction: Correction | None = None  # of the last life
@@ -143,8 +143,8 @@ class _Lives:
         """Integrate one more life; return whether it completed."""
         problem, machinery = self.of.problem, self.machinery
         if self.figures:
-            self.met = self.made
-            set_unknowns(problem, machinery, self.met)
+            self.unknowns_in = self.unknowns_out
+            set_unknowns(problem, machinery, self.unknowns_in)
         self.start, self.steps = along(machinery, self.y), int(machinery.kept[1])
         status, _, _, self.q = machinery.turn(self.y, self.rtol, 1e-3)
         if status != 0:
@@ -153,10 +153,10 @@ class _Lives:
         life = Evaluation(problem, machinery.trajectory, self.q)
         self.figures.append(life.figures)
         self.curves.append(curves_of(life))
-        self.made = problem.entries.possible(life.image)
+        self.unknowns_out = problem.entries.possible(life.image)
         self.end = along(machinery, self.y)
         moved = WEIGHT * float(np.max(np.abs(self.end - self.start)))
-        self.changes.append(max(moved, problem.entries.change(self.made, self.met)))
+        self.changes.append(max(moved, problem.entries.change(self.unknowns_out, self.unknowns_in)))
         return True
 
     def correct(self) -> bool:
@@ -165,10 +165,15 @@ class _Lives:
         if not self.corrections.able or (pulsating and not self.corrections.begun):
             return False
         n = self.machinery.n
-        found = self.corrections.of_turn(self.steps, self.end[:n] - self.start[:n], self.q, self.met, self.made)
+        found = self.corrections.of_turn(
+            self.steps, self.end[:n] - self.start[:n], self.q, self.unknowns_in, self.unknowns_out
+        )
         if found is None:
             return False
-        self.made, self.correction = corrected_start(self.of.problem, found, self.end[:n], self.y, self.made), found
+        self.unknowns_out, self.correction = (
+            corrected_start(self.of.problem, found, self.end[:n], self.y, self.unknowns_out),
+            found,
+        )
         return True
 
     def foretold(self, by: Correction, wrong: float) -> FinerSolutions:
@@ -183,7 +188,7 @@ class _Lives:
         out = streams[slots.DISCHARGE_IN : slots.DISCHARGE_OUT + 1, slots.OF_GAS].sum()
         passed = abs(out / max(float(machinery.R[slots.R_TRAPPED]), 1e-300))
         streams[: slots.SUCTION_OUT + 1, slots.OF_GAS] = 0.0
-        set_unknowns(problem, machinery, self.made)
+        set_unknowns(problem, machinery, self.unknowns_out)
         at, n = float(c.P[slots.P_INJECTION]), machinery.n
         y = np.zeros(c.chambers * n)
         index = round(at / c.P[slots.P_PITCH])
