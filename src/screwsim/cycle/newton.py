@@ -73,8 +73,8 @@ class Residual(NamedTuple):
     """The changes over a turn or a pitch, in coordinates.
 
     `ahead` (slices, N): where chambers read those ahead from the history before; `start` (N,): of the states at the
-    start of a pitch. q are the quadratures of the life, `unknowns_in` those it was integrated with, `unknowns_out` their
-    next values.
+    start of a pitch. q are the quadratures of the life, `unknowns_in` those it was integrated with,
+    `unknowns_out` their next values.
     """
 
     ahead: Array
