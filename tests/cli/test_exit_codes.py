@@ -130,7 +130,7 @@ def _fail(*_: object, **__: object) -> None:
 
 
 def test_internal_error_is_told_without_traceback(folder, command, monkeypatch):
-    monkeypatch.setattr(cli.points, "loaded_scene", _fail)
+    monkeypatch.setattr(cli.options, "loaded_scene", _fail)
     monkeypatch.delenv("SCREWSIM_DEBUG", raising=False)
     answer = command("explain", "small.yaml")
     assert (answer.code, answer.out) == (1, "")
@@ -140,7 +140,7 @@ def test_internal_error_is_told_without_traceback(folder, command, monkeypatch):
 
 
 def test_debugging_shows_the_traceback(folder, command, monkeypatch):
-    monkeypatch.setattr(cli.points, "loaded_scene", _fail)
+    monkeypatch.setattr(cli.options, "loaded_scene", _fail)
     monkeypatch.setenv("SCREWSIM_DEBUG", "1")
     answer = command("explain", "small.yaml")
     assert answer.code == 1
@@ -155,7 +155,7 @@ def test_interrupt_has_its_own_code(folder, command, monkeypatch, verb, scene, h
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli.points, "loaded_scene", interrupt)
+    monkeypatch.setattr(cli.options, "loaded_scene", interrupt)
     answer = command(verb, scene)
     assert (answer.code, answer.out) == (130, "")
     assert answer.err == f"interrupted{hint}\n"

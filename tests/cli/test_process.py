@@ -90,7 +90,7 @@ def test_what_comes_after_the_output_is_done_though_nobody_reads_it():
     text = "import sys\nfrom screwsim import cli\n"
     text += "def report(*_):\n    for _ in range(9): print('x' * 9999, flush=True)\n"
     text += (
-        "    print('done', file=sys.stderr)\n    raise cli.UsageError('a fault')\ncli.points.loaded_scene = report\n"
+        "    print('done', file=sys.stderr)\n    raise cli.UsageError('a fault')\ncli.options.loaded_scene = report\n"
     )
     command = [sys.executable, "-c", text + "import sys; sys.argv = ['screwsim', 'explain', 'x']; cli.main()"]
     try:
@@ -119,7 +119,7 @@ def test_closed_streams_fail_no_sweep(folder, closed):
 # ---- Ctrl-C --------------------------------------------------------------------------------------------------
 
 PRESS = "import os, signal, time\ndef press(): signal.raise_signal(signal.SIGINT)\n"
-COMMAND = "from screwsim import cli; cli.points.loaded_scene = loaded\n" + MAIN.format("explain").replace("]", ", 'x']")
+COMMAND = "from screwsim import cli; cli.options.loaded_scene = loaded\n" + MAIN.format("explain").replace("]", ", 'x']")
 SWALLOWED = {
     "another error": "    try: press()\n    except KeyboardInterrupt: raise KeyError('a signature')\n",
     "nothing": "    try: press()\n    except KeyboardInterrupt: raise SystemError('a result with an exception set')\n",
