@@ -230,11 +230,12 @@ def test_a_slip_in_a_figures_name_is_told(result):
         _ = result.performance.shaft_pwer
 
 
-def test_derivatives_cost_nothing_before_they_are_asked_for(monkeypatch):
-    def unwanted(*_, **__):
-        raise AssertionError("derivatives were found that nobody asked for")
+def unwanted(*_, **__):
+    raise AssertionError("derivatives were found that nobody asked for")
 
-    monkeypatch.setattr("screwsim.study.local.sensitivities", unwanted)
+
+def test_derivatives_cost_nothing_before_they_are_asked_for(monkeypatch):
+    monkeypatch.setattr("screwsim.study.point.sensitivities", unwanted)
     result = screwsim.simulate(GIVEN)
     assert repr(result) and result.as_json()
     assert pickle.loads(pickle.dumps(result)).performance == result.performance
@@ -299,11 +300,10 @@ def test_a_result_of_another_scene_is_not_differentiated(result, section, change
 
 
 def test_derivatives_by_differences_are_by_every_number_too(monkeypatch):
-    def solved(scene, values, points, number):
-        path, by = points[number]
-        return Result("ok", performance=Figures(shaft_power=3.0 * (values[path] + by)))
+    def solved(scene, points, **_):
+        return [Result("ok", performance=Figures(shaft_power=3.0 * sum(point.values()))) for point in points]
 
-    monkeypatch.setattr("screwsim.study.local._shifted_result", solved)
+    monkeypatch.setattr("screwsim.study.local.results_at", solved)
     scene = screwsim.load(Path(__file__).parents[1] / "configs" / "slider_crank" / "air.yaml")
     found = screwsim.sensitivities(scene, result=made(scene))
     assert set(found.method.values()) == {"differences"} and "effects.ring_leakage.gap" in found.values

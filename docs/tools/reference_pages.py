@@ -37,8 +37,9 @@ named. A value outside *range* is refused, one outside what is *usual* gives a w
 Gauge pressures are read where absolute ones are (`7 bar(g)`, `7 barg`, `100 psig`): over `operation.ambient_pressure`,
 which is the standard atmosphere, 1.01325 bar, unless the scene states it.
 
-A quantity or a number may have a tolerance: `27 um ± 5 um`, `3 ± 10 %`, `50 um ×/÷ 2`, in ASCII `+/-` and `*/`; the key
-`uncertainty` says which of them are fully correlated, and of which validation the model error is reported,
+A quantity or a number may have a tolerance: `27 um ± 5 um`, `3 ± 10 %`, `50 um ×/÷ 2`, in ASCII `+/-` and `*/`,
+with `(k=1)` behind a standard uncertainty; the key `uncertainty` says which of them are fully correlated, and of which
+validation the model error is reported,
 `{correlated: [[PATH, PATH], …], model: NAME}` ([uncertainty.md](../how-to/uncertainty.md)).
 
 Besides the sections below a scene may have `base: other.yaml`, whose paths it changes, a `title`, and a `sweep`, whose

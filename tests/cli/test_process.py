@@ -119,7 +119,9 @@ def test_closed_streams_fail_no_sweep(folder, closed):
 # ---- Ctrl-C --------------------------------------------------------------------------------------------------
 
 PRESS = "import os, signal, time\ndef press(): signal.raise_signal(signal.SIGINT)\n"
-COMMAND = "from screwsim import cli; cli.options.loaded_scene = loaded\n" + MAIN.format("explain").replace("]", ", 'x']")
+COMMAND = "from screwsim import cli; cli.options.loaded_scene = loaded\n" + MAIN.format("explain").replace(
+    "]", ", 'x']"
+)
 SWALLOWED = {
     "another error": "    try: press()\n    except KeyboardInterrupt: raise KeyError('a signature')\n",
     "nothing": "    try: press()\n    except KeyboardInterrupt: raise SystemError('a result with an exception set')\n",

@@ -66,6 +66,13 @@ def test_a_tolerance_is_half_of_a_95_percent_interval_or_a_factor(path, text, va
     assert (found.size, found.factor) == (pytest.approx(tolerance.size, rel=1e-12), tolerance.factor)
 
 
+@pytest.mark.parametrize("text", ["2000 ± 100 J/(kg K)", "2 ± 0.05 kJ/(kg K) (k=1)"])
+def test_a_bare_value_has_the_unit_of_its_tolerance_with_brackets_too(text):
+    scene = read("oil.density=980 kg/m^3", f"oil.heat_capacity={text}")
+    assert scene.oil.heat_capacity == 2000.0
+    assert scene.uncertain["oil.heat_capacity"].size == pytest.approx(100.0)
+
+
 def test_the_standard_uncertainty_is_half_of_a_tolerance_and_of_the_logarithm_of_a_factor():
     assert Tolerance(4.0).standard == 2.0
     assert Tolerance(4.0, factor=True).standard == pytest.approx(math.log(2.0))

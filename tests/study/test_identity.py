@@ -134,7 +134,11 @@ def test_a_file_counts_by_its_content_alone(tmp_path):
 @pytest.mark.parametrize(
     ("where", "what", "told"),
     [
-        ("screwsim.results.identity._library", lambda name: "7.2", r"CoolProp \S+ wrote it, this is 7\.2, llvmlite"),
+        (
+            "screwsim.results.identity.installed_version",
+            lambda *_: "7.2",
+            r"CoolProp \S+ wrote it, this is 7\.2, llvmlite",
+        ),
         ("screwsim.numerics.sources.package_digest", lambda: "other", r"from different sources of screwsim 0\.1\.0;"),
     ],
 )
@@ -274,7 +278,7 @@ def test_a_worker_that_differs_refuses_its_cases(tmp_path, monkeypatch):
     with_area(tmp_path)
     wanted = requirements_of(loads(AREA_SCENE, folder=str(tmp_path)))
     assert what_differs(wanted) == ""
-    monkeypatch.setattr(identity, "_library", lambda name: "7.2")
+    monkeypatch.setattr(identity, "installed_version", lambda *_: "7.2")
     with pytest.raises(UsageError, match=rf"worker {os.getpid()} has CoolProp 7\.2, not \S+, has llvmlite 7\.2, not "):
         run_packed(b"", wanted, [])
     monkeypatch.undo()

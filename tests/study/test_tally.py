@@ -49,6 +49,19 @@ def _marked(mark):
     mark()
 
 
+def test_cases_that_are_solved_again_are_not_more_than_there_are_and_no_unfinished_one_stays(seen):
+    tally = Tally(seen, Place.BESIDE)
+    tally.start(10, 4)
+    for _ in range(9):  # three of them by a worker that died
+        tally.mark()
+    tally.tick()
+    tally.advance(2, 0)
+    tally.tick()
+    tally.stop()
+    seen.tick()
+    assert seen.shown == [10, 10, 10, 6]
+
+
 def test_one_process_alone_shows_its_cases_now_and_then(seen, monkeypatch):
     times = iter([0.0, 0.5 * SHOWN_EVERY, 2.0 * SHOWN_EVERY])
     monkeypatch.setattr("screwsim.study.tally.time.monotonic", lambda: 100.0 + next(times))

@@ -103,6 +103,8 @@ def exit_code(arguments: Sequence[str]) -> int:
 
 def _how_to_resume(arguments: Sequence[str]) -> str:
     """Return that an interrupted command can be given again; '' where it would begin anew."""
+    if "--restart" in arguments:
+        return "; without --restart the same command goes on with what is stored"
     if "sweep" in arguments[:1]:
         return "; the same command resumes the sweep"
     if "optimize" in arguments[:1] and "-o" in arguments[:-1]:

@@ -89,19 +89,19 @@ def image(
 
 
 def next_pitch(
-    problem: Problem, machinery: Machinery, y: Array, met: Array, rtol: float, check: Check | None = None
+    problem: Problem, machinery: Machinery, y: Array, unknowns_in: Array, rtol: float, check: Check | None = None
 ) -> tuple[Array, Array, Array] | None:
     """Integrate a pitch; return the states and unknowns that the next one starts with, and its quadratures.
 
     The pitch becomes the last history; y is advanced to its end [in place]. None where the integration stops.
     """
-    set_unknowns(problem, machinery, met)
+    set_unknowns(problem, machinery, unknowns_in)
     status, _, _, q = machinery.pitch(y, rtol, 1e-3, check=check)
     if status != 0:
         return None
     machinery.install_coupled()
-    made = image(problem, machinery.trajectory, q)
-    return machinery.shift(y), made, q
+    unknowns_out = image(problem, machinery.trajectory, q)
+    return machinery.shift(y), unknowns_out, q
 
 
 def _suction_heat(problem: Problem, life: Trajectory, q: Array, turn: Turn | None) -> float:

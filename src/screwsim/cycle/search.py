@@ -63,11 +63,11 @@ def search_after_pitches(
         cycle = close_together(task, y, rule, MOST_BETWEEN, PITCHES_BETWEEN)
         if cycle.status != NOT_CLOSED or machinery.counts[EVALUATED] > budget:
             return cycle
-        y, met = cycle.y, unknowns(problem, machinery)
+        y, unknowns_in = cycle.y, unknowns(problem, machinery)
         found = search_and_close(task, y.copy(), MOST_OF_AN_EARLY_ONE if early else MOST_OF_A_SEARCH)
         if found is not None:
             return found
-        set_unknowns(problem, machinery, met)
+        set_unknowns(problem, machinery, unknowns_in)
 
 
 def search_and_close(
@@ -120,8 +120,8 @@ def newton_search(
             return None
         if float(np.abs(here.changed).max()) <= FOUND_WITHIN * criteria.tolerance:
             growth = pitch.growth(here) if judged else 0.0
-            found, met = pitch.values(here.x, here.raw)
-            set_unknowns(problem, machinery, met)
+            found, unknowns_in = pitch.values(here.x, here.raw)
+            set_unknowns(problem, machinery, unknowns_in)
             return PeriodicState(found, growth)
         inverse = pitch.inverse(here)
         if inverse is None:
@@ -185,9 +185,9 @@ class _PitchMap:
         raw = y, unknowns(self.problem, self.machinery)
         return self.at(self._coordinates(*raw), raw)
 
-    def _coordinates(self, y: Array, met: Array) -> Array:
+    def _coordinates(self, y: Array, unknowns_in: Array) -> Array:
         """Return the coordinates of states and unknowns."""
-        return np.concatenate([logarithms(y, self.c), self.problem.entries.coordinates(met)])
+        return np.concatenate([logarithms(y, self.c), self.problem.entries.coordinates(unknowns_in)])
 
     def values(self, x: Array, raw: tuple[Array, Array]) -> tuple[Array, Array]:
         """Return states and unknowns at x; amounts too small to count keep their raw values."""
@@ -199,9 +199,9 @@ class _PitchMap:
         found = next_pitch(self.problem, self.machinery, *self.values(x, raw), self.rtol, self.check)
         if found is None:
             return None
-        y, made, q = found
-        changed = self._coordinates(y, made) - x
-        return SearchPoint(x, changed, (y, made), q) if np.isfinite(changed).all() else None
+        y, unknowns_out, q = found
+        changed = self._coordinates(y, unknowns_out) - x
+        return SearchPoint(x, changed, (y, unknowns_out), q) if np.isfinite(changed).all() else None
 
     def inverse(self, here: SearchPoint) -> Array | None:
         """Return the pseudo-inverse of the change's derivatives at the last pitch's start; None if not finite."""
@@ -219,8 +219,8 @@ class _PitchMap:
     def _derivatives(self, here: SearchPoint) -> Array:
         """Return the derivatives of the change over a pitch by the coordinates of states and unknowns."""
         problem, machinery = self.problem, self.machinery
-        y, met = self.values(here.x, here.raw)
-        tangents = linearised(problem, machinery, met, SLICES)
+        y, unknowns_in = self.values(here.x, here.raw)
+        tangents = linearised(problem, machinery, unknowns_in, SLICES)
         N, size = len(y), len(here.x)
         start, sources = np.eye(N, size), np.zeros((SLICES, N, size))
         sources[:, :, N:] = tangents.by_unknowns
@@ -229,5 +229,5 @@ class _PitchMap:
         given[:, :, N:] += tangents.sums_by_unknowns
         J = np.empty((size, size))
         J[:N] = shifted(along[-1], self.c.chambers)
-        J[N:] = slopes_of_image(problem, machinery, tangents, given, here.q, met, here.raw[1])
+        J[N:] = slopes_of_image(problem, machinery, tangents, given, here.q, unknowns_in, here.raw[1])
         return J - np.eye(size)

@@ -74,17 +74,17 @@ def _placed(
     shut = negligible_areas(areas)
     least = LEAST * float(areas.max())
     for x in found:
-        i = int(np.searchsorted(angles, x))
-        for j in (i + 1, i - 1) if shut[i] else ():
+        i, at_edge = int(np.searchsorted(angles, x)), False
+        for j in (i - 1, i + 1) if shut[i] else ():  # both, where it is shut at this sample alone
             if 0 <= j < len(angles) and not shut[j]:
                 closed, is_open = float(angles[i]), float(angles[j])
                 while abs(is_open - closed) > PLACED:
                     middle = 0.5 * (closed + is_open)
                     area = _areas(path, symbols, np.array([middle]))
                     closed, is_open = (middle, is_open) if area is None or area[0] <= least else (closed, middle)
+                at_edge = True
                 yield closed
-                break
-        else:
+        if not at_edge:
             yield x
 
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from screwsim.effects import catalogue
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.suggestions import nearest
-from screwsim.scene.coverage import split_coverage
+from screwsim.scene.coverage import COVERAGE_FACTOR, split_coverage
 from screwsim.scene.fields import Leaf, effect_keys, leaf_paths, leaves_of, value_at
 from screwsim.scene.model_errors import BLOCK, MODEL
 from screwsim.scene.types import COVERAGE, Scene, Tolerance
@@ -78,7 +78,7 @@ def _nominal(value: str, text: str, factor: bool) -> Any:
     """Return a value without its tolerance; one without a unit takes the tolerance's unit, or is a plain number."""
     if not _BARE.fullmatch(value):
         return value
-    match = None if factor else _UNIT.fullmatch(text.partition("(")[0].rstrip())
+    match = None if factor else _UNIT.fullmatch(COVERAGE_FACTOR.sub("", text))
     unit = match[1].strip() if match else ""
     return f"{value} {unit}" if unit and unit != "%" else float(value)
 

@@ -29,9 +29,11 @@ def simulate(scene: Scene | str | os.PathLike[str] | Mapping[str, Any], trace: T
     """
     scene = scene_of(scene)
     result = simulated(scene, trace)
-    return replace(
-        result, derivatives=Derivatives(partial(sensitivities, scene, result=result), result.performance, scene)
-    )
+    return replace(result, derivatives=Derivatives(partial(_derivatives_of, scene, result), result.performance, scene))
+
+
+def _derivatives_of(scene: Scene, result: Result) -> Any:
+    return sensitivities(scene, result=result)
 
 
 def kept_slopes(scene: Scene, result: Result) -> Sensitivities | None:

@@ -247,9 +247,9 @@ class _Sweep:
         self._chunks = Chunks(todo, longest, pool.workers, self._beside.blocks(size))
         base = replace(self.scene, sweep={}, joints=(), text="")
         tally = self._tally = Tally(self._progress, place_of(pool, alone=limit is None))
-        job = Job(base, tuple(self.scene.sweep), self._many, self._warm_up, keep, limit, *self._beside, tally.mark)
-        self._progress.start(self.blocks.cases, reused)
         try:
+            job = Job(base, tuple(self.scene.sweep), self._many, self._warm_up, keep, limit, *self._beside, tally.mark)
+            tally.start(self.blocks.cases, reused)
             if limit is None:
                 while (blocks := self._chunks.take()) is not None:
                     self._finish(blocks, run_blocks(job, self._payload(blocks)))

@@ -4,6 +4,7 @@ Workers append a byte per case to a temporary file, whose size this process read
 between them, whatever way they were started. In this process alone, cases are counted in memory.
 """
 
+import math
 import os
 import tempfile
 import time
@@ -61,11 +62,17 @@ class Tally:
     def __init__(self, progress: Progress, place: Place) -> None:
         self._progress = progress
         self._solved = self._finished = 0
+        self._most = math.inf
         self._shown = 0.0
         counts = place is not Place.ELSEWHERE and type(progress) is not Progress and hasattr(progress, "solving")
         self._path = _empty_file() if counts and place is Place.BESIDE else ""
         in_memory = self._mark if counts and place is Place.HERE else no_mark
         self.mark: Callable[[], None] = FileMark(self._path) if self._path else in_memory
+
+    def start(self, cases: int, reused: int) -> None:
+        """Start the progress, of cases of which some are reused."""
+        self._most = cases - reused
+        self._progress.start(cases, reused)
 
     def advance(self, cases: int, failed: int) -> None:
         """Take cases as finished, which the progress counts from now on."""
@@ -85,13 +92,15 @@ class Tally:
         return self._solved
 
     def tick(self) -> None:
-        """Show the solved cases."""
+        """Show the solved cases; those of a worker that died are solved again, and are not more than there are."""
         if self.mark is not no_mark:
-            self._progress.solving(max(0, self.solved() - self._finished))
+            self._progress.solving(max(0, min(self.solved(), self._most) - self._finished))
         self._progress.tick()
 
     def stop(self) -> None:
-        """End the progress, and remove the file."""
+        """End the progress, which then shows finished cases alone, and remove the file."""
+        if self.mark is not no_mark:
+            self._progress.solving(0)
         self._progress.stop()
         if self._path:
             with suppress(OSError):

@@ -7,6 +7,7 @@ from screwsim.template.request import Condition, condition_of
 
 CARBON_DIOXIDE = ("carbondioxide", "co2", "r744")
 WARMEST = 333.15  # [K] at the outlet of the gas cooler, to which the correlation was fitted
+FITTED = 263.15, 293.15  # [K] evaporation, likewise
 BY = "Liao, Zhao, Jakobsen 2000 (Appl. Therm. Eng. 20, 831)"
 
 
@@ -29,6 +30,14 @@ def best_pressure(T_e: float, T_out: float) -> float:
     """
     e, c = T_e - ZERO_CELSIUS, T_out - ZERO_CELSIUS
     return 1e5 * ((2.778 - 0.0157 * e) * c + 0.381 * e - 9.34)
+
+
+def range_note(T_e: float) -> str:
+    """Return that the best pressure is extrapolated, where evaporation [K] is beyond what it was fitted to; else ''."""
+    low, high = FITTED
+    if low <= T_e <= high:
+        return ""
+    return f" (extrapolated: fitted to {low - ZERO_CELSIUS:.0f} to {high - ZERO_CELSIUS:.0f} degC of evaporation)"
 
 
 def refuse_too_warm(text: str, condition: Condition) -> None:

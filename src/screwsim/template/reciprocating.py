@@ -6,7 +6,14 @@ from typing import NamedTuple
 from screwsim.fluid.description import is_mixture
 from screwsim.inputs.faults import UsageError
 from screwsim.template import sizes
-from screwsim.template.gas_cooler import BY, best_pressure, is_carbon_dioxide, needs_gas_cooler, refuse_too_warm
+from screwsim.template.gas_cooler import (
+    BY,
+    best_pressure,
+    is_carbon_dioxide,
+    needs_gas_cooler,
+    range_note,
+    refuse_too_warm,
+)
 from screwsim.template.refrigeration import Duty, conditions, duty_of
 from screwsim.template.request import SceneRequest, condition_of, refuse_option
 from screwsim.template.texts import filled
@@ -178,7 +185,7 @@ def _warm_side(duty: Duty, cooled: bool) -> dict[str, str]:
         lines = (
             "superheat: {superheat}",
             "# Above its critical point CO2 does not condense. This pressure gives the best COP by",
-            f"# {BY};",
+            f"# {BY}{range_note(duty.T_e)};",
             "# a sweep of operation.gas_cooler.pressure finds that of this machine.",
             f"gas_cooler: {{{{pressure: {pressure}, outlet_temperature: {{condensing}}}}}}",
         )

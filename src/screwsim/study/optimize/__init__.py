@@ -171,11 +171,11 @@ def run_question(
     if simulate is None:
         simulator(with_values(asked.scene, begin))  # compiled before the fork
     progress, jobs = progress or Progress(), jobs or cores()
-    tally = Tally(progress, Place.BESIDE if jobs > 1 else Place.HERE)
     target = None if output is None else Path(output)
     if target is not None:
         make_folder(target.parent)
     with nullcontext() if target is None else held_parts(target, asked, restart) as parts:
+        tally = Tally(progress, Place.BESIDE if jobs > 1 else Place.HERE)
         try:
             with BatchWorkers(jobs, lambda work: None, tally.tick) as crew:
                 record = Record(asked, crew, parts, simulate, progress, tally)

@@ -69,7 +69,7 @@ class Record:
         if self.parts is not None:
             for cases in self.parts.finished():
                 self._kept = cases.stop if cases.start == self._kept else self._kept
-        self.progress.start(self.asked.evaluations, 0)
+        (self.tally or self.progress).start(self.asked.evaluations, 0)
 
     def __len__(self) -> int:
         return sum(map(len, self._places))
