@@ -40,19 +40,22 @@ def _shown_speed() -> Iterator[Callable[[float], None]]:
 
     on_terminal = sys.stderr is not None and sys.stderr.isatty()
     shown = TolerantProgress(OverwrittenLine("startup, % of the steady speed")) if on_terminal else Progress()
-    reached = 0
+    reached: int | None = None  # nothing is shown of a start that is refused
 
     def told(share: float) -> None:
         nonlocal reached
+        if reached is None:
+            shown.start(100, 0)
+            reached = 0
         now = max(reached, min(100, int(100.0 * share)))
         shown.advance(now - reached, 0)
         reached = now
 
-    shown.start(100, 0)
     try:
         yield told
     finally:
-        shown.stop()
+        if reached is not None:
+            shown.stop()
 
 
 def startup(

@@ -205,7 +205,7 @@ class StepLines(Progress):
 
 
 class OverwrittenLine(CountingProgress):
-    """One line on stderr that overwrites itself, at most twice a second: for neither terminals nor notebooks."""
+    """One line on stderr that overwrites itself, at most twice a second: for programs, and a start-up on a terminal."""
 
     def __init__(self, title: str, every: float = 0.5) -> None:
         super().__init__(title, time.monotonic)
