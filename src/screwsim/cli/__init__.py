@@ -108,7 +108,7 @@ def _how_to_resume(arguments: Sequence[str]) -> str:
     if "sweep" in arguments[:1]:
         return "; the same command resumes the sweep"
     if "optimize" in arguments[:1] and "-o" in arguments[:-1]:
-        parts = arguments[arguments.index("-o") + 1] + ".parts"
+        parts = os.path.realpath(arguments[arguments.index("-o") + 1]) + ".parts"  # beside what a link leads to
         kept = "continues where it stopped" if os.path.isdir(parts) else "begins anew, as no batch was finished"
         return f"; the same command {kept}"
     return ""
