@@ -4,8 +4,8 @@ Workers append a byte per case to a temporary file, whose size this process read
 between them, whatever way they were started. In this process alone, cases are counted in memory.
 """
 
-import math
 import os
+import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -62,7 +62,7 @@ class Tally:
     def __init__(self, progress: Progress, place: Place) -> None:
         self._progress = progress
         self._solved = self._finished = 0
-        self._most = math.inf
+        self._most = sys.maxsize
         self._shown = 0.0
         counts = place is not Place.ELSEWHERE and type(progress) is not Progress and hasattr(progress, "solving")
         self._path = _empty_file() if counts and place is Place.BESIDE else ""
