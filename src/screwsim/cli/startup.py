@@ -11,7 +11,7 @@ from typing import Annotated
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, option
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Overrides, SceneFile, Without, loaded_scene
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Overrides, SceneFile, Without
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -70,7 +70,7 @@ def startup(
     """Start a machine that has a drive, against the discharge pressure."""
     options.check_folder_name(folder)
     slow = _creep_speed(creep)
-    scene = options.base_point(loaded_scene(scene_file, overrides, without), scene_file)
+    scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
     from screwsim.printing.startup import TRACES, print_startup, protect_other_traces, write_traces
     from screwsim.report.drive import draw_start
     from screwsim.results.atomic import make_folder
