@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from screwsim.machine.built_in import built_in_volume_ratio
 from screwsim.machine.kinds import kind_of
+from screwsim.machine.protocol import built_in_volume_ratio
 from screwsim.scene import load
 
 CONFIGS = Path(__file__).parents[2] / "configs"

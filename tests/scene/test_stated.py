@@ -9,8 +9,8 @@ from each_row import each_row
 
 import screwsim
 from screwsim.inputs.faults import SceneError
-from screwsim.machine.built_in import built_in_volume_ratio
 from screwsim.machine.kinds import kind_of
+from screwsim.machine.protocol import built_in_volume_ratio
 from screwsim.scene import case, scene_text
 from screwsim.scene.types import STANDARD_ATMOSPHERE
 

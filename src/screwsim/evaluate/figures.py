@@ -15,7 +15,7 @@ from screwsim.effects.base import SUCTION, Drawn, Given, Plenum, Separator, Turn
 from screwsim.evaluate import humidity, performance
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures import Performance, figures_declared_elsewhere
-from screwsim.machine.built_in import built_in_volume_ratio
+from screwsim.machine.protocol import built_in_volume_ratio
 from screwsim.machine.settings import TURN
 from screwsim.model import slots
 from screwsim.model.trajectory import Trajectory

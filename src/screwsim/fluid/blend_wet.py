@@ -41,12 +41,7 @@ class BlendWet:
 
     def volume(self, p: float, T: float) -> float:
         """Return v [m³/kg] at p [Pa] and T [K] between bubble and dew temperature."""
-        liquid, vapour = self.border.saturated_volumes(T)
-
-        def excess(v: float) -> float:
-            return -self._surface(T, v)[2] / p - 1.0
-
-        return _root(liquid, vapour, lambda v: -excess(v))
+        return _root(*self.border.saturated_volumes(T), lambda v: self._surface(T, v)[2] / p + 1.0)
 
     def value(self, T: float, v: float, entropy: bool) -> float:
         """Return s [J/(kg K)], or h [J/kg], of two phases at T [K] and v [m³/kg]."""
