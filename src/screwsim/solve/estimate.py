@@ -16,7 +16,14 @@ from screwsim.model.run import Machinery
 from screwsim.model.turn_scheduler import reach_station
 from screwsim.numerics.error_options import AGAIN, ERRORS, LIVES, TOGETHER
 from screwsim.outputs import Figures
-from screwsim.solve.estimate_protocol import NARROWER, NO_SOLUTIONS, Estimate, EstimateRequest, FinerSolutions
+from screwsim.solve.estimate_protocol import (
+    BARELY_DELIVERS,
+    NARROWER,
+    NO_SOLUTIONS,
+    Estimate,
+    EstimateRequest,
+    FinerSolutions,
+)
 from screwsim.solve.finer_solutions import chambers_together, changes, closed_again, finer_lives, repeated_share
 from screwsim.solve.open_balances import open_balance_errors
 from screwsim.solve.swings import Curves, curves_of, swing_errors
@@ -57,12 +64,23 @@ def estimated_errors(
     lost_flow = {"by_flow": whole * finer.flow} if finer.flow else {}
     if request.hidden and request.filling > 0.0:
         lost_flow["by_flow"] = LEAST_DELIVERY_ERROR * (errors.get("trapped_mass") or 0.0) / request.filling
+    if _closed_on_noise(request):
+        lost_flow["by_flow"] = max(lost_flow.get("by_flow", 0.0), cycle.change / request.filling)
     lost_now = [flow_errors(found, lost, by) for by, lost in lost_flow.items()]
     for each in (*lost_now, *open_balance_errors(of, cycle)):
         for name, size in each.items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)
     of_squares(found, errors)
     return errors, finer.corrected_state or finer.cycle
+
+
+def _closed_on_noise(request: EstimateRequest) -> bool:
+    """Return whether pitches of a machine that barely delivers still changed by more than asked when they stalled.
+
+    What they change of the gas in the chambers is much of the little that is delivered, in finer pitches as well.
+    """
+    barely = way_of(request.cycle).whole and 0.0 < request.filling < BARELY_DELIVERS
+    return barely and request.cycle.change > request.criteria.tolerance
 
 
 def of_squares(found: Figures, errors: Figures) -> None:
