@@ -2,7 +2,7 @@
 
 An estimate receives a closed cycle, which the machinery holds, and returns the figures of one or more solutions with
 finer steps and a narrower regularisation; `solve.estimate` turns their changes into errors. `numerics.error` of a scene
-says which estimates are tried in turn (`numerics.error_options`).
+says which estimates are tried in turn (`numerics.settings`).
 """
 
 from collections.abc import Sequence
