@@ -72,7 +72,7 @@ def enter_pulsations(book: Book, cycle: LedgerCycle, of_lines: Mapping[str, Thro
 
 def enter_intake(book: Book, cycle: LedgerCycle, of_gas: float, discharge: State) -> float:
     """Return the exergy rise of the delivered gas from the line's state [W]; enter bypass and throttles (M163)."""
-    intake, T_s = cycle.suction, cycle.lines.T_s
+    intake, T_s = cycle.problem, cycle.lines.T_s
     h_d = float(cycle.R[slots.R_DISCHARGE + slots.ENTHALPY])
     flow = suction_line.fresh_gas(cycle.problem, cycle.R, cycle.streams) * cycle.rate
 
@@ -146,7 +146,7 @@ def mean_back(cycle: LedgerCycle, met: Streams, sucked: State) -> State:
     """Return the mean state of the gas that flows back, at the pressure where it arrives; without backflow `sucked`."""
     if not met.back.gas > 0.0:
         return sucked
-    return cycle.at(cycle.pressure_behind(SUCTION) or cycle.suction.pressure, met.back.enthalpy / met.back.gas)
+    return cycle.at(cycle.pressure_behind(SUCTION) or cycle.problem.pressure, met.back.enthalpy / met.back.gas)
 
 
 def enter_line(
@@ -162,8 +162,8 @@ def enter_line(
         return state.h - cycle.T_0 * state.s
 
     h_d = float(cycle.R[slots.R_DISCHARGE + slots.ENTHALPY])
-    p = cycle.suction.pressure
-    fresh, leaked = cycle.at(p, cycle.suction.port_state(h_d)[slots.ENTHALPY]), cycle.at(p, h_d)
+    p = cycle.problem.pressure
+    fresh, leaked = cycle.at(p, cycle.problem.port_state(h_d)[slots.ENTHALPY]), cycle.at(p, h_d)
     warmed = _warmed_fresh_gas(book, cycle, met, fresh)
     of_fresh = met.fresh * (exergy(fresh) - exergy(before))
     of_leak = met.leak.gas * (exergy(leaked) - exergy(before))
@@ -181,7 +181,7 @@ def _warmed_fresh_gas(book: Book, cycle: LedgerCycle, met: Streams, fresh: State
     for name, part in cycle.parts.all(SuctionHeat):
         if met.fresh > 0.0:
             heat = part.power(cycle.shaft_power, cycle.parts.omega)
-            after = cycle.at(cycle.suction.pressure, found.h + heat / met.fresh)
+            after = cycle.at(cycle.problem.pressure, found.h + heat / met.fresh)
             rise = after.h - found.h - cycle.T_0 * (after.s - found.s)
             book.add(name, energy=heat, exergy=-met.fresh * rise)
             found = after

@@ -186,7 +186,7 @@ def _line(book: Book, cycle: LedgerCycle, paths: Rows, met: Streams, T_line: flo
     T_line [K] is the oil's temperature in the discharge line.
     """
     oil, room = cycle.oil, cycle.parts.oil_room
-    p_i, p_d, source = cycle.suction.pressure, cycle.lines.p_d, cycle.known.oil_source_pressure
+    p_i, p_d, source = cycle.problem.pressure, cycle.lines.p_d, cycle.known.oil_source_pressure
     if met.back.oil > 0.0:
         _mixing(book, cycle, paths, met.T_back, SUCTION)
     leaked, before = (_thermal(cycle, *_mixed(met.leak.oil, met.leak.oil * T)) for T in (met.T_leak, T_line))
@@ -245,8 +245,8 @@ def through_circuit(
     if not (isinstance(circuit, Circuit) and names) or circuit.parted.why:
         return of_gas, of_oil
     outflow, parted, T_0 = circuit.outflow, circuit.parted, cycle.T_0
-    line, T = cycle.suction.line, parted.T_separator
-    sucked = cycle.state(cycle.suction.temperature(line, cycle.lines.T_s), line[slots.DENSITY], line[slots.ENTHALPY])
+    line, T = cycle.problem.line, parted.T_separator
+    sucked = cycle.state(cycle.problem.temperature(line, cycle.lines.T_s), line[slots.DENSITY], line[slots.ENTHALPY])
 
     def exergy(state: State) -> float:
         return state.h - sucked.h - T_0 * (state.s - sucked.s)
