@@ -1,4 +1,4 @@
-"""A blend whose two phases are in equilibrium, with the blend's composition as a whole: kernels and wet states, from its table.
+"""A blend whose two phases are in equilibrium, with its composition as a whole: kernels and wet states, from its table.
 
 Everything follows from one function f(T, v), so that Maxwell's relations hold exactly whatever the table's error (M351,
 M352; a subscript is a derivative):

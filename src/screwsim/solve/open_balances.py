@@ -77,8 +77,8 @@ def _plenum_port_errors(of: Evaluation, cycle: CycleSolution) -> Iterator[Figure
 def misread(problem: Problem, life: Trajectory) -> float:
     """Return the error of the temperature [K] of the oil that flows out over a life; 0 where none does.
 
-    While a wide port holds the pressure, steps are long, and the stages that sum the flow through it err. The balance of
-    a step sets the gas that leaves right, and its oil with it, but not at which temperature. Sums are no part of the
+    While a wide port holds the pressure, steps are long, and the stages that sum the flow through it err. The balance
+    of a step sets the gas that leaves right, and its oil with it, but not at which temperature. Sums are no part of the
     error control, and finer lives take nearly the same steps there. So the sum is compared with the states within the
     steps.
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 
 from screwsim.cycle.suction_line import Stream
 from screwsim.effects.base import DISCHARGE, OilSolution
-from screwsim.evaluate.ledger.book import FlowEnd, LedgerCycle, State
+from screwsim.evaluate.ledger.book import FlowEnd, LedgerCycle, State, exergy_over
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model import ledger as kernels
 from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, DISSOLVED, OF_HELD, OF_OIL, PORT_OIL, R_DISCHARGE
@@ -51,7 +51,7 @@ class DissolvedGas:
 
     def of_gas(self, gas: float, state: Reservoir) -> float:
         """Return the exergy [W] of gas [kg/s] of a state."""
-        return gas * (state.h - self.suction.h - self.cycle.T_0 * (state.s - self.suction.s))
+        return gas * exergy_over(state, self.suction, self.cycle.T_0)
 
     def at_lines(self, ends: Mapping[FlowEnd, list[tuple[str, list[float]]]], add: Callable[..., None]) -> None:
         """Enter the mixing of the oil that leaves to the discharge line, by path, and what other ends take (M234).

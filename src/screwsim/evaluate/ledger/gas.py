@@ -7,13 +7,23 @@ own entry.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import log
 from typing import NamedTuple
 
 from screwsim.cycle import suction_line
 from screwsim.cycle.suction_line import Stream
 from screwsim.effects.base import SUCTION, LineLeak, Pulsation, SuctionChange, SuctionHeat
-from screwsim.evaluate.ledger.book import DISCHARGE_LINE, SUCTION_LINE, Book, FlowEnd, LedgerCycle, Rows, State
+from screwsim.evaluate.ledger.book import (
+    DISCHARGE_LINE,
+    SUCTION_LINE,
+    Book,
+    FlowEnd,
+    LedgerCycle,
+    Rows,
+    State,
+    exergy_over,
+)
 from screwsim.model import ledger as kernels
 from screwsim.model import slots
 from screwsim.model.trajectory import Array
@@ -35,19 +45,14 @@ def enter_paths(book: Book, cycle: LedgerCycle, paths: Rows, ends: Sequence[Flow
 
 def gas_rise(book: Book, cycle: LedgerCycle, suction: State, line: State, discharge: State) -> float:
     """Return the exergy rise of the gas [W] (M55); enter what holds the discharge line at a given state (M54)."""
-
-    def exergy(state: State) -> float:
-        return state.h - suction.h - cycle.T_0 * (state.s - suction.s)
-
+    exergy = partial(exergy_over, at=suction, T_0=cycle.T_0)
     back, out = (
         float(cycle.streams[row, slots.OF_GAS]) * cycle.rate for row in (slots.DISCHARGE_IN, slots.DISCHARGE_OUT)
     )
     if cycle.line_given:
         heat = back * (discharge.h - line.h)
         book.add(DISCHARGE_LINE, energy=heat, exergy=back * (exergy(discharge) - exergy(line)))
-    return -(out + back) * exergy(discharge) - sum(
-        net * exergy(State(own.T, own.rho, own.h, own.s)) for net, own in cycle.drawn()
-    )
+    return -(out + back) * exergy(discharge) - sum(net * exergy(own) for net, own in cycle.drawn())
 
 
 class Throttled(NamedTuple):
@@ -72,7 +77,7 @@ def enter_pulsations(book: Book, cycle: LedgerCycle, of_lines: Mapping[str, Thro
 
 def enter_intake(book: Book, cycle: LedgerCycle, of_gas: float, discharge: State) -> float:
     """Return the exergy rise of the delivered gas from the line's state [W]; enter bypass and throttles (M163)."""
-    intake, T_s = cycle.problem, cycle.lines.T_s
+    intake, T_s = cycle.suction, cycle.lines.T_s
     h_d = float(cycle.R[slots.R_DISCHARGE + slots.ENTHALPY])
     flow = suction_line.fresh_gas(cycle.problem, cycle.R, cycle.streams) * cycle.rate
 
@@ -146,7 +151,7 @@ def mean_back(cycle: LedgerCycle, met: Streams, sucked: State) -> State:
     """Return the mean state of the gas that flows back, at the pressure where it arrives; without backflow `sucked`."""
     if not met.back.gas > 0.0:
         return sucked
-    return cycle.at(cycle.pressure_behind(SUCTION) or cycle.problem.pressure, met.back.enthalpy / met.back.gas)
+    return cycle.at(cycle.pressure_behind(SUCTION) or cycle.suction.pressure, met.back.enthalpy / met.back.gas)
 
 
 def enter_line(
@@ -162,8 +167,8 @@ def enter_line(
         return state.h - cycle.T_0 * state.s
 
     h_d = float(cycle.R[slots.R_DISCHARGE + slots.ENTHALPY])
-    p = cycle.problem.pressure
-    fresh, leaked = cycle.at(p, cycle.problem.port_state(h_d)[slots.ENTHALPY]), cycle.at(p, h_d)
+    p = cycle.suction.pressure
+    fresh, leaked = cycle.at(p, cycle.suction.port_state(h_d)[slots.ENTHALPY]), cycle.at(p, h_d)
     warmed = _warmed_fresh_gas(book, cycle, met, fresh)
     of_fresh = met.fresh * (exergy(fresh) - exergy(before))
     of_leak = met.leak.gas * (exergy(leaked) - exergy(before))
@@ -181,7 +186,7 @@ def _warmed_fresh_gas(book: Book, cycle: LedgerCycle, met: Streams, fresh: State
     for name, part in cycle.parts.all(SuctionHeat):
         if met.fresh > 0.0:
             heat = part.power(cycle.shaft_power, cycle.parts.omega)
-            after = cycle.at(cycle.problem.pressure, found.h + heat / met.fresh)
+            after = cycle.at(cycle.suction.pressure, found.h + heat / met.fresh)
             rise = after.h - found.h - cycle.T_0 * (after.s - found.s)
             book.add(name, energy=heat, exergy=-met.fresh * rise)
             found = after

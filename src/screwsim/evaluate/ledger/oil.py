@@ -5,6 +5,7 @@ where gas and oil leave the chambers, unmixed, and the oil's supply is given.
 """
 
 from collections.abc import Sequence
+from functools import partial
 from math import log
 from typing import NamedTuple
 
@@ -23,6 +24,7 @@ from screwsim.evaluate.ledger.book import (
     LedgerCycle,
     Rows,
     State,
+    exergy_over,
 )
 from screwsim.evaluate.ledger.dissolved import DissolvedGas
 from screwsim.evaluate.ledger.gas import Streams
@@ -186,7 +188,7 @@ def _line(book: Book, cycle: LedgerCycle, paths: Rows, met: Streams, T_line: flo
     T_line [K] is the oil's temperature in the discharge line.
     """
     oil, room = cycle.oil, cycle.parts.oil_room
-    p_i, p_d, source = cycle.problem.pressure, cycle.lines.p_d, cycle.known.oil_source_pressure
+    p_i, p_d, source = cycle.suction.pressure, cycle.lines.p_d, cycle.known.oil_source_pressure
     if met.back.oil > 0.0:
         _mixing(book, cycle, paths, met.T_back, SUCTION)
     leaked, before = (_thermal(cycle, *_mixed(met.leak.oil, met.leak.oil * T)) for T in (met.T_leak, T_line))
@@ -245,17 +247,14 @@ def through_circuit(
     if not (isinstance(circuit, Circuit) and names) or circuit.parted.why:
         return of_gas, of_oil
     outflow, parted, T_0 = circuit.outflow, circuit.parted, cycle.T_0
-    line, T = cycle.problem.line, parted.T_separator
-    sucked = cycle.state(cycle.problem.temperature(line, cycle.lines.T_s), line[slots.DENSITY], line[slots.ENTHALPY])
-
-    def exergy(state: State) -> float:
-        return state.h - sucked.h - T_0 * (state.s - sucked.s)
-
+    line, T = cycle.suction.line, parted.T_separator
+    sucked = cycle.state(cycle.suction.temperature(line, cycle.lines.T_s), line[slots.DENSITY], line[slots.ENTHALPY])
+    exergy = partial(exergy_over, at=sucked, T_0=T_0)
     gas = outflow.gas
     left = cycle.state(T, gas.density(outflow.p, T), gas.enthalpy(outflow.p, T))
     flashing = "" if cycle.parts.oil_gas is None else cycle.parts.oil_gas.plenum
     others = zip(cycle.parts.plenums, cycle.drawn(), strict=True)
-    drawn = sum(net * exergy(State(own.T, own.rho, own.h, own.s)) for name, (net, own) in others if name != flashing)
+    drawn = sum(net * exergy(own) for name, (net, own) in others if name != flashing)
     of_parted = outflow.gas_flow * exergy(left) - drawn
     cooled = outflow.oil_capacity * (T - outflow.T_supply - T_0 * log(T / outflow.T_supply))
     heat = outflow.heating + outflow.friction - parted.lost_friction - parted.ambient_loss

@@ -102,7 +102,7 @@ def ledger(of: Evaluation) -> Ledger:
     of_gas = gas.gas_rise(book, cycle, suction, line, discharge)
     if met is not None:
         of_gas = gas.enter_line(book, cycle, of_gas, met, (suction, sucked, back), discharge)
-    if cycle.problem.changed:
+    if cycle.suction.changed:
         of_gas = gas.enter_intake(book, cycle, of_gas, discharge)
     warmed = len(cycle.composition.heats)
     gas.enter_walls(book, cycle, heats[warmed:])
@@ -119,9 +119,9 @@ def _intake_state(cycle: LedgerCycle) -> State:
     """Return the state of the gas before the suction port: the line's, unless mixed or throttled."""
     h, rho = (float(cycle.R[R_SUCTION + at]) for at in (ENTHALPY, DENSITY))
     if cycle.parts.suction_line:
-        return cycle.at(cycle.problem.pressure, h)
-    port_state = cycle.problem.port_state(float(cycle.R[R_DISCHARGE + ENTHALPY]))
-    return cycle.state(cycle.problem.temperature(port_state, cycle.lines.T_s), rho, h)
+        return cycle.at(cycle.suction.pressure, h)
+    port_state = cycle.suction.port_state(float(cycle.R[R_DISCHARGE + ENTHALPY]))
+    return cycle.state(cycle.suction.temperature(port_state, cycle.lines.T_s), rho, h)
 
 
 def _acting_effects(cycle: LedgerCycle) -> Iterator[str]:
