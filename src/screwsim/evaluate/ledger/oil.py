@@ -26,8 +26,7 @@ from screwsim.evaluate.ledger.book import (
     State,
     exergy_over,
 )
-from screwsim.evaluate.ledger.dissolved import DissolvedGas
-from screwsim.evaluate.ledger.gas import Streams
+from screwsim.evaluate.ledger.gas import DissolvedGas, Streams
 from screwsim.evaluate.separator import Circuit
 from screwsim.model import ledger as kernels
 from screwsim.model import slots
