@@ -7,9 +7,7 @@ gas of the line's state comes in again.
 Parameters: flow_coefficient.
 """
 
-from functools import partial
-
-from screwsim.effects.base import SUCTION, Effect, FlowPath
+from screwsim.effects.base import SUCTION, Effect, Faults, FlowPath
 from screwsim.effects.parts.gap import PortParameters, check_port, port_path
 from screwsim.effects.parts.roles import WAY_IN
 from screwsim.machine.protocol import PORTS
@@ -21,6 +19,10 @@ def build(parameters: PortParameters, machine) -> list[FlowPath]:
     return [port_path(parameters, machine.suction_law(), SUCTION)]
 
 
+def check(parameters: PortParameters, facts) -> Faults:
+    return check_port(NAME, facts)
+
+
 EFFECT = Effect(
     name=NAME,
     title="flow between the suction line and the chamber",
@@ -28,7 +30,7 @@ EFFECT = Effect(
     source="Chernov et al. 2015, eqs. (3), (4), (17)",
     parameters=PortParameters,
     build=build,
-    check=partial(check_port, NAME),
+    check=check,
     needs=frozenset({PORTS}),
     roles={WAY_IN: ""},
 )
