@@ -10,14 +10,14 @@ Parameters: suction_area, discharge_area, flow_coefficient.
 """
 
 from dataclasses import dataclass
-from functools import partial
 
-from screwsim.effects.base import DISCHARGE, SUCTION, Effect, FlowPath, Reading
+from screwsim.effects.base import DISCHARGE, SUCTION, Effect, Faults, FlowPath, Reading
 from screwsim.effects.parts.gap import flow_coefficient
 from screwsim.effects.parts.roles import WAY_IN, WAY_OUT
 from screwsim.effects.parts.usual import Sized
-from screwsim.effects.parts.valves import SIDES, VALVE_LOSSES, check_alone, port_area, valve_losses
+from screwsim.effects.parts.valves import SIDES, VALVE_LOSSES, port_area, valve_losses
 from screwsim.inputs.declare import quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import CYLINDER, PISTON
 from screwsim.numerics.kernel import kernel
 
@@ -60,6 +60,13 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Reading]:
     return [*paths, valve_losses()]
 
 
+def check(parameters: Parameters, facts) -> Faults:
+    if "reed_valves" in facts.effects:
+        yield Fault(
+            "effects.check_valves", "are simulated together with reed_valves, the same valves twice (remove one)"
+        )
+
+
 EFFECT = Effect(
     name="check_valves",
     title="ideal check valves between cylinder and both lines",
@@ -67,7 +74,7 @@ EFFECT = Effect(
     source="ours",
     parameters=Parameters,
     build=build,
-    check=partial(check_alone, "check_valves", "reed_valves"),
+    check=check,
     needs=frozenset({CYLINDER}),
     roles={WAY_IN: "", WAY_OUT: ""},
     figures=VALVE_LOSSES,

@@ -13,14 +13,14 @@ stop_restitution, force_coefficient, flow_coefficient.
 
 import math
 from dataclasses import dataclass
-from functools import partial
 
-from screwsim.effects.base import DISCHARGE, SUCTION, ChamberState, Effect, FlowPath, Reading, Stops
+from screwsim.effects.base import DISCHARGE, SUCTION, ChamberState, Effect, Faults, FlowPath, Reading, Stops
 from screwsim.effects.parts.gap import flow_coefficient
 from screwsim.effects.parts.roles import WAY_IN, WAY_OUT
 from screwsim.effects.parts.usual import Sized
-from screwsim.effects.parts.valves import SIDES, VALVE_LOSSES, check_alone, port_area, valve_losses
+from screwsim.effects.parts.valves import SIDES, VALVE_LOSSES, port_area, valve_losses
 from screwsim.inputs.declare import number, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import BORE, CYLINDER, PISTON
 from screwsim.numerics.kernel import kernel
 from screwsim.outputs import Trace
@@ -189,6 +189,13 @@ def build(parameters: Parameters, machine) -> list[FlowPath | ChamberState | Sto
     return [*built, valve_losses()]
 
 
+def check(parameters: Parameters, facts) -> Faults:
+    if "check_valves" in facts.effects:
+        yield Fault(
+            "effects.reed_valves", "are simulated together with check_valves, the same valves twice (remove one)"
+        )
+
+
 EFFECT = Effect(
     name="reed_valves",
     title="reed valves with mass and spring between cylinder and both lines",
@@ -196,7 +203,7 @@ EFFECT = Effect(
     source="Costagliola 1950; Newton's law of restitution",
     parameters=Parameters,
     build=build,
-    check=partial(check_alone, "reed_valves", "check_valves"),
+    check=check,
     needs=frozenset({CYLINDER}),
     roles={WAY_IN: "", WAY_OUT: ""},
     figures=VALVE_LOSSES,

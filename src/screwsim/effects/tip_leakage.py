@@ -12,10 +12,9 @@ Parameters: gap, reading (not with a profile), flow_coefficient; area_file.
 """
 
 from dataclasses import dataclass
-from functools import partial
 from math import pi
 
-from screwsim.effects.base import Effect, FlowPath
+from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.parts.gap import BIRTH, ClearanceParameters, check_gap, gap_path, profile_paths
 from screwsim.effects.parts.gap_flow import numbers
 from screwsim.effects.parts.usual import LEAK, Sized
@@ -62,6 +61,10 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
     return [gap_path(parameters, law, {"gap": parameters.gap}, **others)]
 
 
+def check(parameters: Parameters, facts) -> Faults:
+    return check_gap("tip_leakage", parameters, facts)
+
+
 EFFECT = Effect(
     name="tip_leakage",
     title="gaps between lobe tips and housing, to both neighbours",
@@ -69,7 +72,7 @@ EFFECT = Effect(
     source="Chernov et al. 2015, eq. (19)",
     parameters=Parameters,
     build=build,
-    check=partial(check_gap, "tip_leakage"),
+    check=check,
     numbers=numbers,
     needs=frozenset({TIP_GAP}),
     usual={ROTORS: LEAK},

@@ -7,8 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from screwsim.effects.base import DISCHARGE, SUCTION, Faults, Reading
-from screwsim.inputs.faults import Fault
+from screwsim.effects.base import DISCHARGE, SUCTION, Reading
 from screwsim.numerics.kernel import kernel
 from screwsim.outputs import names_of, power_figure
 
@@ -43,9 +42,3 @@ def valve_losses() -> Reading:
         return {name: turns * work for name, work in zip(names, valve_works(figures.pitch()), strict=True)}
 
     return Reading(names, read)
-
-
-def check_alone(name: str, other: str, parameters, facts) -> Faults:
-    """Yield a fault where a scene names both effects of these valves."""
-    if other in facts.effects:
-        yield Fault(f"effects.{name}", f"are simulated together with {other}, the same valves twice (remove one)")
