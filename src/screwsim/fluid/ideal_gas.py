@@ -4,6 +4,7 @@ Source: Chernov et al. 2015, assumptions; docs/model.md M5, M6. It implements th
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from screwsim.fluid.gas import CommonGas
@@ -42,7 +43,7 @@ class IdealGas(CommonGas):
     varies = False  # exponent and choking are the same everywhere
 
     @once
-    def values(self) -> dict[str, float]:
+    def values(self) -> Mapping[str, float]:
         """Values of the kernels' arguments beside T and rho."""
         choke, choked = self.choked
         return {
