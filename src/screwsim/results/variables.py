@@ -8,13 +8,49 @@ import numpy as np
 
 from screwsim import outputs
 from screwsim.figures import merged, packed, trace_variable
-from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, Figure, Variable
-from screwsim.results import slopes
+from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, Figure, Figures, Variable, shown
+from screwsim.outputs.derivatives import METHOD_CODES, ComputedDerivatives
 from screwsim.results import table as tables
 from screwsim.results.netcdf import Layout, flag_attributes, flag_type, number_attributes, set_attributes, text_lines
 from screwsim.results.schema import RELATIVE_TO, Axis, numeric_inputs, root_attributes, variable_name
-from screwsim.results.table import FIGURE_GROUPS, NOT_COMPUTED, TEXT_NAMES, Names, Table
+from screwsim.results.table import EXACT, FIGURE_GROUPS, NOT_COMPUTED, TEXT_NAMES, VALUE, Names, Table
 from screwsim.scene.types import Scene
+
+DERIVATIVES, NUMBER = "derivatives", "number"  # names of the group and its dimension
+UNITS = "number_units"
+IS_EXACT = {
+    "units": "1",
+    "long_name": "0: differences of closed cycles; 1: exact derivatives; 2: quick ones, mostly accurate to 1e-3",
+}
+
+
+def write_slopes(layout: Layout, found: ComputedDerivatives, performance: Figures) -> None:
+    """Write the group `derivatives`; its coordinate `number` counts the paths, listed in its attribute `labels`."""
+    group, paths = layout.group(DERIVATIVES), list(found.values)
+    about = flag_attributes(paths, "number of the scene")
+    counted = np.arange(len(paths), dtype=flag_type(len(paths)))
+    layout.coordinate(group, NUMBER, counted, about | {"labels": "\n".join(paths)})
+    words = sorted(set(found.units.values()))
+    data = layout.texts(group, UNITS, words, (len(paths),), (NUMBER,), "SI unit of the number")
+    data.write([words.index(found.units[path]) for path in paths])
+    layout.variable(group, VALUE, np.array([found.values[path] for path in paths], float), (NUMBER,), about_value())
+    exact = np.array([METHOD_CODES[found.method[path]] for path in paths], np.int8)
+    layout.variable(group, EXACT, exact, (NUMBER,), IS_EXACT)
+    units = {each.name: each.units for each in shown(performance)}
+    for figure, slopes in found.derivatives.items():
+        values = np.array([slopes.get(path, np.nan) for path in paths], float)
+        layout.variable(group, figure, values, (NUMBER,), about_slope(figure, units[figure]))
+
+
+def about_slope(figure: str, units: str) -> dict[str, object]:
+    """Return the attributes of a figure's derivatives; `units` are those of the figure."""
+    return number_attributes(Variable(units, f"derivative of {figure} by the number, per unit of it ({UNITS})"))
+
+
+def about_value() -> dict[str, object]:
+    """Return the attributes of the scene's numbers."""
+    return number_attributes(Variable("1", f"value of the number, in the unit that {UNITS} says"))
+
 
 _CASE_TEXTS = {
     "message": "why the case failed or did not close, and the remedy",
@@ -172,19 +208,19 @@ class Plan:
 
     def _slopes(self) -> Iterator[Column]:
         """Create the derivatives of the figures over the numbers; values and methods may differ between cases."""
-        group, paths = self._group(slopes.DERIVATIVES), [path for path, _ in self.names.numbers]
+        group, paths = self._group(DERIVATIVES), [path for path, _ in self.names.numbers]
         about = flag_attributes(paths, "number of the scene")
         counted = np.arange(len(paths), dtype=flag_type(len(paths)))
-        self.layout.coordinate(group, slopes.NUMBER, counted, about | {"labels": "\n".join(paths)})
-        shape, dimensions = (*self.shape, len(paths)), (*self._dimensions, slopes.NUMBER)
+        self.layout.coordinate(group, NUMBER, counted, about | {"labels": "\n".join(paths)})
+        shape, dimensions = (*self.shape, len(paths)), (*self._dimensions, NUMBER)
         words = sorted({unit for _, unit in self.names.numbers})
-        data = self.layout.texts(group, slopes.UNITS, words, shape, dimensions, "SI unit of the number")
+        data = self.layout.texts(group, UNITS, words, shape, dimensions, "SI unit of the number")
         units = np.array([words.index(unit) for _, unit in self.names.numbers], np.int32)
         yield Column(data, lambda table: np.tile(units, (len(table), 1)))
         units_of = {each.name: each.units for each in self.names.about}
-        told = {tables.VALUE: slopes.about_value(), tables.EXACT: slopes.IS_EXACT}
+        told = {VALUE: about_value(), EXACT: IS_EXACT}
         sloped = [name for name in self.names.slopes if name not in self._along]
-        told |= {name: slopes.about_slope(name, units_of[name]) for name in sloped}
+        told |= {name: about_slope(name, units_of[name]) for name in sloped}
         for name, attributes in told.items():
             data = self.layout.empty(group, name, shape, float, dimensions, attributes | self._beside)
             yield Column(data, lambda table, name=name: tables.slopes_of(table, name, paths))

@@ -18,9 +18,8 @@ from screwsim.results import atomic
 from screwsim.results.guarded import GuardedFile
 from screwsim.results.netcdf import Layout, Selection, chunks_of, flag_attributes, number_attributes, text_lines
 from screwsim.results.schema import Axis, axes_of
-from screwsim.results.slopes import write_slopes
 from screwsim.results.table import InMemory, Names, Table, Tables, regrouped, table_of
-from screwsim.results.variables import Column, Plan, names_of
+from screwsim.results.variables import Column, Plan, names_of, write_slopes
 from screwsim.scene.types import Scene
 
 # the format of HDF5 1.8 allows attributes (the scene) beyond 64 KiB; netCDF-4 keeps the order of creation

@@ -135,11 +135,9 @@ def _pump(scene: Scene) -> Iterator[Fault]:
         if beside:
             what = f"is given as well as {beside} (remove one of the two; null drops a base's value)"
             yield Fault("oil_supply.flow", what)
-    for name in ("orifice_diameter", "orifice_length"):
-        if getattr(supply, name) is not None:
+    for name, default in (("orifice_diameter", None), ("orifice_length", None), ("orifice_count", 1.0)):
+        if getattr(supply, name) != default:
             yield Fault(f"oil_supply.{name}", "applies only to kind: displacement (remove it, or change the kind)")
-    if supply.orifice_count != 1.0:
-        yield Fault("oil_supply.orifice_count", "applies only to kind: displacement (remove it, or change the kind)")
     if supply.line is not None:
         what = "applies to displaced oil; with kind: pump the pump overcomes the loss"
         yield Fault("oil_supply.line", f"{what} (write it under {having(PUMPS)[0]})")
@@ -169,19 +167,15 @@ def _sought_oil_flow(scene: Scene) -> Iterator[Fault]:
 def _displacement(scene: Scene) -> Iterator[Fault]:
     supply = scene.oil_supply
     assert supply is not None
-    if supply.discharge_temperature is not None:
-        what = "applies only to kind: pump, whose ratio it finds; displaced oil follows from its bore (remove it)"
-        yield Fault("oil_supply.discharge_temperature", what)
-    if supply.ratio is not None:
-        yield Fault(
-            "oil_supply.ratio", "applies only to kind: pump; displacement finds it from the orifice (remove it)"
-        )
-    if supply.flow is not None:
-        yield Fault("oil_supply.flow", "applies only to kind: pump; displaced oil follows from its bore (remove it)")
-    if supply.from_sump:
-        yield Fault(
-            "oil_supply.source", "applies only to kind: pump; displacement draws from the separator (remove it)"
-        )
+    follows = "displaced oil follows from its bore"
+    for name, stated, why in (
+        ("discharge_temperature", supply.discharge_temperature, f", whose ratio it finds; {follows}"),
+        ("ratio", supply.ratio, "; displacement finds it from the orifice"),
+        ("flow", supply.flow, f"; {follows}"),
+        ("source", supply.from_sump or None, "; displacement draws from the separator"),
+    ):
+        if stated is not None:
+            yield Fault(f"oil_supply.{name}", f"applies only to kind: pump{why} (remove it)")
     if supply.orifice_diameter is None:
         yield Fault("oil_supply.orifice_diameter", "is missing (kind: displacement needs it, e.g. 3 mm)")
     elif supply.orifice_length is not None and supply.orifice_length >= NO_FLOW * supply.orifice_diameter:

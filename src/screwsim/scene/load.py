@@ -17,7 +17,6 @@ from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.checks import check_files, cross_check
 from screwsim.scene.derived_values import with_derived_values
-from screwsim.scene.dict_text import DICT_NAME, yaml_text
 from screwsim.scene.fields import leaf_paths, scene_section
 from screwsim.scene.file_kinds import other_file
 from screwsim.scene.fixed_dict import FixedDict
@@ -28,7 +27,7 @@ from screwsim.scene.tolerances import read_tolerances, split_tolerances
 from screwsim.scene.types import STANDARD_ATMOSPHERE, Scene
 from screwsim.scene.units import Refused, gauge_pressures_over, parse_quantity
 from screwsim.scene.values import shown
-from screwsim.scene.write import scene_text
+from screwsim.scene.write import DICT_NAME, scene_text, yaml_text
 from screwsim.scene.yaml_tree import Faults, LocatedFault, Node, Position, compose, merge, one_line, pointer
 
 OVERRIDE = 1_000_000  # rank of the first override, above those of all files
