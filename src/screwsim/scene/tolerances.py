@@ -1,7 +1,8 @@
 """Values with a tolerance: `27 um ± 5 um`, `3 ± 10 %`, `50 um ×/÷ 2`, and which of their errors are fully correlated.
 
-A tolerance is half of the interval in which the value lies in 95 of 100 cases, a coverage factor of 2 (GUM), unless
-another stands behind it: `27 um ± 2.5 um (k=1)` is the same as `27 um ± 5 um`. With ± the value is normally
+A tolerance is half of the interval in which the value lies in 95 of 100 cases, a coverage factor of 2 (JCGM 100:2008,
+GUM, sections 2.3.5 and 2.3.6), unless another stands behind it: `27 um ± 2.5 um (k=1)` is the same as `27 um ± 5 um`.
+With ± the value is normally
 distributed, its standard uncertainty half the tolerance; with ×/÷ its logarithm is. In ASCII the signs are +/- and */.
 A column of measured points holds standard uncertainties unless a coverage factor stands behind them.
 
@@ -64,23 +65,6 @@ def split_tolerances(root: Node, path: str = "") -> tuple[Node, dict[str, Writte
         )
         every |= found
     return (replace(root, value=content) if every else root), every
-
-
-def split_coverage(text: str, otherwise: float) -> tuple[str, float]:
-    """Return a text without the coverage factor at its end, and that factor, `otherwise` where none is written.
-
-    Raise `Refused` for a factor that is none.
-    """
-    match = COVERAGE_FACTOR.search(text)
-    if match is None:
-        return text, otherwise
-    factor = float(match[1])
-    if not 0.0 < factor <= LARGEST_COVERAGE:
-        raise Refused(
-            f"k={match[1]} is not a coverage factor (write k=1 for a standard uncertainty, k=2 for half of a 95 % "
-            f"interval)"
-        )
-    return text[: match.start()], factor
 
 
 def tolerance_sign(text: str) -> str:
@@ -268,3 +252,21 @@ def together_text(scene: Scene) -> Iterator[str]:
         parts.append(f"{MODEL}: {scene.model_error}")
     if parts:
         yield f"{BLOCK}: {{{', '.join(parts)}}}"
+
+
+def split_coverage(text: str, otherwise: float) -> tuple[str, float]:
+    """Return a text without the coverage factor at its end, and that factor, `otherwise` where none is written.
+
+    `otherwise` is 2 behind a ± or ×/÷, 1 in a column of measured points, which holds standard uncertainties. Raise
+    `Refused` for a factor that is none.
+    """
+    match = COVERAGE_FACTOR.search(text)
+    if match is None:
+        return text, otherwise
+    factor = float(match[1])
+    if not 0.0 < factor <= LARGEST_COVERAGE:
+        raise Refused(
+            f"k={match[1]} is not a coverage factor (write k=1 for a standard uncertainty, k=2 for half of a 95 % "
+            f"interval)"
+        )
+    return text[: match.start()], factor
