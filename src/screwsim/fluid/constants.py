@@ -42,12 +42,8 @@ class Limits(NamedTuple):
 
 
 @cache
-def _version() -> str:
-    return importlib.metadata.version("CoolProp")
-
-
 def _file() -> str:
-    return f"coolprop-{_version()}.answers"
+    return f"coolprop-{importlib.metadata.version('CoolProp')}.answers"
 
 
 _answered = count()  # answers that this process has computed

@@ -92,7 +92,9 @@ def _finish(
     for number, override in enumerate(overrides):
         there = replace(start, rank=OVERRIDE + number, line=0, column=0)
         root = _override(root, override, there, problems, told + stage)
-    scene = _typed(_remove(root, without), start.folder, problems)
+    root = _remove(root, without)
+    with gauge_pressures_over(_ambient(root)):
+        scene = _read(root, start.folder, problems)
     if problems or scene is None:
         raise Faults(_of_stage(problem, stage) for problem in problems).error()
     return replace(scene, text=scene_text(scene))
@@ -164,16 +166,15 @@ def _read_text(text: str, start: Position, trail: tuple[str, ...], problems: Fau
 
 
 def _read_base(node: Node, trail: tuple[str, ...], problems: Faults) -> Node | None:
-    at = LocatedFault(node.place, "base", "")
     if not isinstance(node.value, str):
-        problems.append(replace(at, what=f"{shown(node.value)} is not the name of a file (write e.g. point.yaml)"))
+        problems.add(node.place, "base", f"{shown(node.value)} is not the name of a file (write e.g. point.yaml)")
         return None
     path = os.path.join(node.place.folder, node.value)
     real = os.path.realpath(path)
-    at = replace(at, what=shown(node.value))
+    at = LocatedFault(node.place, "base", shown(node.value))
     if real in trail or len(trail) > MOST_BASES:
         again = "is based on this file again" if real in trail else f"is the base of more than {MOST_BASES} files"
-        problems.append(replace(at, what=f"{at.what} {again} (a chain of bases must end)"))
+        problems.add(node.place, "base", f"{at.what} {again} (a chain of bases must end)")
         return None
     source = os.path.normpath(os.path.join(os.path.dirname(node.place.source), node.value))
     start = Position(node.place.rank + 1, source, folder=os.path.dirname(os.path.abspath(path)))
@@ -283,12 +284,6 @@ def _paths(root: Node, kind: str) -> list[str]:
     return list(dict.fromkeys([*leaves, *above, *(f"effects.{name}" for name in known)]))
 
 
-def _typed(root: Node, folder: str, problems: Faults) -> Scene | None:
-    """Return the typed scene, or None after faults were added; cross-checks wait until every field is valid."""
-    with gauge_pressures_over(_ambient(root)):
-        return _read(root, folder, problems)
-
-
 def _ambient(root: Node) -> float | None:
     """Return the ambient pressure [Pa] for a tree's gauge pressures; None where it is badly stated."""
     stated = child_of(root, "operation", "ambient_pressure")
@@ -301,6 +296,7 @@ def _ambient(root: Node) -> float | None:
 
 
 def _read(root: Node, folder: str, problems: Faults) -> Scene | None:
+    """Return the typed scene, or None after faults were added; cross-checks wait until every field is valid."""
     root, given = split_tolerances(root)
     kind = _machine_kind(root, problems)
     paths = _paths(root, kind)

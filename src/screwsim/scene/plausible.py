@@ -7,7 +7,7 @@ A machine without half of its leaks has unrealistic efficiencies, and nothing in
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import cache
 from itertools import chain
@@ -110,7 +110,8 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
         path = next((each for each in (P_D, GAS_COOLER_P) if value_at(scene, each) is not None), CONDENSING)
         yield path, f"the pressure ratio of a single machine is {ratio:.4g} (usual: at most {USUAL_RATIO:g})"
     cooler = scene.operation.gas_cooler
-    if cooler is not None and cooler.pressure < _critical(scene):
+    limits = None if cooler is None else constants.limits(scene.gas.name)
+    if cooler is not None and (limits is None or cooler.pressure < limits.p_critical):
         T = constants.saturation_temperature(scene.gas.name, cooler.pressure)
         if cooler.outlet_temperature > T:
             here, dew = map(in_celsius, (cooler.outlet_temperature, T))
@@ -190,12 +191,6 @@ def _mirrored_lobe(machine: TwinScrew) -> Iterator[tuple[str, str]]:
             yield "machine.profile.file", f"{what} (reverse the sign of its y if so)"
 
 
-def _critical(scene: Scene) -> float:
-    """Return the critical pressure [Pa] of the fluid."""
-    known = constants.limits(scene.gas.name)
-    return math.inf if known is None else known.p_critical
-
-
 def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield a warning where the oil is so cold that a real gas condenses on it at the discharge pressure."""
     supply = scene.oil_supply
@@ -222,10 +217,12 @@ def left_out_lines(scene: Scene) -> list[str]:
 
 def leaks_in_words(scene: Scene) -> str:
     """Return which of a machine's leaks are simulated; empty where all of them are."""
-    there, lacking = _parted(scene, _usual_effects(scene).get(LEAK, []))
+    leaks = _usual_effects(scene).get(LEAK, [])
+    there = [name.removesuffix("_leakage").replace("_", " ") for name in leaks if name in scene.effects]
+    lacking = [name for name in leaks if name not in scene.effects]
     if not lacking:
         return ""
-    only = f"{joined_names([_short(name) for name in there])} only" if there else "none"
+    only = f"{joined_names(there)} only" if there else "none"
     return f"leaks simulated: {only}; typical scenes name {joined_names(lacking)}{', too' if there else ''}"
 
 
@@ -259,12 +256,3 @@ def _usual_effects(scene: Scene) -> dict[Usual, list[str]]:
             if offer in kind.offers:
                 found.setdefault(what, []).append(name)
     return found
-
-
-def _parted(scene: Scene, names: Sequence[str]) -> tuple[list[str], list[str]]:
-    there = [name for name in names if name in scene.effects]
-    return there, [name for name in names if name not in scene.effects]
-
-
-def _short(name: str) -> str:
-    return name.removesuffix("_leakage").replace("_", " ")

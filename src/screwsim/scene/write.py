@@ -86,13 +86,14 @@ def _section(section: Section, value: Any, scene: Scene, at: tuple[str, str]) ->
 
 def _scalar(leaf: Leaf, value: Any, folder: str) -> str:
     if leaf.kind == "file":
-        return quoted(_relative(value, folder))
+        return quoted(relative_to(value, folder))
     if leaf.kind == "fluid" and not isinstance(value, str):
         return f"[{', '.join(map(quoted, value))}]"
     return quoted(value) if leaf.kind in ("word", "fluid") else text_of(leaf, value)
 
 
-def _relative(path: str, folder: str) -> str:
+def relative_to(path: str, folder: str) -> str:
+    """Return a path relative to a folder; where that is on another drive, the path itself."""
     try:
         return os.path.relpath(path, folder)
     except ValueError:  # another drive
