@@ -39,7 +39,7 @@ ALLOWED = {
     "report/drive.py": ({"motor", "gas_torque"}, STUDY),
     "report/rotors.py": ({"blow_hole", "slide_valve"}, STUDY),
     "report/rotors_scene.py": ({"slide_valve", "suction_port", "discharge_port"}, STUDY),
-    "report/torque.py": ({"gas_torque"}, STUDY),
+    "report/cycle.py": ({"gas_torque"}, STUDY),
     "scene/types.py": ({"air_package", "separator"}, REMEDY),
     "simulate.py": ({"drive"}, FIGURES),
     "solve/start_up.py": ({"drive", "gas_torque"}, "a start-up is the study of the drive, and has its curves"),

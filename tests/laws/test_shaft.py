@@ -271,11 +271,11 @@ def test_a_stored_oil_is_that_of_its_numbers():
 
 
 def test_the_figure_shows_the_harmonics_of_the_result(tmp_path):
-    from screwsim.report import torque
+    from screwsim.report import cycle
     from screwsim.results import open_results, save
 
     save(tmp_path / "run.h5", make(LOADED), run(LOADED))
-    ((name, draw),) = torque.plans(open_results(tmp_path / "run.h5"))
+    ((name, draw),) = cycle.torque_plans(open_results(tmp_path / "run.h5"))
     upper, lower = draw().axes
     heights = [bar.get_height() for bar in lower.patches]
     p = run(LOADED).performance

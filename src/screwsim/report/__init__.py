@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,14 +22,15 @@ def plot(path: str | Path, folder: str | Path | None = None, measured: Indicated
     are drawn beside those of the cycle. Raise UsageError in one line when the file is not a results file or has nothing
     to draw, or when the folder cannot be written.
     """
-    from screwsim.report import categories, cycle, front, ledger, maps, outcome, samples, sweeps, torque
+    from screwsim.report import cycle, front, ledger, maps, samples, sweeps
     from screwsim.report.style import write_all
     from screwsim.results import open_results
 
     path = Path(path)
     results = open_results(path)
-    kinds = (front, sweeps, categories, maps, outcome, samples, cycle, torque, ledger)
-    plans = dict(plan for kind in kinds for plan in kind.plans(results, *([measured] if kind is cycle else [])))
+    of_sweeps = (front.plans, sweeps.plans, samples.word_plans, maps.plans, sweeps.outcome_plans, samples.plans)
+    of_cycle = (partial(cycle.plans, measured=measured), cycle.torque_plans, ledger.plans)
+    plans = dict(plan for kind in (*of_sweeps, *of_cycle) for plan in kind(results))
     if not plans:
         raise UsageError(f"{path}: has nothing to draw: {_why(results)}")
     return write_all(plans, path.with_suffix("") if folder is None else folder)

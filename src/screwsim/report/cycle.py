@@ -1,4 +1,4 @@
-"""Figures of one cycle: the p–V loop, the states over the angle, and the flow of each path."""
+"""Figures of one cycle: p–V loop, states over the angle, flow of each path, gas torque with its harmonics."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -8,7 +8,7 @@ import numpy as np
 
 from screwsim.report.annotate import label_points
 from screwsim.report.indicated import Indicated, draw_over_angle, draw_over_volume
-from screwsim.report.quantities import GAS_MASS, MASS_FLOW, PRESSURE, TEMPERATURE, VOLUME, short
+from screwsim.report.quantities import ANGLE, GAS_MASS, MASS_FLOW, PRESSURE, TEMPERATURE, VOLUME, short
 from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, grid, new_figure, note, plain_ticks
 from screwsim.report.trace import Trace, chosen_trace, flow_paths, pressure_limit
 from screwsim.results import Results
@@ -16,6 +16,8 @@ from screwsim.results import Results
 _LIFTS = {"suction_valve_lift": "suction valve", "discharge_valve_lift": "discharge valve"}
 _BESIDE_LEGEND = 0.75  # of the width
 _NEAR = 170.0  # [degree] closer marks have their texts side by side, not centred
+_HARMONICS = 10
+_FINE = 720  # points of a pitch for the spectrum
 
 
 def plans(results: Results, measured: Indicated | None = None) -> Iterator[tuple[str, Any]]:
@@ -204,3 +206,46 @@ def _angle_axis(axes: Any, trace: Trace) -> None:
     plain_ticks(axes.yaxis, most=6)
     for angle in trace.marks.values():
         axes.axvline(angle, color=GREY, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)
+
+
+def torque_plans(results: Results) -> Iterator[tuple[str, Any]]:
+    """Yield the torque of the stored cycle, in a sweep that of its best case."""
+    trace = chosen_trace(results)
+    if trace is None or "machine_male_lobes" not in results.inputs:
+        return
+    torque = trace.values.get("gas_torque")
+    if torque is not None and np.isfinite(torque).all():
+        yield "gas_torque", partial(_draw_torque, trace, 360.0 / float(results.inputs["machine_male_lobes"]))
+
+
+def spectrum(angle: np.ndarray, torque: np.ndarray, pitch: float) -> np.ndarray:
+    """Return the amplitudes [N m] of the harmonics 0 (the mean), 1, 2 … of a torque over the angle [degree] (M147)."""
+    curve = np.interp(np.arange(_FINE) * pitch / _FINE, angle, torque)
+    amplitudes = np.abs(np.fft.rfft(curve))[: _HARMONICS + 1] / _FINE
+    return np.concatenate([amplitudes[:1], 2.0 * amplitudes[1:]])
+
+
+def _draw_torque(trace: Trace, pitch: float) -> Any:
+    from matplotlib.ticker import MultipleLocator
+
+    figure = new_figure(SINGLE, 96.0)
+    upper, lower = figure.subplots(2, 1)
+    torque = trace.values["gas_torque"]
+    shown = trace.angle <= 2.0 * pitch + 1e-9
+    amplitudes = spectrum(trace.angle, torque, pitch)
+    mean = float(amplitudes[0])
+    upper.plot(trace.angle[shown], torque[shown], color=COLOURS[0])
+    upper.axhline(mean, color=GREY, linewidth=0.5, linestyle=(0, (6, 3)), zorder=1)
+    upper.annotate("mean", (1.02, mean), xycoords=("axes fraction", "data"), va="center", fontsize=SMALL)
+    upper.set_xlim(0.0, 2.0 * pitch)
+    upper.xaxis.set_major_locator(MultipleLocator(30.0))
+    upper.set_ylim(min(0.0, 1.06 * float(torque.min())), max(0.0, 1.06 * float(torque.max())))
+    upper.set(xlabel=ANGLE.label, ylabel="gas torque $M$ (N m)")
+    order = np.arange(1, _HARMONICS + 1)
+    lower.bar(order, amplitudes[1:], width=0.5, color=COLOURS[1], linewidth=0.0)
+    lower.set_xticks(order)
+    lower.tick_params(axis="x", which="both", length=0.0)
+    lower.set(xlabel="multiple of the lobe frequency", ylabel="amplitude $M_k$ (N m)")
+    plain_ticks(upper.yaxis, lower.yaxis, most=6)
+    note(figure, trace.title)
+    return figure

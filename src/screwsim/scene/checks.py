@@ -25,6 +25,7 @@ KIND = "machine.kind"
 # last angle of an area table over 720 deg whose angles are written in radians
 ANGLE_IN_RADIANS = math.radians(4.0 * math.pi)
 ANGLE_ROUNDING = math.radians(0.01)  # tolerance on the angle of a table's last row at the end of the life
+_DISPLACED = "displaced oil follows from its bore"
 LEAST_SPAN = 0.5  # least share of a chamber's life that a table of its volume must cover
 
 
@@ -167,11 +168,10 @@ def _sought_oil_flow(scene: Scene) -> Iterator[Fault]:
 def _displacement(scene: Scene) -> Iterator[Fault]:
     supply = scene.oil_supply
     assert supply is not None
-    follows = "displaced oil follows from its bore"
     for name, stated, why in (
-        ("discharge_temperature", supply.discharge_temperature, f", whose ratio it finds; {follows}"),
+        ("discharge_temperature", supply.discharge_temperature, f", whose ratio it finds; {_DISPLACED}"),
         ("ratio", supply.ratio, "; displacement finds it from the orifice"),
-        ("flow", supply.flow, f"; {follows}"),
+        ("flow", supply.flow, f"; {_DISPLACED}"),
         ("source", supply.from_sump or None, "; displacement draws from the separator"),
     ):
         if stated is not None:

@@ -1,6 +1,6 @@
-"""A scene as canonical YAML: each value with its unit, in the order of the schema; reading it gives the same scene.
+"""A scene as YAML: canonical, each value with its unit, in the order of the schema; or as a dict states it.
 
-And a scene given as a dict, as the text of a file.
+Reading the canonical text gives the same scene.
 """
 
 import json
@@ -15,6 +15,8 @@ from screwsim.scene.grid import dimensions
 from screwsim.scene.tolerances import together_text, tolerance_text
 from screwsim.scene.types import Sample, Scene
 from screwsim.scene.values import text_of
+
+DICT_NAME = "<dict>"  # takes the place of a file name in messages
 
 
 def scene_text(scene: Scene) -> str:
@@ -113,9 +115,6 @@ def _escaped(letter: str) -> str:
     if 0x20 <= code < 0x7F:
         return letter
     return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
-
-
-DICT_NAME = "<dict>"  # takes the place of a file name in messages
 
 
 def yaml_text(given: Mapping[str, Any]) -> str:
