@@ -24,7 +24,14 @@ from screwsim.solve.estimate_protocol import (
     EstimateRequest,
     FinerSolutions,
 )
-from screwsim.solve.finer_solutions import chambers_together, changes, closed_again, finer_lives, repeated_share
+from screwsim.solve.finer_solutions import (
+    LEAST_DELIVERY,
+    chambers_together,
+    changes,
+    closed_again,
+    finer_lives,
+    repeated_share,
+)
 from screwsim.solve.open_balances import open_balance_errors
 from screwsim.solve.swings import Curves, curves_of, swing_errors
 
@@ -53,7 +60,7 @@ def estimated_errors(
     if not finer.figures:
         return Figures(dict.fromkeys(found)), None
     reach_station()
-    errors = _errors_shown(of, finer, curves)
+    errors = _errors_shown(of, finer, curves, hides_flow=request.filling < LEAST_DELIVERY)
     c = of.problem.composition
     told = c.chambers == 1 or way_of(cycle).whole or finer.left is not None  # feedback through other chambers seen
     among_leaks = not told and request.filling < LEAKY_BELOW  # leaks dominate: errors pass from turn to turn
@@ -104,20 +111,22 @@ def _finer_solutions(request: EstimateRequest) -> FinerSolutions:
     return found._replace(corrected_state=None)
 
 
-def _errors_shown(of: Evaluation, finer: FinerSolutions, curves: Curves) -> Figures:
+def _errors_shown(of: Evaluation, finer: FinerSolutions, curves: Curves, hides_flow: bool) -> Figures:
     """Return the error of each figure as finer solutions show it: their largest change, plus those of further lives.
 
     Two lives may agree with the closed one by chance, each in another figure, so the largest change counts; a swing
     changes by no less than its curve among `curves` does. Later lives continue the last one's change as a geometric
     series with the ratio of the last two changes. A corrected life is at the limit of all lives, up to what its
-    correction left; earlier lives are only on the way there.
+    correction left; earlier lives are only on the way there. But where leaks hide the net flow (`hides_flow`), it is a
+    small difference of flows that scatters from life to life: the largest change counts with what goes with it.
     """
     lives, left = finer.figures, finer.left
     solutions = [*zip([of.figures, *lives], [curves, *(finer.curves or [{}] * len(lives))], strict=True)]
     errors = _distances(of, solutions[0], solutions[-1])
-    for each in solutions[1:-1] if left is None else ():
+    with_flow = {name for name, about in of.figures.about.items() if hides_flow and about.by_flow}
+    for each in solutions[1:-1] if left is None or hides_flow else ():
         for name, size in _distances(of, solutions[0], each).items():
-            if size is not None and errors[name] is not None:
+            if (left is None or name in with_flow) and size is not None and errors[name] is not None:
                 errors[name] = max(errors[name], size)
     if len(lives) > 1:
         again = min(repeated_share(changes(of, lives)) if left is None else left, LARGEST_RATIO)
