@@ -147,7 +147,7 @@ def _forward(pair: Pair, chain: Chain) -> Chain:
     """Return the chain without points that run back on a rotor by less than `LOOP`: noise of a tangent, no undercut."""
     marks = (0, chain.edges[0], chain.lead, chain.trail, chain.edges[1], len(chain.psi) - 1)
     keep = np.ones(len(chain.psi), dtype=bool)
-    for x, y in (chain.male(), chain.female(pair)):
+    for x, y in (chain.male, chain.female(pair)):
         keep &= ~_backward(x.tolist(), y.tolist(), LOOP * pair.centre_distance)
     keep[list(marks)] = True
     place = np.cumsum(keep) - 1

@@ -25,7 +25,7 @@ def polygon_area(x: Array, y: Array) -> float:
 
 def sweep(pair: Pair, chain: Chain) -> tuple[Array, Array]:
     """Return the areas [m²] that the male and the female rotor displace from each contact point to the next."""
-    male = pair.male_radius**2 - chain.male_radii() ** 2
+    male = pair.male_radius**2 - chain.male_radii**2
     female = pair.female_radius**2 - chain.female_radii(pair) ** 2
     step = 0.25 * np.diff(chain.psi)
     return (male[1:] + male[:-1]) * step, pair.k * (female[1:] + female[:-1]) * step
