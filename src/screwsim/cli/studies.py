@@ -292,7 +292,7 @@ def tolerance(
     """Find how length errors of a slider-crank change its motion and, by Monte Carlo, the compressor."""
     options.check_folder_name(folder)
     scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
-    from screwsim.printing.tolerance import print_tolerance, tolerance_document
+    from screwsim.printing.machine import print_tolerance, tolerance_document
     from screwsim.study.tolerance import tolerances
 
     grades = {"crank_radius": crank_grade, "rod_length": rod_grade, "offset": offset_grade}
