@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, journal, new_figure, write
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, journal, subplots, write
 
 HEIGHT = 92.0  # [mm]
 MARKERS = "os^Dv<>P"
@@ -38,8 +38,7 @@ def draw(drawing: Drawing, folder: Path) -> list[str]:
 
 
 def _figure(drawing: Drawing) -> Any:
-    figure = new_figure(DOUBLE, HEIGHT)
-    left, right = figure.subplots(1, 2, sharey=True)
+    figure, (left, right) = subplots(DOUBLE, HEIGHT, 1, 2, sharey=True)
     for axes, scale, attribute, best in (
         (left, 1e3, "times", drawing.front),
         (right, 1.0, "evaluations", drawing.front_by_evaluations),

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.machine.slider_crank.rod import Bending, FlexibleRod, critical_gamma, largest_moment_place
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, plain_ticks, subplots, write_all
 
 MM, MPA = 1e3, 1e-6  # [mm/m], [MPa/Pa]
 
@@ -20,8 +20,7 @@ def draw_rod(rod: FlexibleRod, bending: Bending, folder: str | Path) -> list[str
 
 def stability_figure(rod: FlexibleRod, bending: Bending) -> Any:
     """Draw the boundary γ(β), its limit at β = 1, and the rod at its largest compression."""
-    figure = new_figure(SINGLE, 66.0)
-    axes = figure.subplots()
+    figure, axes = subplots(SINGLE, 66.0)
     beta = np.linspace(0.25, 1.0, 200)
     axes.plot(beta, [critical_gamma(float(x)) for x in beta], color=COLOURS[0])
     axes.axhline(critical_gamma(1.0), color=GREY, linewidth=0.5, linestyle=DASHES[1])
@@ -40,8 +39,8 @@ def stability_figure(rod: FlexibleRod, bending: Bending) -> Any:
 
 def bending_figure(rod: FlexibleRod, bending: Bending) -> Any:
     """Draw the load over one revolution; deflection, bending moment and stress of one face over rod and angle."""
-    figure = new_figure(DOUBLE, 124.0)
-    panels = figure.subplots(2, 2, sharex=True).ravel()
+    figure, places = subplots(DOUBLE, 124.0, 2, 2, sharex=True)
+    panels = places.ravel()
     degrees, z = np.degrees(bending.alpha), MM * bending.z
     panels[0].axhline(0.0, color=GREY, linewidth=0.4)
     panels[0].plot(degrees, bending.load, color=COLOURS[0])

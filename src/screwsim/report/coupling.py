@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, central_angle, crossing_angle, torque_band
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, plain_ticks, subplots, write_all
 
 MM = 1e3  # [mm/m]
 
@@ -40,8 +40,7 @@ def draw_coupling(
 
 def cords_figure(coupling: RubberCordCoupling, twist: float = math.radians(3.0)) -> Any:
     """Draw the cords of one layer in each direction, unloaded, and those of the + direction under a twist [rad]."""
-    figure = new_figure(DOUBLE, 88.0)
-    panels = figure.subplots(1, 2)
+    figure, panels = subplots(DOUBLE, 88.0, 1, 2)
     r_A, r_B = MM * coupling.inner_radius, MM * coupling.outer_radius
     starts = coupling.pitch * np.arange(coupling.cords)
     spans = [central_angle(lean, r_A, r_B) for lean in (coupling.lean_plus, -coupling.lean_minus)]
@@ -68,8 +67,7 @@ def cords_figure(coupling: RubberCordCoupling, twist: float = math.radians(3.0))
 
 def crossing_figure(coupling: RubberCordCoupling) -> Any:
     """Draw the crossing angle of cords of both directions, over the radius."""
-    figure = new_figure(SINGLE, 60.0)
-    axes = figure.subplots()
+    figure, axes = subplots(SINGLE, 60.0)
     radii = np.linspace(coupling.inner_radius, coupling.outer_radius, 200)
     angle = [math.degrees(crossing_angle(float(r), coupling.lean_plus, coupling.inner_radius)) for r in radii]
     axes.plot(MM * radii, angle, color=COLOURS[0])
@@ -83,8 +81,7 @@ def torque_figure(
     coupling: RubberCordCoupling, leans: tuple[CordLean, ...], nominal: float, most: float = math.radians(3.0)
 ) -> Any:
     """Draw torque and tangent stiffness over the twist for measured leans; the band is the scatter of the last one."""
-    figure = new_figure(DOUBLE, 78.0)
-    left, right = figure.subplots(1, 2, sharex=True)
+    figure, (left, right) = subplots(DOUBLE, 78.0, 1, 2, sharex=True)
     twists = np.linspace(0.0, most, 121)
     degrees = np.degrees(twists)
     scattered = [torque_band(coupling, float(theta), leans[-1].low, leans[-1].high) for theta in twists]
@@ -96,7 +93,8 @@ def torque_figure(
         left.plot(degrees, [1e-3 * each.torque(float(theta)) for theta in twists], **look)
         right.plot(degrees, [1e-3 * each.stiffness(float(theta)) for theta in twists], **look)
     left.axhline(1e-3 * nominal, color=GREY, linewidth=0.5, linestyle=DASHES[1])
-    left.annotate("nominal", (degrees[-1], 1e-3 * nominal), xytext=(-6, -3), textcoords="offset points", **_LOWER_RIGHT)
+    look = {"xytext": (-6, -3), "textcoords": "offset points", "ha": "right", "va": "top", "fontsize": SMALL}
+    left.annotate("nominal", (degrees[-1], 1e-3 * nominal), **look)
     left.set_ylabel("torque $M$ (kN m)")
     right.set_ylabel("tangent stiffness d$M$/d$Θ$ (kN m/rad)")
     for axes in (left, right):
@@ -104,6 +102,3 @@ def torque_figure(
         axes.legend(loc="upper left" if axes is left else "lower right")
         plain_ticks(axes.xaxis, axes.yaxis)
     return figure
-
-
-_LOWER_RIGHT: dict[str, Any] = {"ha": "right", "va": "top", "fontsize": SMALL}

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SMALL, new_figure, note, plain_ticks, write_all
+from screwsim.report import style
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SMALL, note, plain_ticks, subplots, write_all
 
 RPM = 30.0 / math.pi
 
@@ -30,17 +31,15 @@ def draw_campbell(cases: Mapping[str, Sequence[DrivePoint]], lobes: int, folder:
 
 def campbell_figure(cases: Mapping[str, Sequence[DrivePoint]], lobes: int, title: str, orders: int) -> Any:
     """Draw frequencies over the speed with the lobe harmonics, and the amplitude of the coupling torque."""
-    figure = new_figure(DOUBLE, 84.0)
-    left, right = figure.subplots(1, 2, sharex=True)
+    figure, (left, right) = subplots(DOUBLE, 84.0, 1, 2, sharex=True)
     longest = max(points[-1].speed for points in cases.values()) * RPM
     highest = 1.6 * max(p.frequency for points in cases.values() for p in points if p.frequency is not None)
     for order in range(1, orders + 1):
         ends = np.array([0.0, longest])
         left.plot(ends, ends * order * lobes / 60.0, color=GREY, linewidth=0.6, zorder=1)
         at = min(0.93 * longest, 0.93 * highest * 60.0 / (order * lobes))
-        left.annotate(
-            f"{order * lobes}$n$", (at, at * order * lobes / 60.0), xytext=(-3, 3), textcoords="offset points", **_RIGHT
-        )
+        look = {"xytext": (-3, 3), "textcoords": "offset points", "ha": "right", "va": "bottom", "fontsize": SMALL}
+        left.annotate(f"{order * lobes}$n$", (at, at * order * lobes / 60.0), **look)
     for i, (name, points) in enumerate(cases.items()):
         known = [p for p in points if p.frequency is not None]
         n, look = np.array([p.speed for p in known]) * RPM, {"color": COLOURS[i], "linestyle": DASHES[i]}
@@ -58,7 +57,7 @@ def campbell_figure(cases: Mapping[str, Sequence[DrivePoint]], lobes: int, title
     left.set(xlim=(0.0, longest), ylim=(0.0, highest), ylabel="frequency (Hz)")
     right.set(yscale="log", ylim=(0.2, None), ylabel="coupling torque, amplitude (N m)")
     left.legend(loc="center right", bbox_to_anchor=(1.0, 0.3))  # below the lines of the orders
-    right.legend(loc="lower left", frameon=True, facecolor="white", edgecolor="none", framealpha=1.0)
+    right.legend(loc="lower left", **style.WHITE_BOX)
     for axes in (left, right):
         axes.set_xlabel("speed $n$ (rpm)")
         plain_ticks(axes.xaxis, most=6)
@@ -83,8 +82,7 @@ def draw_start(found: Any, title: str, folder: str | Path) -> list[str]:
 
 def start_figure(found: Any, title: str) -> Any:
     """Draw speeds and torques over time."""
-    figure = new_figure(DOUBLE, 100.0)
-    upper, lower = figure.subplots(2, 1, sharex=True)
+    figure, (upper, lower) = subplots(DOUBLE, 100.0, 2, 1, sharex=True)
     t = found.traces
     upper.plot(t["time"], RPM * t["motor_speed"], color=COLOURS[3], linestyle=DASHES[1], label="motor")
     upper.plot(t["time"], RPM * t["speed"], color=COLOURS[0], label="rotors")
@@ -104,6 +102,3 @@ def start_figure(found: Any, title: str) -> Any:
     plain_ticks(lower.xaxis)
     note(figure, title)
     return figure
-
-
-_RIGHT: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": SMALL}
