@@ -12,7 +12,7 @@ sys.path.append(str(Path(__file__).parents[1] / "study"))
 from result_fakes import SCENE
 from seek_fakes import RPM, choosing
 
-from screwsim.report import front, plot, points
+from screwsim.report import front, plot, samples
 from screwsim.report.page import page_of
 from screwsim.report.page.best import best_table
 from screwsim.results import open_results
@@ -60,7 +60,7 @@ def test_each_aim_is_drawn_over_each_path(files):
 def test_files_of_optimisations_have_these_figures_and_no_scatter_of_a_sample(sketched, files, tmp_path):
     written = {Path(path).name for path in plot(files["two"], tmp_path)}
     assert written == {"front.png", "front.pdf", "evaluations.png", "evaluations.pdf"}
-    assert not list(points.plans(open_results(files["two"])))
+    assert not list(samples.plans(open_results(files["two"])))
 
 
 def read(text):

@@ -239,7 +239,6 @@ def accuracy(
         raise UsageError(f"{scene_file}: describes two stages, and accuracy needs one scene (name that of one stage)")
     scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
     options.check_folder_name(folder)
-    from screwsim.printing import accuracy_drawing
     from screwsim.report.accuracy import draw
     from screwsim.results.atomic import make_folder
     from screwsim.study.accuracy import QUICK_SCOPE, NoReference, Scope, files, study, words
@@ -253,6 +252,6 @@ def accuracy(
         return options.print_error(f"{scene_file}: {error}", NOT_ALL_OK)
     say(words.report(found))
     if folder is not None:
-        for path in (*files.write(found, folder), *draw(accuracy_drawing(found), folder)):
+        for path in (*files.write(found, folder), *draw(found, folder)):
             say(path)
     return OK

@@ -301,7 +301,7 @@ def tolerance(
     found = tolerances(scene, asked, count=count, seed=seed, jobs=jobs, progress=options.progress_bar("tolerance"))
     options.print_document_or_text(as_json, tolerance_document, print_tolerance, scene, found)
     if folder is not None:
-        from screwsim.report.tolerance import draw_machine
+        from screwsim.report.slider_crank import draw_machine
 
         deviations = {each.figure: found.values[each.figure] / each.nominal - 1.0 for each in found.spreads}
         for path in draw_machine(found.links, (found.table, found.shifts, deviations), folder):

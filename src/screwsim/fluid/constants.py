@@ -17,8 +17,8 @@ from itertools import count
 from typing import Any, NamedTuple
 
 from screwsim.fluid.blend_border import BlendBorder, blend_border
+from screwsim.fluid.blend_dome import blend_wet
 from screwsim.fluid.blend_flash import table_name
-from screwsim.fluid.blend_wet import blend_wet
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.coolprop_cache import no_fluid
 from screwsim.inputs.faults import UsageError

@@ -9,7 +9,7 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import digits, reading_unit, shown_name
 from screwsim.printing import write_json
-from screwsim.printing.tables import plain_table, print_scene_title, print_wrapped, wrapped
+from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.report.calibration import draw
 from screwsim.results.atomic import make_folder, write_text
 from screwsim.results.protection import protect_folder, protect_other_json
@@ -124,7 +124,7 @@ def print_calibration(found: Calibration) -> None:
     if any(tolerances):
         heads.append(TOLERANCE_REMEDY)
         rows = [[*row, cell] for row, cell in zip(rows, tolerances, strict=True)]
-    say("\n".join(plain_table(heads, rows, 1)))
+    print_table(heads, rows, 1)
     if any(tolerances):
         say(wrapped(_ABOUT_TOLERANCES))
     for group in found.fit.together:

@@ -2,7 +2,7 @@
 
 import textwrap
 
-from screwsim.printing.tables import WIDTH, plain_table, print_wrapped, wrapped
+from screwsim.printing.tables import WIDTH, print_table, print_wrapped, wrapped
 from screwsim.screen import say
 from screwsim.study.datasheet import Sheet
 
@@ -18,7 +18,7 @@ def print_sheet(sheet: Sheet) -> None:
         say()
         if len(sheet.tables) > 1:
             say(wrapped(table.title))
-        say("\n".join(plain_table(table.heads, table.rows, table.left)))
+        print_table(table.heads, table.rows, table.left)
         if table.note:
             say(wrapped(table.note))
     if sheet.verdict is not None:

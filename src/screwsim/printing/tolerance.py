@@ -6,7 +6,7 @@ from screwsim.figures import declared
 from screwsim.outputs.customary import printed_celsius
 from screwsim.outputs.display import picked
 from screwsim.printing import engineering, shown_name
-from screwsim.printing.tables import plain_table, print_scene_title, wrapped
+from screwsim.printing.tables import plain_table, print_scene_title, print_table, wrapped
 from screwsim.scene import Scene
 from screwsim.screen import say
 from screwsim.study.tolerance import ToleranceStudy
@@ -31,7 +31,7 @@ def print_tolerance(scene: Scene, found: ToleranceStudy) -> None:
     for row in found.table:
         numbers = (1e3 * row.crank_width, 1e3 * row.rod_width, 100.0 * row.error, 1e3 * row.head)
         rows.append((f"IT{row.crank}", *(f"{number:.3f}" for number in numbers)))
-    say("\n".join(plain_table(("grade", "crank mm", "rod mm", "error of the law %", "dead centre +- mm"), rows)))
+    print_table(("grade", "crank mm", "rod mm", "error of the law %", "dead centre +- mm"), rows)
     grades = ", ".join(f"{name.replace('_', ' ')} IT{number}" for name, number in found.grades.items())
     drawn = f"{found.count} machines, lengths uniform over their tolerances ({grades}), seed {found.seed}"
     say("\n" + wrapped(drawn))

@@ -50,7 +50,7 @@ def finer_lives(request: EstimateRequest) -> FinerSolutions:
     cycle = request.cycle
     if cycle.needed or way_of(cycle).whole:
         return NO_SOLUTIONS
-    if not _errors_feed_back(request):
+    if not (_errors_feed_back(request) or _slow_by_own_tangents(request)):
         return _next_life(request)
     lives = _Lives(request)
     if not lives.next():
@@ -110,6 +110,15 @@ def _correction_suffices(request: EstimateRequest) -> bool:
         return False
     plain = meets_line_at_angle(problem) and not _inherits_more(problem) and not problem.composition.pulsating
     return plain and request.cycle.missed < RELIABLE_CORRECTION
+
+
+def _slow_by_own_tangents(request: EstimateRequest) -> bool:
+    """Return whether turns passed errors on so slowly that corrections closed the cycle, which may stand in for a life.
+
+    Tangents of a nearby cycle say nothing of the turns' own pace.
+    """
+    tangents = request.cycle.tangents
+    return tangents is not None and not tangents.elsewhere and _correction_suffices(request)
 
 
 def _next_life(request: EstimateRequest) -> FinerSolutions:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from screwsim.machine.rotors import closed_form, leakage, ports
-from screwsim.machine.rotors.blow_hole import blow_hole_opening
+from screwsim.machine.rotors.leakage import blow_hole_opening
 from screwsim.machine.rotors.pair import Chain, Pair
 from screwsim.machine.rotors.sections import sections, sweep
 

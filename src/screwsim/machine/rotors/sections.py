@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from screwsim.machine.rotors.blow_hole import BlowHoleOpening, blow_hole_opening, crossing
+from screwsim.machine.rotors.leakage import BlowHoleOpening, blow_hole_opening, crossing
 from screwsim.machine.rotors.pair import Array, Chain, Pair, cumulated, outlines
 
 TURN = 2.0 * math.pi

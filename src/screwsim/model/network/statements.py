@@ -40,7 +40,6 @@ class Tangent:
 
     `given` maps variable and seed to the text of a derivative: for a variable that the statements set, in place of
     its own; for one set elsewhere, the name that is set with it (`slope_name`). `held` variables are constant.
-    `arrays` change along the seed `ALONG`, so that a number of the scene, `P[…]`, is a seed like any state.
     """
 
     def __init__(
@@ -50,11 +49,10 @@ class Tangent:
         kernels: Mapping[str, Kernel],
         given: Mapping[tuple[str, str], str],
         held: Collection[str] = (),
-        arrays: Collection[str] = (),
     ) -> None:
         body = parsed("\n".join(lines)).body
         texts = {key: parsed(text).body[0].value for key, text in given.items()}  # type: ignore[attr-defined]
-        self._forward = Forward("network", body, seeds, kernels, texts, held, arrays)
+        self._forward = Forward("network", body, seeds, kernels, texts, held)
         if self._forward.whole:
             names = ", ".join(sorted(self._forward.whole))
             raise TypeError(f"a state cannot be called {names}: the text of every chamber has a variable of that name")

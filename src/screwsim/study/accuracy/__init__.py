@@ -1,5 +1,6 @@
 """Cost of accuracy in time: the work-precision study of one scene."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -40,6 +41,27 @@ class Study:
     points: list[SizeCost]
     lobes: list[SizeCost]
     left_out: list[tuple[str, str]] = field(default_factory=list)
+
+    @property
+    def comparable(self) -> list[MeasuredCase]:
+        """The cases that answer the same question: every integrator on the scene's own gas."""
+        return [each for each in self.measured if each.part == "integrators"]
+
+    def front(self, cost: str = "time") -> list[MeasuredCase]:
+        """Return the closed comparable cases that no other beats in both cost and error, from the cheapest on."""
+        best, found = math.inf, []
+        closed = (each for each in self.comparable if each.status == "ok")
+        for each in sorted(closed, key=lambda each: (getattr(each, cost), each.error)):
+            if each.error < best:
+                best = each.error
+                found.append(each)
+        return found
+
+    @property
+    def limit_of_regularisation(self) -> float | None:
+        """The error due to the regularisation at the scene's accuracy when all else is tight."""
+        alone = (each for each in self.measured if each.part == "regularisation alone" and each.status == "ok")
+        return next((each.error for each in alone if each.factor == 1.0), None)
 
 
 @for_speed()  # times are measured
