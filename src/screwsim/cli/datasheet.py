@@ -42,21 +42,23 @@ def datasheet(
         from screwsim.report.datasheet import check_sheet
 
         check_sheet(output)
+    from screwsim.cli.interruption import counted_progress
     from screwsim.printing.datasheet import print_sheet
     from screwsim.study.datasheet import sheet_of
 
-    sheet = sheet_of(
-        scene,
-        evaporating=evaporating,
-        condensing=condensing,
-        suction=suction,
-        discharge=discharge,
-        limits=limits or (),
-        heating=heating,
-        profile=profile,
-        jobs=jobs,
-        progress=options.progress_bar("datasheet"),
-    )
+    with counted_progress("datasheet", "parts") as shown:
+        sheet = sheet_of(
+            scene,
+            evaporating=evaporating,
+            condensing=condensing,
+            suction=suction,
+            discharge=discharge,
+            limits=limits or (),
+            heating=heating,
+            profile=profile,
+            jobs=jobs,
+            progress=shown,
+        )
     options.print_document_or_text(as_json, lambda found: found.document, print_sheet, sheet)
     if output is not None:
         from screwsim.report.datasheet import write_sheet

@@ -74,7 +74,7 @@ def startup(
     from screwsim.printing.startup import TRACES, print_startup, protect_other_traces, write_traces
     from screwsim.report.drive import draw_start
     from screwsim.results.atomic import make_folder
-    from screwsim.solve.start_up import start_up
+    from screwsim.solve.start_up import INTERRUPTED, start_up
 
     if folder is not None:
         make_folder(folder)
@@ -83,6 +83,9 @@ def startup(
         found = start_up(scene, slow, longest, told)
     options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_startup, scene.title, found)
     if folder is not None and found.traces:
+        make_folder(folder)  # again: another command may have removed the one that it had made and that was still empty
         for path in (write_traces(folder / TRACES, found), *draw_start(found, scene.title, folder)):
             say(path, err=as_json)
+    if found.status == INTERRUPTED:
+        return options.INTERRUPTED
     return OK if found.status == "ok" else NOT_ALL_OK

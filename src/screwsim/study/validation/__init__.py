@@ -18,6 +18,7 @@ from screwsim.study.validation.record import (
     value_text,
 )
 from screwsim.study.validation.sources import (
+    INTERRUPTED,
     SourceOutcome,
     document,
     errors_of,
