@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from screwsim.machine.rotors.flanks import female_flanks, male_flanks
-from screwsim.machine.rotors.pair import Array, Chain, Pair, cumulated
+from screwsim.machine.rotors.pair import Array, Chain, Pair, cumulated, rising_branch
 
 Level = tuple[Array, Array]  # (ψ, radius of a contact)
 TURN = 2.0 * math.pi
@@ -45,12 +45,10 @@ class SealingLine:
 def sealing_line(pair: Pair, chain: Chain, h: float) -> SealingLine:
     """Return the contact line with its length, dl² = dX² + dY² + (h dψ)²."""
     steps = np.sqrt(np.diff(chain.x) ** 2 + np.diff(chain.y) ** 2 + (h * np.diff(chain.psi)) ** 2)
-    length = np.concatenate([[0.0], np.cumsum(steps)])
-    psi = np.concatenate([chain.psi[chain.trail :] - pair.pitch, chain.psi[1 : chain.lead + 1]])
-    rising = np.concatenate([length[chain.trail :] - length[-1], length[1 : chain.lead + 1]])
+    length, rising = rising_branch(pair, chain, steps)
     back = slice(chain.lead, chain.trail + 1)
     falling = (length[chain.trail] - length[back])[::-1]
-    return SealingLine(cumulated(psi, rising), cumulated(_rising(chain.psi[back][::-1]), falling))
+    return SealingLine(rising, cumulated(_rising(chain.psi[back][::-1]), falling))
 
 
 def _rising(psi: Array) -> Array:

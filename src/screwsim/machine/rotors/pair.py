@@ -181,3 +181,19 @@ def outlines(pair: Pair, chain: Chain) -> tuple[tuple[Array, Array], tuple[Array
     male = outline(*chain.male, pair.male_lobes, pair.pitch)
     female = outline(*chain.female(pair), pair.female_lobes, -2.0 * math.pi / pair.female_lobes)
     return male, female
+
+
+def rising_branch(pair: Pair, chain: Chain, steps: Array) -> tuple[Array, tuple[Array, Array]]:
+    """Return the sums of steps along the chain, and (ψ, sum) along its rising branch S₋₁→S'₀."""
+    total = np.concatenate([[0.0], np.cumsum(steps)])
+    psi = np.concatenate([chain.psi[chain.trail :] - pair.pitch, chain.psi[1 : chain.lead + 1]])
+    return total, cumulated(psi, np.concatenate([total[chain.trail :] - total[-1], total[1 : chain.lead + 1]]))
+
+
+def tangents(step: Array, chord: Array) -> Array:
+    """Return the angle [rad] of the tangent at every point of a curve, by the lengths and angles of its chords.
+
+    At an inner point it is that of the circle through the point and its neighbours.
+    """
+    inner = (chord[:-1] * step[1:] + chord[1:] * step[:-1]) / (step[1:] + step[:-1])
+    return np.concatenate([[2.0 * chord[0] - inner[0]], inner, [2.0 * chord[-1] - inner[-1]]])

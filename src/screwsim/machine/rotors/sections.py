@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from screwsim.machine.rotors.leakage import BlowHoleOpening, blow_hole_opening, crossing
-from screwsim.machine.rotors.pair import Array, Chain, Pair, cumulated, outlines
+from screwsim.machine.rotors.pair import Array, Chain, Pair, cumulated, outlines, rising_branch
 
 TURN = 2.0 * math.pi
 
@@ -115,11 +115,9 @@ def mesh_functions(pair: Pair, chain: Chain, area: Array) -> Branches:
 
     area: of each step along the chain [m²], of one rotor or of both.
     """
-    total = np.concatenate([[0.0], np.cumsum(area)])
-    psi = np.concatenate([chain.psi[chain.trail :] - pair.pitch, chain.psi[1 : chain.lead + 1]])
-    rising = np.concatenate([total[chain.trail :] - total[-1], total[1 : chain.lead + 1]])
+    total, rising = rising_branch(pair, chain, area)
     back = slice(chain.lead, chain.trail + 1)
-    return cumulated(psi, rising), cumulated(chain.psi[back][::-1], (total[back] - total[chain.lead])[::-1])
+    return rising, cumulated(chain.psi[back][::-1], (total[back] - total[chain.lead])[::-1])
 
 
 def _chamber(pair: Pair, psi: Array, branches: Branches, crossed: tuple[Array, Array]) -> Array:
