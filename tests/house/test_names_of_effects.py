@@ -126,7 +126,7 @@ CHOICES = {  # choices of a scene that decide on more than one place: who holds 
     ".mode": {"machine/protocol.py"},
     ".transport": {"fluid/settings.py"},
     ".two_phase": {"fluid/settings.py", "fluid/real_gas.py"},
-    ".law": {"machine/drive/motor_line.py"},  # of the motor; a machine's laws are a registry (machine.laws)
+    ".law": {"machine/drive/train.py"},  # of the motor; a machine's laws are a registry (machine.laws)
     "gas.model": set(),  # fluid.models
     "parameters.model": set(),  # of gaps: effects.parts.gap_flow
     "numerics.error": set(),

@@ -98,7 +98,6 @@ def drawn(path: Path, results: Results | None = None, only: str | None = None) -
         for name, draw in (
             *sweeps.plans(results),
             *maps.plans(results),
-            *sweeps.outcome_plans(results),
             *samples.plans(results),
             *cycle_figures.plans(results),
             *ledger.plans(results),

@@ -64,6 +64,22 @@ def test_the_folder_is_that_of_the_running_checkout(checkout, monkeypatch):
     assert names_of(folder_of()) == ["small"]
 
 
+def test_an_interruption_keeps_the_sources_that_were_compared(checkout, capsys):
+    stopped = checkout / "validation" / "stopped"
+    stopped.mkdir()
+    (stopped / "compare.py").write_text("def compare(here):\n    raise KeyboardInterrupt\n", encoding="utf-8")
+    code, out, err = run(capsys, "small", "stopped", "--jobs", "1", "-o", "kept")
+    assert code == 130 and err.strip().endswith("interrupted")
+    assert "stopped: not run: interrupted" in out and "small: A small source" in out
+    kept = Path("kept/validation.json")
+    assert json.loads(kept.read_text(encoding="utf-8"))["sources"]["small"]["status"] == "ok"
+    assert run(capsys, "small", "--jobs", "1", "-o", "kept")[0] == 0
+    whole = kept.read_text(encoding="utf-8")
+    assert run(capsys, "small", "stopped", "--jobs", "1", "-o", "kept")[0] == 130
+    assert kept.read_text(encoding="utf-8") == whole  # what an interruption leaves replaces nothing
+    assert run(capsys, "stopped", "--jobs", "1")[0] == 130
+
+
 def test_failing_verdicts_are_shown_and_are_no_error(checkout, capsys):
     code, out, _ = run(capsys)
     assert code == 0

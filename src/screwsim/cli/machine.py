@@ -74,7 +74,7 @@ def startup(
     from screwsim.printing.machine import TRACES, print_startup, protect_other_traces, write_traces
     from screwsim.report.drive import draw_start
     from screwsim.results.atomic import make_folder
-    from screwsim.solve.start_up import start_up
+    from screwsim.solve.start_up import INTERRUPTED, start_up
 
     if folder is not None:
         make_folder(folder)
@@ -83,8 +83,11 @@ def startup(
         found = start_up(scene, slow, longest, told)
     options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_startup, scene.title, found)
     if folder is not None and found.traces:
+        make_folder(folder)  # again: another command may have removed the one that it had made and that was still empty
         for path in (write_traces(folder / TRACES, found), *draw_start(found, scene.title, folder)):
             say(path, err=as_json)
+    if found.status == INTERRUPTED:
+        return options.INTERRUPTED
     return OK if found.status == "ok" else NOT_ALL_OK
 
 
@@ -122,21 +125,23 @@ def datasheet(
         from screwsim.report.datasheet import check_sheet
 
         check_sheet(output)
+    from screwsim.cli.interruption import counted_progress
     from screwsim.printing.machine import print_sheet
     from screwsim.study.datasheet import sheet_of
 
-    sheet = sheet_of(
-        scene,
-        evaporating=evaporating,
-        condensing=condensing,
-        suction=suction,
-        discharge=discharge,
-        limits=limits or (),
-        heating=heating,
-        profile=profile,
-        jobs=jobs,
-        progress=options.progress_bar("datasheet"),
-    )
+    with counted_progress("datasheet", "parts") as shown:
+        sheet = sheet_of(
+            scene,
+            evaporating=evaporating,
+            condensing=condensing,
+            suction=suction,
+            discharge=discharge,
+            limits=limits or (),
+            heating=heating,
+            profile=profile,
+            jobs=jobs,
+            progress=shown,
+        )
     options.print_document_or_text(as_json, lambda found: found.document, print_sheet, sheet)
     if output is not None:
         from screwsim.report.datasheet import write_sheet

@@ -21,7 +21,7 @@ from screwsim.machine.profile_law import LaidCurves
 from screwsim.machine.protocol import ROTORS
 from screwsim.machine.rotors.curves import closed_in
 from screwsim.machine.settings import TwinScrew
-from screwsim.machine.slider_crank.settings import SliderCrank
+from screwsim.machine.slider_crank.cylinder import SliderCrank
 from screwsim.model.compose import HELD_GAS, compose
 from screwsim.model.composition import Composition
 from screwsim.model.parts import Parts

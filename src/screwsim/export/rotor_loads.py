@@ -235,7 +235,7 @@ def check_shafts(rotors: Rotors, shafts: tuple[float, float]) -> None:
 
 def _roots(rotors: Rotors) -> tuple[float, float]:
     """Return the smallest radii [m] of male and female rotor."""
-    return float(rotors.chain.male_radii().min()), float(rotors.chain.female_radii(rotors.pair).min())
+    return float(rotors.chain.male_radii.min()), float(rotors.chain.female_radii(rotors.pair).min())
 
 
 def slope_at_pitch(rotors: Rotors, leading: bool) -> float:
@@ -246,14 +246,14 @@ def slope_at_pitch(rotors: Rotors, leading: bool) -> float:
     """
     chain, radius = rotors.chain, rotors.pair.r1
     points = np.arange(chain.edges[0], chain.tip + 1) if leading else np.arange(chain.edges[1], chain.tip - 1, -1)
-    beyond = np.flatnonzero(chain.male_radii()[points] > radius * (1.0 + 1e-9))
+    beyond = np.flatnonzero(chain.male_radii[points] > radius * (1.0 + 1e-9))
     i = max(int(beyond[0]), 1) if len(beyond) else len(points) - 1
     return _tangent(chain, int(points[i - 1]), int(points[i]))
 
 
 def _tangent(chain: Chain, one: int, two: int) -> float:
     """Return |normal in x| over |normal in y| of the male flank between two contact points, when in contact."""
-    x, y = chain.male()
+    x, y = chain.male
     angle = -0.5 * (chain.psi[one] + chain.psi[two])  # from the rotor's frame
     dx, dy = x[two] - x[one], y[two] - y[one]
     along, across = np.cos(angle) * dx - np.sin(angle) * dy, np.sin(angle) * dx + np.cos(angle) * dy

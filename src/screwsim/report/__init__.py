@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,9 +27,8 @@ def plot(path: str | Path, folder: str | Path | None = None, measured: Indicated
 
     path = Path(path)
     results = open_results(path)
-    of_sweeps = (front.plans, sweeps.plans, samples.word_plans, maps.plans, sweeps.outcome_plans, samples.plans)
-    of_cycle = (partial(cycle.plans, measured=measured), cycle.torque_plans, ledger.plans)
-    plans = dict(plan for kind in (*of_sweeps, *of_cycle) for plan in kind(results))
+    kinds = (front, sweeps, samples, maps, cycle, ledger)
+    plans = dict(plan for kind in kinds for plan in kind.plans(results, *([measured] if kind is cycle else [])))
     if not plans:
         raise UsageError(f"{path}: has nothing to draw: {_why(results)}")
     return write_all(plans, path.with_suffix("") if folder is None else folder)

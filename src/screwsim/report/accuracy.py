@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, journal, new_figure, write
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, journal, subplots, write
 
 HEIGHT = 92.0  # [mm]
 MARKERS = "os^Dv<>P"
@@ -18,8 +18,7 @@ def draw(study: Any, folder: Path) -> list[str]:
 
 
 def _figure(study: Any) -> Any:
-    figure = new_figure(DOUBLE, HEIGHT)
-    left, right = figure.subplots(1, 2, sharey=True)
+    figure, (left, right) = subplots(DOUBLE, HEIGHT, 1, 2, sharey=True)
     cases = [each for each in study.comparable if each.status == "ok"]
     for axes, scale, cost in ((left, 1e3, "time"), (right, 1.0, "evaluations")):
         if best := study.front(cost):

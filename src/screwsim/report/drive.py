@@ -13,13 +13,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, central_angle, crossing_angle, torque_band
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, note, plain_ticks, write_all
+from screwsim.report import style
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, note, plain_ticks, subplots, write_all
 
 RPM = 30.0 / math.pi
-_RIGHT: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": SMALL}
 MM = 1e3  # [mm/m]
 MOST_TWIST = math.radians(3.0)  # [rad] drawn
-_LOWER_RIGHT: dict[str, Any] = {"ha": "right", "va": "top", "fontsize": SMALL}
 
 
 class DrivePoint(NamedTuple):
@@ -39,17 +38,15 @@ def draw_campbell(cases: Mapping[str, Sequence[DrivePoint]], lobes: int, folder:
 
 def campbell_figure(cases: Mapping[str, Sequence[DrivePoint]], lobes: int, title: str, orders: int) -> Any:
     """Draw frequencies over the speed with the lobe harmonics, and the amplitude of the coupling torque."""
-    figure = new_figure(DOUBLE, 84.0)
-    left, right = figure.subplots(1, 2, sharex=True)
+    figure, (left, right) = subplots(DOUBLE, 84.0, 1, 2, sharex=True)
     longest = max(points[-1].speed for points in cases.values()) * RPM
     highest = 1.6 * max(p.frequency for points in cases.values() for p in points if p.frequency is not None)
     for order in range(1, orders + 1):
         ends = np.array([0.0, longest])
         left.plot(ends, ends * order * lobes / 60.0, color=GREY, linewidth=0.6, zorder=1)
         at = min(0.93 * longest, 0.93 * highest * 60.0 / (order * lobes))
-        left.annotate(
-            f"{order * lobes}$n$", (at, at * order * lobes / 60.0), xytext=(-3, 3), textcoords="offset points", **_RIGHT
-        )
+        look = {"xytext": (-3, 3), "textcoords": "offset points", "ha": "right", "va": "bottom", "fontsize": SMALL}
+        left.annotate(f"{order * lobes}$n$", (at, at * order * lobes / 60.0), **look)
     for i, (name, points) in enumerate(cases.items()):
         known = [p for p in points if p.frequency is not None]
         n, look = np.array([p.speed for p in known]) * RPM, {"color": COLOURS[i], "linestyle": DASHES[i]}
@@ -67,7 +64,7 @@ def campbell_figure(cases: Mapping[str, Sequence[DrivePoint]], lobes: int, title
     left.set(xlim=(0.0, longest), ylim=(0.0, highest), ylabel="frequency (Hz)")
     right.set(yscale="log", ylim=(0.2, None), ylabel="coupling torque, amplitude (N m)")
     left.legend(loc="center right", bbox_to_anchor=(1.0, 0.3))  # below the lines of the orders
-    right.legend(loc="lower left", frameon=True, facecolor="white", edgecolor="none", framealpha=1.0)
+    right.legend(loc="lower left", **style.WHITE_BOX)
     for axes in (left, right):
         axes.set_xlabel("speed $n$ (rpm)")
         plain_ticks(axes.xaxis, most=6)
@@ -92,8 +89,7 @@ def draw_start(found: Any, title: str, folder: str | Path) -> list[str]:
 
 def start_figure(found: Any, title: str) -> Any:
     """Draw speeds and torques over time."""
-    figure = new_figure(DOUBLE, 100.0)
-    upper, lower = figure.subplots(2, 1, sharex=True)
+    figure, (upper, lower) = subplots(DOUBLE, 100.0, 2, 1, sharex=True)
     t = found.traces
     upper.plot(t["time"], RPM * t["motor_speed"], color=COLOURS[3], linestyle=DASHES[1], label="motor")
     upper.plot(t["time"], RPM * t["speed"], color=COLOURS[0], label="rotors")
@@ -141,8 +137,7 @@ def draw_coupling(
 
 def cords_figure(coupling: RubberCordCoupling) -> Any:
     """Draw the cords of one layer in each direction, unloaded, and those of the + direction under the most twist."""
-    figure = new_figure(DOUBLE, 88.0)
-    panels = figure.subplots(1, 2)
+    figure, panels = subplots(DOUBLE, 88.0, 1, 2)
     r_A, r_B = MM * coupling.inner_radius, MM * coupling.outer_radius
     starts = coupling.pitch * np.arange(coupling.cords)
     spans = [central_angle(lean, r_A, r_B) for lean in (coupling.lean_plus, -coupling.lean_minus)]
@@ -172,8 +167,7 @@ def cords_figure(coupling: RubberCordCoupling) -> Any:
 
 def crossing_figure(coupling: RubberCordCoupling) -> Any:
     """Draw the crossing angle of cords of both directions, over the radius."""
-    figure = new_figure(SINGLE, 60.0)
-    axes = figure.subplots()
+    figure, axes = subplots(SINGLE, 60.0)
     radii = np.linspace(coupling.inner_radius, coupling.outer_radius, 200)
     angle = [math.degrees(crossing_angle(float(r), coupling.lean_plus, coupling.inner_radius)) for r in radii]
     axes.plot(MM * radii, angle, color=COLOURS[0])
@@ -185,8 +179,7 @@ def crossing_figure(coupling: RubberCordCoupling) -> Any:
 
 def torque_figure(coupling: RubberCordCoupling, leans: tuple[CordLean, ...], nominal: float) -> Any:
     """Draw torque and tangent stiffness over the twist for measured leans; the band is the scatter of the last one."""
-    figure = new_figure(DOUBLE, 78.0)
-    left, right = figure.subplots(1, 2, sharex=True)
+    figure, (left, right) = subplots(DOUBLE, 78.0, 1, 2, sharex=True)
     twists = np.linspace(0.0, MOST_TWIST, 121)
     degrees = np.degrees(twists)
     scattered = [torque_band(coupling, float(theta), leans[-1].low, leans[-1].high) for theta in twists]
@@ -198,7 +191,8 @@ def torque_figure(coupling: RubberCordCoupling, leans: tuple[CordLean, ...], nom
         left.plot(degrees, [1e-3 * each.torque(float(theta)) for theta in twists], **look)
         right.plot(degrees, [1e-3 * each.stiffness(float(theta)) for theta in twists], **look)
     left.axhline(1e-3 * nominal, color=GREY, linewidth=0.5, linestyle=DASHES[1])
-    left.annotate("nominal", (degrees[-1], 1e-3 * nominal), xytext=(-6, -3), textcoords="offset points", **_LOWER_RIGHT)
+    look = {"xytext": (-6, -3), "textcoords": "offset points", "ha": "right", "va": "top", "fontsize": SMALL}
+    left.annotate("nominal", (degrees[-1], 1e-3 * nominal), **look)
     left.set_ylabel("torque $M$ (kN m)")
     right.set_ylabel("tangent stiffness d$M$/d$Θ$ (kN m/rad)")
     for axes in (left, right):

@@ -14,7 +14,8 @@ import numpy as np
 from screwsim.figures.engineering import shown_name
 from screwsim.machine.slider_crank.rod import Bending, FlexibleRod, critical_gamma, largest_moment_place
 from screwsim.machine.slider_crank.tolerance import FUNCTIONS, Array, Grade, Links, plane, surface
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
+from screwsim.report import style
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, plain_ticks, subplots, write_all
 
 LENGTH_SHARE = 0.05  # of the lengths, on either side
 SHOWN_FIGURES = ("gas_mass_flow", "shaft_power", "isentropic_efficiency")
@@ -35,8 +36,7 @@ def draw_tolerance(alpha: Array, nominal: Links, points: tuple[Array, Array], fo
 
 def functions_figure(nominal: Links, points: tuple[Array, Array]) -> Any:
     """Draw the three transfer functions over a revolution [mm/rad], the right one with ± 5 %, and the printed table."""
-    figure = new_figure(SINGLE, 74.0)
-    axes = figure.subplots()
+    figure, axes = subplots(SINGLE, 74.0)
     alpha = np.linspace(-np.pi, np.pi, 721)
     degrees = np.degrees(alpha)
     axes.axhline(0.0, color=GREY, linewidth=0.4)
@@ -56,7 +56,7 @@ def functions_figure(nominal: Links, points: tuple[Array, Array]) -> Any:
 
 def surface_figure(alpha: Array, nominal: Links) -> Any:
     """Draw the standard deviation over ± 5 % of both lengths with the 5 % plane, right and as tabulated."""
-    figure = new_figure(DOUBLE, 82.0)
+    figure = style.new_figure(DOUBLE, 82.0)
     figure.set_layout_engine("none")
     for i, name in enumerate(("right", "tabulated")):
         axes: Any = figure.add_axes((0.01 + 0.49 * i, 0.0, 0.46, 0.97), projection="3d", computed_zorder=False)
@@ -81,9 +81,7 @@ def _surface(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
     axes.tick_params(pad=-2)
     axes.set_box_aspect((1.0, 1.0, 0.8), zoom=0.9)
     axes.view_init(elev=22.0, azim=-62.0)
-    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        plain_ticks(axis, most=5)
-        axis._axinfo["grid"].update(color="#dddddd", linewidth=0.4)  # matplotlib has no public way for a single figure
+    style.look_in_space(axes, 5)
 
 
 def _part_above(found: Array, level: float) -> Array:
@@ -95,8 +93,7 @@ def _part_above(found: Array, level: float) -> Array:
 
 def contour_figure(alpha: Array, nominal: Links) -> Any:
     """Draw lines of equal deviation, in per cent of the law, over errors of both lengths; 5 % is thick."""
-    figure = new_figure(DOUBLE, 84.0)
-    panels = figure.subplots(1, 2, sharey=True)
+    figure, panels = subplots(DOUBLE, 84.0, 1, 2, sharey=True)
     for i, name in enumerate(("right", "tabulated")):
         _contours(panels[i], FUNCTIONS[name], alpha, nominal)
         panels[i].set_title(f"({'ab'[i]}) {_NAMES[name]}")
@@ -124,7 +121,7 @@ def draw_machine(nominal: Links, drawn: tuple[Sequence[Grade], Array, Mapping[st
 
 def law_figure(nominal: Links) -> Any:
     """Draw the standard deviation of dx/dα over ± 5 % of both lengths: surface with the 5 % plane, and contours."""
-    figure = new_figure(DOUBLE, 82.0)
+    figure = style.new_figure(DOUBLE, 82.0)
     figure.set_layout_engine("none")
     alpha, right = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False), FUNCTIONS["right"]
     solid: Any = figure.add_axes((0.01, 0.0, 0.46, 0.97), projection="3d", computed_zorder=False)
@@ -138,8 +135,7 @@ def law_figure(nominal: Links) -> Any:
 
 def spread_figure(table: Sequence[Grade], shifts: np.ndarray, deviations: Mapping[str, np.ndarray]) -> Any:
     """Draw errors of the law and shifts of the dead centre by grades, and relative deviations of figures by shifts."""
-    figure = new_figure(DOUBLE, 78.0)
-    left, right = figure.subplots(1, 2)
+    figure, (left, right) = subplots(DOUBLE, 78.0, 1, 2)
     numbers = [row.crank for row in table]
     left.semilogy(numbers, [100.0 * row.error for row in table], color=COLOURS[0], label="error of the law (%)")
     heads = [1e3 * row.head for row in table]
@@ -168,8 +164,7 @@ def draw_rod(rod: FlexibleRod, bending: Bending, folder: str | Path) -> list[str
 
 def stability_figure(rod: FlexibleRod, bending: Bending) -> Any:
     """Draw the boundary γ(β), its limit at β = 1, and the rod at its largest compression."""
-    figure = new_figure(SINGLE, 66.0)
-    axes = figure.subplots()
+    figure, axes = subplots(SINGLE, 66.0)
     beta = np.linspace(0.25, 1.0, 200)
     axes.plot(beta, [critical_gamma(float(x)) for x in beta], color=COLOURS[0])
     axes.axhline(critical_gamma(1.0), color=GREY, linewidth=0.5, linestyle=DASHES[1])
@@ -188,8 +183,8 @@ def stability_figure(rod: FlexibleRod, bending: Bending) -> Any:
 
 def bending_figure(rod: FlexibleRod, bending: Bending) -> Any:
     """Draw the load over one revolution; deflection, bending moment and stress of one face over rod and angle."""
-    figure = new_figure(DOUBLE, 124.0)
-    panels = figure.subplots(2, 2, sharex=True).ravel()
+    figure, places = subplots(DOUBLE, 124.0, 2, 2, sharex=True)
+    panels = places.ravel()
     degrees, z = np.degrees(bending.alpha), MM * bending.z
     panels[0].axhline(0.0, color=GREY, linewidth=0.4)
     panels[0].plot(degrees, bending.load, color=COLOURS[0])

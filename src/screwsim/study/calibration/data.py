@@ -16,9 +16,9 @@ from screwsim.outputs import Figure
 from screwsim.outputs.customary import in_celsius
 from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene, leaf_of, lines
-from screwsim.scene.coverage import COVERAGE_FACTOR, split_coverage
 from screwsim.scene.fields import Leaf, leaf_paths, unknown_key
 from screwsim.scene.numerals import odd_number, odd_number_text
+from screwsim.scene.tolerances import COVERAGE_FACTOR, split_coverage
 from screwsim.scene.units import NUMBER, Refused, gauge_pressures_over, parse_quantity, tidy_unit
 from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import Faults, LocatedFault, Position

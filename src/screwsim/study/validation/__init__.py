@@ -45,6 +45,7 @@ FOLDER, MODULE = "validation", "compare.py"
 PACKAGE_FOLDER = Path(screwsim.__file__).resolve().parent
 # the longest; side by side they compile different models
 LONGEST_SOURCES = ("plain", "exact", "bitzer", "paper", "cross_code")
+INTERRUPTED = "interrupted"  # reason of a source that Ctrl-C left undone
 WORKER_DIED = "its worker died (run this source alone)"
 
 
@@ -101,7 +102,7 @@ def run_sources(
 ) -> list[SourceOutcome]:
     """Return the results of the named sources (default: all), run `jobs` at a time (None: as many as cores).
 
-    Raises UsageError for an unknown name.
+    Raises UsageError for an unknown name. After Ctrl-C, those that had not finished have the reason `INTERRUPTED`.
     """
     known = names_of(folder)
     for name in names:
@@ -117,14 +118,23 @@ def run_sources(
     begun = sorted(
         wanted, key=lambda name: LONGEST_SOURCES.index(name) if name in LONGEST_SOURCES else len(LONGEST_SOURCES)
     )
-    outcomes = parallel_map(
-        partial(_run_source, tuple(folder / name for name in begun)),
-        len(begun),
-        died=lambda number: SourceOutcome(begun[number], None, WORKER_DIED, 0.0),
-        jobs=jobs,
-        failed=lambda outcome: outcome.comparison is None,
-        progress=progress,
-    )
+    finished: dict[int, SourceOutcome] = {}
+    try:
+        outcomes = parallel_map(
+            partial(_run_source, tuple(folder / name for name in begun)),
+            len(begun),
+            died=lambda number: SourceOutcome(begun[number], None, WORKER_DIED, 0.0),
+            jobs=jobs,
+            failed=lambda outcome: outcome.comparison is None,
+            progress=progress,
+            answers=finished,
+        )
+    except KeyboardInterrupt:
+        if not finished:
+            raise
+        outcomes = [
+            finished.get(number, SourceOutcome(name, None, INTERRUPTED, 0.0)) for number, name in enumerate(begun)
+        ]
     return sorted(outcomes, key=lambda outcome: wanted.index(outcome.name))
 
 
