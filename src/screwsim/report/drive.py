@@ -18,6 +18,7 @@ from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, 
 
 RPM = 30.0 / math.pi
 MM = 1e3  # [mm/m]
+MOST_TWIST = math.radians(3.0)  # [rad] drawn
 
 
 class DrivePoint(NamedTuple):
@@ -134,15 +135,18 @@ def draw_coupling(
     return write_all(plans, folder)
 
 
-def cords_figure(coupling: RubberCordCoupling, twist: float = math.radians(3.0)) -> Any:
-    """Draw the cords of one layer in each direction, unloaded, and those of the + direction under a twist [rad]."""
+def cords_figure(coupling: RubberCordCoupling) -> Any:
+    """Draw the cords of one layer in each direction, unloaded, and those of the + direction under the most twist."""
     figure, panels = subplots(DOUBLE, 88.0, 1, 2)
     r_A, r_B = MM * coupling.inner_radius, MM * coupling.outer_radius
     starts = coupling.pitch * np.arange(coupling.cords)
     spans = [central_angle(lean, r_A, r_B) for lean in (coupling.lean_plus, -coupling.lean_minus)]
     families = (
         (panels[0], ((spans[0], 0, "direction +"), (spans[1], 2, "direction −"))),
-        (panels[1], ((spans[0], 0, "unloaded"), (spans[0] + twist, 3, f"twisted by {math.degrees(twist):g}°"))),
+        (
+            panels[1],
+            ((spans[0], 0, "unloaded"), (spans[0] + MOST_TWIST, 3, f"twisted by {math.degrees(MOST_TWIST):g}°")),
+        ),
     )
     circle = np.linspace(0.0, 2.0 * math.pi, 400)
     for axes, cords in families:
@@ -173,12 +177,10 @@ def crossing_figure(coupling: RubberCordCoupling) -> Any:
     return figure
 
 
-def torque_figure(
-    coupling: RubberCordCoupling, leans: tuple[CordLean, ...], nominal: float, most: float = math.radians(3.0)
-) -> Any:
+def torque_figure(coupling: RubberCordCoupling, leans: tuple[CordLean, ...], nominal: float) -> Any:
     """Draw torque and tangent stiffness over the twist for measured leans; the band is the scatter of the last one."""
     figure, (left, right) = subplots(DOUBLE, 78.0, 1, 2, sharex=True)
-    twists = np.linspace(0.0, most, 121)
+    twists = np.linspace(0.0, MOST_TWIST, 121)
     degrees = np.degrees(twists)
     scattered = [torque_band(coupling, float(theta), leans[-1].low, leans[-1].high) for theta in twists]
     low, high = ([1e-3 * getattr(each, name) for each in scattered] for name in ("least", "largest"))

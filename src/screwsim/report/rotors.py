@@ -60,17 +60,14 @@ def draw_rotors(
     return written + [write_text(path, text) for path, text in files.items()]
 
 
-def mesh_figure(rotors: Rotors, psi: float = 0.0) -> Any:
-    """Draw both rotors in their bores at an angle ψ [rad], with pitch circles, the line of contact, H, P and S."""
+def mesh_figure(rotors: Rotors) -> Any:
+    """Draw both rotors in their bores, with pitch circles, the line of contact, H, P and S."""
     pair, chain = rotors.pair, rotors.chain
     A, (Hx, Hy) = pair.centre_distance, pair.cusp
     figure, axes = subplots(DOUBLE, 104.0)
     (mx, my), (fx, fy) = outlines(pair, chain)
-    c, s = math.cos(psi), math.sin(psi)
-    _fill(axes, MM * (c * mx + s * my), MM * (c * my - s * mx), _FILL)
-    c, s = math.cos(pair.k * psi), math.sin(pair.k * psi)
-    x, y = A + c * fx - s * fy, s * fx + c * fy
-    _fill(axes, MM * x, MM * y, "white")
+    _fill(axes, MM * mx, MM * my, _FILL)
+    _fill(axes, MM * (A + fx), MM * fy, "white")
     for centre, radius, beta, side in ((0.0, pair.male_radius, pair.beta1, 1), (A, pair.female_radius, pair.beta2, -1)):
         angle = np.linspace(beta, 2.0 * math.pi - beta, 400)
         bore = MM * (centre + side * radius * np.cos(angle)), MM * radius * np.sin(angle)

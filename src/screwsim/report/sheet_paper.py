@@ -105,14 +105,14 @@ class Paper:
 
         self.draw(call)
 
-    def paragraph(self, words: str, x: float = MARGIN, width: float = WIDE - 2.0 * MARGIN, **look: Any) -> None:
-        """Write words in lines of a width [mm], on the next page when this one is full."""
+    def paragraph(self, words: str, **look: Any) -> None:
+        """Write words in lines as wide as the text, on the next page when this one is full."""
         size = look.get("size") or self.size
-        for row in wrapped(words, width, size, look.get("bold", False)):
+        for row in wrapped(words, TEXT, size, look.get("bold", False)):
             high = size * LINE * POINT_SIZE
             self.room(high)
             self.down(high)
-            self.text(x, row, **look)
+            self.text(MARGIN, row, **look)
 
     def figures(self) -> list[Any]:
         """Return the pages as figures, with their footers."""
