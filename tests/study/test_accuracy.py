@@ -16,7 +16,7 @@ from screwsim.report.accuracy import draw
 from screwsim.scene import Scene, load, loads
 from screwsim.simulate import simulate
 from screwsim.study import accuracy
-from screwsim.study.accuracy import QUICK_SCOPE, NoReference, Study, effects, files, reference_of, study, words
+from screwsim.study.accuracy import QUICK_SCOPE, NoReference, Study, effect_costs, files, reference_of, study, words
 from screwsim.study.accuracy.solving import CHECKS, WorkLimit, all_cases, method_of, solve
 
 SCENE = """\
@@ -220,10 +220,10 @@ def test_what_is_next_to_nothing_without_an_effect_is_not_divided_by(scene, monk
         numerics = {"wall_time": 1.0, "estimating_time": 0.0, "rhs_evaluations": 10}
         return Result("ok", performance=Figures(figures), numerics=Figures(numerics))
 
-    monkeypatch.setattr(effects, "simulate", fake)
-    monkeypatch.setattr(effects, "cross_check", lambda scene: [])
-    monkeypatch.setattr(effects, "_points", lambda full, less: 0.0)
-    found = effects.effect_costs(scene, "suction_port", QUICK_SCOPE)
+    monkeypatch.setattr("screwsim.study.accuracy.simulate", fake)
+    monkeypatch.setattr("screwsim.study.accuracy.cross_check", lambda scene: [])
+    monkeypatch.setattr("screwsim.study.accuracy._points", lambda full, less: 0.0)
+    found = effect_costs(scene, "suction_port", QUICK_SCOPE)
     assert math.isnan(found.gas_mass_flow)
     assert found.shaft_power == pytest.approx(0.1)
     assert found.discharge_temperature == pytest.approx(0.1)

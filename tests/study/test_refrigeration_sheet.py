@@ -1,6 +1,7 @@
 """The data sheet of a refrigeration machine: its tables, part load, envelope and limits, what it prints and refuses."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -167,7 +168,7 @@ def test_limits_are_marked_and_warnings_reach_the_sheet(sheet):
 
 
 def test_it_prints_within_a_terminal_and_writes_a_page_and_a_pdf(sheet, tmp_path, capsys):
-    from screwsim.printing.datasheet import print_sheet
+    from screwsim.printing.machine import print_sheet
 
     print_sheet(sheet)
     out = capsys.readouterr().out
@@ -195,6 +196,12 @@ def test_points_that_fail_are_told_and_counted(capsys):
     assert exit_code(["datasheet", str(CONTROL), *ranges, "--set", "effects.motor.rated_power=10 kW"]) == 4
     told = " ".join(capsys.readouterr().out.split())
     assert "no motor carries more than" in told and "(the same at" in told and "Part load" not in told
+
+
+def test_the_only_point_that_fails_is_told_with_its_place(rated):
+    points = {**rated.points, (0, 1): Result("not_closed", message="a flow stays open")}
+    notes = refrigeration_sheet(replace(rated, points=points)).notes
+    assert "0/45 °C: not closed: a flow stays open" in notes
 
 
 def test_the_envelope_of_points_is_interpolated_between_them():
@@ -228,6 +235,11 @@ def test_ranges_are_those_of_the_scene_or_of_steps_around_its_point():
         ("control/point", ["--limit", "water_flow<1"], "is not a figure of this scene"),
         ("control/point", ["--evaporating", "5 degC"], "5 degC: is not LOW..HIGH (write e.g. --evaporating '-10"),
         ("control/point", ["--condensing", "50 degC..40 degC"], "is empty (LOW must be below HIGH)"),
+        (
+            "control/point",
+            ["--evaporating", "30 degC..40 degC", "--condensing", "20 degC..30 degC"],
+            "no point of the table can be computed: all lifts are below 10 K (state other ranges with --evaporating",
+        ),
         ("r134a/envelope", [], "the scene varies oil_supply.ratio in another way"),
         (
             "control/point",

@@ -292,13 +292,15 @@ def tolerance(
     """Find how length errors of a slider-crank change its motion and, by Monte Carlo, the compressor."""
     options.check_folder_name(folder)
     scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
-    from screwsim.printing.tolerance import print_tolerance, tolerance_document
+    from screwsim.cli.interruption import counted_progress
+    from screwsim.printing.machine import print_tolerance, tolerance_document
     from screwsim.study.tolerance import tolerances
 
     grades = {"crank_radius": crank_grade, "rod_length": rod_grade, "offset": offset_grade}
     asked = {name: grade if own is None else own for name, own in grades.items()}
     asked |= {} if bore_grade is None else {"bore": bore_grade}
-    found = tolerances(scene, asked, count=count, seed=seed, jobs=jobs, progress=options.progress_bar("tolerance"))
+    with counted_progress("tolerance", "machines") as shown:
+        found = tolerances(scene, asked, count=count, seed=seed, jobs=jobs, progress=shown)
     options.print_document_or_text(as_json, tolerance_document, print_tolerance, scene, found)
     if folder is not None:
         from screwsim.report.slider_crank import draw_machine

@@ -13,7 +13,7 @@ from screwsim.cycle.solution import closing_criteria
 from screwsim.effects import base, catalogue
 from screwsim.effects.base import LINES
 from screwsim.explain.media import gas_rows, oil_rows
-from screwsim.explain.rows import NO_BREAK, WIDTH, parameters_text, row
+from screwsim.explain.parameters import NO_BREAK, WIDTH, parameters_text, row
 from screwsim.figures import called_for
 from screwsim.inputs.declare import KINDS
 from screwsim.machine.kinds import kind_of

@@ -6,12 +6,12 @@ They come from the declarations by which scenes are read, and from the bounds on
 
 import dataclasses
 import math
+import textwrap
 from collections.abc import Iterable, Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from screwsim.effects import catalogue, find_effect
 from screwsim.effects.base import Effect
-from screwsim.explain.rows import NO_BREAK, row
 from screwsim.inputs.declare import UNBOUNDED, FoundWithCycle, is_derived
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import find_machine, kind_of
@@ -19,9 +19,12 @@ from screwsim.machine.protocol import Size
 from screwsim.scene.fields import Leaf, Section, scene_section, section_of, unknown_key, value_at
 from screwsim.scene.sizes import sizes_of_effect
 from screwsim.scene.types import Scene
-from screwsim.scene.units import customary_unit, readable_quantity
+from screwsim.scene.units import customary_unit, readable_quantity, to_customary
 from screwsim.scene.values import text_of
 
+WIDTH = 79
+NAME_WIDTH = 20
+NO_BREAK = "\u00a0"  # keeps a name, its value and its unit on one line
 ABSENT, REQUIRED = "–", "required"
 SECTIONS = ("machine", "gas", "operation", "oil", "oil_supply", "numerics", "output")
 _SIGNS = {"gt": "> ", "ge": "≥ ", "lt": "< ", "le": "≤ "}
@@ -179,3 +182,33 @@ def _scene_value(scene: Scene, path: str, key: Key) -> Iterator[str]:
     text = text_of(key.leaf, value) if found or kind is None else readable_quantity(kind, value)
     follows = " (follows)" if is_derived(value) and text != key.default else ""
     yield f"here: {text}{follows}".replace(" ", NO_BREAK)
+
+
+def row(name: str, text: str) -> str:
+    """Return a name with its text wrapped in the second column."""
+    head = f"  {name:<{NAME_WIDTH}}" if len(name) < NAME_WIDTH else f"  {name}\n{'':<{NAME_WIDTH + 2}}"
+    first, *others = textwrap.wrap(text, WIDTH - NAME_WIDTH - 2, break_on_hyphens=False) or [""]
+    return "\n".join([head + first, *(" " * (NAME_WIDTH + 2) + line for line in others)]).replace(NO_BREAK, " ")
+
+
+def parameters_text(values: Any, skip: tuple[str, ...] = ("law",)) -> str:
+    """Return the declared values of a section in customary units, with defaults marked and absent values left out."""
+    fields = section_of(type(values)).fields
+    texts = []
+    for name, leaf in fields.items():
+        value = getattr(values, name)
+        if isinstance(leaf, Leaf) and name not in skip and value is not None:
+            mark = " (default)" if not leaf.required and value == leaf.default else ""
+            mark = " (follows)" if is_derived(value) and not mark else mark
+            texts.append(f"{name} {_value_text(leaf, value)}{mark}".replace(" ", NO_BREAK))
+    return ", ".join(texts)
+
+
+def _value_text(leaf: Leaf, value: Any) -> str:
+    if leaf.dimension is not None and is_derived(value):  # its digits were not written by a user
+        return f"{to_customary(leaf.dimension, value):.6g} {customary_unit(leaf.dimension)}"
+    return (
+        text_of(leaf, value)
+        if leaf.dimension is None or isinstance(value, FoundWithCycle)
+        else readable_quantity(leaf.dimension, value)
+    )

@@ -29,7 +29,7 @@ class BlendBorder:
         with announced("phases", f"the dew and bubble lines of {self.known.name}", "some seconds"):
             self.lines: Saturation = saturation(fluid)
         self._potentials, self._entropy = potentials_kernel(fluid), entropy_kernel(fluid)
-        self._heat_capacity = ideal_heat_capacity_kernel(fluid)
+        self.ideal_heat_capacity = ideal_heat_capacity_kernel(fluid)  # cp⁰ [J/(kg K)] at T [K]
 
     # ---- saturation ------------------------------------------------------------------------------------------
 
@@ -122,10 +122,6 @@ class BlendBorder:
         theta = self._theta(T)
         rho = self._density(theta if liquid else -theta)
         return self._entropy(T, rho) if entropy else self._enthalpy(T, rho)
-
-    def ideal_heat_capacity(self, T: float) -> float:
-        """Return cp⁰ [J/(kg K)] at T [K]."""
-        return self._heat_capacity(T)
 
 
 @lru_cache(maxsize=16)

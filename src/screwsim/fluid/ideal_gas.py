@@ -4,7 +4,6 @@ Source: Chernov et al. 2015, assumptions; docs/model.md M5, M6. It implements th
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 from screwsim.fluid.gas import CommonGas
@@ -42,9 +41,13 @@ class IdealGas(CommonGas):
     phased_state = None  # one phase
     varies = False  # exponent and choking are the same everywhere
 
-    @once
-    def values(self) -> Mapping[str, float]:
+    @property
+    def values(self) -> dict[str, float]:
         """Values of the kernels' arguments beside T and rho."""
+        return self._values
+
+    @once
+    def _values(self) -> dict[str, float]:
         choke, choked = self.choked
         return {
             "R_gas": self.R,

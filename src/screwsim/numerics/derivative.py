@@ -30,9 +30,8 @@ from screwsim.numerics.expressions import (
     product,
     slope_name,
 )
-from screwsim.numerics.kernel import Kernel, nodes, parsed, written
+from screwsim.numerics.kernel import Kernel, nodes, parsed, unparsed, written
 from screwsim.numerics.partials import Active, Partials, find_active, seeds_of
-from screwsim.numerics.spelling import lines_of
 
 
 @lru_cache(maxsize=256)
@@ -210,4 +209,4 @@ class _OfKernel(Forward):
                 self.uses[node.id] = self.known[node.id]
         for module in ("math", "np"):  # available in every text
             self.uses.pop(module, None)
-        return "\n".join(lines_of(function)) + "\n", self.uses
+        return unparsed(function) + "\n", self.uses

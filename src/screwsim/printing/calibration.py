@@ -18,9 +18,9 @@ from screwsim.screen import say
 from screwsim.study.calibration.fit import TOLERANCE_REMEDY, Parameter, Prior
 from screwsim.study.calibration.hypotheses import LEAST_CHANCE, chance_of_misfit
 from screwsim.study.calibration.identifiability import CORRELATED, WEAK_VALUE
-from screwsim.study.calibration.scene import FIRST_LINE, fitted_text
 from screwsim.study.calibration.solve import Calibration, ComparedMeasurement
 from screwsim.study.inputs import in_customary, shown_number, shown_value
+from screwsim.study.scene_files import FITTED_LINE, fitted_text
 
 SCENE, DOCUMENT, FIGURE = "scene.yaml", "fit.json", "residuals"
 _ABOUT_TOLERANCES = (
@@ -247,7 +247,7 @@ def _correlations(found: Calibration) -> Iterator[str]:
 
 def check_folder(folder: Path) -> None:
     """Raise UsageError where a folder has a foreign file under the name of a calibration's scene or document."""
-    protect_folder(folder, {SCENE: FIRST_LINE})
+    protect_folder(folder, {SCENE: FITTED_LINE})
     protect_other_json(folder / DOCUMENT, "parameters", "chi_squared", "starts")
 
 

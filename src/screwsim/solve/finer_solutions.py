@@ -189,13 +189,15 @@ class _Lives:
         """Return the lives together with the response to the last correction, read from the history that it moved.
 
         The net flow is left as in the last life: port flow and flow across the angle each change by far more
-        than their sum.
+        than their sum. It errs by what the trapped gas changes, over what is sucked, or by what passes to discharge.
         """
         problem, machinery, c = self.of.problem, self.machinery, self.of.problem.composition
         sums = by.sums.copy()
         streams = streams_of(c, sums)
         out = streams[slots.DISCHARGE_IN : slots.DISCHARGE_OUT + 1, slots.OF_GAS].sum()
-        passed = abs(out / max(float(machinery.R[slots.R_TRAPPED]), 1e-300))
+        trapped = float(machinery.R[slots.R_TRAPPED])
+        passed = abs(out / max(trapped, 1e-300))
+        sucked = abs(self.of.figures.get("gas_mass_flow") or 0.0) / (problem.rate * (1.0 - problem.suction.returned))
         streams[: slots.SUCTION_OUT + 1, slots.OF_GAS] = 0.0
         set_unknowns(problem, machinery, self.unknowns_out)
         at, n = float(c.P[slots.P_INJECTION]), machinery.n
@@ -209,7 +211,7 @@ class _Lives:
             FinerSolutions(
                 [*self.figures, life.figures],
                 left=wrong,
-                flow=max(abs(by.mass), passed),
+                flow=max(abs(by.mass) * max(1.0, trapped / max(sucked, 1e-300)), passed),
                 corrected_state=led,
                 curves=[*self.curves, curves_of(life)],
             )

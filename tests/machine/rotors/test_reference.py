@@ -119,7 +119,7 @@ def test_joints_of_b(pairs):
     for joint, (psi, male, female) in expected.items():
         i = chain.joints[joint]
         near(chain.psi[i] / DEG, psi, 4)
-        for curve, points in ((chain.male(), male), (chain.female(pair), female)):
+        for curve, points in ((chain.male, male), (chain.female(pair), female)):
             for found, value in zip(curve, points, strict=True):
                 near(found[i] / MM, value, 4)
 

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from screwsim.machine.rotors.flanks import female_flanks, male_flanks
-from screwsim.machine.rotors.pair import Array, Chain, Pair, cumulated
+from screwsim.machine.rotors.pair import Array, Chain, Pair, cumulated, rising_branch
 
 Level = tuple[Array, Array]  # (ψ, radius of a contact)
 TURN = 2.0 * math.pi
@@ -45,12 +45,10 @@ class SealingLine:
 def sealing_line(pair: Pair, chain: Chain, h: float) -> SealingLine:
     """Return the contact line with its length, dl² = dX² + dY² + (h dψ)²."""
     steps = np.sqrt(np.diff(chain.x) ** 2 + np.diff(chain.y) ** 2 + (h * np.diff(chain.psi)) ** 2)
-    length = np.concatenate([[0.0], np.cumsum(steps)])
-    psi = np.concatenate([chain.psi[chain.trail :] - pair.pitch, chain.psi[1 : chain.lead + 1]])
-    rising = np.concatenate([length[chain.trail :] - length[-1], length[1 : chain.lead + 1]])
+    length, rising = rising_branch(pair, chain, steps)
     back = slice(chain.lead, chain.trail + 1)
     falling = (length[chain.trail] - length[back])[::-1]
-    return SealingLine(cumulated(psi, rising), cumulated(_rising(chain.psi[back][::-1]), falling))
+    return SealingLine(rising, cumulated(_rising(chain.psi[back][::-1]), falling))
 
 
 def _rising(psi: Array) -> Array:
@@ -118,20 +116,20 @@ def contacts(pair: Pair, chain: Chain, radii: Array, outer: float) -> Contacts:
     )
 
 
+def _at(level: Level, where: Array) -> Array:
+    return np.interp(where, *level)
+
+
 def male_lengths(pair: Pair, chain: Chain, psi: Array) -> dict[int, Array]:
     """Return {offset: length [m]} across the male lobes, over the angle of the leading chamber at the face."""
-    c = contacts(pair, chain, chain.male_radii(), pair.male_radius)
-    root = float(chain.male_radii().min())
+    c = contacts(pair, chain, chain.male_radii, pair.male_radius)
+    root = float(chain.male_radii.min())
     z1, before, ahead = pair.male_lobes, psi + TURN, psi + pair.pitch
-
-    def at(level: Level, where: Array) -> Array:
-        return np.interp(where, *level)
-
-    lead, tip, trail = at(c.lead, psi), at(c.tip, psi), at(c.trail, psi)
-    top = np.minimum(np.minimum(at(c.lead, before), trail), at(c.tip, before))
-    neighbour = top - np.maximum(lead, at(c.trail, before))
+    lead, tip, trail = _at(c.lead, psi), _at(c.tip, psi), _at(c.trail, psi)
+    top = np.minimum(np.minimum(_at(c.lead, before), trail), _at(c.tip, before))
+    neighbour = top - np.maximum(lead, _at(c.trail, before))
     over = tip - np.maximum(trail, lead)
-    under = np.minimum(at(c.lead, ahead), at(c.trail, ahead)) - root
+    under = np.minimum(_at(c.lead, ahead), _at(c.trail, ahead)) - root
     return {offset: np.maximum(length, 0.0) for offset, length in ((1, neighbour), (z1 - 1, under), (z1 + 1, over))}
 
 
@@ -140,13 +138,9 @@ def female_lengths(pair: Pair, chain: Chain, psi: Array) -> dict[int, Array]:
     c = contacts(pair, chain, chain.female_radii(pair), pair.female_radius)
     outer, p = pair.female_radius, pair.pitch
     before = psi + TURN / pair.k  # the same groove, one turn of the female rotor earlier
-
-    def at(level: Level, where: Array) -> Array:
-        return np.interp(where, *level)
-
-    top = np.minimum(np.minimum(at(c.tip, psi), at(c.lead, psi - p)), at(c.trail, before))
-    neighbour = top - np.maximum(at(c.tip, before), at(c.lead, before - p))
-    own, low, high = at(c.lead, psi), at(c.tip, psi + p), at(c.trail, psi + p)
+    top = np.minimum(np.minimum(_at(c.tip, psi), _at(c.lead, psi - p)), _at(c.trail, before))
+    neighbour = top - np.maximum(_at(c.tip, before), _at(c.lead, before - p))
+    own, low, high = _at(c.lead, psi), _at(c.tip, psi + p), _at(c.trail, psi + p)
     facing = np.minimum(high, own) - low  # the filling groove against the chamber's own
     edge = outer - np.maximum(high, own)  # the chamber, behind the contact, against the groove that fills
     across = np.maximum(facing, 0.0) + np.maximum(edge, 0.0)
@@ -219,9 +213,9 @@ def blow_hole_opening(pair: Pair, chain: Chain, points: int = POINTS) -> BlowHol
     part = np.linspace(0.0, 1.0, points) ** 2  # dense at H: flanks leave the outer circles as √s
     x, y = H[0] + part * (S[0] - H[0]), H[1] + part * (S[1] - H[1])
     rho1, rho2 = np.hypot(x, y), np.hypot(pair.centre_distance - x, y)
-    mx, my = chain.male()
+    mx, my = chain.male
     male = slice(chain.tip, None)  # the trailing flank
-    alpha = _angle(rho1, pair.male_radius, chain.male_radii()[male], np.arctan2(my, mx)[male])
+    alpha = _angle(rho1, pair.male_radius, chain.male_radii[male], np.arctan2(my, mx)[male])
     fx, fy = chain.female(pair)
     female = slice(chain.trail, None)
     eta = _angle(rho2, pair.female_radius, chain.female_radii(pair)[female], np.arctan2(fy, -fx)[female])

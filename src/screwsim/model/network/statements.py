@@ -9,8 +9,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from screwsim.numerics.derivative import Forward
-from screwsim.numerics.kernel import Kernel, parsed
-from screwsim.numerics.spelling import lines_of, text_of
+from screwsim.numerics.kernel import Kernel, parsed, unparsed
 
 
 class Statements:
@@ -60,13 +59,13 @@ class Tangent:
         self.kernels = list(self._forward.uses.values())
         flat = {alias: item.flat_name for alias, item in self._forward.uses.items()}
         called = re.compile(rf"\b({'|'.join(flat) or '$.'})\(")
-        lines = [line for node in found for line in lines_of(node)]
+        lines = [line for node in found for line in unparsed(node).splitlines()]
         self.lines = [called.sub(lambda one: f"{flat[one[1]]}(", line) if "(" in line else line for line in lines]
 
     def slope(self, name: str, seed: str) -> str:
         """Return the text of a variable's derivative after the statements; 0.0 where there is none."""
         found = self._forward.slope(name, seed)
-        return "0.0" if found is None else text_of(found)
+        return "0.0" if found is None else unparsed(found)
 
 
 def function(head: str, *parts: Sequence[str]) -> str:
