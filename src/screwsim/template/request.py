@@ -89,30 +89,31 @@ def request_of(
         raise UsageError(f"--oil {oil}: is not a stored oil{hint} (known: {', '.join(OILS)})")
     if vi is not None and not 1.0 < vi <= 12.0:
         raise UsageError(f"--vi {vi:g}: a built-in volume ratio is above 1 and at most 12 (write e.g. --vi 3)")
-    flow = _quantity("--displacement", "displacement", displacement, "600 m^3/h")
-    at = _quantity("--speed", "speed", speed, "2950 rpm")
-    rated = _quantity("--motor", "power", motor, "45 kW")
-    delivered = _quantity("--flow", "volume_flow", free_air, "7.5 m^3/min")
-    cools = _quantity("--capacity", "power", capacity, "300 kW")
+    flow = None if displacement is None else _quantity("--displacement", "displacement", displacement, "600 m^3/h")
+    at = None if speed is None else _quantity("--speed", "speed", speed, "2950 rpm")
+    rated = None if motor is None else _quantity("--motor", "power", motor, "45 kW")
+    delivered = None if free_air is None else _quantity("--flow", "volume_flow", free_air, "7.5 m^3/min")
+    cools = None if capacity is None else _quantity("--capacity", "power", capacity, "300 kW")
     size = "--displacement" if displacement is not None else "--diameter" if diameter is not None else ""
     for option, sought in (("--flow", delivered), ("--capacity", cools)):
         if sought is not None and size:
             raise UsageError(
                 f"{option}: is given together with {size}, which also states the size (remove one of the two)"
             )
-    if None not in (diameter, flow):
+    if diameter is None:
+        return SceneRequest(
+            fluid, flow, at, vi, oil, condition, None, rated, delivered, cools, economizer, slide, variable
+        )
+    if flow is not None:
         raise UsageError(
             "--diameter: is given together with --displacement, which also states it (remove one of the two)"
         )
     rotor = _quantity("--diameter", "length", diameter, "204 mm")
-    if rotor is not None:
-        if not sizes.SMALLEST <= rotor <= sizes.LARGEST:
-            ends = f"{sizes.mm(sizes.SMALLEST)} to {sizes.mm(sizes.LARGEST)}"
-            raise UsageError(f"--diameter {diameter}: screws are made from {ends} (choose one within)")
-        flow = sizes.displaced(rotor, at or SPEED)
-    return SceneRequest(
-        fluid, flow, at, vi, oil, condition, rotor, rated, delivered, cools, economizer, slide, variable
-    )
+    if not sizes.SMALLEST <= rotor <= sizes.LARGEST:
+        ends = f"{sizes.mm(sizes.SMALLEST)} to {sizes.mm(sizes.LARGEST)}"
+        raise UsageError(f"--diameter {diameter}: screws are made from {ends} (choose one within)")
+    displaced = sizes.displaced(rotor, at or SPEED)
+    return SceneRequest(fluid, displaced, at, vi, oil, condition, rotor, rated, None, None, economizer, slide, variable)
 
 
 def _by_pressure(condition: str | None, pressure: str | None) -> str | None:
@@ -123,15 +124,13 @@ def _by_pressure(condition: str | None, pressure: str | None) -> str | None:
         raise UsageError("--pressure: is given together with --condition, which also states it (remove one of the two)")
     with gauge_pressures_over(ATMOSPHERE):
         found = _quantity("--pressure", "pressure", pressure, "7.5 bar(g)")
-    if found is not None and found <= ATMOSPHERE:
+    if found <= ATMOSPHERE:
         raise UsageError(f"--pressure {pressure}: is not above the ambient 1 bar (write e.g. --pressure '7.5 bar(g)')")
     return f"0 bar(g)/{pressure.strip()}"
 
 
-def _quantity(option: str, kind: str, text: str | None, example: str) -> float | None:
-    """Return the value [SI] of an option, which must be positive; None without it."""
-    if text is None:
-        return None
+def _quantity(option: str, kind: str, text: str, example: str) -> float:
+    """Return the value [SI] of an option, which must be positive."""
     try:
         found = parse_quantity(KINDS[kind], text)
     except Refused as refusal:
