@@ -20,7 +20,7 @@ function fillSweepChoices() {
 function refill(select, entries, first) {
   const text = entries.map(([value]) => value).join();
   if (select.dataset.entries === text) return;
-  const before = select.dataset.entries === undefined ? first : select.value;
+  const before = select.dataset.entries === undefined ? select.value || first : select.value;
   select.dataset.entries = text;
   select.replaceChildren(...entries.map(([value, words]) => new Option(words, value)));
   const values = entries.map(([value]) => value);

@@ -190,13 +190,7 @@ function drawOther() {
   section.hidden = !names.length;
   if (!names.length) return;
   const select = document.getElementById("trace");
-  if (select.dataset.names !== names.join()) {
-    select.dataset.names = names.join();
-    const before = select.value;
-    select.replaceChildren(...names.map((name) => new Option(name.replaceAll("_", " "), name)));
-    const torque = names.find((name) => name.includes("torque"));
-    select.value = names.includes(before) ? before : torque || names[0];
-  }
+  refill(select, names.map((name) => [name, name.replaceAll("_", " ")]), names.find((name) => name.includes("torque")) || names[0]);
   const name = select.value;
   const units = shown.units[name].replace("N m", "N m").replace("kg s-1", "g/s");
   const curves = pair((answer, pale) => (answer.traces[name] ? [{ x: answer.traces.angle, y: answer.traces[name], tint: "c4", name: name.replaceAll("_", " "), pale }] : []));

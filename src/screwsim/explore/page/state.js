@@ -118,11 +118,8 @@ function pinRow(each, names) {
 }
 
 function fillCompared() {
-  const select = document.getElementById("compared");
-  const before = select.value;
-  select.replaceChildren(new Option("the last settings", "last"), new Option("nothing", "none"),
-    ...pins.map((each) => new Option(`pinned case ${each.number}`, String(each.number))));
-  select.value = [...select.options].some((option) => option.value === before) ? before : "last";
+  const pinned = pins.map(({ number }) => [String(number), `pinned case ${number}`]);
+  refill(document.getElementById("compared"), [["last", "the last settings"], ["none", "nothing"], ...pinned], "last");
 }
 
 // ---- taken along -----------------------------------------------------------------------------------------------
