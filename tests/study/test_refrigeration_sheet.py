@@ -170,7 +170,7 @@ def test_limits_are_marked_and_warnings_reach_the_sheet(sheet):
 
 
 def test_it_prints_within_a_terminal_and_writes_a_page_and_a_pdf(sheet, tmp_path, capsys):
-    from screwsim.printing.datasheet import print_sheet
+    from screwsim.printing.machine import print_sheet
 
     print_sheet(sheet)
     out = capsys.readouterr().out

@@ -8,7 +8,7 @@ import pytest
 import screwsim
 from screwsim import cli
 from screwsim.inputs.faults import UsageError
-from screwsim.study.validation import document, equal, folder_of, names_of, run_sources, sources, trend
+from screwsim.study.validation import document, equal, folder_of, names_of, run_sources, trend
 from screwsim.study.validation.record import Row, report, row_text, summary
 
 SOURCE = """\
@@ -38,7 +38,7 @@ def checkout(tmp_path, monkeypatch):
     (tmp_path / "pyproject.toml").write_text('[project]\nname = "screwsim"\n', encoding="utf-8")
     (tmp_path / "below").mkdir()
     monkeypatch.chdir(tmp_path / "below")
-    monkeypatch.setattr(sources, "PACKAGE_FOLDER", tmp_path / "src" / "screwsim")
+    monkeypatch.setattr("screwsim.study.validation.PACKAGE_FOLDER", tmp_path / "src" / "screwsim")
     return tmp_path
 
 
@@ -127,7 +127,7 @@ def test_an_unknown_name_is_one_line_with_the_nearest(checkout, capsys):
 
 @pytest.mark.parametrize("project", [None, '[project]\nname = "other"\n', "no TOML ["])
 def test_without_a_checkout_nothing_is_run_and_one_line_says_where_it_is(trap, project, monkeypatch, capsys):
-    monkeypatch.setattr(sources, "PACKAGE_FOLDER", trap.parent / "src" / "screwsim")
+    monkeypatch.setattr("screwsim.study.validation.PACKAGE_FOLDER", trap.parent / "src" / "screwsim")
     if project is not None:
         (trap.parent / "pyproject.toml").write_text(project, encoding="utf-8")
     code, out, err = run(capsys)

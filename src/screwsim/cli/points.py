@@ -240,7 +240,6 @@ def accuracy(
     scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
     options.check_folder_name(folder)
     from screwsim.cli.interruption import counted_progress
-    from screwsim.printing import accuracy_drawing
     from screwsim.report.accuracy import draw
     from screwsim.results.atomic import make_folder
     from screwsim.study.accuracy import QUICK_SCOPE, NoReference, Scope, files, study, words
@@ -256,6 +255,6 @@ def accuracy(
     say(words.report(found))
     if folder is not None:
         make_folder(folder)  # again: another command may have removed the one that it had made and that was still empty
-        for path in (*files.write(found, folder), *draw(accuracy_drawing(found), folder)):
+        for path in (*files.write(found, folder), *draw(found, folder)):
             say(path)
     return OK

@@ -133,8 +133,8 @@ def sensitivity(
         return _local_sensitivity(scene, (places or (), paths or ()), figures or (), output, jobs, as_json)
     if places:
         raise UsageError(f"{places[0]}: has no range (write --path PATH=LOW..HIGH, or add --local)")
-    from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
     from screwsim.cli.interruption import counted_progress
+    from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
     from screwsim.printing.tables import wrapped
     from screwsim.study.inputs import efficiency_note
     from screwsim.study.sensitivity import cost_in_words, usual_samples
@@ -299,7 +299,7 @@ def tolerance(
     options.check_folder_name(folder)
     scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
     from screwsim.cli.interruption import counted_progress
-    from screwsim.printing.tolerance import print_tolerance, tolerance_document
+    from screwsim.printing.machine import print_tolerance, tolerance_document
     from screwsim.study.tolerance import tolerances
 
     grades = {"crank_radius": crank_grade, "rod_length": rod_grade, "offset": offset_grade}
@@ -309,7 +309,7 @@ def tolerance(
         found = tolerances(scene, asked, count=count, seed=seed, jobs=jobs, progress=shown)
     options.print_document_or_text(as_json, tolerance_document, print_tolerance, scene, found)
     if folder is not None:
-        from screwsim.report.tolerance import draw_machine
+        from screwsim.report.slider_crank import draw_machine
 
         deviations = {each.figure: found.values[each.figure] / each.nominal - 1.0 for each in found.spreads}
         for path in draw_machine(found.links, (found.table, found.shifts, deviations), folder):

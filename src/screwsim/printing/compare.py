@@ -9,7 +9,7 @@ from typing import Any
 
 from screwsim.outputs.customary import printed_celsius
 from screwsim.printing import engineering, shown_name
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import print_table, wrapped
 from screwsim.report.overlay import draw_overlay
 from screwsim.report.quantities import short, shown_axis
 from screwsim.results import Results
@@ -54,7 +54,7 @@ def print_comparison(a: Results, b: Results, found: Comparison) -> None:
     if found.scene:
         say()
         rows = [[path, *_shown_pair(one or "-", other or "-")] for path, (one, other) in found.scene.items()]
-        say("\n".join(plain_table(["scene", "A", "B"], rows, 1)))
+        print_table(["scene", "A", "B"], rows, 1)
     if found.status_changes:
         say()
         count = found.status_changes
@@ -71,7 +71,7 @@ def print_comparison(a: Results, b: Results, found: Comparison) -> None:
 
 def _print_figures(a: Results, b: Results, found: Comparison) -> None:
     heads = ["", "A", "B", "", "change", "error", "differ"]
-    say("\n".join(plain_table(heads, [_cells(a, b, each) for each in found.figures], 1)))
+    print_table(heads, [_cells(a, b, each) for each in found.figures], 1)
     many = any(each.at for each in found.figures) and found.common > 1
     text = (
         "change and error are relative to A, in K for temperatures; error: both estimates together, twice which "

@@ -1,11 +1,11 @@
 """Figures of a validation, from its document: ours as lines, the source's as points with their uncertainty."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, SINGLE, grid, new_figure, note, write_all
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, SINGLE, note, panels, write_all
 
 HEIGHT = 74.0  # [mm] of one row of panels
 MARKERS = "os^Dv<>P"
@@ -22,10 +22,10 @@ def draw(document: Mapping[str, Any], folder: Path) -> list[str]:
 
 
 def _figure(source: Mapping[str, Any]) -> Any:
-    panels: Sequence[Mapping[str, Any]] = source["panels"]
-    columns = min(2, len(panels))
-    figure = new_figure(DOUBLE if columns == 2 else 1.4 * SINGLE, HEIGHT * -(-len(panels) // columns))
-    for axes, panel in zip(grid(figure, len(panels), columns), panels, strict=True):
+    columns = min(2, len(source["panels"]))
+    width = DOUBLE if columns == 2 else 1.4 * SINGLE
+    figure, places = panels(len(source["panels"]), 0.0, HEIGHT, columns, width)
+    for axes, panel in zip(places, source["panels"], strict=True):
         _draw_panel(axes, panel)
     note(figure, source["title"])
     return figure

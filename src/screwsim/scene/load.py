@@ -17,7 +17,6 @@ from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.checks import check_files, cross_check
 from screwsim.scene.derived_values import with_derived_values
-from screwsim.scene.dict_text import DICT_NAME, yaml_text
 from screwsim.scene.fields import leaf_paths, scene_section
 from screwsim.scene.file_kinds import other_file
 from screwsim.scene.fixed_dict import FixedDict
@@ -28,8 +27,8 @@ from screwsim.scene.tolerances import read_tolerances, split_tolerances
 from screwsim.scene.types import STANDARD_ATMOSPHERE, Scene
 from screwsim.scene.units import Refused, gauge_pressures_over, parse_quantity
 from screwsim.scene.values import shown
-from screwsim.scene.write import scene_text
-from screwsim.scene.yaml_tree import Faults, LocatedFault, Node, Position, compose, merge, one_line, pointer
+from screwsim.scene.write import DICT_NAME, scene_text, yaml_text
+from screwsim.scene.yaml_tree import Faults, LocatedFault, Node, Position, child_of, compose, merge, one_line, pointer
 
 OVERRIDE = 1_000_000  # rank of the first override, above those of all files
 SET = "--set "  # prefix of an override in messages
@@ -195,20 +194,14 @@ def _override(root: Node, override: str, place: Position, problems: Faults, told
     if node is None:
         return root
     keys = _keys(root, path, node)
-    if node.value == {} and (there := _at(root, keys)) is not None and isinstance(there.value, dict) and there.value:
+    there = child_of(root, *keys)
+    if node.value == {} and there is not None and isinstance(there.value, dict) and there.value:
         out = "off" if path.startswith("effects.") else "null"
         what = f"{{}} changes nothing, as it is merged into what is there (write {out} to remove that)"
         problems.add(place, path, what)
     for name in reversed(keys):
         node = Node({name: node}, place, place)
     return merge(root, node)
-
-
-def _at(root: Node, keys: Iterable[str]) -> Node | None:
-    node: Node | None = root
-    for key in keys:
-        node = node.value.get(key) if node is not None and isinstance(node.value, dict) else None
-    return node
 
 
 def _override_value(text: str, place: Position, path: str, problems: Faults) -> Node | None:
@@ -230,9 +223,7 @@ def _keys(root: Node, path: str, value: Node) -> list[str]:
         return [head, *_sweep_keys(rest)]
     if head != "effects" or "." not in rest or rest.partition(".")[0] in catalogue():
         return path.split(".")
-    effects = root.value.get("effects")
-    named = effects.value if effects is not None and isinstance(effects.value, dict) else {}
-    if rest in named or isinstance(value.value, dict):
+    if child_of(root, "effects", rest) is not None or isinstance(value.value, dict):
         return [head, rest]
     name, _, parameter = rest.rpartition(".")
     return [head, name, parameter]
@@ -270,8 +261,7 @@ def _not_active(name: str, named: list[str]) -> str:
 
 def _machine_kind(root: Node, problems: Faults) -> str:
     """Return the machine kind that a tree names; the default where it names none, or one that does not exist."""
-    machine = root.value.get("machine")
-    named = machine.value.get("kind") if machine is not None and isinstance(machine.value, dict) else None
+    named = child_of(root, "machine", "kind")
     name = named.value if named is not None else None
     if named is None or not isinstance(name, str) or "." not in name:
         return name if name in tuple(MACHINES) else TWIN_SCREW
@@ -301,8 +291,7 @@ def _typed(root: Node, folder: str, problems: Faults) -> Scene | None:
 
 def _ambient(root: Node) -> float | None:
     """Return the ambient pressure [Pa] for a tree's gauge pressures; None where it is badly stated."""
-    operation = root.value.get("operation")
-    stated = operation.value.get("ambient_pressure") if operation and isinstance(operation.value, dict) else None
+    stated = child_of(root, "operation", "ambient_pressure")
     if stated is None or stated.value is None:
         return STANDARD_ATMOSPHERE
     try:

@@ -57,28 +57,24 @@ def _fields(scene: Scene) -> Iterator[tuple[str, str]]:
     for name in PLAIN_SECTIONS:
         part = getattr(scene, name)
         if part is not None:
-            # a section that is the same object as in the previous case need not be checked again
-            last = _last_sections.get(name)
-            if last is None or last[0] is not part:
-                last = _last_sections[name] = part, tuple(_outside_usual_range(type(part), part, name))
-            yield from last[1]
+            yield from _section_warnings(part, name)
     yield from _effect_warnings(scene.effects)
 
 
 @IdentityCache
+def _section_warnings(part: Any, path: str) -> tuple[tuple[str, str], ...]:
+    return tuple(_outside_usual_range(part, path))
+
+
+@IdentityCache
 def _effect_warnings(effects: Mapping[str, ActiveEffect]) -> tuple[tuple[str, str], ...]:
-    found = (
-        _outside_usual_range(type(one.parameters), one.parameters, f"effects.{name}") for name, one in effects.items()
-    )
+    found = (_outside_usual_range(one.parameters, f"effects.{name}") for name, one in effects.items())
     return tuple(chain.from_iterable(found))
 
 
-_last_sections: dict[str, tuple[Any, tuple[tuple[str, str], ...]]] = {}  # last section of each path, which cases share
-
-
-def _outside_usual_range(cls: type, part: Any, path: str) -> Iterator[tuple[str, str]]:
+def _outside_usual_range(part: Any, path: str) -> Iterator[tuple[str, str]]:
     """Yield (path, what) of the values of a section, and of those below it, outside their usual bounds."""
-    leaves, sections = _bounded(cls)
+    leaves, sections = _bounded(type(part))
     for name, leaf, low, high in leaves:
         value = getattr(part, name)
         if value is not None and not low <= value <= high:
@@ -88,7 +84,7 @@ def _outside_usual_range(cls: type, part: Any, path: str) -> Iterator[tuple[str,
     for name in sections:
         inner = getattr(part, name)
         if inner is not None:
-            yield from _outside_usual_range(type(inner), inner, f"{path}.{name}")
+            yield from _outside_usual_range(inner, f"{path}.{name}")
 
 
 @cache

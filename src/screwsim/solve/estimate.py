@@ -3,7 +3,9 @@
 The errors follow from the changes of the figures in finer solutions (`solve.estimate_protocol`): one more life after
 the closed cycle, with a finer tolerance and a narrower regularisation; two lives, the first moved by Newton's
 correction to the limit of all that follow; or the cycle closed again, finer. A further estimate is a function as
-`solve.estimate_protocol.Estimate` says, an entry in `ESTIMATES`, and one in `numerics.error_options`.
+`solve.estimate_protocol.Estimate` says, an entry in `ESTIMATES`, and one in `numerics.settings`. Errors due to open
+balances of a closed life are added (`solve.open_balances`).
+Source: docs/explanation/errors.md.
 """
 
 from dataclasses import replace
@@ -14,7 +16,7 @@ from screwsim.evaluate.evaluation import Evaluation
 from screwsim.figures.errors import flow_errors, relative_errors
 from screwsim.model.run import Machinery
 from screwsim.model.turn_scheduler import reach_station
-from screwsim.numerics.error_options import AGAIN, ERRORS, LIVES, TOGETHER
+from screwsim.numerics.settings import AGAIN, CHAMBERS, ERRORS, LIVES
 from screwsim.outputs import Figures
 from screwsim.solve.estimate_protocol import (
     BARELY_DELIVERS,
@@ -24,7 +26,14 @@ from screwsim.solve.estimate_protocol import (
     EstimateRequest,
     FinerSolutions,
 )
-from screwsim.solve.finer_solutions import chambers_together, changes, closed_again, finer_lives, repeated_share
+from screwsim.solve.finer_solutions import (
+    LEAST_DELIVERY,
+    chambers_together,
+    changes,
+    closed_again,
+    finer_lives,
+    repeated_share,
+)
 from screwsim.solve.open_balances import open_balance_errors
 from screwsim.solve.swings import Curves, curves_of, swing_errors
 
@@ -34,7 +43,7 @@ LEAKY_FACTOR = 1.5  # factor by which it then exceeds what two turns show
 NO_DELIVERY_FACTOR = 2.0  # the same for a machine that delivers nothing: its chambers hold only leaks
 LARGEST_RATIO = 0.9  # largest ratio of successive lives' changes that is extrapolated
 LEAST_DELIVERY_ERROR = 0.3  # of the trapped gas's error: least error of a small delivered amount
-ESTIMATES: dict[str, Estimate] = {TOGETHER: chambers_together, LIVES: finer_lives, AGAIN: closed_again}
+ESTIMATES: dict[str, Estimate] = {CHAMBERS: chambers_together, LIVES: finer_lives, AGAIN: closed_again}
 
 
 def estimated_errors(
@@ -53,7 +62,7 @@ def estimated_errors(
     if not finer.figures:
         return Figures(dict.fromkeys(found)), None
     reach_station()
-    errors = _errors_shown(of, finer, curves)
+    errors = _errors_shown(of, finer, curves, hides_flow=request.filling < LEAST_DELIVERY)
     c = of.problem.composition
     told = c.chambers == 1 or way_of(cycle).whole or finer.left is not None  # feedback through other chambers seen
     among_leaks = not told and request.filling < LEAKY_BELOW  # leaks dominate: errors pass from turn to turn
@@ -104,20 +113,22 @@ def _finer_solutions(request: EstimateRequest) -> FinerSolutions:
     return found._replace(corrected_state=None)
 
 
-def _errors_shown(of: Evaluation, finer: FinerSolutions, curves: Curves) -> Figures:
+def _errors_shown(of: Evaluation, finer: FinerSolutions, curves: Curves, hides_flow: bool) -> Figures:
     """Return the error of each figure as finer solutions show it: their largest change, plus those of further lives.
 
     Two lives may agree with the closed one by chance, each in another figure, so the largest change counts; a swing
     changes by no less than its curve among `curves` does. Later lives continue the last one's change as a geometric
     series with the ratio of the last two changes. A corrected life is at the limit of all lives, up to what its
-    correction left; earlier lives are only on the way there.
+    correction left; earlier lives are only on the way there. But where leaks hide the net flow (`hides_flow`), it is a
+    small difference of flows that scatters from life to life: the largest change counts with what goes with it.
     """
     lives, left = finer.figures, finer.left
     solutions = [*zip([of.figures, *lives], [curves, *(finer.curves or [{}] * len(lives))], strict=True)]
     errors = _distances(of, solutions[0], solutions[-1])
-    for each in solutions[1:-1] if left is None else ():
+    with_flow = {name for name, about in of.figures.about.items() if hides_flow and about.by_flow}
+    for each in solutions[1:-1] if left is None or hides_flow else ():
         for name, size in _distances(of, solutions[0], each).items():
-            if size is not None and errors[name] is not None:
+            if (left is None or name in with_flow) and size is not None and errors[name] is not None:
                 errors[name] = max(errors[name], size)
     if len(lives) > 1:
         again = min(repeated_share(changes(of, lives)) if left is None else left, LARGEST_RATIO)

@@ -50,7 +50,7 @@ def finer_lives(request: EstimateRequest) -> FinerSolutions:
     cycle = request.cycle
     if cycle.needed or way_of(cycle).whole:
         return NO_SOLUTIONS
-    if not _errors_feed_back(request):
+    if not (_errors_feed_back(request) or _slow_by_own_tangents(request)):
         return _next_life(request)
     lives = _Lives(request)
     if not lives.next():
@@ -110,6 +110,15 @@ def _correction_suffices(request: EstimateRequest) -> bool:
         return False
     plain = meets_line_at_angle(problem) and not _inherits_more(problem) and not problem.composition.pulsating
     return plain and request.cycle.missed < RELIABLE_CORRECTION
+
+
+def _slow_by_own_tangents(request: EstimateRequest) -> bool:
+    """Return whether turns passed errors on so slowly that corrections closed the cycle, which may stand in for a life.
+
+    Tangents of a nearby cycle say nothing of the turns' own pace.
+    """
+    tangents = request.cycle.tangents
+    return tangents is not None and not tangents.elsewhere and _correction_suffices(request)
 
 
 def _next_life(request: EstimateRequest) -> FinerSolutions:
@@ -180,13 +189,15 @@ class _Lives:
         """Return the lives together with the response to the last correction, read from the history that it moved.
 
         The net flow is left as in the last life: port flow and flow across the angle each change by far more
-        than their sum.
+        than their sum. It errs by what the trapped gas changes, over what is sucked, or by what passes to discharge.
         """
         problem, machinery, c = self.of.problem, self.machinery, self.of.problem.composition
         sums = by.sums.copy()
         streams = streams_of(c, sums)
         out = streams[slots.DISCHARGE_IN : slots.DISCHARGE_OUT + 1, slots.OF_GAS].sum()
-        passed = abs(out / max(float(machinery.R[slots.R_TRAPPED]), 1e-300))
+        trapped = float(machinery.R[slots.R_TRAPPED])
+        passed = abs(out / max(trapped, 1e-300))
+        sucked = abs(self.of.figures.get("gas_mass_flow") or 0.0) / (problem.rate * (1.0 - problem.suction.returned))
         streams[: slots.SUCTION_OUT + 1, slots.OF_GAS] = 0.0
         set_unknowns(problem, machinery, self.unknowns_out)
         at, n = float(c.P[slots.P_INJECTION]), machinery.n
@@ -200,7 +211,7 @@ class _Lives:
             FinerSolutions(
                 [*self.figures, life.figures],
                 left=wrong,
-                flow=max(abs(by.mass), passed),
+                flow=max(abs(by.mass) * max(1.0, trapped / max(sucked, 1e-300)), passed),
                 corrected_state=led,
                 curves=[*self.curves, curves_of(life)],
             )

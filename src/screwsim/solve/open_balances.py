@@ -13,11 +13,12 @@ from screwsim.evaluate.evaluation import Evaluation
 from screwsim.figures.errors import error_of, flow_errors
 from screwsim.model.slots import OF_GAS
 from screwsim.outputs import Figures, names_of
-from screwsim.solve.oil_heat import misread
+from screwsim.solve.outflow_heat import misread_of_gas, misread_of_oil
 
 OIL_SHARE = 0.5  # share of carried oil left open beyond the bound by which its flow errs; measured: at most 0.4
 FLASH_SHARE = 0.25  # share of a residual of dissolved gas by which flashed gas errs; measured: at most 0.2
 
+GAS_OUT, OVER_DEW = "discharge_temperature", "discharge_superheat"
 OIL_OUT = "oil_discharge_temperature"
 
 
@@ -42,9 +43,21 @@ def open_balance_errors(of: Evaluation, cycle: CycleSolution) -> Iterator[Figure
     if held and flashes:
         yield flow_errors(found, FLASH_SHARE * held / abs(flashes), "by_held")
     if problem.composition.carried and found.get(OIL_OUT) is not None and not way_of(cycle).whole:
-        yield Figures({OIL_OUT: error_of(OIL_OUT, misread(problem, cycle.trajectory), found)})
+        yield Figures({OIL_OUT: error_of(OIL_OUT, misread_of_oil(problem, cycle.trajectory), found)})
+    yield _gas_heat_errors(of, cycle)
     if balances.meets_line_at_angle(problem) and not way_of(cycle).whole:
         yield from _plenum_port_errors(of, cycle)
+
+
+def _gas_heat_errors(of: Evaluation, cycle: CycleSolution) -> Figures:
+    """Return the errors of temperatures of the gas that flows out, by what the sums misread of its heat."""
+    problem, found = of.problem, of.figures
+    T, misread = found.get(GAS_OUT), misread_of_gas(problem, cycle.trajectory, cycle.q)
+    if T is None or misread == 0.0:
+        return Figures()
+    gas, p_d = problem.parts.gas, problem.lines.p_d
+    lost = abs(gas.temperature(p_d, gas.enthalpy(p_d, T) + misread) - T)
+    return Figures({name: error_of(name, lost, found) for name in (GAS_OUT, OVER_DEW) if found.get(name) is not None})
 
 
 def _plenum_port_errors(of: Evaluation, cycle: CycleSolution) -> Iterator[Figures]:

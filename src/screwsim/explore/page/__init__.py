@@ -12,7 +12,7 @@ from screwsim.outputs.customary import with_printed_units
 _SCRIPTS = [
     f"{name}.js" for name in ("number", "chart", "machine", "controls", "show", "around", "state", "line", "start")
 ]
-_SHARED = ("numbers.js", "ledger.js", "theme.js")  # with the report's page
+_SHARED = ("dom.js", "numbers.js", "ledger.js", "theme.js")  # with the report's page
 
 
 def page_text(base: SceneArguments, slopes: bool = True) -> str:

@@ -149,7 +149,7 @@ function drawSweep() {
   const now = shown.performance[name];
   const finite = drawn.flatMap((each) => each.y).concat([now]).filter(Number.isFinite);
   if (!finite.length) return;
-  const [, factor, unit] = about.kelvin ? [0, 1, "°C"] : about.scales.find(([least]) => Math.max(...finite.map(Math.abs)) >= least);
+  const [, factor, unit] = about.kelvin ? [0, 1, "°C"] : scaleOf(about, Math.max(...finite.map(Math.abs)));
   const shift = about.kelvin ? -273.15 : 0;
   const { control } = sweep;
   charts.sweep.show({

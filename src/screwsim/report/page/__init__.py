@@ -11,7 +11,7 @@ from screwsim.inputs.faults import UsageError
 __all__ = ["report"]
 
 _NEEDED = ("jinja2", "plotly")
-_SCRIPTS = ("numbers.js", "theme.js", "unpack.js", "drawing.js", "overview.js", "ledger.js", "case.js", "start.js")
+_SCRIPTS = ("dom", "numbers", "theme", "unpack", "drawing", "overview", "ledger", "case", "start")
 _POLICY = "style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; default-src 'none'"
 
 
@@ -55,7 +55,7 @@ def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
         policy=_POLICY,
         title=with_printed_units(results.attributes["title"]),
         style=_source("theme.css") + _source("page.css"),
-        script="\n".join(_source(each) for each in _SCRIPTS),
+        script="\n".join(_source(f"{each}.js") for each in _SCRIPTS),
         library=compressed(get_plotlyjs()),
         document=compressed(document),
         version=__version__,
