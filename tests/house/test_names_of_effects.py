@@ -135,7 +135,13 @@ CHOICES = {  # choices of a scene that decide on more than one place: who holds 
     "output.keep": set(),
     "output.derivatives": set(),
     "cycle.status": {"cycle/search.py", "evaluate/verdict.py"},  # else `closed` or `failed`
-    "path.to": {"cycle/problem.py", "model/compose.py", "evaluate/traces.py", "explain/__init__.py"},  # a line's name
+    "path.to": {  # a line's name
+        "cycle/problem.py",
+        "model/compose.py",
+        "evaluate/traces.py",
+        "explain/__init__.py",
+        "solve/outflow_heat.py",
+    },
     "profile.kind": set(),  # machine.rotors.rotors.CHAINS
     "parameters.kind": set(),
     "supply.kind": set(),
