@@ -48,6 +48,7 @@ ALLOWED = {
     "study/datasheet/air_sheet.py": ({"air_package", "motor"}, STUDY),
     "study/datasheet/bounds.py": ({"motor"}, STUDY),
     "study/datasheet/gas_sheet.py": ({"air_package"}, STUDY),
+    "study/datasheet/refrigeration_sheet.py": ({"economizer"}, STUDY),
     "study/datasheet/tables.py": ({"motor", "separator"}, STUDY),
     "study/part_load.py": ({"slide_valve", "suction_throttle", "bypass"}, STUDY),
     "study/stages/read.py": ({"economizer"}, STUDY),

@@ -6,6 +6,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from CoolProp.CoolProp import PropsSI
 
 import screwsim
 from screwsim.cli import exit_code
@@ -22,6 +23,7 @@ from screwsim.study.datasheet.refrigeration_sheet import rating_request, refrige
 from screwsim.study.datasheet.sheet import warning_lines
 from screwsim.study.datasheet.tables import part_load_note
 from screwsim.study.part_load import NEAR, RATIO_PATH, Control, controls, part_load, ratios
+from screwsim.template import new_scene, request_of
 
 pytestmark = pytest.mark.around
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -189,6 +191,26 @@ def test_its_document_is_in_si(sheet):
     assert point["cooling_capacity"] > 1e5 and "shaft_power" in point["beyond"]
     assert {each["control"] for each in found["part_load"]} == {"speed", "slide valve", "suction throttle", "bypass"}
     assert [each["figure"] for each in found["limits"]] == ["discharge_temperature", "shaft_power"]
+
+
+def test_a_machine_with_an_economizer_has_what_its_port_draws(tmp_path):
+    """The liquid is cooled to 5 K (`approach`) above what evaporates: CoolProp's enthalpies give the gain (M371)."""
+    file = tmp_path / "eco.yaml"
+    file.write_text(new_scene("refrigeration", request_of(*[None] * 6, economizer=True)), encoding="utf-8")
+    found = sheet_of(screwsim.load(file), evaporating=RANGES[0], condensing="40 degC..45 degC", jobs=1)
+    tables = {table.title: table for table in found.tables}
+    flow, temperature = tables["Economizer mass flow [kg/h]"], tables["Economizer temperature [°C]"]
+    T = float(temperature.rows[0][1].rstrip("*\u00a0"))
+    p = PropsSI("P", "T", 313.15, "Q", 0, "R134a")
+    liquid, cooled = (PropsSI("H", "T", t + 273.15, "P", p, "R134a") for t in (35.0, T + 5.0))
+    drawn = (liquid - cooled) / (PropsSI("H", "T", T + 273.15, "Q", 1, "R134a") - liquid)
+    sucked = float(tables["Mass flow [kg/h]"].rows[0][1].rstrip("*\u00a0"))
+    assert float(flow.rows[0][1].rstrip("*\u00a0")) == pytest.approx(drawn * sucked, rel=3e-3)  # T has three digits
+    line = dict(found.lines)["economizer"]
+    suction = PropsSI("H", "T", 283.15, "P", PropsSI("P", "T", 273.15, "Q", 1, "R134a"), "R134a")
+    gain = float(line.split("it adds ")[1].split(" %")[0])
+    assert gain == pytest.approx(100.0 * (liquid - cooled) / (suction - liquid), rel=1e-2)  # of three digits
+    assert found.document["own_point"]["economizer_capacity_gain"] == pytest.approx(gain / 100.0, rel=1e-2)
 
 
 def test_points_that_fail_are_told_and_counted(capsys):

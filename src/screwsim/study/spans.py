@@ -128,9 +128,12 @@ def schema_range(scene: Scene, path: str) -> tuple[float, float] | None:
     """Return the usual range [SI] of a path, within a factor `RANGE_FACTOR` of its own value; None without a value.
 
     It is bounded by the field's limits, the values hardly met in practice, and for sizes and the speed by those of
-    usual machines.
+    usual machines. A value of zero, around which no factor leads anywhere, has the range of the field's limits, both of
+    which it then needs.
     """
     leaf, value = leaf_of(scene, path), value_at(scene, path)
+    if value == 0 and not isinstance(value, bool) and {"ge", "le"} <= leaf.limits.keys():
+        return leaf.limits["ge"], leaf.limits["le"]
     if not isinstance(value, int | float) or isinstance(value, bool) or value == 0:
         return None
     near = sorted((value / RANGE_FACTOR, value * RANGE_FACTOR))
