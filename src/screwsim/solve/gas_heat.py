@@ -27,9 +27,9 @@ def misread(problem: Problem, life: Trajectory, q: np.ndarray) -> float:
     It is 0 where less than `RETURNS` of that gas flows back, where more than one port leads to the discharge line, and
     for a gas whose two phases are followed.
     """
-    streams = streams_of(problem.composition, q)
+    c, streams = problem.composition, streams_of(problem.composition, q)
     mean, (back, out) = outflow_of(streams), streams[slots.DISCHARGE_IN : slots.DISCHARGE_OUT + 1, slots.OF_GAS]
-    ports = [i for i, (_, path) in enumerate(problem.parts.ports) if path.to == DISCHARGE]
+    ports = [i for i, end in enumerate(c.ends[: len(c.plenum_paths)]) if end == DISCHARGE]
     if mean is None or len(ports) != 1 or back < RETURNS * -out or problem.scene.gas.equilibrium:
         return 0.0
     times, (port,) = life.times[: life.steps + 1], ports
