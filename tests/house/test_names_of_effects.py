@@ -140,7 +140,6 @@ CHOICES = {  # choices of a scene that decide on more than one place: who holds 
         "model/compose.py",
         "evaluate/traces.py",
         "explain/__init__.py",
-        "solve/outflow_heat.py",
     },
     "profile.kind": set(),  # machine.rotors.rotors.CHAINS
     "parameters.kind": set(),

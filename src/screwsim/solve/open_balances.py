@@ -56,7 +56,7 @@ def _gas_heat_errors(of: Evaluation, cycle: CycleSolution) -> Figures:
     if T is None or misread == 0.0:
         return Figures()
     gas, p_d = problem.parts.gas, problem.lines.p_d
-    lost = abs(gas.temperature(p_d, gas.enthalpy(p_d, T) + misread) - T)
+    lost = misread / (gas.enthalpy(p_d, T + 1.0) - gas.enthalpy(p_d, T))  # by that of a kelvin
     return Figures({name: error_of(name, lost, found) for name in (GAS_OUT, OVER_DEW) if found.get(name) is not None})
 
 

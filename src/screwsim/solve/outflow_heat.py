@@ -62,21 +62,35 @@ def misread_of_gas(problem: Problem, life: Trajectory, q: np.ndarray) -> float:
     """Return the error of the mean enthalpy [J/kg] of the gas that flows out over a life with quadratures q.
 
     The port's flow is read a second time, from the change of the chamber's gas within steps less what others bring. It
-    is 0 where less than `RETURNS` of that gas flows back, and where more than one port leads to the discharge line.
+    is 0 where less than `RETURNS` of that gas flows back, where more than one port leads to the discharge line, and
+    for a gas whose two phases are followed.
     """
-    streams = streams_of(problem.composition, q)
+    c, streams = problem.composition, streams_of(problem.composition, q)
     mean, (back, out) = outflow_of(streams), streams[slots.DISCHARGE_IN : slots.DISCHARGE_OUT + 1, slots.OF_GAS]
-    ports = [i for i, (_, path) in enumerate(problem.parts.ports) if path.to == DISCHARGE]
-    if mean is None or len(ports) != 1 or back < RETURNS * -out:
+    ports = [i for i, end in enumerate(c.ends[: len(c.plenum_paths)]) if end == DISCHARGE]
+    if mean is None or len(ports) != 1 or back < RETURNS * -out or problem.scene.gas.equilibrium:
         return 0.0
     times, (port,) = life.times[: life.steps + 1], ports
     widths = np.diff(times)[:, None] * np.ones(len(NODES))
-    sampled, flows = life.sample((times[:-1, None] + NODES * widths).ravel())
+    angles = (times[:-1, None] + NODES * widths).ravel()
+    sampled, flows = life.sample(angles)
     through = problem.parts.omega * sampled[:, GAS_RATE] - (flows.sum(axis=1) - flows[:, port])
-    leaves = np.where(flows[:, port] != 0.0, np.maximum(-through, 0.0), 0.0) * widths.ravel()  # where the port is open
+    leaves = np.where(flows[:, port] != 0.0, np.maximum(-through, 0.0), 0.0)  # where the port is open
+    leaves = (leaves + _beyond_the_last(problem, angles, flows)) * widths.ravel()
     some = np.flatnonzero(leaves)
     if not len(some):
         return 0.0
     states = zip(sampled[some, PRESSURE].tolist(), sampled[some, TEMPERATURE].tolist(), strict=True)
     enthalpy = np.array([problem.parts.gas.enthalpy(p, T) for p, T in states])
     return abs(float(leaves[some] @ enthalpy / leaves[some].sum()) - mean.enthalpy)
+
+
+def _beyond_the_last(problem: Problem, angles: np.ndarray, flows: np.ndarray) -> np.ndarray:
+    """Return the gas [kg/s] that flows out through gaps ahead whose other side is beyond the last chamber."""
+    c, geometry, found = problem.composition, problem.parts.geometry, np.zeros(len(angles))
+    ports = len(c.plenum_paths)
+    for i, (_, offset) in enumerate(c.gap_paths):
+        if c.ends[ports + i] == DISCHARGE:
+            beyond = angles > geometry.life - offset * geometry.pitch
+            found += np.where(beyond, np.maximum(-flows[:, ports + 2 * i], 0.0), 0.0)
+    return found
