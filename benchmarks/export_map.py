@@ -15,8 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from screwsim.export.c_data import source_files
-from screwsim.export.fmu import compile_shared
+from screwsim.export.fmu import compile_shared, source_files
 from screwsim.export.source import DEFAULT_ERROR, map_of
 from screwsim.export.table import scales
 from screwsim.scene import load, with_values

@@ -26,7 +26,7 @@ from scipy.stats import qmc
 from screwsim.results.atomic import write_csv
 from screwsim.scene import Scene, load, with_values
 from screwsim.simulate import simulate
-from screwsim.study.curves import Optimum, curve_optimum, value_at
+from screwsim.study.claims import Optimum, curve_optimum, value_at
 
 ROOT = Path(__file__).resolve().parent.parent
 TABLE = ROOT / "results" / "admissible.csv"

@@ -17,7 +17,7 @@ from screwsim.machine.drive.rubber_cord_coupling import (
     pull,
     torque_band,
 )
-from screwsim.report.coupling import CordLean, draw_coupling
+from screwsim.report.drive import CordLean, draw_coupling
 from screwsim.study.validation import read_table
 
 ROOT = Path(__file__).resolve().parent.parent

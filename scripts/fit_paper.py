@@ -27,7 +27,7 @@ from scipy.optimize import least_squares
 
 from screwsim.scene import Scene, load, with_values
 from screwsim.simulate import simulate, simulate_many
-from screwsim.study.curves import curve_optimum, value_at
+from screwsim.study.claims import curve_optimum, value_at
 from screwsim.study.validation import read_table
 
 ROOT = Path(__file__).resolve().parent.parent

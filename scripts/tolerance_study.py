@@ -13,7 +13,7 @@ import numpy as np
 
 from screwsim.machine.slider_crank import tolerance
 from screwsim.machine.slider_crank.tolerance import FUNCTIONS, Links, deviation, plane, tabulated
-from screwsim.report.tolerance import draw_tolerance
+from screwsim.report.slider_crank import draw_tolerance
 from screwsim.study.validation import read_table
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -38,7 +38,6 @@ LONGEST = (
     "tests/derivatives/test_against_differences.py",
     "tests/effects/test_each_effect.py",
     "tests/cli/test_start.py",
-    "tests/model/test_along.py",
     "tests/study/test_sweep.py",
     "tests/study/test_storage.py",
     "tests/results/test_results.py",

@@ -15,7 +15,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
 from screwsim.results.write import save
-from screwsim.scene.dict_text import yaml_text
+from screwsim.scene.write import yaml_text
 from screwsim.study.progress import OverwrittenLine, Progress, for_program
 from screwsim.study.sweep import run_sweep
 

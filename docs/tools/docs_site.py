@@ -198,7 +198,7 @@ def _section(found: re.Match[str]) -> str:
 def _beginning() -> str:
     """Return the head of the first page: the README's first words and picture, and the tutorial's first commands."""
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    words, picture = readme.split("\n\n")[1:3]
+    words, picture = readme.split("\n\n")[1], re.findall(r"^!\[.+$", readme, re.M)[0]
     tutorial = (DOCS / "start" / "tutorial.md").read_text(encoding="utf-8")
     commands = "\n".join(re.findall(r"^    \$ (screwsim (?:new|run|sweep|report) .+)$", tutorial, re.M)[:2])
     commands = commands.replace(" --displacement", " \\\n    --displacement")

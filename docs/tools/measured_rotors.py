@@ -35,7 +35,7 @@ def measured(rotors: Rotors, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """Return points [m] of the male lobe as if measured."""
     random = np.random.default_rng(seed)
     first, last = rotors.chain.edges
-    x, y = (line[first : last + 1] for line in rotors.chain.male())
+    x, y = (line[first : last + 1] for line in rotors.chain.male)
     way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
     one = np.concatenate([[True], np.diff(way) > 1e-9])
     at = np.cumsum(random.uniform(*APART, 10_000))

@@ -14,10 +14,10 @@ from typing import Any
 
 from screwsim import outputs
 from screwsim.effects import catalogue
+from screwsim.explain.parameters import ABSENT, REQUIRED, SECTIONS, Key, effect_keys_of, section_keys
 from screwsim.figures import known, needs_of
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene import schema
-from screwsim.scene.keys import ABSENT, REQUIRED, SECTIONS, Key, effect_keys_of, section_keys
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # a test takes this file by its path
 from equations_page import equations_page

@@ -25,13 +25,14 @@ PAGE, FIGURES = DOCS / "explanation" / "validation.md", DOCS / "figures"
 _MACHINES = ("paper", "bitzer", "giuffrida", "he2018", "cagi", "energyplus")
 ORDER = ("exact", "plain", "cross_code", *_MACHINES, "droplets", "limits")
 HEAD = """\
-# How far from the world
+# Validation: how far from real machines
 
     screwsim validate [NAME]... [-o DIR] [--jobs N] [--json]     # each reference: ours, theirs, uncertainty, verdict
 
-Each source that the simulator was held against, with every comparison: first the counts, then what fails, what the
-scenes leave out, and a section for each source. `docs/tools/validation_page.py` makes this page from
-`validation/results.json`, which the command above made: no number is typed.
+This page is for judging how far to trust the results. It compares the simulator with every source available: first the
+counts, then the comparisons that fail, what the scenes leave out, and a section for each source.
+`docs/tools/validation_page.py` makes this page from `validation/results.json`, which the command above made: no number
+is typed.
 
 {summary}.
 
@@ -44,12 +45,12 @@ The kinds are kept apart, and only the first three are evidence:
 `±` is the source's uncertainty; of exact and cross-code rows it is the tolerance. Calibrated rows and estimates say
 nothing about whether the model is right.
 
-**What holds**: closed forms, and the equations as an independent program solves them. **What does not** is listed
-first.
+**What holds** are closed forms, and the equations as an independent program solves them. **What does not hold** is
+listed first.
 
-**A verdict that fails is a finding and no error**: the command ends with exit code 0 when every comparison ran, with 4
+**A failed verdict is a finding, not an error**: the command ends with exit code 0 when every comparison ran, with 4
 when one could not. The sources are in `validation/` of the checkout, and in built packages. `--folder` names another
-place, whose programs are run; the working folder is not searched for one.
+folder, whose programs are run; the working folder is not searched for one.
 
 ## Where it fails
 
@@ -57,8 +58,8 @@ place, whose programs are run; the working folder is not searched for one.
 
 ## Limits of validity
 
-What the scenes leave out or take as given, with the size of each on R134a at 2/45 °C and 2950 rpm. These are estimates
-by `validation/limits`; its table below says how they were made and what can be simulated instead.
+The table lists what the scenes leave out or assume, with the size of each effect on R134a at 2/45 °C and 2950 rpm.
+These are estimates by `validation/limits`; its table below says how they were made and what can be simulated instead.
 
 {limits}
 """
@@ -66,14 +67,14 @@ OWN = """\
 
 ## A source of your own
 
-A source is a folder `validation/<name>/` with its data (CSV; lines that begin with `#` say source and uncertainty), its
-scenes, and a file `compare.py` with one function `compare(here: Path) -> Comparison`. `screwsim.study.validation` has
-what that needs:
+A source is a folder `validation/<name>/` with its data (CSV; lines that begin with `#` state source and uncertainty),
+its scenes, and a file `compare.py` with one function `compare(here: Path) -> Comparison`. `screwsim.study.validation`
+provides what that function needs:
 
 - `solved`: a scene that must close;
 - `read_table`: the data;
 - `equal` and `trend`: rows that judge themselves;
-- `Panel` and `Series`: the figure;
+- `Panel` and `Series`: the picture;
 - `NotRun`: raise it with one line where no comparison is possible.
 """
 

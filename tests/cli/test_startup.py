@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import screwsim
 from screwsim import cli
 from screwsim.machine.drive import run_up
 from screwsim.outputs import Figures
@@ -42,6 +43,37 @@ def started(monkeypatch):
 
     monkeypatch.setattr(start_up, "start_up", fake)
     return asked
+
+
+def test_an_interrupted_start_keeps_what_there_is(started, capsys, tmp_path):
+    told = "0.5 s after the start, at 2000 rpm of the steady 3000 rpm"
+    started["outcome"] = start_up.StartUp("interrupted", told, (), Figures(FIGURES), dict(TRACES))
+    assert cli.exit_code(["startup", str(CONFIGS / "drive/point.yaml"), "-o", str(tmp_path / "st")]) == 130
+    out, err = capsys.readouterr()
+    assert f"status: interrupted, {told}" in out and err.strip().endswith("interrupted")
+    assert (tmp_path / "st" / "startup.csv").stat().st_size > 100
+
+
+def test_a_start_that_ctrl_c_ends_gives_its_pitches(monkeypatch):
+    def pressed(share):
+        if share > 0.05:
+            raise KeyboardInterrupt
+
+    found = start_up.start_up(screwsim.load(CONFIGS / "drive/point.yaml"), told=pressed)
+    assert found.status == "interrupted" and "of the steady 3000 rpm" in found.message
+    assert 0.0 < found.figures["end_speed"] < found.figures["steady_speed"] and len(found.traces["time"]) > 100
+
+
+def test_a_folder_that_another_command_removes_meanwhile_is_made_again(started, monkeypatch, tmp_path):
+    place = tmp_path / "st"
+
+    def slow(*arguments):
+        place.rmdir()
+        return start_up.StartUp("ok", "", (), Figures(FIGURES), dict(TRACES))
+
+    monkeypatch.setattr(start_up, "start_up", slow)
+    assert cli.exit_code(["startup", str(CONFIGS / "drive/point.yaml"), "-o", str(place)]) == 0
+    assert (place / "startup.csv").exists()
 
 
 def test_it_prints_figures_in_customary_units_and_warnings(started, capsys):

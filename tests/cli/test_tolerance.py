@@ -36,6 +36,22 @@ def command(*arguments) -> int:
     return cli.exit_code([str(each) for each in ("tolerance", *arguments)])
 
 
+def test_an_interruption_says_how_many_machines_were_done(scene_file, monkeypatch, capsys):
+    study = importlib.import_module("screwsim.study.tolerance")
+    one = study._figures_of_machine
+
+    def third(*arguments):
+        if arguments[-1] == 2:
+            raise KeyboardInterrupt
+        return one(*arguments)
+
+    monkeypatch.setattr(study, "_figures_of_machine", third)
+    assert command(scene_file, "--count", "5", "--jobs", "1") == 130
+    lines = capsys.readouterr().err.splitlines()
+    kept = "none is kept, and the same command begins anew"
+    assert lines == [f"tolerance: 2 of 5 machines were done; {kept}", "interrupted"]
+
+
 @pytest.mark.around
 def test_it_prints_tables_that_fit_a_terminal_and_draws(scene_file, tmp_path, capsys):
     assert command(scene_file, "--count", 8, "--jobs", 1, "--bore-grade", 7, "-o", tmp_path / "out") == 0

@@ -77,7 +77,7 @@ LONG = (
     RUN
     + """
 import itertools, types
-modules.time = types.SimpleNamespace(perf_counter=itertools.count().__next__)  # a second a call
+modules.time = types.SimpleNamespace(thread_time=itertools.count().__next__)  # a second a call
 values = {module.twice(0.1 * k) == 0.2 * k for k in range(5000)}
 print(values, len(module.made), module.twice(21.0))
 """
@@ -97,7 +97,7 @@ def test_what_has_run_for_a_while_is_written_for_speed_once(python, tmp_path):
 PARTLY = f"""
 import itertools, types
 from screwsim.codegen import modules
-modules.PATIENCE, modules.time = 1.0, types.SimpleNamespace(perf_counter=itertools.count().__next__)  # a second a call
+modules.PATIENCE, modules.time = 1.0, types.SimpleNamespace(thread_time=itertools.count().__next__)  # a second a call
 module = modules.load("{TEXT}", "test")
 for _ in range(2):
     value, variant = module.twice(21.0), next(iter(module.twice._variants.values()))

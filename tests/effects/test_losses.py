@@ -8,8 +8,8 @@ import pytest
 
 from screwsim.build import build_parts
 from screwsim.effects import hydromechanical, mechanical, oil_heat, oil_pump
+from screwsim.effects.oil_pump import friction_factor
 from screwsim.figures import called_for
-from screwsim.fluid.pipe import friction_factor
 from screwsim.inputs.faults import SceneError
 from screwsim.scene import load
 from screwsim.simulate import simulate

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from screwsim.export.c_data import data_header, source_files
-from screwsim.export.fmu import SOURCES, compile_shared, write_fmu
+from screwsim.export.fmu import SOURCES, compile_shared, data_header, source_files, write_fmu
 from screwsim.export.inputs import exponents, plain
 from screwsim.export.table import scales
 from screwsim.inputs.faults import UsageError

@@ -7,8 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from screwsim.export.rotor_balance import contact_force, end_face, end_forces, slope_at_pitch
-from screwsim.export.rotor_loads import NAMES, PITCH_POINTS, Pressures, _gas_loads_at, loads_of
+from screwsim.export.rotor_loads import (
+    NAMES,
+    PITCH_POINTS,
+    Pressures,
+    _gas_loads_at,
+    contact_force,
+    end_face,
+    end_forces,
+    loads_of,
+    slope_at_pitch,
+)
 from screwsim.export.rotor_surface import ALONG, surfaces
 from screwsim.export.source import spans_of
 from screwsim.inputs.faults import UsageError

@@ -136,7 +136,7 @@ def test_a_file_of_a_sweep_is_a_map(tmp_path):
     ("over", "says"),
     [
         ("operation.speed", "is not PATH=LOW..HIGH"),
-        ("operation.speed=3000 rpm..2000 rpm", "the range is empty"),
+        ("operation.speed=3000 rpm..2000 rpm", "the range 3000 rpm … 2000 rpm is empty"),
         ("oil_supply.ratio=0...5", "is not PATH=LOW..HIGH"),  # 0 to 5, or to 0.5
         ("gas.fluid=a..b", "gas.fluid: is a fluid, not a continuous quantity|gas.fluid: 'a'"),
         ("machine.male_lobes=3..5", "machine.male_lobes: is a whole number, not a continuous quantity"),

@@ -20,11 +20,12 @@ COLD = "guess"  # from where Radau begins as the case does
 HEAD = """\
 # Hard cases
 
-Scenes that a user could write and that break simpler programs. `tests/hard` solves every one, and holds of each that
+This page shows how stable the solver is. It lists scenes that a user could write and that break simpler programs, and
+the outcome of random searches for more. `tests/hard` solves every scene of the table, and checks that
 
 - the status is the one below;
-- every number of the result and of its cycle is finite (but for the oil's temperature before it is injected), and p, T
-  and m are positive;
+- every number of the result and of its cycle is finite (except for the oil's temperature before it is injected), and
+  p, T and m are positive;
 - mass and energy close within the wanted accuracy;
 - the right-hand side is evaluated at most as often as stated;
 - where *Radau* is marked, work and trapped mass equal those of coupled chambers under a tight scipy Radau within the
@@ -36,60 +37,60 @@ How to read the table:
 |---|---|
 | *refused* | a bad scene: exit code 3, with the remedy |
 | *failed* | exit code 4, with the angle |
-| *(ok)* after another status | physics would not refuse the scene; the solver does not reach its cycle yet |
+| *(ok)* after another status | the scene is physically possible, but the solver does not reach its cycle yet |
 | *start far off* | the first guess of the cycle is multiplied, and all figures come out the same |
 | *found* | by random scenes, one case of each kind of failure |
 
 ## Further tries
 
-Where the first try does not close a cycle, others follow unless `numerics.closing` is `histories`:
+If the first try does not close a cycle, others follow unless `numerics.closing` is `histories`:
 
 - a tighter tolerance of the steps;
 - closing without acceleration;
-- damped closing, with searches by Newton's method between;
+- damped closing, with searches by Newton's method in between;
 - a continuation from four times the speed;
 - longer searches.
 
-A warning of the result says which one it took, another where the machine's own course leads away from the cycle that
-was found ([closing.md](closing.md#cycles-that-a-machines-own-course-leaves)). The error of such a cycle is estimated by
-closing it again, finer: one life more shows too little of it. Where no try closes, the message says how much the states
-still change and how hot the gas gets.
+A warning of the result says which try closed the cycle. Another warning says if the machine's own course leads away
+from that cycle ([closing.md](closing.md#cycles-that-a-machines-own-course-leaves)). The error of such a cycle is
+estimated by closing it again, finer, since one more life shows too little of it. If no try closes the cycle, the
+message says how much the states still change and how hot the gas gets.
 
 Scenes that need a further try in spite of Newton's correction have a case below (*closes only …*, *heats …*,
 *swings …*). None needs the continuation any more (*closes by Newton, wet*).
 
 ## Floors
 
-`tests/hard/test_floors.py` states what each floor changes; none moves a figure by the wanted accuracy, at ten times its
-size or a tenth.
+Quantities that are nearly zero are treated as follows. `tests/hard/test_floors.py` states what each floor changes; none
+changes a figure by as much as the wanted accuracy, at ten times its size or a tenth.
 
-| what | below | counts as |
+| quantity | below | counts as |
 |---|---|---|
 | oil, when closing and in errors | 1e-4 of the gas | not waited for; its errors are relative to that much |
 | work | 1e-6 p V | rounding |
 | mass of the oil | – | it carries 1e-12 of the gas's |
-| oil less than none | 1e-13 of the gas | rounding |
-| oil, in the error of a step | 1e-6 of the gas | its mass as that much, its temperature as much less |
+| oil below zero | 1e-13 of the gas | rounding |
+| oil, in the error of a step | 1e-6 of the gas | its mass as that much; its temperature is scaled down in proportion |
 
 ## The cases
 
 This page is `hard_page.page()`; a test compares the two.
 
-| case | status | at most | Radau | why |
+| case | status | evaluations, at most | Radau | reason |
 |---|---|---|---|---|
 """
 STATUSES = ("ok", "not_closed", "failed", "refused", "not finite", "crashed", "hung")
 TIGHT = """
 `tests/tools/hard_against_radau.py` solves the other cases that are ok by coupled chambers under scipy's Radau, at a
-hundredth of the wanted accuracy, with steps of a thousandth of it. It keeps in `tests/hard/against_radau.json` how far
-work and trapped mass differ: {agree} of {count} by less than the wanted accuracy, the worst by {worst:.2g} times it
-({name}).
+hundredth of the wanted accuracy, with steps of a thousandth of it. It stores in `tests/hard/against_radau.json` how
+far work and trapped mass differ: {agree} of {count} by less than the wanted accuracy, the worst by {worst:.2g} times
+it ({name}).
 
-{cold} close from the cold guess. Radau does not find the others from there, as our first try does not find some of
-them. For these it begins from where the case itself closed, with fewer digits than it is asked for, and has to keep
-that cycle or to leave it for its own. That proves the cycle to be one of the equations', not that it is the only one.
+{cold} close from the cold guess. Radau does not find the others from there, just as our first try does not find some of
+them. For these it starts from where the case itself closed, with fewer digits than required, and has to keep that cycle
+or leave it for its own. That proves that the cycle solves the equations, not that it is the only one.
 
-| case | begun from | method | difference over the accuracy |
+| case | started from | method | difference divided by the accuracy |
 |---|---|---|---|
 {rows}
 
@@ -97,35 +98,36 @@ that cycle or to leave it for its own. That proves the cycle to be one of the eq
 """
 REASONS = {
     "a chamber that never opens": "any charge is a cycle of it, so closing has nothing to find. Radau follows all "
-    "chambers for one life; they come back as they were. There is no work; its difference is over m p/ρ.",
+    "chambers for one life; they return as they were. There is no work; its difference is relative to m p/ρ.",
     "found: closes by Newton, wet": "the state is next to the critical point. In the last degree the exponent of "
-    "the nozzle flow jumps at the border of the phases (M47, M48; k from 0.24 to 0.98, the choked flow by 1.8), and "
-    "the slopes on both sides lead to that border. The state slides along it, where the equations have no solution in "
-    "the classical sense. The steps of Radau and BDF vanish; ours hold the phase and cross, as LSODA's coarser ones "
+    "the nozzle flow jumps at the phase boundary (M47, M48; k from 0.24 to 0.98, the choked flow by 1.8), and "
+    "the slopes on both sides lead to that boundary. The state slides along it, where the equations have no solution "
+    "in the classical sense. The steps of Radau and BDF vanish; ours hold the phase and cross, as LSODA's coarser ones "
     "do.",
 }
 RANDOM = """
 ## Random scenes
 
 `{command}` draws {scenes} scenes from the space of
-`tests/tools/fuzz_space.py` ({versions}): {ok:.1%} are ok. Of a real gas many scenes fail since it
-condenses, or gets hotter than its equation goes. The outcome is in `tests/hard/fuzz_outcome.json`, from which this
+`tests/tools/fuzz_space.py` ({versions}): {ok:.1%} are ok. With a real gas, many scenes fail because
+it condenses, or gets hotter than its equation allows. The outcome is in `tests/hard/fuzz_outcome.json`, from which this
 section is made; the tests draw some 200 other scenes.
 """
 FLUIDS = """
 ## Random scenes of fluids
 
 `{command}` draws {scenes} scenes from the space of
-`tests/tools/fluid_space.py` ({versions}). It holds
+`tests/tools/fluid_space.py` ({versions}). It contains
 
-- three blends, one of them one's own;
-- a fluid at its dew line: a third of these suck saturated vapour, a third gas within a millionth to a kelvin of it;
+- three blends, one of them user-defined;
+- a fluid at its dew line: a third of these scenes take in saturated vapour, a third gas within a millionth to a kelvin
+  of it;
 - wet ammonia;
-- two wet blends, the oil of which may be so cold that gas condenses on it;
+- two wet blends, whose oil may be so cold that gas condenses on it;
 - carbon dioxide with a gas cooler.
 
-{ok:.1%} are ok. The others condense where the gas may not or where its table of two phases ends, or get hotter than the
-equation goes (that of the blends ends at 410 to 435 K); each of them says so, with its remedy. The outcome is in
+{ok:.1%} are ok. The others condense where the gas may not or where its two-phase table ends, or get hotter than the
+equation allows (that of the blends ends at 410 to 435 K); each of them says so, with its remedy. The outcome is in
 `tests/hard/fuzz_fluids_outcome.json`, from which this section is made.
 """
 MADE = """
@@ -133,14 +135,15 @@ MADE = """
 |---|{lines}|
 {rows}
 
-- Worst balance of a scene that is ok: mass {mass:.1e}, energy {energy:.1e}; at most {over:.2g} of the wanted accuracy.
-- Most evaluations of the right-hand side: {most:.1e} in all, {most_ok:.1e} of a scene that is ok.
-- Further tries that it took: {tries}.
+- Worst balance of a scene that is ok: mass {mass:.1e}, energy {energy:.1e}; at most {over:.2g} of the requested
+  accuracy.
+- Most evaluations of the right-hand side: {most:.1e} in all, {most_ok:.1e} for a scene that is ok.
+- Further tries needed: {tries}.
 - {warned} scenes that are ok warn that the estimated error of a figure is above the wanted accuracy.
-- {compared} scenes that are ok were solved again by coupled chambers under scipy's Radau at a thousandth of the wanted
-  accuracy. {within} agree in all figures within the accuracy, {three} within three times it; the worst differs by
-  {worst:.2g} times. {unwarned} differ by more than the accuracy without a warning of it; the worst without a warning
-  differs by {worst_unwarned:.2g} times. {no_answer} had no answer from Radau.
+- {compared} scenes that are ok were solved again by coupled chambers under scipy's Radau at a thousandth of the
+  wanted accuracy. {within} agree in all figures within the accuracy, {three} within three times it; the worst
+  differs by {worst:.2g} times. {unwarned} differ by more than the accuracy without a warning; the worst without a
+  warning differs by {worst_unwarned:.2g} times. For {no_answer}, Radau gave no answer.
 {contradicted}"""
 
 
@@ -148,8 +151,8 @@ WITH_EFFECTS = """
 ## Random scenes with all effects
 
 `{command}` draws {scenes} scenes from the space of
-`tests/tools/effects_space.py`: few structures that hold all {effects} effects between them, and many numbers for each.
-The outcome is in `tests/hard/fuzz_effects_outcome.json`, from which this section is made.
+`tests/tools/effects_space.py`: few structures, which together contain all {effects} effects, with many numbers for
+each. The outcome is in `tests/hard/fuzz_effects_outcome.json`, from which this section is made.
 
 | structure | {names} |
 |---|{lines}|
@@ -164,23 +167,23 @@ The outcome is in `tests/hard/fuzz_effects_outcome.json`, from which this sectio
 - The largest true error is in the median {median:.2g} times the largest estimate, and in 95 % at most {of_95:.2g}
   times.
 - {no_answer} had no answer: the finer solutions did not close, or differed by more than a tenth of the accuracy.
-- In {another}, solutions that begin anew at a finer accuracy come to another cycle of the machine, which has two. Such
-  a scene is judged by finer solutions begun from its own cycle, which stay on it.
+- In {another}, solutions that start afresh at a finer accuracy reach another cycle of the machine, which has two. Such
+  a scene is judged by finer solutions started from its own cycle, which stay on it.
 
-Scene 4 of *gaps full of oil* is a machine with two cycles: its gaps pass oil where the chamber behind holds enough, and
-gas where not. It closes at a volumetric efficiency of 57.8 %; begun with little oil it stays at one of −24.4 %, and a
+Scene 4 of *gaps full of oil* is a machine with two cycles: its gaps pass oil if the chamber behind holds enough, and
+gas if not. It closes at a volumetric efficiency of 57.8 %; started with little oil it stays at one of −24.4 %, and a
 warning says so ([closing.md](closing.md#two-cycles-of-one-machine), `tests/hard/test_fuzz_effects.py`).
 """
 COURSES = """
 ## Random courses
 
 `tests/tools/{command}` solves {courses} courses of {kinds} kinds of machines. A course
-begins each of its scenes from the cycles before it, as a sweep does; its scenes, {scenes} in all, are drawn far apart.
+starts each of its scenes from the cycles before it, as a sweep does; its scenes, {scenes} in all, are drawn far apart.
 Each of {compared} that are ok is solved again alone, with a fortieth of the wanted accuracy. {beyond};
 the worst is off by {worst} times the accuracy. The outcome is in `tests/hard/fuzz_courses_outcome.json`, from which
 this section is made.
 
-| kind | ok | worst, over the accuracy |
+| kind | ok | worst, divided by the accuracy |
 |---|---|---|
 {rows}
 """
@@ -190,16 +193,16 @@ LAWS = """
 
 `tests/tools/{command}` needs no second solver. It
 
-- states drawn scenes of those kinds of machines in two ways that mean the same: other units, a course backwards, a file
-  of one point, chambers closed coupled;
-- asks what holds for any machine: a wider gap delivers no more, nothing takes entropy out of the world, machines of one
-  shape work alike, two of them in a row share the pressure ratio equally, air with next to no water is dry air.
+- states random scenes of those kinds of machines in two ways that mean the same: other units, a course backwards, a
+  file of one point, chambers closed coupled;
+- checks what holds for any machine: a wider gap delivers no more, entropy never decreases, machines of one shape work
+  alike, two of them in a row share the pressure ratio equally, air with next to no water is dry air.
 
-Deviations are given over what the wanted accuracy allows, so that 1 is the bound. A scene that is not ok, that warns,
-or of which a law says nothing is not asked. Beyond the bound: {beyond}. The outcome is in
+Deviations are divided by what the wanted accuracy allows, so that 1 is the bound. A scene that is not ok, that has
+warnings, or to which a law does not apply is not checked. Beyond the bound: {beyond}. The outcome is in
 `tests/hard/metamorphic_outcome.json`.
 
-| law | drawn | asked | worst, over what is allowed |
+| law | drawn | checked | worst, divided by the bound |
 |---|---|---|---|
 {rows}
 """
@@ -238,7 +241,7 @@ def _courses() -> str:
     beyond = [each for row in rows for each in row["beyond"]]
     alone = sum(each["alone"] is not None and each["alone"] > each["wanted"] for each in beyond)
     count = f"{len(beyond)} are" if beyond else "None is"
-    told = f"{count} off by more than was wanted without a warning"
+    told = f"{count} off by more than the accuracy without a warning"
     return COURSES.format(
         command=made["command"],
         courses=len(rows),

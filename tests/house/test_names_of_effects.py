@@ -39,7 +39,7 @@ ALLOWED = {
     "report/drive.py": ({"motor", "gas_torque"}, STUDY),
     "report/rotors.py": ({"blow_hole", "slide_valve"}, STUDY),
     "report/rotors_scene.py": ({"slide_valve", "suction_port", "discharge_port"}, STUDY),
-    "report/torque.py": ({"gas_torque"}, STUDY),
+    "report/cycle.py": ({"gas_torque"}, STUDY),
     "scene/types.py": ({"air_package", "separator"}, REMEDY),
     "simulate.py": ({"drive"}, FIGURES),
     "solve/start_up.py": ({"drive", "gas_torque"}, "a start-up is the study of the drive, and has its curves"),
@@ -48,6 +48,7 @@ ALLOWED = {
     "study/datasheet/air_sheet.py": ({"air_package", "motor"}, STUDY),
     "study/datasheet/bounds.py": ({"motor"}, STUDY),
     "study/datasheet/gas_sheet.py": ({"air_package"}, STUDY),
+    "study/datasheet/refrigeration_sheet.py": ({"economizer"}, STUDY),
     "study/datasheet/tables.py": ({"motor", "separator"}, STUDY),
     "study/part_load.py": ({"slide_valve", "suction_throttle", "bypass"}, STUDY),
     "study/stages/read.py": ({"economizer"}, STUDY),
@@ -126,7 +127,7 @@ CHOICES = {  # choices of a scene that decide on more than one place: who holds 
     ".mode": {"machine/protocol.py"},
     ".transport": {"fluid/settings.py"},
     ".two_phase": {"fluid/settings.py", "fluid/real_gas.py"},
-    ".law": {"machine/drive/motor_line.py"},  # of the motor; a machine's laws are a registry (machine.laws)
+    ".law": {"machine/drive/train.py"},  # of the motor; a machine's laws are a registry (machine.laws)
     "gas.model": set(),  # fluid.models
     "parameters.model": set(),  # of gaps: effects.parts.gap_flow
     "numerics.error": set(),

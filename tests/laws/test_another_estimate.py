@@ -11,8 +11,7 @@ from screwsim.cycle.problem import ClosingTask
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.model import leases
-from screwsim.numerics.error_options import ERRORS, ErrorOption
-from screwsim.numerics.settings import NumericsSettings
+from screwsim.numerics.settings import ERRORS, ErrorOption, NumericsSettings
 from screwsim.outputs import Figures
 from screwsim.simulate import simulate
 from screwsim.solve.estimate import ESTIMATES, WHOLE

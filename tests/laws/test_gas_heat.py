@@ -5,7 +5,7 @@ from scenes import closed, make
 
 from screwsim.cycle.balances import outflow_of, streams_of
 from screwsim.model import slots
-from screwsim.solve.gas_heat import misread
+from screwsim.solve.outflow_heat import misread_of_gas as misread
 
 IDLE = {"oil.transport": "carried", "operation.speed": "250 rpm", "oil_supply.ratio": 0.09}  # leaks take all
 FLOODED = {"oil.transport": "carried"}

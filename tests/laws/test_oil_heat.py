@@ -7,7 +7,7 @@ from scenes import closed, make
 from screwsim.cycle.balances import streams_of
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.model import slots
-from screwsim.solve.oil_heat import misread
+from screwsim.solve.outflow_heat import misread_of_oil as misread
 
 CARRIED = {"oil.transport": "carried"}
 

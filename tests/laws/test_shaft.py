@@ -271,14 +271,14 @@ def test_a_stored_oil_is_that_of_its_numbers():
 
 
 def test_the_figure_shows_the_harmonics_of_the_result(tmp_path):
-    from screwsim.report import torque
+    from screwsim.report import cycle
     from screwsim.results import open_results, save
 
     save(tmp_path / "run.h5", make(LOADED), run(LOADED))
-    ((name, draw),) = torque.plans(open_results(tmp_path / "run.h5"))
-    upper, lower = draw().axes
+    plans = dict(cycle.plans(open_results(tmp_path / "run.h5")))
+    upper, lower = plans["gas_torque"]().axes
     heights = [bar.get_height() for bar in lower.patches]
     p = run(LOADED).performance
-    assert name == "gas_torque" and upper.get_xlim() == (0.0, 180.0)
+    assert upper.get_xlim() == (0.0, 180.0)
     assert heights[0] == pytest.approx(p.gas_torque_harmonic_1, rel=0.01)  # the trace has a point a degree
     assert heights[3] == pytest.approx(p.gas_torque_harmonic_4, abs=0.01 * p.gas_torque_mean)

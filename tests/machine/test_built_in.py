@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from screwsim.machine.built_in import built_in_volume_ratio
 from screwsim.machine.kinds import kind_of
 from screwsim.scene import load
 
@@ -20,7 +19,7 @@ def falling(angle: float) -> float:
 
 
 def ratio(machine, volume_at=falling):
-    return built_in_volume_ratio(kind_of(machine).geometry(machine), volume_at)
+    return kind_of(machine).geometry(machine).built_in_volume_ratio(volume_at)
 
 
 def opening_at(degrees: float, **changes):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from screwsim.machine.slider_crank.rod import FlexibleRod, bend
-from screwsim.report import connecting_rod as figures
+from screwsim.report import slider_crank as figures
 from screwsim.report.style import journal
 
 pytestmark = pytest.mark.around

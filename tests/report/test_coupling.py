@@ -5,7 +5,7 @@ from math import radians
 import pytest
 
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling
-from screwsim.report import coupling as figures
+from screwsim.report import drive as figures
 from screwsim.report.style import journal
 
 pytestmark = pytest.mark.around

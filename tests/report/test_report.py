@@ -32,7 +32,7 @@ from report_fakes import (
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.report import cycle as cycle_figures
-from screwsim.report import ledger, maps, outcome, plot, samples, sweeps
+from screwsim.report import ledger, maps, plot, samples, sweeps
 from screwsim.report.annotate import spread
 from screwsim.report.families import optimum, optimum_arc
 from screwsim.report.quantities import shown_axis
@@ -98,7 +98,6 @@ def drawn(path: Path, results: Results | None = None, only: str | None = None) -
         for name, draw in (
             *sweeps.plans(results),
             *maps.plans(results),
-            *outcome.plans(results),
             *samples.plans(results),
             *cycle_figures.plans(results),
             *ledger.plans(results),

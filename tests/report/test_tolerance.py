@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from screwsim.machine.slider_crank.tolerance import links_of, tabulated
-from screwsim.report import tolerance as figures
+from screwsim.report import slider_crank as figures
 from screwsim.report.style import journal
 
 pytestmark = pytest.mark.around

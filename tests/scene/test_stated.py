@@ -9,7 +9,6 @@ from each_row import each_row
 
 import screwsim
 from screwsim.inputs.faults import SceneError
-from screwsim.machine.built_in import built_in_volume_ratio
 from screwsim.machine.kinds import kind_of
 from screwsim.scene import case, scene_text
 from screwsim.scene.types import STANDARD_ATMOSPHERE
@@ -130,7 +129,7 @@ def test_the_paper_law_opens_where_the_volume_has_fallen_to_the_ratio(ratio):
     assert volume_ratio(scene) == pytest.approx(ratio, rel=1e-9)
     port = scene.machine.discharge_port
     assert port.opens < port.phi_C < 0.5 * (port.opens + 4 * math.pi)
-    figure = built_in_volume_ratio(geometry(scene), lambda at: volume_at(scene, at))
+    figure = geometry(scene).built_in_volume_ratio(lambda at: volume_at(scene, at))
     assert figure == pytest.approx(ratio, rel=1e-9)
 
 

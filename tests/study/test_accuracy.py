@@ -12,12 +12,11 @@ import pytest
 from screwsim.cli import exit_code
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.outputs import Figures, Result
-from screwsim.printing import accuracy_drawing
 from screwsim.report.accuracy import draw
 from screwsim.scene import Scene, load, loads
 from screwsim.simulate import simulate
 from screwsim.study import accuracy
-from screwsim.study.accuracy import QUICK_SCOPE, NoReference, Study, effects, files, reference_of, study, words
+from screwsim.study.accuracy import QUICK_SCOPE, NoReference, Study, effect_costs, files, reference_of, study, words
 from screwsim.study.accuracy.solving import CHECKS, WorkLimit, all_cases, method_of, solve
 
 SCENE = """\
@@ -120,8 +119,8 @@ def test_start_and_end_angle_are_said_not_to_be_there(found):
 
 
 def test_the_front_is_beaten_by_no_case(found):
-    cases = [m for m in words.comparable_cases(found) if m.status == "ok"]
-    best = words.pareto_front(cases)
+    cases = [m for m in found.comparable if m.status == "ok"]
+    best = found.front()
     assert best
     for one in best:
         assert not any(m.time < one.time and m.error < one.error for m in cases)
@@ -131,7 +130,7 @@ def test_the_sentence_is_made_from_the_results(found):
     text = words.sentence(found)
     told = next(each for each in found.asked if each.asked == 1e-4)
     assert f"1e-4 costs {words.milliseconds(told.time + told.estimating_time)}" in text
-    limit = words.limit_of_regularisation(found)
+    limit = found.limit_of_regularisation
     assert limit is not None
     assert f"limits you to {words.plain_power(limit)}." in text
 
@@ -161,7 +160,7 @@ def test_files_hold_every_case(found, tmp_path):
 
 
 def test_the_figure_is_drawn(sketched, found, tmp_path):
-    paths = draw(accuracy_drawing(found), tmp_path)
+    paths = draw(found, tmp_path)
     assert [path.rsplit("/")[-1] for path in paths] == ["accuracy.png", "accuracy.pdf"]
 
 
@@ -221,10 +220,10 @@ def test_what_is_next_to_nothing_without_an_effect_is_not_divided_by(scene, monk
         numerics = {"wall_time": 1.0, "estimating_time": 0.0, "rhs_evaluations": 10}
         return Result("ok", performance=Figures(figures), numerics=Figures(numerics))
 
-    monkeypatch.setattr(effects, "simulate", fake)
-    monkeypatch.setattr(effects, "cross_check", lambda scene: [])
-    monkeypatch.setattr(effects, "_points", lambda full, less: 0.0)
-    found = effects.effect_costs(scene, "suction_port", QUICK_SCOPE)
+    monkeypatch.setattr("screwsim.study.accuracy.simulate", fake)
+    monkeypatch.setattr("screwsim.study.accuracy.cross_check", lambda scene: [])
+    monkeypatch.setattr("screwsim.study.accuracy._points", lambda full, less: 0.0)
+    found = effect_costs(scene, "suction_port", QUICK_SCOPE)
     assert math.isnan(found.gas_mass_flow)
     assert found.shaft_power == pytest.approx(0.1)
     assert found.discharge_temperature == pytest.approx(0.1)

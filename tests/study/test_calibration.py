@@ -6,7 +6,8 @@ from fit_fakes import DEGENERATE, FIT, POINTS, Stopped, coordinates, hopeless, p
 
 from screwsim.printing.calibration import print_calibration
 from screwsim.scene import load
-from screwsim.study.calibration import calibrate, fitted_text, read_fit
+from screwsim.study.calibration import calibrate, read_fit
+from screwsim.study.scene_files import fitted_text
 
 GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
 SLOPES = np.array([[1.0, 1.0], [1.0, 2.0], [1.0, 3.0]])  # of kW over gap / 10 µm and capacity / (kJ/(kg K))

@@ -9,8 +9,7 @@ import pytest
 
 from screwsim.results import open_results
 from screwsim.scene import load
-from screwsim.study.claims import claims, main, table
-from screwsim.study.curves import curve_optimum, value_at
+from screwsim.study.claims import claims, curve_optimum, main, table, value_at
 from screwsim.study.sweep import run_sweep
 
 PAPER = Path(__file__).resolve().parents[2] / "configs" / "paper"

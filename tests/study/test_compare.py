@@ -8,7 +8,7 @@ from result_fakes import GRID, SCENE, fake_simulate
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
-from screwsim.printing.compare import comparison_document, print_comparison
+from screwsim.printing.compare import _shown_pair, comparison_document, print_comparison
 from screwsim.results import open_results, save
 from screwsim.scene import loads
 from screwsim.study.compare import compare, matched
@@ -113,6 +113,19 @@ def test_two_runs_are_compared_whatever_their_scenes(tmp_path):
     assert found.scene["oil.viscosity"] == ("20 mPa s", None)
     assert found.scene["effects.blow_hole.area"] == (None, "0.05 cm^2")
     assert figure(found, "shaft_power").relative == pytest.approx(-1.0 / 3.0, rel=1e-12)
+
+
+def test_a_value_of_zero_has_the_unit_of_the_other_one(tmp_path, capsys):
+    a, b = run(tmp_path / "a.h5", simulate=other_power(0.0)), run(tmp_path / "b.h5")
+    print_comparison(a, b, compare(a, b))
+    (line,) = (line for line in capsys.readouterr().out.splitlines() if line.startswith("shaft power"))
+    assert line.split()[2:5] == ["0", f"{1e-3 * b.performance['shaft_power'].item():.5g}", "kW"]
+
+
+def test_a_scenes_numbers_are_shown_without_their_rounding(tmp_path, capsys):
+    assert _shown_pair("1.7000000000000002 cm^2", "-") == ("1.7 cm^2", "-")
+    close = "1.7000000000000002 cm^2", "1.7 cm^2"
+    assert _shown_pair(*close) == close
 
 
 def test_another_status_is_a_difference(grid, tmp_path):

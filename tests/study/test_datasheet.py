@@ -16,6 +16,7 @@ from screwsim.study.datasheet import Sheet
 from screwsim.study.datasheet.air_rating import rating
 from screwsim.study.datasheet.air_sheet import air_sheet
 from screwsim.study.datasheet.sheet import Table
+from screwsim.study.progress import Progress
 
 pytestmark = pytest.mark.around
 ROOT = Path(__file__).parents[2]
@@ -167,6 +168,32 @@ def test_another_inlet_than_the_usual_is_noted():
     scene, of = rated("fixed_speed_7", "operation.suction.pressure=0.9 bar")
     assert any("an inlet other than" in note for note in air_sheet(scene, of).notes)
     assert not any("an inlet other than" in note for note in air_sheet(*rated("fixed_speed_7")).notes)
+
+
+class Counted(Progress):
+    """What a progress is told: how many points were announced, and how many were finished."""
+
+    cases = done = 0
+    ended = False
+
+    def start(self, cases, reused):
+        self.cases = cases
+
+    def more(self, cases):
+        self.cases += cases
+
+    def advance(self, cases, failed):
+        self.done += cases
+
+    def stop(self):
+        self.ended = True
+
+
+def test_the_points_of_a_package_are_counted_for_a_progress():
+    scene = screwsim.load(AIR / "variable_speed_7.yaml", ["sweep.operation.speed=[3000 rpm, 2000 rpm, 1000 rpm]"])
+    shown = Counted()
+    points = len(rating(scene, shown).points)
+    assert points == 3 and shown.done == shown.cases >= points + 2 and shown.ended  # and the loads of its rating
 
 
 def test_points_that_fail_are_told_and_counted(capsys):

@@ -10,6 +10,7 @@ from screwsim.cli import exit_code
 from screwsim.scene import loads
 from screwsim.scene.operation import P_D, P_S
 from screwsim.study.datasheet.gas_sheet import rating_request
+from screwsim.study.datasheet.rated import _case_scene
 from screwsim.study.inputs import ends_of
 from screwsim.study.part_load import SPEED_PATH
 from screwsim.template import new_scene
@@ -83,6 +84,24 @@ def test_normal_volume_is_that_of_the_ideal_gas(boosted):
     tables = {table.title: table for table in sheet.tables}
     mass, volume = (float(tables[title].rows[1][2].strip("*\u00a0")) for title in ("Mass flow [kg/h]", "Flow [Nm³/h]"))
     assert volume / mass == pytest.approx(22.414 / 16.043, rel=1e-3)  # four digits of each
+
+
+def test_points_without_a_rise_of_the_pressure_are_left_out(booster):
+    scene = screwsim.load(booster, [LAX, "sweep.operation.speed=[2950 rpm]"])
+    ranges = {**NONE, "--suction": "10 bar..20 bar", "--discharge": "15 bar..25 bar"}
+    asked = rating_request(scene, ranges, ())
+    cases = {(p, q): _case_scene(asked, p, q) for p in asked.across.values for q in asked.down.values}
+    assert {place for place, case in cases.items() if case is None} == {(p, q) for p, q in cases if q < 1.2 * p}
+    assert all(isinstance(case, screwsim.Scene) for case in cases.values() if case is not None)
+
+
+def test_a_table_without_a_point_is_refused(booster, expander, capsys):
+    ranges = ["--suction", "30 bar..40 bar", "--discharge", "10 bar..20 bar"]
+    assert exit_code(["datasheet", str(booster), *ranges]) == 2
+    told = "all pressure ratios are below 1.2 (state other ranges with --suction and --discharge)"
+    assert told in capsys.readouterr().err
+    assert exit_code(["datasheet", str(expander), "--suction", "4 bar..6 bar", "--discharge", "7 bar..9 bar"]) == 2
+    assert told in capsys.readouterr().err
 
 
 def test_a_boosters_limits_part_load_and_best_point(boosted):

@@ -3,9 +3,10 @@
 import pytest
 
 from screwsim.figures.engineering import error_text, figure_text
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs.customary import with_printed_units
 from screwsim.scene import load
-from screwsim.study.inputs import in_customary, read_text, shown_number, shown_value, unit_of_change
+from screwsim.study.inputs import check_fit, in_customary, read_text, shown_number, shown_value, unit_of_change
 
 CONDENSING = "operation.condensing_temperature"
 
@@ -39,6 +40,12 @@ def test_a_figure_in_a_sentence_is_in_degrees_celsius_and_its_error_in_kelvin():
     assert figure_text("discharge_temperature", 345.15) == "72.00 °C"
     assert error_text("discharge_temperature", 345.15, 0.0034) == "0.003 K"
     assert figure_text("discharge_superheat", 10.0) == "10 K"
+
+
+def test_a_fault_is_told_with_its_path_once(scene):
+    with pytest.raises(UsageError) as refusal:
+        check_fit(scene, {CONDENSING: 275.15}, CONDENSING)
+    assert str(refusal.value).count(CONDENSING) == 1
 
 
 def test_a_title_has_its_units_as_they_are_printed():

@@ -16,16 +16,19 @@ from screwsim.outputs import Figures, Result
 from screwsim.printing.plan import print_plan
 from screwsim.study import local
 from screwsim.study.calibration import calibrate, read_fit
-from screwsim.study.calibration.design import (
+from screwsim.study.calibration.fit import Measurement, Point, Prior
+from screwsim.study.calibration.machine import residual_shifts
+from screwsim.study.calibration.plan import (
+    candidates_of,
     covariance,
     greedy_choice,
     log_determinant,
     log_determinants_with,
     optimal_choice,
+    plan,
+    point_name,
+    typical_uncertainties,
 )
-from screwsim.study.calibration.fit import Measurement, Point, Prior
-from screwsim.study.calibration.machine import residual_shifts
-from screwsim.study.calibration.plan import candidates_of, plan, point_name, typical_uncertainties
 from screwsim.study.calibration.profile import whitener
 from screwsim.study.uncertain import groups_of
 

@@ -1,10 +1,12 @@
 """The data sheet of a refrigeration machine: its tables, part load, envelope and limits, what it prints and refuses."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from CoolProp.CoolProp import PropsSI
 
 import screwsim
 from screwsim.cli import exit_code
@@ -21,6 +23,7 @@ from screwsim.study.datasheet.refrigeration_sheet import rating_request, refrige
 from screwsim.study.datasheet.sheet import warning_lines
 from screwsim.study.datasheet.tables import part_load_note
 from screwsim.study.part_load import NEAR, RATIO_PATH, Control, controls, part_load, ratios
+from screwsim.template import new_scene, request_of
 
 pytestmark = pytest.mark.around
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -167,7 +170,7 @@ def test_limits_are_marked_and_warnings_reach_the_sheet(sheet):
 
 
 def test_it_prints_within_a_terminal_and_writes_a_page_and_a_pdf(sheet, tmp_path, capsys):
-    from screwsim.printing.datasheet import print_sheet
+    from screwsim.printing.machine import print_sheet
 
     print_sheet(sheet)
     out = capsys.readouterr().out
@@ -190,11 +193,37 @@ def test_its_document_is_in_si(sheet):
     assert [each["figure"] for each in found["limits"]] == ["discharge_temperature", "shaft_power"]
 
 
+def test_a_machine_with_an_economizer_has_what_its_port_draws(tmp_path):
+    """The liquid is cooled to 5 K (`approach`) above what evaporates: CoolProp's enthalpies give the gain (M371)."""
+    file = tmp_path / "eco.yaml"
+    file.write_text(new_scene("refrigeration", request_of(*[None] * 6, economizer=True)), encoding="utf-8")
+    found = sheet_of(screwsim.load(file), evaporating=RANGES[0], condensing="40 degC..45 degC", jobs=1)
+    tables = {table.title: table for table in found.tables}
+    flow, temperature = tables["Economizer mass flow [kg/h]"], tables["Economizer temperature [°C]"]
+    T = float(temperature.rows[0][1].rstrip("*\u00a0"))
+    p = PropsSI("P", "T", 313.15, "Q", 0, "R134a")
+    liquid, cooled = (PropsSI("H", "T", t + 273.15, "P", p, "R134a") for t in (35.0, T + 5.0))
+    drawn = (liquid - cooled) / (PropsSI("H", "T", T + 273.15, "Q", 1, "R134a") - liquid)
+    sucked = float(tables["Mass flow [kg/h]"].rows[0][1].rstrip("*\u00a0"))
+    assert float(flow.rows[0][1].rstrip("*\u00a0")) == pytest.approx(drawn * sucked, rel=3e-3)  # T has three digits
+    line = dict(found.lines)["economizer"]
+    suction = PropsSI("H", "T", 283.15, "P", PropsSI("P", "T", 273.15, "Q", 1, "R134a"), "R134a")
+    gain = float(line.split("it adds ")[1].split(" %")[0])
+    assert gain == pytest.approx(100.0 * (liquid - cooled) / (suction - liquid), rel=1e-2)  # of three digits
+    assert found.document["own_point"]["economizer_capacity_gain"] == pytest.approx(gain / 100.0, rel=1e-2)
+
+
 def test_points_that_fail_are_told_and_counted(capsys):
     ranges = ["--evaporating", "0 degC..5 degC", "--condensing", "40 degC..45 degC", "--jobs", "1"]
     assert exit_code(["datasheet", str(CONTROL), *ranges, "--set", "effects.motor.rated_power=10 kW"]) == 4
     told = " ".join(capsys.readouterr().out.split())
     assert "no motor carries more than" in told and "(the same at" in told and "Part load" not in told
+
+
+def test_the_only_point_that_fails_is_told_with_its_place(rated):
+    points = {**rated.points, (0, 1): Result("not_closed", message="a flow stays open")}
+    notes = refrigeration_sheet(replace(rated, points=points)).notes
+    assert "0/45 °C: not closed: a flow stays open" in notes
 
 
 def test_the_envelope_of_points_is_interpolated_between_them():
@@ -228,6 +257,11 @@ def test_ranges_are_those_of_the_scene_or_of_steps_around_its_point():
         ("control/point", ["--limit", "water_flow<1"], "is not a figure of this scene"),
         ("control/point", ["--evaporating", "5 degC"], "5 degC: is not LOW..HIGH (write e.g. --evaporating '-10"),
         ("control/point", ["--condensing", "50 degC..40 degC"], "is empty (LOW must be below HIGH)"),
+        (
+            "control/point",
+            ["--evaporating", "30 degC..40 degC", "--condensing", "20 degC..30 degC"],
+            "no point of the table can be computed: all lifts are below 10 K (state other ranges with --evaporating",
+        ),
         ("r134a/envelope", [], "the scene varies oil_supply.ratio in another way"),
         (
             "control/point",

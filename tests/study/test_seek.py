@@ -13,6 +13,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.scene import loads
 from screwsim.study.scene_files import write_found
 from screwsim.study.seek import find, find_each, question
+from screwsim.template import new_scene, request_of
 
 SPEED = "operation.speed"
 RANGE = f"{SPEED}=1000 rpm..5000 rpm"
@@ -107,6 +108,12 @@ def test_without_a_range_it_is_the_axis_or_what_machines_have():
     assert span.high == pytest.approx(min(tips, 20.0 * scene().operation.speed))
 
 
+def test_a_path_at_zero_has_the_range_of_its_limits():
+    machine = loads(new_scene("refrigeration", request_of(*[None] * 6, slide=True)))
+    asked = question(machine, ["machine.slide_valve.position"], ["cooling_capacity=100 kW"])
+    assert [(span.low, span.high, span.start) for span in asked.spans] == [(0.0, 1.0, 0.0)]
+
+
 def test_each_point_of_the_other_axes_has_its_answer():
     swept = scene("sweep:\n  oil_supply.ratio: [1, 2]\n")
     rows = find_each(swept, question(swept, [RANGE], ["shaft_power=21 kW"]), jobs=1, simulate=saturating)
@@ -141,6 +148,12 @@ def test_a_goal_below_the_smallest_size_takes_it_and_one_above_the_largest_none(
         ([RANGE], ["gas_mass_flow=1 kW"], "--for gas_mass_flow=1 kW: gas_mass_flow has no unit 'kW' (write one of kg"),
         ([RANGE], ["gas_mass_flow=1"], "--for gas_mass_flow=1: gas_mass_flow 1 has no unit (write one of kg/s"),
         ([RANGE], ["gas_mass_flow"], "--for gas_mass_flow: is not FIGURE=VALUE (write e.g. --for 'cooling_capacity="),
+        ([RANGE], ["gas ma flow=1 kg/s"], "--for gas ma flow: is not known; did you mean 'gas_mass_flow'?"),
+        (
+            [RANGE],
+            ["volumetric_efficiency=85"],
+            "--for volumetric_efficiency=85: volumetric_efficiency 85 is 8500 %",
+        ),
         ([RANGE], [], "no goal is given (write --for FIGURE=VALUE"),
         ([], ["gas_mass_flow=1 kg/s"], "nothing varies (write one or more --vary"),
         (["operation.sped"], ["gas_mass_flow=1 kg/s"], "operation.sped: is not known; did you mean 'operation.speed'?"),
@@ -184,7 +197,6 @@ def test_a_machine_gives_the_capacity_that_was_sought():
 def test_a_scene_of_another_size_says_so_in_its_title(tmp_path):
     """The title of a new scene has the size that was asked for; of a machine that was sized anew that is not true."""
     from screwsim.scene import with_values
-    from screwsim.template import new_scene, request_of
 
     base = tmp_path / "machine.yaml"
     base.write_text(new_scene("refrigeration", request_of(None, "600 m^3/h", None, None, None, None)), encoding="utf-8")

@@ -11,8 +11,7 @@ import screwsim
 from screwsim.cli import exit_code
 from screwsim.report.datasheet import write_sheet
 from screwsim.report.datasheet_pdf import TYPESETTINGS, pages_of
-from screwsim.report.sheet_paper import HIGH, LEAST_PT, MARGIN, WIDE, width_of, wrapped
-from screwsim.report.sheet_tables import columns_of
+from screwsim.report.sheet_paper import HIGH, LEAST_PT, MARGIN, WIDE, columns_of, width_of, wrapped
 from screwsim.report.style import journal, new_figure
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
 

@@ -8,7 +8,7 @@ import pytest
 import screwsim
 from screwsim import cli
 from screwsim.inputs.faults import UsageError
-from screwsim.study.validation import document, equal, folder_of, names_of, run_sources, sources, trend
+from screwsim.study.validation import document, equal, folder_of, names_of, run_sources, trend
 from screwsim.study.validation.record import Row, report, row_text, summary
 
 SOURCE = """\
@@ -38,7 +38,7 @@ def checkout(tmp_path, monkeypatch):
     (tmp_path / "pyproject.toml").write_text('[project]\nname = "screwsim"\n', encoding="utf-8")
     (tmp_path / "below").mkdir()
     monkeypatch.chdir(tmp_path / "below")
-    monkeypatch.setattr(sources, "PACKAGE_FOLDER", tmp_path / "src" / "screwsim")
+    monkeypatch.setattr("screwsim.study.validation.PACKAGE_FOLDER", tmp_path / "src" / "screwsim")
     return tmp_path
 
 
@@ -62,6 +62,22 @@ def test_the_folder_is_that_of_the_running_checkout(checkout, monkeypatch):
     monkeypatch.chdir("/")
     assert folder_of() == checkout / "validation"
     assert names_of(folder_of()) == ["small"]
+
+
+def test_an_interruption_keeps_the_sources_that_were_compared(checkout, capsys):
+    stopped = checkout / "validation" / "stopped"
+    stopped.mkdir()
+    (stopped / "compare.py").write_text("def compare(here):\n    raise KeyboardInterrupt\n", encoding="utf-8")
+    code, out, err = run(capsys, "small", "stopped", "--jobs", "1", "-o", "kept")
+    assert code == 130 and err.strip().endswith("interrupted")
+    assert "stopped: not run: interrupted" in out and "small: A small source" in out
+    kept = Path("kept/validation.json")
+    assert json.loads(kept.read_text(encoding="utf-8"))["sources"]["small"]["status"] == "ok"
+    assert run(capsys, "small", "--jobs", "1", "-o", "kept")[0] == 0
+    whole = kept.read_text(encoding="utf-8")
+    assert run(capsys, "small", "stopped", "--jobs", "1", "-o", "kept")[0] == 130
+    assert kept.read_text(encoding="utf-8") == whole  # what an interruption leaves replaces nothing
+    assert run(capsys, "stopped", "--jobs", "1")[0] == 130
 
 
 def test_failing_verdicts_are_shown_and_are_no_error(checkout, capsys):
@@ -111,7 +127,7 @@ def test_an_unknown_name_is_one_line_with_the_nearest(checkout, capsys):
 
 @pytest.mark.parametrize("project", [None, '[project]\nname = "other"\n', "no TOML ["])
 def test_without_a_checkout_nothing_is_run_and_one_line_says_where_it_is(trap, project, monkeypatch, capsys):
-    monkeypatch.setattr(sources, "PACKAGE_FOLDER", trap.parent / "src" / "screwsim")
+    monkeypatch.setattr("screwsim.study.validation.PACKAGE_FOLDER", trap.parent / "src" / "screwsim")
     if project is not None:
         (trap.parent / "pyproject.toml").write_text(project, encoding="utf-8")
     code, out, err = run(capsys)

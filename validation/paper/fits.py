@@ -13,8 +13,7 @@ import numpy as np
 
 from screwsim.scene import Scene, load, with_values
 from screwsim.simulate import simulate_many
-from screwsim.study.claims import RPM
-from screwsim.study.curves import Optimum, curve_optimum, value_at
+from screwsim.study.claims import RPM, Optimum, curve_optimum, value_at
 from screwsim.study.validation import Row, Series, read_table, sibling, trend
 
 ROOT = Path(__file__).resolve().parents[2]

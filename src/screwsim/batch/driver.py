@@ -8,7 +8,7 @@ import importlib.util
 import os
 import sys
 from functools import cache
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -26,39 +26,11 @@ class DeviceError(RuntimeError):
     """A call to the driver failed."""
 
 
-class Device(Protocol):
-    """What integrates turns elsewhere: it has memory, addressed by integers, and runs one thread for each turn."""
-
-    def turns(self, module: Any, name: str, kinds: tuple[Kind, ...], numbers: dict[int, int]) -> Any:
-        """Return a module's function as compiled for this device.
-
-        `numbers` are arguments with the same value in every run.
-        """
-        ...
-
-    def room(self, words: int) -> int:
-        """Allocate `words` words of 8 bytes and return their address; raise MemoryError where there is no room."""
-        ...
-
-    def free(self, address: int) -> None:
-        """Free what `room` allocated."""
-        ...
-
-    def up(self, address: int, table: Array) -> None:
-        """Copy a contiguous table to an address."""
-        ...
-
-    def down(self, table: Array, address: int, pitch: int) -> None:
-        """Copy rows to a contiguous table; on the device a row begins `pitch` words after the one before."""
-        ...
-
-    def run(self, turns: Any, words: int, results: int, count: int) -> None:
-        """Run `count` threads, each with its own words and room for results; return when they have ended."""
-        ...
-
-
 class Driver:
-    """The first device of this machine (see `Device` for the methods)."""
+    """The first device of this machine, which integrates turns: it has memory, addressed by integers.
+
+    It runs one thread for each turn.
+    """
 
     def __init__(self) -> None:
         try:
@@ -88,24 +60,31 @@ class Driver:
         self._do("cuCtxSetCurrent", self._context)
 
     def turns(self, module: Any, name: str, kinds: tuple[Kind, ...], numbers: dict[int, int]) -> Any:
-        """Return a kernel from PTX, which the driver translates for its device once and caches itself."""
+        """Return a module's function as compiled for this device; `numbers` are arguments with one value in every run.
+
+        The driver translates PTX for its device once and caches it itself.
+        """
         self._here()
         loaded = self._do("cuModuleLoadData", module.of_device(name, kinds, numbers) + b"\0")
         return self._do("cuModuleGetFunction", loaded, TURNS.encode())
 
     def room(self, words: int) -> int:
+        """Allocate `words` words of 8 bytes and return their address; raise MemoryError where there is no room."""
         self._here()
         return int(self._do("cuMemAlloc", 8 * words))
 
     def free(self, address: int) -> None:
+        """Free what `room` allocated."""
         self._here()
         self._do("cuMemFree", address)
 
     def up(self, address: int, table: Array) -> None:
+        """Copy a contiguous table to an address."""
         self._here()
         self._do("cuMemcpyHtoD", address, table.ctypes.data, table.nbytes)
 
     def down(self, table: Array, address: int, pitch: int) -> None:
+        """Copy rows to a contiguous table; on the device a row begins `pitch` words after the one before."""
         width = table.nbytes // len(table)
         if width == 8 * pitch:
             self._do("cuMemcpyDtoH", table.ctypes.data, address, table.nbytes)
@@ -119,6 +98,7 @@ class Driver:
         self._do("cuMemcpy2D", copy)
 
     def run(self, turns: Any, words: int, results: int, count: int) -> None:
+        """Run `count` threads, each with its own words and room for results; return when they have ended."""
         address = ctypes.c_uint64
         given = (words, results, count), (address, address, ctypes.c_int64)
         blocks = -(-count // THREADS)
@@ -138,11 +118,11 @@ def look_for_driver() -> None:
         raise UsageError(NO_DEVICE.format(error)) from None
 
 
-def device() -> Device:
+def device() -> Driver:
     """Return the device of this process; raise UsageError where there is none, or no access to it."""
     return _device_of(os.getpid())  # one that a parent opened is useless after a fork
 
 
 @cache
-def _device_of(_process: int) -> Device:
+def _device_of(_process: int) -> Driver:
     return Driver()

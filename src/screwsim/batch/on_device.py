@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.batch.driver import Device
+from screwsim.batch.driver import Driver
 from screwsim.codegen.kinds import FLOAT, INTEGER, Kind, array, words_of
 from screwsim.inputs.faults import UsageError
 from screwsim.model.contexts import ChamberContext
@@ -52,7 +52,7 @@ NEW = {"t_new": "times", "d_new": "dense", "quads": "quads"}  # arrays of the ne
 class DeviceTurns:
     """Turns of one structure on a device, any number in one call."""
 
-    def __init__(self, like: Machinery, device: Device) -> None:
+    def __init__(self, like: Machinery, device: Driver) -> None:
         self.device, self.steps = device, STEPS  # steps of a turn for which there is room
         self._turns = device.turns(*turns_arguments(like))
         self._room, self._size = 0, 0  # allocated on the device: address and words
@@ -96,7 +96,7 @@ class DeviceTurns:
 
 
 def turns_arguments(like: Machinery) -> tuple[Any, str, tuple[Kind, ...], dict[int, int]]:
-    """Return the arguments of `Device.turns`: module, function, kinds of arguments, known arguments."""
+    """Return the arguments of `Driver.turns`: module, function, kinds of arguments, known arguments."""
     return like.module, TURN, KINDS, {N_E: like.composition.n_E}
 
 
@@ -149,7 +149,7 @@ class _Call:
         }
         self.own = {name: self._of(name) for name in OWN}
 
-    def run(self, device: Device, turns: Any, room: int) -> Array:
+    def run(self, device: Driver, turns: Any, room: int) -> Array:
         """Copy everything there, run the turns, and copy back what they wrote; return a row of results for each."""
         self._fill()
         self._write_words(room)

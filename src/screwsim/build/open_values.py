@@ -63,14 +63,12 @@ def _of_effects(scene: Scene) -> dict[str, Span]:
 
 def completed(scene: Scene, near: Sequence[float] | None = None) -> Scene:
     """Return a scene whose open parameters have values: the coordinates `near`, or first guesses."""
-    if not has_open_values(scene):
-        return scene
     standing_now = current_coordinates(scene)
     if None not in standing_now:
         return scene
-    if near is not None and len(near) == len(standing_now):
-        return with_coordinates(scene, near)
-    return with_coordinates(scene, list(_guesses(scene)))
+    if near is None or len(near) != len(standing_now):
+        near = list(_guesses(scene))
+    return with_coordinates(scene, near)
 
 
 def _guesses(scene: Scene) -> Iterator[float]:
@@ -154,8 +152,6 @@ def _oil_flow_share(scene: Scene, figures: Mapping[str, Any], T_oil: float) -> f
 
 def warnings(scene: Scene, figures: Mapping[str, Any]) -> Iterator[str]:
     """Yield a warning for each open parameter at an end of its range: no value gives the requested figure."""
-    if not has_open_values(scene):
-        return
     ends = list(zip(coordinate_ranges(scene), current_coordinates(scene), strict=True))
     if oil_ratio_is_open(scene):
         span, x = ends.pop(0)

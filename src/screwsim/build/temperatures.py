@@ -61,20 +61,14 @@ def completed(
 
 
 def _tempered(scene: Scene, near: Temperatures | None) -> Scene:
+    supply = scene.oil_supply
     if not any(open_temperatures(scene)):
-        return (
-            scene
-            if scene.oil_supply is None or not _is_open(scene.oil_supply.temperature)
-            else _with_kept_temperature(scene)
-        )
+        return scene if supply is None or not _is_open(supply.temperature) else _with_kept_temperature(scene)
     if near is not None:
         found = with_temperatures(scene, near)
         if not temperature_faults(found):
             return found
-    supply, asked = (
-        scene.oil_supply,
-        [one.parameters.separator_temperature for one in _effects_to_complete(scene).values()],
-    )
+    asked = [one.parameters.separator_temperature for one in _effects_to_complete(scene).values()]
     if supply is not None and None not in (supply.temperature, *asked):
         return scene
     found = with_temperatures(scene, _guessed(scene, _cooling(scene)))
@@ -88,9 +82,8 @@ def _with_kept_temperature(scene: Scene) -> Scene:
     """Return a scene whose oil is supplied at the temperature that its cooler keeps, and follows that temperature."""
     supply, outlet = scene.oil_supply, _cooling(scene).outlet
     assert supply is not None
-    return with_changes(
-        scene, oil_supply=with_changes(supply, temperature=None if outlet is None else FoundWithCycle(outlet))
-    )
+    temperature = None if outlet is None else FoundWithCycle(outlet)
+    return with_changes(scene, oil_supply=with_changes(supply, temperature=temperature))
 
 
 def with_temperatures(scene: Scene, at: Temperatures) -> Scene:

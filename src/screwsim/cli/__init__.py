@@ -7,22 +7,24 @@ import copy
 import errno
 import io
 import os
+import re
+import shlex
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cache
 from typing import Annotated, Any
 
 import typer
 
-from screwsim.cli import files, measured, mistakes, points, process, seek, studies
-from screwsim.cli.datasheet import datasheet
+from screwsim.cli import files, measured, points, process, seek, studies
 from screwsim.cli.declare import summary
 from screwsim.cli.export import app as export_app
+from screwsim.cli.machine import datasheet, startup
 from screwsim.cli.new import new
 from screwsim.cli.options import BAD_SCENE, INTERNAL, INTERRUPTED, OK, USAGE, print_error
-from screwsim.cli.startup import startup
 from screwsim.inputs.faults import SceneError, UsageError
+from screwsim.inputs.suggestions import nearest
 from screwsim.screen import say
 from screwsim.version import version
 
@@ -35,11 +37,13 @@ app = typer.Typer(
     epilog="Exit codes: 0 ok, 1 internal error, 2 usage, 3 bad scene, 4 some cases failed or did not close, "
     "130 interrupted. A pipe that closes early (| head) changes none of them.",
     add_completion=False,
-    suggest_commands=False,  # mistakes.explain suggests commands that are safe to follow
+    suggest_commands=False,  # _explain_mistake suggests commands that are safe to follow
     no_args_is_help=True,
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+# options whose values may contain blanks
+_OPTIONS_WITH_VALUES = ("--set", "--path", "--from", "--to", "--vary", "--for", "--subject-to", "--catalogue")
 
 
 def _print_version(wanted: bool) -> None:
@@ -123,7 +127,7 @@ def _print_fault(error: Exception, arguments: Sequence[str]) -> int:
     if isinstance(error, typer.Abort):  # how typer reports an end of file where nothing was asked
         return _internal_error(error.__cause__ if isinstance(error.__cause__, Exception) else error)
     if isinstance(error, typer.TyperException):  # invalid arguments
-        mistakes.explain_mistake(error, *_command_arguments(arguments))
+        _explain_mistake(error, *_command_arguments(arguments))
         told = io.StringIO()
         getattr(error, "show", lambda file: None)(file=told)
         return print_error(told.getvalue().rstrip(), USAGE)
@@ -161,3 +165,52 @@ def main() -> None:
     except KeyboardInterrupt:  # pressed between the two lines above
         code = print_error("interrupted", INTERRUPTED)
     process.end(code)
+
+
+def _explain_mistake(error: typer.TyperException, arguments: Sequence[str], commands: Iterable[str]) -> None:
+    """Improve an error message on arguments: missing quotes, the nearest command, the nearest option."""
+    text = str(getattr(error, "message", ""))
+    offered = getattr(error, "possibilities", None)
+    if offered:
+        near = nearest(str(getattr(error, "option_name", "")), offered)
+        error.possibilities = [near] if near else []  # type: ignore[attr-defined]
+    elif text.startswith("No such command"):
+        error.message = _unknown_command(arguments[0] if arguments else "", list(commands))  # type: ignore[attr-defined]
+    elif "unexpected extra argument" in text and (remedy := _with_quotes(arguments) or _repeated_option(arguments)):
+        error.message = f"{text}: {remedy}"  # type: ignore[attr-defined]
+
+
+def _unknown_command(name: str, commands: list[str]) -> str:
+    if name in ("help", "version"):
+        return f"No such command '{name}' (write screwsim --{name})"
+    near = nearest(name, commands)
+    if near is not None:
+        return f"No such command '{name}': did you mean '{near}'?"
+    if re.search(r"\.(ya?ml|h5)$", name):
+        usual = "report" if name.endswith("h5") else "run"
+        verb = usual if usual in commands else f"export {commands[0]}"
+        return f"No such command '{name}': the command must come first (write screwsim {verb} {shlex.quote(name)})"
+    return f"No such command '{name}' (there are: {', '.join(commands)})"
+
+
+def _with_quotes(arguments: Sequence[str]) -> str | None:
+    """Return the first option whose value seems to continue in the next arguments, quoted for a shell."""
+    for place, option in enumerate(arguments[:-1]):
+        name, equals, value = option.partition("=")
+        if name in _OPTIONS_WITH_VALUES:
+            first = place + 1 if equals else place + 2
+            words = [value if equals else arguments[place + 1]]
+            while first < len(arguments) and not re.search(r"^--|^-o$|\.(ya?ml|h5)$", arguments[first]):
+                words.append(arguments[first])
+                first += 1
+            if len(words) > 1:
+                return f"a value with spaces needs quotes (write {name} {shlex.quote(' '.join(words))})"
+    return None
+
+
+def _repeated_option(arguments: Sequence[str]) -> str | None:
+    """Return the remedy where --without is given several names."""
+    if "--without" not in arguments[:-2]:
+        return None
+    place = list(arguments).index("--without") + 1
+    return f"--without takes one name (write --without {arguments[place]} --without {arguments[place + 1]})"

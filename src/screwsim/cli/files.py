@@ -114,7 +114,7 @@ def validate(
     from screwsim.report.validation import draw
     from screwsim.results.atomic import make_folder
     from screwsim.results.protection import protect_other_json
-    from screwsim.study.validation import document, errors_of, folder_of, run_sources
+    from screwsim.study.validation import INTERRUPTED, document, errors_of, folder_of, run_sources
     from screwsim.study.validation.record import errors_report, report
 
     if output is not None:
@@ -127,12 +127,15 @@ def validate(
         say(report(found))
         if errors:
             say(f"\n{errors_report(errors)}")
-    if output is not None:
+    stopped = any(each.reason == INTERRUPTED for each in outcomes)
+    if output is not None and not (stopped and (output / "validation.json").exists()):  # a whole one is worth more
         make_folder(output)
         written = [write_json(found, output / "validation.json")]
         written += [write_json(errors, output / "model_errors.json")] if errors else []
         for path in (*written, *draw(found, output)):
             say(path, err=as_json)
+    if stopped:
+        return options.INTERRUPTED
     return OK if all(each.comparison is not None for each in outcomes) else NOT_ALL_OK
 
 

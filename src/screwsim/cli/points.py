@@ -239,7 +239,7 @@ def accuracy(
         raise UsageError(f"{scene_file}: describes two stages, and accuracy needs one scene (name that of one stage)")
     scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
     options.check_folder_name(folder)
-    from screwsim.printing import accuracy_drawing
+    from screwsim.cli.interruption import counted_progress
     from screwsim.report.accuracy import draw
     from screwsim.results.atomic import make_folder
     from screwsim.study.accuracy import QUICK_SCOPE, NoReference, Scope, files, study, words
@@ -248,11 +248,13 @@ def accuracy(
         make_folder(folder)
         files.protect_other_studies(folder)
     try:
-        found = study(scene, QUICK_SCOPE if quick else Scope(), options.progress_bar("accuracy"))
+        with counted_progress("accuracy", "measurements") as shown:
+            found = study(scene, QUICK_SCOPE if quick else Scope(), shown)
     except NoReference as error:
         return options.print_error(f"{scene_file}: {error}", NOT_ALL_OK)
     say(words.report(found))
     if folder is not None:
-        for path in (*files.write(found, folder), *draw(accuracy_drawing(found), folder)):
+        make_folder(folder)  # again: another command may have removed the one that it had made and that was still empty
+        for path in (*files.write(found, folder), *draw(found, folder)):
             say(path)
     return OK

@@ -234,7 +234,7 @@ class Function:
 
 
 class _Tried:
-    """A quickly compiled variant, its size [byte], and how long it has run.
+    """A quickly compiled variant, its size [byte], and the processor time for which it has run.
 
     `file` records how long earlier processes ran it, one line for each part of the time; '': no record is kept.
     """
@@ -247,9 +247,9 @@ class _Tried:
         self._untold = self._ran + self._share
 
     def __call__(self, words: Sequence[float]) -> Any:
-        started = time.perf_counter()
+        started = time.thread_time()
         found = self._variant(words)
-        self._ran += time.perf_counter() - started
+        self._ran += time.thread_time() - started
         if _measuring or self._ran > self._untold:
             self._consider()
         return found

@@ -12,7 +12,19 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from screwsim.effects.parts.flows import DISCHARGE, LINES, NEIGHBOUR, SUCTION, FlowPath, Resistance, Scaled
+from screwsim.effects.parts.flows import (
+    DISCHARGE,
+    LINES,
+    NEIGHBOUR,
+    SUCTION,
+    ChamberState,
+    FlowPath,
+    HeatRate,
+    Resistance,
+    Scaled,
+    Stops,
+    Wall,
+)
 from screwsim.effects.parts.lines import (
     CoolsOil,
     InSeparator,
@@ -28,7 +40,6 @@ from screwsim.effects.parts.made import LineFlow, Made, Pulsation, Sought, Span,
 from screwsim.effects.parts.oil import OilContent, OilGas, OilPort, OilRoom, OilSolution
 from screwsim.effects.parts.plenums import Drawn, Plenum, Site
 from screwsim.effects.parts.readings import Given, PowerLoss, Reading, Shaft
-from screwsim.effects.parts.states import ChamberState, HeatRate, Stops, Wall
 from screwsim.effects.parts.usual import Sized, Usual
 from screwsim.fluid.settings import OilProperties
 from screwsim.inputs.faults import Fault

@@ -23,10 +23,9 @@ from screwsim.effects.gas_torque import smooth_torque
 from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.drive.collocation import POINTS
-from screwsim.machine.drive.motor_line import Motor, check_motor
 from screwsim.machine.drive.response import NoMotion, Response, extremes, peak_to_peak, respond
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, check_coupling
-from screwsim.machine.drive.train import LinearCoupling, Train
+from screwsim.machine.drive.train import LinearCoupling, Motor, Train, check_motor
 from screwsim.outputs import Figure, Trace, names_of, power_figure
 
 KEPT = 3  # motions remembered: those before and after a turn, and that of the turn that estimates the error

@@ -10,17 +10,18 @@ in the line has the temperature at which it is injected; a smooth pipe.
 Parameters: efficiency, pressure_loss, line.
 """
 
+import math
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, PowerLoss, Reading
 from screwsim.effects.parts.roles import PUMPS
-from screwsim.fluid.pipe import pressure_loss
 from screwsim.inputs.declare import number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL
 from screwsim.outputs import Figure, power_figure
 
 LOSS = "oil_line_pressure_loss"
+LAMINAR, TURBULENT = 2000.0, 4000.0  # Reynolds numbers
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,31 @@ class Parameters:
         hardly=(None, 3e6),
     )
     line: Line | None = None
+
+
+def friction_factor(Re: float) -> float:
+    """Return Darcy's friction factor of a smooth pipe at a Reynolds number > 0.
+
+    Source: laminar 64/Re (Hagen–Poiseuille) up to Re = 2000, turbulent 0.3164 Re^−0.25 (Blasius 1913, to Re = 1e5) from
+    4000 on; in the transition between, the factor is linear in Re (ours).
+    """
+    if Re <= LAMINAR:
+        return 64.0 / Re
+    if Re >= TURBULENT:
+        return 0.3164 * Re**-0.25
+    share = (Re - LAMINAR) / (TURBULENT - LAMINAR)
+    return (1.0 - share) * friction_factor(LAMINAR) + share * friction_factor(TURBULENT)
+
+
+def pressure_loss(
+    volume_flow: float, density: float, viscosity: float, diameter: float, length: float, fittings: float = 0.0
+) -> float:
+    """Return (f L/D + ζ) ρ w²/2 [Pa] (M390) at a volume flow [m³/s]; `fittings` is the sum of the ζ of fittings."""
+    if volume_flow <= 0.0:
+        return 0.0
+    w = volume_flow / (0.25 * math.pi * diameter**2)
+    f = friction_factor(density * w * diameter / viscosity)
+    return (f * length / diameter + fittings) * 0.5 * density * w**2
 
 
 def build(parameters: Parameters, machine) -> list[PowerLoss | Reading]:

@@ -15,7 +15,6 @@ from screwsim.effects.base import SUCTION, Drawn, Given, Plenum, Separator, Turn
 from screwsim.evaluate import humidity, performance
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures import Performance, figures_declared_elsewhere
-from screwsim.machine.built_in import built_in_volume_ratio
 from screwsim.machine.settings import TURN
 from screwsim.model import slots
 from screwsim.model.trajectory import Trajectory
@@ -146,7 +145,7 @@ def _built_in(problem: Problem, life: Trajectory) -> float | None:
     parts = problem.parts
     geometry, effects, found = _ratio  # read in one step: threads share it
     if geometry is not parts.geometry or effects is not parts.effects:
-        found = built_in_volume_ratio(parts.geometry, life.volume)
+        found = parts.geometry.built_in_volume_ratio(life.volume)
         _ratio = parts.geometry, parts.effects, found
     return found
 

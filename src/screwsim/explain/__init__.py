@@ -13,7 +13,7 @@ from screwsim.cycle.solution import closing_criteria
 from screwsim.effects import base, catalogue
 from screwsim.effects.base import LINES
 from screwsim.explain.media import gas_rows, oil_rows
-from screwsim.explain.rows import NO_BREAK, WIDTH, parameters_text, row
+from screwsim.explain.parameters import NO_BREAK, WIDTH, parameters_text, row
 from screwsim.figures import called_for
 from screwsim.inputs.declare import KINDS
 from screwsim.machine.kinds import kind_of
@@ -21,7 +21,7 @@ from screwsim.machine.profile_law import LaidCurves
 from screwsim.machine.protocol import ROTORS
 from screwsim.machine.rotors.curves import closed_in
 from screwsim.machine.settings import TwinScrew
-from screwsim.machine.slider_crank.settings import SliderCrank
+from screwsim.machine.slider_crank.cylinder import SliderCrank
 from screwsim.model.compose import HELD_GAS, compose
 from screwsim.model.composition import Composition
 from screwsim.model.parts import Parts

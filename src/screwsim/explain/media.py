@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 
 from screwsim.build import open_temperatures, package_of
-from screwsim.explain.rows import parameters_text, row
+from screwsim.explain.parameters import parameters_text, row
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.moist_air import DRIEST, MoistAir

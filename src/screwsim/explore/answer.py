@@ -42,6 +42,7 @@ def unpack_message(message: bytes) -> tuple[dict[str, Any], np.ndarray]:
 def result_answer(result: Result, more: Mapping[str, Any]) -> bytes:
     """Return the answer for a result, with further entries of its head."""
     traces = {name: np.asarray(values, float) for name, values in result.cycle.items()}
+    about = getattr(result.performance, "about", {})
     head = {
         "kind": SOLVED,
         **_figures_document(result),
@@ -52,7 +53,7 @@ def result_answer(result: Result, more: Mapping[str, Any]) -> bytes:
         "balance": _finite(result.balance),
         "ledger": _ledger(result),
         "traces": [[name, trace_variable(name).units] for name in traces],
-        "about": [about_figure(figure) for name, figure in _about(result).items() if name not in known()],
+        "about": [about_figure(figure) for name, figure in about.items() if name not in known()],
         **more,
     }
     return pack_message(head, traces.values())
@@ -86,10 +87,6 @@ def _finite(figures: Mapping[str, Any]) -> dict[str, Any]:
     """Return figures, with null for values that JSON cannot represent."""
     bad = (name for name, value in figures.items() if isinstance(value, float) and not math.isfinite(value))
     return {**figures, **dict.fromkeys(bad)}
-
-
-def _about(result: Result) -> Mapping[str, Figure]:
-    return getattr(result.performance, "about", {})
 
 
 def _ledger(result: Result) -> dict[str, Any] | None:

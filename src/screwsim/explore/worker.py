@@ -93,9 +93,7 @@ def _bound_memory() -> None:
         resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY_LIMIT, resource.getrlimit(resource.RLIMIT_AS)[1]))
 
 
-@lru_cache(maxsize=1)
-def _base(file: str, overrides: tuple[str, ...]) -> SceneArguments:
-    return open_base(file, overrides)
+_base = lru_cache(maxsize=1)(open_base)
 
 
 def answer_job(named: tuple[str, tuple[str, ...]], job: Job) -> bytes:

@@ -16,7 +16,8 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.study.figures import figure_of
-from screwsim.study.inputs import check_continuous, ends_of, read_text, shown_value
+from screwsim.study.inputs import check_continuous, shown_value
+from screwsim.study.spans import read_ranges
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 _DERIVED: dict[str, dict[str, int]] = {
@@ -85,40 +86,22 @@ def input_name(path: str) -> str:
 
 def read_inputs(scene: Scene, over: Sequence[str]) -> tuple[Input, ...]:
     """Return the inputs named by `PATH=LOW..HIGH`, else those of the scene's sweep; raise UsageError."""
-    if not over:
-        axes = {path: (min(values), max(values)) for path, values in scene.sweep.items() if _numbers(values)}
-        if not axes:
-            raise UsageError(
-                "there is nothing to map over: the scene has no sweep over numbers (write e.g. "
-                "--over 'operation.speed=1500 rpm..4500 rpm', repeated for each further path)"
-            )
-        for path in axes:
-            check_continuous(scene, path)
-        return tuple(_input(scene, path, low, high) for path, (low, high) in axes.items())
-    found = [_read(scene, text) for text in over]
-    for name in {each.name for each in found}:
-        if sum(each.name == name for each in found) > 1:
-            raise UsageError(f"--over: {name} is named twice (remove one)")
-    return tuple(found)
-
-
-def _numbers(values: Sequence[object]) -> bool:
-    return len(values) > 1 and all(isinstance(value, int | float) for value in values)
-
-
-def _read(scene: Scene, text: str) -> Input:
-    path, _, ends = text.partition("=")
-    both = ends_of(ends)
-    if both is None:
+    if over:
+        ranges = read_ranges(scene, over, "--over", "operation.speed=1500 rpm..4500 rpm")
+        return tuple(_input(scene, each.path, each.low, each.high) for each in ranges)
+    axes = {
+        path: values
+        for path, values in scene.sweep.items()
+        if len(values) > 1 and all(isinstance(value, int | float) for value in values)
+    }
+    if not axes:
         raise UsageError(
-            f"--over {text}: is not PATH=LOW..HIGH (write e.g. --over 'operation.speed=1500 rpm..4500 rpm')"
+            "there is nothing to map over: the scene has no sweep over numbers (write e.g. "
+            "--over 'operation.speed=1500 rpm..4500 rpm', repeated for each further path)"
         )
-    path = path.strip()
-    check_continuous(scene, path)
-    low, high = (read_text(scene, path, end) for end in both)
-    if not low < high:
-        raise UsageError(f"--over {text}: the range is empty (LOW must be below HIGH)")
-    return _input(scene, path, low, high)
+    for path in axes:
+        check_continuous(scene, path)
+    return tuple(_input(scene, path, min(values), max(values)) for path, values in axes.items())
 
 
 def _input(scene: Scene, path: str, low: float, high: float) -> Input:

@@ -2,25 +2,23 @@
 
 import itertools
 import math
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from screwsim.export.inputs import Input, evenly_spaced_nodes, read_inputs, title_on_one_line
 from screwsim.export.source import is_results
+from screwsim.export.table import temporary_results
 from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
-from screwsim.scene import Scene, load, scene_text
+from screwsim.scene import Scene, load
 from screwsim.scene.operation import CONDENSING, EVAPORATING, QUALITY, SUPERHEAT
 from screwsim.study.performance_map import FORMULA, TERMS, PerformanceMap, PolynomialFit, conditions, performance_maps
 from screwsim.study.progress import Progress
-from screwsim.study.sweep import run_sweep
 
 SATURATION_NODES, OTHER_NODES = 6, 3  # number of values where --over gives ranges
 RATED_TEMPERATURES = {"S": 5.0, "D": 45.0}  # [°C] used where the envelope contains it, else its middle
@@ -85,7 +83,6 @@ def swept_results(
         pairs = zip(inputs, counts, strict=True)
         sweep = {one.path: tuple(map(float, one.at(evenly_spaced_nodes(one, count)))) for one, count in pairs}
         scene = replace(scene, sweep=sweep, joints=())
-        scene = replace(scene, text=scene_text(replace(scene, text="")))
     missing = [path for path in (EVAPORATING, CONDENSING) if path not in scene.sweep]
     if missing:
         raise UsageError(
@@ -94,10 +91,8 @@ def swept_results(
         )
     if told is not None:
         told(scene, read_inputs(scene, ()))
-    with tempfile.TemporaryDirectory(prefix="screwsim-") as folder:
-        path = Path(folder) / "map.h5"
-        run_sweep(scene, path, jobs=jobs, progress=progress)
-        yield open_results(path)
+    with temporary_results(scene, jobs=jobs, progress=progress) as results:
+        yield results
 
 
 def polynomials(results: Results, figures: Sequence[str]) -> Polynomials:

@@ -53,7 +53,7 @@ def surfaces(rotors: Rotors, pieces: int = PROFILE) -> tuple[Surface, Surface]:
     male_changes, female_changes = _changes(rotors, kept)
     males = (pair.male_lobes, pair.pitch, -1.0, 0.0, 1.0, TURN, male_changes)
     females = (pair.female_lobes, -TURN / pair.female_lobes, pair.k, pair.centre_distance, -1.0, TURN / pair.k)
-    (x, y), (u, v) = chain.male(), chain.female(pair)
+    (x, y), (u, v) = chain.male, chain.female(pair)
     one = Surface(x[kept], y[kept], psi, male, *males)
     return one, Surface(u[kept], v[kept], psi, female, *females, female_changes)
 
@@ -74,7 +74,7 @@ def _changes(rotors: Rotors, kept: Array) -> tuple[Array, Array]:
 def _kept_points(rotors: Rotors, pieces: int) -> Array:
     """Return the indices of chain points to keep: evenly spaced along both profiles together, plus the marked ones."""
     chain = rotors.chain
-    steps = [np.hypot(np.diff(x), np.diff(y)) for x, y in (chain.male(), chain.female(rotors.pair))]
+    steps = [np.hypot(np.diff(x), np.diff(y)) for x, y in (chain.male, chain.female(rotors.pair))]
     way = np.concatenate([[0.0], np.cumsum(np.sum(steps, axis=0))])
     even = np.searchsorted(way, np.linspace(0.0, way[-1], pieces + 1))
     marked = [0, len(way) - 1, chain.lead, chain.trail, chain.tip, *chain.edges, *chain.joints]

@@ -10,7 +10,8 @@ from __future__ import annotations
 import itertools
 import math
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -275,6 +276,16 @@ def _inserted(
     return merged[0], merged[1]
 
 
+@contextmanager
+def temporary_results(scene: Scene, **options: Any) -> Iterator[Results]:
+    """Give the results of a scene's sweep, whose file is removed at the end; `options` are those of `run_sweep`."""
+    whole = replace(scene, text=scene_text(replace(scene, text="")))
+    with tempfile.TemporaryDirectory(prefix="screwsim-") as folder:
+        path = Path(folder) / "map.h5"
+        run_sweep(whole, path, **options)
+        yield open_results(path)
+
+
 class _Solver:
     """Simulates grids and points of a scene, counts cases, and keeps the first reason for a failure."""
 
@@ -302,13 +313,9 @@ class _Solver:
         return self._swept(replace(self._scene, sweep=sweep, joints=(joint,)), (len(points),))
 
     def _swept(self, scene: Scene, shape: tuple[int, ...]) -> tuple[Array, Array]:
-        whole = replace(scene, text=scene_text(replace(scene, text="")))
         options = {} if self._simulate is None else {"simulate": self._simulate}
-        with tempfile.TemporaryDirectory(prefix="screwsim-") as folder:
-            path = Path(folder) / "map.h5"
-            told = None if self._progress is None else self._progress()
-            run_sweep(whole, path, jobs=self._jobs, progress=told, **options)
-            results = open_results(path)
+        told = None if self._progress is None else self._progress()
+        with temporary_results(scene, jobs=self._jobs, progress=told, **options) as results:
             self.cases += math.prod(shape)
             nothing = np.full(shape, np.nan)
             columns = [np.reshape(results.performance.get(each.name, nothing), shape) for each in self._outputs]

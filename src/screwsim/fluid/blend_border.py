@@ -5,7 +5,6 @@ CoolProp's flashes of mixtures take up to a second and fail for some; here every
 """
 
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from screwsim.fluid.helmholtz import entropy_kernel, ideal_heat_capacity_kernel,
 from screwsim.fluid.saturation import Saturation, saturation
 from screwsim.inputs.faults import UsageError
 from screwsim.numerics.compiling import announced
+from screwsim.numerics.roots import brentq
 from screwsim.outputs.customary import in_bar, in_celsius
 
 ENOUGH, CLOSE = 1e-13, 1e-9  # last relative step of a density: where the search ends, and the most it may leave
@@ -29,7 +29,7 @@ class BlendBorder:
         with announced("phases", f"the dew and bubble lines of {self.known.name}", "some seconds"):
             self.lines: Saturation = saturation(fluid)
         self._potentials, self._entropy = potentials_kernel(fluid), entropy_kernel(fluid)
-        self._heat_capacity = ideal_heat_capacity_kernel(fluid)
+        self.ideal_heat_capacity = ideal_heat_capacity_kernel(fluid)  # cp⁰ [J/(kg K)] at T [K]
 
     # ---- saturation ------------------------------------------------------------------------------------------
 
@@ -65,9 +65,7 @@ class BlendBorder:
         return self._temperature(p, 1.0)
 
     def _temperature(self, p: float, side: float) -> float:
-        from scipy.optimize import brentq
-
-        table, wanted = self.lines.log_p_of_theta, np.log(p)
+        table, wanted = self.lines.log_p_of_theta, float(np.log(p))
         assert table is not None
         places = np.linspace(np.sqrt(1.0 - self.lines.T_low / self.lines.T_c), 0.0, SEEN)
         above = table(side * places) >= wanted  # from cold to warm
@@ -78,10 +76,10 @@ class BlendBorder:
             )
             raise UsageError(f"gas.fluid: {what}")
         first = int(np.argmax(above))
-        theta: Any = brentq(
+        theta = brentq(
             lambda x: float(table(np.array([side * x]))[0]) - wanted, places[first], places[first - 1], xtol=1e-15
         )
-        return self.lines.T_c * (1.0 - float(theta) ** 2)
+        return self.lines.T_c * (1.0 - theta**2)
 
     # ---- enthalpy and density --------------------------------------------------------------------------------
 
@@ -124,10 +122,6 @@ class BlendBorder:
         theta = self._theta(T)
         rho = self._density(theta if liquid else -theta)
         return self._entropy(T, rho) if entropy else self._enthalpy(T, rho)
-
-    def ideal_heat_capacity(self, T: float) -> float:
-        """Return cp⁰ [J/(kg K)] at T [K]."""
-        return self._heat_capacity(T)
 
 
 @lru_cache(maxsize=16)

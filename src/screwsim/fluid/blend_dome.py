@@ -1,24 +1,34 @@
-"""Kernels of a blend whose two phases are in equilibrium, with the blend's composition as a whole, from its table.
+"""A blend whose two phases are in equilibrium, with its composition as a whole: kernels and wet states, from its table.
 
 Everything follows from one function f(T, v), so that Maxwell's relations hold exactly whatever the table's error (M351,
 M352; a subscript is a derivative):
     p = −f_v,  s = −f_T,  h = f − T f_T − v f_v,  c_v = −T f_TT,  T p_T = −T f_Tv,  w² = v² (f_vv + T f_Tv²/c_v).
+
+`BlendWet` has the states at a pressure: by enthalpy or entropy from the table, by quality from a flash.
 """
 
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from screwsim.fluid.blend_flash import W_EDGES, dome
+from screwsim.codegen.modules import load
+from screwsim.fluid.blend_border import blend_border
+from screwsim.fluid.blend_flash import W_EDGES, Flashes, dome
 from screwsim.fluid.description import describe
 from screwsim.fluid.dome import EQUILIBRIUM, PHASE, PHASED, EquilibriumKernels, saturation_kernels
 from screwsim.fluid.helmholtz import entropy_kernel, phased_state_text
 from screwsim.fluid.nozzle import choking, critical_power
 from screwsim.fluid.saturation import saturation
+from screwsim.inputs.faults import UsageError
+from screwsim.numerics.kept_text import flat_module
 from screwsim.numerics.kernel import Kernel, written
+from screwsim.numerics.roots import brentq
+from screwsim.outputs.customary import in_bar, in_celsius
 
 COUNTED = 1e-7  # lower bound of 1/k, for states beyond the border that iterations pass through
+CLOSE = 1e-15  # relative accuracy of a root
 
 INSIDE = '''def inside(T, rho):
     """Return whether T [K], rho [kg/m3] lies between {name}'s dew and bubble points, where its table reaches."""
@@ -117,3 +127,73 @@ def blend_equilibrium_kernels(fluid: str) -> EquilibriumKernels:
     state = written(EQUILIBRIUM.format(**numbers), of, {"phase": phase, "phased_state": phased})
     uses = {"inside": inside, "surface": surface, "single": entropy_kernel(fluid)}
     return EquilibriumKernels(state, written(MIXED_ENTROPY.format(**numbers), of, uses), phase, phased)
+
+
+class BlendWet:
+    """Two phases in equilibrium of one blend, at stated pressures (SI units, per kg).
+
+    Between the bubble and the dew temperature of a pressure the volume follows from p(T, v) at each T, and T from the
+    wanted quantity, which increases with T along an isobar; each by a bracketed root (M353).
+    """
+
+    def __init__(self, fluid: str) -> None:
+        border = blend_border(fluid)
+        assert border is not None
+        self.border, self.edges, kernel = border, dome(fluid).edges, surface_kernel(fluid)
+        self._surface = getattr(load(flat_module((kernel,)), "fluid"), kernel.flat_name)
+
+    def between(self, p: float) -> tuple[float, float]:
+        """Return the bubble and the dew temperature [K] at p [Pa]. Raises UsageError where the table does not reach."""
+        low, high = self.border.bubble_temperature(p), self.border.dew_temperature(p)
+        if low < self.edges[0] or high >= self.edges[-1]:
+            two = f"has two phases from {in_celsius(low)} to {in_celsius(high)}"
+            reach = f"it is followed only from {in_celsius(self.edges[0])} to {in_celsius(self.edges[-1])}"
+            raise UsageError(f"gas.two_phase: {self.border.known.name} at {in_bar(p)} {two}, and {reach}")
+        return low, high
+
+    def volume(self, p: float, T: float) -> float:
+        """Return v [m³/kg] at p [Pa] and T [K] between bubble and dew temperature."""
+        return _root(*self.border.saturated_volumes(T), lambda v: self._surface(T, v)[2] / p + 1.0)
+
+    def value(self, T: float, v: float, entropy: bool) -> float:
+        """Return s [J/(kg K)], or h [J/kg], of two phases at T [K] and v [m³/kg]."""
+        f, f_T, f_v, *_ = self._surface(T, v)
+        return -f_T if entropy else f - T * f_T - v * f_v
+
+    def at_pressure(self, p: float, wanted: float, entropy: bool) -> tuple[float, float] | None:
+        """Return (T [K], ρ [kg/m³]) at p [Pa] and a wanted entropy (else enthalpy); None where that is one phase."""
+        lines = self.border.lines
+        if p >= lines.p_c or p <= self.border.bubble_pressure(lines.T_low):
+            return None
+        low, high = self.border.bubble_temperature(p), self.border.dew_temperature(p)
+        if not self.border.value(low, True, entropy) < wanted < self.border.value(high, False, entropy):
+            return None
+        self.between(p)
+        T = _root(low, high, lambda T: self.value(T, self.volume(p, T), entropy) - wanted)
+        return T, 1.0 / self.volume(p, T)
+
+    def of_quality(self, p: float, quality: float) -> tuple[float, float]:
+        """Return (T [K], ρ [kg/m³]) at p [Pa] and a mass fraction of vapour."""
+        flashes = Flashes(self.border.known)
+        masses = np.array([describe(name).molar_mass for name in self.border.known.components])
+
+        def excess(T: float) -> float:
+            found = flashes(np.array([T]), np.array([self.volume(p, T) * self.border.known.molar_mass]))
+            vapour = found.beta[0] * float(masses @ found.vapour[:, 0])
+            return vapour / self.border.known.molar_mass - quality
+
+        T = _root(*self.between(p), excess)
+        return T, 1.0 / self.volume(p, T)
+
+
+def _root(low: float, high: float, rising: Callable[[float], float]) -> float:
+    """Return the zero of an increasing function, or the end of the interval where rounding puts it outside."""
+    if rising(low) >= 0.0:
+        return low
+    return high if rising(high) <= 0.0 else brentq(rising, low, high, xtol=1e-300, rtol=CLOSE)
+
+
+@lru_cache(maxsize=16)
+def blend_wet(fluid: str) -> BlendWet:
+    """Return the wet states of a blend. Raises UsageError where its two phases are not found."""
+    return BlendWet(fluid)

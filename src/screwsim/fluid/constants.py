@@ -17,8 +17,8 @@ from itertools import count
 from typing import Any, NamedTuple
 
 from screwsim.fluid.blend_border import BlendBorder, blend_border
+from screwsim.fluid.blend_dome import blend_wet
 from screwsim.fluid.blend_flash import table_name
-from screwsim.fluid.blend_wet import blend_wet
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.coolprop_cache import no_fluid
 from screwsim.inputs.faults import UsageError
@@ -42,12 +42,8 @@ class Limits(NamedTuple):
 
 
 @cache
-def _version() -> str:
-    return importlib.metadata.version("CoolProp")
-
-
 def _file() -> str:
-    return f"coolprop-{_version()}.answers"
+    return f"coolprop-{importlib.metadata.version('CoolProp')}.answers"
 
 
 _answered = count()  # answers that this process has computed
@@ -280,11 +276,10 @@ def enthalpy(fluid: str, p: float, T: float) -> float:
     """
     known = limits(fluid)
     assert known is not None
+    dense = p >= known.p_critical and _blend(fluid) is None
     if T >= known.T_critical:
-        dense = p >= known.p_critical and _blend(fluid) is None
         return _single_phase(fluid, p, T, "iphase_supercritical") if dense else vapour_enthalpy(fluid, p, T)
     if p >= bubble_pressure(fluid, T):
-        dense = p >= known.p_critical and _blend(fluid) is None
         return _single_phase(fluid, p, T, "iphase_supercritical_liquid") if dense else liquid_enthalpy(fluid, p, T)
     if p > dew_pressure(fluid, T):
         what = f"{fluid} at {in_bar(p)}, {in_celsius(T)} is wet: it lies between bubble and dew point"

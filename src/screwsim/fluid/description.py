@@ -157,12 +157,6 @@ PSEUDO_PURE = (
 )
 
 
-def is_mixture(fluid: str) -> bool:
-    """Tell whether a known fluid is a blend, or a mixture described as if it were pure."""
-    known = describe(fluid)
-    return known.blend or known.pseudo_pure
-
-
 @lru_cache(maxsize=64)
 def describe(fluid: str) -> Description:
     """Return the description of a fluid by any of CoolProp's names, or of a blend. Raises UsageError for others."""

@@ -57,10 +57,6 @@ def _ideal(request: GasRequest) -> IdealGas:
     return IdealGas(constants.gas_constant(request.fluid), k)
 
 
-def _real(request: GasRequest) -> RealGas:
-    return RealGas(request.fluid, request.two_phase)
-
-
 def _of_line(request: GasRequest) -> float | None:
     """Return the temperature [K] on which the k of an ideal gas depends; None where k is stated."""
     return request.suction_temperature() if request.isentropic_exponent is None else None
@@ -69,7 +65,7 @@ def _of_line(request: GasRequest) -> float | None:
 MODELS: dict[str, GasModel] = {
     "ideal": GasModel(_ideal, blind=True, back_end="ideal", told=_of_line),
     "real": GasModel(
-        _real,
+        lambda request: RealGas(request.fluid, request.two_phase),
         condenses=True,
         finds_exponent=True,
         phases=True,

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.fluid.blend_dome import blend_wet
 from screwsim.fluid.blend_flash import dome
-from screwsim.fluid.blend_wet import blend_wet
 from screwsim.fluid.description import PSEUDO_PURE, Description, describe
 from screwsim.fluid.dome import margin_kernel
 from screwsim.fluid.gas import CommonGas

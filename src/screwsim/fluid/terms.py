@@ -6,7 +6,7 @@
 and ideal-gas terms those of `Ideal`. Terms that cannot be written in these forms are refused by name.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from math import log
 from typing import Any
@@ -66,53 +66,31 @@ def _rows(item: Contribution, *names: str) -> Iterator[tuple[float, ...]]:
     return zip(*([float(value) for value in item[name]] for name in names), strict=True)
 
 
-def _power(item: Contribution) -> list[Product]:
-    rows = _rows(item, "n", "d", "t", "l")
-    return [Product(n, d, t, ("power", 1.0, order) if order else NONE) for n, d, t, order in rows]
+def _decay(g: float, order: float) -> Factor:
+    return ("power", g, order) if order and g else NONE
 
 
-def _exponential(item: Contribution) -> list[Product]:
-    rows = _rows(item, "n", "d", "t", "g", "l")
-    return [Product(n, d, t, ("power", g, order) if order and g else NONE) for n, d, t, g, order in rows]
-
-
-def _gaussian(item: Contribution) -> list[Product]:
-    rows = _rows(item, "n", "d", "t", "eta", "epsilon", "beta", "gamma")
-    return [Product(n, d, t, ("bell", eta, eps), ("bell", beta, gamma)) for n, d, t, eta, eps, beta, gamma in rows]
-
-
-def _gao(item: Contribution) -> list[Product]:
-    rows = _rows(item, "n", "d", "t", "eta", "epsilon", "beta", "gamma", "b")
-    return [
-        Product(n, d, t, ("bell", -eta, eps), ("gao", beta, gamma, b)) for n, d, t, eta, eps, beta, gamma, b in rows
-    ]
-
-
-def _lemmon(item: Contribution) -> list[Product]:
-    rows = _rows(item, "n", "d", "t", "l", "m")
-    return [
-        Product(n, d, t, ("power", 1.0, order) if order else NONE, ("power", 1.0, m) if m else NONE)
-        for n, d, t, order, m in rows
-    ]
-
-
-def _double_exponential(item: Contribution) -> list[Product]:
-    rows = _rows(item, "n", "d", "t", "gd", "ld", "gt", "lt")
-    return [Product(n, d, t, ("power", gd, ld), ("power", gt, lt)) for n, d, t, gd, ld, gt, lt in rows]
-
-
-def _non_analytic(item: Contribution) -> list[NonAnalytic]:
-    return [NonAnalytic(*row) for row in _rows(item, "n", "a", "b", "beta", "A", "B", "C", "D")]
-
-
-RESIDUAL: dict[str, Callable[[Contribution], Sequence[Product | NonAnalytic]]] = {
-    "ResidualHelmholtzPower": _power,
-    "ResidualHelmholtzExponential": _exponential,
-    "ResidualHelmholtzGaussian": _gaussian,
-    "ResidualHelmholtzGaoB": _gao,
-    "ResidualHelmholtzLemmon2005": _lemmon,
-    "ResidualHelmholtzDoubleExponential": _double_exponential,
-    "ResidualHelmholtzNonAnalytic": _non_analytic,
+# kind of contribution: its columns, and the term that a row of them makes
+RESIDUAL: dict[str, tuple[str, Callable[..., Product | NonAnalytic]]] = {
+    "ResidualHelmholtzPower": ("n d t l", lambda n, d, t, order: Product(n, d, t, _decay(1.0, order))),
+    "ResidualHelmholtzExponential": ("n d t g l", lambda n, d, t, g, order: Product(n, d, t, _decay(g, order))),
+    "ResidualHelmholtzGaussian": (
+        "n d t eta epsilon beta gamma",
+        lambda n, d, t, eta, eps, beta, gamma: Product(n, d, t, ("bell", eta, eps), ("bell", beta, gamma)),
+    ),
+    "ResidualHelmholtzGaoB": (
+        "n d t eta epsilon beta gamma b",
+        lambda n, d, t, eta, eps, beta, gamma, b: Product(n, d, t, ("bell", -eta, eps), ("gao", beta, gamma, b)),
+    ),
+    "ResidualHelmholtzLemmon2005": (
+        "n d t l m",
+        lambda n, d, t, order, m: Product(n, d, t, _decay(1.0, order), _decay(1.0, m)),
+    ),
+    "ResidualHelmholtzDoubleExponential": (
+        "n d t gd ld gt lt",
+        lambda n, d, t, gd, ld, gt, lt: Product(n, d, t, ("power", gd, ld), ("power", gt, lt)),
+    ),
+    "ResidualHelmholtzNonAnalytic": ("n a b beta A B C D", NonAnalytic),
 }
 
 
@@ -199,7 +177,8 @@ def residual_terms(fluid: Description) -> list[Product | NonAnalytic]:
     for item in fluid.residual:
         if item["type"] not in RESIDUAL:
             raise _refuse(fluid.name, item["type"])
-        found += RESIDUAL[item["type"]](item)
+        columns, term = RESIDUAL[item["type"]]
+        found += [term(*row) for row in _rows(item, *columns.split())]
     return found
 
 

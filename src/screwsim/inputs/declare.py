@@ -123,7 +123,6 @@ def _field(
     metadata = {
         "kind": kind,
         "doc": doc,
-        "optional": default is None,
         "hardly": hardly,
         "remedy": remedy,
         "otherwise": otherwise,

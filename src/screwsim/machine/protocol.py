@@ -215,6 +215,15 @@ class MachineGeometry(Protocol):
         """Built-in volume ratio that the scene states; None where it follows from the laws."""
         return None
 
+    def built_in_volume_ratio(self, volume_at: Callable[[float], float]) -> float | None:
+        """Return the chamber's volume where suction closes over that where the discharge port opens.
+
+        It is the stated value where the port follows from that; None for a machine without a port that opens at an
+        angle. `volume_at` returns the volume [m³] at an angle [rad] of the chamber.
+        """
+        stated, opens = self.stated_volume_ratio, self.discharge_opens
+        return stated if stated or opens is None else volume_at(self.injection_angle) / volume_at(opens)
+
     @property
     def outcomes(self) -> tuple[float, ...]:
         """Numbers that distinguish machines whose laws are all in tables."""

@@ -151,10 +151,9 @@ class TwinScrew(MachineSettings):
         return (self.volume.life or LIFE, self.volume.injection_angle or TURN) != (LIFE, TURN)
 
 
-def _inside(
-    path: str, value: float | None, low: float, high: float, low_text: str, high_text: str, end: str = "]"
-) -> Iterator[Fault]:
+def _inside(path: str, value: float | None, low: float, high: float, end: str = "]") -> Iterator[Fault]:
     """Yield a fault for an angle that is missing, or outside (low, high] or, with `end` ')', (low, high)."""
+    low_text, high_text = (f"{math.degrees(each):.6g} deg" for each in (low, high))
     if value is None:
         yield Fault(path, f"is missing (law: paper needs it; give an angle between {low_text} and {high_text})")
     elif not (value > low and (value <= high * (1 + 1e-12) if end == "]" else value < high)):
@@ -174,15 +173,13 @@ def _angles(name: str, law: VolumeLaw | SuctionPort | DischargePort) -> Iterator
     """Yield the angles of a paper law that are missing or outside their range."""
     path = f"machine.{name}"
     if isinstance(law, VolumeLaw):
-        yield from _inside(f"{path}.phi_A", law.phi_A, 0.0, TURN, "0 deg", "360 deg")
+        yield from _inside(f"{path}.phi_A", law.phi_A, 0.0, TURN)
     elif isinstance(law, SuctionPort):
-        yield from _inside(f"{path}.phi_B", law.phi_B, 0.0, TURN / 2, "0 deg", "180 deg")
+        yield from _inside(f"{path}.phi_B", law.phi_B, 0.0, TURN / 2)
     elif law.opens is None or not TURN < law.opens < LIFE:
-        yield from _inside(f"{path}.opens", law.opens, TURN, LIFE, "360 deg", "720 deg", ")")
+        yield from _inside(f"{path}.opens", law.opens, TURN, LIFE, ")")
     else:
-        middle = 0.5 * (law.opens + LIFE)
-        low, high = f"{math.degrees(law.opens):.6g} deg", f"{math.degrees(middle):.6g} deg"
-        yield from _inside(f"{path}.phi_C", law.phi_C, law.opens, middle, low, high)
+        yield from _inside(f"{path}.phi_C", law.phi_C, law.opens, 0.5 * (law.opens + LIFE))
 
 
 def _law(name: str, law: VolumeLaw | SuctionPort | DischargePort) -> Iterator[Fault]:

@@ -23,6 +23,17 @@ FLATTER = 1.5  # largest ratio, over a step, of the slope of a valve's flow over
 
 
 @kernel
+def pressure_within(share, y, y1, u, P, TAB):
+    """Return the pressure [Pa] of a chamber at a share of a step."""
+    T3, T4 = dense_coefficients(u, 0)
+    rho3, rho4 = dense_coefficients(u, 1)
+    T = dense_value(share, y[S_T], y1[S_T], T3, T4)
+    rho = dense_value(share, y[S_RHO], y1[S_RHO], rho3, rho4)
+    p, _h, _c, _t, _a, _x, _f = gas_state(T, rho, P, TAB)
+    return p
+
+
+@kernel
 def share_before_switch(one_way, line, width, held, most, y, y1, u, P, TAB):
     """Return the share of a step, at most `most`, after which a one-way path to a line opens or shuts.
 
@@ -32,15 +43,11 @@ def share_before_switch(one_way, line, width, held, most, y, y1, u, P, TAB):
     p1, _h, _c, _t, _a, _x, _f = gas_state(y1[S_T], y1[S_RHO], P, TAB)
     if not (against * (line - p1) > SWITCHED * width):
         return most
-    T3, T4 = dense_coefficients(u, 0)
-    rho3, rho4 = dense_coefficients(u, 1)
     low = 0.0
     high = most
     while high - low > 1e-12:
         middle = 0.5 * (low + high)
-        T = dense_value(middle, y[S_T], y1[S_T], T3, T4)
-        rho = dense_value(middle, y[S_RHO], y1[S_RHO], rho3, rho4)
-        p, _h, _c, _t, _a, _x, _f = gas_state(T, rho, P, TAB)
+        p = pressure_within(middle, y, y1, u, P, TAB)
         if against * (line - p) > 0.5 * SWITCHED * width:
             high = middle
         else:
@@ -62,15 +69,11 @@ def share_while_steep(line, width, held, most, y, y1, u, P, TAB):
     p1, _h, _c, _t, _a, _x, _f = gas_state(y1[S_T], y1[S_RHO], P, TAB)
     if (line - p1) ** 2 <= limit:
         return most
-    T3, T4 = dense_coefficients(u, 0)
-    rho3, rho4 = dense_coefficients(u, 1)
     low = 0.0
     high = most
     while high - low > 1e-3 * high:
         middle = 0.5 * (low + high)
-        T = dense_value(middle, y[S_T], y1[S_T], T3, T4)
-        rho = dense_value(middle, y[S_RHO], y1[S_RHO], rho3, rho4)
-        p, _h, _c, _t, _a, _x, _f = gas_state(T, rho, P, TAB)
+        p = pressure_within(middle, y, y1, u, P, TAB)
         if (line - p) ** 2 > limit:
             high = middle
         else:
@@ -116,15 +119,11 @@ def share_before_flash(begins, y, y1, u, P, TAB):
     p1, _h, _c, _t, _a, _x, _f = gas_state(y1[S_T], y1[S_RHO], P, TAB)
     if not (p0 - begins) * (p1 - begins) < 0.0:
         return 1.0
-    T3, T4 = dense_coefficients(u, 0)
-    rho3, rho4 = dense_coefficients(u, 1)
     low = 0.0
     high = 1.0
     while high - low > 1e-6:
         middle = 0.5 * (low + high)
-        T = dense_value(middle, y[S_T], y1[S_T], T3, T4)
-        rho = dense_value(middle, y[S_RHO], y1[S_RHO], rho3, rho4)
-        p, _h, _c, _t, _a, _x, _f = gas_state(T, rho, P, TAB)
+        p = pressure_within(middle, y, y1, u, P, TAB)
         if (p0 - begins) * (p - begins) > 0.0:
             low = middle
         else:

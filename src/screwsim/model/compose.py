@@ -94,7 +94,6 @@ def structured(
     return Composition(
         text=module_text(key, own, called, items, numbers, _read_with(network)),
         together=lambda: module_text(key, own, called, items, numbers, together=True),
-        along=lambda: module_text(key, own, called, items, numbers, together=True, along=True),
         P=NO_NUMBERS,
         TAB=NO_NUMBERS,
         breakpoints=NO_NUMBERS,

@@ -39,7 +39,6 @@ class Composition:
 
     text: str
     together: Callable[[], str] = field(compare=False)  # writes the text of all chambers on demand
-    along: Callable[[], str] = field(compare=False)  # the same with directional derivatives of the rates
     P: np.ndarray
     TAB: np.ndarray
     breakpoints: np.ndarray  # of one chamber's life, including neighbours' [rad]

@@ -27,24 +27,6 @@ class ChamberContext(NamedTuple):
     own: Array
 
 
-class Changes(NamedTuple):
-    """Changes, along one direction, of the arguments of all chambers' rates; states and angles have a row each."""
-
-    y: Array
-    angles: Array
-    P: Array
-    TAB: Array
-    R: Array
-
-
-class ShiftedArguments(NamedTuple):
-    """Parameters, tables and run-time cells shifted along a direction, shifted back, and unshifted: three rows each."""
-
-    P: Array
-    TAB: Array
-    R: Array
-
-
 class CoupledContext(NamedTuple):
     """For all chambers together.
 

@@ -5,8 +5,6 @@ from functools import lru_cache
 from typing import Any
 
 from screwsim.model import ledger, port_states, slices, trace
-from screwsim.model.network import along as along_network
-from screwsim.model.network.along import along_text
 from screwsim.model.network.chamber import chamber_texts
 from screwsim.model.network.chambers import chambers_texts
 from screwsim.model.network.layout import Layout
@@ -55,30 +53,25 @@ def module_text(
     structure: tuple[tuple[str, int], ...],
     read_with: tuple[Kernel, ...] = (),
     together: bool = False,
-    along: bool = False,
 ) -> str:
     """Return the text of a flat module: constants, pasted kernels, the composition's functions, the driver.
 
     `key` is that of the network; `own_functions` with their `kernels` have been written already. The module of one
     chamber includes all kernels for reading a closed cycle, and `read_with`; that of all chambers `together` only
-    the driver, and optionally directional derivatives of their rates (`along`). A text that was written before is
-    read from the cache folder, where its key is everything it is made of.
+    the driver. A text that was written before is read from the cache folder, where its key is everything it is made of.
     """
     *network, called = key
-    drivers = (rodas.integrate, *OF_A_PITCH, slices.rates_along, *READ_WITH, *OF_EACH)
+    drivers = (rodas.integrate, *OF_A_PITCH, *READ_WITH, *OF_EACH)
     stops = Layout(Network(*key)).stops
 
     def write() -> str:
         """Return the text, written now."""
         texts, more = (chambers_texts if together else chamber_texts)(key)
-        if along:
-            text, of_text = along_text(key)
-            texts, more = (*texts, text), (*more, *of_text)
         moments = () if together else (moment_text(key),)
         own = (*own_functions, *texts, *moments)
-        return _written(own, (*kernels, *more), named, structure, read_with, stops, together, along)
+        return _written(own, (*kernels, *more), named, structure, read_with, stops, together)
 
-    made_of = (network, own_functions, named, structure, together, *(("along",) if along else ()))
+    made_of = (network, own_functions, named, structure, together)
     return kept_text(("model", "numerics"), (*kernels, *dict(called).values(), *drivers, *read_with), made_of, write)
 
 
@@ -90,7 +83,6 @@ def _written(
     read_with: tuple[Kernel, ...],
     stops: Sequence[str],
     together: bool,
-    along: bool,
 ) -> str:
     """Return the text of a module: constants, kernels, the composition's own functions, drivers, each once."""
     constants, numbers = dict(named), dict(structure)
@@ -106,9 +98,8 @@ def _written(
     slots = dict(ALL if together else ONE)
     if together:  # derivatives by numbers of a scene must be exact; for an ideal, dry gas the integrator's are
         exact = any(text.startswith("def chambers__exact_jacobian(") for text in own_functions)
-        slots["all_along"] = along_network.NAME
         slots["exact_jacobian"] = "chambers__exact_jacobian" if exact else ALL["jacobian"]
-    drivers = (rodas.integrate, *(OF_A_PITCH if together else ()), *((slices.rates_along,) if along else ()))
+    drivers = (rodas.integrate, *(OF_A_PITCH if together else ()))
     driver = flatten(drivers, slots, "_all" if together else "_one", sizes)
     rest = () if together else (*READ_WITH, *read_with)
     for more in (flatten(rest, own, numbers=numbers), driver):

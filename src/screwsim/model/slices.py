@@ -21,7 +21,6 @@ INSIDE = 1e-6  # rad, offset that keeps an angle within its segment of the laws
 BESIDE = 1e-7  # rad, for derivatives by the angle, which are not used here
 
 exact_jacobian = Slot("exact_jacobian")
-all_along = Slot("all_along")
 
 
 @kernel
@@ -58,50 +57,6 @@ def derivatives_at(angles, middles, y, context, n_e, f, g, J, Jq, own):
                 for i in range(n):
                     for j in range(n):
                         own[chamber * many + k, i, j] = J[0, chamber * n + i, chamber * n + j]
-
-
-@kernel
-def rates_along(angles, middles, y, context, n_e, sides, step, changes, f, g, f_along, g_along):
-    """Do the same as `rates_at`; fill f_along[k] and g_along[k] with the change of both along a direction.
-
-    `changes` are those of states (a row for each angle), angles, parameters, tables and run-time cells (`Changes`);
-    `sides` are these numbers shifted by step, by -step, and unshifted (a row each). The surroundings depend on
-    numbers and angle alone, so their change is a difference; that of the rates is exact.
-    """
-    E = np.empty(n_e)
-    E_below = np.empty(n_e)
-    E_along = np.empty(n_e)
-    port_states_along = np.zeros(context.port_states.shape[0])
-    work_along = np.zeros(context.work.shape[0])
-    for k in range(angles.shape[0]):
-        for side in range(3):
-            fill(context.P, sides.P[side])
-            fill(context.TAB, sides.TAB[side])
-            fill(context.R, sides.R[side])
-            if side == 0:
-                surroundings(angles[k] + step * changes.angles[k], middles[k], context, E_along)
-            elif side == 1:
-                surroundings(angles[k] - step * changes.angles[k], middles[k], context, E_below)
-            else:
-                surroundings(angles[k], middles[k], context, E)
-        for i in range(n_e):
-            E_along[i] = (E_along[i] - E_below[i]) / (2.0 * step)
-        all_along(
-            y[k],
-            E,
-            context,
-            f[k],
-            g[k],
-            changes.y[k],
-            E_along,
-            changes.P,
-            changes.TAB,
-            changes.R,
-            port_states_along,
-            work_along,
-            f_along[k],
-            g_along[k],
-        )
 
 
 @kernel

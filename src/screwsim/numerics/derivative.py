@@ -4,9 +4,8 @@
 ones. Statements that do not depend on these are copied; a branch is differentiated where it stands, so that a kink has
 the slope of the side that the kernel itself takes. Any argument can be a seed: a state, or a number of the scene.
 
-A kernel may assign, branch, loop, unpack, call kernels and the functions of `math`, and read arrays; statements may
-write into arrays that have tangents of their own. Derivatives are tested against differences for all kernels of scalars
-(tests/numerics/test_derivative.py).
+A kernel may assign, branch, loop, unpack, call kernels and the functions of `math`, and read arrays. Derivatives are
+tested against differences for all kernels of scalars (tests/numerics/test_derivative.py).
 
 Within a statement the derivatives by its variables come first, and those by the seeds follow through these: a
 statement's own partial derivatives are computed once, however many seeds there are.
@@ -16,46 +15,39 @@ Source: A. Griewank, A. Walther, Evaluating Derivatives, 2nd ed., SIAM 2008, chs
 """
 
 import ast
-import re
 from collections import Counter
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
 from screwsim.numerics.expressions import (
-    ALONG,
     Expression,
     Slopes,
     added,
     assign,
     assigned,
-    is_element,
     is_unit,
     product,
     slope_name,
 )
-from screwsim.numerics.kernel import Kernel, nodes, parsed, written
+from screwsim.numerics.kernel import Kernel, nodes, parsed, unparsed, written
 from screwsim.numerics.partials import Active, Partials, find_active, seeds_of
-from screwsim.numerics.spelling import lines_of
 
 
 @lru_cache(maxsize=256)
-def tangent(item: Kernel, by: tuple[str, ...], arrays: tuple[str, ...] = ()) -> Kernel:
+def tangent(item: Kernel, by: tuple[str, ...]) -> Kernel:
     """Return the kernel that returns a kernel's value and its derivatives by some of its arguments.
 
     For a kernel that returns several values: first all of them, then their derivatives by the first named argument,
     then those by the second, and so on. Raises TypeError, which names the kernel, for source that cannot be
     differentiated.
-
-    `arrays` are arguments with tangents of their own: the returned kernel takes, after the other arguments, an array of
-    derivatives for each; `ALONG` in `by` stands for the derivative along all of them together.
     """
-    missing = [name for name in (*by, *arrays) if name not in (*item.arguments, *([ALONG] if arrays else []))]
+    missing = [name for name in by if name not in item.arguments]
     if missing or not by:
         raise TypeError(f"kernel {item.__name__} has no argument {', '.join(missing) or 'to be differentiated by'}")
     function = parsed(item.source).body[0]
     assert isinstance(function, ast.FunctionDef)
-    text, uses = _OfKernel(item, function, by, arrays).written()
+    text, uses = _OfKernel(item, function, by).written()
     return written(text, f"slopes_of_{item.__name__}", uses)
 
 
@@ -63,8 +55,7 @@ class Forward:
     """Differentiates statements by seeds; `active` holds the seeds on which each variable depends.
 
     `given` are derivatives that are stated rather than generated, by variable and seed; `held` variables depend on
-    nothing. Elements of `arrays` have a derivative by the seed `ALONG`, stored in an array beside each (`slope_name`);
-    a value that is written into them is written together with its derivative.
+    nothing.
     """
 
     def __init__(
@@ -75,10 +66,8 @@ class Forward:
         known: Mapping[str, Any],
         given: Mapping[tuple[str, str], Expression] | None = None,
         held: Collection[str] = (),
-        arrays: Collection[str] = (),
     ) -> None:
         self.name, self.by, self.known, self.given, self.held = name, by, known, given or {}, held
-        self.arrays = arrays
         self.active: Active = {name: (name,) for name in by}
         for name in dict.fromkeys(name for name, _ in self.given):
             self.active[name] = tuple(seed for seed in by if (name, seed) in self.given or name == seed)
@@ -89,9 +78,8 @@ class Forward:
         self.once = {name for name, times in names.items() if times == 1}
         self.whole = set(by) & set(names)  # seeds that are reassigned, and so are variables like others
         self.once -= self.whole
-        self.active |= dict.fromkeys(arrays, (ALONG,))
         find_active(self.active, self.pairs, by, self.given, held)
-        self._partials = Partials(name, known, self.active, taken, tangent, arrays)
+        self._partials = Partials(name, known, self.active, taken, tangent)
         self.uses = self._partials.uses  # kernels that the new statements call, by name
 
     def statements(self, body: Sequence[ast.stmt]) -> list[ast.stmt]:
@@ -100,8 +88,6 @@ class Forward:
 
     def slope(self, name: str, seed: str) -> Expression | None:
         """Return the derivative of a variable by a seed; None where it is zero."""
-        if name in self._partials.read:
-            return self._partials.read[name] if seed == ALONG else None
         if seed not in self.active.get(name, ()):
             return None
         if name == seed and name not in self.whole:
@@ -118,10 +104,6 @@ class Forward:
                 return self._assignment(name, value)
             case ast.Assign(targets=[ast.Tuple(elts=targets)], value=value):
                 return self._unpacking(targets, value)
-            case ast.Assign(targets=[ast.Subscript() as target], value=value) if self._moves(target):
-                return self._storing(target, value, lambda at, one: ast.Assign([at], one))
-            case ast.AugAssign(ast.Subscript() as target, ast.Add() | ast.Sub() as op, value) if self._moves(target):
-                return self._storing(target, value, lambda at, one: ast.AugAssign(at, op, one))
             case ast.AugAssign(target=ast.Name(id=name), op=op, value=value):
                 return self._assignment(name, ast.BinOp(ast.Name(name, ast.Load()), op, value))
             case ast.If(test=test, body=body, orelse=orelse):
@@ -152,27 +134,10 @@ class Forward:
                 own.append(assign(slope_name(name, seed), slope))
         return [*before, *own, assign(name, plain), *after]
 
-    def _moves(self, target: ast.Subscript) -> bool:
-        """Tell whether a target is an element of an array that has a tangent."""
-        return isinstance(target.value, ast.Name) and target.value.id in self.arrays and is_element(target.slice)
-
-    def _storing(
-        self, target: ast.Subscript, value: Expression, stored: Callable[[ast.Subscript, Expression], ast.stmt]
-    ) -> list[ast.stmt]:
-        """Return statements that store a number in an array that has a tangent, together with its derivative."""
-        before: list[ast.stmt] = []
-        plain, slopes = self._partials.expression(value, before)
-        array = ast.unparse(target.value)
-        slope = self._by_seeds(slopes, (ALONG,), before, array)[ALONG]
-        beside = ast.Subscript(ast.Name(slope_name(array, ALONG), ast.Load()), target.slice, ast.Store())
-        return [*before, stored(beside, slope), stored(target, plain)]
-
     def _by_seeds(self, slopes: Slopes, seeds: Sequence[str], before: list[ast.stmt], stem: str) -> Slopes:
         """Return the derivatives by each seed, by the chain rule over the variables of a statement."""
         if len(seeds) > 1:
-            slopes = {
-                name: self._partials.kept(slope, before, f"{stem}_by_{_word(name)}") for name, slope in slopes.items()
-            }
+            slopes = {name: self._partials.kept(slope, before, f"{stem}_by_{name}") for name, slope in slopes.items()}
         found: Slopes = {}
         for seed in seeds:
             total: Expression | None = None
@@ -215,20 +180,12 @@ class Forward:
         return [*before, ast.Return(ast.Tuple([*(plain for plain, _ in found), *slopes], ast.Load()))]
 
 
-def _word(text: str) -> str:
-    """Return text that can be part of a name; for an element of an array, the words of its expression."""
-    return re.sub(r"\W+", "_", text).strip("_")
-
-
 class _OfKernel(Forward):
     """Differentiates one kernel by some of its arguments."""
 
-    def __init__(
-        self, item: Kernel, function: ast.FunctionDef, by: tuple[str, ...], arrays: tuple[str, ...] = ()
-    ) -> None:
-        super().__init__(item.__name__, function.body, by, item.function.__globals__, arrays=arrays)
-        self.beside = [slope_name(name, ALONG) for name in arrays]
-        self._partials.taken.update(item.arguments, self.beside)
+    def __init__(self, item: Kernel, function: ast.FunctionDef, by: tuple[str, ...]) -> None:
+        super().__init__(item.__name__, function.body, by, item.function.__globals__)
+        self._partials.taken.update(item.arguments)
         self.item, self.body = item, function.body
         self.whole = {name for names, _ in self.pairs for name in names} & set(item.arguments)
         self.once -= self.whole
@@ -243,9 +200,7 @@ class _OfKernel(Forward):
         ]
         function = ast.FunctionDef(
             name="_by_".join([self.name, "_".join(self.by)]),
-            args=ast.arguments(
-                [], [ast.arg(one) for one in (*self.item.arguments, *self.beside)], None, [], [], None, []
-            ),
+            args=ast.arguments([], [ast.arg(one) for one in self.item.arguments], None, [], [], None, []),
             body=first + self.statements(self.body),
             decorator_list=[],
         )
@@ -254,4 +209,4 @@ class _OfKernel(Forward):
                 self.uses[node.id] = self.known[node.id]
         for module in ("math", "np"):  # available in every text
             self.uses.pop(module, None)
-        return "\n".join(lines_of(function)) + "\n", self.uses
+        return unparsed(function) + "\n", self.uses

@@ -7,7 +7,6 @@ from typing import Any
 
 from screwsim.numerics.kernel import nodes
 
-ALONG = "along"  # the seed of arrays that have tangents; an array beside each holds its derivatives
 FLAT = {"floor", "ceil", "trunc"}  # functions of math whose derivative is zero
 Expression = ast.expr
 Slopes = dict[str, Expression]  # by variable, within a statement
@@ -84,13 +83,8 @@ def is_unit(node: Expression) -> bool:
     return _is(node, 1.0) or (isinstance(node, ast.UnaryOp) and _is(node.operand, 1.0))
 
 
-def is_element(index: Expression) -> bool:
-    """Tell whether an index selects a single element of an array."""
-    return not isinstance(index, ast.Slice | ast.Tuple)
-
-
 def slope_name(name: str, seed: str) -> str:
-    """Return the name of a variable's derivative by a seed; for an array, that of the array of its derivatives."""
+    """Return the name of a variable's derivative by a seed."""
     return f"{name}__{seed}"
 
 

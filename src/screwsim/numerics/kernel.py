@@ -170,6 +170,14 @@ def nodes(*trees: ast.AST) -> list[Any]:
     return found
 
 
+def unparsed(node: ast.AST) -> str:
+    """Return the text of a tree that was built here, whose statements have no line numbers."""
+    for each in nodes(node):
+        if isinstance(each, ast.stmt):
+            each.lineno = 0  # the only position that `ast.unparse` needs
+    return ast.unparse(node)
+
+
 def constant_text(value: Any) -> str | None:
     if isinstance(value, bool | int | float):
         return repr(value)

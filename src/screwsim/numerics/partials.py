@@ -5,7 +5,6 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 from screwsim.numerics.expressions import (
-    ALONG,
     FLAT,
     SLOPES,
     Expression,
@@ -13,13 +12,11 @@ from screwsim.numerics.expressions import (
     added,
     assign,
     each,
-    is_element,
     is_unit,
     name_of,
     negative,
     product,
     read,
-    slope_name,
     targets,
 )
 from screwsim.numerics.kernel import Kernel, Slot, nodes, parsed
@@ -31,8 +28,7 @@ class Partials:
     """Differentiates the expressions of one text by the variables in them.
 
     `active` holds the seeds on which variables depend, `known` the meaning of the text's names, `taken` the names in
-    use; `tangent` makes the kernel of a called kernel's derivatives, and `uses` collects these. `arrays` have tangents
-    with the seed `ALONG`: `read` maps the text of each element that was read to its derivative.
+    use; `tangent` makes the kernel of a called kernel's derivatives, and `uses` collects these.
     """
 
     def __init__(
@@ -41,12 +37,9 @@ class Partials:
         known: Mapping[str, Any],
         active: Active,
         taken: set[str],
-        tangent: Callable[[Kernel, tuple[str, ...], tuple[str, ...]], Kernel],
-        arrays: Collection[str] = (),
+        tangent: Callable[[Kernel, tuple[str, ...]], Kernel],
     ) -> None:
         self.name, self.known, self.active, self.taken, self.tangent = name, known, active, taken, tangent
-        self.arrays = arrays
-        self.read: dict[str, Expression] = {}
         self.uses: dict[str, Any] = {}
         self._count = 0
 
@@ -84,10 +77,6 @@ class Partials:
                 return self._call(node, before)
             case ast.Subscript(value=ast.Call() as call, slice=ast.Constant(value=int(index))):
                 return self.values(call, before, self.returned(call))[index]
-            case ast.Subscript(value=ast.Name(id=name), slice=index) if name in self.arrays and is_element(index):
-                text = ast.unparse(node)
-                self.read[text] = ast.Subscript(ast.Name(slope_name(name, ALONG), ast.Load()), index, ast.Load())
-                return node, {text: ast.Constant(1.0)}
         raise self.fail(f"it has {ast.unparse(node)!r}")
 
     def kept(self, value: Expression, before: list[ast.stmt], stem: str = "part") -> Expression:
@@ -190,19 +179,13 @@ class Partials:
             raise self.fail(f"{node.func.id} exists only inside a generated module")
         if not isinstance(called, Kernel) or node.keywords:
             raise self.fail(f"it calls {ast.unparse(node.func)}")
-        whole = {i: one.id for i, one in enumerate(node.args) if isinstance(one, ast.Name) and one.id in self.arrays}
-        found = [
-            (argument, {}) if i in whole else self.expression(argument, before) for i, argument in enumerate(node.args)
-        ]
+        found = [self.expression(argument, before) for argument in node.args]
         moving = [(name, slopes) for name, (_, slopes) in zip(called.arguments, found, strict=True) if slopes]
-        itself: Slopes = {ALONG: ast.Constant(1.0)}
-        moving += [(ALONG, itself)] if whole else []
-        by, arrays = tuple(name for name, _ in moving), tuple(called.arguments[i] for i in whole)
-        alias = "_by_".join([node.func.id, "_".join([*by, *arrays])])  # two kernels may have the same name of their own
-        self.uses[alias] = self.tangent(called, by, arrays)
+        by = tuple(name for name, _ in moving)
+        alias = "_by_".join([node.func.id, "_".join(by)])  # two kernels may have the same name of their own
+        self.uses[alias] = self.tangent(called, by)
         parts = [[self.fresh("by") for _ in range(count)] for _ in moving]
-        changes = [ast.Name(slope_name(name, ALONG), ast.Load()) for name in whole.values()]
-        call = ast.Call(ast.Name(alias, ast.Load()), [*(value for value, _ in found), *changes], [])
+        call = ast.Call(ast.Name(alias, ast.Load()), [value for value, _ in found], [])
         before.append(ast.Assign([targets([*names, *(name for some in parts for name in some)])], call))
 
         def slope(k: int, name: str) -> Expression | None:

@@ -1,14 +1,31 @@
-"""The settings of the numerical solution in a scene, and the ways of closing a cycle that each option tries in turn.
+"""The settings of the numerical solution in a scene, and what each option tries in turn to close or estimate.
 
-A new option is an entry here, with its implementation as a way of `cycle.ways`.
+A new option is an entry here, with its implementation as a way of `cycle.ways` or an estimate in `solve.estimate`.
 """
 
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from screwsim.inputs.declare import choice, number
-from screwsim.numerics.error_options import ERRORS, ESTIMATE
 from screwsim.numerics.integrators import DEFAULT, INTEGRATORS
+
+
+class ErrorOption(NamedTuple):
+    """An option of `numerics.error`: the estimates that it tries (`solve.estimate.ESTIMATES`), and its description."""
+
+    by: tuple[str, ...]
+    text: str
+
+
+ESTIMATE, NONE = "estimate", "none"  # as scenes call them
+CHAMBERS, LIVES, AGAIN = "chambers together", "finer lives", "closed again"
+ERRORS = {
+    ESTIMATE: ErrorOption(
+        (CHAMBERS, LIVES, AGAIN),
+        "the numerical error of each figure is estimated, and the cycle closed again until it is within the accuracy",
+    ),
+    NONE: ErrorOption((), "no estimate, which is faster"),
+}
 
 
 class Closing(NamedTuple):

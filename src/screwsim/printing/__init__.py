@@ -7,7 +7,7 @@ import math
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, engineering_temperature, scale, shown_name, small_number_text
@@ -20,10 +20,6 @@ from screwsim.scene import Scene
 from screwsim.screen import json_safe, printable, say
 from screwsim.study.inputs import shown_value
 from screwsim.study.sweep import SweepSummary
-
-if TYPE_CHECKING:
-    from screwsim.report.accuracy import Drawing
-    from screwsim.study.accuracy import Study
 
 LEAST_SHOWN_LOSS = 5e-5  # of the shaft power: smaller losses would be shown as 0.00 %
 MOST_FAILURES = 20  # listed for one sweep; all are in its file
@@ -292,19 +288,3 @@ def print_sweep(document: Mapping[str, Any], scene: Scene) -> None:
     if "uncertainty" in document:
         say(wrapped(printable(f"uncertainty from the inputs alone: {ranges_text(document['uncertainty'])}")))
     say(f"{counts}, {document['seconds']:.1f} s")
-
-
-def accuracy_drawing(study: Study) -> Drawing:
-    """Return the contents of a study's work-precision figure."""
-    from screwsim.report.accuracy import Drawing, Line
-    from screwsim.study.accuracy.words import comparable_cases, limit_of_regularisation, pareto_front
-
-    cases = [each for each in comparable_cases(study) if each.status == "ok"]
-    lines = []
-    for label in dict.fromkeys(each.label for each in cases):
-        mine = [each for each in cases if each.label == label]
-        columns = ([getattr(each, name) for each in mine] for name in ("time", "evaluations", "error"))
-        lines.append(Line(label.replace("scipy-", "scipy "), *columns))
-    front = [(each.time, each.error) for each in pareto_front(cases)]
-    by_evaluations = [(each.evaluations, each.error) for each in pareto_front(cases, "evaluations")]
-    return Drawing(lines, front, by_evaluations, study.reference.difference, limit_of_regularisation(study))

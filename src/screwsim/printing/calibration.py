@@ -9,7 +9,7 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import digits, reading_unit, shown_name
 from screwsim.printing import write_json
-from screwsim.printing.tables import plain_table, print_scene_title, print_wrapped, wrapped
+from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.report.calibration import draw
 from screwsim.results.atomic import make_folder, write_text
 from screwsim.results.protection import protect_folder, protect_other_json
@@ -18,9 +18,9 @@ from screwsim.screen import say
 from screwsim.study.calibration.fit import TOLERANCE_REMEDY, Parameter, Prior
 from screwsim.study.calibration.hypotheses import LEAST_CHANCE, chance_of_misfit
 from screwsim.study.calibration.identifiability import CORRELATED, WEAK_VALUE
-from screwsim.study.calibration.scene import FIRST_LINE, fitted_text
 from screwsim.study.calibration.solve import Calibration, ComparedMeasurement
 from screwsim.study.inputs import in_customary, shown_number, shown_value
+from screwsim.study.scene_files import FITTED_LINE, fitted_text
 
 SCENE, DOCUMENT, FIGURE = "scene.yaml", "fit.json", "residuals"
 _ABOUT_TOLERANCES = (
@@ -124,7 +124,7 @@ def print_calibration(found: Calibration) -> None:
     if any(tolerances):
         heads.append(TOLERANCE_REMEDY)
         rows = [[*row, cell] for row, cell in zip(rows, tolerances, strict=True)]
-    say("\n".join(plain_table(heads, rows, 1)))
+    print_table(heads, rows, 1)
     if any(tolerances):
         say(wrapped(_ABOUT_TOLERANCES))
     for group in found.fit.together:
@@ -247,7 +247,7 @@ def _correlations(found: Calibration) -> Iterator[str]:
 
 def check_folder(folder: Path) -> None:
     """Raise UsageError where a folder has a foreign file under the name of a calibration's scene or document."""
-    protect_folder(folder, {SCENE: FIRST_LINE})
+    protect_folder(folder, {SCENE: FITTED_LINE})
     protect_other_json(folder / DOCUMENT, "parameters", "chi_squared", "starts")
 
 

@@ -1,6 +1,7 @@
 """Output of `screwsim compare`."""
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -8,7 +9,7 @@ from typing import Any
 
 from screwsim.outputs.customary import printed_celsius
 from screwsim.printing import engineering, shown_name
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import print_table, wrapped
 from screwsim.report.overlay import draw_overlay
 from screwsim.report.quantities import short, shown_axis
 from screwsim.results import Results
@@ -19,6 +20,8 @@ from screwsim.study.compare import Comparison, FigureChange, common_points
 
 TABLE, TITLE = "comparison.csv", "comparison"
 OWN_COLUMNS = "status_a", "status_b"  # columns that identify such a table
+DIGITS = 12  # of numbers in a scene
+_LONG_NUMBER = re.compile(r"(?<![\w.])[0-9]*\.[0-9]{12,}(?:e[-+]?[0-9]+)?")
 MOST_NAMES = 3  # most figures named for one point of largest change
 
 
@@ -50,8 +53,8 @@ def print_comparison(a: Results, b: Results, found: Comparison) -> None:
         say(wrapped(some if found.compared else "none of them is ok in both files, so no figure is compared"))
     if found.scene:
         say()
-        rows = [[path, one or "-", other or "-"] for path, (one, other) in found.scene.items()]
-        say("\n".join(plain_table(["scene", "A", "B"], rows, 1)))
+        rows = [[path, *_shown_pair(one or "-", other or "-")] for path, (one, other) in found.scene.items()]
+        print_table(["scene", "A", "B"], rows, 1)
     if found.status_changes:
         say()
         count = found.status_changes
@@ -68,7 +71,7 @@ def print_comparison(a: Results, b: Results, found: Comparison) -> None:
 
 def _print_figures(a: Results, b: Results, found: Comparison) -> None:
     heads = ["", "A", "B", "", "change", "error", "differ"]
-    say("\n".join(plain_table(heads, [_cells(a, b, each) for each in found.figures], 1)))
+    print_table(heads, [_cells(a, b, each) for each in found.figures], 1)
     many = any(each.at for each in found.figures) and found.common > 1
     text = (
         "change and error are relative to A, in K for temperatures; error: both estimates together, twice which "
@@ -96,10 +99,18 @@ def _cells(a: Results, b: Results, each: FigureChange) -> list[str]:
         change = f"{each.change:+.1e} K" if each.change else "0"
         return [shown_name(each.figure), one, other, "°C", change, f"{each.error or 0.0:.0e} K", differ]
     (one, unit), (other, other_unit) = (engineering(about, value) for value in (each.a, each.b))
+    if not each.a or not each.b:  # zero has the unit of the other one
+        unit = other_unit = unit if each.a else other_unit
     other = other if other_unit == unit else f"{other} {other_unit}"  # as for 900 W and 1.1 kW
     relative = "" if each.relative is None else f"{each.relative:+.1e}" if each.relative else "0"
     error = f"{(each.error or 0.0) / abs(each.a):.0e}" if each.a else ""
     return [shown_name(each.figure), one, other, unit, relative, error, differ]
+
+
+def _shown_pair(one: str, other: str) -> tuple[str, str]:
+    """Return two values of a scene without the rounding of their last digits (1.7000000000000002), if they differ."""
+    a, b = (_LONG_NUMBER.sub(lambda match: f"{float(match[0]):.{DIGITS}g}", text) for text in (one, other))
+    return (a, b) if a != b else (one, other)
 
 
 def _where(results: Results, at: Mapping[str, Any]) -> str:

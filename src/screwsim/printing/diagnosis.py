@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from screwsim.printing.tables import plain_table, print_left_out, print_scene_title, print_wrapped, wrapped
+from screwsim.printing.tables import print_left_out, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.screen import say
 from screwsim.study.calibration.diagnosis import Diagnosis
 from screwsim.study.calibration.hypotheses import (
@@ -68,7 +68,7 @@ def print_diagnosis(found: Diagnosis) -> None:
     say()
     heads = ["what changed", "probable", "by", f"{INTERVAL_LEVEL:.0%} interval", "now", "", "misfit"]
     shown = [each for each in found.hypotheses if len(each.changes) < 2 or each.probability > LIKELY_PROBABILITY]
-    say("\n".join(plain_table(heads, [row for each in shown for row in _rows(found, each)], 1)))
+    print_table(heads, [row for each in shown for row in _rows(found, each)], 1)
     say()
     print_wrapped(_findings(found))
 

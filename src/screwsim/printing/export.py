@@ -8,7 +8,7 @@ from screwsim.export.inputs import plain
 from screwsim.export.loads import ExportedLoads, document, unit_of
 from screwsim.export.table import MapTable
 from screwsim.outputs import Result
-from screwsim.printing.tables import plain_table, print_scene_title, wrapped
+from screwsim.printing.tables import print_scene_title, print_table, wrapped
 from screwsim.screen import say
 
 
@@ -29,11 +29,11 @@ def print_map(table: MapTable, files: Sequence[str]) -> None:
     print_scene_title(table.title)
     inputs = zip(table.inputs, table.grid.nodes, strict=True)
     rows = [[one.name, f"{one.low:.6g}", f"{one.high:.6g}", plain(one.units), str(len(nodes))] for one, nodes in inputs]
-    say("\n".join(plain_table(["input", "from", "to", "unit", "nodes"], rows, 1)))
+    print_table(["input", "from", "to", "unit", "nodes"], rows, 1)
     say()
     errors = zip(table.outputs, table.errors, strict=True)
     rows = [[each.name, plain(each.units), _percent(error)] for each, error in errors]
-    say("\n".join(plain_table(["output", "unit", "error"], rows, 1)))
+    print_table(["output", "unit", "error"], rows, 1)
     say(wrapped(f"errors: {table.how}; of temperatures, over 100 K"))
     open_nodes = f"; {table.not_ok} nodes without a closed cycle, which are flagged" if table.not_ok else ""
     say(wrapped(f"{table.cases} cases{open_nodes}"))
@@ -58,7 +58,7 @@ def print_polynomials(
         [", ".join(f"{path} = {value:.6g}" for path, value in at.items()) or "map", *(_percent(e) for e in errors)]
         for at, errors in rows
     ]
-    say("\n".join(plain_table(["largest error", *(name.replace("_", " ") for name in figures)], body, 1)))
+    print_table(["largest error", *(name.replace("_", " ") for name in figures)], body, 1)
     for file in files:
         say(file)
 
@@ -76,7 +76,7 @@ def print_loads(found: ExportedLoads, result: Result, files: Sequence[str]) -> N
         [name, unit_of(name), *(f"{each.amplitude:.4g}" for each in spectrum[:4])]
         for name, spectrum in found.spectra.items()
     ]
-    say("\n".join(plain_table(["curve", "unit", "mean", "1st", "2nd", "3rd"], rows, 2)))
+    print_table(["curve", "unit", "mean", "1st", "2nd", "3rd"], rows, 2)
     for file in files:
         say(file)
 

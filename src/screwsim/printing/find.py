@@ -8,7 +8,7 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import error_text, figure_text, shown_name
 from screwsim.outputs.customary import with_printed_units
 from screwsim.outputs.display import picked
-from screwsim.printing.tables import plain_table, print_scene_title, print_wrapped, wrapped
+from screwsim.printing.tables import print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
@@ -61,7 +61,7 @@ def print_find(scene: Scene, asked: Question, rows: Sequence[GoalSeekAnswer]) ->
     heads = [*(path.rpartition(".")[2].replace("_", " ") for path in paths)]
     heads += [*(span.path.rpartition(".")[2] for span in asked.spans), *(["±"] if len(asked.spans) == 1 else [])]
     heads += [*(["size"] if asked.sizes else []), *(shown_name(goal.figure) for goal in asked.goals), "simulated"]
-    say("\n".join(plain_table(heads, [_cells(scene, asked, paths, row) for row in rows])))
+    print_table(heads, [_cells(scene, asked, paths, row) for row in rows])
     notes = [line for row in rows for line in _notes(scene, paths, row)]
     print_wrapped(notes[:MOST_NOTES])
     if len(notes) > MOST_NOTES:

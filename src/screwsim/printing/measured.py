@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from screwsim.figures import declared
 from screwsim.figures.engineering import reading_unit, shown_name
 from screwsim.outputs import Result
-from screwsim.printing.tables import plain_table, print_wrapped, wrapped
+from screwsim.printing.tables import plain_table, print_table, print_wrapped, wrapped
 from screwsim.scene import Scene
 from screwsim.scene.types import COVERAGE
 from screwsim.screen import printable, say
@@ -98,7 +98,7 @@ def _print_explanations(scene: Scene, found: Comparison) -> None:
         if tolerant:
             cells.append("" if each.tolerances is None else f"{each.tolerances:+.2g}")
         rows.append([*cells, *([f"{100.0 * each.left:.0f} %"] if several else [])])
-    say("\n".join(plain_table(heads, rows, 1)))
+    print_table(heads, rows, 1)
     more = len(found.explanations) - MOST_EXPLANATIONS
     lines = [f"and {more} more number{'s' if more > 1 else ''} (--json)"] if more > 0 else []
     lines.append("estimated from derivatives; check one with --set PATH=VALUE")

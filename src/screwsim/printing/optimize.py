@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures.engineering import error_text, figure_text, shown_name
-from screwsim.printing.tables import plain_table, print_scene_title, print_wrapped, wrapped
+from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.warning_kinds import kinds_of
 from screwsim.screen import say
 from screwsim.study.inputs import shown_number, shown_value
@@ -104,7 +104,7 @@ def _print_best(found: Optimum) -> None:
         reach = found.reach[path]
         mark = {"lower border": " <", "upper border": " >"}.get(reach.border, "")
         rows.append([path, shown_value(asked.scene, path, value, VALUE_DIGITS) + mark, _reach(found, path, reach)])
-    say("\n".join(plain_table(["", "best", "as good"], rows, 1)))
+    print_table(["", "best", "as good"], rows, 1)
     value, error = found.aims[row, 0], found.errors[row, 0]
     say()
     say(f"{shown_name(aim.figure)} {figure_text(aim.figure, value)}, error {error_text(aim.figure, value, error)}")
@@ -152,7 +152,7 @@ def _print_front(found: Optimum) -> None:
     picked = evenly_spread(found.aims[front], MOST_FRONT_ROWS)
     heads = [*(shown_name(aim.figure) for aim in asked.aims), "error"]
     heads += [*(span.path.rpartition(".")[2].replace("_", " ") for span in asked.spans), "evaluation"]
-    say("\n".join(plain_table(heads, [_front_cells(found, int(front[i])) for i in picked])))
+    print_table(heads, [_front_cells(found, int(front[i])) for i in picked])
     some = f"{len(picked)} of the {len(front)}" if len(picked) < len(front) else f"the {len(front)}"
     many = "s" if len(front) > 1 else ""
     error = "error: relative, the largest of the aims"

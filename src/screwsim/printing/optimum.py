@@ -8,7 +8,7 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import figure_text
 from screwsim.printing import engineering, shown_name
-from screwsim.printing.tables import plain_table, print_scene_title, print_wrapped, wrapped
+from screwsim.printing.tables import print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
@@ -41,7 +41,7 @@ def print_optimum(scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
     paths = [path for path in scene.sweep if path != asked.path]
     heads = [*(path.rpartition(".")[2].replace("_", " ") for path in paths), asked.path.rpartition(".")[2], "as good"]
     heads += [shown_name(asked.figure), "error", "accuracy", "simulated"]
-    say("\n".join(plain_table(heads, [_cells(scene, asked, paths, row) for row in rows])))
+    print_table(heads, [_cells(scene, asked, paths, row) for row in rows])
     notes = [note for row in rows for note in _notes(scene, asked, paths, row)]
     if notes:
         say()

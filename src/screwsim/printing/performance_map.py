@@ -7,7 +7,7 @@ from typing import Any
 
 from screwsim.figures.engineering import engineering
 from screwsim.printing import shown_name, write_json
-from screwsim.printing.tables import plain_table, print_scene_title, wrapped
+from screwsim.printing.tables import print_scene_title, print_table, wrapped
 from screwsim.results import Results
 from screwsim.results.atomic import make_folder
 from screwsim.results.protection import protect_other_json
@@ -78,7 +78,7 @@ def _print_map(results: Results, one: PerformanceMap) -> None:
         found = (getattr(fit, name) for fit in one.fits.values())
         rows.append([label, *("" if value is None else f"{100.0 * value:.2g} %" for value in found)])
     heads = ["", *(f"{shown_name(figure)} [{results.figure(figure).units}]" for figure in one.fits)]
-    say("\n".join(plain_table(heads, rows, 1)))
+    print_table(heads, rows, 1)
     corners = ", ".join(f"({S:g}, {D:g})" for S, D in one.envelope)
     left = f", {one.not_ok} more are not ok" if one.not_ok else ""
     say(wrapped(f"{one.points} points{left}; condition of the fit {one.condition:.2g}"))

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
-from screwsim.printing.tables import plain_table, print_left_out, print_scene_title, print_wrapped, wrapped
+from screwsim.printing.tables import print_left_out, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, make_folder, write_csv
 from screwsim.scene import Scene
 from screwsim.screen import say
@@ -60,7 +60,7 @@ def print_plan(found: Plan) -> None:
         return
     say()
     rows = [[f"{i}", each.point.name, f"{each.gain:.3f}"] for i, each in enumerate(found.steps, 1)]
-    say("\n".join(plain_table(["", "measure next", "gain"], rows, 2)))
+    print_table(["", "measure next", "gain"], rows, 2)
     say()
     shown = (
         found.steps if len(found.steps) <= MOST_DEVIATIONS else (*found.steps[: MOST_DEVIATIONS - 1], found.steps[-1])
@@ -68,7 +68,7 @@ def print_plan(found: Plan) -> None:
     numbers = [*range(1, len(shown)), len(found.steps)]
     heads = ["standard deviation", "now", *(f"with {number}" for number in numbers), "", "less by"]
     rows = [_row(found, i, [found.before, *(each.deviations for each in shown)]) for i in range(len(fit.parameters))]
-    say("\n".join(plain_table(heads, rows, 1)))
+    print_table(heads, rows, 1)
     say()
     print_wrapped(_plan_notes(found))
 

@@ -9,7 +9,7 @@ import numpy as np
 from screwsim.figures import declared
 from screwsim.figures.engineering import digits, reading_unit, shown_name
 from screwsim.inputs.faults import UsageError
-from screwsim.printing.tables import plain_table, print_left_out, print_wrapped, wrapped
+from screwsim.printing.tables import print_left_out, print_table, print_wrapped, wrapped
 from screwsim.report.calibration import ParameterSample, draw_posterior
 from screwsim.results.atomic import FOREIGN_FILE, write_csv
 from screwsim.scene import leaf_of
@@ -83,13 +83,13 @@ def print_posterior(fit: Calibration, found: Posterior) -> None:
         low, high = (shown_number(scene, each.name, value) for value in (each.low, each.high))
         share = "" if each.of_prior is None else f"{each.of_prior:.2f}"
         rows.append([each.name, shown_value(scene, each.name, each.median, 4), f"{low} … {high}", share])
-    say("\n".join(plain_table(["posterior", "median", f"{LEVEL:.0%} interval", "of prior"], rows, 1)))
+    print_table(["posterior", "median", f"{LEVEL:.0%} interval", "of prior"], rows, 1)
     say()
     rows = [[shown_name(each.name), *_width(found, each.name)] for each in found.discrepancies]
-    say("\n".join(plain_table(["model discrepancy", "median", f"up to ({(1 + LEVEL) / 2:.0%})"], rows, 1)))
+    print_table(["model discrepancy", "median", f"up to ({(1 + LEVEL) / 2:.0%})"], rows, 1)
     say()
     rows = [_row(each) for each in found.predicted]
-    say("\n".join(plain_table(["point", "figure", "measured", f"predicted, {LEVEL:.0%}", ""], rows, 2)))
+    print_table(["point", "figure", "measured", f"predicted, {LEVEL:.0%}", ""], rows, 2)
     print_wrapped(_notes(found))
     if found.predictions is not None:
         print_predictions(found.predictions)
@@ -117,7 +117,7 @@ def print_predictions(found: Predictions) -> None:
     measured = [each for each in found.figures if each.measured is not None]
     heads = ["predicted", f"{LEVEL:.0%} interval", "by parameters", "by the model", "by measuring", "measured"]
     width = len(heads) if measured else len(heads) - 1
-    say("\n".join(plain_table(heads[:width], [row[:width] for row in rows], 1)))
+    print_table(heads[:width], [row[:width] for row in rows], 1)
     if measured:
         say(f"{sum(bool(each.inside) for each in measured)} of {len(measured)} measured inside")
     off = "" if found.off is None else f"; polynomials off by at most {found.off:.2g} uncertainties at draws solved"

@@ -10,7 +10,7 @@ from screwsim.outputs import EFFICIENCY
 from screwsim.outputs.derivatives import DIFFERENCES
 from screwsim.outputs.display import picked
 from screwsim.printing import shown_name
-from screwsim.printing.tables import plain_table, print_scene_title, wrapped
+from screwsim.printing.tables import print_scene_title, print_table, wrapped
 from screwsim.results.write import save
 from screwsim.scene import Scene, leaf_of
 from screwsim.screen import say
@@ -67,7 +67,7 @@ def print_sensitivity(scene: Scene, found: Sensitivity) -> None:
             first = f"{index.first:.3f} ± {index.first_confidence:.3f}"
             total = f"{index.total:.3f} ± {index.total_confidence:.3f}"
             rows.append([index.path, f"{low} … {high}", first, total])
-        say("\n".join(plain_table(["", "range", "first order", "total"], rows, 1)))
+        print_table(["", "range", "first order", "total"], rows, 1)
     if any(shares.indices for shares in found.shares):
         say()
         text = f"shares of the variance, ± half the {CONFIDENCE:.0%} confidence interval; total less first order: "
@@ -141,7 +141,7 @@ def print_local(scene: Scene, found: Sensitivities, chosen: Sequence[str] = ()) 
         for path in felt[:MOST_NUMBERS]
     ]
     say("change of a figure, in percent per percent of a number")
-    say("\n".join(plain_table(["", "value", *map(shown_name, figures)], rows, 1)))
+    print_table(["", "value", *map(shown_name, figures)], rows, 1)
     if len(felt) > MOST_NUMBERS:
         say(wrapped(f"and {len(felt) - MOST_NUMBERS} more with less effect (--json lists all)"))
     if idle := len(found.values) - len(felt):

@@ -7,7 +7,7 @@ from screwsim.figures.engineering import engineering, shown_name, small_number_t
 from screwsim.outputs import Result
 from screwsim.outputs.customary import with_printed_units
 from screwsim.printing import impossible_figures
-from screwsim.printing.tables import plain_table, print_wrapped, wrapped
+from screwsim.printing.tables import print_table, print_wrapped, wrapped
 from screwsim.screen import printable, say
 
 MOST_FIGURES = 10  # most figures
@@ -43,7 +43,7 @@ def print_short(title: str, result: Result, changed: Sequence[str] = ()) -> None
     names = [name for name in there if REPLACED_FIGURES.get(name) not in there][:MOST_FIGURES]
     if names:
         say()
-        say("\n".join(plain_table(("figure", "value", "unit", "error"), _rows(result, names), 1)))
+        print_table(("figure", "value", "unit", "error"), _rows(result, names), 1)
     say()
     print_wrapped(_last_line(result, names))
 

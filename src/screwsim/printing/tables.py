@@ -39,6 +39,11 @@ def plain_table(heads: Sequence[str], rows: Iterable[Sequence[str]], left: int =
     return lines
 
 
+def print_table(heads: Sequence[str], rows: Iterable[Sequence[str]], left: int = 0) -> None:
+    """Print a table (`plain_table`)."""
+    say("\n".join(plain_table(heads, rows, left)))
+
+
 def _broken_head(head: str, width: int) -> list[str]:
     """Return a head broken into lines about as wide as its column."""
     longest = max(map(len, head.split()), default=1)

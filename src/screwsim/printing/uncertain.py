@@ -11,7 +11,7 @@ from screwsim.figures.engineering import engineering, figure_unit, shown_name
 from screwsim.figures.errors import error_in_unit
 from screwsim.outputs import Result
 from screwsim.outputs.display import picked
-from screwsim.printing.tables import plain_table, print_scene_title, print_wrapped, wrapped
+from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.read import Results
 from screwsim.scene import Scene
 from screwsim.screen import say
@@ -118,7 +118,7 @@ def print_check(scene: Scene, found: Uncertainty) -> None:
         rows.append([shown_name(name), *shown, unit])
         if sampled.wrong:
             wrong.append(f"warning: the linear estimate is wrong for {shown_name(name)}: {sampled.wrong}")
-    say("\n".join(plain_table(["", "value", "mean", "linear", "sampled", "unit"], rows, 1)))
+    print_table(["", "value", "mean", "linear", "sampled", "unit"], rows, 1)
     say(wrapped(f"{found.samples} samples (Sobol's sequence) of the inputs within their tolerances"))
     print_wrapped(wrong)
     if rows and not wrong:

@@ -1,10 +1,9 @@
 """Work-precision figure: error of the performance figures over time and over evaluations, on logarithmic axes."""
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, journal, new_figure, write
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, journal, subplots, write
 
 HEIGHT = 92.0  # [mm]
 MARKERS = "os^Dv<>P"
@@ -12,49 +11,32 @@ FIRST = (*COLOURS, "#8a8a8a", "#a89000")  # eight methods, each with its own col
 LINES = (*DASHES, (0, (1, 0.8)), (0, (7, 2.5)))
 
 
-class Line(NamedTuple):
-    """One method at several tolerances: its name, times [s], evaluations, errors."""
-
-    name: str
-    times: Sequence[float]
-    evaluations: Sequence[float]
-    errors: Sequence[float]
-
-
-class Drawing(NamedTuple):
-    """Contents of the figure; `front` has (time [s], error), `floor` is the difference of the two references."""
-
-    lines: Sequence[Line]
-    front: Sequence[tuple[float, float]]
-    front_by_evaluations: Sequence[tuple[float, float]]
-    floor: float
-    regularisation: float | None
-
-
-def draw(drawing: Drawing, folder: Path) -> list[str]:
-    """Write the figure as PNG and PDF; return the paths."""
+def draw(study: Any, folder: Path) -> list[str]:
+    """Write the figure of a study (`study.accuracy.Study`) as PNG and PDF; return the paths."""
     with journal():
-        return write(_figure(drawing), folder, "accuracy")
+        return write(_figure(study), folder, "accuracy")
 
 
-def _figure(drawing: Drawing) -> Any:
-    figure = new_figure(DOUBLE, HEIGHT)
-    left, right = figure.subplots(1, 2, sharey=True)
-    for axes, scale, attribute, best in (
-        (left, 1e3, "times", drawing.front),
-        (right, 1.0, "evaluations", drawing.front_by_evaluations),
-    ):
-        if best:
-            x, y = zip(*best, strict=True)
-            axes.plot([scale * each for each in x], y, color="#c9c9c9", linewidth=6.0, zorder=1, solid_capstyle="round")
-        for index, line in enumerate(drawing.lines):
-            _plot(axes, index, [scale * each for each in getattr(line, attribute)], line)
-        _guides(axes, drawing)
+def _figure(study: Any) -> Any:
+    figure, (left, right) = subplots(DOUBLE, HEIGHT, 1, 2, sharey=True)
+    cases = [each for each in study.comparable if each.status == "ok"]
+    for axes, scale, cost in ((left, 1e3, "time"), (right, 1.0, "evaluations")):
+        if best := study.front(cost):
+            x, y = [scale * getattr(each, cost) for each in best], [each.error for each in best]
+            axes.plot(x, y, color="#c9c9c9", linewidth=6.0, zorder=1, solid_capstyle="round")
+        for index, label in enumerate(dict.fromkeys(each.label for each in cases)):
+            mine = [each for each in cases if each.label == label]
+            x, y = [scale * getattr(each, cost) for each in mine], [each.error for each in mine]
+            colour, dashes, marker = (kinds[index % len(kinds)] for kinds in (FIRST, LINES, MARKERS))
+            mark = {"marker": marker, "markersize": 4.5, "markerfacecolor": colour if index % 2 == 0 else "white"}
+            name = label.replace("scipy-", "scipy ")
+            axes.plot(x, y, color=colour, linestyle=dashes, label=name, zorder=3, **mark)
+        _guides(axes, study)
         axes.set(xscale="log", yscale="log")
     left.set(xlabel="wall time / ms", ylabel="largest relative error of a figure")
     right.set_xlabel("evaluations of one chamber's right-hand side")
     handles, names = left.get_legend_handles_labels()
-    if drawing.front:
+    if study.front():
         from matplotlib.lines import Line2D
 
         handles.append(Line2D([], [], color="#c9c9c9", linewidth=6.0))
@@ -63,15 +45,12 @@ def _figure(drawing: Drawing) -> Any:
     return figure
 
 
-def _plot(axes: Any, index: int, x: Sequence[float], line: Line) -> None:
-    colour, dashes, marker = (kinds[index % len(kinds)] for kinds in (FIRST, LINES, MARKERS))
-    mark = {"marker": marker, "markersize": 4.5, "markerfacecolor": colour if index % 2 == 0 else "white"}
-    axes.plot(x, line.errors, color=colour, linestyle=dashes, label=line.name, zorder=3, **mark)
-
-
-def _guides(axes: Any, drawing: Drawing) -> None:
+def _guides(axes: Any, study: Any) -> None:
     """Draw two levels: below one the references differ, below the other regularisation dominates the error."""
-    levels = ((drawing.regularisation, "regularisation", "right"), (drawing.floor, "references differ", "left"))
+    levels = (
+        (study.limit_of_regularisation, "regularisation", "right"),
+        (study.reference.difference, "references differ", "left"),
+    )
     for level, text, side in levels:
         if level is None or not level > 0.0:
             continue

@@ -25,16 +25,11 @@ def spread(wanted: np.ndarray, gap: float, low: float, high: float) -> np.ndarra
     count = len(wanted)
     if (count - 1) * gap > high - low + 1e-9:
         raise ValueError("more labels than places")
+    from scipy.optimize import isotonic_regression
+
     order = np.argsort(wanted, kind="stable")
     steps = gap * np.arange(count)
-    blocks: list[tuple[float, int]] = []  # (mean, size) of wanted − steps, which must not fall
-    for value in wanted[order] - steps:
-        mean, size = float(value), 1
-        while blocks and blocks[-1][0] > mean:
-            other, more = blocks.pop()
-            mean, size = (mean * size + other * more) / (size + more), size + more
-        blocks.append((mean, size))
-    flat = np.concatenate([np.full(size, mean) for mean, size in blocks])
+    flat = isotonic_regression(wanted[order] - steps).x
     places = np.empty(count)
     places[order] = np.clip(flat, low, high - steps[-1]) + steps
     return places
@@ -76,11 +71,11 @@ def _label_ends(axes: Any, ends: Sequence[Point], texts: Sequence[str]) -> None:
         )
 
 
-def label_along(axes: Any, x: np.ndarray, y: np.ndarray, texts: Sequence[str], most: int = 7) -> None:
+def label_along(axes: Any, x: np.ndarray, y: np.ndarray, texts: Sequence[str]) -> None:
     """Label some points of a curve, evenly along its drawn length, where the text overlaps nothing."""
     axes.figure.draw_without_rendering()
     points = axes.transData.transform(np.column_stack([x, y]))
-    label_points(axes, [((x[i], y[i]), texts[i], _AROUND) for i in _evenly(points, most)], points)
+    label_points(axes, [((x[i], y[i]), texts[i], _AROUND) for i in _evenly(points, 7)], points)
 
 
 def label_points(axes: Any, labels: Sequence[tuple[Point, str, Sequence[Direction]]], line: np.ndarray) -> None:

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, grid, new_figure, note, plain_ticks, write_all
+from screwsim.report import style
+from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, note, plain_ticks, write_all
 
 BINS, FINE = 40, 28  # bins of a parameter, of each of a pair
 CONTOUR_SHARES = (0.5, 0.9)  # of the samples, enclosed by the contours of a pair
@@ -25,8 +26,8 @@ def draw(panels: Mapping[str, Sequence[ResidualPoint]], names: Sequence[str], fo
 
 def _figure(panels: Mapping[str, Sequence[ResidualPoint]], names: Sequence[str]) -> Any:
     columns = min(2, len(panels))
-    figure = new_figure(DOUBLE if columns == 2 else 1.4 * SINGLE, HEIGHT * -(-len(panels) // columns))
-    for axes, (label, left) in zip(grid(figure, len(panels), columns), panels.items(), strict=True):
+    figure, places = style.panels(len(panels), 0.0, HEIGHT, columns, DOUBLE if columns == 2 else 1.4 * SINGLE)
+    for axes, (label, left) in zip(places, panels.items(), strict=True):
         axes.axhline(0.0, color=GREY, linewidth=0.6)
         for wanted, face in ((True, COLOURS[1]), (False, "white")):
             chosen = [each for each in left if each[1] is wanted]
@@ -64,8 +65,7 @@ def draw_posterior(parameters: Sequence[ParameterSample], level: float, folder: 
 def _pairs(parameters: Sequence[ParameterSample], level: float) -> Any:
     count = len(parameters)
     width = 0.9 * SINGLE if count == 1 else min(DOUBLE, max(1.2 * SINGLE, LEAST_PANEL * count))
-    figure = new_figure(width, max(60.0, 0.9 * width))
-    cells = figure.subplots(count, count, squeeze=False)
+    figure, cells = style.subplots(width, max(60.0, 0.9 * width), count, count, squeeze=False)
     for i, row in enumerate(cells):
         for j, axes in enumerate(row):
             if j > i:

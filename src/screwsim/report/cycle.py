@@ -1,4 +1,7 @@
-"""Figures of one cycle: the p–V loop, the states over the angle, and the flow of each path."""
+"""Figures of one cycle: the p–V loop, the states over the angle, the flow of each path, and the gas torque.
+
+The torque is drawn over two lobe pitches, with its harmonics of the lobe frequency.
+"""
 
 from collections.abc import Iterator
 from functools import partial
@@ -6,16 +9,19 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.report import style
 from screwsim.report.annotate import label_points
 from screwsim.report.indicated import Indicated, draw_over_angle, draw_over_volume
-from screwsim.report.quantities import GAS_MASS, MASS_FLOW, PRESSURE, TEMPERATURE, VOLUME, short
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, grid, new_figure, note, plain_ticks
+from screwsim.report.quantities import ANGLE, GAS_MASS, MASS_FLOW, PRESSURE, TEMPERATURE, VOLUME, short
+from screwsim.report.style import COLOURS, DASHES, GREY, SINGLE, SMALL, note, plain_ticks, subplots
 from screwsim.report.trace import Trace, chosen_trace, flow_paths, pressure_limit
 from screwsim.results import Results
 
 _LIFTS = {"suction_valve_lift": "suction valve", "discharge_valve_lift": "discharge valve"}
 _BESIDE_LEGEND = 0.75  # of the width
 _NEAR = 170.0  # [degree] closer marks have their texts side by side, not centred
+_HARMONICS = 10
+_FINE = 720  # points of a pitch for the spectrum
 
 
 def plans(results: Results, measured: Indicated | None = None) -> Iterator[tuple[str, Any]]:
@@ -29,12 +35,14 @@ def plans(results: Results, measured: Indicated | None = None) -> Iterator[tuple
         yield "mass_flows", partial(_flows, trace)
     if any(name in trace.values for name in _LIFTS):
         yield "valve_lifts", partial(_valves, trace)
+    torque = trace.values.get("gas_torque")
+    if "machine_male_lobes" in results.inputs and torque is not None and np.isfinite(torque).all():
+        yield "gas_torque", partial(_torque, trace, 360.0 / float(results.inputs["machine_male_lobes"]))
 
 
 def _valves(trace: Trace) -> Any:
     """Draw the lifts of both valves over the angle, and the pressure above them."""
-    figure = new_figure(SINGLE, 84.0)
-    upper, lower = figure.subplots(2, 1, sharex=True)
+    figure, (upper, lower) = subplots(SINGLE, 84.0, 2, 1, sharex=True)
     clipped = _pressure(upper, trace)
     for i, (name, words) in enumerate(_LIFTS.items()):
         lower.plot(trace.angle, trace.values[name], color=COLOURS[i + 1], linestyle=DASHES[i], label=words)
@@ -50,8 +58,8 @@ def _valves(trace: Trace) -> Any:
 
 def _loop(trace: Trace, measured: Indicated | None) -> Any:
     """Draw pressure over volume, with the lines' pressures and the points where oil enters and ports open."""
-    figure = new_figure(SINGLE, 68.0)
-    clipped, V, p = _draw_loop(axes := figure.subplots(), trace)
+    figure, axes = subplots(SINGLE, 68.0)
+    clipped, V, p = _draw_loop(axes, trace)
     if measured is not None:
         draw_over_volume(axes, measured, trace)
     note(figure, trace.title, clipped)
@@ -90,8 +98,7 @@ def _draw_loop(axes: Any, trace: Trace) -> tuple[str, Any, Any]:
 
 def _states(trace: Trace, measured: Indicated | None) -> Any:
     """Draw pressure, temperatures and gas mass over the angle, one below another."""
-    figure = new_figure(SINGLE, 130.0)
-    upper, middle, lower = figure.subplots(3, 1, sharex=True)
+    figure, (upper, middle, lower) = subplots(SINGLE, 130.0, 3, 1, sharex=True)
     clipped = _pressure(upper, trace)
     if measured is not None:
         draw_over_angle(upper, measured)
@@ -107,7 +114,7 @@ def _states(trace: Trace, measured: Indicated | None) -> Any:
         near_left = i > 0 and angle - marks[i - 1][1] < _NEAR
         near_right = i + 1 < len(marks) and marks[i + 1][1] - angle < _NEAR
         side = "left" if near_left else "right" if near_right else "center"
-        upper.annotate(text, (angle, 1.02), xycoords=("data", "axes fraction"), ha=side, va="bottom", fontsize=SMALL)
+        style.name_above(upper, angle, text, side)
     note(figure, trace.title, clipped)
     return figure
 
@@ -132,16 +139,14 @@ def _temperatures(axes: Any, trace: Trace) -> bool:
 def draw_pressure(axes: Any, trace: Trace) -> None:
     """Draw the pressure over the angle into axes."""
     _pressure(axes, trace)
-    _angle_axis(axes, trace)
-    axes.set_xlabel(trace.axis.label)
+    _angle_axis(axes, trace, trace.axis.label)
 
 
 def draw_temperatures(axes: Any, trace: Trace) -> None:
     """Draw the temperatures over the angle into axes."""
     if _temperatures(axes, trace):
         axes.legend()
-    _angle_axis(axes, trace)
-    axes.set_xlabel(trace.axis.label)
+    _angle_axis(axes, trace, trace.axis.label)
 
 
 def draw_flows(axes: Any, trace: Trace) -> None:
@@ -154,26 +159,24 @@ def draw_flows(axes: Any, trace: Trace) -> None:
             axes.plot(trace.angle, flow, **style, label=f"{words}, {side}" if side else words)
     axes.set_ylabel(MASS_FLOW.label)
     axes.legend(fontsize=SMALL)
-    _angle_axis(axes, trace)
-    axes.set_xlabel(trace.axis.label)
+    _angle_axis(axes, trace, trace.axis.label)
 
 
 def _flows(trace: Trace) -> Any:
     """Draw the mass flow of each path over the angle, one panel per path, with both sides of a gap in one panel."""
     paths = flow_paths(trace.values)
-    figure = new_figure(DOUBLE, 22.0 + 36.0 * ((len(paths) + 1) // 2))
-    panels = grid(figure, len(paths), sharex=True)
-    for axes, (words, sides) in zip(panels, paths.items(), strict=True):
+    figure, places = style.panels(len(paths), 22.0, 36.0, sharex=True)
+    for axes, (words, sides) in zip(places, paths.items(), strict=True):
         axes.axhline(0.0, color=GREY, linewidth=0.4)
         for i, (side, name) in enumerate(sides.items()):
             flow = trace.values[name] * MASS_FLOW.factor
             axes.plot(trace.angle, flow, color=COLOURS[1], linestyle=DASHES[i], label=side)
         axes.set_title(words, loc="left", fontsize=SMALL)
         _angle_axis(axes, trace)
-    for axes in panels[-2:]:  # the lowest of each column
+    for axes in places[-2:]:  # the lowest of each column
         axes.tick_params(labelbottom=True)
     if any(len(sides) > 1 for sides in paths.values()):
-        figure.legend(*panels[-1].get_legend_handles_labels(), loc="outside upper right", ncols=2)
+        figure.legend(*places[-1].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     figure.supxlabel(trace.axis.label, fontsize=8.0)
     figure.supylabel(MASS_FLOW.label, fontsize=8.0)
     lines = ", ".join(f"{text} {short(angle)}°" for text, angle in trace.marks.items())
@@ -184,9 +187,7 @@ def _flows(trace: Trace) -> Any:
 def _pressure_axis(axes: Any, trace: Trace) -> str:
     """Draw the lines' pressures, limit the axis, and return the note on what exceeds it."""
     for symbol, pressure in trace.pressures.items():
-        height = pressure * PRESSURE.factor
-        axes.axhline(height, color=GREY, linewidth=0.5, linestyle=(0, (6, 3)), zorder=1)
-        axes.annotate(symbol, (1.02, height), xycoords=("axes fraction", "data"), va="center", fontsize=SMALL)
+        style.level(axes, pressure * PRESSURE.factor, symbol)
     top, peak, angle = pressure_limit(trace)
     axes.set_ylim(0.0, top * PRESSURE.factor)
     plain_ticks(axes.yaxis)
@@ -194,13 +195,40 @@ def _pressure_axis(axes: Any, trace: Trace) -> str:
     return beyond if peak > top else ""
 
 
-def _angle_axis(axes: Any, trace: Trace) -> None:
-    from matplotlib.ticker import AutoMinorLocator, MultipleLocator
-
+def _angle_axis(axes: Any, trace: Trace, label: str = "") -> None:
     first, last = float(trace.angle[0]), float(trace.angle[-1])
-    axes.set_xlim(first, last)
-    axes.xaxis.set_major_locator(MultipleLocator(120.0 if last - first > 400.0 else 60.0))
-    axes.xaxis.set_minor_locator(AutoMinorLocator(4))
+    style.angle_axis(axes, first, last, trace.marks.values(), 120.0 if last - first > 400.0 else 60.0)
     plain_ticks(axes.yaxis, most=6)
-    for angle in trace.marks.values():
-        axes.axvline(angle, color=GREY, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)
+    if label:
+        axes.set_xlabel(label)
+
+
+def spectrum(angle: np.ndarray, torque: np.ndarray, pitch: float) -> np.ndarray:
+    """Return the amplitudes [N m] of the harmonics 0 (the mean), 1, 2 … of a torque over the angle [degree] (M147)."""
+    curve = np.interp(np.arange(_FINE) * pitch / _FINE, angle, torque)
+    amplitudes = np.abs(np.fft.rfft(curve))[: _HARMONICS + 1] / _FINE
+    return np.concatenate([amplitudes[:1], 2.0 * amplitudes[1:]])
+
+
+def _torque(trace: Trace, pitch: float) -> Any:
+    from matplotlib.ticker import MultipleLocator
+
+    figure, (upper, lower) = subplots(SINGLE, 96.0, 2, 1)
+    torque = trace.values["gas_torque"]
+    shown = trace.angle <= 2.0 * pitch + 1e-9
+    amplitudes = spectrum(trace.angle, torque, pitch)
+    mean = float(amplitudes[0])
+    upper.plot(trace.angle[shown], torque[shown], color=COLOURS[0])
+    style.level(upper, mean, "mean")
+    upper.set_xlim(0.0, 2.0 * pitch)
+    upper.xaxis.set_major_locator(MultipleLocator(30.0))
+    upper.set_ylim(min(0.0, 1.06 * float(torque.min())), max(0.0, 1.06 * float(torque.max())))
+    upper.set(xlabel=ANGLE.label, ylabel="gas torque $M$ (N m)")
+    order = np.arange(1, _HARMONICS + 1)
+    lower.bar(order, amplitudes[1:], width=0.5, color=COLOURS[1], linewidth=0.0)
+    lower.set_xticks(order)
+    lower.tick_params(axis="x", which="both", length=0.0)
+    lower.set(xlabel="multiple of the lobe frequency", ylabel="amplitude $M_k$ (N m)")
+    plain_ticks(upper.yaxis, lower.yaxis, most=6)
+    note(figure, trace.title)
+    return figure

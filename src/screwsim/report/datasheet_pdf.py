@@ -5,8 +5,19 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from screwsim.report.datasheet import VERDICT_WORDS
-from screwsim.report.sheet_paper import HIGH, LEAST_PT, MARGIN, POINT_SIZE, WIDE, Paper, width_of, wrapped
-from screwsim.report.sheet_tables import TABLE_GAP, TEXT, tables_on
+from screwsim.report.sheet_paper import (
+    HIGH,
+    LEAST_PT,
+    MARGIN,
+    POINT_SIZE,
+    TABLE_GAP,
+    TEXT,
+    WIDE,
+    Paper,
+    tables_on,
+    width_of,
+    wrapped,
+)
 from screwsim.report.style import GREY, journal, line_style, plain_ticks
 from screwsim.results.atomic import replacing
 

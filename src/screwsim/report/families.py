@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -152,11 +152,14 @@ def curves_of_slice(
     return curves
 
 
-def left_out(results: Results, layout: Layout, chosen: dict[int, int], curves: list[Curve]) -> str:
+def left_out(results: Results, chosen: dict[int, int], curves: list[Curve]) -> str:
     """Return the note on cases missing from the figure; empty if all are shown."""
-    cases = _rows(results, layout, chosen, np.asarray(results.status)).size
-    missing = cases - sum(len(curve.x) for curve in curves)
-    return f"{missing} of {cases} cases without a result left out" if missing else ""
+    return missing_words(part_of_slice(results.status, chosen).size, sum(len(curve.x) for curve in curves))
+
+
+def missing_words(cases: int, shown: int) -> str:
+    """Return the note on cases without a result; empty if all are shown."""
+    return f"{cases - shown} of {cases} cases without a result left out" if shown < cases else ""
 
 
 def not_closed(curves: list[Curve]) -> int:
@@ -182,10 +185,14 @@ def _count(results: Results, layout: Layout) -> int:
     return 1 if layout.curves is None else results.shape[layout.curves]
 
 
+def part_of_slice(values: Any, chosen: dict[int, int]) -> np.ndarray:
+    """Return the values of one slice, on the axes that it leaves."""
+    return np.asarray(values)[tuple(chosen.get(i, slice(None)) for i in range(np.ndim(values)))]
+
+
 def _rows(results: Results, layout: Layout, chosen: dict[int, int], values: np.ndarray) -> np.ndarray:
     """Return the values of one slice as an array (curves, x)."""
-    index = tuple(chosen.get(i, slice(None)) for i in range(values.ndim))
-    part = values[index]
+    part = part_of_slice(values, chosen)
     if layout.curves is not None and layout.x < layout.curves:
         part = part.T
     return part.reshape(_count(results, layout), -1)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.report.quantities import Display, is_numeric, shown_axis, shown_figure
-from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, grid, new_figure, note, plain_ticks
+from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, note, panels, plain_ticks
 from screwsim.report.sweeps import Plan, label_axes
 from screwsim.results import Results
 from screwsim.results.optimum import AIM
@@ -58,11 +58,11 @@ def _front(results: Results, names: list[str]) -> Any:
     """Draw each pair of objectives: all evaluations, and the front, as a line if there are two objectives."""
     pairs = list(itertools.combinations(names, 2))
     inside, outside, front = _rows(results)
-    figure = new_figure(SINGLE if len(pairs) == 1 else DOUBLE, 72.0 * ((len(pairs) + 1) // 2))
-    for axes, (first, second) in zip(grid(figure, len(pairs), min(len(pairs), 2)), pairs, strict=True):
+    columns = min(len(pairs), 2)
+    figure, places = panels(len(pairs), 0.0, 72.0, columns, SINGLE if columns == 1 else DOUBLE)
+    for axes, (first, second) in zip(places, pairs, strict=True):
         (across, x), (up, y) = _columns(results, first), _columns(results, second)
-        axes.plot(x[inside], y[inside], ".", color=_LIGHT, markersize=3.0)
-        axes.plot(x[outside], y[outside], "x", color=_LIGHT, markersize=3.0, markeredgewidth=0.4)
+        _draw_others(axes, x, y, inside, outside)
         order = front[np.argsort(x[front])]
         line = {"linestyle": "-" if len(names) == 2 else "", "linewidth": 0.8}
         axes.plot(x[order], y[order], marker=".", color=COLOURS[1], markersize=4.0, **line)
@@ -73,20 +73,23 @@ def _front(results: Results, names: list[str]) -> Any:
     return figure
 
 
+def _draw_others(axes: Any, x: np.ndarray, y: np.ndarray, inside: np.ndarray, outside: np.ndarray) -> None:
+    axes.plot(x[inside], y[inside], ".", color=_LIGHT, markersize=3.0)
+    axes.plot(x[outside], y[outside], "x", color=_LIGHT, markersize=3.0, markeredgewidth=0.4)
+
+
 def _evaluations(results: Results, names: list[str]) -> Any:
     """Draw each objective over each path that was varied."""
     varied = [axis for axis in results.axis_list[0].joined if is_numeric(axis)]
     inside, outside, front = _rows(results)
-    panels = [(name, axis) for name in names for axis in varied]
-    columns = min(len(varied), 3) if len(panels) > 1 else 1
-    rows = -(-len(panels) // columns)
-    figure = new_figure(DOUBLE if columns > 1 else SINGLE, 8.0 + 50.0 * rows)
-    for axes, (name, axis) in zip(grid(figure, len(panels), columns), panels, strict=True):
+    pairs = [(name, axis) for name in names for axis in varied]
+    columns = min(len(varied), 3) if len(pairs) > 1 else 1
+    figure, places = panels(len(pairs), 8.0, 50.0, columns, DOUBLE if columns > 1 else SINGLE)
+    for axes, (name, axis) in zip(places, pairs, strict=True):
         how, y = _columns(results, name)
         across = shown_axis(axis)
         x = across.of(axis.values)
-        axes.plot(x[inside], y[inside], ".", color=_LIGHT, markersize=3.0)
-        axes.plot(x[outside], y[outside], "x", color=_LIGHT, markersize=3.0, markeredgewidth=0.4)
+        _draw_others(axes, x, y, inside, outside)
         axes.plot(x[front], y[front], ".", color=COLOURS[1], markersize=5.0)
         label_axes(axes, across.label, how.label, [x])
         if len(front) == 1:

@@ -8,7 +8,7 @@ import numpy as np
 
 from screwsim.outputs import ledger_entries
 from screwsim.report.quantities import TEMPERATURE
-from screwsim.report.style import COLOURS, DOUBLE, GREY, SMALL, new_figure, note, plain_ticks
+from screwsim.report.style import COLOURS, DOUBLE, GREY, SMALL, note, plain_ticks, subplots
 from screwsim.report.trace import best_case, case_title
 from screwsim.results import Results
 
@@ -75,8 +75,7 @@ def _draw(ledger: Mapping[str, float], title: str) -> Any:
     whole = exergy_supplied(ledger)
     factor, unit = (1e-3, "kW") if whole >= 1e3 else (1.0, "W")
     decimals = max(0, 3 - int(np.log10(whole * factor)))
-    figure = new_figure(DOUBLE, 16.0 + 4.6 * len(bars))
-    axes = figure.subplots()
+    figure, axes = subplots(DOUBLE, 16.0 + 4.6 * len(bars))
     left = 0.0
     for row, bar in enumerate(bars):
         start = 0.0 if bar.total else left - bar.power

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from screwsim.report import families
-from screwsim.report.families import Layout, curves_of_slice, is_log, left_out, slices
+from screwsim.report.families import Layout, curves_of_slice, is_log, left_out, part_of_slice, slices
 from screwsim.report.quantities import is_numeric, short, shown_axis, shown_figure
-from screwsim.report.style import SINGLE, log_scale, new_figure, note, plain_ticks
+from screwsim.report.style import SINGLE, log_scale, note, plain_ticks, subplots
 from screwsim.report.sweeps import Plan
 from screwsim.results import Results
 
@@ -40,13 +40,13 @@ def plans(results: Results) -> Iterator[Plan]:
 
 def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: str, name: str) -> Any:
     """Draw filled contours with a scale; the map is white where a case has no result."""
-    figure = new_figure(SINGLE, 76.0)
-    found = draw_contours(figure.subplots(), results, layout, chosen, name)
+    figure, axes = subplots(SINGLE, 76.0)
+    found = draw_contours(axes, results, layout, chosen, name)
     curves = curves_of_slice(results, layout, chosen, None, name)
     optima = "○ optimum of a row, by a parabola through three points" if found else ""
     counts = ((families.not_closed(curves), "not closed"), (families.with_warnings(curves), "with warnings"))
     told = [f"{count} cases {words}" if count > 1 else f"1 case {words}" for count, words in counts if count]
-    note(figure, constant, optima, *told, left_out(results, layout, chosen, curves), _error_words(results, name))
+    note(figure, constant, optima, *told, left_out(results, chosen, curves), _error_words(results, name))
     return figure
 
 
@@ -115,7 +115,7 @@ def _surface(results: Results, layout: Layout, chosen: dict[int, int], name: str
     x, y = (shown_axis(axis).of(axis.values) for axis in across)
     values = shown_figure(results, name).of(results.performance[name])
     values = np.where(np.asarray(results.status) == "failed", np.nan, values)
-    part = values[tuple(chosen.get(i, slice(None)) for i in range(values.ndim))]
+    part = part_of_slice(values, chosen)
     part = part.T if layout.x < _y(layout) else part
     columns, rows = np.argsort(x), np.argsort(y)
     return x[columns], y[rows], np.ma.masked_invalid(part[rows][:, columns])

@@ -10,7 +10,7 @@ import numpy as np
 from screwsim.report import families
 from screwsim.report.families import Curve, Layout, curves_of_slice, slices
 from screwsim.report.quantities import PRESSURE, VOLUME, shown_axis, shown_figure
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, grid, new_figure, note, plain_ticks, write_all
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, note, panels, plain_ticks, subplots, write_all
 from screwsim.report.sweeps import OTHER_FIGURES, label_axes, label_curves, thinned
 from screwsim.report.trace import Trace, chosen_trace
 from screwsim.results import Results
@@ -54,9 +54,8 @@ def _curves(a: Results, b: Results, layout: Layout, _other: Layout) -> Any:
     shown = {
         name: tuple([curve for curve in curves if curve.text in few] for curves in pair) for name, pair in shown.items()
     }
-    figure = new_figure(DOUBLE, 22.0 + 52.0 * ((len(shown) + 1) // 2))
-    panels = grid(figure, len(shown))
-    for axes, (name, pair) in zip(panels, shown.items(), strict=True):
+    figure, places = panels(len(shown), 22.0, 52.0)
+    for axes, (name, pair) in zip(places, shown.items(), strict=True):
         texts = list(dict.fromkeys(curve.text for curves in pair for curve in curves))
         for curves, width, dashes in zip(pair, WIDTHS, ("-", DASH), strict=True):
             for curve in curves:
@@ -69,7 +68,7 @@ def _curves(a: Results, b: Results, layout: Layout, _other: Layout) -> Any:
     heading, words = families.curves_heading(a, layout)
     _head(figure, a, b, constant, words, kept)
     if layout.curves is not None:
-        label_curves(zip(panels, (one for one, _ in shown.values()), strict=True), heading)
+        label_curves(zip(places, (one for one, _ in shown.values()), strict=True), heading)
     return figure
 
 
@@ -85,8 +84,7 @@ def _in_units(a: Results, b: Results, name: str, curves: list[Curve]) -> list[Cu
 
 def _cycles(a: Results, b: Results, one: Trace, other: Trace) -> Any:
     """Draw the pressures of both cycles over volume and over angle."""
-    figure = new_figure(DOUBLE, 78.0)
-    left, right = figure.subplots(1, 2)
+    figure, (left, right) = subplots(DOUBLE, 78.0, 1, 2)
     for trace, colour, dashes in ((one, COLOURS[0], "-"), (other, COLOUR_B, DASH)):
         pressure = trace.values["pressure"] * PRESSURE.factor
         left.plot(trace.values["volume"] * VOLUME.factor, pressure, color=colour, linestyle=dashes)

@@ -13,7 +13,8 @@ from screwsim.machine.rotors.export import coefficients_csv, curves_csv, lobe_cs
 from screwsim.machine.rotors.pair import outlines
 from screwsim.machine.rotors.rotors import Rotors
 from screwsim.machine.rotors.settings import SlideValve
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
+from screwsim.report import style
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, plain_ticks, subplots, write_all
 from screwsim.results.atomic import make_folder, write_text
 from screwsim.results.protection import protect_other_text
 
@@ -59,18 +60,14 @@ def draw_rotors(
     return written + [write_text(path, text) for path, text in files.items()]
 
 
-def mesh_figure(rotors: Rotors, psi: float = 0.0) -> Any:
-    """Draw both rotors in their bores at an angle ψ [rad], with pitch circles, the line of contact, H, P and S."""
+def mesh_figure(rotors: Rotors) -> Any:
+    """Draw both rotors in their bores, with pitch circles, the line of contact, H, P and S."""
     pair, chain = rotors.pair, rotors.chain
     A, (Hx, Hy) = pair.centre_distance, pair.cusp
-    figure = new_figure(DOUBLE, 104.0)
-    axes = figure.subplots()
+    figure, axes = subplots(DOUBLE, 104.0)
     (mx, my), (fx, fy) = outlines(pair, chain)
-    c, s = math.cos(psi), math.sin(psi)
-    _fill(axes, MM * (c * mx + s * my), MM * (c * my - s * mx), _FILL)
-    c, s = math.cos(pair.k * psi), math.sin(pair.k * psi)
-    x, y = A + c * fx - s * fy, s * fx + c * fy
-    _fill(axes, MM * x, MM * y, "white")
+    _fill(axes, MM * mx, MM * my, _FILL)
+    _fill(axes, MM * (A + fx), MM * fy, "white")
     for centre, radius, beta, side in ((0.0, pair.male_radius, pair.beta1, 1), (A, pair.female_radius, pair.beta2, -1)):
         angle = np.linspace(beta, 2.0 * math.pi - beta, 400)
         bore = MM * (centre + side * radius * np.cos(angle)), MM * radius * np.sin(angle)
@@ -109,7 +106,7 @@ def sealing_figure(rotors: Rotors) -> Any:
     psi = chain.psi[order] - np.where(np.arange(n) < n - trail, pair.pitch, 0.0)
     x, y = MM * chain.x[order], MM * chain.y[order]
     z = MM * rotors.h * (psi.max() - psi)  # points of larger ψ mesh nearer the inlet
-    figure = new_figure(SINGLE, 92.0)
+    figure = style.new_figure(SINGLE, 92.0)
     figure.set_layout_engine("none")
     axes = figure.add_axes((0.02, 0.06, 0.86, 0.92), projection="3d")
     walls = (x.min() - 4.0, y.max() + 4.0, z.min() - 4.0)
@@ -126,36 +123,23 @@ def sealing_figure(rotors: Rotors) -> Any:
     axes.set_ylabel("$y$ (mm)", labelpad=0)
     axes.set_zlabel("$z$ (mm)", labelpad=-2)
     axes.tick_params(pad=-1)
-    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        plain_ticks(axis, most=4)
-        axis._axinfo["grid"].update(color="#dddddd", linewidth=0.4)  # matplotlib has no public way for a single figure
+    style.look_in_space(axes, 4)
     axes.view_init(elev=22.0, azim=-58.0)
     return figure
 
 
-def _angle_axis(axes: Any, life: float) -> None:
-    from matplotlib.ticker import AutoMinorLocator, MultipleLocator
-
-    axes.set_xlim(0.0, math.degrees(life))
-    axes.xaxis.set_major_locator(MultipleLocator(120.0))
-    axes.xaxis.set_minor_locator(AutoMinorLocator(4))
-
-
-def _mark(axes: Any, curves: Curves, named: bool) -> None:
-    """Mark where suction closes and discharge opens, with names above the axes."""
-    for text, angle in (("suction closes", curves.suction_closes), ("discharge opens", curves.discharge_opens)):
-        at = math.degrees(angle)
-        axes.axvline(at, color=GREY, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)
+def _over_life(axes: Any, curves: Curves, named: bool) -> None:
+    """Give axes the angles of a life, and mark where suction closes and discharge opens, with names above."""
+    marks = math.degrees(curves.suction_closes), math.degrees(curves.discharge_opens)
+    style.angle_axis(axes, 0.0, math.degrees(curves.life), marks)
+    for text, at in zip(("suction closes", "discharge opens"), marks, strict=True):
         if named:
-            axes.annotate(
-                text, (at, 1.02), xycoords=("data", "axes fraction"), ha="center", va="bottom", fontsize=SMALL
-            )
+            style.name_above(axes, at, text)
 
 
 def volume_figure(curves: Curves) -> Any:
     """Draw V and dV/dφ over the chamber's own angle, and the male rotor's part of dV/dφ."""
-    figure = new_figure(SINGLE, 96.0)
-    upper, lower = figure.subplots(2, 1, sharex=True)
+    figure, (upper, lower) = subplots(SINGLE, 96.0, 2, 1, sharex=True)
     degrees = np.degrees(curves.volume.angle)
     upper.plot(degrees, 1e6 * curves.volume.value, color=COLOURS[0])
     upper.set(ylabel="$V$ (cm³)", ylim=(0.0, None))
@@ -165,16 +149,15 @@ def volume_figure(curves: Curves) -> Any:
     lower.set(xlabel="angle of the chamber's life (°)", ylabel=r"$\mathrm{d}V/\mathrm{d}\varphi$ (cm³/rad)")
     lower.legend(loc="lower left")
     for axes in (upper, lower):
-        _angle_axis(axes, curves.life)
         plain_ticks(axes.yaxis, most=6)
-        _mark(axes, curves, axes is upper)
+        _over_life(axes, curves, axes is upper)
     return figure
 
 
 def areas_figure(curves: Curves) -> Any:
     """Draw ports, sealing line and tips, blow-holes and end-face lengths over the chamber's own angle."""
-    figure = new_figure(DOUBLE, 116.0)
-    panels = figure.subplots(2, 2, sharex=True).ravel()
+    figure, places = subplots(DOUBLE, 116.0, 2, 2, sharex=True)
+    panels = places.ravel()
     ports = {
         f"{side} {way}": curve
         for side, both in (("suction", curves.suction), ("discharge", curves.discharge))
@@ -197,8 +180,7 @@ def areas_figure(curves: Curves) -> Any:
     for axes, top in zip((panels[0], panels[2]), tops, strict=True):
         axes.set(yscale="log", ylim=(0.1, 12.0 * top))
     for i, axes in enumerate(panels):
-        _angle_axis(axes, curves.life)
-        _mark(axes, curves, i < 2)
+        _over_life(axes, curves, i < 2)
         if i % 2:
             plain_ticks(axes.yaxis, most=6)
             axes.set_ylim(0.0, 1.32 * axes.dataLim.y1)
@@ -211,14 +193,12 @@ def _panel(axes: Any, named: dict[str, tuple[Any, float]], label: str) -> None:
         colour = COLOURS[(0, 2, 3, 5)[i]]
         axes.plot(np.degrees(curve.angle), factor * curve.value, color=colour, linestyle=DASHES[i], label=name)
     axes.set_ylabel(label)
-    box = {"frameon": True, "facecolor": "white", "edgecolor": "none", "framealpha": 1.0}
-    axes.legend(loc="upper center", ncols=2, columnspacing=1.2, **box)
+    axes.legend(loc="upper center", ncols=2, columnspacing=1.2, **style.WHITE_BOX)
 
 
 def slide_figure(rotors: Rotors, volume_ratio: float, axial_ratio: float | None, slide: SlideValve) -> Any:
     """Draw the slot to suction and the discharge port over the angle; volume and volume ratio over the position."""
-    figure = new_figure(DOUBLE, 118.0)
-    upper, lower = figure.subplots(2, 2, gridspec_kw={"width_ratios": (1.7, 1.0)})
+    figure, (upper, lower) = subplots(DOUBLE, 118.0, 2, 2, gridspec_kw={"width_ratios": (1.7, 1.0)})
     known = [make_curves(rotors, volume_ratio, axial_ratio, replace(slide, position=x)) for x in POSITIONS]
     for i, (x, curves) in enumerate(zip(POSITIONS, known, strict=True)):
         style = {"color": COLOURS[i], "linestyle": DASHES[i], "label": f"{100 * x:.0f} %"}

@@ -4,7 +4,7 @@ No global state of matplotlib is used or left changed, and a reader's own matplo
 """
 
 import textwrap
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ SINGLE, DOUBLE = 88.0, 180.0  # [mm] width of one and of two columns
 SMALL = 7.0  # [pt] notes and direct labels
 DPI = 200.0
 GREY = "#6e6e6e"  # guides: lines that are not data
+WHITE_BOX = {"frameon": True, "facecolor": "white", "edgecolor": "none", "framealpha": 1.0}  # of a legend over curves
 
 # Colours by descending contrast, distinguishable in black-and-white print and with any colour vision.
 COLOURS = ("#000000", "#3b2a8c", "#a01f62", "#c2561a", "#3f9e72", "#62b0dc")
@@ -116,13 +117,50 @@ def write_all(plans: Mapping[str, Callable[[], Any]], folder: str | Path) -> lis
     return written
 
 
-def grid(figure: Any, count: int, columns: int = 2, **options: Any) -> list[Any]:
-    """Return `count` axes of a figure, in rows of `columns`; remaining places stay empty."""
+def subplots(width: float, height: float, *places: int, **options: Any) -> tuple[Any, Any]:
+    """Return a figure of a given size [mm] and its axes, as `pyplot.subplots` does for a number of rows and columns."""
+    figure = new_figure(width, height)
+    return figure, figure.subplots(*places, **options)
+
+
+def panels(
+    count: int, above: float, row: float, columns: int = 2, width: float = DOUBLE, **options: Any
+) -> tuple[Any, list[Any]]:
+    """Return a figure and its `count` axes in rows of `columns`, each `row` [mm] high, and `above` [mm] more."""
     rows = -(-count // columns)
-    places = list(figure.subplots(rows, columns, squeeze=False, **options).flat)
-    for axes in places[count:]:
+    figure, places = subplots(width, above + row * rows, rows, columns, squeeze=False, **options)
+    for axes in places.flat[count:]:
         axes.remove()
-    return places[:count]
+    return figure, list(places.flat[:count])
+
+
+def angle_axis(axes: Any, first: float, last: float, marks: Iterable[float] = (), major: float = 120.0) -> None:
+    """Give an axis of angles [degree] its ends and ticks, and draw dotted lines at the marked angles."""
+    from matplotlib.ticker import AutoMinorLocator, MultipleLocator
+
+    axes.set_xlim(first, last)
+    axes.xaxis.set_major_locator(MultipleLocator(major))
+    axes.xaxis.set_minor_locator(AutoMinorLocator(4))
+    for angle in marks:
+        axes.axvline(angle, color=GREY, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)
+
+
+def name_above(axes: Any, at: float, text: str, side: str = "center") -> None:
+    """Write the name of a place on the x axis above the axes."""
+    axes.annotate(text, (at, 1.02), xycoords=("data", "axes fraction"), ha=side, va="bottom", fontsize=SMALL)
+
+
+def level(axes: Any, height: float, text: str) -> None:
+    """Draw a dashed line across the axes at a height, with its name to the right."""
+    axes.axhline(height, color=GREY, linewidth=0.5, linestyle=(0, (6, 3)), zorder=1)
+    axes.annotate(text, (1.02, height), xycoords=("axes fraction", "data"), va="center", fontsize=SMALL)
+
+
+def look_in_space(axes: Any, most: int) -> None:
+    """Give three-dimensional axes ticks at round numbers and a pale grid."""
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        plain_ticks(axis, most=most)
+        axis._axinfo["grid"].update(color="#dddddd", linewidth=0.4)  # matplotlib has no public way for a single figure
 
 
 def note(figure: Any, *parts: str, share: float = 1.0) -> None:

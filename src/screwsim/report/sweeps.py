@@ -1,4 +1,7 @@
-"""Figures of a sweep: efficiency over one axis with one curve per value of another, and likewise other figures."""
+"""Figures of a sweep: efficiency over one axis with one curve per value of another, and likewise other figures.
+
+Where the oil ratio is an outcome of the speed, as of a displacement supply: efficiency over it (the paper's Fig. 2).
+"""
 
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
@@ -7,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from screwsim.report import families
-from screwsim.report.annotate import label_ends
+from screwsim.report.annotate import label_along, label_ends
 from screwsim.report.families import Curve, Layout, curves_of_slice, is_log, left_out, slices
-from screwsim.report.quantities import shown_axis, shown_figure
-from screwsim.report.style import DOUBLE, SINGLE, grid, line_style, log_scale, new_figure, note, plain_ticks
+from screwsim.report.quantities import RATIO, SPEED, shown_axis, shown_figure
+from screwsim.report.style import DOUBLE, SINGLE, line_style, log_scale, new_figure, note, panels, plain_ticks, subplots
 from screwsim.results import Results
 
 Plan = tuple[str, Callable[[], Any]]  # name of a figure, and the function that draws it
@@ -29,11 +32,15 @@ _POINTS_SHOWN = 60  # most computed points in a panel that are marked
 
 
 def plans(results: Results) -> Iterator[Plan]:
-    """Yield the figures over the axes of a sweep; none where the oil ratio is an outcome or no axis is numeric."""
-    layout = families.layout_of(results)
-    if layout is None or families.outcome_layout(results) is not None:
-        return
+    """Yield the figures over the axes of a sweep, or over the oil ratio that is an outcome; none without numbers."""
+    layout, outcome = families.layout_of(results), families.outcome_layout(results)
     name = families.efficiency_name(results)
+    if outcome is not None and name is not None:
+        for suffix, constant, chosen in slices(results, outcome):
+            if curves_of_slice(results, outcome, chosen, "oil_ratio", name):
+                yield f"efficiency_ratio{suffix}", partial(_over_ratio, results, outcome, chosen, constant, name)
+    if layout is None or outcome is not None:
+        return
     for suffix, constant, chosen in slices(results, layout):
         if name and curves_of_slice(results, layout, chosen, None, name):
             yield f"efficiency{suffix}", partial(_efficiency, results, layout, chosen, constant, name)
@@ -44,14 +51,13 @@ def plans(results: Results) -> Iterator[Plan]:
 def _efficiency(results: Results, layout: Layout, chosen: dict[int, int], constant: str, name: str) -> Any:
     """Draw an efficiency over x, with the optimum of each curve marked (the paper's Fig. 1)."""
     curves, kept = thinned(every := curves_of_slice(results, layout, chosen, None, name))
-    figure = new_figure(SINGLE, 70.0)
-    axes = figure.subplots()
+    figure, axes = subplots(SINGLE, 70.0)
     found = draw_curves(axes, curves, optima=True)
     x_label = shown_axis(results.axis_list[layout.x]).label
     label_axes(axes, x_label, shown_figure(results, name).label, [c.x for c in curves])
     heading, words = families.curves_heading(results, layout)
     told = (*remarks(curves, found), families.band_words(results, curves))
-    note(figure, constant, words, kept, *told, left_out(results, layout, chosen, every))
+    note(figure, constant, words, kept, *told, left_out(results, chosen, every))
     if layout.curves is not None:
         label_curves([(axes, curves)], heading)
     return figure
@@ -61,19 +67,45 @@ def _performance(results: Results, layout: Layout, chosen: dict[int, int], const
     """Draw the other figures over x, one panel each."""
     every = {name: curves for name in OTHER_FIGURES if (curves := curves_of_slice(results, layout, chosen, None, name))}
     shown = {name: thinned(curves)[0] for name, curves in every.items()}
-    rows, x_label = (len(shown) + 1) // 2, shown_axis(results.axis_list[layout.x]).label
-    figure = new_figure(DOUBLE, 18.0 + 52.0 * rows)
-    panels = grid(figure, len(shown))
-    for axes, (name, curves) in zip(panels, shown.items(), strict=True):
+    x_label = shown_axis(results.axis_list[layout.x]).label
+    figure, places = panels(len(shown), 18.0, 52.0)
+    for axes, (name, curves) in zip(places, shown.items(), strict=True):
         draw_curves(axes, curves, optima=False)
         label_axes(axes, x_label, shown_figure(results, name).label, [c.x for c in curves])
     widest = max(every.values(), key=len)
     heading, words = families.curves_heading(results, layout)
     drawn, kept = thinned(widest)
     told = (kept, *remarks(drawn, 0), families.band_words(results, drawn))
-    note(figure, constant, words, *told, left_out(results, layout, chosen, widest))
+    note(figure, constant, words, *told, left_out(results, chosen, widest))
     if layout.curves is not None:
-        label_curves(zip(panels, shown.values(), strict=True), heading)
+        label_curves(zip(places, shown.values(), strict=True), heading)
+    return figure
+
+
+def _over_ratio(results: Results, layout: Layout, chosen: dict[int, int], constant: str, name: str) -> Any:
+    """Draw the efficiency over d, with the speed along the curve, and both over the speed."""
+    figure = new_figure(DOUBLE, 82.0)
+    places = figure.add_gridspec(2, 2, width_ratios=(1.15, 1.0))
+    main, upper, lower = (figure.add_subplot(place) for place in (places[:, 0], places[0, 1], places[1, 1]))
+    over_ratio = curves_of_slice(results, layout, chosen, "oil_ratio", name)
+    found = draw_curves(main, over_ratio, optima=True)
+    label_axes(main, RATIO.label, shown_figure(results, name).label, [curve.x for curve in over_ratio])
+    main.margins(x=0.06)
+    main.autoscale(axis="x")
+    for axes, figure_name in ((upper, name), (lower, "oil_ratio")):
+        curves = curves_of_slice(results, layout, chosen, None, figure_name)
+        draw_curves(axes, curves, optima=False)
+        label_axes(axes, SPEED.label, shown_figure(results, figure_name).quantity, [curve.x for curve in curves])
+    upper.set_xlabel("")
+    upper.tick_params(labelbottom=False)
+    heading, words = families.curves_heading(results, layout)
+    told = (*remarks(over_ratio, found), families.band_words(results, over_ratio))
+    note(figure, constant, words, *told, left_out(results, chosen, over_ratio))
+    if layout.curves is None:
+        label_along(main, over_ratio[0].x, over_ratio[0].y, [f"{speed:.0f} rpm" for speed in over_ratio[0].at])
+        return figure
+    names = ((upper, name), (lower, "oil_ratio"))
+    label_curves(((axes, curves_of_slice(results, layout, chosen, None, shown)) for axes, shown in names), heading)
     return figure
 
 
@@ -98,10 +130,8 @@ def draw_curves(axes: Any, curves: list[Curve], optima: bool) -> int:
         axes.plot(curve.x, curve.y, **style)
         if curve.banded:
             axes.fill_between(curve.x, curve.low, curve.high, color=style["color"], alpha=_BAND, linewidth=0.0)
-        plain = curve.closed & ~curve.warned
-        _mark(axes, curve.x[plain], curve.y[plain], marker, style["color"])
-        _mark(axes, curve.x[curve.warned], curve.y[curve.warned], "^", style["color"])
-        _mark(axes, curve.x[~curve.closed], curve.y[~curve.closed], "x", style["color"])
+        look = {"color": style["color"], "markersize": 3.0, "markeredgewidth": 0.6}
+        mark_cases(axes, curve.x, curve.y, curve.closed, curve.warned, marker, **look)
         best = families.optimum(curve.x, curve.y) if optima else None
         fitted = families.optimum_arc(curve.x, curve.y) if best is not None else None
         if best is not None and fitted is not None:
@@ -111,10 +141,15 @@ def draw_curves(axes: Any, curves: list[Curve], optima: bool) -> int:
     return found
 
 
-def _mark(axes: Any, x: np.ndarray, y: np.ndarray, marker: str, colour: Any) -> None:
-    """Draw markers that the frame does not clip and for which the layout makes no room."""
-    size = {"markersize": 3.0, "markeredgewidth": 0.6}
-    axes.plot(x, y, marker=marker, color=colour, linestyle="", clip_on=False, in_layout=False, **size)
+def mark_cases(
+    axes: Any, x: np.ndarray, y: np.ndarray, closed: np.ndarray, warned: np.ndarray, marker: str, **look: Any
+) -> None:
+    """Draw a marker for each case, a triangle for warnings, a cross where it did not close.
+
+    The frame does not clip them, and the layout makes no room for them.
+    """
+    for kept, shape in ((closed & ~warned, marker), (warned, "^"), (~closed, "x")):
+        axes.plot(x[kept], y[kept], marker=shape, linestyle="", clip_on=False, in_layout=False, **look)
 
 
 def label_curves(panels: Iterable[tuple[Any, list[Curve]]], heading: str) -> None:
@@ -140,9 +175,10 @@ def label_axes(axes: Any, x_label: str, y_label: str, x: list[np.ndarray]) -> No
 
 def remarks(curves: list[Curve], optima: int) -> tuple[str, str, str]:
     """Return the meaning of circles, crosses and triangles, where there are any."""
-    open_cases, warned = families.not_closed(curves), families.with_warnings(curves)
-    return (
-        "○ optimum, top of a parabola (thin) through three points" if optima else "",
-        f"× not closed ({open_cases})" if open_cases else "",
-        f"△ with warnings ({warned})" if warned else "",
-    )
+    told = "○ optimum, top of a parabola (thin) through three points" if optima else ""
+    return told, *case_remarks(families.not_closed(curves), families.with_warnings(curves))
+
+
+def case_remarks(not_closed: int, warned: int) -> tuple[str, str]:
+    """Return the meaning of crosses and triangles, where there are any."""
+    return f"× not closed ({not_closed})" if not_closed else "", f"△ with warnings ({warned})" if warned else ""

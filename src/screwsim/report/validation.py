@@ -1,11 +1,11 @@
 """Figures of a validation, from its document: ours as lines, the source's as points with their uncertainty."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, SINGLE, grid, new_figure, note, write_all
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, SINGLE, log_scale, note, panels, write_all
 
 HEIGHT = 74.0  # [mm] of one row of panels
 MARKERS = "os^Dv<>P"
@@ -22,10 +22,10 @@ def draw(document: Mapping[str, Any], folder: Path) -> list[str]:
 
 
 def _figure(source: Mapping[str, Any]) -> Any:
-    panels: Sequence[Mapping[str, Any]] = source["panels"]
-    columns = min(2, len(panels))
-    figure = new_figure(DOUBLE if columns == 2 else 1.4 * SINGLE, HEIGHT * -(-len(panels) // columns))
-    for axes, panel in zip(grid(figure, len(panels), columns), panels, strict=True):
+    columns = min(2, len(source["panels"]))
+    width = DOUBLE if columns == 2 else 1.4 * SINGLE
+    figure, places = panels(len(source["panels"]), 0.0, HEIGHT, columns, width)
+    for axes, panel in zip(places, source["panels"], strict=True):
         _draw_panel(axes, panel)
     note(figure, source["title"])
     return figure
@@ -52,23 +52,12 @@ def _draw_panel(axes: Any, panel: Mapping[str, Any]) -> None:
     axes.set(xlabel=panel["x_label"], ylabel=panel["y_label"])
     for which in "xy":
         if panel[f"log_{which}"]:
-            _logarithmic(axes, which)
+            log_scale(axes, 1.0, which)
     # above the axes, so that it covers no curve
     _, labels = axes.get_legend_handles_labels()
     longest = max(map(len, labels), default=1) + HANDLE_CHARACTERS
     columns = max(1, min(3, LEGEND_CHARACTERS // longest))
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=columns, columnspacing=1.2)
-
-
-def _logarithmic(axes: Any, which: str) -> None:
-    """Give an axis a logarithmic scale with plain numbers."""
-    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
-
-    axis = getattr(axes, f"{which}axis")
-    getattr(axes, f"set_{which}scale")("log")
-    axis.set_major_locator(LogLocator(base=10.0, subs=(1.0, 2.0, 5.0)))
-    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    axis.set_minor_formatter(NullFormatter())
 
 
 def _band(axes: Any, series: Mapping[str, Any], index: int) -> None:

@@ -54,8 +54,7 @@ def frame(results: Results, group: str) -> Any:
         if name not in joined and values.ndim in (0, len(results.shape)):
             columns[name] = np.broadcast_to(values, results.shape).ravel()
     if group == "performance":
-        own = {name: results.uncertainty[name] for name in results.uncertainty}
-        columns |= {name + _UNCERTAIN: np.asarray(values).ravel() for name, values in own.items()}
+        columns |= {name + _UNCERTAIN: np.asarray(values).ravel() for name, values in results.uncertainty.items()}
     return library("pandas").DataFrame({name: np.atleast_1d(column) for name, column in columns.items()})
 
 

@@ -93,6 +93,11 @@ class Layout:
         set_attributes(data, about)
         self._scale(group, data, name)
 
+    def labelled(self, group: Any, name: str, labels: Sequence[str], long_name: str) -> None:
+        """Create a dimension whose coordinate numbers the labels, which are listed in its attribute `labels`."""
+        about = flag_attributes(labels, long_name) | {"labels": "\n".join(labels)}
+        self.coordinate(group, name, np.arange(len(labels), dtype=flag_type(len(labels))), about)
+
     def dimension(self, group: Any, name: str, size: int) -> None:
         """Create a dimension without values, unless the group has it already."""
         if name not in group:

@@ -16,8 +16,8 @@ from screwsim.figures import declaration, unpacked
 from screwsim.figures.errors import error_scale, figures_for_scale
 from screwsim.inputs.arguments import FILE, checked_arguments, one_of
 from screwsim.inputs.faults import UsageError
-from screwsim.outputs import EFFICIENCY, ITSELF, STATUSES, Figure, Variable
-from screwsim.outputs.display import About, Brief, ShownFigure, value_text
+from screwsim.outputs import ITSELF, STATUSES, Figure, Variable, shown_of
+from screwsim.outputs.display import About, Brief, value_text
 from screwsim.results import stored
 from screwsim.results.group import OWN, Group, labels_of, values_of
 from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis
@@ -142,12 +142,7 @@ class Results(Brief):
 
     def _range(self, name: str) -> tuple[str, str, str, str]:
         about, values = self.figure(name), self.performance[name]
-        least, most = (
-            value_text(
-                ShownFigure(name, float(end), about.units, about.long_name, about.shown, about.scale == EFFICIENCY)
-            )
-            for end in (np.nanmin(values), np.nanmax(values))
-        )
+        least, most = (value_text(shown_of(about, float(end))) for end in (np.nanmin(values), np.nanmax(values)))
         return name, least, most, about.long_name
 
 

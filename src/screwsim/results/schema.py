@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import platform
 import sys
 from collections.abc import Iterator, Sequence
@@ -24,6 +23,7 @@ from screwsim.results import identity
 from screwsim.results.identity import version
 from screwsim.scene.model_errors import stored_model_errors
 from screwsim.scene.types import Scene
+from screwsim.scene.write import relative_to
 
 RELATIVE_TO = "relative_to"  # attribute of an error: its scale (`outputs.Scale`)
 MODEL_ERROR = "model_error"  # attribute: the model error from the validation that the scene names, as JSON
@@ -97,15 +97,8 @@ def digest(text: str) -> str:
 
 def named_files(scene: Scene) -> dict[str, str]:
     """Return {name relative to the scene: path} of the files that the scene names."""
-    paths = [Path(scene.folder) / name for name in files_in(scene)]
-    return {_relative(path, scene.folder): str(path) for path in paths}
-
-
-def _relative(path: Path, folder: str) -> str:
-    try:
-        return Path(os.path.relpath(path, folder)).as_posix()
-    except ValueError:  # another drive
-        return str(path)
+    paths = [str(Path(scene.folder) / name) for name in files_in(scene)]
+    return {Path(relative_to(path, scene.folder)).as_posix(): path for path in paths}
 
 
 def identity_of(scene: Scene) -> dict[str, str]:

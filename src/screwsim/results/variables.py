@@ -8,8 +8,8 @@ import numpy as np
 
 from screwsim import outputs
 from screwsim.figures import merged, packed, trace_variable
-from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, Figure, Variable
-from screwsim.results import slopes
+from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, Figure, Figures, Variable, shown
+from screwsim.outputs.derivatives import METHOD_CODES, ComputedDerivatives
 from screwsim.results import table as tables
 from screwsim.results.netcdf import Layout, flag_attributes, flag_type, number_attributes, set_attributes, text_lines
 from screwsim.results.schema import RELATIVE_TO, Axis, numeric_inputs, root_attributes, variable_name
@@ -23,6 +23,12 @@ _CASE_TEXTS = {
 }
 
 UNCERTAINTY, CONTRIBUTIONS, CONTRIBUTOR = "uncertainty", "contributions", "contributor"  # groups, and their dimension
+DERIVATIVES, NUMBER, UNITS = "derivatives", "number", "number_units"  # group, its dimension, and units of the numbers
+VALUE_ATTRIBUTES = number_attributes(Variable("1", f"value of the number, in the unit that {UNITS} says"))
+EXACT_ATTRIBUTES = {
+    "units": "1",
+    "long_name": "0: differences of closed cycles; 1: exact derivatives; 2: quick ones, mostly accurate to 1e-3",
+}
 
 # in every file, even one of failed cases only
 _ALWAYS = tuple(each for each in outputs.PERFORMANCE.values() if not each.needs)
@@ -158,9 +164,7 @@ class Plan:
     def _changes(self) -> Iterator[Column]:
         """Create the change of these figures by each input, over the inputs."""
         group, labels = self._group(CONTRIBUTIONS), self.names.inputs
-        about = flag_attributes(labels, "input with a tolerance, or inputs that err together")
-        numbers = np.arange(len(labels), dtype=flag_type(len(labels)))
-        self.layout.coordinate(group, CONTRIBUTOR, numbers, about | {"labels": "\n".join(labels)})
+        self.layout.labelled(group, CONTRIBUTOR, labels, "input with a tolerance, or inputs that err together")
         shape, dimensions = (*self.shape, len(labels)), (*self._dimensions, CONTRIBUTOR)
         for figure in self._uncertain():
             if figure.name in self._along:
@@ -172,19 +176,14 @@ class Plan:
 
     def _slopes(self) -> Iterator[Column]:
         """Create the derivatives of the figures over the numbers; values and methods may differ between cases."""
-        group, paths = self._group(slopes.DERIVATIVES), [path for path, _ in self.names.numbers]
-        about = flag_attributes(paths, "number of the scene")
-        counted = np.arange(len(paths), dtype=flag_type(len(paths)))
-        self.layout.coordinate(group, slopes.NUMBER, counted, about | {"labels": "\n".join(paths)})
-        shape, dimensions = (*self.shape, len(paths)), (*self._dimensions, slopes.NUMBER)
-        words = sorted({unit for _, unit in self.names.numbers})
-        data = self.layout.texts(group, slopes.UNITS, words, shape, dimensions, "SI unit of the number")
-        units = np.array([words.index(unit) for _, unit in self.names.numbers], np.int32)
-        yield Column(data, lambda table: np.tile(units, (len(table), 1)))
+        group, units = self._group(DERIVATIVES), dict(self.names.numbers)
+        paths, shape, dimensions = list(units), (*self.shape, len(units)), (*self._dimensions, NUMBER)
+        data, numbers = _numbered(self.layout, group, units, shape, dimensions)
+        yield Column(data, lambda table: np.tile(numbers, (len(table), 1)))
         units_of = {each.name: each.units for each in self.names.about}
-        told = {tables.VALUE: slopes.about_value(), tables.EXACT: slopes.IS_EXACT}
+        told = {tables.VALUE: VALUE_ATTRIBUTES, tables.EXACT: EXACT_ATTRIBUTES}
         sloped = [name for name in self.names.slopes if name not in self._along]
-        told |= {name: slopes.about_slope(name, units_of[name]) for name in sloped}
+        told |= {name: _slope_attributes(name, units_of[name]) for name in sloped}
         for name, attributes in told.items():
             data = self.layout.empty(group, name, shape, float, dimensions, attributes | self._beside)
             yield Column(data, lambda table, name=name: tables.slopes_of(table, name, paths))
@@ -222,3 +221,33 @@ def _numbers(name: str, words: Sequence[str]) -> Callable[[Table], np.ndarray]:
         return tables.renumbered(texts._replace(words=tuple(map(text_lines, texts.words))), place)
 
     return numbers
+
+
+def write_slopes(layout: Layout, found: ComputedDerivatives, performance: Figures) -> None:
+    """Write the group `derivatives` of one result: its figures by the numbers of its scene."""
+    group, units = layout.group(DERIVATIVES), {path: found.units[path] for path in found.values}
+    data, numbers = _numbered(layout, group, units, (len(units),), (NUMBER,))
+    data.write(numbers)
+    values = np.array(list(found.values.values()), float)
+    layout.variable(group, tables.VALUE, values, (NUMBER,), VALUE_ATTRIBUTES)
+    exact = np.array([METHOD_CODES[found.method[path]] for path in units], np.int8)
+    layout.variable(group, tables.EXACT, exact, (NUMBER,), EXACT_ATTRIBUTES)
+    units_of = {each.name: each.units for each in shown(performance)}
+    for figure, slopes in found.derivatives.items():
+        values = np.array([slopes.get(path, np.nan) for path in units], float)
+        layout.variable(group, figure, values, (NUMBER,), _slope_attributes(figure, units_of[figure]))
+
+
+def _numbered(
+    layout: Layout, group: Any, units: Mapping[str, str], shape: tuple[int, ...], dimensions: Sequence[str]
+) -> tuple[Any, np.ndarray]:
+    """Create the coordinate of numbers {path: SI unit}, and the variable of their units; return it with its values."""
+    layout.labelled(group, NUMBER, list(units), "number of the scene")
+    words = sorted(set(units.values()))
+    data = layout.texts(group, UNITS, words, shape, dimensions, "SI unit of the number")
+    return data, np.array([words.index(unit) for unit in units.values()], np.int32)
+
+
+def _slope_attributes(figure: str, units: str) -> dict[str, object]:
+    """Return the attributes of a figure's derivatives; `units` are those of the figure."""
+    return number_attributes(Variable(units, f"derivative of {figure} by the number, per unit of it ({UNITS})"))

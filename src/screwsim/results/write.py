@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -18,9 +18,8 @@ from screwsim.results import atomic
 from screwsim.results.guarded import GuardedFile
 from screwsim.results.netcdf import Layout, Selection, chunks_of, flag_attributes, number_attributes, text_lines
 from screwsim.results.schema import Axis, axes_of
-from screwsim.results.slopes import write_slopes
 from screwsim.results.table import InMemory, Names, Table, Tables, regrouped, table_of
-from screwsim.results.variables import Column, Plan, names_of
+from screwsim.results.variables import Column, Plan, names_of, write_slopes
 from screwsim.scene.types import Scene
 
 # the format of HDF5 1.8 allows attributes (the scene) beyond 64 KiB; netCDF-4 keeps the order of creation
@@ -206,8 +205,8 @@ def _chunks(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Iterator[tuple[tu
 
 def write_knock_out(layout: Layout, costs: Sequence[Figures]) -> None:
     """Write the group `knock_out`; its coordinate `effect` numbers the names, listed in its attribute `labels`."""
-    group, shape = layout.group("knock_out"), (len(costs),)
-    layout.coordinate(group, EFFECT, np.arange(len(costs), dtype=np.int8), _effects([cost.effect for cost in costs]))
+    group = layout.group("knock_out")
+    layout.labelled(group, EFFECT, [cost.effect for cost in costs], "effect that is left out")
     status = np.array([KNOCK_OUT_STATUSES.index(cost.status) for cost in costs], np.int8)
     layout.variable(group, "status", status, (EFFECT,), flag_attributes(KNOCK_OUT_STATUSES, "how it ended"))
     for name, variable in KNOCK_OUT.items():
@@ -217,9 +216,7 @@ def write_knock_out(layout: Layout, costs: Sequence[Figures]) -> None:
         layout.variable(group, name, values, (EFFECT,), number_attributes(variable))
     messages = [text_lines(cost.message) for cost in costs]
     words = sorted(set(messages))
-    data = layout.texts(group, "message", words, shape, (EFFECT,), "why there are no figures, or what is doubtful")
+    data = layout.texts(
+        group, "message", words, (len(costs),), (EFFECT,), "why there are no figures, or what is doubtful"
+    )
     data.write([words.index(message) for message in messages])
-
-
-def _effects(names: Sequence[str]) -> Mapping[str, Any]:
-    return flag_attributes(names, "effect that is left out") | {"labels": "\n".join(names)}

@@ -5,10 +5,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
-from screwsim.scene.dict_text import flow_text
 from screwsim.scene.load import load, loads
 from screwsim.scene.types import Scene
-from screwsim.scene.write import scene_text
+from screwsim.scene.write import flow_text, scene_text
 
 _TAKES = "a path, a dict as in the file, YAML text, or a Scene of screwsim.load"
 

@@ -25,6 +25,7 @@ KIND = "machine.kind"
 # last angle of an area table over 720 deg whose angles are written in radians
 ANGLE_IN_RADIANS = math.radians(4.0 * math.pi)
 ANGLE_ROUNDING = math.radians(0.01)  # tolerance on the angle of a table's last row at the end of the life
+_DISPLACED = "displaced oil follows from its bore"
 LEAST_SPAN = 0.5  # least share of a chamber's life that a table of its volume must cover
 
 
@@ -135,11 +136,9 @@ def _pump(scene: Scene) -> Iterator[Fault]:
         if beside:
             what = f"is given as well as {beside} (remove one of the two; null drops a base's value)"
             yield Fault("oil_supply.flow", what)
-    for name in ("orifice_diameter", "orifice_length"):
-        if getattr(supply, name) is not None:
+    for name, default in (("orifice_diameter", None), ("orifice_length", None), ("orifice_count", 1.0)):
+        if getattr(supply, name) != default:
             yield Fault(f"oil_supply.{name}", "applies only to kind: displacement (remove it, or change the kind)")
-    if supply.orifice_count != 1.0:
-        yield Fault("oil_supply.orifice_count", "applies only to kind: displacement (remove it, or change the kind)")
     if supply.line is not None:
         what = "applies to displaced oil; with kind: pump the pump overcomes the loss"
         yield Fault("oil_supply.line", f"{what} (write it under {having(PUMPS)[0]})")
@@ -169,19 +168,14 @@ def _sought_oil_flow(scene: Scene) -> Iterator[Fault]:
 def _displacement(scene: Scene) -> Iterator[Fault]:
     supply = scene.oil_supply
     assert supply is not None
-    if supply.discharge_temperature is not None:
-        what = "applies only to kind: pump, whose ratio it finds; displaced oil follows from its bore (remove it)"
-        yield Fault("oil_supply.discharge_temperature", what)
-    if supply.ratio is not None:
-        yield Fault(
-            "oil_supply.ratio", "applies only to kind: pump; displacement finds it from the orifice (remove it)"
-        )
-    if supply.flow is not None:
-        yield Fault("oil_supply.flow", "applies only to kind: pump; displaced oil follows from its bore (remove it)")
-    if supply.from_sump:
-        yield Fault(
-            "oil_supply.source", "applies only to kind: pump; displacement draws from the separator (remove it)"
-        )
+    for name, stated, why in (
+        ("discharge_temperature", supply.discharge_temperature, f", whose ratio it finds; {_DISPLACED}"),
+        ("ratio", supply.ratio, "; displacement finds it from the orifice"),
+        ("flow", supply.flow, f"; {_DISPLACED}"),
+        ("source", supply.from_sump or None, "; displacement draws from the separator"),
+    ):
+        if stated is not None:
+            yield Fault(f"oil_supply.{name}", f"applies only to kind: pump{why} (remove it)")
     if supply.orifice_diameter is None:
         yield Fault("oil_supply.orifice_diameter", "is missing (kind: displacement needs it, e.g. 3 mm)")
     elif supply.orifice_length is not None and supply.orifice_length >= NO_FLOW * supply.orifice_diameter:

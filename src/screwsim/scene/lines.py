@@ -29,19 +29,15 @@ class Lines:
 
 def lines(scene: Scene) -> Lines:
     """Return the states of both lines of a scene that passed `cross_check` (M42)."""
-    stated = _stated(scene.operation, scene.gas)
+    stated = _lines(scene.operation, scene.gas)
     behind = 0.0 if scene.losses is None else scene.losses.behind
     return stated if behind == 0.0 else replace(stated, p_d=stated.p_d + behind)
 
 
 @IdentityCache
-def _stated(operation: Operation, gas: GasSettings) -> Lines:
-    return _lines(operation, gas.name)
-
-
 @lru_cache(maxsize=64)
-def _lines(operation: Operation, fluid: str) -> Lines:
-    suction, p_d = operation.suction, operation.discharge.pressure
+def _lines(operation: Operation, gas: GasSettings) -> Lines:
+    suction, p_d, fluid = operation.suction, operation.discharge.pressure, gas.name
     T_e, T_c, cooler = operation.evaporating_temperature, operation.condensing_temperature, operation.gas_cooler
     if T_e is not None and (T_c is not None or cooler is not None):
         p_d = cooler.pressure if cooler is not None else constants.condensing_pressure(fluid, T_c or 0.0)
@@ -79,12 +75,12 @@ def _saturates(fluid: str, T_s: float) -> bool:
 
 def suction_enthalpy(scene: Scene) -> float:
     """Return the real fluid's enthalpy [J/kg] in the suction line, on CoolProp's default reference."""
-    return _suction_enthalpy(scene.operation, scene.gas.name)
+    return _suction_enthalpy(scene.operation, scene.gas)
 
 
 @lru_cache(maxsize=64)
-def _suction_enthalpy(operation: Operation, fluid: str) -> float:
-    found = _lines(operation, fluid)
+def _suction_enthalpy(operation: Operation, gas: GasSettings) -> float:
+    found, fluid = _lines(operation, gas), gas.name
     if found.quality is not None:
         return constants.wet_enthalpy(fluid, found.p_s, found.quality)
     return constants.vapour_enthalpy(fluid, found.p_s, found.T_s)
@@ -95,18 +91,19 @@ def condensate_enthalpy(scene: Scene) -> float | None:
 
     None where the scene states neither, and for an expander.
     """
-    return None if scene.machine.expands else _condensate_enthalpy(scene.operation, scene.gas.name)
+    return None if scene.machine.expands else _condensate_enthalpy(scene.operation, scene.gas)
 
 
-def _condensate_enthalpy(operation: Operation, fluid: str) -> float | None:
+def _condensate_enthalpy(operation: Operation, gas: GasSettings) -> float | None:
     T_c, subcooling, cooler = operation.condensing_temperature, operation.subcooling, operation.gas_cooler
+    fluid = gas.name
     if cooler is not None:
         return constants.enthalpy(fluid, cooler.pressure, cooler.outlet_temperature)
     if T_c is None:
         return None
     T = constants.condensed(fluid, T_c)
     if subcooling:
-        return constants.liquid_enthalpy(fluid, _lines(operation, fluid).p_d, T - subcooling)
+        return constants.liquid_enthalpy(fluid, _lines(operation, gas).p_d, T - subcooling)
     return constants.saturated_liquid_enthalpy(fluid, T)
 
 
@@ -115,17 +112,11 @@ def refrigerating_effect(scene: Scene) -> float | None:
 
     None where the scene states neither condenser nor gas cooler, and for an expander.
     """
-    if scene.machine.expands:
-        return None
-    return _effect(scene.operation, scene.gas)
+    return None if scene.machine.expands else _refrigerating_effect(scene.operation, scene.gas)
 
 
 @IdentityCache
-def _effect(operation: Operation, gas: GasSettings) -> float | None:
-    return _refrigerating_effect(operation, gas.name)
-
-
 @lru_cache(maxsize=64)
-def _refrigerating_effect(operation: Operation, fluid: str) -> float | None:
-    behind = _condensate_enthalpy(operation, fluid)
-    return None if behind is None else _suction_enthalpy(operation, fluid) - behind
+def _refrigerating_effect(operation: Operation, gas: GasSettings) -> float | None:
+    behind = _condensate_enthalpy(operation, gas)
+    return None if behind is None else _suction_enthalpy(operation, gas) - behind

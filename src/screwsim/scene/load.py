@@ -17,7 +17,6 @@ from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.checks import check_files, cross_check
 from screwsim.scene.derived_values import with_derived_values
-from screwsim.scene.dict_text import DICT_NAME, yaml_text
 from screwsim.scene.fields import leaf_paths, scene_section
 from screwsim.scene.file_kinds import other_file
 from screwsim.scene.fixed_dict import FixedDict
@@ -28,8 +27,8 @@ from screwsim.scene.tolerances import read_tolerances, split_tolerances
 from screwsim.scene.types import STANDARD_ATMOSPHERE, Scene
 from screwsim.scene.units import Refused, gauge_pressures_over, parse_quantity
 from screwsim.scene.values import shown
-from screwsim.scene.write import scene_text
-from screwsim.scene.yaml_tree import Faults, LocatedFault, Node, Position, compose, merge, one_line, pointer
+from screwsim.scene.write import DICT_NAME, scene_text, yaml_text
+from screwsim.scene.yaml_tree import Faults, LocatedFault, Node, Position, child_of, compose, merge, one_line, pointer
 
 OVERRIDE = 1_000_000  # rank of the first override, above those of all files
 SET = "--set "  # prefix of an override in messages
@@ -93,7 +92,9 @@ def _finish(
     for number, override in enumerate(overrides):
         there = replace(start, rank=OVERRIDE + number, line=0, column=0)
         root = _override(root, override, there, problems, told + stage)
-    scene = _typed(_remove(root, without), start.folder, problems)
+    root = _remove(root, without)
+    with gauge_pressures_over(_ambient(root)):
+        scene = _read(root, start.folder, problems)
     if problems or scene is None:
         raise Faults(_of_stage(problem, stage) for problem in problems).error()
     return replace(scene, text=scene_text(scene))
@@ -165,16 +166,15 @@ def _read_text(text: str, start: Position, trail: tuple[str, ...], problems: Fau
 
 
 def _read_base(node: Node, trail: tuple[str, ...], problems: Faults) -> Node | None:
-    at = LocatedFault(node.place, "base", "")
     if not isinstance(node.value, str):
-        problems.append(replace(at, what=f"{shown(node.value)} is not the name of a file (write e.g. point.yaml)"))
+        problems.add(node.place, "base", f"{shown(node.value)} is not the name of a file (write e.g. point.yaml)")
         return None
     path = os.path.join(node.place.folder, node.value)
     real = os.path.realpath(path)
-    at = replace(at, what=shown(node.value))
+    at = LocatedFault(node.place, "base", shown(node.value))
     if real in trail or len(trail) > MOST_BASES:
         again = "is based on this file again" if real in trail else f"is the base of more than {MOST_BASES} files"
-        problems.append(replace(at, what=f"{at.what} {again} (a chain of bases must end)"))
+        problems.add(node.place, "base", f"{at.what} {again} (a chain of bases must end)")
         return None
     source = os.path.normpath(os.path.join(os.path.dirname(node.place.source), node.value))
     start = Position(node.place.rank + 1, source, folder=os.path.dirname(os.path.abspath(path)))
@@ -195,20 +195,14 @@ def _override(root: Node, override: str, place: Position, problems: Faults, told
     if node is None:
         return root
     keys = _keys(root, path, node)
-    if node.value == {} and (there := _at(root, keys)) is not None and isinstance(there.value, dict) and there.value:
+    there = child_of(root, *keys)
+    if node.value == {} and there is not None and isinstance(there.value, dict) and there.value:
         out = "off" if path.startswith("effects.") else "null"
         what = f"{{}} changes nothing, as it is merged into what is there (write {out} to remove that)"
         problems.add(place, path, what)
     for name in reversed(keys):
         node = Node({name: node}, place, place)
     return merge(root, node)
-
-
-def _at(root: Node, keys: Iterable[str]) -> Node | None:
-    node: Node | None = root
-    for key in keys:
-        node = node.value.get(key) if node is not None and isinstance(node.value, dict) else None
-    return node
 
 
 def _override_value(text: str, place: Position, path: str, problems: Faults) -> Node | None:
@@ -230,9 +224,7 @@ def _keys(root: Node, path: str, value: Node) -> list[str]:
         return [head, *_sweep_keys(rest)]
     if head != "effects" or "." not in rest or rest.partition(".")[0] in catalogue():
         return path.split(".")
-    effects = root.value.get("effects")
-    named = effects.value if effects is not None and isinstance(effects.value, dict) else {}
-    if rest in named or isinstance(value.value, dict):
+    if child_of(root, "effects", rest) is not None or isinstance(value.value, dict):
         return [head, rest]
     name, _, parameter = rest.rpartition(".")
     return [head, name, parameter]
@@ -270,8 +262,7 @@ def _not_active(name: str, named: list[str]) -> str:
 
 def _machine_kind(root: Node, problems: Faults) -> str:
     """Return the machine kind that a tree names; the default where it names none, or one that does not exist."""
-    machine = root.value.get("machine")
-    named = machine.value.get("kind") if machine is not None and isinstance(machine.value, dict) else None
+    named = child_of(root, "machine", "kind")
     name = named.value if named is not None else None
     if named is None or not isinstance(name, str) or "." not in name:
         return name if name in tuple(MACHINES) else TWIN_SCREW
@@ -293,16 +284,9 @@ def _paths(root: Node, kind: str) -> list[str]:
     return list(dict.fromkeys([*leaves, *above, *(f"effects.{name}" for name in known)]))
 
 
-def _typed(root: Node, folder: str, problems: Faults) -> Scene | None:
-    """Return the typed scene, or None after faults were added; cross-checks wait until every field is valid."""
-    with gauge_pressures_over(_ambient(root)):
-        return _read(root, folder, problems)
-
-
 def _ambient(root: Node) -> float | None:
     """Return the ambient pressure [Pa] for a tree's gauge pressures; None where it is badly stated."""
-    operation = root.value.get("operation")
-    stated = operation.value.get("ambient_pressure") if operation and isinstance(operation.value, dict) else None
+    stated = child_of(root, "operation", "ambient_pressure")
     if stated is None or stated.value is None:
         return STANDARD_ATMOSPHERE
     try:
@@ -312,6 +296,7 @@ def _ambient(root: Node) -> float | None:
 
 
 def _read(root: Node, folder: str, problems: Faults) -> Scene | None:
+    """Return the typed scene, or None after faults were added; cross-checks wait until every field is valid."""
     root, given = split_tolerances(root)
     kind = _machine_kind(root, problems)
     paths = _paths(root, kind)

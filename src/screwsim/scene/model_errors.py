@@ -12,7 +12,7 @@ from typing import Any
 
 from screwsim.inputs.suggestions import nearest
 from screwsim.scene.values import shown
-from screwsim.scene.yaml_tree import Faults, Node
+from screwsim.scene.yaml_tree import Faults, Node, child_of
 
 BLOCK, MODEL = "uncertainty", "model"
 FILE = "model_errors.json"
@@ -28,7 +28,7 @@ def stored_model_errors() -> Mapping[str, Any]:
 
 def read_model_error(block: Node | None, problems: Faults) -> str:
     """Return the name of the validation whose model error a scene asks for; '' where it asks for none."""
-    node = block.value.get(MODEL) if block is not None and isinstance(block.value, dict) else None
+    node = child_of(block, MODEL)
     if node is None or node.value is None:
         return ""
     known = list(stored_model_errors())

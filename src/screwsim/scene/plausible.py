@@ -7,7 +7,7 @@ A machine without half of its leaks has unrealistic efficiencies, and nothing in
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import cache
 from itertools import chain
@@ -57,28 +57,24 @@ def _fields(scene: Scene) -> Iterator[tuple[str, str]]:
     for name in PLAIN_SECTIONS:
         part = getattr(scene, name)
         if part is not None:
-            # a section that is the same object as in the previous case need not be checked again
-            last = _last_sections.get(name)
-            if last is None or last[0] is not part:
-                last = _last_sections[name] = part, tuple(_outside_usual_range(type(part), part, name))
-            yield from last[1]
+            yield from _section_warnings(part, name)
     yield from _effect_warnings(scene.effects)
 
 
 @IdentityCache
+def _section_warnings(part: Any, path: str) -> tuple[tuple[str, str], ...]:
+    return tuple(_outside_usual_range(part, path))
+
+
+@IdentityCache
 def _effect_warnings(effects: Mapping[str, ActiveEffect]) -> tuple[tuple[str, str], ...]:
-    found = (
-        _outside_usual_range(type(one.parameters), one.parameters, f"effects.{name}") for name, one in effects.items()
-    )
+    found = (_outside_usual_range(one.parameters, f"effects.{name}") for name, one in effects.items())
     return tuple(chain.from_iterable(found))
 
 
-_last_sections: dict[str, tuple[Any, tuple[tuple[str, str], ...]]] = {}  # last section of each path, which cases share
-
-
-def _outside_usual_range(cls: type, part: Any, path: str) -> Iterator[tuple[str, str]]:
+def _outside_usual_range(part: Any, path: str) -> Iterator[tuple[str, str]]:
     """Yield (path, what) of the values of a section, and of those below it, outside their usual bounds."""
-    leaves, sections = _bounded(cls)
+    leaves, sections = _bounded(type(part))
     for name, leaf, low, high in leaves:
         value = getattr(part, name)
         if value is not None and not low <= value <= high:
@@ -88,7 +84,7 @@ def _outside_usual_range(cls: type, part: Any, path: str) -> Iterator[tuple[str,
     for name in sections:
         inner = getattr(part, name)
         if inner is not None:
-            yield from _outside_usual_range(type(inner), inner, f"{path}.{name}")
+            yield from _outside_usual_range(inner, f"{path}.{name}")
 
 
 @cache
@@ -114,7 +110,8 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
         path = next((each for each in (P_D, GAS_COOLER_P) if value_at(scene, each) is not None), CONDENSING)
         yield path, f"the pressure ratio of a single machine is {ratio:.4g} (usual: at most {USUAL_RATIO:g})"
     cooler = scene.operation.gas_cooler
-    if cooler is not None and cooler.pressure < _critical(scene):
+    limits = None if cooler is None else constants.limits(scene.gas.name)
+    if cooler is not None and (limits is None or cooler.pressure < limits.p_critical):
         T = constants.saturation_temperature(scene.gas.name, cooler.pressure)
         if cooler.outlet_temperature > T:
             here, dew = map(in_celsius, (cooler.outlet_temperature, T))
@@ -194,12 +191,6 @@ def _mirrored_lobe(machine: TwinScrew) -> Iterator[tuple[str, str]]:
             yield "machine.profile.file", f"{what} (reverse the sign of its y if so)"
 
 
-def _critical(scene: Scene) -> float:
-    """Return the critical pressure [Pa] of the fluid."""
-    known = constants.limits(scene.gas.name)
-    return math.inf if known is None else known.p_critical
-
-
 def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield a warning where the oil is so cold that a real gas condenses on it at the discharge pressure."""
     supply = scene.oil_supply
@@ -226,10 +217,12 @@ def left_out_lines(scene: Scene) -> list[str]:
 
 def leaks_in_words(scene: Scene) -> str:
     """Return which of a machine's leaks are simulated; empty where all of them are."""
-    there, lacking = _parted(scene, _usual_effects(scene).get(LEAK, []))
+    leaks = _usual_effects(scene).get(LEAK, [])
+    there = [name.removesuffix("_leakage").replace("_", " ") for name in leaks if name in scene.effects]
+    lacking = [name for name in leaks if name not in scene.effects]
     if not lacking:
         return ""
-    only = f"{joined_names([_short(name) for name in there])} only" if there else "none"
+    only = f"{joined_names(there)} only" if there else "none"
     return f"leaks simulated: {only}; typical scenes name {joined_names(lacking)}{', too' if there else ''}"
 
 
@@ -263,12 +256,3 @@ def _usual_effects(scene: Scene) -> dict[Usual, list[str]]:
             if offer in kind.offers:
                 found.setdefault(what, []).append(name)
     return found
-
-
-def _parted(scene: Scene, names: Sequence[str]) -> tuple[list[str], list[str]]:
-    there = [name for name in names if name in scene.effects]
-    return there, [name for name in names if name not in scene.effects]
-
-
-def _short(name: str) -> str:
-    return name.removesuffix("_leakage").replace("_", " ")

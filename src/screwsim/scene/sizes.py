@@ -7,7 +7,6 @@ make the pressure follow that of the line, and are allowed.
 
 import math
 from collections.abc import Iterator
-from functools import cache
 from itertools import groupby
 from typing import Any
 
@@ -17,38 +16,20 @@ from screwsim.inputs.faults import Fault
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import MachineKind, Size, Speed
 from screwsim.numerics.identity_cache import IdentityCache
+from screwsim.scene.fields import value_at
 from screwsim.scene.types import Scene
 from screwsim.scene.units import readable_quantity
 
 RPM = 30.0 / math.pi
-_EFFECTS, _IN_EFFECTS = "effects", "effects."
+_EFFECTS = "effects"
 
 
 def _size_ratios(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[tuple[Size, float]]:
     """Yield each of these sizes that the scene states, and its ratio to the machine's reference dimension."""
     for size in sizes:
-        value = _value(scene, size.path)
+        value = value_at(scene, size.path)
         if value is not None:
             yield size, value / size.of(scene.machine)
-
-
-@cache
-def _keys(path: str) -> tuple[str, ...]:
-    if path.startswith(_IN_EFFECTS):  # effect names may contain dots, if user-defined
-        return (_EFFECTS, *path.removeprefix(_IN_EFFECTS).rsplit(".", 1))
-    return tuple(path.split("."))
-
-
-def _value(scene: Scene, path: str) -> float | None:
-    """Return the value [SI] of a size, None where the scene has none; called for every case of a sweep."""
-    head, *keys = _keys(path)
-    part: Any = getattr(scene, head)
-    if head == "effects":
-        active = part.get(keys.pop(0))
-        part = None if active is None else active.parameters
-    for name in keys:
-        part = None if part is None else getattr(part, name)
-    return part
 
 
 def _surface_speed(scene: Scene) -> tuple[float, Speed]:
@@ -116,7 +97,7 @@ def sizes_of_effect(kind: MachineKind, name: str, effect: Effect) -> Iterator[Si
     """Yield the sizes of an effect for which a kind of machine has a scale."""
     for key, scale, most, usual in effect.sizes:
         if scale in kind.scales:
-            yield Size(f"{_IN_EFFECTS}{name}.{key}", *kind.scales[scale], most, usual)
+            yield Size(f"{_EFFECTS}.{name}.{key}", *kind.scales[scale], most, usual)
 
 
 def sizes_of(scene: Scene) -> Iterator[Size]:
@@ -133,7 +114,7 @@ def _effect_sizes(scene: Scene, kind: MachineKind) -> Iterator[Size]:
 @IdentityCache
 def _by_section(sizes: tuple[Size, ...]) -> tuple[tuple[str, tuple[Size, ...]], ...]:
     """Return sizes in their order, grouped by the section of a scene that states them."""
-    return tuple((head, tuple(each)) for head, each in groupby(sizes, lambda size: _keys(size.path)[0]))
+    return tuple((head, tuple(each)) for head, each in groupby(sizes, lambda size: size.path.partition(".")[0]))
 
 
 def _beyond(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[Fault]:
@@ -162,4 +143,4 @@ def _times(share: float, what: str) -> str:
 
 def _shown(scene: Scene, path: str) -> str:
     kind = "volume" if path.endswith((".max", ".min", ".clearance")) else "area" if path.endswith("area") else "length"
-    return readable_quantity(KINDS[kind], _value(scene, path) or 0.0)
+    return readable_quantity(KINDS[kind], value_at(scene, path) or 0.0)

@@ -1,8 +1,12 @@
 """Values with a tolerance: `27 um ± 5 um`, `3 ± 10 %`, `50 um ×/÷ 2`, and which of their errors are fully correlated.
 
-A tolerance is half of the interval in which the value lies in 95 of 100 cases, a coverage factor of 2 (GUM), unless
-another stands behind it: `27 um ± 2.5 um (k=1)` is the same as `27 um ± 5 um`. With ± the value is normally
+A tolerance is half of the interval in which the value lies in 95 of 100 cases, a coverage factor of 2 (JCGM 100:2008,
+GUM, sections 2.3.5 and 2.3.6), unless another stands behind it: `27 um ± 2.5 um (k=1)` is the same as `27 um ± 5 um`.
+With ± the value is normally
 distributed, its standard uncertainty half the tolerance; with ×/÷ its logarithm is. In ASCII the signs are +/- and */.
+A column of measured points holds standard uncertainties unless a coverage factor stands behind them.
+
+Source: JCGM 100:2008 (GUM), sections 2.3.5 and 2.3.6.
 """
 
 import math
@@ -14,7 +18,6 @@ from typing import Any, NamedTuple
 from screwsim.effects import catalogue
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.suggestions import nearest
-from screwsim.scene.coverage import COVERAGE_FACTOR, split_coverage
 from screwsim.scene.fields import Leaf, effect_keys, leaf_paths, leaves_of, value_at
 from screwsim.scene.model_errors import BLOCK, MODEL
 from screwsim.scene.types import COVERAGE, Scene, Tolerance
@@ -22,6 +25,8 @@ from screwsim.scene.units import NUMBER, Refused, format_quantity, parse_quantit
 from screwsim.scene.values import limits_text, shown, text_of, within
 from screwsim.scene.yaml_tree import Faults, Node, Position, join
 
+LARGEST_COVERAGE = 10.0  # nobody states more standard uncertainties than these
+COVERAGE_FACTOR = re.compile(rf"\s*\(\s*k\s*=\s*({NUMBER})\s*\)\s*$")
 CORRELATED_KEY = "correlated"
 CERTAIN_SECTIONS = ("numerics.", "output.")  # only the machine and its operation are uncertain
 KEYS_WITHOUT_TOLERANCE = ("title", "base", "sweep", "output", BLOCK)  # keys under which no value has a tolerance
@@ -247,3 +252,21 @@ def together_text(scene: Scene) -> Iterator[str]:
         parts.append(f"{MODEL}: {scene.model_error}")
     if parts:
         yield f"{BLOCK}: {{{', '.join(parts)}}}"
+
+
+def split_coverage(text: str, otherwise: float) -> tuple[str, float]:
+    """Return a text without the coverage factor at its end, and that factor, `otherwise` where none is written.
+
+    `otherwise` is 2 behind a ± or ×/÷, 1 in a column of measured points, which holds standard uncertainties. Raise
+    `Refused` for a factor that is none.
+    """
+    match = COVERAGE_FACTOR.search(text)
+    if match is None:
+        return text, otherwise
+    factor = float(match[1])
+    if not 0.0 < factor <= LARGEST_COVERAGE:
+        raise Refused(
+            f"k={match[1]} is not a coverage factor (write k=1 for a standard uncertainty, k=2 for half of a 95 % "
+            f"interval)"
+        )
+    return text[: match.start()], factor

@@ -1,15 +1,22 @@
-"""A scene as canonical YAML: each value with its unit, in the order of the schema; reading it gives the same scene."""
+"""A scene as YAML: canonical, each value with its unit, in the order of the schema; or as a dict states it.
 
+Reading the canonical text gives the same scene.
+"""
+
+import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from screwsim.inputs.declare import is_derived
+from screwsim.inputs.faults import UsageError
 from screwsim.scene.fields import Leaf, Section, leaves_of, scene_section, section_of
 from screwsim.scene.grid import dimensions
 from screwsim.scene.tolerances import together_text, tolerance_text
 from screwsim.scene.types import Sample, Scene
 from screwsim.scene.values import text_of
+
+DICT_NAME = "<dict>"  # takes the place of a file name in messages
 
 
 def scene_text(scene: Scene) -> str:
@@ -79,13 +86,14 @@ def _section(section: Section, value: Any, scene: Scene, at: tuple[str, str]) ->
 
 def _scalar(leaf: Leaf, value: Any, folder: str) -> str:
     if leaf.kind == "file":
-        return quoted(_relative(value, folder))
+        return quoted(relative_to(value, folder))
     if leaf.kind == "fluid" and not isinstance(value, str):
         return f"[{', '.join(map(quoted, value))}]"
     return quoted(value) if leaf.kind in ("word", "fluid") else text_of(leaf, value)
 
 
-def _relative(path: str, folder: str) -> str:
+def relative_to(path: str, folder: str) -> str:
+    """Return a path relative to a folder; where that is on another drive, the path itself."""
     try:
         return os.path.relpath(path, folder)
     except ValueError:  # another drive
@@ -108,3 +116,36 @@ def _escaped(letter: str) -> str:
     if 0x20 <= code < 0x7F:
         return letter
     return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
+
+
+def yaml_text(given: Mapping[str, Any]) -> str:
+    """Return a dict as YAML, one key a line, so that faults have a line; raise UsageError for what no file can hold."""
+    lines: list[str] = []
+    _write(given, "", "", lines)
+    return "\n".join(lines) + "\n"
+
+
+def _write(given: Mapping[str, Any], indent: str, path: str, lines: list[str]) -> None:
+    for name, value in given.items():
+        below = f"{path}.{name}" if path else str(name)
+        if isinstance(value, Mapping) and value:
+            lines.append(f"{indent}{json.dumps(str(name))}:")
+            _write(value, indent + "  ", below, lines)
+        else:
+            lines.append(f"{indent}{json.dumps(str(name))}: {flow_text(value, below)}")
+
+
+def flow_text(value: Any, path: str) -> str:
+    """Return a value as YAML in one line; raise UsageError for a type that no file can hold."""
+    try:
+        return json.dumps(value, default=_plain, ensure_ascii=False, allow_nan=False)
+    except (TypeError, ValueError):
+        what = f"{str(value)[:40]} ({type(value).__name__}) cannot be written into a scene"
+        raise UsageError(f"{path}: {what} (pass a number, a text such as '3000 rpm', a list or a dict)") from None
+
+
+def _plain(value: Any) -> Any:
+    """Return a numpy number or array, or a path, as a type that JSON knows; raise TypeError for anything else."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    return os.fspath(value)

@@ -282,6 +282,13 @@ def merge(below: Node, above: Node) -> Node:
     return Node(merged, above.place, above.key)
 
 
+def child_of(node: Node | None, *keys: str) -> Node | None:
+    """Return the node below some keys, one in the other; None where there is none."""
+    for key in keys:
+        node = node.value.get(key) if node is not None and isinstance(node.value, dict) else None
+    return node
+
+
 def longest_key(mapping: dict[str, Node], path: str) -> tuple[str, str] | None:
     """Return (key, rest) for the longest key that begins a dotted path; keys may contain dots themselves."""
     keys = [key for key in mapping if path == key or path.startswith(key + ".")]

@@ -3,7 +3,9 @@
 The errors follow from the changes of the figures in finer solutions (`solve.estimate_protocol`): one more life after
 the closed cycle, with a finer tolerance and a narrower regularisation; two lives, the first moved by Newton's
 correction to the limit of all that follow; or the cycle closed again, finer. A further estimate is a function as
-`solve.estimate_protocol.Estimate` says, an entry in `ESTIMATES`, and one in `numerics.error_options`.
+`solve.estimate_protocol.Estimate` says, an entry in `ESTIMATES`, and one in `numerics.settings`. Errors due to open
+balances of a closed life are added (`solve.open_balances`).
+Source: docs/explanation/errors.md.
 """
 
 from dataclasses import replace
@@ -14,7 +16,7 @@ from screwsim.evaluate.evaluation import Evaluation
 from screwsim.figures.errors import flow_errors, relative_errors
 from screwsim.model.run import Machinery
 from screwsim.model.turn_scheduler import reach_station
-from screwsim.numerics.error_options import AGAIN, ERRORS, LIVES, TOGETHER
+from screwsim.numerics.settings import AGAIN, CHAMBERS, ERRORS, LIVES
 from screwsim.outputs import Figures
 from screwsim.solve.estimate_protocol import (
     BARELY_DELIVERS,
@@ -41,7 +43,7 @@ LEAKY_FACTOR = 1.5  # factor by which it then exceeds what two turns show
 NO_DELIVERY_FACTOR = 2.0  # the same for a machine that delivers nothing: its chambers hold only leaks
 LARGEST_RATIO = 0.9  # largest ratio of successive lives' changes that is extrapolated
 LEAST_DELIVERY_ERROR = 0.3  # of the trapped gas's error: least error of a small delivered amount
-ESTIMATES: dict[str, Estimate] = {TOGETHER: chambers_together, LIVES: finer_lives, AGAIN: closed_again}
+ESTIMATES: dict[str, Estimate] = {CHAMBERS: chambers_together, LIVES: finer_lives, AGAIN: closed_again}
 
 
 def estimated_errors(

@@ -2,11 +2,11 @@
 
 An estimate receives a closed cycle, which the machinery holds, and returns the figures of one or more solutions with
 finer steps and a narrower regularisation; `solve.estimate` turns their changes into errors. `numerics.error` of a scene
-says which estimates are tried in turn (`numerics.error_options`).
+says which estimates are tried in turn (`numerics.settings`).
 """
 
-from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import ClosingCriteria, CorrectedState, CycleSolution
@@ -78,13 +78,6 @@ class FinerSolutions(NamedTuple):
 
 NO_SOLUTIONS = FinerSolutions((), enough=False)
 
-
-class Estimate(Protocol):
-    """A method of finding finer solutions."""
-
-    def __call__(self, request: EstimateRequest) -> FinerSolutions:
-        """Return finer solutions near a closed cycle; NOTHING where the method does not apply or found none.
-
-        The next estimate starts from where the machinery then stands.
-        """
-        ...
+# returns finer solutions near a closed cycle, NO_SOLUTIONS where it does not apply or found none; the next estimate
+# starts from where the machinery then stands
+Estimate = Callable[[EstimateRequest], FinerSolutions]

@@ -13,7 +13,7 @@ from screwsim.evaluate.evaluation import Evaluation
 from screwsim.figures.errors import error_of, flow_errors
 from screwsim.model.slots import OF_GAS
 from screwsim.outputs import Figures, names_of
-from screwsim.solve import gas_heat, oil_heat
+from screwsim.solve.outflow_heat import misread_of_gas, misread_of_oil
 
 OIL_SHARE = 0.5  # share of carried oil left open beyond the bound by which its flow errs; measured: at most 0.4
 FLASH_SHARE = 0.25  # share of a residual of dissolved gas by which flashed gas errs; measured: at most 0.2
@@ -43,7 +43,7 @@ def open_balance_errors(of: Evaluation, cycle: CycleSolution) -> Iterator[Figure
     if held and flashes:
         yield flow_errors(found, FLASH_SHARE * held / abs(flashes), "by_held")
     if problem.composition.carried and found.get(OIL_OUT) is not None and not way_of(cycle).whole:
-        yield Figures({OIL_OUT: error_of(OIL_OUT, oil_heat.misread(problem, cycle.trajectory), found)})
+        yield Figures({OIL_OUT: error_of(OIL_OUT, misread_of_oil(problem, cycle.trajectory), found)})
     yield _gas_heat_errors(of, cycle)
     if balances.meets_line_at_angle(problem) and not way_of(cycle).whole:
         yield from _plenum_port_errors(of, cycle)
@@ -52,7 +52,7 @@ def open_balance_errors(of: Evaluation, cycle: CycleSolution) -> Iterator[Figure
 def _gas_heat_errors(of: Evaluation, cycle: CycleSolution) -> Figures:
     """Return the errors of temperatures of the gas that flows out, by what the sums misread of its heat."""
     problem, found = of.problem, of.figures
-    T, misread = found.get(GAS_OUT), gas_heat.misread(problem, cycle.trajectory, cycle.q)
+    T, misread = found.get(GAS_OUT), misread_of_gas(problem, cycle.trajectory, cycle.q)
     if T is None or misread == 0.0:
         return Figures()
     gas, p_d = problem.parts.gas, problem.lines.p_d

@@ -40,6 +40,7 @@ STEADY_WITHIN = 2e-3  # relative distance of a pitch's mean speed from the stead
 STEADY_PITCHES = 12  # ... for so many pitches
 END_MARGIN = 5e-7  # rad, left out at both ends of a pitch, where the speed's course is not periodic
 STEP = 1e-3  # rad, initial step
+INTERRUPTED = "interrupted"  # status of a start that Ctrl-C ended
 UNCLOSED = "the cycle at the steady speed did not close (screwsim run says why)"
 
 
@@ -56,7 +57,7 @@ class StartUpPitch(NamedTuple):
 
 @dataclass(frozen=True)
 class StartUp:
-    """The outcome of a start: status (ok, failed, not_closed) with a message, figures [SI], traces over time."""
+    """The outcome of a start: status (ok, failed, not_closed, interrupted), message, figures [SI], traces over time."""
 
     status: str
     message: str = ""
@@ -203,7 +204,17 @@ class StartUpRun:
     # ---- all of it -------------------------------------------------------------------------------------------
 
     def run(self, told: Told = lambda share: None) -> StartUp:
-        """Continue until the steady speed is reached and kept, or the start ends otherwise."""
+        """Continue until the steady speed is reached and kept, or the start ends otherwise, as by Ctrl-C."""
+        try:
+            return self._run(told)
+        except KeyboardInterrupt:
+            if not self.pitches:
+                raise
+        last = self.pitches[-1].motion
+        reached = f"at {_rpm(float(last.speed[-1]))} of the steady {_rpm(self.steady.mean_speed)}"
+        return self._ended(INTERRUPTED, f"{last.time[-1]:.4g} s after the start, {reached}")
+
+    def _run(self, told: Told) -> StartUp:
         stays, target = 0, self.steady.mean_speed
         unsettled = 0
         while len(self.pitches) < MOST_PITCHES:

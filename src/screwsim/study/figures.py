@@ -1,5 +1,6 @@
 """Names of figures as people write them: in any case, or as symbols (docs/reference/nomenclature.md)."""
 
+import re
 from collections.abc import Iterable
 from contextlib import suppress
 
@@ -40,8 +41,18 @@ def figure_named(text: str, here: Iterable[str] = (), others: Iterable[str] = ()
     same = [name for name in every if name.replace("_", "") == bare]
     if same or bare in _NAME_BY_SYMBOL:
         return same[0] if same else _NAME_BY_SYMBOL[bare]
+    short = [name for name in here or every if _abbreviates(text, name)]
+    if len(short) == 1:
+        raise UsageError(f"{option} {text}: is not known; did you mean '{short[0]}'?")
     there = ", ".join(here)
     raise UsageError(f"{option} {text}: {unknown_key(text, every, f'one of {there}' if there else _NAME_REMEDY)}")
+
+
+def _abbreviates(text: str, name: str) -> bool:
+    """Return whether each word of a text begins the word of a name: 'discharge temp' for discharge_temperature."""
+    words, whole = re.split(r"[\s_-]+", text.lower()), name.split("_")
+    pairs = zip(words, whole, strict=False)
+    return len(words) == len(whole) > 1 and all(len(word) > 1 and each.startswith(word) for word, each in pairs)
 
 
 def figure_of(scene: Scene, text: str, option: str = "--figure") -> str:

@@ -61,7 +61,8 @@ def check_fit(scene: Scene, values: dict[str, Any], where: str) -> None:
     """Raise UsageError with the first fault when values do not fit into a scene."""
     faults = cross_check(with_values(scene, values))
     if faults:
-        raise UsageError(f"{where}: {faults[0]}")
+        text = str(faults[0])
+        raise UsageError(text if text.startswith(f"{where}: ") else f"{where}: {text}")
 
 
 def shown_figure(name: str, value: float) -> str:

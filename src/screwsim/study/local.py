@@ -137,7 +137,7 @@ def sensitivities(
     return Sensitivities(
         result,
         {path: value for path, value in values.items() if path in by_path},
-        {path: _unit(leaves[path]) for path in values if path in by_path},
+        {path: getattr(leaves[path].dimension, "si", "1") for path in values if path in by_path},
         {name: {path: by_path[path][name] for path in values if name in by_path.get(path, {})} for name in asked},
         {path: DIFFERENCES if path in others else EXACT if fine else ROUGH for path in values if path in by_path},
         {path: why for path, why in others.items() if path in by_path},
@@ -166,10 +166,6 @@ def _other_scene(scene: Scene, result: Result) -> str:
 
 def _value_in_words(scene: Scene, path: str, value: Any) -> str:
     return "not stated" if value is None else shown_value(scene, path, value)
-
-
-def _unit(leaf: Leaf) -> str:
-    return "1" if leaf.dimension is None else leaf.dimension.si
 
 
 def _requested_numbers(scene: Scene, paths: Sequence[str], every: Mapping[str, float]) -> dict[str, float]:

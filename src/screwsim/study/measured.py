@@ -18,7 +18,7 @@ from screwsim.figures.errors import error_in_unit
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, leaf_of, with_values
-from screwsim.scene.coverage import split_coverage
+from screwsim.scene.tolerances import split_coverage
 from screwsim.scene.types import COVERAGE
 from screwsim.scene.units import NUMBER, Refused
 from screwsim.scene.values import within

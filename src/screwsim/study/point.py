@@ -29,11 +29,9 @@ def simulate(scene: Scene | str | os.PathLike[str] | Mapping[str, Any], trace: T
     """
     scene = scene_of(scene)
     result = simulated(scene, trace)
-    return replace(result, derivatives=Derivatives(partial(_derivatives_of, scene, result), result.performance, scene))
-
-
-def _derivatives_of(scene: Scene, result: Result) -> Any:
-    return sensitivities(scene, result=result)
+    return replace(
+        result, derivatives=Derivatives(partial(sensitivities, scene, result=result), result.performance, scene)
+    )
 
 
 def kept_slopes(scene: Scene, result: Result) -> Sensitivities | None:

@@ -72,70 +72,6 @@ class TolerantProgress(Progress):
                 told.stop()  # restores stdout and stderr
 
 
-class TerminalBar(Progress):
-    """A bar on stderr with rate, time left and failures.
-
-    It has no thread of its own: workers are forked from this process, and a fork copies the locks that threads hold,
-    but not the threads.
-    """
-
-    def __init__(self, title: str = "sweep") -> None:
-        self._title = title
-        self._bar: Any = None
-        self._task: Any = None
-        self._failed = self._new = self._ahead = 0
-
-    def start(self, cases: int, reused: int) -> None:
-        from rich.console import Console
-
-        class Told(Console):
-            def on_broken_pipe(self) -> None:
-                raise
-
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-        columns = (
-            TextColumn(self._title),
-            BarColumn(bar_width=None),  # takes up the rest of the line
-            MofNCompleteColumn(),
-            TextColumn("{task.fields[rate]}"),
-            TimeRemainingColumn(),
-            TextColumn("{task.fields[failures]}"),
-        )
-        self._bar = Progress(*columns, console=Told(stderr=True), auto_refresh=False, expand=True)
-        self._task = self._bar.add_task(self._title, total=cases, completed=reused, rate="", failures="")
-        self._bar.start()
-        self._bar.refresh()
-
-    def advance(self, cases: int, failed: int) -> None:
-        self._failed += failed
-        shown = min(self._ahead, cases)
-        self._ahead -= shown
-        self._count(cases - shown, refresh=True)
-
-    def solving(self, cases: int) -> None:
-        more, self._ahead = cases - self._ahead, cases
-        if more:
-            self._count(more, refresh=False)
-
-    def _count(self, cases: int, refresh: bool) -> None:
-        self._new += cases
-        elapsed = self._bar.tasks[0].elapsed or 0.0
-        rate = f"{digits(self._new / elapsed)} points/s" if elapsed else ""
-        failures = f"{self._failed} not ok" if self._failed else ""
-        self._bar.update(self._task, advance=cases, rate=rate, failures=failures, refresh=refresh)
-
-    def more(self, cases: int) -> None:
-        self._bar.update(self._task, total=self._bar.tasks[0].total + cases)
-
-    def tick(self) -> None:
-        self._bar.refresh()
-
-    def stop(self) -> None:
-        if self._bar is not None:
-            self._bar.stop()
-
-
 class CountingProgress(Progress):
     """Base of progresses that count cases and the time [s] since the start; each finished case refreshes the report."""
 
@@ -163,6 +99,57 @@ class CountingProgress(Progress):
     def more(self, cases: int) -> None:
         self._cases += cases
 
+    def _failures(self, before: str = ", ") -> str:
+        return f"{before}{self._failed} not ok" if self._failed else ""
+
+
+class TerminalBar(CountingProgress):
+    """A bar on stderr with rate, time left and failures.
+
+    It has no thread of its own: workers are forked from this process, and a fork copies the locks that threads hold,
+    but not the threads.
+    """
+
+    def __init__(self, title: str = "sweep") -> None:
+        super().__init__(title, time.monotonic)
+        self._bar: Any = None
+
+    def start(self, cases: int, reused: int) -> None:
+        from rich.console import Console
+
+        class Told(Console):
+            def on_broken_pipe(self) -> None:
+                raise
+
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+        super().start(cases, reused)
+        columns = (
+            TextColumn(self._title),
+            BarColumn(bar_width=None),  # takes up the rest of the line
+            MofNCompleteColumn(),
+            TextColumn("{task.fields[rate]}"),
+            TimeRemainingColumn(),
+            TextColumn("{task.fields[failures]}"),
+        )
+        self._bar = Progress(*columns, console=Told(stderr=True), auto_refresh=False, expand=True)
+        self._bar.add_task(self._title, total=cases, completed=reused, rate="", failures="")
+        self._bar.start()
+        self._bar.refresh()
+
+    def tick(self) -> None:
+        elapsed = self._clock() - self._began
+        rate = (
+            f"{digits((self._done - self._reused) / elapsed)} points/s" if elapsed and self._done > self._reused else ""
+        )
+        task = self._bar.task_ids[0]
+        self._bar.update(task, completed=self._done, total=self._cases, rate=rate, failures=self._failures(""))
+        self._bar.refresh()
+
+    def stop(self) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
 
 class OccasionalLine(CountingProgress):
     """A line on stderr after `first` [s], and then each time the elapsed time has doubled: for logs of long studies."""
@@ -179,8 +166,7 @@ class OccasionalLine(CountingProgress):
             self._next *= 2.0
         new = self._done - self._reused
         left = f", about {passed * (self._cases - self._done) / new:.0f} s left" if new else ""
-        failures = f", {self._failed} not ok" if self._failed else ""
-        tell(f"{self._title}: {self._done} of {self._cases} in {passed:.0f} s{failures}{left}")
+        tell(f"{self._title}: {self._done} of {self._cases} in {passed:.0f} s{self._failures()}{left}")
 
 
 class StepLines(Progress):
@@ -231,8 +217,8 @@ class OverwrittenLine(CountingProgress):
         self._write("\n")
 
     def _write(self, end: str) -> None:
-        failures = f", {self._failed} not ok" if self._failed else ""
-        print(f"\r{self._title}: {self._done} of {self._cases}{failures}", end=end, file=sys.stderr, flush=True)
+        told = f"\r{self._title}: {self._done} of {self._cases}{self._failures()}"
+        print(told, end=end, file=sys.stderr, flush=True)
 
 
 class NotebookBar(CountingProgress):
@@ -272,8 +258,7 @@ class NotebookBar(CountingProgress):
         return [f"{digits(new / seconds)} points/s", f"{_duration(left)} left"]
 
     def _draw(self, pace: list[str]) -> None:
-        failed = [f"{self._failed} not ok"] if self._failed else []
-        told = ", ".join([f"{self._done} of {self._cases}", *failed, *pace])
+        told = ", ".join([f"{self._done} of {self._cases}{self._failures()}", *pace])
         html = BAR_HTML.format(title=escape(self._title), cases=max(self._cases, 1), done=self._done, told=told)
         if self._publish is None:
             from IPython.display import publish_display_data

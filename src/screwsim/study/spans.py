@@ -1,7 +1,7 @@
 """Paths that a study varies between two values: as given, or bounded by the scene and the schema."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from screwsim.inputs.faults import UsageError
@@ -55,26 +55,54 @@ class Span:
 
 
 def read_spans(scene: Scene, texts: Iterable[str], *, ranged: bool, sizes: Sequence[float] = ()) -> tuple[Span, ...]:
-    """Return the spans of texts PATH=LOW..HIGH, or PATH alone; raise UsageError in one line.
+    """Return the spans of the texts of --vary, PATH=LOW..HIGH or PATH alone; raise UsageError in one line.
 
     Without a stated range it is that of `sizes` (a catalogue), of the sweep's axis, or of the schema, which does
     not count with `ranged`.
     """
+    return _spans(
+        scene,
+        texts,
+        "--vary",
+        "operation.speed=1000 rpm..4500 rpm",
+        lambda path: _default_range(scene, path, ranged, sizes),
+    )
+
+
+def read_ranges(
+    scene: Scene, texts: Iterable[str], option: str = "--path", example: str = "machine.rotor_diameter=120 mm..136 mm"
+) -> tuple[Span, ...]:
+    """Return the spans of the texts PATH=LOW..HIGH of an option; raise UsageError in one line."""
+    return _spans(scene, texts, option, example)
+
+
+def _spans(
+    scene: Scene,
+    texts: Iterable[str],
+    option: str,
+    example: str,
+    default: Callable[[str], tuple[float, float]] | None = None,
+) -> tuple[Span, ...]:
+    """Return the spans of texts, `default` giving the range [SI] of one that states none."""
     found: dict[str, Span] = {}
     for text in texts:
         path, equals, ends = (part.strip() for part in text.partition("="))
         if path in found:
-            raise UsageError(f"--vary {path}: is given twice (remove one)")
+            raise UsageError(f"{option} {path}: is given twice (remove one)")
         check_continuous(scene, path)
-        if equals:
-            both = _ends(text, ends, "--vary", "operation.speed=1000 rpm..4500 rpm")
+        both = ends_of(ends)
+        if both is not None:
             low, high = (read_text(scene, path, end) for end in both)
+        elif default is not None and not equals:
+            low, high = default(path)
         else:
-            low, high = _default_range(scene, path, ranged, sizes)
-        _refuse_empty(scene, path, low, high, f"--vary {path}")
+            raise UsageError(f"{option} {text}: is not PATH=LOW..HIGH (write e.g. {option} '{example}')")
+        if not low < high:
+            shown = " … ".join(shown_value(scene, path, end) for end in (low, high))
+            raise UsageError(f"{option} {path}: the range {shown} is empty (LOW must be below HIGH)")
         found[path] = span_of(scene, path, low, high)
     if not found:
-        raise UsageError("nothing varies (write one or more --vary PATH=LOW..HIGH)")
+        raise UsageError(f"nothing varies (write one or more {option} PATH=LOW..HIGH)")
     return tuple(found.values())
 
 
@@ -83,37 +111,6 @@ def span_of(scene: Scene, path: str, low: float, high: float) -> Span:
     start = value_at(scene, path)
     inside = isinstance(start, int | float) and low <= start <= high
     return Span(path, low, high, float(start) if inside else None)
-
-
-def read_ranges(scene: Scene, texts: Iterable[str]) -> tuple[Span, ...]:
-    """Return the spans of texts PATH=LOW..HIGH of --path; raise UsageError in one line."""
-    found: dict[str, Span] = {}
-    for text in texts:
-        path, _, ends = (part.strip() for part in text.partition("="))
-        ends = _ends(text, ends, "--path", "machine.rotor_diameter=120 mm..136 mm")
-        check_continuous(scene, path)
-        low, high = (read_text(scene, path, end) for end in ends)
-        _refuse_empty(scene, path, low, high, path)
-        if path in found:
-            raise UsageError(f"{path}: is given twice (remove one)")
-        found[path] = Span(path, low, high)
-    if not found:
-        raise UsageError("nothing varies (write one or more --path PATH=LOW..HIGH)")
-    return tuple(found.values())
-
-
-def _ends(text: str, ends: str, option: str, example: str) -> tuple[str, str]:
-    """Return both ends of the range in a text; raise UsageError where there is none."""
-    both = ends_of(ends)
-    if both is None:
-        raise UsageError(f"{option} {text}: is not PATH=LOW..HIGH (write e.g. {option} '{example}')")
-    return both
-
-
-def _refuse_empty(scene: Scene, path: str, low: float, high: float, where: str) -> None:
-    if not low < high:
-        shown = " … ".join(shown_value(scene, path, end) for end in (low, high))
-        raise UsageError(f"{where}: the range {shown} is empty (LOW must be below HIGH)")
 
 
 def _default_range(scene: Scene, path: str, ranged: bool, sizes: Sequence[float]) -> tuple[float, float]:
@@ -131,9 +128,12 @@ def schema_range(scene: Scene, path: str) -> tuple[float, float] | None:
     """Return the usual range [SI] of a path, within a factor `RANGE_FACTOR` of its own value; None without a value.
 
     It is bounded by the field's limits, the values hardly met in practice, and for sizes and the speed by those of
-    usual machines.
+    usual machines. A value of zero, around which no factor leads anywhere, has the range of the field's limits, both of
+    which it then needs.
     """
     leaf, value = leaf_of(scene, path), value_at(scene, path)
+    if value == 0 and not isinstance(value, bool) and {"ge", "le"} <= leaf.limits.keys():
+        return leaf.limits["ge"], leaf.limits["le"]
     if not isinstance(value, int | float) or isinstance(value, bool) or value == 0:
         return None
     near = sorted((value / RANGE_FACTOR, value * RANGE_FACTOR))

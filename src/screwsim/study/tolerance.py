@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
-from screwsim.machine.slider_crank.settings import SliderCrank
+from screwsim.machine.slider_crank.cylinder import SliderCrank
 from screwsim.machine.slider_crank.tolerance import GRADES, Grade, Links, grade, right, tolerance
 from screwsim.scene import Scene, with_values
 from screwsim.scene.grid import too_many

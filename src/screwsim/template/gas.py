@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from screwsim.effects.oil_drag import end_drag, tip_drag
 from screwsim.fluid import constants
-from screwsim.fluid.description import is_mixture
+from screwsim.fluid.description import describe
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.settings import FAMILIES
@@ -274,7 +274,7 @@ def booster(asked: SceneRequest) -> str:
         **_motor(sizes.motor_for(gas_flow * taken)),
         "flooded": texts.flooded(size, leaves),
         "fluid": fluid,
-        "two_phase": ", two_phase: equilibrium" if _condenses(fluid, duty) and not is_mixture(fluid) else "",
+        "two_phase": ", two_phase: equilibrium" if _condenses(fluid, duty) and not describe(fluid).glides else "",
         "oil": oil,
         "oil_ratio": f"{max(math.ceil(2.0 * least) / 2.0, ratio):g}",
     }
@@ -293,7 +293,9 @@ def expander(asked: SceneRequest) -> str:
         **_motor(sizes.motor_for(inlet * duty.density * duty.work)),
         "machine": common["machine"].replace("kind: twin_screw\n", "kind: twin_screw\n  mode: expander\n"),
         "fluid": fluid,
-        "two_phase": ", two_phase: equilibrium" if _nears_condensing(fluid, duty) and not is_mixture(fluid) else "",
+        "two_phase": ", two_phase: equilibrium"
+        if _nears_condensing(fluid, duty) and not describe(fluid).glides
+        else "",
         "gap": sizes.um(DRY_CLEARANCE * size.clearance),
     }
     return texts.filled("expander", values)

@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from screwsim.fluid.description import is_mixture
+from screwsim.fluid.description import describe
 from screwsim.inputs.faults import UsageError
 from screwsim.template import sizes
 from screwsim.template.gas_cooler import (
@@ -126,7 +126,7 @@ def reciprocating(asked: SceneRequest) -> str:
 
 def _wall(fluid: str, T: float) -> str:
     """Return the line on the heat between gas and wall [K]; for a blend, why there is none."""
-    if is_mixture(fluid):
+    if describe(fluid).glides:
         return f"  # No cylinder_heat: CoolProp has no transport properties of blends such as {fluid}.\n"
     told = "between the temperatures of inflow and outflow"
     return f"  cylinder_heat: {{wall_temperature: {T:.0f} K}}    # {told}\n"

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from screwsim.build import build_parts
 from screwsim.fluid import constants
-from screwsim.fluid.description import is_mixture
+from screwsim.fluid.description import describe
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.slide import fitting_slide
@@ -120,7 +120,7 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
         "flow": sizes.flow_text(flow),
         "speed": sizes.rpm(speed),
         "two_phase": ", two_phase: equilibrium"
-        if cooled and not is_mixture(fluid)
+        if cooled and not describe(fluid).glides
         else "",  # gas may condense on cooled oil
         "oil": oil,
         "oil_ratio": f"{ratio:g}",

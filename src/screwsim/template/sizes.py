@@ -93,9 +93,9 @@ def beyond_matching(pressures: float, k: float, ratio: float | None) -> float:
     return max(built_in / isentropic_work(k, 1.0, 1.0, pressures), 1.0)
 
 
-def matching(ratio: float, k: float, share: float, low: float = 1.8, high: float = 5.0) -> float:
+def matching(ratio: float, k: float, share: float) -> float:
     """Return the built-in volume ratio that matches a pressure ratio, within the range on the market, to a tenth."""
-    return min(max(round(share * ratio ** (1.0 / k), 1), low), high)
+    return min(max(round(share * ratio ** (1.0 / k), 1), 1.8), 5.0)
 
 
 def mm(length: float, digits: int = 3) -> str:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from each_row import each_row
 
-from screwsim.machine.drive.motor_line import Motor, check_motor
+from screwsim.machine.drive.train import Motor, check_motor
 
 INDUCTION = Motor(law="induction", breakdown_torque=400.0, breakdown_slip=0.1)
 LINE = Motor(law="line", slope=30.0, torque_limit=500.0)

@@ -8,11 +8,10 @@ import pytest
 from each_row import each_row
 
 from screwsim.machine.drive.collocation import POINTS, differentiation, resampled
-from screwsim.machine.drive.motor_line import Motor
 from screwsim.machine.drive.response import NoMotion, extremes, peak_to_peak, respond
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling
 from screwsim.machine.drive.run_up import run_up
-from screwsim.machine.drive.train import LinearCoupling, Train
+from screwsim.machine.drive.train import LinearCoupling, Motor, Train
 
 OMEGA = 100.0 * math.pi
 LINE = Motor(law="line", slope=50.0)

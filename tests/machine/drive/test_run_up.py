@@ -6,9 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from screwsim.machine.drive.motor_line import Motor
 from screwsim.machine.drive.run_up import run_up
-from screwsim.machine.drive.train import LinearCoupling, Train
+from screwsim.machine.drive.train import LinearCoupling, Motor, Train
 
 MOTOR = Motor(law="line", slope=1e3, torque_limit=300.0)
 TRAIN = Train(0.6, 0.2, LinearCoupling(spring=1e5), 20.0, MOTOR, True, 300.0, 4)

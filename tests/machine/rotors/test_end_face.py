@@ -30,7 +30,7 @@ def distances(points, polygon):
 def touching_radii(rotors, psi):
     """Return the male radii [m] at which the flanks of lobe 0, (ahead, behind), touch the female polygon at ψ."""
     pair, chain = rotors.pair, rotors.chain
-    x, y = chain.male()
+    x, y = chain.male
     c, s = np.cos(psi), np.sin(psi)
     X, Y = c * x + s * y - pair.centre_distance, c * y - s * x
     c, s = np.cos(pair.k * psi), np.sin(pair.k * psi)
@@ -51,7 +51,7 @@ def touching_radii(rotors, psi):
 def test_contacts_divide_the_flanks_where_the_polygons_touch(pairs, name, angles):
     rotors = pairs[name]
     chain = rotors.chain
-    division = contacts(rotors.pair, chain, chain.male_radii(), rotors.pair.male_radius)
+    division = contacts(rotors.pair, chain, chain.male_radii, rotors.pair.male_radius)
     S, lead = float(chain.psi[chain.trail]), float(chain.psi[chain.lead])
     for psi in np.radians(angles):
         ahead = [division.lead] if psi < lead else []
@@ -77,7 +77,7 @@ def test_lobes_on_the_suction_face_are_those_on_the_discharge_face_a_wrap_earlie
 def test_lobes_and_grooves_fill_the_ring_between_root_and_tip(pairs, name):
     rotors = pairs[name]
     pair, chain, own = rotors.pair, rotors.chain, rotors.coefficients()
-    roots = chain.male_radii().min(), chain.female_radii(pair).min()
+    roots = chain.male_radii.min(), chain.female_radii(pair).min()
     tips, lobes = (pair.male_radius, pair.female_radius), (pair.male_lobes, pair.female_lobes)
     widths = mean_widths(pair, chain)
     for rotor, root, tip, count, width in zip(("male", "female"), roots, tips, lobes, widths, strict=True):

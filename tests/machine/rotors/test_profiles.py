@@ -46,7 +46,7 @@ def test_an_exported_lobe_gives_the_same_machine(pairs, name):
     """
     rotors = pairs[name]
     first, last = rotors.chain.edges
-    x, y = (line[first : last + 1 : 2] for line in rotors.chain.male())
+    x, y = (line[first : last + 1 : 2] for line in rotors.chain.male)
     chain = imported.from_male(rotors.pair, x, y)
     again, cut = sections(rotors.pair, chain), rotors.sections
     phi = np.linspace(-1.5, 4.0, 50)
@@ -60,7 +60,7 @@ def test_a_lobe_whose_frame_is_turned_is_the_same_lobe(pairs, angle):
     """Its phase is that of its tip, which lies on the centre line at ψ = 0, however its points were laid down."""
     rotors = pairs["b"]
     first, last = rotors.chain.edges
-    x, y = (line[first : last + 1 : 2] for line in rotors.chain.male())
+    x, y = (line[first : last + 1 : 2] for line in rotors.chain.male)
     turned = math.cos(angle) * x - math.sin(angle) * y, math.sin(angle) * x + math.cos(angle) * y
     cut, again = (sections(rotors.pair, imported.from_male(rotors.pair, *points)) for points in ((x, y), turned))
     phi = np.linspace(-1.5, 4.0, 50)
@@ -98,7 +98,7 @@ def test_smoothing_averages_the_tangent_only():
 
 def test_noise_of_a_tenth_of_a_micrometre_is_smoothed(pairs):
     rotors, random = pairs["c"], np.random.default_rng(1)
-    x, y = rotors.chain.male()
+    x, y = rotors.chain.male
     first, last = rotors.chain.edges
     way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])[first : last + 1]
     keep = np.unique(np.searchsorted(way, np.linspace(way[0], way[-1], 1500)).clip(0, last - first))
@@ -182,7 +182,7 @@ def test_undercut_of_the_female_tip_is_refused():
 def test_a_flank_that_turns_back_is_told_with_its_place(pairs):
     """A hundred points of (b) are too few; with more of them about the place that is told it turns back no more."""
     rotors = pairs["b"]
-    (x, y), (first, last) = rotors.chain.male(), rotors.chain.edges
+    (x, y), (first, last) = rotors.chain.male, rotors.chain.edges
     few = np.arange(first, last + 1, 40)
 
     def turning(kept):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from screwsim.machine.rotors import closed_form, leakage, ports
-from screwsim.machine.rotors.blow_hole import blow_hole_opening
+from screwsim.machine.rotors.leakage import blow_hole_opening
 from screwsim.machine.rotors.pair import Chain, Pair
 from screwsim.machine.rotors.sections import sections, sweep
 
@@ -119,7 +119,7 @@ def test_joints_of_b(pairs):
     for joint, (psi, male, female) in expected.items():
         i = chain.joints[joint]
         near(chain.psi[i] / DEG, psi, 4)
-        for curve, points in ((chain.male(), male), (chain.female(pair), female)):
+        for curve, points in ((chain.male, male), (chain.female(pair), female)):
             for found, value in zip(curve, points, strict=True):
                 near(found[i] / MM, value, 4)
 

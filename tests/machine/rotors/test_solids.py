@@ -11,9 +11,9 @@ import pytest
 from solids import STEP, Solids
 
 from screwsim.machine.rotors import closed_form, leakage, ports
-from screwsim.machine.rotors.blow_hole import blow_hole_opening, mirrored
 from screwsim.machine.rotors.checks import mesh
 from screwsim.machine.rotors.flanks import male_flanks
+from screwsim.machine.rotors.leakage import blow_hole_opening, mirrored
 from screwsim.machine.rotors.pair import outlines
 
 MM, DEG = 1e-3, math.pi / 180.0

@@ -10,7 +10,7 @@ from scipy.optimize import minimize_scalar
 
 from screwsim.codegen.modules import load
 from screwsim.machine.slider_crank import kinematics as law
-from screwsim.machine.slider_crank.settings import SliderCrank, check_slider_crank
+from screwsim.machine.slider_crank.cylinder import SliderCrank, check_slider_crank
 from screwsim.numerics.kernel import HEADER, flatten
 
 R, L, E = 4.4 / 48, 4.5 * 4.4 / 48, 0.015  # the example of the tolerance study

@@ -31,6 +31,11 @@ class State(NamedTuple):
         return (enthalpy - mass * self.h) / self.T - (entropy - mass * self.s)
 
 
+def exergy_over(state: State | Reservoir, at: State, T_0: float) -> float:
+    """Return the flow exergy [J/kg] of a state over that of another (M55); T_0 [K] is the ambient temperature."""
+    return state.h - at.h - T_0 * (state.s - at.s)
+
+
 class FlowEnd(NamedTuple):
     """A line or plenum to which gas and oil leave the chambers.
 

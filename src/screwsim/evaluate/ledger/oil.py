@@ -5,6 +5,7 @@ where gas and oil leave the chambers, unmixed, and the oil's supply is given.
 """
 
 from collections.abc import Sequence
+from functools import partial
 from math import log
 from typing import NamedTuple
 
@@ -23,9 +24,9 @@ from screwsim.evaluate.ledger.book import (
     LedgerCycle,
     Rows,
     State,
+    exergy_over,
 )
-from screwsim.evaluate.ledger.dissolved import DissolvedGas
-from screwsim.evaluate.ledger.gas import Streams
+from screwsim.evaluate.ledger.gas import DissolvedGas, Streams
 from screwsim.evaluate.separator import Circuit
 from screwsim.model import ledger as kernels
 from screwsim.model import slots
@@ -247,15 +248,12 @@ def through_circuit(
     outflow, parted, T_0 = circuit.outflow, circuit.parted, cycle.T_0
     line, T = cycle.suction.line, parted.T_separator
     sucked = cycle.state(cycle.suction.temperature(line, cycle.lines.T_s), line[slots.DENSITY], line[slots.ENTHALPY])
-
-    def exergy(state: State) -> float:
-        return state.h - sucked.h - T_0 * (state.s - sucked.s)
-
+    exergy = partial(exergy_over, at=sucked, T_0=T_0)
     gas = outflow.gas
     left = cycle.state(T, gas.density(outflow.p, T), gas.enthalpy(outflow.p, T))
     flashing = "" if cycle.parts.oil_gas is None else cycle.parts.oil_gas.plenum
     others = zip(cycle.parts.plenums, cycle.drawn(), strict=True)
-    drawn = sum(net * exergy(State(own.T, own.rho, own.h, own.s)) for name, (net, own) in others if name != flashing)
+    drawn = sum(net * exergy(own) for name, (net, own) in others if name != flashing)
     of_parted = outflow.gas_flow * exergy(left) - drawn
     cooled = outflow.oil_capacity * (T - outflow.T_supply - T_0 * log(T / outflow.T_supply))
     heat = outflow.heating + outflow.friction - parted.lost_friction - parted.ambient_loss

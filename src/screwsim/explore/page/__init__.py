@@ -1,18 +1,16 @@
 """The live page: one self-contained HTML text that loads nothing."""
 
 import json
-from importlib import resources
 from typing import Any
 
 from screwsim.explore.changes import SceneArguments
 from screwsim.explore.controls import document as controls
 from screwsim.explore.machine import document as machine
 from screwsim.outputs.customary import with_printed_units
+from screwsim.report.page import rendered
 
-_SCRIPTS = [
-    f"{name}.js" for name in ("number", "chart", "machine", "controls", "show", "around", "state", "line", "start")
-]
-_SHARED = ("numbers.js", "ledger.js", "theme.js")  # with the report's page
+_SHARED = ("dom", "numbers", "ledger", "theme")  # with the report's page
+_SCRIPTS = (*_SHARED, "number", "chart", "machine", "controls", "show", "around", "state", "line", "start")
 
 
 def page_text(base: SceneArguments, slopes: bool = True) -> str:
@@ -20,18 +18,11 @@ def page_text(base: SceneArguments, slopes: bool = True) -> str:
 
     `slopes` tells whether the server has a separate worker for derivatives.
     """
-    import jinja2
-
-    from screwsim import __version__
-
-    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
-    scripts = [*(_shared(each) for each in _SHARED), *(_own(each) for each in _SCRIPTS)]
-    return environment.from_string(_own("page.html")).render(
+    return rendered(
+        __name__,
+        _SCRIPTS,
         title=with_printed_units(base.scene.title) or base.file,
         file=base.file,
-        version=__version__,
-        style=_shared("theme.css") + _own("page.css"),
-        script="\n".join(scripts),
         document=_embedded({**document(base), "slopes": slopes}),
     )
 
@@ -53,11 +44,3 @@ def document(base: SceneArguments) -> dict[str, Any]:
 def _embedded(data: Any) -> str:
     """Return JSON that cannot end an HTML element."""
     return json.dumps(data, allow_nan=False).replace("<", "\\u003c")  # JSON is ASCII otherwise
-
-
-def _own(name: str) -> str:
-    return resources.files(__name__).joinpath(name).read_text(encoding="utf-8")
-
-
-def _shared(name: str) -> str:
-    return resources.files("screwsim.report.page").joinpath(name).read_text(encoding="utf-8")

@@ -20,7 +20,7 @@ function fillSweepChoices() {
 function refill(select, entries, first) {
   const text = entries.map(([value]) => value).join();
   if (select.dataset.entries === text) return;
-  const before = select.dataset.entries === undefined ? first : select.value;
+  const before = select.dataset.entries === undefined ? select.value || first : select.value;
   select.dataset.entries = text;
   select.replaceChildren(...entries.map(([value, words]) => new Option(words, value)));
   const values = entries.map(([value]) => value);
@@ -149,7 +149,7 @@ function drawSweep() {
   const now = shown.performance[name];
   const finite = drawn.flatMap((each) => each.y).concat([now]).filter(Number.isFinite);
   if (!finite.length) return;
-  const [, factor, unit] = about.kelvin ? [0, 1, "°C"] : about.scales.find(([least]) => Math.max(...finite.map(Math.abs)) >= least);
+  const [, factor, unit] = about.kelvin ? [0, 1, "°C"] : scaleOf(about, Math.max(...finite.map(Math.abs)));
   const shift = about.kelvin ? -273.15 : 0;
   const { control } = sweep;
   charts.sweep.show({

@@ -13,13 +13,9 @@ const FONT = "12px system-ui, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif";
 class Chart {
   constructor(id, words) {
     this.box = document.getElementById(id);
-    this.below = document.createElement("canvas");
-    this.above = document.createElement("canvas");
-    this.below.setAttribute("role", "img");
-    this.below.setAttribute("aria-label", words);
-    this.above.setAttribute("aria-hidden", "true");
-    this.key = document.createElement("div");
-    this.key.className = "key";
+    this.below = made("canvas", { role: "img", "aria-label": words });
+    this.above = made("canvas", { "aria-hidden": "true" });
+    this.key = made("div", { className: "key" });
     this.box.append(this.below, this.above);
     this.box.after(this.key);
     this.words = words;
@@ -171,12 +167,10 @@ class Chart {
     if (text === this.keyed) return;
     this.keyed = text;
     this.key.replaceChildren(...named.map((curve) => {
-      const entry = document.createElement("span");
-      const sample = document.createElement("i");
+      const sample = made("i", {});
       sample.style.borderTopColor = `var(--${curve.tint})`;
       sample.style.borderTopStyle = ["solid", "dashed", "dotted", "double"][curve.dash || 0];
-      entry.append(sample, curve.name);
-      return entry;
+      return made("span", {}, sample, curve.name);
     }));
   }
 

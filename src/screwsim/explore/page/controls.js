@@ -37,46 +37,29 @@ function buildControls() {
 }
 
 function foldOf(words, open) {
-  const fold = document.createElement("details");
-  fold.open = open;
-  const summary = document.createElement("summary");
-  const head = document.createElement("h3");
-  head.textContent = words;
-  summary.append(head);
-  fold.append(summary);
-  return fold;
+  return made("details", { open }, made("summary", {}, made("h3", {}, words)));
 }
 
 // Numbers that the scene leaves open stand below the others, in a fold of their own.
 function groupOf(words, controls, open) {
   const fold = foldOf(words, open);
   const left = controls.filter((control) => control.value === null && !control.needed);
-  for (const control of controls.filter((each) => !left.includes(each))) fold.append(rowOf(control));
+  fold.append(...controls.filter((each) => !left.includes(each)).map((control) => rowOf(control)));
   if (left.length) {
     const more = foldOf(`${left.length} not set`, false);
-    for (const control of left) more.append(rowOf(control));
+    more.append(...left.map((control) => rowOf(control)));
     fold.append(more);
   }
   return fold;
 }
 
 function effectOf(effect) {
-  const box = document.createElement("div");
-  const label = document.createElement("label");
-  label.className = "effect";
-  label.title = effect.about;
-  const input = document.createElement("input");
-  input.type = "checkbox";
-  input.setAttribute("role", "switch");
-  input.id = `effect-${effect.name}`;
-  label.append(input, effect.words);
-  box.append(label);
+  const input = made("input", { type: "checkbox", role: "switch", id: `effect-${effect.name}` });
   const fields = foldOf(`parameters of ${effect.words}`, false);
   fields.classList.add("fields");
   fields.querySelector("h3").textContent = "parameters";
   fields.querySelector("summary").setAttribute("aria-label", `parameters of ${effect.words}`);
-  for (const control of effect.controls) fields.append(rowOf(control, effect));
-  if (effect.controls.length) box.append(fields);
+  fields.append(...effect.controls.map((control) => rowOf(control, effect)));
   input.addEventListener("change", () => {
     if (input.checked === effect.on) delete settings.effects[effect.name];
     else settings.effects[effect.name] = input.checked;
@@ -85,49 +68,32 @@ function effectOf(effect) {
     changed();
   });
   Object.assign(effect, { input, fields });
-  return box;
+  return made("div", {}, made("label", { className: "effect", title: effect.about }, input, effect.words), ...(effect.controls.length ? [fields] : []));
 }
 
 function rowOf(control, effect) {
-  const row = document.createElement("div");
-  row.className = "control";
   const id = `of-${control.path.replaceAll(".", "-")}`;
-  const label = document.createElement("label");
-  label.htmlFor = id;
-  label.textContent = control.words;
-  label.title = `${control.path}: ${control.about}`;
-  if (control.tolerance) {
-    const sure = document.createElement("small");
-    sure.textContent = ` ${control.tolerance}${control.tolerance.startsWith("±") ? ` ${unitWords(control.unit)}` : ""}`;
-    label.append(sure);
-  }
-  const value = document.createElement("div");
-  value.className = "value";
-  const back = document.createElement("button");
-  back.type = "button";
-  back.textContent = "↺";
-  back.setAttribute("aria-label", `reset ${control.words} to the scene's value`);
+  const label = made("label", { htmlFor: id, title: `${control.path}: ${control.about}` }, control.words);
+  if (control.tolerance) label.append(made("small", {}, ` ${control.tolerance}${control.tolerance.startsWith("±") ? ` ${unitWords(control.unit)}` : ""}`));
+  const back = made("button", { type: "button", "aria-label": `reset ${control.words} to the scene's value` }, "↺");
   back.addEventListener("click", () => { delete settings.set[control.path]; fillControls(); changed(); });
-  const entry = { control, effect, row };
-  if (control.kind === "choice") choiceOf(entry, id, value);
-  else numberOf(entry, id, value);
-  value.append(back);
-  row.append(label, value);
-  if (entry.range) row.append(entry.range);
+  const entry = { control, effect };
+  const parts = control.kind === "choice" ? choiceOf(entry, id) : numberOf(entry, id);
+  const row = made("div", { className: "control" }, label, made("div", { className: "value" }, ...parts, back), ...(entry.range ? [entry.range] : []));
+  entry.row = row;
   built.push(entry);
   byPath.set(control.path, entry);
   return row;
 }
 
-function choiceOf(entry, id, value) {
+function choiceOf(entry, id) {
   const { control } = entry;
-  const select = document.createElement("select");
-  select.id = id;
+  const select = made("select", { id });
   if (control.value === null) select.append(new Option("–", ""));
   select.append(...control.options.map((option) => new Option(option.replaceAll("_", " "), option)));
   select.addEventListener("change", () => setTo(control, select.value === "" ? undefined : select.value));
   entry.select = select;
-  value.append(select);
+  return [select];
 }
 
 // What an arrow key adds: one in the second digit.
@@ -141,17 +107,11 @@ function unitWords(unit) {
   return unit.replaceAll("^2", "²").replaceAll("^3", "³").replace("um", "µm").replace("degC", "°C").replace("deg", "°");
 }
 
-function numberOf(entry, id, value) {
+function numberOf(entry, id) {
   const { control } = entry;
-  const field = document.createElement("input");
-  Object.assign(field, { type: "number", id, step: stepOf(control) });
+  const field = made("input", { type: "number", id, step: stepOf(control) });
   if (control.value === null) field.placeholder = control.needed ? "needed" : "open";
-  const unit = document.createElement("span");
-  unit.textContent = unitWords(control.unit);
-  const range = document.createElement("input");
-  Object.assign(range, { type: "range", min: "0", max: String(STEPS), step: "1" });
-  range.setAttribute("aria-label", control.words);
-  range.dataset.path = control.path;
+  const range = made("input", { type: "range", min: "0", max: String(STEPS), step: "1", "aria-label": control.words, "data-path": control.path });
   field.addEventListener("input", () => {
     typed = () => setTo(control, Number.isFinite(field.valueAsNumber) ? field.valueAsNumber : undefined, field);
     clearTimeout(typing);
@@ -160,8 +120,8 @@ function numberOf(entry, id, value) {
   field.addEventListener("change", takeTyped); // Enter, or the field is left
   field.addEventListener("blur", () => fillRow(entry));
   range.addEventListener("input", () => setTo(control, valueAt(control, Number(range.value)), range));
-  Object.assign(entry, { field, range, unit });
-  value.append(field, unit);
+  Object.assign(entry, { field, range });
+  return [field, made("span", {}, unitWords(control.unit))];
 }
 
 // Change one value; undefined: as the scene says.

@@ -260,13 +260,7 @@ function rangeOf(answer, by, values) {
 }
 
 function ramp(part) {
-  const at = Math.min(Math.max(part || 0, 0), 0.9999) * (VIRIDIS.length - 1);
-  const [from, to] = [VIRIDIS[Math.floor(at)], VIRIDIS[Math.floor(at) + 1]];
-  const mixed = [1, 3, 5].map((i) => {
-    const [a, b] = [parseInt(from.slice(i, i + 2), 16), parseInt(to.slice(i, i + 2), 16)];
-    return Math.round(a + (b - a) * (at % 1));
-  });
-  return `rgb(${mixed.join(",")})`;
+  return mixed(VIRIDIS, part);
 }
 
 // An arrow whose area is the flow over the largest, against its way where the flow is below zero. On that way it begins

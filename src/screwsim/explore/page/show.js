@@ -75,17 +75,8 @@ function drawHeadline() {
   const list = document.getElementById("headline");
   if (list.dataset.names !== names.join()) {
     list.dataset.names = names.join();
-    list.replaceChildren(...names.map((name) => {
-      const box = document.createElement("div");
-      const [term, value] = [document.createElement("dt"), document.createElement("dd")];
-      term.textContent = aboutOf(name).words;
-      term.title = aboutOf(name).about;
-      value.append(document.createElement("span"), " ", document.createElement("small"));
-      const change = document.createElement("dd");
-      change.className = "change";
-      box.append(term, value, change);
-      return box;
-    }));
+    list.replaceChildren(...names.map(aboutOf).map(({ words, about }) => made("div", {},
+      made("dt", { title: about }, words), made("dd", {}, made("span", {}), " ", made("small", {})), made("dd", { className: "change" }))));
   }
   const other = compared();
   names.forEach((name, i) => {
@@ -99,7 +90,7 @@ function drawHeadline() {
 
 function headlineText(about, value) {
   if (about.kelvin) return [(value - 273.15).toFixed(1).replace(/^-(?=[0.]+$)/, ""), "°C"];
-  const [, factor, unit] = about.scales.find(([least]) => Math.abs(value) >= least);
+  const [, factor, unit] = scaleOf(about, value);
   const scaled = value * factor;
   const digits = 3 - Math.floor(Math.log10(Math.abs(scaled) || 1));
   return [digits > 8 || digits < -1 ? general(scaled, 4) : scaled.toFixed(Math.max(digits, 0)), unit];
@@ -199,13 +190,7 @@ function drawOther() {
   section.hidden = !names.length;
   if (!names.length) return;
   const select = document.getElementById("trace");
-  if (select.dataset.names !== names.join()) {
-    select.dataset.names = names.join();
-    const before = select.value;
-    select.replaceChildren(...names.map((name) => new Option(name.replaceAll("_", " "), name)));
-    const torque = names.find((name) => name.includes("torque"));
-    select.value = names.includes(before) ? before : torque || names[0];
-  }
+  refill(select, names.map((name) => [name, name.replaceAll("_", " ")]), names.find((name) => name.includes("torque")) || names[0]);
   const name = select.value;
   const units = shown.units[name].replace("N m", "N m").replace("kg s-1", "g/s");
   const curves = pair((answer, pale) => (answer.traces[name] ? [{ x: answer.traces.angle, y: answer.traces[name], tint: "c4", name: name.replaceAll("_", " "), pale }] : []));
@@ -237,10 +222,8 @@ class Waterfall extends Chart {
     const told = (step) => `${plain(step.power * unit[0])} ${unit[1]}, ${((100 * step.power) / whole).toFixed(1)} %`;
     const room = 8 + Math.max(...steps.map((step) => pen.measureText(told(step)).width)); // behind the longest bar
     const X = (power) => left + ((width - left - room) * power) / scale;
-    let at = 0;
     steps.forEach((step, i) => {
-      const start = step.total ? 0 : at - step.power;
-      at = step.total ? step.power : start;
+      const { start } = step;
       const y = 4 + i * row;
       const old = before.find((each) => each.words === step.words);
       if (old) { pen.fillStyle = palette.line; pen.fillRect(X(start), y + row - 7, X(start + old.power) - X(start), 4); }
@@ -263,24 +246,15 @@ function fillFigures() {
   const other = compared();
   const names = Object.keys(shown.performance).filter((name) => Number.isFinite(shown.performance[name]) && aboutOf(name));
   const rows = names.map((name) => {
-    const row = document.createElement("tr");
-    const head = document.createElement("th");
-    head.scope = "row";
-    head.textContent = aboutOf(name).words;
-    head.title = aboutOf(name).about;
-    row.append(head);
     const [value, unit] = written(aboutOf(name), shown.performance[name]);
-    for (const [text, kind] of [[value, "n"], ...(halves ? [[halfOf(name), "n"]] : []), [unit, ""], [other ? changeOf(name, other) : "", "n"], [small(shown.error[name] ?? NaN), "n"]]) {
-      const cell = document.createElement("td");
-      cell.textContent = text;
-      if (kind) cell.className = kind;
-      row.append(cell);
-    }
+    const half = halves ? [[halfOf(name), "n"]] : [];
+    const row = tableRow(aboutOf(name).words, [[value, "n"], ...half, [unit, ""], [other ? changeOf(name, other) : "", "n"], [small(shown.error[name] ?? NaN), "n"]]);
+    row.firstChild.title = aboutOf(name).about;
     return row;
   });
   document.querySelector("#figures tbody").replaceChildren(...rows);
-  const residuals = ["mass", "energy", "entropy"].filter((name) => Number.isFinite(shown.balance[name]));
-  document.getElementById("balance").textContent = `Residuals: ${residuals.map((name) => `${name} ${small(shown.balance[name])}`).join(", ")} (bound ${small(shown.balance.bound)}).`;
+  const found = residuals(["mass", "energy", "entropy"], (name) => shown.balance[name]);
+  document.getElementById("balance").textContent = `Residuals: ${found} (bound ${small(shown.balance.bound)}).`;
 }
 
 // What the tolerances of the inputs make of the figures; found with the derivatives, when the hand rests.
@@ -305,11 +279,8 @@ function columnOfHalves(words) {
 }
 
 function halfOf(name) {
-  const half = halves[name];
-  if (!Number.isFinite(half) || half <= 1e-6 * Math.abs(shown.performance[name])) return "";
-  const about = aboutOf(name);
-  const factor = about.kelvin ? 1 : about.scales.find(([least]) => Math.abs(shown.performance[name]) >= least)[1];
-  return `± ${general(half * factor, 2)}`;
+  const value = shown.performance[name];
+  return halves[name] <= 1e-6 * Math.abs(value) ? "" : halfText(aboutOf(name), value, halves[name]);
 }
 
 // ---- the angle --------------------------------------------------------------------------------------------------

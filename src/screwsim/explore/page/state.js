@@ -99,58 +99,27 @@ function fillPins() {
   const table = document.getElementById("pins");
   table.hidden = !pins.length;
   const names = headlineNames();
-  const head = document.createElement("tr");
-  for (const text of ["", "settings", ...names.map((name) => aboutOf(name).words), "status", ""]) {
-    const cell = document.createElement("th");
-    cell.scope = "col";
-    cell.textContent = text;
-    head.append(cell);
-  }
-  const top = document.createElement("thead");
-  top.append(head);
-  const body = document.createElement("tbody");
-  body.append(...pins.map((each) => pinRow(each, names)));
-  table.replaceChildren(top, body);
+  const heads = ["", "settings", ...names.map((name) => aboutOf(name).words), "status", ""];
+  table.replaceChildren(tableHead(heads), made("tbody", {}, ...pins.map((each) => pinRow(each, names))));
   fillCompared();
 }
 
 function pinRow(each, names) {
-  const row = document.createElement("tr");
-  const cell = (text, kind) => {
-    const found = document.createElement("td");
-    found.textContent = text;
-    if (kind) found.className = kind;
-    row.append(found);
-    return found;
-  };
-  cell(String(each.number), "n");
-  cell(changeWords(each.settings), "wrap");
-  for (const name of names) {
+  const cell = (className, ...content) => made("td", { className }, ...content);
+  const figures = names.map((name) => {
     const value = each.answer.performance[name];
-    cell(Number.isFinite(value) ? written(aboutOf(name), value).join(" ") : "–", "n");
-  }
-  cell(each.answer.status.replace("_", " "));
-  const last = cell("");
-  for (const [words, act] of [
-    ["Show", () => { put(each.settings); fillControls(); changed(); }],
-    ["Remove", () => { pins = pins.filter((other) => other !== each); fillPins(); drawAnswer(); }],
-  ]) {
-    const button = document.createElement("button");
-    button.type = "button";
-    button.textContent = words;
-    button.setAttribute("aria-label", `${words} pinned case ${each.number}`);
-    button.addEventListener("click", act);
-    last.append(button, " ");
-  }
-  return row;
+    return cell("n", Number.isFinite(value) ? written(aboutOf(name), value).join(" ") : "–");
+  });
+  const button = (words, onclick) => made("button", { type: "button", "aria-label": `${words} pinned case ${each.number}`, onclick }, words);
+  const show = button("Show", () => { put(each.settings); fillControls(); changed(); });
+  const remove = button("Remove", () => { pins = pins.filter((other) => other !== each); fillPins(); drawAnswer(); });
+  return made("tr", {}, cell("n", String(each.number)), cell("wrap", changeWords(each.settings)), ...figures,
+    cell(undefined, each.answer.status.replace("_", " ")), cell(undefined, show, " ", remove, " "));
 }
 
 function fillCompared() {
-  const select = document.getElementById("compared");
-  const before = select.value;
-  select.replaceChildren(new Option("the last settings", "last"), new Option("nothing", "none"),
-    ...pins.map((each) => new Option(`pinned case ${each.number}`, String(each.number))));
-  select.value = [...select.options].some((option) => option.value === before) ? before : "last";
+  const pinned = pins.map(({ number }) => [String(number), `pinned case ${number}`]);
+  refill(document.getElementById("compared"), [["last", "the last settings"], ["none", "nothing"], ...pinned], "last");
 }
 
 // ---- taken along -----------------------------------------------------------------------------------------------
@@ -168,9 +137,7 @@ async function copy(what) {
 
 function save() {
   if (!shown || !shown.texts) return;
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([shown.texts.yaml], { type: "application/yaml" }));
-  link.download = "explored.yaml";
+  const link = made("a", { href: URL.createObjectURL(new Blob([shown.texts.yaml], { type: "application/yaml" })), download: "explored.yaml" });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }

@@ -102,13 +102,17 @@ def sizes(x: Array, omega: float) -> Array:
     return np.repeat(sizes, [POINTS, POINTS, 1])
 
 
+def motion(train: Train, x: Array) -> tuple[Array, Array, Array]:
+    """Return the speeds [rad/s] of the rotors and of the motor, and the torque [N m] of the coupling."""
+    u, twist = x[:POINTS], x[POINTS:-1]
+    rate = differentiation(train.pitch) @ (twist - twist.mean())  # it maps a constant to zero, but for rounding
+    return u, u * (1.0 + rate), train.spring(twist)[0] + train.damping * u * rate
+
+
 def residual(train: Train, x: Array, torque: Array, omega: float) -> Array:
     """Return the residuals of M210 at all points, and that of the prescribed mean or no-load speed."""
-    n, D = POINTS, differentiation(train.pitch)
-    u, twist, no_load = x[:n], x[n : 2 * n], float(x[-1])
-    rate = D @ (twist - twist.mean())  # D maps a constant to zero, but for rounding
-    motor = u * (1.0 + rate)
-    coupling = train.spring(twist)[0] + train.damping * u * rate
+    D, no_load = differentiation(train.pitch), float(x[-1])
+    u, motor, coupling = motion(train, x)
     rotors = train.rotor_inertia * u * (D @ (u - u.mean())) - coupling + torque
     at_motor = train.motor_inertia * u * (D @ (motor - motor.mean())) - train.motor.torque(motor, no_load) + coupling
     last = omega * np.mean(1.0 / u) - 1.0 if train.holds_mean else (no_load - train.speed) / train.speed

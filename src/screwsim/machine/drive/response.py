@@ -14,7 +14,7 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.drive import collocation
-from screwsim.machine.drive.collocation import POINTS, differentiation, residual, sizes
+from screwsim.machine.drive.collocation import POINTS, motion, residual, sizes
 from screwsim.machine.drive.train import Train
 from screwsim.numerics.anderson import Anderson
 
@@ -128,12 +128,8 @@ def _solution_by_continuation(train: Train, x: Array, torque: Array, omega: floa
 
 
 def _response(train: Train, x: Array, torque: Array) -> Response:
-    n, D = POINTS, differentiation(train.pitch)
-    u, twist, no_load = x[:n], x[n : 2 * n], float(x[-1])
-    rate = D @ (twist - twist.mean())
-    motor_speed = u * (1.0 + rate)
-    coupling = train.spring(twist)[0] + train.damping * u * rate
-    return Response(train, u, motor_speed, twist, coupling, train.motor.torque(motor_speed, no_load), torque, no_load)
+    (u, motor, coupling), no_load = motion(train, x), float(x[-1])
+    return Response(train, u, motor, x[POINTS:-1], coupling, train.motor.torque(motor, no_load), torque, no_load)
 
 
 def _newton(train: Train, x: Array, torque: Array, omega: float, left: list[int]) -> Array | None:

@@ -42,7 +42,7 @@ def check_pair(pair: Pair) -> list[Fault]:
 
 def check_size(pair: Pair, chain: Chain) -> list[Fault]:
     """Return the fault of points whose lobe belongs to a rotor of another outer diameter."""
-    reach = float(np.max(np.hypot(*chain.male())))
+    reach = float(np.max(np.hypot(*chain.male)))
     if abs(reach - pair.male_radius) <= OTHER_SIZE * pair.male_radius:
         return []
     what = f"{2e3 * pair.male_radius:.6g} mm, and the points of machine.profile.file reach to {2e3 * reach:.6g} mm"
@@ -55,7 +55,7 @@ def check_profile(pair: Pair, chain: Chain, interference: bool = True, tolerance
     `tolerance` [m]: that of measured points; None: the profile is a closed form, whose radii can be chosen.
     """
     faults, female_turn, points = [], -2.0 * math.pi / pair.female_lobes, tolerance is not None
-    for name, curve, turn in (("male", chain.male(), pair.pitch), ("female", chain.female(pair), female_turn)):
+    for name, curve, turn in (("male", chain.male, pair.pitch), ("female", chain.female(pair), female_turn)):
         back = reversals(*curve)
         if len(back):
             remedy = (
@@ -63,7 +63,7 @@ def check_profile(pair: Pair, chain: Chain, interference: bool = True, tolerance
                 if points
                 else "choose a larger female_tip_radius; 1.25 times the female lobe's height is safe"
             )
-            place = f"where it meets the male lobe at a radius of {1e3 * chain.male_radii()[back[0]]:.4g} mm"
+            place = f"where it meets the male lobe at a radius of {1e3 * chain.male_radii[back[0]]:.4g} mm"
             faults.append(Fault(PATH, f"the {name} flank turns back: undercut, {place} ({remedy})"))
         elif crosses_itself(*curve, turn):
             remedy = OF_POINTS if points else "choose larger tip radii or fewer lobes"

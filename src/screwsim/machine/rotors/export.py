@@ -48,7 +48,7 @@ def profile_csv(x: Array, y: Array) -> str:
 def lobe_csv(rotors: Rotors) -> str:
     """Return the male lobe from root to root as CSV for `kind: points`."""
     first, last = rotors.chain.edges
-    x, y = rotors.chain.male()
+    x, y = rotors.chain.male
     return profile_csv(x[first : last + 1], y[first : last + 1])
 
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
-from screwsim.machine.rotors.pair import Array
+from screwsim.machine.rotors.pair import Array, tangents
 
 APART = 7.0  # distance of points over the tolerance below which they say nothing about the tangent
 PASSES, SWEEPS, HALVINGS = 3, 12, 16
@@ -102,9 +102,7 @@ def _least(px: Array, py: Array, weight: float) -> tuple[Array, Array]:
 def _shape(x: Array, y: Array) -> tuple[Array, Array, Array]:
     """Return the steps, the tangent's angle at every point, and the curvature at every inner one."""
     step, chord = np.hypot(np.diff(x), np.diff(y)), np.unwrap(np.arctan2(np.diff(y), np.diff(x)))
-    inner = (chord[:-1] * step[1:] + chord[1:] * step[:-1]) / (step[1:] + step[:-1])
-    angle = np.concatenate([[2.0 * chord[0] - inner[0]], inner, [2.0 * chord[-1] - inner[-1]]])
-    return step, angle, np.diff(chord) / (0.5 * (step[1:] + step[:-1]))
+    return step, tangents(step, chord), np.diff(chord) / (0.5 * (step[1:] + step[:-1]))
 
 
 def _jumps(step: Array, curvature: Array) -> Array:

@@ -56,8 +56,8 @@ def _over_radius(radii: Array, flank_radii: Array, angles: Array) -> Array:
 @lru_cache(maxsize=FEW)
 def male_flanks(pair: Pair, chain: Chain, points: int = POINTS) -> Flanks:
     """Return the flanks of male lobe 0."""
-    x, y = chain.male()
-    rho, angle = chain.male_radii(), np.arctan2(y, x)
+    x, y = chain.male
+    rho, angle = chain.male_radii, np.arctan2(y, x)
     first, last = chain.edges
     radii = spaced(float(rho[first]), pair.male_radius, points)
     lead, trail = slice(first, chain.tip + 1), slice(chain.tip, last + 1)

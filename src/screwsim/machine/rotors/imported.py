@@ -13,7 +13,7 @@ import numpy as np
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
 from screwsim.machine.rotors.closed_form import Segment
-from screwsim.machine.rotors.pair import Array, Chain, Pair
+from screwsim.machine.rotors.pair import Array, Chain, Pair, tangents
 
 POINTS = 4001  # least number of points of the curve
 CORNER = math.radians(40.0)  # turn at a point above which it is a corner, not a curve
@@ -65,8 +65,7 @@ def _curve(x: Array, y: Array, smoothing: float) -> Segment:
             f"machine.profile.file: the curve turns by {math.degrees(turn[worst]):.0f} deg at its point {worst + 2} "
             "(give more points there, round the corner, or set machine.profile.tolerance)"
         )
-    inner = (chord[:-1] * step[1:] + chord[1:] * step[:-1]) / (step[1:] + step[:-1])
-    angle = np.concatenate([[2.0 * chord[0] - inner[0]], inner, [2.0 * chord[-1] - inner[-1]]])
+    angle = tangents(step, chord)
     way = np.concatenate([[0.0], np.cumsum(step)])
     from scipy.interpolate import CubicHermiteSpline  # here: it takes long to load, and closed forms need none
 
@@ -148,7 +147,7 @@ def _forward(pair: Pair, chain: Chain) -> Chain:
     """Return the chain without points that run back on a rotor by less than `LOOP`: noise of a tangent, no undercut."""
     marks = (0, chain.edges[0], chain.lead, chain.trail, chain.edges[1], len(chain.psi) - 1)
     keep = np.ones(len(chain.psi), dtype=bool)
-    for x, y in (chain.male(), chain.female(pair)):
+    for x, y in (chain.male, chain.female(pair)):
         keep &= ~_backward(x.tolist(), y.tolist(), LOOP * pair.centre_distance)
     keep[list(marks)] = True
     place = np.cumsum(keep) - 1

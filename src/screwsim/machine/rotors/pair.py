@@ -92,12 +92,9 @@ class Chain:
     joints: tuple[int, ...] = ()
     faired: str = ""
 
-    def male(self) -> tuple[Array, Array]:
-        """Return the contact points on the male rotor [m], in its own frame: Rot(+ψ) C."""
-        return self._male
-
     @cached_property
-    def _male(self) -> tuple[Array, Array]:
+    def male(self) -> tuple[Array, Array]:
+        """The contact points on the male rotor [m], in its own frame: Rot(+ψ) C."""
         c, s = np.cos(self.psi), np.sin(self.psi)
         return fixed(c * self.x - s * self.y), fixed(s * self.x + c * self.y)
 
@@ -105,12 +102,9 @@ class Chain:
         """Return the contact points on the female rotor [m], in its own frame: Rot(−kψ)(C − O2)."""
         return self._of_pair(pair)[:2]
 
-    def male_radii(self) -> Array:
-        """Return the distances of the contact points from the male centre [m]."""
-        return self._male_radii
-
     @cached_property
-    def _male_radii(self) -> Array:
+    def male_radii(self) -> Array:
+        """Distances of the contact points from the male centre [m]."""
         return fixed(np.hypot(self.x, self.y))
 
     def female_radii(self, pair: Pair) -> Array:
@@ -134,7 +128,7 @@ class Chain:
     @cached_property
     def tip(self) -> int:
         """Index of the male tip: the contact point farthest from the male centre (the middle one of several)."""
-        radii = self.male_radii()
+        radii = self.male_radii
         return int(np.median(np.flatnonzero(radii >= radii.max() * (1.0 - 1e-12))))
 
     @property
@@ -184,6 +178,22 @@ def outline(x: Array, y: Array, lobes: int, turn: float) -> tuple[Array, Array]:
 
 def outlines(pair: Pair, chain: Chain) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     """Return the closed outlines of male (counter-clockwise) and female (clockwise), each in its own frame [m]."""
-    male = outline(*chain.male(), pair.male_lobes, pair.pitch)
+    male = outline(*chain.male, pair.male_lobes, pair.pitch)
     female = outline(*chain.female(pair), pair.female_lobes, -2.0 * math.pi / pair.female_lobes)
     return male, female
+
+
+def rising_branch(pair: Pair, chain: Chain, steps: Array) -> tuple[Array, tuple[Array, Array]]:
+    """Return the sums of steps along the chain, and (ψ, sum) along its rising branch S₋₁→S'₀."""
+    total = np.concatenate([[0.0], np.cumsum(steps)])
+    psi = np.concatenate([chain.psi[chain.trail :] - pair.pitch, chain.psi[1 : chain.lead + 1]])
+    return total, cumulated(psi, np.concatenate([total[chain.trail :] - total[-1], total[1 : chain.lead + 1]]))
+
+
+def tangents(step: Array, chord: Array) -> Array:
+    """Return the angle [rad] of the tangent at every point of a curve, by the lengths and angles of its chords.
+
+    At an inner point it is that of the circle through the point and its neighbours.
+    """
+    inner = (chord[:-1] * step[1:] + chord[1:] * step[:-1]) / (step[1:] + step[:-1])
+    return np.concatenate([[2.0 * chord[0] - inner[0]], inner, [2.0 * chord[-1] - inner[-1]]])

@@ -15,8 +15,8 @@ import numpy as np
 
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.machine.rotors import closed_form, fairing, imported
-from screwsim.machine.rotors.blow_hole import BlowHoleOpening, blow_hole_opening, mirrored
 from screwsim.machine.rotors.checks import check_blow_holes, check_pair, check_profile, check_size
+from screwsim.machine.rotors.leakage import BlowHoleOpening, blow_hole_opening, mirrored
 from screwsim.machine.rotors.pair import Array, Chain, Pair
 from screwsim.machine.rotors.sections import TURN, Sections, sections
 from screwsim.machine.rotors.settings import CIRCULAR, POINTS, RACK, Profile, check_settings

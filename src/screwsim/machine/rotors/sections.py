@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from screwsim.machine.rotors.blow_hole import BlowHoleOpening, blow_hole_opening, crossing
-from screwsim.machine.rotors.pair import Array, Chain, Pair, cumulated, outlines
+from screwsim.machine.rotors.leakage import BlowHoleOpening, blow_hole_opening, crossing
+from screwsim.machine.rotors.pair import Array, Chain, Pair, cumulated, outlines, rising_branch
 
 TURN = 2.0 * math.pi
 
@@ -25,7 +25,7 @@ def polygon_area(x: Array, y: Array) -> float:
 
 def sweep(pair: Pair, chain: Chain) -> tuple[Array, Array]:
     """Return the areas [m²] that the male and the female rotor displace from each contact point to the next."""
-    male = pair.male_radius**2 - chain.male_radii() ** 2
+    male = pair.male_radius**2 - chain.male_radii**2
     female = pair.female_radius**2 - chain.female_radii(pair) ** 2
     step = 0.25 * np.diff(chain.psi)
     return (male[1:] + male[:-1]) * step, pair.k * (female[1:] + female[:-1]) * step
@@ -115,11 +115,9 @@ def mesh_functions(pair: Pair, chain: Chain, area: Array) -> Branches:
 
     area: of each step along the chain [m²], of one rotor or of both.
     """
-    total = np.concatenate([[0.0], np.cumsum(area)])
-    psi = np.concatenate([chain.psi[chain.trail :] - pair.pitch, chain.psi[1 : chain.lead + 1]])
-    rising = np.concatenate([total[chain.trail :] - total[-1], total[1 : chain.lead + 1]])
+    total, rising = rising_branch(pair, chain, area)
     back = slice(chain.lead, chain.trail + 1)
-    return cumulated(psi, rising), cumulated(chain.psi[back][::-1], (total[back] - total[chain.lead])[::-1])
+    return rising, cumulated(chain.psi[back][::-1], (total[back] - total[chain.lead])[::-1])
 
 
 def _chamber(pair: Pair, psi: Array, branches: Branches, crossed: tuple[Array, Array]) -> Array:

@@ -9,8 +9,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from screwsim.numerics.derivative import Forward
-from screwsim.numerics.kernel import Kernel, parsed
-from screwsim.numerics.spelling import lines_of, text_of
+from screwsim.numerics.kernel import Kernel, parsed, unparsed
 
 
 class Statements:
@@ -40,7 +39,6 @@ class Tangent:
 
     `given` maps variable and seed to the text of a derivative: for a variable that the statements set, in place of
     its own; for one set elsewhere, the name that is set with it (`slope_name`). `held` variables are constant.
-    `arrays` change along the seed `ALONG`, so that a number of the scene, `P[…]`, is a seed like any state.
     """
 
     def __init__(
@@ -50,11 +48,10 @@ class Tangent:
         kernels: Mapping[str, Kernel],
         given: Mapping[tuple[str, str], str],
         held: Collection[str] = (),
-        arrays: Collection[str] = (),
     ) -> None:
         body = parsed("\n".join(lines)).body
         texts = {key: parsed(text).body[0].value for key, text in given.items()}  # type: ignore[attr-defined]
-        self._forward = Forward("network", body, seeds, kernels, texts, held, arrays)
+        self._forward = Forward("network", body, seeds, kernels, texts, held)
         if self._forward.whole:
             names = ", ".join(sorted(self._forward.whole))
             raise TypeError(f"a state cannot be called {names}: the text of every chamber has a variable of that name")
@@ -62,13 +59,13 @@ class Tangent:
         self.kernels = list(self._forward.uses.values())
         flat = {alias: item.flat_name for alias, item in self._forward.uses.items()}
         called = re.compile(rf"\b({'|'.join(flat) or '$.'})\(")
-        lines = [line for node in found for line in lines_of(node)]
+        lines = [line for node in found for line in unparsed(node).splitlines()]
         self.lines = [called.sub(lambda one: f"{flat[one[1]]}(", line) if "(" in line else line for line in lines]
 
     def slope(self, name: str, seed: str) -> str:
         """Return the text of a variable's derivative after the statements; 0.0 where there is none."""
         found = self._forward.slope(name, seed)
-        return "0.0" if found is None else text_of(found)
+        return "0.0" if found is None else unparsed(found)
 
 
 def function(head: str, *parts: Sequence[str]) -> str:

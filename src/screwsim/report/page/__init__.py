@@ -11,7 +11,7 @@ from screwsim.inputs.faults import UsageError
 __all__ = ["report"]
 
 _NEEDED = ("jinja2", "plotly")
-_SCRIPTS = ("numbers.js", "theme.js", "unpack.js", "drawing.js", "overview.js", "ledger.js", "case.js", "start.js")
+_SCRIPTS = ("dom", "numbers", "theme", "unpack", "drawing", "overview", "ledger", "case", "start")
 _POLICY = "style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; default-src 'none'"
 
 
@@ -37,10 +37,8 @@ def report(path: str | Path, output: str | Path, claims: Sequence[Any] = ()) -> 
 
 def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
     """Return the page as HTML text."""
-    import jinja2
     from plotly.offline import get_plotlyjs
 
-    from screwsim import __version__
     from screwsim.outputs.customary import with_printed_units
     from screwsim.report.page import data, tables
     from screwsim.report.page.best import best_table, is_optimisation
@@ -49,16 +47,13 @@ def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
 
     shown, sought = data.selection(results), is_optimisation(results)
     document = data.document(results, shown)
-    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
-    template = environment.from_string(_source("page.html"))
-    return template.render(
+    return rendered(
+        __name__,
+        _SCRIPTS,
         policy=_POLICY,
         title=with_printed_units(results.attributes["title"]),
-        style=_source("theme.css") + _source("page.css"),
-        script="\n".join(_source(each) for each in _SCRIPTS),
         library=compressed(get_plotlyjs()),
         document=compressed(document),
-        version=__version__,
         sweep=bool(results.axis_list),
         counts=tables.counts(results),
         quantities=sum(len(axis.joined) or 1 for axis in results.axis_list),
@@ -82,5 +77,16 @@ def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
     )
 
 
-def _source(name: str) -> str:
-    return resources.files(__name__).joinpath(name).read_text(encoding="utf-8")
+def rendered(package: str, scripts: Sequence[str], **parts: Any) -> str:
+    """Return the HTML text of a package's page, with style and scripts of its own or, by their names, of this one."""
+    import jinja2
+
+    from screwsim import __version__
+
+    def text(name: str) -> str:
+        own = resources.files(package).joinpath(name)
+        return (own if own.is_file() else resources.files(__name__).joinpath(name)).read_text(encoding="utf-8")
+
+    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
+    style, script = text("theme.css") + text("page.css"), "\n".join(text(f"{each}.js") for each in scripts)
+    return environment.from_string(text("page.html")).render(style=style, script=script, version=__version__, **parts)

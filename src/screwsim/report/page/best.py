@@ -14,10 +14,10 @@ MOST_ROWS = 12  # of a front that are shown, evenly spread along its first objec
 
 
 class BestTable(NamedTuple):
-    """The best of an optimisation: what was sought, heads and rows of a table, and a line below it."""
+    """The best of an optimisation: what was sought, heads with classes and rows of a table, and a line below it."""
 
     sought: str
-    heads: list[str]
+    heads: list[tuple[str, str]]
     rows: list[list[str]]
     note: str
 
@@ -41,7 +41,7 @@ def best_table(results: Results) -> BestTable:
     spread = np.linspace(0, len(front) - 1, min(len(front), MOST_ROWS)).round().astype(int)
     shown = front[spread]
     words = [shown_axis(axis) for axis in varied]
-    heads = [*map(shown_name, names), "error", *(how.words for how in words), "evaluation"]
+    heads = [(head, "n") for head in (*map(shown_name, names), "error", *(how.words for how in words), "evaluation")]
     rows = [
         [
             *(figure_text(results.figure(name), float(results.optimum[AIM + name][int(row)])) for name in names),

@@ -3,30 +3,18 @@
 let picked = 0;
 
 function fillPicker() {
-  const form = document.getElementById("picker");
-  data.axes.forEach((axis, i) => {
-    const label = document.createElement("label");
-    const select = axis.joined ? numberField(sizeOf(i)) : valueField(i);
-    label.append(`${axis.label} `, select);
-    select.addEventListener("change", () => {
+  document.getElementById("picker").append(...data.axes.map((axis, i) => {
+    const last = sizeOf(i) - 1;
+    const field = axis.joined
+      ? made("input", { type: "number", min: "0", max: String(last), step: "1" })
+      : made("select", {}, ...placesAlong(i).map((_, place) => new Option(nameOf(i, place), String(place))));
+    field.addEventListener("change", () => {
       const places = placesOf(picked);
-      places[i] = Math.min(Math.max(Math.round(Number(select.value)) || 0, 0), sizeOf(i) - 1);
+      places[i] = Math.min(Math.max(Math.round(Number(field.value)) || 0, 0), last);
       pick(caseOf(places));
     });
-    form.append(label);
-  });
-}
-
-function valueField(i) {
-  const select = document.createElement("select");
-  for (let place = 0; place < sizeOf(i); place += 1) option(select, String(place), nameOf(i, place));
-  return select;
-}
-
-function numberField(size) {
-  const field = document.createElement("input");
-  Object.assign(field, { type: "number", min: "0", max: String(size - 1), step: "1" });
-  return field;
+    return made("label", {}, `${axis.label} `, field);
+  }));
 }
 
 function pick(number) {
@@ -61,58 +49,32 @@ function markCut() {
   for (const each of document.querySelectorAll(".scroll")) each.classList.toggle("cut", each.scrollWidth > each.clientWidth + 1);
 }
 
-function row(head, cells, total) {
-  const line = document.createElement("tr");
-  if (total) line.className = "total";
-  const first = document.createElement("th");
-  first.scope = "row";
-  first.textContent = head;
-  line.append(first);
-  for (const [text, kind] of cells) {
-    const cell = document.createElement("td");
-    cell.textContent = text;
-    if (kind) cell.className = kind;
-    line.append(cell);
-  }
-  return line;
-}
-
 function fillFigures() {
   const rows = data.figures.filter((figure) => Number.isFinite(figure.read[picked])).map((figure) => {
     const [number, unit] = written(figure, figure.read[picked]);
-    const half = data.inputs ? [[halfOf(figure), "n"]] : [];
-    return row(figure.words, [[number, "n"], ...half, [unit, ""], [figure.error ? small(figure.error[picked]) : "", "n"]]);
+    const half = data.inputs ? [[figure.half ? halfText(figure, figure.read[picked], figure.half[picked]) : "", "n"]] : [];
+    return tableRow(figure.words, [[number, "n"], ...half, [unit, ""], [figure.error ? small(figure.error[picked]) : "", "n"]]);
   });
   document.querySelector("#figures tbody").replaceChildren(...rows);
   if (data.inputs) fillContributors();
 }
 
-// Half of the interval by the inputs, in the unit in which the figure is written.
-function halfOf(figure) {
-  const half = figure.half ? figure.half[picked] : NaN;
-  if (!Number.isFinite(half)) return "";
-  const factor = figure.kelvin ? 1 : figure.scales.find(([least]) => Math.abs(figure.read[picked]) >= least)[1];
-  return `± ${general(half * factor, 2)}`;
-}
-
 // Which inputs make the most of some figures of the picked case.
 function fillContributors() {
   const { names, figures } = data.inputs;
-  const lines = figures.map((figure) => {
+  const lines = figures.flatMap((figure) => {
     const own = names.map((name, i) => ({ name, share: figure.shares[picked * names.length + i] }));
     const most = own.filter(({ share }) => share >= 0.01).sort((a, b) => b.share - a.share).slice(0, 3);
-    const line = document.createElement("li");
-    line.textContent = `${figure.words}: ${most.map(({ name, share }) => `${name} ${Math.round(100 * share)}%`).join(", ")}`;
-    return most.length ? line : null;
+    const shares = most.map(({ name, share }) => `${name} ${Math.round(100 * share)}%`).join(", ");
+    return most.length ? [made("li", {}, `${figure.words}: ${shares}`)] : [];
   });
-  document.getElementById("contributors").replaceChildren(...lines.filter((line) => line));
+  document.getElementById("contributors").replaceChildren(...lines);
 }
 
 function balanceWords() {
-  const found = ["mass", "energy", "entropy", "oil_mass"].filter((name) => data.balance[name] && Number.isFinite(data.balance[name][picked]));
-  if (!found.length) return "";
+  const found = residuals(["mass", "energy", "entropy", "oil_mass"], (name) => data.balance[name] && data.balance[name][picked]);
   const bound = data.balance.bound ? ` (bound ${small(data.balance.bound[picked])})` : "";
-  return `Residuals of this case: ${found.map((name) => `${name.replace("_", " ")} ${small(data.balance[name][picked])}`).join(", ")}${bound}.`;
+  return found && `Residuals of this case: ${found}${bound}.`;
 }
 
 function drawCycle() {
@@ -159,15 +121,10 @@ function drawLoop() {
   const { angle, traces, top } = data.cycle;
   const [V, p] = [traceOf(traces.volume, picked), traceOf(traces.pressure, picked)];
   const loop = { ...lineTrace(V, p, "p–V", colour("c1"), "solid", "%{x:.4~g}, %{y:.4~g}, %{customdata}°"), customdata: angle.map((each) => general(each, 4)) };
-  const places = marksOf().map(([name, where]) => [at(angle, V, where), at(angle, p, where), `${name}, ${general(where, 4)}°`]);
-  const marks = {
-    type: "scatter",
-    mode: "markers",
-    x: places.map(([x]) => x),
-    y: places.map(([, y]) => y),
-    hoverinfo: "skip",
-    marker: { symbol: "circle-open", size: 9, color: colour("c1"), line: { width: 2 } },
-  };
+  const places = marksOf().map(([name, where]) => ({ x: at(angle, V, where), y: at(angle, p, where), text: `${name}, ${general(where, 4)}°` }));
+  const marks = scatter("markers", places, {
+    hoverinfo: "skip", marker: { symbol: "circle-open", size: 9, color: colour("c1"), line: { width: 2 } },
+  });
   const levels = pressureLevels();
   const target = document.getElementById("loop");
   Plotly.react(target, [loop, marks], layout({
@@ -186,11 +143,11 @@ function clearNames(target, x, y, places, levels) {
   const pixel = (a, b) => [xaxis.l2p(a), yaxis.l2p(b)];
   const path = dense(x.map((each, i) => pixel(each, y[i])).filter((each) => each.every(Number.isFinite)));
   const boxes = [
-    ...places.map(([a, b]) => around(...pixel(a, b), 6, 6)),
+    ...places.map((place) => around(...pixel(place.x, place.y), 6, 6)),
     ...levels.map((level) => [0, xaxis._length, yaxis.l2p(level) - 2, yaxis.l2p(level) + 2]),
   ];
   const found = [];
-  for (const [a, b, text] of places) {
+  for (const { x: a, y: b, text } of places) {
     const [left, top] = pixel(a, b);
     const half = [3.4 * text.length + 6, 11];
     const free = OFFSETS.map(([dx, dy]) => [Math.sign(dx) * (Math.abs(dx) + half[0]), dy]).find(([dx, dy]) => {
@@ -317,39 +274,21 @@ function fillLedger(ledger, factor, unit) {
     [general(factor * entry.energy_moved, 3), "n"],
     [general(entry.gas_moved, 3), "n"],
   ];
-  const line = (words, power, entry, total) => (Number.isFinite(power) ? [row(words, cells(power, entry), total)] : []);
-  const head = document.createElement("tr");
-  for (const text of heads) {
-    const cell = document.createElement("th");
-    cell.scope = "col";
-    cell.textContent = text;
-    cell.className = "n";
-    head.append(cell);
-  }
-  const top = document.createElement("thead");
-  top.append(head);
-  const body = document.createElement("tbody");
+  const line = (words, power, entry, total) => (Number.isFinite(power) ? [tableRow(words, cells(power, entry), total)] : []);
   const ends = ledger.shaft_power > 0
     ? [["total at the shaft", ledger.shaft_power], ["exergy rise of the gas", ledger.gas_exergy_rise]]
     : [["total given by the gas", -ledger.gas_exergy_rise], ["power at the shaft", -ledger.shaft_power]];
-  body.append(
-    ...line(...ends[0], {}, true),
+  document.getElementById("ledger").replaceChildren(tableHead(heads, "n"), made("tbody", {},
+    ...line(...ends[0], {}, "total"),
     ...line(...ends[1], {}),
     ...line("exergy rise of the oil", ledger.oil_exergy_rise, {}),
     ...ledger.entries.flatMap((entry) => line(entry.words, entry.exergy_destroyed, entry)),
     ...line("residual", ledger.residue, {}),
-  );
-  document.getElementById("ledger").replaceChildren(top, body);
+  ));
 }
 
 function drawWaterfall(ledger, factor, unit) {
   const steps = waterfallSteps(ledger);
-  let left = 0;
-  const base = steps.map((step) => {
-    const start = step.total ? 0 : left - step.power;
-    left = step.total ? step.power : start;
-    return start * factor;
-  });
   const target = document.getElementById("waterfall");
   target.style.height = `${5 + 1.5 * steps.length}rem`;
   Plotly.react(target, [{
@@ -357,7 +296,7 @@ function drawWaterfall(ledger, factor, unit) {
     orientation: "h",
     y: steps.map((step) => step.words),
     x: steps.map((step) => step.power * factor),
-    base,
+    base: steps.map((step) => step.start * factor),
     marker: { color: steps.map((step) => colour(step.tint)) },
     text: steps.map((step) => `${((100 * step.power) / spent(ledger)).toFixed(1)} %`),
     textposition: "none",

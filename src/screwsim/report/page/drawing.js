@@ -14,14 +14,20 @@ const CONFIG = {
 function ordered(index, count) {
   if (count < 2) return colour("c1");
   if (count <= OWN) return colour(`c${index}`);
-  const share = (isDark() ? 0.3 : 0.05) + ((isDark() ? 0.69 : 0.75) * index) / (count - 1);
-  const at = Math.min(share, 0.999) * (INFERNO.length - 1);
-  const [from, to] = [INFERNO[Math.floor(at)], INFERNO[Math.floor(at) + 1]];
-  const mixed = [1, 3, 5].map((i) => {
-    const [a, b] = [parseInt(from.slice(i, i + 2), 16), parseInt(to.slice(i, i + 2), 16)];
-    return Math.round(a + (b - a) * (at % 1));
-  });
-  return `rgb(${mixed.join(",")})`;
+  return mixed(INFERNO, (isDark() ? 0.3 : 0.05) + ((isDark() ? 0.69 : 0.75) * index) / (count - 1));
+}
+
+// What Plotly draws of points {x, y}.
+function scatter(mode, points, more) {
+  return { type: "scatter", mode, x: points.map(({ x }) => x), y: points.map(({ y }) => y), ...more };
+}
+
+// The colours of a figure's values, and the bar that tells them.
+function colourScale(figure) {
+  return {
+    colorscale: VIRIDIS.map((tint, i) => [i / (VIRIDIS.length - 1), tint]),
+    colorbar: { title: { text: figure.label, side: "right" }, thickness: 14 },
+  };
 }
 
 function isLog(values) {

@@ -17,11 +17,17 @@ function waterfallSteps(ledger) {
   const ends = ledger.shaft_power > 0
     ? [{ words: "shaft power", power: ledger.shaft_power, tint: "c0", total: true }, { words: "exergy rise of the gas", power: ledger.gas_exergy_rise, tint: "c1", total: true }]
     : [{ words: "exergy given by the gas", power: -ledger.gas_exergy_rise, tint: "c1", total: true }, { words: "power at the shaft", power: -ledger.shaft_power, tint: "c0", total: true }];
-  return [
+  const steps = [
     ends[0],
     ...large.map((entry) => loss(entry.words, entry.exergy_destroyed)),
     ...(Math.abs(others) >= least ? [loss(`others (${rest.length})`, others)] : []),
     ...(Math.abs(ledger.oil_exergy_rise) >= least ? [{ words: "exergy rise of the oil", power: ledger.oil_exergy_rise, tint: "c3" }] : []),
     ends[1],
   ];
+  let left = 0; // where a bar ends, the next one begins
+  for (const step of steps) {
+    step.start = step.total ? 0 : left - step.power;
+    left = step.total ? step.power : step.start;
+  }
+  return steps;
 }

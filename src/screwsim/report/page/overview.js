@@ -24,23 +24,16 @@ function placesAlong(i) {
   return data.axes[i].values || data.axes[i].texts;
 }
 
-function option(select, value, text) {
-  const item = document.createElement("option");
-  item.value = value;
-  item.textContent = text;
-  select.append(item);
-}
-
 function fillControls() {
   const { start } = data;
   const [figure, over, curves, view] = ["figure", "over", "curves", "view"].map((id) => document.getElementById(id));
-  for (const each of data.figures) option(figure, each.name, each.label);
   const design = data.columns.length > 0;
-  if (!design) for (const i of [...numericAxes(2), ...wordAxes()]) option(over, String(i), data.axes[i].label);
-  for (const each of [...data.columns, ...data.figures]) option(over, each.name, each.label);
-  option(curves, "", "nothing");
-  if (design) for (const each of [...data.columns, ...data.figures]) option(curves, each.name, each.label);
-  else data.axes.forEach((axis, i) => sizeOf(i) > 1 && option(curves, String(i), axis.label));
+  const named = (figures) => figures.map(({ label, name }) => new Option(label, name));
+  const ofAxes = (axes) => axes.map((i) => new Option(data.axes[i].label, String(i)));
+  const all = [...data.columns, ...data.figures];
+  figure.append(...named(data.figures));
+  over.append(...(design ? [] : ofAxes([...numericAxes(2), ...wordAxes()])), ...named(all));
+  curves.append(new Option("nothing", ""), ...(design ? named(all) : ofAxes([...data.axes.keys()].filter((i) => sizeOf(i) > 1))));
   figure.value = start.figure || data.figures[0].name;
   over.value = start.x === null ? (data.columns[0] || data.figures[0]).name : String(start.x);
   curves.value = start.curves === null ? (data.columns[1] || { name: "" }).name : String(start.curves);
@@ -144,7 +137,12 @@ function curvesDrawing(notes) {
   });
   if (optima.length) {
     notes.push("○ top of a parabola (thin) through three points.");
-    traces.push(...optima.map(arcTrace), optimaTrace(optima));
+    traces.push(...optima.map(({ arc, tint }) => scatter("lines", arc, { hoverinfo: "skip", showlegend: false, line: { color: tint, width: 1 } })));
+    traces.push(scatter("markers", optima, {
+      name: "optimum",
+      hovertemplate: "optimum: %{x:.3~g}, %{y:.4~g}<extra></extra>",
+      marker: { symbol: "circle-open", size: 12, color: colour("text"), line: { width: 2 } },
+    }));
   }
   const bands = overWords() ? [] : traces.slice(0, places.length).map(bandTrace).filter((band) => band);
   if (bands.length) notes.push("Band: 95 % interval from the tolerances of the inputs alone.");
@@ -173,18 +171,14 @@ function nameOf(i, place) {
 }
 
 function curveTrace(points, name, tint, dash) {
-  return {
-    type: "scatter",
-    mode: "lines+markers",
+  return scatter("lines+markers", points, {
     name,
-    x: points.map((point) => point.x),
-    y: points.map((point) => point.y),
     customdata: points.map((point) => point.number),
     text: points.map((point) => caseWords(point.number)),
     hovertemplate: `%{text}<br>%{y:.5~g} ${choice.figure.unit}<extra></extra>`,
     line: { color: tint, dash, width: 2 },
     marker: { color: tint, size: points.map((p) => (data.warnings[p.number] ? 10 : 6)), symbol: points.map((p) => symbolOf(p.number)) },
-  };
+  });
 }
 
 // The area between the ends of the interval that the inputs' tolerances make of a curve; null without one.
@@ -192,18 +186,10 @@ function bandTrace(curve) {
   const half = choice.figure.half && curve.customdata.map((number) => choice.figure.half[number] * choice.figure.factor);
   const there = half ? half.map((each, i) => i).filter((i) => Number.isFinite(half[i])) : [];
   if (there.length < 2) return null;
-  const back = [...there].reverse();
-  return {
-    type: "scatter",
-    mode: "lines",
-    x: [...there, ...back].map((i) => curve.x[i]),
-    y: [...there.map((i) => curve.y[i] + half[i]), ...back.map((i) => curve.y[i] - half[i])],
-    fill: "toself",
-    fillcolor: faded(curve.line.color),
-    line: { width: 0 },
-    hoverinfo: "skip",
-    showlegend: false,
-  };
+  const [upper, lower] = [1, -1].map((sign) => there.map((i) => ({ x: curve.x[i], y: curve.y[i] + sign * half[i] })));
+  return scatter("lines", [...upper, ...lower.reverse()], {
+    fill: "toself", fillcolor: faded(curve.line.color), line: { width: 0 }, hoverinfo: "skip", showlegend: false,
+  });
 }
 
 // A colour, #rrggbb or rgb(…), through which others are seen.
@@ -217,30 +203,6 @@ function symbolOf(number) {
   return data.warnings[number] ? "triangle-up" : "circle";
 }
 
-function arcTrace(best) {
-  return {
-    type: "scatter",
-    mode: "lines",
-    x: best.arc.map((point) => point.x),
-    y: best.arc.map((point) => point.y),
-    hoverinfo: "skip",
-    showlegend: false,
-    line: { color: best.tint, width: 1 },
-  };
-}
-
-function optimaTrace(optima) {
-  return {
-    type: "scatter",
-    mode: "markers",
-    name: "optimum",
-    x: optima.map((point) => point.x),
-    y: optima.map((point) => point.y),
-    hovertemplate: "optimum: %{x:.3~g}, %{y:.4~g}<extra></extra>",
-    marker: { symbol: "circle-open", size: 12, color: colour("text"), line: { width: 2 } },
-  };
-}
-
 // A point a case of a design, coloured by another quantity.
 function pointsDrawing(notes) {
   const cases = thinned(Array.from(data.statusCodes.keys()), notes);
@@ -252,9 +214,8 @@ function pointsDrawing(notes) {
       ...trace.marker,
       size: 8,
       color: points.map((point) => drawnValue(choice.tint, point.number)),
-      colorscale: VIRIDIS.map((tint, i) => [i / (VIRIDIS.length - 1), tint]),
+      ...colourScale(choice.tint),
       line: { color: colour("soft"), width: 0.5 },
-      colorbar: { title: { text: choice.tint.label, side: "right" }, thickness: 14 },
     };
   }
   leftOut(notes, cases.length, [trace]);
@@ -280,23 +241,19 @@ function mapDrawing(across, up, notes) {
   const contours = {
     type: "contour",
     ...refined(x, y, z),
-    colorscale: VIRIDIS.map((tint, i) => [i / (VIRIDIS.length - 1), tint]),
+    ...colourScale(choice.figure),
     ncontours: 18,
     line: { color: "rgba(0,0,0,0.55)", width: 0.7 },
-    colorbar: { title: { text: choice.figure.label, side: "right" }, thickness: 14 },
     hoverinfo: "skip",
   };
-  const points = {
-    type: "scatter",
-    mode: "markers",
-    x: dots.map((number) => x.values[placesOf(number)[across]]),
-    y: dots.map((number) => y.values[placesOf(number)[up]]),
+  const placed = dots.map(placesOf).map((places) => ({ x: x.values[places[across]], y: y.values[places[up]] }));
+  const points = scatter("markers", placed, {
     customdata: dots,
     text: dots.map((number) => `${caseWords(number)}<br>${general(drawnValue(choice.figure, number), 5)} ${choice.figure.unit}`),
     hovertemplate: "%{text}<extra></extra>",
     marker: { size: 6, color: "rgba(255,255,255,0.75)", line: { color: "rgba(0,0,0,0.8)", width: 0.7 } },
     showlegend: false,
-  };
+  });
   choice.map = [across, up];
   return [[contours, points], {
     xaxis: axisLook(x.label, x.log), yaxis: axisLook(y.label, y.log), showlegend: false,
@@ -353,10 +310,10 @@ function fixedWords(notes, shown) {
 function leftOut(notes, wanted, traces) {
   const missing = wanted - traces.reduce((sum, trace) => sum + trace.x.length, 0);
   if (missing) notes.push(`${missing} of ${wanted} cases have no value here.`);
-  const open = traces.reduce((sum, trace) => sum + trace.marker.symbol.filter((symbol) => symbol === "x").length, 0);
-  if (open) notes.push(`× not closed (${open}).`);
-  const warned = traces.reduce((sum, trace) => sum + trace.marker.symbol.filter((symbol) => symbol === "triangle-up").length, 0);
-  if (warned) notes.push(`△ with warnings (${warned}).`);
+  for (const [wanted, words] of [["x", "× not closed"], ["triangle-up", "△ with warnings"]]) {
+    const count = traces.flatMap((trace) => trace.marker.symbol).filter((symbol) => symbol === wanted).length;
+    if (count) notes.push(`${words} (${count}).`);
+  }
 }
 
 function pickedMark(map) {
@@ -364,13 +321,7 @@ function pickedMark(map) {
   const x = map ? data.axes[map[0]].values[places[map[0]]]
     : choice.xFigure ? drawnValue(choice.xFigure, picked) : placesAlong(choice.along)[places[choice.along]];
   const y = map ? data.axes[map[1]].values[places[map[1]]] : drawnValue(choice.figure, picked);
-  return {
-    type: "scatter",
-    mode: "markers",
-    name: "picked",
-    x: [x],
-    y: [y],
-    hoverinfo: "skip",
-    marker: { symbol: "diamond", size: 12, color: colour("c3"), line: { color: colour("page"), width: 1.5 } },
-  };
+  return scatter("markers", [{ x, y }], {
+    name: "picked", hoverinfo: "skip", marker: { symbol: "diamond", size: 12, color: colour("c3"), line: { color: colour("page"), width: 1.5 } },
+  });
 }

@@ -92,16 +92,12 @@ function unpack(text) {
     figure.error = figure.errors ? floats(figure.errors) : null;
     figure.half = figure.halves ? floats(figure.halves) : null;
   }
+  const read = (holder) => Object.keys(holder).forEach((name) => { if (name !== "words") holder[name] = floats(holder[name]); });
   for (const figure of found.inputs ? found.inputs.figures : []) figure.shares = floats(figure.shares);
-  for (const name of Object.keys(found.balance)) found.balance[name] = floats(found.balance[name]);
+  read(found.balance);
   for (const part of found.cycle ? [found.cycle, found.cycle.flows] : []) {
     if (part) part.angle = Array.from(floats(part.angle));
   }
-  if (found.ledger) {
-    for (const name of Object.keys(found.ledger.totals)) found.ledger.totals[name] = floats(found.ledger.totals[name]);
-    for (const entry of found.ledger.entries) {
-      for (const name of Object.keys(entry)) if (name !== "words") entry[name] = floats(entry[name]);
-    }
-  }
+  if (found.ledger) [found.ledger.totals, ...found.ledger.entries].forEach(read);
   return found;
 }

@@ -14,7 +14,7 @@ from screwsim.results.atomic import replacing, write_csv
 from screwsim.results.guarded import new_hdf5
 from screwsim.results.protection import protect_folder, protect_other_hdf5
 from screwsim.study.accuracy.measure import COMPARED_TRACES, MeasuredCase
-from screwsim.study.accuracy.words import comparable_cases, pareto_front, sentence
+from screwsim.study.accuracy.words import sentence
 
 if TYPE_CHECKING:
     from screwsim.study.accuracy import Study
@@ -51,7 +51,7 @@ def _nan_if_none(value: Any) -> Any:
 
 
 def _case_columns(study: Study) -> dict[str, list[Any]]:
-    best = pareto_front(comparable_cases(study))
+    best = study.front()
     columns = _columns(study.measured, ("errors", "traces"))
     columns["pareto"] = [int(any(each is one for one in best)) for each in study.measured]
     for name in dict.fromkeys(name for each in study.measured for name in each.errors):

@@ -16,29 +16,6 @@ WIDTH = 96
 SUMMARY_ACCURACIES = (1e-3, 1e-4, 1e-6)  # accuracies in the sentence, where they were asked for
 
 
-def pareto_front(measured: Iterable[MeasuredCase], cost: str = "time") -> list[MeasuredCase]:
-    """Return the closed cases that no other beats in both cost and error, from the cheapest on."""
-    best, found = math.inf, []
-    for each in sorted((m for m in measured if m.status == "ok"), key=lambda m: (getattr(m, cost), m.error)):
-        if each.error < best:
-            best = each.error
-            found.append(each)
-    return found
-
-
-def comparable_cases(study: Study) -> list[MeasuredCase]:
-    """Return the cases that answer the same question: every integrator on the scene's own gas."""
-    return [each for each in study.measured if each.part == "integrators"]
-
-
-def limit_of_regularisation(study: Study) -> float | None:
-    """Return the error due to the regularisation at the scene's accuracy when all else is tight."""
-    for each in study.measured:
-        if each.part == "regularisation alone" and each.factor == 1.0 and each.status == "ok":
-            return each.error
-    return None
-
-
 def sentence(study: Study) -> str:
     """Return the cost of accuracy, in one sentence made from the results."""
     solved = [each for each in study.asked if each.status == "ok"]
@@ -49,7 +26,7 @@ def sentence(study: Study) -> str:
         seconds = milliseconds(each.time + each.estimating_time)
         parts.append(f"{plain_power(each.asked)} {verb}{seconds} (true error {plain_power(each.error)})")
     text = ", ".join(parts) if parts else "no requested accuracy was reached"
-    limit = limit_of_regularisation(study)
+    limit = study.limit_of_regularisation
     if limit is not None:
         accuracy = plain_power(study.accuracy)
         text += f"; the model's regularisation at the scene's accuracy of {accuracy} limits you to {plain_power(limit)}"
@@ -197,7 +174,7 @@ def report(study: Study) -> str:
     else:
         text += f"It is not checked, because {reference.second} gave no answer."
     blocks = [[study.title] if study.title else [], textwrap.wrap(text, WIDTH), _requested_table(study)]
-    best = pareto_front(comparable_cases(study))
+    best = study.front()
     blocks += [_part_table(study, part, best) for part in _TITLES]
     lines = ["What failed or was left out"]
     for name, reason in study.left_out:

@@ -16,9 +16,9 @@ from screwsim.outputs import Figure
 from screwsim.outputs.customary import in_celsius
 from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene, leaf_of, lines
-from screwsim.scene.coverage import COVERAGE_FACTOR, split_coverage
 from screwsim.scene.fields import Leaf, leaf_paths, unknown_key
 from screwsim.scene.numerals import odd_number, odd_number_text
+from screwsim.scene.tolerances import COVERAGE_FACTOR, split_coverage
 from screwsim.scene.units import NUMBER, Refused, gauge_pressures_over, parse_quantity, tidy_unit
 from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import Faults, LocatedFault, Position
@@ -84,20 +84,18 @@ def read_points(
         sheet = read_sheet(path)
     except Unreadable as reason:
         there = start.at(reason.line, reason.column)
-        problems.append(LocatedFault(there, "data", f"cannot be read: {reason} (name a CSV file in UTF-8)"))
+        problems.add(there, "data", f"cannot be read: {reason} (name a CSV file in UTF-8)")
         return []
     except BadSheet as fault:
-        problems.append(LocatedFault(start.at(fault.line or 1, 1), "data", fault.what))
+        problems.add(start.at(fault.line or 1, 1), "data", fault.what)
         return []
     if not sheet.rows:
-        problems.append(
-            LocatedFault(
-                start, "data", f"has no points (write a line of column names, then one line per point; {_EXAMPLE})"
-            )
+        problems.add(
+            start, "data", f"has no points (write a line of column names, then one line per point; {_EXAMPLE})"
         )
         return []
     if len(sheet.rows) > MOST_POINTS:
-        problems.append(LocatedFault(start, "data", f"has {len(sheet.rows)} points (at most {MOST_POINTS} are fitted)"))
+        problems.add(start, "data", f"has {len(sheet.rows)} points (at most {MOST_POINTS} are fitted)")
         return []
     with gauge_pressures_over(scene.operation.ambient_pressure):
         found = _read(sheet, start, scene, taken, problems, candidates)
@@ -119,10 +117,10 @@ def _read(
     names: set[str] = set()
     for point, place in points:
         if point.name in names:
-            problems.append(LocatedFault(place, "name", f"{shown(point.name)} appears twice (name each point once)"))
+            problems.add(place, "name", f"{shown(point.name)} appears twice (name each point once)")
         names.add(point.name)
     if not problems and not any(point.fitted for point, _ in points):
-        problems.append(LocatedFault(start, "use", "leaves no point to fit (write fit in that column for some)"))
+        problems.add(start, "use", "leaves no point to fit (write fit in that column for some)")
     return points
 
 
@@ -169,22 +167,18 @@ def _columns(
             found.append((_covered(_column(name, unit, scene, taken), cell), place))
         except (Refused, UsageError) as refusal:
             refused.add(name)
-            problems.append(LocatedFault(place, name or "data", str(refusal).removeprefix(f"{name}: ")))
+            problems.add(place, name or "data", str(refusal).removeprefix(f"{name}: "))
     names = [(column.kind, column.of) for column, _ in found]
     for (column, place), name in zip(found, names, strict=True):
         if names.count(name) > 1:
-            problems.append(LocatedFault(place, column.of, "appears twice (remove one column)"))
+            problems.add(place, column.of, "appears twice (remove one column)")
         partner = {"figure": "uncertainty", "uncertainty": "figure"}.get(column.kind)
         if partner and (partner, column.of) not in names and not (candidates and partner == "figure"):
             other = column.of if partner == "figure" else column.of + UNCERTAINTY_SUFFIX
             if other not in refused:
-                problems.append(LocatedFault(place, column.of, f"needs a column {other} (add it)"))
+                problems.add(place, column.of, f"needs a column {other} (add it)")
     if not candidates and not any(kind == "figure" for kind, _ in names) and not problems:
-        problems.append(
-            LocatedFault(
-                cells[0][1], "data", (f"has no column of a measured figure (known: {', '.join(_figures(scene))})")
-            )
-        )
+        problems.add(cells[0][1], "data", f"has no column of a measured figure (known: {', '.join(_figures(scene))})")
     return found
 
 
@@ -282,7 +276,7 @@ def _point(
         try:
             value = _value(column, text)
         except Refused as refusal:
-            problems.append(LocatedFault(at, column.of, str(refusal)))
+            problems.add(at, column.of, str(refusal))
             continue
         if value is not None:
             found[column.kind][column.of] = value
@@ -293,11 +287,9 @@ def _point(
     for figure, value in found["figure"].items():
         own = found["uncertainty"].get(figure)
         if own is not None and (why := odd_uncertainty(value, own)):
-            problems.append(LocatedFault(place, figure, why))
+            problems.add(place, figure, why)
     for figure in found["figure"].keys() ^ found["uncertainty"].keys():
-        problems.append(
-            LocatedFault(place, figure, "needs both a value and an uncertainty, or neither (fill the empty cell)")
-        )
+        problems.add(place, figure, "needs both a value and an uncertainty, or neither (fill the empty cell)")
     if len(problems) > before:
         return None
     measured = {name: Measurement(value, found["uncertainty"][name]) for name, value in found["figure"].items()}

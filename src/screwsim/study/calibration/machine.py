@@ -111,7 +111,7 @@ def points_of(fit: Fit, file: str | os.PathLike[str], option: str, what: str) ->
     for point, place in rows:
         problems += [LocatedFault(place, fault.path, fault.what) for fault in cross_check(fit.at(point, values))]
     if not rows and not problems:
-        problems.append(LocatedFault(Position(1, name), "", f"has no {what}"))
+        problems.add(Position(1, name), "", f"has no {what}")
     if problems:
         raise problems.error()
     return tuple(point for point, _ in rows)

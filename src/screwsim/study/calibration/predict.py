@@ -80,7 +80,9 @@ def predict(
         replace(fit, points=(replace(point, measured=dict.fromkeys(figures, _NO_MEASUREMENT)),)) for point in points
     ]
     low, high = found.region
-    draws = _places(fit, found.samples)
+    samples = (zip(fit.parameters, row, strict=True) for row in found.samples.tolist())
+    draws = np.array([[each.place(value) for each, value in sample] for sample in samples])
+    spreads = [spread.name for spread in found.discrepancies]
     places = np.vstack([places_within(fit, low, high), draws[:CHECKED_DRAWS]])
     call = partial(_solved_row, asked, places, simulate)
     rows = parallel_map(
@@ -97,7 +99,7 @@ def predict(
             reasons[point.name] = next((row.why for row in own if row.why), "a figure has no value")
             continue
         uncertainty = _uncertainties(point, figures, usual, np.median(ours(draws), axis=0))
-        widths = found.widths[:, [_number(found, name) for name in figures]]
+        widths = found.widths[:, [spreads.index(name) for name in figures]]
         told += _point_predictions(point, figures, (ours(draws), widths, uncertainty, ours.off), generator)
         checked = [
             (at, row) for at, row in zip(draws, own[-CHECKED_DRAWS:], strict=False) if np.isfinite(row.figures).all()
@@ -116,14 +118,6 @@ _NO_MEASUREMENT = Measurement(0.0, 1.0)
 def _solved_row(asked: Sequence[Fit], places: Array, simulate: Simulate | None, number: int) -> FigureRow:
     point, place = divmod(number, len(places))
     return figures_at(asked[point], places, simulate, place)
-
-
-def _places(fit: Fit, samples: Array) -> Array:
-    return np.array([[p.place(v) for p, v in zip(fit.parameters, row, strict=True)] for row in samples.tolist()])
-
-
-def _number(found: Posterior, figure: str) -> int:
-    return [spread.name for spread in found.discrepancies].index(figure)
 
 
 def _uncertainties(

@@ -15,7 +15,7 @@ from screwsim.scene.fields import Leaf, leaf_paths
 from screwsim.scene.file_kinds import other_file
 from screwsim.scene.schema import DRAFT, OWN_PARAMETER, mapping, value_schema
 from screwsim.scene.values import limits_text, shown, text_of, within
-from screwsim.scene.yaml_tree import Faults, LocatedFault, Node, Position, compose, join
+from screwsim.scene.yaml_tree import Faults, Node, Position, compose, join
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Parameter, Point, Prior, Tie, prior_of
 from screwsim.study.inputs import DISCRETE_KINDS, shown_value
@@ -64,17 +64,17 @@ def _read(name: str, place: Position, problems: Faults) -> Node | None:
         text = read_text(name, MOST_YAML)
     except Unreadable as error:
         what = f"cannot be read: {error} (name an existing fit file in UTF-8)"
-        problems.append(LocatedFault(place.at(error.line, error.column), "", what))
+        problems.add(place.at(error.line, error.column), "", what)
         return None
     root = compose(text, place, problems)
     if root is None and not problems:
-        problems.append(LocatedFault(place, "", f"is empty ({_REMEDY})"))
+        problems.add(place, "", f"is empty ({_REMEDY})")
     if root is not None and not isinstance(root.value, dict):
-        problems.append(LocatedFault(root.place, "", f"is {shown(root.value)}, not a mapping ({_REMEDY})"))
+        problems.add(root.place, "", f"is {shown(root.value)}, not a mapping ({_REMEDY})")
         return None
     other = None if root is None else other_file(root.value, name, "fit")
     if root is not None and other is not None:
-        problems.append(LocatedFault(root.place, "", other))
+        problems.add(root.place, "", other)
         return None
     return root
 
@@ -107,7 +107,7 @@ def _is_file(root: Node, key: str, name: str, problems: Faults) -> bool:
     found = os.path.isfile(os.path.join(root.place.folder, name))
     if not found:
         what = f"{shown(name)} is not a file (name an existing one, relative to this file)"
-        problems.append(LocatedFault(root.value[key].place, key, what))
+        problems.add(root.value[key].place, key, what)
     return found
 
 
@@ -125,7 +125,7 @@ def _parameters(root: Node, scene: Scene, problems: Faults) -> tuple[Parameter, 
     if node is None or not isinstance(node.value, dict) or not node.value:
         place = root.place if node is None else node.place
         what = "names nothing to fit (write e.g. effects.tip_leakage.gap: {from: 20 um, to: 80 um})"
-        problems.append(LocatedFault(place, "parameters", what))
+        problems.add(place, "parameters", what)
         return ()
     found: list[Parameter] = []
     taken: set[str] = set()
@@ -135,9 +135,7 @@ def _parameters(root: Node, scene: Scene, problems: Faults) -> tuple[Parameter, 
             continue
         for each in parameter.values(parameter.low):
             if each in taken:
-                problems.append(
-                    LocatedFault(child.heading, join("parameters", path), f"fits {each} twice (remove one)")
-                )
+                problems.add(child.heading, join("parameters", path), f"fits {each} twice (remove one)")
             taken.add(each)
         found.append(parameter)
     return tuple(found)
@@ -148,11 +146,11 @@ def _leaf(scene: Scene, path: str, place: Position, where: str, problems: Faults
     try:
         leaf = leaf_of(scene, path)
     except UsageError as error:
-        problems.append(LocatedFault(place, where, str(error).removeprefix(f"{path}: ")))
+        problems.add(place, where, str(error).removeprefix(f"{path}: "))
         return None
     if leaf.kind in DISCRETE_KINDS:
         what = f"is {DISCRETE_KINDS[leaf.kind]}; only continuous quantities can be fitted (remove it)"
-        problems.append(LocatedFault(place, where, what))
+        problems.add(place, where, what)
         return None
     return leaf
 
@@ -163,7 +161,7 @@ def _parameter(path: str, node: Node, scene: Scene, problems: Faults) -> Paramet
     if leaf is None:
         return None
     if not isinstance(node.value, dict):
-        problems.append(LocatedFault(node.place, where, f"{shown(node.value)} is not a mapping ({_PARAMETER})"))
+        problems.add(node.place, where, f"{shown(node.value)} is not a mapping ({_PARAMETER})")
         return None
     end, optional = replace(leaf, default=dataclasses.MISSING), replace(leaf, default=None)
     fields = {"from": end, "to": end, "start": optional, "spacing": SPACING}
@@ -176,23 +174,23 @@ def _parameter(path: str, node: Node, scene: Scene, problems: Faults) -> Paramet
         return None
     low, high, start = given["from"], given["to"], given["start"]
     if not low < high:
-        problems.append(LocatedFault(node.place, where, "from is not below to (swap them)"))
+        problems.add(node.place, where, "from is not below to (swap them)")
     elif start is not None and not low <= start <= high:
         ends = f"{shown_value(scene, path, low)} … {shown_value(scene, path, high)}"
-        problems.append(LocatedFault(node.value["start"].place, join(where, "start"), f"lies outside {ends} (move it)"))
+        problems.add(node.value["start"].place, join(where, "start"), f"lies outside {ends} (move it)")
     elif prior is not None and not low <= prior.mean <= high:
         ends = f"{shown_value(scene, path, low)} … {shown_value(scene, path, high)}"
         what = f"lies outside {ends} (move it, or widen from and to)"
-        problems.append(LocatedFault(node.value["prior"].value["mean"].place, join(where, "prior.mean"), what))
+        problems.add(node.value["prior"].value["mean"].place, join(where, "prior.mean"), what)
     elif given["spacing"] == "log" and not low > 0.0:
-        problems.append(LocatedFault(node.place, where, "log spacing needs bounds above zero (raise from)"))
+        problems.add(node.place, where, "log spacing needs bounds above zero (raise from)")
     found = Parameter(path, low, high, start, prior, given["spacing"] == "log", ties, unheld)
     _check_ties(found, leaf, node, scene, problems)
     known = prior_of(scene, found)
     if len(problems) == before and known is not None and not low <= known.mean <= high:
         ends = f"{shown_value(scene, path, low)} … {shown_value(scene, path, high)}"
         what = f"is {shown_value(scene, path, known.mean)} with a tolerance in the scene, outside {ends}"
-        problems.append(LocatedFault(node.place, where, f"{what} (widen from and to, or write prior: none)"))
+        problems.add(node.place, where, f"{what} (widen from and to, or write prior: none)")
     return found
 
 
@@ -215,7 +213,7 @@ def _ties(leaf: Leaf, node: Node | None, scene: Scene, where: str, problems: Fau
         return ()
     remedy = "write {PATH: {factor: …, offset: …}}"
     if not isinstance(node.value, dict):
-        problems.append(LocatedFault(node.place, where, f"{shown(node.value)} is not a mapping ({remedy})"))
+        problems.add(node.place, where, f"{shown(node.value)} is not a mapping ({remedy})")
         return ()
     fields = {"factor": Leaf("number", "factor", 1.0, {}), "offset": difference(leaf, 0.0)}
     found = []
@@ -225,11 +223,11 @@ def _ties(leaf: Leaf, node: Node | None, scene: Scene, where: str, problems: Fau
             continue
         if other.kind != leaf.kind:
             what = f"is of another kind ({other.kind.replace('_', ' ')}; it cannot follow a {leaf.kind})"
-            problems.append(LocatedFault(child.heading, join(where, path), what))
+            problems.add(child.heading, join(where, path), what)
             continue
         content = replace(child, value={} if child.value is None else child.value)
         if not isinstance(content.value, dict):
-            problems.append(LocatedFault(child.place, join(where, path), f"is not a mapping ({remedy})"))
+            problems.add(child.place, join(where, path), f"is not a mapping ({remedy})")
             continue
         given = read_fields(fields, content, join(where, path), problems, remedy)
         if given is not None:
@@ -243,7 +241,7 @@ def _check_ties(parameter: Parameter, leaf: Leaf, node: Node, scene: Scene, prob
     for tie in parameter.ties:
         heading, named = node.value["also"].value[tie.path].heading, join(join(where, "also"), tie.path)
         if tie.path == parameter.path:
-            problems.append(LocatedFault(heading, named, "is the parameter itself (remove it)"))
+            problems.add(heading, named, "is the parameter itself (remove it)")
             continue
         other = leaf_of(scene, tie.path)
         for end in (parameter.low, parameter.high):
@@ -251,7 +249,7 @@ def _check_ties(parameter: Parameter, leaf: Leaf, node: Node, scene: Scene, prob
             if not within(other, follows):
                 what = f"is {text_of(other, float(f'{follows:.4g}'))} where that is {text_of(leaf, end)}"
                 remedy = f"it must be {limits_text(other)}; change factor, offset or the bounds"
-                problems.append(LocatedFault(heading, named, f"{what}, which is out of range ({remedy})"))
+                problems.add(heading, named, f"{what}, which is out of range ({remedy})")
                 break
 
 
@@ -263,14 +261,12 @@ def _check(fit: Fit, rows: list[tuple[Point, Position]], root: Node, fixed: bool
     start = fit.first_start()
     for point, place in rows:
         for fault in cross_check(fit.at(point, start)):
-            problems.append(LocatedFault(place, fault.path, fault.what))
+            problems.add(place, fault.path, fault.what)
     data = sum(len(point.measured) for point in fit.points if point.fitted)
     priors = sum(prior_of(fit.scene, each) is not None for each in fit.parameters)
     if not data or (fixed and data + priors < len(fit.parameters)):
         what = f"{data} measured figures and {priors} priors cannot determine {len(fit.parameters)} parameters"
-        problems.append(
-            LocatedFault(root.value["parameters"].heading, "parameters", f"{what} (fit fewer, or add data)")
-        )
+        problems.add(root.value["parameters"].heading, "parameters", f"{what} (fit fewer, or add data)")
 
 
 def fit_schema() -> dict[str, Any]:

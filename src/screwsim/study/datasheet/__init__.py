@@ -106,7 +106,7 @@ def _sheet_of_kind(
             {**ranges, "--limit": tuple(limits) or None, "--heating": heating or None}, "the scene is an air package"
         )
         demands = () if profile is None else read_profile(profile)
-        return air_sheet(scene, air_rating(scene), demands)
+        return air_sheet(scene, air_rating(scene, progress), demands)
     _refuse_unused_options({"--profile": profile}, "the scene is not one")
     from screwsim.study.datasheet.bounds import limits_of
     from screwsim.study.datasheet.rated import rating

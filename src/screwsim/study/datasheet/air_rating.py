@@ -19,6 +19,7 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 from screwsim.scene.lines import lines
 from screwsim.simulate import simulate_many
+from screwsim.study.progress import Progress
 
 SPEED, STATE = "operation.speed", "effects.air_package.state"
 LOAD_TOLERANCE = 0.01  # of full flow, tolerance within which a load is met
@@ -80,18 +81,27 @@ class Rating:
         return self.points[0]
 
 
-def rating(scene: Scene) -> Rating:
+def rating(scene: Scene, progress: Progress | None = None) -> Rating:
     """Return the rating of an air package; raise UsageError where a scene leaves open what is rated."""
     _check(scene)
+    progress = progress or Progress()
+    try:
+        return _rating(scene, progress)
+    finally:
+        progress.stop()
+
+
+def _rating(scene: Scene, progress: Progress) -> Rating:
     package, variable = scene.effects["air_package"].parameters, SPEED in scene.sweep
     base = replace(scene, sweep={}, joints=())
     speeds = sorted(scene.sweep.get(SPEED, (scene.operation.speed,)), reverse=True)
-    points = _rated_points(base, speeds)
+    progress.start(len(speeds) + (package.unloaded is not None), 0)
+    points = _rated_points(base, speeds, progress)
     idle = None
     if package.unloaded is not None:
-        idle = _rated_points(with_values(base, {STATE: UNLOADED}), speeds[-1:])[0]
+        idle = _rated_points(with_values(base, {STATE: UNLOADED}), speeds[-1:], progress)[0]
     coolant = "liquid" if package.fan is None else "air"
-    regulation = _regulation(base, points, variable, coolant) if points[0].flow > 0.0 else None
+    regulation = _regulation(base, points, variable, coolant, progress) if points[0].flow > 0.0 else None
     return Rating(points, idle, regulation, variable, coolant)
 
 
@@ -109,17 +119,21 @@ def _check(scene: Scene) -> None:
         raise UsageError(f"datasheet: {STATE} is unloaded, but an unloaded package delivers nothing (write loaded)")
 
 
-def _rated_points(base: Scene, speeds: Sequence[float]) -> list[Point]:
+def _rated_points(base: Scene, speeds: Sequence[float], progress: Progress) -> list[Point]:
     results = simulate_many([with_values(base, {SPEED: float(speed)}) for speed in speeds], trace=False)
-    return [Point(float(speed), result) for speed, result in zip(speeds, results, strict=True)]
+    points = []
+    for speed, result in zip(speeds, results, strict=True):
+        points.append(Point(float(speed), result))
+        progress.advance(1, not points[-1].ok)
+    return points
 
 
-def _regulation(base: Scene, points: Sequence[Point], variable: bool, coolant: str) -> Regulation:
+def _regulation(base: Scene, points: Sequence[Point], variable: bool, coolant: str, progress: Progress) -> Regulation:
     full, at = points[0], lines(base)
     speed = "variable" if variable else "fixed"
     least = STANDARDS[speed, coolant].least(full.flow)
     outside = outside_scope(full.flow, at.p_d - at.p_s)
-    loads, why = _loads(base, points) if variable else ([(1.0, _efficiency(full))], "")
+    loads, why = _loads(base, points, progress) if variable else ([(1.0, _efficiency(full))], "")
     known = {load: value for load, value in loads if value is not None}
     if not why and len(known) < len(loads):
         why = full.result.notes.get(EFFICIENCY, "one of the loads has no package isentropic efficiency")
@@ -131,7 +145,7 @@ def _efficiency(point: Point) -> float | None:
     return point.result.performance.get(EFFICIENCY) if point.ok else None
 
 
-def _loads(base: Scene, points: Sequence[Point]) -> tuple[list[tuple[float, float | None]], str]:
+def _loads(base: Scene, points: Sequence[Point], progress: Progress) -> tuple[list[tuple[float, float | None]], str]:
     """Return the efficiency at each load at which variable speed is rated, or why there is none.
 
     The speeds for these flows are interpolated among the points, and solved.
@@ -143,7 +157,8 @@ def _loads(base: Scene, points: Sequence[Point]) -> tuple[list[tuple[float, floa
         return [], f"its lowest flow is {share:.0f} % of full flow, but the rating also needs {lowest:.0f} %"
     flows, speeds = (np.array(column) for column in zip(*good, strict=True))
     lower = [load for load in sorted(WEIGHTS, reverse=True) if load < 1.0]
-    found = _rated_points(base, [float(Pchip(flows, speeds)(load * full)) for load in lower])
+    progress.more(len(lower))
+    found = _rated_points(base, [float(Pchip(flows, speeds)(load * full)) for load in lower], progress)
     for load, point in zip(lower, found, strict=True):
         if abs(point.flow - load * full) > LOAD_TOLERANCE * full:
             return [], f"no speed was found that gives {load:.0%} of full flow (more speeds in the sweep)"

@@ -4,6 +4,7 @@ The axes are evaporating temperature and condenser for refrigeration machines, b
 and outlet for expanders.
 """
 
+import itertools
 import math
 from collections.abc import Sequence, Set
 from dataclasses import dataclass, replace
@@ -14,7 +15,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, with_values
 from screwsim.scene.lines import lines
-from screwsim.scene.operation import CONDENSING
+from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.simulate import simulate_many
 from screwsim.study.datasheet.bounds import Bound, EnvelopeRange, envelope
@@ -26,6 +27,13 @@ from screwsim.study.workers import WORKER_DIED
 
 LEAST_LIFT = 10.0  # [K]
 LEAST_RATIO = 1.2  # of pressures, below which no point is computed
+OPTIONS = {
+    EVAPORATING: "--evaporating",
+    CONDENSING: "--condensing",
+    GAS_COOLER_P: "--condensing",
+    P_S: "--suction",
+    P_D: "--discharge",
+}
 
 
 class Axis(NamedTuple):
@@ -101,7 +109,11 @@ def evenly_spaced(first: float, last: float, count: int) -> tuple[float, ...]:
 
 
 def rating(asked: RatingRequest, jobs: int | None = None, progress: Progress | None = None) -> Rating:
-    """Return the rating; columns of the table and controls are computed by `jobs` workers."""
+    """Return the rating; columns of the table and controls are computed by `jobs` workers.
+
+    Raises UsageError, in one line, where no point of the table can be computed.
+    """
+    _check_table(asked)
     (own,) = simulate_many([asked.scene], trace=False)
     full = own.performance.get(asked.aim.load) if own.status == "ok" else None
     count, many = len(asked.across.values), len(asked.controls) if full else 0
@@ -138,10 +150,41 @@ def _rating_part(asked: RatingRequest, full: float | None, number: int) -> _Rati
     return _RatingPart([next(solved) if isinstance(case, Scene) else case for case in cases])
 
 
+def _check_table(asked: RatingRequest) -> None:
+    """Raise UsageError where no point of the table is one of the machine."""
+    invalid = ""
+    for across, down in itertools.product(asked.across.values, asked.down.values):
+        case = _case_scene(asked, across, down)
+        if isinstance(case, Scene):
+            return
+        invalid = invalid or (case.message if case is not None else "")
+    small = f"lifts are below {LEAST_LIFT:g} K"
+    if not _by_lift(asked):
+        small = f"pressure ratios are below {LEAST_RATIO:g}"
+    options = [OPTIONS[axis.path] for axis in (asked.across, asked.down) if axis.path in OPTIONS]
+    raise UsageError(
+        f"datasheet: no point of the table can be computed: {invalid or f'all {small}'} "
+        f"(state other ranges with {' and '.join(options)})"
+    )
+
+
+def _by_lift(asked: RatingRequest) -> bool:
+    return asked.aim == REFRIGERATION and asked.down.path == CONDENSING
+
+
+def _is_small(asked: RatingRequest, across: float, down: float) -> bool:
+    """Return whether the axes alone show too small a lift or pressure ratio, which a point's scene may not allow."""
+    if _by_lift(asked):
+        return down - across < LEAST_LIFT
+    if (asked.across.path, asked.down.path) != (P_S, P_D):
+        return False
+    return (across / down if asked.scene.machine.expands else down / across) < LEAST_RATIO
+
+
 def _case_scene(asked: RatingRequest, across: float, down: float) -> Scene | Result | None:
     """Return the scene of a point; a failed result where it is invalid, None for too small a lift or pressure ratio."""
     values = {asked.across.path: across, asked.down.path: down}
-    if asked.aim == REFRIGERATION and asked.down.path == CONDENSING and down - across < LEAST_LIFT:
+    if _is_small(asked, across, down):
         return None
     faults = faults_of(asked.scene, values)
     if faults:

@@ -31,6 +31,8 @@ from screwsim.study.part_load import CONTROL_ENDS, RATIO_PATH, controls, ratios
 
 CAPACITY, FLOW, DISCHARGE = "cooling_capacity", "gas_mass_flow", "discharge_temperature"
 HEATING, HEATING_COPS = "heating_capacity", ("heating_cop", "electrical_heating_cop")
+ECONOMIZER_FLOW, ECONOMIZER_T, ECONOMIZER_P = "economizer_mass_flow", "economizer_temperature", "economizer_pressure"
+ECONOMIZER_GAIN = "economizer_capacity_gain"
 SHAFT, ELECTRICAL = ("shaft_power", "cop"), ("electrical_power", "electrical_cop")
 DEFAULT_CAPACITY = 1e5  # a capacity, where the scene's own point has none
 TEMPERATURE_STEP = 5.0  # [K] between temperatures of a table
@@ -41,7 +43,7 @@ DOCUMENT_FIGURES = (
     CAPACITY, *SHAFT, *ELECTRICAL, HEATING, *HEATING_COPS, FLOW, DISCHARGE, "suction_pressure", "discharge_pressure",
     "volumetric_efficiency",
     "isentropic_efficiency", "peak_pressure", DUTY, "oil_flow_volume", "oil_supply_temperature", "oil_flow_ratio",
-    "separator_temperature",
+    "separator_temperature", ECONOMIZER_FLOW, ECONOMIZER_T, ECONOMIZER_P, ECONOMIZER_GAIN,
 )  # fmt: skip
 PEAK_FIGURES = DISCHARGE, "discharge_pressure", "shaft_power"
 DISCLAIMER = "computed, not measured: no tolerance of EN 12900 or AHRI 540 applies, and no third party verified it"
@@ -84,10 +86,20 @@ def _lines(rated: Rating, heating: bool) -> Iterator[tuple[str, str]]:
     if heating and found:
         capacity, cop = heating_columns(rated)
         yield "heating", f"{capacity.cell(found)} kW from the condenser, without the oil cooler; COP {cop.cell(found)}"
+    yield from _economizer_line(rated, found)
     yield from tables.power_lines(scene, found)
     yield from tables.oil_line(scene, found)
     yield from tables.limit_lines(rated, PEAK_FIGURES)
     yield from tables.control_line(rated)
+
+
+def _economizer_line(rated: Rating, found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield what an economizer's port draws at the scene's own point, and what it adds to the capacity."""
+    if all(found.get(name) is not None for name in (ECONOMIZER_FLOW, ECONOMIZER_T, ECONOMIZER_P, ECONOMIZER_GAIN)):
+        flow, temperature = economizer_columns(rated)
+        at = f"{temperature.cell(found)} °C, {quantity('Pa', found[ECONOMIZER_P])}"
+        gain = f"{100.0 * found[ECONOMIZER_GAIN]:.1f} % of the capacity without it"
+        yield "economizer", f"{flow.cell(found)} kg/h at {at}; it adds {gain}"
 
 
 def _point(rated: Rating, found: Mapping[str, Any]) -> str:
@@ -157,7 +169,7 @@ def own_point(rated: Rating) -> str:
 
 
 def columns_of(rated: Rating) -> tuple[Column, ...]:
-    """Return the columns with a table each: capacity, power, COP, flow, discharge temperature, oil cooler duty."""
+    """Return the columns with a table each: capacity, power, COP, flow, discharge temperature, oil, economizer."""
     scene, own = rated.asked.scene, rated.own.performance
     kw = tables.decimals_of(KW * (own.get(CAPACITY) or DEFAULT_CAPACITY))
     flow = tables.decimals_of(HOUR * (own.get(FLOW) or 1.0))
@@ -171,7 +183,17 @@ def columns_of(rated: Rating) -> tuple[Column, ...]:
         Column(FLOW, "Mass flow [kg/h]", HOUR, flow),
         Column(DISCHARGE, "Discharge temperature [°C]", 1.0, 1, celsius=True),
         *duty,
+        *economizer_columns(rated),
     )
+
+
+def economizer_columns(rated: Rating) -> tuple[Column, ...]:
+    """Return the additional columns of a machine with an economizer: what its port draws, and at which temperature."""
+    own = rated.own.performance
+    if own.get(ECONOMIZER_FLOW) is None:
+        return ()
+    flow = Column(ECONOMIZER_FLOW, "Economizer mass flow [kg/h]", HOUR, tables.decimals_of(HOUR * own[ECONOMIZER_FLOW]))
+    return flow, Column(ECONOMIZER_T, "Economizer temperature [°C]", 1.0, 1, celsius=True)
 
 
 def heating_columns(rated: Rating) -> tuple[Column, ...]:

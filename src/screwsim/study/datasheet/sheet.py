@@ -65,19 +65,21 @@ class Sheet:
     ok: bool = True
 
 
-def warning_lines(points: Sequence[tuple[str, Sequence[str]]]) -> Iterator[str]:
+def warning_lines(points: Sequence[tuple[str, Sequence[str]]], among: int = 0) -> Iterator[str]:
     """Yield the warnings of a sheet's points, (where, warnings) each; those that differ only by numbers once.
 
-    The first of them is given, with its place unless it holds for every point, and the number of other points.
+    The first of them is given, with its place unless it holds for every point, and the number of other points. There
+    are `among` points in all, by default those given.
     """
+    among = among or len(points)
     found: dict[str, list[tuple[str, str]]] = {}
     for where, warnings in points:
         for text in warnings:
             found.setdefault(kind_of(text), []).append((where, text))
     for (where, text), *others in found.values():
         if not others:
-            yield f"{where}: {text}" if len(points) > 1 else text
-        elif all(other == text for _, other in others) and len(others) + 1 == len(points):
+            yield f"{where}: {text}" if among > 1 else text
+        elif all(other == text for _, other in others) and len(others) + 1 == among:
             yield text
         else:
             yield f"{where}: {text} (the same at {len(others)} more point{'s' if len(others) > 1 else ''})"

@@ -303,11 +303,13 @@ def notes_of(rated: Rating, own: str, meant: str) -> Iterator[str]:
     every += [(place_of(rated, i, j), result) for (i, j), result in rated.points.items()]
     for each in rated.loads:
         every += [(f"{each.control.name} at {100.0 * step.load:.0f} %", step.result) for step in each.steps[1:]]
-    yield from warning_lines([(where, [result.told]) for where, result in every if result.status != "ok"])
+    failed = [(where, [result.told]) for where, result in every if result.status != "ok"]
+    yield from warning_lines(failed, len(every))
     for each in rated.loads:
         if each.why:
             yield f"{each.control.name}: no part load below {100.0 * each.least:.0f} %: {each.why}"
-    yield from warning_lines([(where, result.warnings) for where, result in every if result.status == "ok"])
+    warned = [(where, result.warnings) for where, result in every if result.status == "ok"]
+    yield from warning_lines(warned, len(every))
     if "operation.speed" in {control.path for control in rated.asked.controls}:
         motor = motor_of(rated.asked.scene)
         if motor is None or not motor.inverts:

@@ -178,7 +178,7 @@ def run_question(
         tally = Tally(progress, Place.BESIDE if jobs > 1 else Place.HERE)
         try:
             with BatchWorkers(jobs, lambda work: None, tally.tick) as crew:
-                record = Record(asked, crew, parts, simulate, progress, tally)
+                record = Record(asked, crew, parts, simulate, tally)
                 top = search(record)
         finally:
             tally.stop()

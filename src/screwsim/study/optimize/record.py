@@ -26,7 +26,7 @@ from screwsim.study.parallel import BatchWorkers, WarmSimulation
 from screwsim.study.point import with_slopes
 from screwsim.study.progress import Progress
 from screwsim.study.shards import Parts
-from screwsim.study.tally import Tally, no_mark
+from screwsim.study.tally import Place, Tally
 from screwsim.study.workers import WORKER_DIED, pickled_work
 
 # evaluations after which workers start afresh: their caches fill with tables and rotors of many profiles
@@ -50,8 +50,7 @@ class Record:
     crew: BatchWorkers
     parts: Parts | None = None  # where the cases are stored
     simulate: Simulate | None = None
-    progress: Progress = field(default_factory=Progress)
-    tally: Tally | None = None  # of evaluations that are at work; shared where the crew has several workers
+    tally: Tally = field(default_factory=lambda: Tally(Progress(), Place.HERE))  # shared where there are workers
     reasons: Counter[str] = field(default_factory=Counter)
     reused: int = 0
     warned: dict[int, tuple[str, ...]] = field(default_factory=dict)  # by number of the evaluation, of those that warn
@@ -64,12 +63,12 @@ class Record:
 
     def __post_init__(self) -> None:
         limit = CASE_LIMIT * len(self.asked.points.points) if self.crew.jobs > 1 else None
-        job = self.asked, self.simulate, limit, no_mark if self.tally is None else self.tally.mark
+        job = self.asked, self.simulate, limit, self.tally.mark
         self._job = job if self.crew.jobs <= 1 else pickled_work(job)
         if self.parts is not None:
             for cases in self.parts.finished():
                 self._kept = cases.stop if cases.start == self._kept else self._kept
-        (self.tally or self.progress).start(self.asked.evaluations, 0)
+        self.tally.start(self.asked.evaluations, 0)
 
     def __len__(self) -> int:
         return sum(map(len, self._places))
@@ -120,7 +119,7 @@ class Record:
             self.reasons[self._kinds.get(kind, OTHER_REASON)] += 1
         self._places.append(places)
         self._rows.append(np.array([(*each.aims, *each.errors, *each.excess) for each in found], float))
-        (self.progress.advance if self.tally is None else self.tally.advance_all)(len(found), len(failed))
+        self.tally.advance_all(len(found), len(failed))
 
     def _computed(self, places: np.ndarray) -> Table:
         if len(self) // EVALUATIONS_PER_WORKER > self._crews:  # bounds the memory of workers

@@ -20,7 +20,7 @@ from screwsim.scene.schema import DRAFT, leaf_schema, mapping
 from screwsim.scene.sections import read_section
 from screwsim.scene.units import readable_quantity
 from screwsim.scene.values import shown
-from screwsim.scene.yaml_tree import Faults, LocatedFault, Node, Position, compose
+from screwsim.scene.yaml_tree import Faults, Node, Position, compose
 
 STAGES_KEY = "stages"
 STAGE_NAMES = ("first", "second")
@@ -117,7 +117,7 @@ def _typed(root: Node, overrides: dict[str, list[str]], problems: Faults) -> Sta
     content: dict[str, Any] = dict(root.value)
     for extra in (name for name in content if name not in ("title", STAGES_KEY, "intercooler")):
         what = f"is not known in a two-stage file (known: title, {STAGES_KEY}, intercooler)"
-        problems.append(LocatedFault(content[extra].heading, extra, what))
+        problems.add(content[extra].heading, extra, what)
     between = Intercooler()
     if "intercooler" in content:
         between = read_section(section_of(Intercooler), content["intercooler"], "intercooler", problems)
@@ -127,7 +127,7 @@ def _typed(root: Node, overrides: dict[str, list[str]], problems: Faults) -> Sta
     if between.cools != (between.outlet_temperature is not None):
         missing = between.cools
         what = "is missing (kind: cooler needs it, e.g. 35 degC)" if missing else "belongs to kind: cooler (remove it)"
-        problems.append(LocatedFault(content["intercooler"].place, "intercooler.outlet_temperature", what))
+        problems.add(content["intercooler"].place, "intercooler.outlet_temperature", what)
         return None
     first, second = _scenes(files, overrides)
     _check(first, second, between, content, problems)
@@ -151,17 +151,15 @@ def _scenes(files: list[str], overrides: dict[str, list[str]]) -> list[Scene]:
 def _files(root: Node, node: Node, problems: Faults) -> list[str] | None:
     names = [item.value for item in node.value] if isinstance(node.value, list) else None
     if names is None or len(names) != len(STAGE_NAMES) or not all(isinstance(name, str) for name in names):
-        problems.append(
-            LocatedFault(
-                node.place, STAGES_KEY, f"is {shown(names or node.value)}, not the files of two scenes ({_REMEDY})"
-            )
+        problems.add(
+            node.place, STAGES_KEY, f"is {shown(names or node.value)}, not the files of two scenes ({_REMEDY})"
         )
         return None
     files = [os.path.join(root.place.folder, name) for name in names]
     for item, file in zip(node.value, files, strict=True):
         if not os.path.isfile(file):
             what = f"{shown(item.value)} is not a file (name an existing scene, relative to this file)"
-            problems.append(LocatedFault(item.place, STAGES_KEY, what))
+            problems.add(item.place, STAGES_KEY, what)
     return files
 
 
@@ -173,24 +171,22 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
             if part.product:
                 drawn = "which draws gas that the balance between the stages does not include"
                 what = f"the {name} scene names {effect}, {drawn}"
-                problems.append(LocatedFault(place, STAGES_KEY, f"{what} (leave it out there)"))
+                problems.add(place, STAGES_KEY, f"{what} (leave it out there)")
     if first.gas != second.gas:
-        problems.append(LocatedFault(place, STAGES_KEY, "have different gases (write the same gas: section in both)"))
+        problems.add(place, STAGES_KEY, "have different gases (write the same gas: section in both)")
     if first.machine.expands or second.machine.expands:
-        problems.append(
-            LocatedFault(place, STAGES_KEY, "must be compressors, not machine.mode: expander (choose compressors)")
-        )
+        problems.add(place, STAGES_KEY, "must be compressors, not machine.mode: expander (choose compressors)")
     if second.gas.relative_humidity is not None:
         what = "states a relative_humidity, but the water that condenses between the stages is not modelled"
-        problems.append(LocatedFault(place, STAGES_KEY, f"{what} (remove it from both scenes, or run them one by one)"))
+        problems.add(place, STAGES_KEY, f"{what} (remove it from both scenes, or run them one by one)")
     if between.flashes and is_blend(second.gas.name):
         what = f"vapour boiling off {second.gas.name}, a blend, differs from it in composition"
         remedy = "write kind: cooler, or name a pure fluid"
-        problems.append(LocatedFault(content["intercooler"].place, "intercooler.kind", f"{what} ({remedy})"))
+        problems.add(content["intercooler"].place, "intercooler.kind", f"{what} ({remedy})")
     if between.flashes and condensate_enthalpy(second) is None:
         what = "economizer needs operation.condensing_temperature or gas_cooler in the second scene"
         what = f"{what}: its liquid feeds the tank"
-        problems.append(LocatedFault(content["intercooler"].place, "intercooler.kind", f"{what} (state it there)"))
+        problems.add(content["intercooler"].place, "intercooler.kind", f"{what} (state it there)")
 
 
 def stages_schema() -> dict[str, Any]:

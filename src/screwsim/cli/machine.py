@@ -1,4 +1,4 @@
-"""The command that starts a machine which has a drive."""
+"""Commands on a machine as it is sold: its data sheet, and its start by its drive."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from contextlib import contextmanager
 from typing import Annotated
 
 from screwsim.cli import options
-from screwsim.cli.declare import File, option
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Overrides, SceneFile, Without
+from screwsim.cli.declare import File, Text, Texts, option, switch
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -71,10 +71,10 @@ def startup(
     options.check_folder_name(folder)
     slow = _creep_speed(creep)
     scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
-    from screwsim.printing.startup import TRACES, print_startup, protect_other_traces, write_traces
+    from screwsim.printing.machine import TRACES, print_startup, protect_other_traces, write_traces
     from screwsim.report.drive import draw_start
     from screwsim.results.atomic import make_folder
-    from screwsim.solve.start_up import start_up
+    from screwsim.solve.start_up import INTERRUPTED, start_up
 
     if folder is not None:
         make_folder(folder)
@@ -83,6 +83,68 @@ def startup(
         found = start_up(scene, slow, longest, told)
     options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_startup, scene.title, found)
     if folder is not None and found.traces:
+        make_folder(folder)  # again: another command may have removed the one that it had made and that was still empty
         for path in (write_traces(folder / TRACES, found), *draw_start(found, scene.title, folder)):
             say(path, err=as_json)
+    if found.status == INTERRUPTED:
+        return options.INTERRUPTED
     return OK if found.status == "ok" else NOT_ALL_OK
+
+
+def datasheet(
+    scene_file: SceneFile,
+    output: Annotated[File, option("OUT.html|.pdf", "Write the sheet as an HTML page or a PDF.", "-o")] = None,
+    evaporating: Annotated[
+        Text, option("LOW..HIGH", "Evaporating temperatures of the table (refrigeration machine).")
+    ] = None,
+    condensing: Annotated[Text, option("LOW..HIGH", "Its condensing temperatures, or gas-cooler pressures.")] = None,
+    suction: Annotated[
+        Text, option("LOW..HIGH", "Suction pressures of the table (gas compressor), or inlet pressures of an expander.")
+    ] = None,
+    discharge: Annotated[
+        Text, option("LOW..HIGH", "Its discharge pressures, or outlet pressures of an expander.")
+    ] = None,
+    limits: Annotated[
+        Texts, option("FIGURE<VALUE", "A limit, e.g. 'discharge_temperature<110 degC'; repeatable.", "--limit")
+    ] = None,
+    heating: Annotated[
+        bool, switch("--heating", "Add tables of heating capacity and heating COP (heat pump).")
+    ] = False,
+    profile: Annotated[
+        str | None,
+        option("LOADS.csv", "Flows and hours of an air package; adds its energy use over them.", "--profile"),
+    ] = None,
+    overrides: Overrides = None,
+    without: Without = None,
+    jobs: Jobs = None,
+    as_json: AsJson = False,
+) -> int:
+    """Rate a machine over its operating states, at part load and within limits; an air package by ISO 1217."""
+    scene = options.loaded_scene(scene_file, overrides, without)
+    if output is not None:
+        from screwsim.report.datasheet import check_sheet
+
+        check_sheet(output)
+    from screwsim.cli.interruption import counted_progress
+    from screwsim.printing.machine import print_sheet
+    from screwsim.study.datasheet import sheet_of
+
+    with counted_progress("datasheet", "parts") as shown:
+        sheet = sheet_of(
+            scene,
+            evaporating=evaporating,
+            condensing=condensing,
+            suction=suction,
+            discharge=discharge,
+            limits=limits or (),
+            heating=heating,
+            profile=profile,
+            jobs=jobs,
+            progress=shown,
+        )
+    options.print_document_or_text(as_json, lambda found: found.document, print_sheet, sheet)
+    if output is not None:
+        from screwsim.report.datasheet import write_sheet
+
+        say(write_sheet(sheet, output), err=as_json)
+    return OK if sheet.ok else NOT_ALL_OK

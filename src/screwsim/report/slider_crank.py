@@ -1,4 +1,8 @@
-"""Figures of tolerances: the three transfer functions, the surface of their deviations, the scatter of a compressor."""
+"""Figures of a slider-crank: tolerances of its lengths, and a flexible connecting rod.
+
+Of the tolerances the three transfer functions, the surface of their deviations, the scatter of a compressor; of the rod
+its stability boundary, and load, deflection and stress over rod and rotation.
+"""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -8,14 +12,16 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures.engineering import shown_name
+from screwsim.machine.slider_crank.rod import Bending, FlexibleRod, critical_gamma, largest_moment_place
 from screwsim.machine.slider_crank.tolerance import FUNCTIONS, Array, Grade, Links, plane, surface
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
+from screwsim.report import style
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, plain_ticks, subplots, write_all
 
-MM = 1e3  # [mm/m]
 LENGTH_SHARE = 0.05  # of the lengths, on either side
 SHOWN_FIGURES = ("gas_mass_flow", "shaft_power", "isentropic_efficiency")
 MARKERS = "o^s"
 _NAMES = {"right": "d$x$/d$α$", "printed": "formula as printed", "tabulated": "formula behind the table"}
+MM, MPA = 1e3, 1e-6  # [mm/m], [MPa/Pa]
 
 
 def draw_tolerance(alpha: Array, nominal: Links, points: tuple[Array, Array], folder: str | Path) -> list[str]:
@@ -30,8 +36,7 @@ def draw_tolerance(alpha: Array, nominal: Links, points: tuple[Array, Array], fo
 
 def functions_figure(nominal: Links, points: tuple[Array, Array]) -> Any:
     """Draw the three transfer functions over a revolution [mm/rad], the right one with ± 5 %, and the printed table."""
-    figure = new_figure(SINGLE, 74.0)
-    axes = figure.subplots()
+    figure, axes = subplots(SINGLE, 74.0)
     alpha = np.linspace(-np.pi, np.pi, 721)
     degrees = np.degrees(alpha)
     axes.axhline(0.0, color=GREY, linewidth=0.4)
@@ -51,7 +56,7 @@ def functions_figure(nominal: Links, points: tuple[Array, Array]) -> Any:
 
 def surface_figure(alpha: Array, nominal: Links) -> Any:
     """Draw the standard deviation over ± 5 % of both lengths with the 5 % plane, right and as tabulated."""
-    figure = new_figure(DOUBLE, 82.0)
+    figure = style.new_figure(DOUBLE, 82.0)
     figure.set_layout_engine("none")
     for i, name in enumerate(("right", "tabulated")):
         axes: Any = figure.add_axes((0.01 + 0.49 * i, 0.0, 0.46, 0.97), projection="3d", computed_zorder=False)
@@ -76,9 +81,7 @@ def _surface(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
     axes.tick_params(pad=-2)
     axes.set_box_aspect((1.0, 1.0, 0.8), zoom=0.9)
     axes.view_init(elev=22.0, azim=-62.0)
-    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        plain_ticks(axis, most=5)
-        axis._axinfo["grid"].update(color="#dddddd", linewidth=0.4)  # matplotlib has no public way for a single figure
+    style.look_in_space(axes, 5)
 
 
 def _part_above(found: Array, level: float) -> Array:
@@ -90,8 +93,7 @@ def _part_above(found: Array, level: float) -> Array:
 
 def contour_figure(alpha: Array, nominal: Links) -> Any:
     """Draw lines of equal deviation, in per cent of the law, over errors of both lengths; 5 % is thick."""
-    figure = new_figure(DOUBLE, 84.0)
-    panels = figure.subplots(1, 2, sharey=True)
+    figure, panels = subplots(DOUBLE, 84.0, 1, 2, sharey=True)
     for i, name in enumerate(("right", "tabulated")):
         _contours(panels[i], FUNCTIONS[name], alpha, nominal)
         panels[i].set_title(f"({'ab'[i]}) {_NAMES[name]}")
@@ -119,7 +121,7 @@ def draw_machine(nominal: Links, drawn: tuple[Sequence[Grade], Array, Mapping[st
 
 def law_figure(nominal: Links) -> Any:
     """Draw the standard deviation of dx/dα over ± 5 % of both lengths: surface with the 5 % plane, and contours."""
-    figure = new_figure(DOUBLE, 82.0)
+    figure = style.new_figure(DOUBLE, 82.0)
     figure.set_layout_engine("none")
     alpha, right = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False), FUNCTIONS["right"]
     solid: Any = figure.add_axes((0.01, 0.0, 0.46, 0.97), projection="3d", computed_zorder=False)
@@ -133,8 +135,7 @@ def law_figure(nominal: Links) -> Any:
 
 def spread_figure(table: Sequence[Grade], shifts: np.ndarray, deviations: Mapping[str, np.ndarray]) -> Any:
     """Draw errors of the law and shifts of the dead centre by grades, and relative deviations of figures by shifts."""
-    figure = new_figure(DOUBLE, 78.0)
-    left, right = figure.subplots(1, 2)
+    figure, (left, right) = subplots(DOUBLE, 78.0, 1, 2)
     numbers = [row.crank for row in table]
     left.semilogy(numbers, [100.0 * row.error for row in table], color=COLOURS[0], label="error of the law (%)")
     heads = [1e3 * row.head for row in table]
@@ -152,4 +153,58 @@ def spread_figure(table: Sequence[Grade], shifts: np.ndarray, deviations: Mappin
     right.set_title("(b) machines drawn")
     right.legend(loc="upper left", ncols=2)
     plain_ticks(right.xaxis, right.yaxis)
+    return figure
+
+
+def draw_rod(rod: FlexibleRod, bending: Bending, folder: str | Path) -> list[str]:
+    """Write the figures (PNG, PDF) and return their paths."""
+    figures = {"rod_stability": stability_figure, "rod_bending": bending_figure}
+    return write_all({name: partial(figure, rod, bending) for name, figure in figures.items()}, folder)
+
+
+def stability_figure(rod: FlexibleRod, bending: Bending) -> Any:
+    """Draw the boundary γ(β), its limit at β = 1, and the rod at its largest compression."""
+    figure, axes = subplots(SINGLE, 66.0)
+    beta = np.linspace(0.25, 1.0, 200)
+    axes.plot(beta, [critical_gamma(float(x)) for x in beta], color=COLOURS[0])
+    axes.axhline(critical_gamma(1.0), color=GREY, linewidth=0.5, linestyle=DASHES[1])
+    axes.annotate(f"{critical_gamma(1.0):.4g}", (0.27, critical_gamma(1.0)), xytext=(0, 3), textcoords="offset points")
+    point = rod.beta, rod.gamma(min(float(bending.load.min()), 0.0))
+    axes.plot(*point, "o", color=COLOURS[2])
+    text = "rod at its largest\ncompression"
+    axes.annotate(text, point, xytext=(0, -8), textcoords="offset points", fontsize=SMALL, va="top", ha="center")
+    axes.annotate("buckles", (0.72, 8.0), ha="center")
+    axes.annotate("stable", (0.72, 2.0), ha="center")
+    plain_ticks(axes.xaxis, axes.yaxis)
+    axes.set(xlim=(0.25, 1.0), ylim=(0.0, 14.0))
+    axes.set(xlabel=r"flexible share $β = l/L$", ylabel=r"$γ = L\,\sqrt{|P|/(E I)}$")
+    return figure
+
+
+def bending_figure(rod: FlexibleRod, bending: Bending) -> Any:
+    """Draw the load over one revolution; deflection, bending moment and stress of one face over rod and angle."""
+    figure, places = subplots(DOUBLE, 124.0, 2, 2, sharex=True)
+    panels = places.ravel()
+    degrees, z = np.degrees(bending.alpha), MM * bending.z
+    panels[0].axhline(0.0, color=GREY, linewidth=0.4)
+    panels[0].plot(degrees, bending.load, color=COLOURS[0])
+    panels[0].set_ylabel("axial load $P$ (N), tension +")
+    fields = (
+        (MM * bending.deflection, "deflection $V$ (mm)"),
+        (MM * bending.moment, "bending moment $M$ (N mm)"),
+        (MPA * bending.stress[0], "stress of the face $+h/2$ (MPa)"),
+    )
+    for axes, (field, label) in zip(panels[1:], fields, strict=True):
+        drawn = axes.contourf(degrees, z, field.T, levels=16, cmap="viridis")
+        axes.contour(degrees, z, field.T, levels=[0.0], colors="white", linewidths=0.8)
+        bar = figure.colorbar(drawn, ax=axes, pad=0.02)
+        bar.ax.tick_params(labelsize=SMALL)
+        axes.set(title=label, ylabel="$z$ from the piston (mm)")
+    places = np.array([MM * largest_moment_place(rod, float(load)) for load in bending.load])
+    panels[2].plot(degrees, places, color=COLOURS[3], linestyle=DASHES[1], linewidth=1.4, label="$z_M$")
+    panels[2].legend(loc="upper right", labelcolor="white")
+    for axes in panels:
+        axes.set(xlim=(degrees[0], 360.0), xticks=range(0, 361, 60))
+    for axes in panels[2:]:
+        axes.set_xlabel("crank angle $α$ (°)")
     return figure

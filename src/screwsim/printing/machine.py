@@ -1,0 +1,138 @@
+"""Output of the commands `datasheet`, `startup` and `tolerance`."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from screwsim.figures import declared
+from screwsim.outputs.customary import printed_celsius
+from screwsim.outputs.display import picked
+from screwsim.printing import engineering, shown_name
+from screwsim.printing.tables import WIDTH, plain_table, print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.results.atomic import protect_others, write_csv
+from screwsim.screen import say
+
+if TYPE_CHECKING:
+    from screwsim.scene import Scene
+    from screwsim.solve.start_up import StartUp
+    from screwsim.study.datasheet import Sheet
+    from screwsim.study.tolerance import ToleranceStudy
+
+TRACES = "startup.csv"
+RPM = 30.0 / math.pi
+FIGURE_ROWS = (
+    ("time", "s", 1.0),
+    ("turns", "", 1.0),
+    ("end_speed", "rpm", RPM),
+    ("steady_speed", "rpm", RPM),
+    ("coupling_torque_peak", "N m", 1.0),
+    ("coupling_torque_peak_time", "s", 1.0),
+    ("coupling_torque_lowest", "N m", 1.0),
+    ("coupling_torque_steady", "N m", 1.0),
+    ("peak_over_steady", "", 1.0),
+    ("twist_peak", "deg", 180.0 / math.pi),
+    ("motor_torque_peak", "N m", 1.0),
+    ("motor_work", "kJ", 1e-3),
+    ("gas_work", "kJ", 1e-3),
+    ("loss_work", "kJ", 1e-3),
+    ("coupling_work", "kJ", 1e-3),
+    ("stored", "kJ", 1e-3),
+    ("residue", "", 1.0),
+)
+
+
+def print_startup(title: str, found: StartUp) -> None:
+    """Print the figures of a start-up."""
+    print_scene_title(title)
+    say(wrapped(f"status: {found.status}{f', {found.message}' if found.message else ''}"))
+    print_wrapped(f"warning: {warning}" for warning in found.warnings)
+    if found.figures:
+        say()
+    for name, unit, factor in FIGURE_ROWS:
+        value = found.figures.get(name)
+        if value is not None:
+            say(f"{name.replace('_', ' '):<28}{factor * value:>10.5g}  {unit}".rstrip())
+
+
+def protect_other_traces(path: Path) -> None:
+    """Raise UsageError where a file at `path` does not hold such traces, as it would be lost."""
+    protect_others(path, b"time,angle,speed,")
+
+
+def write_traces(path: Path, found: StartUp) -> str:
+    """Write the traces as CSV, in SI units; return the path."""
+    return write_csv(path, found.traces, zip(*(trace.tolist() for trace in found.traces.values()), strict=True))
+
+
+def print_sheet(sheet: Sheet) -> None:
+    """Print a data sheet: its lines, its tables, the verdict, notes."""
+    print_wrapped(filter(None, (sheet.title, sheet.heading)))
+    say()
+    width = max((len(name) for name, _ in sheet.lines), default=0) + 2
+    for name, text in sheet.lines:
+        say(textwrap.fill(text, WIDTH - 1, initial_indent=name.ljust(width), subsequent_indent=" " * width))
+    for table in sheet.tables:
+        say()
+        if len(sheet.tables) > 1:
+            say(wrapped(table.title))
+        print_table(table.heads, table.rows, table.left)
+        if table.note:
+            say(wrapped(table.note))
+    if sheet.verdict is not None:
+        what, text, _ = sheet.verdict
+        say()
+        say(wrapped(f"{what}: {text}"))
+    say()
+    print_wrapped(sheet.notes)
+
+
+def tolerance_document(scene: Scene, found: ToleranceStudy) -> dict[str, Any]:
+    """Return what `tolerance --json` prints."""
+    return {
+        "title": scene.title,
+        **picked(found, "grades", "widths"),
+        "law_of_motion": [row._asdict() for row in found.table],
+        **picked(found, "count", "seed", "hits", "failed", "message"),
+        "figures": {each.figure: each._asdict() for each in found.spreads},
+    }
+
+
+def print_tolerance(scene: Scene, found: ToleranceStudy) -> None:
+    """Print the kinematic table by grades, and the scatter of the figures over the sampled machines."""
+    print_scene_title(scene.title)
+    say("\nlaw of motion, worst corner of crank and rod")
+    rows = []
+    for row in found.table:
+        numbers = (1e3 * row.crank_width, 1e3 * row.rod_width, 100.0 * row.error, 1e3 * row.head)
+        rows.append((f"IT{row.crank}", *(f"{number:.3f}" for number in numbers)))
+    print_table(("grade", "crank mm", "rod mm", "error of the law %", "dead centre +- mm"), rows)
+    grades = ", ".join(f"{name.replace('_', ' ')} IT{number}" for name, number in found.grades.items())
+    drawn = f"{found.count} machines, lengths uniform over their tolerances ({grades}), seed {found.seed}"
+    say("\n" + wrapped(drawn))
+    say("\n".join(_spreads(found)))
+    say(wrapped("sd: standard deviation over the nominal value; last columns: share of the variance (r²)"))
+    if found.hits:
+        say(wrapped(f"{found.hits} of {found.count} machines: the piston hits the head (not simulated)"))
+    if found.failed:
+        say(wrapped(f"{found.failed} of {found.count} machines: {found.message}"))
+
+
+def _spreads(found: ToleranceStudy) -> list[str]:
+    rows = []
+    for each in found.spreads:
+        values = (each.nominal, each.low, each.high)
+        (nominal, unit), (low, _), (high, _) = (_in_unit(each.figure, value) for value in values)
+        spread = f"{100.0 * each.deviation / abs(each.nominal):.4f}"
+        shares = (f"{100.0 * share:.0f}" for share in each.shares.values())
+        rows.append((shown_name(each.figure), nominal, unit, spread, low, high, *shares))
+    shares = (f"{name.replace('_', ' ')} %" for name in found.grades)
+    return plain_table(("figure", "nominal", "", "sd %", "lowest", "highest", *shares), rows, left=1)
+
+
+def _in_unit(name: str, value: float) -> tuple[str, str]:
+    """Return a figure as number and unit, a temperature in °C."""
+    number, unit = engineering(name, value)
+    return (printed_celsius(value), "°C") if declared(name).units == "K" else (number, unit)
