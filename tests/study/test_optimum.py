@@ -174,7 +174,7 @@ def test_a_wrong_question_is_refused_in_one_line(asked, message):
 def test_a_path_that_the_scene_cannot_have_is_refused():
     text = SCENE.replace("{kind: pump, ratio: 3,", "{kind: displacement, orifice_diameter: 2 mm,")
     one = loads(text)
-    with pytest.raises(UsageError, match=r"oil_supply\.ratio: oil_supply\.ratio: applies only to kind: pump"):
+    with pytest.raises(UsageError, match=r"oil_supply\.ratio: applies only to kind: pump"):
         optimum(one, question(one), simulate=parabola)
 
 
