@@ -22,6 +22,7 @@ from screwsim.template import new_scene, request_of
 
 ROOT = Path(__file__).resolve().parents[2]
 MORE = ("effects.oil_volume={}", "effects.discharge_port.chisholm_exponent=0.25")
+ROW = 60.0  # [mm] height of a row of the figure
 RATIOS = (0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0)
 BORES = (7.0, 7.5, 8.0, 8.5, 9.0, 9.5, 10.0, 10.5, 11.0, 12.0, 13.0, 14.0)  # [mm]
 SPECIFIC, MINUTE = "package_specific_power", 6e4  # kW/(m³/min) from W s/m³
@@ -118,8 +119,8 @@ def _share(result: Result, effects: tuple[str, ...]) -> float:
 
 def figure(curves: list[tuple[Machine, list[Point], list[Point]]]) -> Any:
     """Draw all machines: as they are written, and with what they do not name."""
-    drawn = style.new_figure(style.DOUBLE, 120.0)
-    for axes, (machine, plain, more) in zip(style.grid(drawn, len(curves)), curves, strict=True):
+    drawn, places = style.panels(len(curves), 0.0, ROW)
+    for axes, (machine, plain, more) in zip(places, curves, strict=True):
         for curve, colour, dash, name in (
             (plain, style.COLOURS[0], "-", "as written"),
             (more, style.COLOURS[3], style.DASHES[1], "with the room and inertia of oil"),

@@ -105,6 +105,7 @@ def test_a_source_is_no_file(files, command):
 
 
 def test_a_sweep_that_is_not_run_is_said_in_one_line(folder, command):
+    assert command("run", "swept.yaml").code == 0  # compiles, and says so
     answer = command("run", "swept.yaml", "--json")
     assert answer.code == 0
     assert answer.err == (

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from screwsim.export import inputs
 from screwsim.export.inputs import Output, read_inputs, read_outputs
 from screwsim.export.source import map_of
 from screwsim.export.table import TEMPERATURE_SCALE, scales, table_of, tabulated_map
@@ -168,3 +169,11 @@ def test_results_cannot_be_changed(tmp_path):
     with pytest.raises(UsageError, match="which --set cannot change"):
         map_of(str(tmp_path / "x.h5"), overrides=["operation.speed=1 rpm"])
     assert map_of(str(tmp_path / "x.h5"), figures=["shaft power"]).outputs[0].name == "shaft_power"
+
+
+def test_two_inputs_of_one_external_name_are_refused(monkeypatch):
+    """An exported map would hold two variables of that name, as of two effects of one's own."""
+    for path in ("operation.speed", "operation.discharge.pressure"):
+        monkeypatch.setitem(inputs._NAMES, path, "drive")
+    with pytest.raises(UsageError, match=r"operation\.speed and operation\.discharge\.pressure have the same name"):
+        read_inputs(POINT, [SPEED, PRESSURE])

@@ -10,7 +10,7 @@ from seek_fakes import RPM, leaping, saturating, torn, turning
 
 import screwsim
 from screwsim.inputs.faults import UsageError
-from screwsim.scene import loads
+from screwsim.scene import loads, with_values
 from screwsim.study.scene_files import write_found
 from screwsim.study.seek import find, find_each, question
 from screwsim.template import new_scene, request_of
@@ -112,6 +112,12 @@ def test_a_path_at_zero_has_the_range_of_its_limits():
     machine = loads(new_scene("refrigeration", request_of(*[None] * 6, slide=True)))
     asked = question(machine, ["machine.slide_valve.position"], ["cooling_capacity=100 kW"])
     assert [(span.low, span.high, span.start) for span in asked.spans] == [(0.0, 1.0, 0.0)]
+
+
+def test_a_path_at_zero_whose_limits_are_far_beyond_what_machines_have_needs_a_range():
+    sealed = with_values(scene(), {"effects.tip_leakage.flow_coefficient": 0.0})
+    with pytest.raises(UsageError, match="has no range"):
+        question(sealed, ["effects.tip_leakage.flow_coefficient"], ["shaft_power=21 kW"])
 
 
 def test_each_point_of_the_other_axes_has_its_answer():

@@ -75,7 +75,8 @@ def test_an_interruption_keeps_the_sources_that_were_compared(checkout, capsys):
     assert json.loads(kept.read_text(encoding="utf-8"))["sources"]["small"]["status"] == "ok"
     assert run(capsys, "small", "--jobs", "1", "-o", "kept")[0] == 0
     whole = kept.read_text(encoding="utf-8")
-    assert run(capsys, "small", "stopped", "--jobs", "1", "-o", "kept")[0] == 130
+    code, _, err = run(capsys, "small", "stopped", "--jobs", "1", "-o", "kept")
+    assert code == 130 and "validation.json: stays as it was" in err
     assert kept.read_text(encoding="utf-8") == whole  # what an interruption leaves replaces nothing
     assert run(capsys, "stopped", "--jobs", "1")[0] == 130
 

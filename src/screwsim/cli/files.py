@@ -128,7 +128,10 @@ def validate(
         if errors:
             say(f"\n{errors_report(errors)}")
     stopped = any(each.reason == INTERRUPTED for each in outcomes)
-    if output is not None and not (stopped and (output / "validation.json").exists()):  # a whole one is worth more
+    kept = None if output is None or not stopped else output / "validation.json"
+    if kept is not None and kept.exists():  # it may hold all sources
+        say(f"{kept}: stays as it was, since not all sources were compared (name another -o for these)", err=True)
+    elif output is not None:
         make_folder(output)
         written = [write_json(found, output / "validation.json")]
         written += [write_json(errors, output / "model_errors.json")] if errors else []

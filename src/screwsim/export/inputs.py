@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -88,7 +88,7 @@ def read_inputs(scene: Scene, over: Sequence[str]) -> tuple[Input, ...]:
     """Return the inputs named by `PATH=LOW..HIGH`, else those of the scene's sweep; raise UsageError."""
     if over:
         ranges = read_ranges(scene, over, "--over", "operation.speed=1500 rpm..4500 rpm")
-        return tuple(_input(scene, each.path, each.low, each.high) for each in ranges)
+        return _with_own_names(_input(scene, each.path, each.low, each.high) for each in ranges)
     axes = {
         path: values
         for path, values in scene.sweep.items()
@@ -101,7 +101,17 @@ def read_inputs(scene: Scene, over: Sequence[str]) -> tuple[Input, ...]:
         )
     for path in axes:
         check_continuous(scene, path)
-    return tuple(_input(scene, path, min(values), max(values)) for path, values in axes.items())
+    return _with_own_names(_input(scene, path, min(values), max(values)) for path, values in axes.items())
+
+
+def _with_own_names(inputs: Iterable[Input]) -> tuple[Input, ...]:
+    """Return inputs whose external names differ; raise UsageError where two have the same."""
+    found: dict[str, Input] = {}
+    for each in inputs:
+        if each.name in found:
+            raise UsageError(f"{found[each.name].path} and {each.path} have the same name, {each.name} (leave out one)")
+        found[each.name] = each
+    return tuple(found.values())
 
 
 def _input(scene: Scene, path: str, low: float, high: float) -> Input:

@@ -20,7 +20,7 @@ from screwsim.study.compare import Comparison, FigureChange, common_points
 
 TABLE, TITLE = "comparison.csv", "comparison"
 OWN_COLUMNS = "status_a", "status_b"  # columns that identify such a table
-DIGITS = 12  # of numbers in a scene
+DIGITS = 15  # of numbers in a scene, all of which a float holds
 _LONG_NUMBER = re.compile(r"(?<![\w.])[0-9]*\.[0-9]{12,}(?:e[-+]?[0-9]+)?")
 MOST_NAMES = 3  # most figures named for one point of largest change
 

@@ -4,18 +4,22 @@ Of the tolerances the three transfer functions, the surface of their deviations,
 its stability boundary, and load, deflection and stress over rod and rotation.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from screwsim.figures.engineering import shown_name
-from screwsim.machine.slider_crank.rod import Bending, FlexibleRod, critical_gamma, largest_moment_place
 from screwsim.machine.slider_crank.tolerance import FUNCTIONS, Array, Grade, Links, plane, surface
 from screwsim.report import style
 from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, plain_ticks, subplots, write_all
+
+if TYPE_CHECKING:  # scipy's solvers, which the rod needs, take longer to load than a tolerance study's figures to draw
+    from screwsim.machine.slider_crank.rod import Bending, FlexibleRod
 
 LENGTH_SHARE = 0.05  # of the lengths, on either side
 SHOWN_FIGURES = ("gas_mass_flow", "shaft_power", "isentropic_efficiency")
@@ -164,6 +168,8 @@ def draw_rod(rod: FlexibleRod, bending: Bending, folder: str | Path) -> list[str
 
 def stability_figure(rod: FlexibleRod, bending: Bending) -> Any:
     """Draw the boundary γ(β), its limit at β = 1, and the rod at its largest compression."""
+    from screwsim.machine.slider_crank.rod import critical_gamma
+
     figure, axes = subplots(SINGLE, 66.0)
     beta = np.linspace(0.25, 1.0, 200)
     axes.plot(beta, [critical_gamma(float(x)) for x in beta], color=COLOURS[0])
@@ -183,6 +189,8 @@ def stability_figure(rod: FlexibleRod, bending: Bending) -> Any:
 
 def bending_figure(rod: FlexibleRod, bending: Bending) -> Any:
     """Draw the load over one revolution; deflection, bending moment and stress of one face over rod and angle."""
+    from screwsim.machine.slider_crank.rod import largest_moment_place
+
     figure, places = subplots(DOUBLE, 124.0, 2, 2, sharex=True)
     panels = places.ravel()
     degrees, z = np.degrees(bending.alpha), MM * bending.z

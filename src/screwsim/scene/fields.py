@@ -7,7 +7,7 @@ import types
 import typing
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 from screwsim.inputs.declare import KINDS, UNBOUNDED, Bounds, Kind
@@ -136,14 +136,18 @@ def effect_keys(path: str, names: Iterable[str]) -> tuple[str, list[str]]:
     return name, rest[len(name) + 1 :].split(".")
 
 
+_split_effect = lru_cache(maxsize=4096)(effect_keys)  # sizes are looked up in every case of a sweep
+
+
 def value_at(scene: Scene, path: str) -> Any:
     """Return the value [SI] at a dotted path, None where an optional section or value is absent."""
     value: Any = scene
-    keys = path.split(".")
     if path.startswith("effects."):
-        effect, keys = effect_keys(path, scene.effects)
+        effect, keys = _split_effect(path, tuple(scene.effects))
         active = scene.effects.get(effect)
         value = None if active is None else active.parameters
+    else:
+        keys = path.split(".")
     for name in keys:
         value = None if value is None else getattr(value, name)
     return value

@@ -1,9 +1,8 @@
 """Values with a tolerance: `27 um ± 5 um`, `3 ± 10 %`, `50 um ×/÷ 2`, and which of their errors are fully correlated.
 
-A tolerance is half of the interval in which the value lies in 95 of 100 cases, a coverage factor of 2 (JCGM 100:2008,
-GUM, sections 2.3.5 and 2.3.6), unless another stands behind it: `27 um ± 2.5 um (k=1)` is the same as `27 um ± 5 um`.
-With ± the value is normally
-distributed, its standard uncertainty half the tolerance; with ×/÷ its logarithm is. In ASCII the signs are +/- and */.
+A tolerance is half of the interval in which the value lies in 95 of 100 cases, a coverage factor of 2, unless another
+stands behind it: `27 um ± 2.5 um (k=1)` is the same as `27 um ± 5 um`. With ± the value is normally distributed, its
+standard uncertainty half the tolerance; with ×/÷ its logarithm is. In ASCII the signs are +/- and */.
 A column of measured points holds standard uncertainties unless a coverage factor stands behind them.
 
 Source: JCGM 100:2008 (GUM), sections 2.3.5 and 2.3.6.

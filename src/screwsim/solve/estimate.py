@@ -74,7 +74,7 @@ def estimated_errors(
     if request.hidden and request.filling > 0.0:
         lost_flow["by_flow"] = LEAST_DELIVERY_ERROR * (errors.get("trapped_mass") or 0.0) / request.filling
     if _closed_on_noise(request):
-        lost_flow["by_flow"] = max(lost_flow.get("by_flow", 0.0), cycle.change / request.filling)
+        lost_flow["by_flow"] = max(lost_flow.get("by_flow", 0.0), cycle.change / abs(request.filling))
     lost_now = [flow_errors(found, lost, by) for by, lost in lost_flow.items()]
     for each in (*lost_now, *open_balance_errors(of, cycle)):
         for name, size in each.items():
@@ -88,7 +88,7 @@ def _closed_on_noise(request: EstimateRequest) -> bool:
 
     What they change of the gas in the chambers is much of the little that is delivered, in finer pitches as well.
     """
-    barely = way_of(request.cycle).whole and 0.0 < request.filling < BARELY_DELIVERS
+    barely = way_of(request.cycle).whole and 0.0 < abs(request.filling) < BARELY_DELIVERS
     return barely and request.cycle.change > request.criteria.tolerance
 
 

@@ -62,13 +62,15 @@ def misread_of_gas(problem: Problem, life: Trajectory, q: np.ndarray) -> float:
     """Return the error of the mean enthalpy [J/kg] of the gas that flows out over a life with quadratures q.
 
     The port's flow is read a second time, from the change of the chamber's gas within steps less what others bring. It
-    is 0 where less than `RETURNS` of that gas flows back, where more than one port leads to the discharge line, and
-    for a gas whose two phases are followed.
+    is 0 where less than `RETURNS` of that gas flows back, where more than one port leads to the discharge line, for a
+    gas whose two phases are followed, and where a state lies outside the gas's equation.
     """
     c, streams = problem.composition, streams_of(problem.composition, q)
     mean, (back, out) = outflow_of(streams), streams[slots.DISCHARGE_IN : slots.DISCHARGE_OUT + 1, slots.OF_GAS]
     ports = [i for i, end in enumerate(c.ends[: len(c.plenum_paths)]) if end == DISCHARGE]
     if mean is None or len(ports) != 1 or back < RETURNS * -out or problem.scene.gas.equilibrium:
+        return 0.0
+    if problem.parts.gas.first_outside(*life.ends) is not None:
         return 0.0
     times, (port,) = life.times[: life.steps + 1], ports
     widths = np.diff(times)[:, None] * np.ones(len(NODES))
@@ -90,7 +92,6 @@ def _beyond_the_last(problem: Problem, angles: np.ndarray, flows: np.ndarray) ->
     c, geometry, found = problem.composition, problem.parts.geometry, np.zeros(len(angles))
     ports = len(c.plenum_paths)
     for i, (_, offset) in enumerate(c.gap_paths):
-        if c.ends[ports + i] == DISCHARGE:
-            beyond = angles > geometry.life - offset * geometry.pitch
-            found += np.where(beyond, np.maximum(-flows[:, ports + 2 * i], 0.0), 0.0)
+        beyond = angles > geometry.life - offset * geometry.pitch
+        found += np.where(beyond, np.maximum(-flows[:, ports + 2 * i], 0.0), 0.0)
     return found

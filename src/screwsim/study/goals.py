@@ -14,7 +14,7 @@ from screwsim.study.calibration.data import CELSIUS, UNITS, ZERO
 from screwsim.study.figures import figure_of
 
 MORE_UNITS = {"W": {"MW": 1e6}, "m3 s-1": {"L/min": 1.0 / 60000.0}, "m3": {"L": 1e-3}}
-MOST_EFFICIENCY = 2.0  # a number without a unit above this one is meant in %
+MOST_EFFICIENCY = 1.5  # a number without a unit from this one on is meant in %
 
 
 class Goal(NamedTuple):
@@ -81,7 +81,7 @@ def read_figure(figure: str, text: str, where: str) -> float:
     if unit == CELSIUS and celsius:
         return number + ZERO
     if unit in units:
-        if not unit and declared(figure).scale == EFFICIENCY and number > MOST_EFFICIENCY:
+        if not unit and declared(figure).scale == EFFICIENCY and abs(number) >= MOST_EFFICIENCY:
             remedy = f"write {match[1]} %, or {number / 100.0:g}"
             raise UsageError(f"{where}: {figure} {match[1]} is {100.0 * number:g} % ({remedy})")
         return number * units[unit]

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
+from screwsim.inputs.declare import UNBOUNDED
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import kind_of
 from screwsim.scene import Scene, leaf_of, value_at
@@ -89,6 +90,9 @@ def _spans(
         path, equals, ends = (part.strip() for part in text.partition("="))
         if path in found:
             raise UsageError(f"{option} {path}: is given twice (remove one)")
+        stated = f"{option} {text}: is not PATH=LOW..HIGH (write e.g. {option} '{example}')"
+        if not path:
+            raise UsageError(stated)
         check_continuous(scene, path)
         both = ends_of(ends)
         if both is not None:
@@ -96,7 +100,7 @@ def _spans(
         elif default is not None and not equals:
             low, high = default(path)
         else:
-            raise UsageError(f"{option} {text}: is not PATH=LOW..HIGH (write e.g. {option} '{example}')")
+            raise UsageError(stated)
         if not low < high:
             shown = " … ".join(shown_value(scene, path, end) for end in (low, high))
             raise UsageError(f"{option} {path}: the range {shown} is empty (LOW must be below HIGH)")
@@ -128,11 +132,11 @@ def schema_range(scene: Scene, path: str) -> tuple[float, float] | None:
     """Return the usual range [SI] of a path, within a factor `RANGE_FACTOR` of its own value; None without a value.
 
     It is bounded by the field's limits, the values hardly met in practice, and for sizes and the speed by those of
-    usual machines. A value of zero, around which no factor leads anywhere, has the range of the field's limits, both of
-    which it then needs.
+    usual machines. A value of zero, around which no factor leads anywhere, has the range of the field's limits, if it
+    has both and any value between them is met in practice.
     """
     leaf, value = leaf_of(scene, path), value_at(scene, path)
-    if value == 0 and not isinstance(value, bool) and {"ge", "le"} <= leaf.limits.keys():
+    if value == 0 and not isinstance(value, bool) and {"ge", "le"} <= leaf.limits.keys() and leaf.hardly == UNBOUNDED:
         return leaf.limits["ge"], leaf.limits["le"]
     if not isinstance(value, int | float) or isinstance(value, bool) or value == 0:
         return None

@@ -17,14 +17,15 @@ function fillSweepChoices() {
   refill(coloured, [["", "nothing"], ...names.map((name) => [name, aboutOf(name).words])], headlineNames()[0]);
 }
 
-function refill(select, entries, first) {
+// Fill a select; `first` is chosen at first, `otherwise` where what was chosen is not there any more.
+function refill(select, entries, first, otherwise) {
   const text = entries.map(([value]) => value).join();
   if (select.dataset.entries === text) return;
   const before = select.dataset.entries === undefined ? select.value || first : select.value;
   select.dataset.entries = text;
   select.replaceChildren(...entries.map(([value, words]) => new Option(words, value)));
   const values = entries.map(([value]) => value);
-  select.value = values.includes(before) ? before : values[0] ?? "";
+  select.value = values.includes(before) ? before : otherwise ?? values[0] ?? "";
 }
 
 // Ask for the curve and the colours, when the hand rests.

@@ -190,7 +190,8 @@ function drawOther() {
   section.hidden = !names.length;
   if (!names.length) return;
   const select = document.getElementById("trace");
-  refill(select, names.map((name) => [name, name.replaceAll("_", " ")]), names.find((name) => name.includes("torque")) || names[0]);
+  const usual = names.find((name) => name.includes("torque"));
+  refill(select, names.map((name) => [name, name.replaceAll("_", " ")]), usual || names[0], usual);
   const name = select.value;
   const units = shown.units[name].replace("N m", "N m").replace("kg s-1", "g/s");
   const curves = pair((answer, pale) => (answer.traces[name] ? [{ x: answer.traces.angle, y: answer.traces[name], tint: "c4", name: name.replaceAll("_", " "), pale }] : []));

@@ -310,8 +310,8 @@ function fixedWords(notes, shown) {
 function leftOut(notes, wanted, traces) {
   const missing = wanted - traces.reduce((sum, trace) => sum + trace.x.length, 0);
   if (missing) notes.push(`${missing} of ${wanted} cases have no value here.`);
-  for (const [wanted, words] of [["x", "× not closed"], ["triangle-up", "△ with warnings"]]) {
-    const count = traces.flatMap((trace) => trace.marker.symbol).filter((symbol) => symbol === wanted).length;
+  for (const [marker, words] of [["x", "× not closed"], ["triangle-up", "△ with warnings"]]) {
+    const count = traces.flatMap((trace) => trace.marker.symbol).filter((symbol) => symbol === marker).length;
     if (count) notes.push(`${words} (${count}).`);
   }
 }
