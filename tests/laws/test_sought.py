@@ -10,8 +10,10 @@ import screwsim
 from screwsim.explain import explain
 from screwsim.explain.parameters import parameters
 from screwsim.inputs.faults import SceneError
+from screwsim.scene import loads, with_values
 from screwsim.simulate import simulate, simulate_many
 from screwsim.study.local import sensitivities
+from screwsim.template import new_scene, request_of
 
 POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 ACCURACY = 3e-4
@@ -62,6 +64,15 @@ def test_a_flash_tank_settles_and_a_larger_port_makes_it_colder(settled):
         assert (result.status, result.warnings) == ("ok", ())
         assert result.performance.economizer_draw_ratio == pytest.approx(1.0, abs=ACCURACY)
     assert wide.performance.economizer_temperature < settled.performance.economizer_temperature - 1.0
+
+
+def test_a_port_that_draws_little_of_much_that_passes_both_ways_settles():
+    """A kelvin changes its draw sixfold, close to the end of the range: 0.014 of the flow was left open."""
+    machine = loads(new_scene("refrigeration", request_of("R134a", *[None] * 5, capacity="300 kW", economizer=True)))
+    warm = {"operation.evaporating_temperature": 283.15, "operation.condensing_temperature": 298.15}
+    found = simulate(with_values(machine, warm), trace=False)
+    assert found.status == "ok"
+    assert found.performance.economizer_draw_ratio == pytest.approx(1.0, abs=ACCURACY)
 
 
 def test_where_no_temperature_agrees_a_warning_says_so():

@@ -107,7 +107,9 @@ def required_changes(
 ) -> list[CoordinateChange] | None:
     """Return the change that the figures of a cycle require of each coordinate; None where a figure has no value.
 
-    `follows`: the oil's temperature moves with that of the discharge, so that the oil does not hold the latter.
+    A change may lead beyond the coordinate's range, which bounds where the search goes (`with_coordinates`) but not what
+    it learns from: a change cut off at the end of the range depends on the place and not on the flow. `follows`: the
+    oil's temperature moves with that of the discharge, so that the oil does not hold the latter.
     """
     found = []
     for span, x, off in zip(
@@ -116,9 +118,8 @@ def required_changes(
         if off is None or x is None:
             return None
         step, scale = off
-        change = span.kept(x + step) - x
-        outward = span.at_end(x) and abs(change) <= AT_END
-        found.append(CoordinateChange(0.0 if outward else change, 0.0 if outward else abs(step) / scale))
+        outward = span.at_end(x) and abs(span.kept(x + step) - x) <= AT_END
+        found.append(CoordinateChange(0.0, 0.0) if outward else CoordinateChange(step, abs(step) / scale))
     return found
 
 
