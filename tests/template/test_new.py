@@ -177,7 +177,7 @@ def test_a_motor_that_is_stated_turns_the_first_size_that_is_tried():
 
 
 def test_an_economizer_without_a_steady_draw_is_refused():
-    asked = request_of("R454B", "600 m^3/h", None, None, None, "-29/-8 degC, 20 K", economizer=True)
+    asked = request_of("R454B", "600 m^3/h", None, None, None, "-29/-14 degC, 20 K", economizer=True)
     with pytest.raises(UsageError, match=r"^--economizer: no temperature is found .*or no --economizer\)$"):
         with_steady_port(new_scene("refrigeration", asked))
 

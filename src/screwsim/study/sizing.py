@@ -27,6 +27,7 @@ UNSTEADY_PORT = (
     "--economizer: no temperature is found at which the port draws the vapour (choose a --condition with ends farther "
     "apart, another --vi, or no --economizer)"
 )
+STEADY = 0.01  # departure of the draw ratio from 1 within which a port draws what the liquid gives off
 HEAVY, LIGHT = 1.15, 0.6  # motor loads (NEMA MG 1: service factor 1.15) beyond which sheet and machine hardly match
 
 
@@ -83,9 +84,10 @@ def solved_machine(text: str) -> SizedMachine:
 
 
 def with_steady_port(text: str) -> str:
-    """Return the text of a scene whose economizer's port draws steadily; raise UsageError where none is found."""
+    """Return the text of a scene whose economizer's port draws what the liquid gives off, else raise UsageError."""
     text, _, result = solved_machine(text)
-    if result.status != "ok":
+    drawn = result.performance.get("economizer_draw_ratio") if result.status == "ok" else None
+    if drawn is None or abs(drawn - 1.0) > STEADY:
         raise UsageError(UNSTEADY_PORT)
     return text
 
