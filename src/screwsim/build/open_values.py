@@ -107,9 +107,9 @@ def required_changes(
 ) -> list[CoordinateChange] | None:
     """Return the change that the figures of a cycle require of each coordinate; None where a figure has no value.
 
-    A change may lead beyond the coordinate's range, which bounds where the search goes but not what it
-    learns from: a change cut off at the end of the range depends on the place, not on the flow. `follows`: the
-    oil's temperature moves with that of the discharge, so that the oil does not hold the latter.
+    A change may lead beyond the coordinate's range, which bounds where the search goes but not what it learns from: a
+    change cut off at the end of the range depends on the place, not on the flow. `follows`: the oil's temperature moves
+    with that of the discharge, so that the oil does not hold the latter.
     """
     found = []
     for span, x, off in zip(

@@ -66,11 +66,12 @@ def misread_of_gas(problem: Problem, life: Trajectory, q: np.ndarray) -> float:
     gas whose two phases are followed, and where a state lies outside the gas's equation.
     """
     c, streams = problem.composition, streams_of(problem.composition, q)
-    mean, (back, out) = outflow_of(streams), streams[slots.DISCHARGE_IN : slots.DISCHARGE_OUT + 1, slots.OF_GAS]
+    back, out = streams[slots.DISCHARGE_IN : slots.DISCHARGE_OUT + 1, slots.OF_GAS]
     ports = [i for i, end in enumerate(c.ends[: len(c.plenum_paths)]) if end == DISCHARGE]
-    if mean is None or len(ports) != 1 or back < RETURNS * -out or problem.scene.gas.equilibrium:
+    if back < RETURNS * -out or len(ports) != 1 or problem.scene.gas.equilibrium:
         return 0.0
-    if problem.parts.gas.first_outside(*life.ends) is not None:
+    mean = outflow_of(streams)
+    if mean is None or problem.parts.gas.first_outside(*life.ends) is not None:
         return 0.0
     times, (port,) = life.times[: life.steps + 1], ports
     widths = np.diff(times)[:, None] * np.ones(len(NODES))
