@@ -68,6 +68,7 @@ class Duty(NamedTuple):
 
 
 def _duty(asked: SceneRequest, fluid: str, example: str, temperature: str, expands: bool = False) -> Duty:
+    """Return the lines of a condition; an unstated temperature is the default, or 10 K above the dew point."""
     at = condition_of(asked.condition or example, "pressure", example)
     low, high = (at.high, at.low) if expands else (at.low, at.high)
     if not low < high:
@@ -76,6 +77,14 @@ def _duty(asked: SceneRequest, fluid: str, example: str, temperature: str, expan
         )
         raise UsageError(f"--condition {asked.condition}: {order} (write e.g. --condition '{example}')")
     text, T = quantity_after_comma(at, "temperature", temperature)
+    boils = constants.liquid_below(fluid, at.low, T)
+    if boils is not None:
+        dry = f"{5.0 * math.ceil((boils + ABOVE_DEW - ZERO_CELSIUS) / 5.0):g} degC"
+        if at.beside:
+            what = f"{fluid} of {at.low_text} is liquid below {boils - ZERO_CELSIUS:.4g} degC"
+            pair = (asked.condition or example).partition(",")[0].strip()
+            raise UsageError(f"--condition {asked.condition}: {what} (write e.g. --condition '{pair}, {dry}')")
+        text, T = quantity_after_comma(at, "temperature", dry)  # the default is too cold
     return Duty(at, text, T, constants.isentropic_exponent(fluid, T), constants.gas_constant(fluid))
 
 

@@ -9,16 +9,20 @@ from screwsim.fluid.description import describe
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.slide import fitting_slide
+from screwsim.outputs.customary import in_celsius
 from screwsim.scene import loads
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes, texts
 from screwsim.template.gas_cooler import refused_screw
-from screwsim.template.request import SceneRequest, condition_of, quantity_after_comma
+from screwsim.template.request import Condition, SceneRequest, condition_of, quantity_after_comma
 
 RPM = math.pi / 30.0
+SUPERHEATS = 10.0, 15.0, 20.0, 25.0, 30.0, 40.0  # [K] of which the first that keeps the gas dry is the default
+DRY = 5e3  # [J/kg] least enthalpy above the dew point that the compressed gas has by default: some 5 K
 EFFICIENCIES = 0.91, 0.74  # lambda and eta_s of mean curves (validation/bitzer), for estimates of flow and power
 OIL_COOLED_FROM = 350.0  # [K] after isentropic compression, from which the oil is cooled
 LEAVES, ABOVE = 348.15, 35.0  # [K] outlet temperature of gas and oil then, and least margin above condensing
+WITHIN = 5.0  # [K] by which gas and oil then stay at least below the end of the oil's data
 OIL_WARMING = 25.0  # [K] by which the oil is then warmed
 OVER_DEW = 4.0  # [K] margin of oil above condensing where a machine leaks more than those behind EFFICIENCIES
 TIGHT, LEAKED = 0.8, 1.3  # eta_s without leaks, and what these take, rather too large: five gases from 40 m³/h ...
@@ -75,7 +79,7 @@ class Duty(NamedTuple):
     p_d: float
     gas_flow: float
     work: float
-    hottest: float
+    hottest: float  # [K] after isentropic compression of an ideal gas
     heat_capacity: float
     k: float
 
@@ -104,7 +108,7 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
     duty, size = duty_of(fluid, flow, asked.condition or plant.condition, plant.condition), texts.sized(flow, speed)
     usual = sizes.matching(duty.p_d / duty.p_s, duty.k, 0.9)
     oil = asked.oil or OILS_FOR.get(fluid.lower(), "POE_68")
-    ratio, separator = _oil_and_separator(duty, oil, asked.ratio, _leaky_efficiency(fluid, duty, size, flow))
+    ratio, separator = _oil_and_separator(fluid, duty, oil, asked.ratio, _leaky_efficiency(fluid, duty, size, flow))
     cooled = "discharge_temperature:" in separator.partition("#")[0]
     values = {
         **conditions(duty),
@@ -292,14 +296,16 @@ def _transport(fluid: str, duty: Duty) -> dict[str, str]:
     return {"transport": told + "".join(f"    {line}\n" for line in lines)}
 
 
-def duty_of(fluid: str, flow: float, condition: str, example: str, p_cooler: float | None = None) -> Duty:
+def duty_of(
+    fluid: str, flow: float, condition: str, example: str, p_cooler: float | None = None, lossless: bool = False
+) -> Duty:
     """Return the states of a condition with estimates of flow and power; raise UsageError for an impossible one.
 
+    The gas stays dry, also in `lossless` compression, which is nearly that of a cylinder until its valve opens.
     `p_cooler` [Pa] is the pressure of a gas cooler, which the condition's upper temperature leaves; without it, the gas
     condenses.
     """
     found = condition_of(condition, "temperature", example)
-    superheat, more = quantity_after_comma(found, "temperature_difference", "10 K")
     limits = constants.limits(fluid)
     assert limits is not None
     for T in (found.low, found.high) if p_cooler is None else (found.low,):
@@ -315,12 +321,40 @@ def duty_of(fluid: str, flow: float, condition: str, example: str, p_cooler: flo
             f"--condition {condition}: evaporates above the condensing temperature (write LOW/HIGH, e.g. '{example}')"
         )
     p_s, p_d = constants.dew_pressure(fluid, found.low), p_cooler or constants.condensing_pressure(fluid, found.high)
+    superheat, more = _superheat(fluid, found, p_s, p_d, condition, 1.0 if lossless else EFFICIENCIES[1])
     T, R = found.low + more, constants.gas_constant(fluid)
     k = constants.isentropic_exponent(fluid, T)
     hottest = T * (p_d / p_s) ** ((k - 1.0) / k)
     gas_flow = EFFICIENCIES[0] * flow * p_s / (R * T)
     work = sizes.isentropic_work(k, R, T, p_d / p_s)
     return Duty(found.low, found.high, superheat, more, p_s, p_d, gas_flow, work, hottest, R * k / (k - 1.0), k)
+
+
+def _superheat(
+    fluid: str, at: Condition, p_s: float, p_d: float, condition: str, efficiency: float
+) -> tuple[str, float]:
+    """Return the superheat of the suction gas, its text and value [K]: as stated, or so much that the gas stays dry.
+
+    The vapour line of heavy molecules leans over, so that compression from little superheat ends in the wet region.
+    Raise UsageError for a stated superheat from which it does.
+    """
+
+    def over_dew(more: float) -> float:
+        end = constants.compressed(fluid, p_s, at.low + more, p_d, efficiency)
+        return math.inf if end is None else end[1]
+
+    enough = next((more for more in SUPERHEATS if over_dew(more) >= DRY), None)
+    usual = f"{enough or SUPERHEATS[0]:g} K"
+    superheat, more = quantity_after_comma(at, "temperature_difference", usual)
+    if over_dew(more) >= 0.0 and (enough or at.beside):
+        told = f"    # so that {fluid}, whose vapour line leans over, leaves dry"
+        return superheat + (told if more > SUPERHEATS[0] and not at.beside else ""), more
+    what = f"compressed from {superheat} of superheat, {fluid} ends wet, as its vapour line leans over"
+    pair = condition.partition(",")[0].strip()
+    remedy = (
+        f"write e.g. --condition '{pair}, {usual}'" if enough else "choose ends closer together, or another --fluid"
+    )
+    raise UsageError(f"--condition {condition}: {what} ({remedy})")
 
 
 def _possible_condition(limits: constants.Limits) -> str:
@@ -339,19 +373,34 @@ def _leaky_efficiency(fluid: str, duty: Duty, size: sizes.Size, flow: float) -> 
     return TIGHT * max(1.0 - LEAKED * max(duty.p_s / (R * T), THIN) ** DENSER * passed, LEAST)
 
 
-def _oil_and_separator(duty: Duty, oil: str, built_in: float | None, leaky: float) -> tuple[float, str]:
+def _oil_and_separator(fluid: str, duty: Duty, oil: str, built_in: float | None, leaky: float) -> tuple[float, str]:
     """Return oil over gas, and the separator, with a cooler where the gas would get hot without one.
 
-    The oil of a small machine, whose leaks take more power, stays warm enough that no gas condenses on it.
+    The oil of a small machine, whose leaks take more power, stays warm enough that no gas condenses on it. Raise
+    UsageError where no oil temperature is both above condensing and within the oil's data.
     """
-    leaves = max(LEAVES, duty.T_c + ABOVE)
+    hottest_oil = OILS[oil].high - WITHIN
+    leaves = min(max(LEAVES, duty.T_c + ABOVE), hottest_oil)
+    end = _leaving(fluid, duty, EFFICIENCIES[1])
+    if hottest_oil < min(duty.T_c + OVER_DEW, end):
+        what = (
+            f"condenses at {in_celsius(duty.T_c)}, too warm for {oil}, whose data end at {in_celsius(OILS[oil].high)}"
+        )
+        raise UsageError(f"--condition: {fluid} {what} (choose a lower condensing temperature, or another --oil)")
     work = sizes.beyond_matching(duty.p_d / duty.p_s, duty.k, built_in) * duty.work
     cooled = duty.heat_capacity * (leaves - duty.T_e - duty.more)
     left, more = work / EFFICIENCIES[1] - cooled, work / leaky - cooled
-    hot = duty.hottest >= OIL_COOLED_FROM and left > 0.0
-    if not hot and more <= duty.heat_capacity * (TOO_HOT - leaves):
+    hot = duty.hottest >= OIL_COOLED_FROM and (end > leaves if math.isfinite(end) else left > 0.0)
+    leaking = more > duty.heat_capacity * (TOO_HOT - leaves) and _leaving(fluid, duty, leaky) > leaves
+    if not hot and not leaking:
         return 1.0, "separator: {}    # uncooled; cooler: {discharge_temperature: 75 degC} adds a thermostat"
     needed = max(left / OIL_WARMING, more / (leaves - duty.T_c - OVER_DEW)) / OILS[oil].heat_capacity_at(leaves)
     ratio = max(1.0, math.ceil(2.0 * needed) / 2.0)
     kept = f"cooler: {{discharge_temperature: {leaves - ZERO_CELSIUS:.0f} degC}}"
     return ratio, f"separator: {{{kept}}}    # # a thermostat holds the discharge temperature"
+
+
+def _leaving(fluid: str, duty: Duty, efficiency: float) -> float:
+    """Return the temperature [K] of the gas after compression; inf where it is not known."""
+    end = constants.compressed(fluid, duty.p_s, duty.T_e + duty.more, duty.p_d, efficiency)
+    return math.inf if end is None else end[0]
