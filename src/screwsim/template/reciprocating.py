@@ -7,6 +7,7 @@ from screwsim.fluid import constants
 from screwsim.fluid.description import describe
 from screwsim.inputs.faults import UsageError
 from screwsim.template import sizes
+from screwsim.template.duty import Duty, conditions, duty_of
 from screwsim.template.gas_cooler import (
     BY,
     best_pressure,
@@ -15,7 +16,6 @@ from screwsim.template.gas_cooler import (
     range_note,
     refuse_too_warm,
 )
-from screwsim.template.refrigeration import Duty, conditions, duty_of
 from screwsim.template.request import SceneRequest, condition_of, refuse_option
 from screwsim.template.texts import filled
 

@@ -13,13 +13,10 @@ from screwsim.outputs.customary import in_celsius
 from screwsim.scene import loads
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes, texts
-from screwsim.template.gas_cooler import refused_screw
-from screwsim.template.request import Condition, SceneRequest, condition_of, quantity_after_comma
+from screwsim.template.duty import EFFICIENCIES, Duty, conditions, duty_of
+from screwsim.template.request import SceneRequest
 
 RPM = math.pi / 30.0
-SUPERHEATS = 10.0, 15.0, 20.0, 25.0, 30.0, 40.0  # [K] of which the first that keeps the gas dry is the default
-DRY = 5e3  # [J/kg] least enthalpy above the dew point that the compressed gas has by default: some 5 K
-EFFICIENCIES = 0.91, 0.74  # lambda and eta_s of mean curves (validation/bitzer), for estimates of flow and power
 OIL_COOLED_FROM = 350.0  # [K] after isentropic compression, from which the oil is cooled
 LEAVES, ABOVE = 348.15, 35.0  # [K] outlet temperature of gas and oil then, and least margin above condensing
 WITHIN = 5.0  # [K] by which gas and oil then stay at least below the end of the oil's data
@@ -31,7 +28,6 @@ LEAST, TOO_HOT = 0.2, 400.0  # least value of the estimate; [K] leaving a leaky 
 BORE_OIL_TEMPERATURE = 333.15  # [K] of the oil in its bores
 BESIDE, SHORTEST = math.radians(5.0), math.radians(30.0)  # of an economizer's port: distance from others, length
 PORT_AREA_RATIO = 0.0057  # its area over the squared rotor diameter: assumed, 2 cm^2 at 187 mm
-CONDITION_SHARES = 0.5, 0.8  # of the way from triple to critical point: a condition possible for any fluid
 FRICTION, OF_DISPLACED = 0.096, 1.08  # of the indicated power; ratio of that to the theoretical one at 0/40 °C
 # power over that without an economizer, which draws 10 to 20 % more gas: for an estimate
 ECONOMIZED_POWER_FACTOR = 1.12
@@ -66,22 +62,6 @@ class Plant(NamedTuple):
 
 COOLING = Plant("Refrigeration screw", "R134a", "0/40 degC", "cooling")
 HEATING = Plant("Heat-pump screw", "R1234ze(E)", "10/65 degC", "heating")
-
-
-class Duty(NamedTuple):
-    """The states of a condition, and estimates of flow and power, in SI units."""
-
-    T_e: float
-    T_c: float
-    superheat: str
-    more: float  # [K] of it
-    p_s: float
-    p_d: float
-    gas_flow: float
-    work: float
-    hottest: float  # [K] after isentropic compression of an ideal gas
-    heat_capacity: float
-    k: float
 
 
 RATED_POWER_SOURCES = ("the next size of IEC 60072-1 above an estimate", "as stated")  # source of the rated power
@@ -203,18 +183,6 @@ def _evidence_comments(fluid: str) -> str:
     )
 
 
-def conditions(duty: Duty) -> dict[str, str]:
-    """Return the temperatures of a duty as stated in a scene; the liquid stays warmer than the evaporator."""
-    e, c = (f"{T - ZERO_CELSIUS:.6g}" for T in (duty.T_e, duty.T_c))
-    return {
-        "condition": f"{e}/{c} degC",
-        "evaporating": f"{e} degC",
-        "condensing": f"{c} degC",
-        "superheat": duty.superheat,
-        "subcooling": f"{min(5.0, 0.5 * (duty.T_c - duty.T_e)):g} K",
-    }
-
-
 def _sizing_comment(asked: SceneRequest, plant: Plant) -> str:
     """Return the comment on the goal by which the size was sought; empty where the size was stated."""
     goals = {
@@ -296,74 +264,6 @@ def _transport(fluid: str, duty: Duty) -> dict[str, str]:
     return {"transport": told + "".join(f"    {line}\n" for line in lines)}
 
 
-def duty_of(
-    fluid: str, flow: float, condition: str, example: str, p_cooler: float | None = None, lossless: bool = False
-) -> Duty:
-    """Return the states of a condition with estimates of flow and power; raise UsageError for an impossible one.
-
-    The gas stays dry, also in `lossless` compression, which is nearly that of a cylinder until its valve opens.
-    `p_cooler` [Pa] is the pressure of a gas cooler, which the condition's upper temperature leaves; without it, the gas
-    condenses.
-    """
-    found = condition_of(condition, "temperature", example)
-    limits = constants.limits(fluid)
-    assert limits is not None
-    for T in (found.low, found.high) if p_cooler is None else (found.low,):
-        if not limits.T_triple < T < limits.T_critical:
-            least, most = (end - ZERO_CELSIUS for end in (limits.T_triple, limits.T_critical))
-            usual = ", which is the default" if condition == example else ""
-            what = f"{fluid} saturates between {least:.1f} and {most:.1f} degC"
-            what += f" (write e.g. --condition '{_possible_condition(limits)}')"
-            cooler = refused_screw(fluid, condition, example) if T is found.high else ""
-            raise UsageError(f"--condition {condition}{usual}: {cooler or what}")
-    if not found.low < found.high:
-        raise UsageError(
-            f"--condition {condition}: evaporates above the condensing temperature (write LOW/HIGH, e.g. '{example}')"
-        )
-    p_s, p_d = constants.dew_pressure(fluid, found.low), p_cooler or constants.condensing_pressure(fluid, found.high)
-    superheat, more = _superheat(fluid, found, p_s, p_d, condition, 1.0 if lossless else EFFICIENCIES[1])
-    T, R = found.low + more, constants.gas_constant(fluid)
-    k = constants.isentropic_exponent(fluid, T)
-    hottest = T * (p_d / p_s) ** ((k - 1.0) / k)
-    gas_flow = EFFICIENCIES[0] * flow * p_s / (R * T)
-    work = sizes.isentropic_work(k, R, T, p_d / p_s)
-    return Duty(found.low, found.high, superheat, more, p_s, p_d, gas_flow, work, hottest, R * k / (k - 1.0), k)
-
-
-def _superheat(
-    fluid: str, at: Condition, p_s: float, p_d: float, condition: str, efficiency: float
-) -> tuple[str, float]:
-    """Return the superheat of the suction gas, its text and value [K]: as stated, or so much that the gas stays dry.
-
-    The vapour line of heavy molecules leans over, so that compression from little superheat ends in the wet region.
-    Raise UsageError for a stated superheat from which it does.
-    """
-
-    def over_dew(more: float) -> float:
-        end = constants.compressed(fluid, p_s, at.low + more, p_d, efficiency)
-        return math.inf if end is None else end[1]
-
-    enough = next((more for more in SUPERHEATS if over_dew(more) >= DRY), None)
-    usual = f"{enough or SUPERHEATS[0]:g} K"
-    superheat, more = quantity_after_comma(at, "temperature_difference", usual)
-    if over_dew(more) >= 0.0 and (enough or at.beside):
-        told = f"    # so that {fluid}, whose vapour line leans over, leaves dry"
-        return superheat + (told if more > SUPERHEATS[0] and not at.beside else ""), more
-    what = f"compressed from {superheat} of superheat, {fluid} ends wet, as its vapour line leans over"
-    pair = condition.partition(",")[0].strip()
-    remedy = (
-        f"write e.g. --condition '{pair}, {usual}'" if enough else "choose ends closer together, or another --fluid"
-    )
-    raise UsageError(f"--condition {condition}: {what} ({remedy})")
-
-
-def _possible_condition(limits: constants.Limits) -> str:
-    """Return a condition that is possible for a fluid."""
-    span, zero = limits.T_critical - limits.T_triple, ZERO_CELSIUS
-    low, high = (limits.T_triple + share * span - zero for share in CONDITION_SHARES)
-    return f"{low:.1f}/{high:.1f} degC"
-
-
 def _leaky_efficiency(fluid: str, duty: Duty, size: sizes.Size, flow: float) -> float:
     """Return an estimate of eta_s of a small or slow machine, whose gaps pass much of its displacement."""
     R, T = constants.gas_constant(fluid), duty.T_e + duty.more
@@ -394,7 +294,8 @@ def _oil_and_separator(fluid: str, duty: Duty, oil: str, built_in: float | None,
     leaking = more > duty.heat_capacity * (TOO_HOT - leaves) and _leaving(fluid, duty, leaky) > leaves
     if not hot and not leaking:
         return 1.0, "separator: {}    # uncooled; cooler: {discharge_temperature: 75 degC} adds a thermostat"
-    needed = max(left / OIL_WARMING, more / (leaves - duty.T_c - OVER_DEW)) / OILS[oil].heat_capacity_at(leaves)
+    dry = leaves - duty.T_c - OVER_DEW
+    needed = max(left / min(OIL_WARMING, dry), more / dry) / OILS[oil].heat_capacity_at(leaves)
     ratio = max(1.0, math.ceil(2.0 * needed) / 2.0)
     kept = f"cooler: {{discharge_temperature: {leaves - ZERO_CELSIUS:.0f} degC}}"
     return ratio, f"separator: {{{kept}}}    # # a thermostat holds the discharge temperature"
