@@ -404,8 +404,8 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
         (["booster", "--fluid", "Ethylene"], "--fluid Ethylene: CoolProp has no viscosity of it, which the gaps need"),
         (
             ["booster", "--fluid", "Hydrogen", "--condition", "1/1.8 bar, 10 degC", "--speed", "6000 rpm"],
-            "--speed 6000 rpm: with oil films it takes 7 times the work that the gas needs (choose a lower speed, or "
-            "pressures",
+            "--speed 6000 rpm: with oil films it takes 7 times the work that the gas needs (choose a lower speed, "
+            "an oil thinner than PAG_100",
         ),
         (
             ["booster", "--fluid", "R290", "--condition", "20/42 bar, 60 degC"],
