@@ -116,12 +116,16 @@ def test_a_package_of_a_small_pressure_rise_has_a_motor_that_takes_its_load_and_
         ("reciprocating", {"fluid": "R1233zd(E)"}),
         ("heat_pump", {"fluid": "R245fa", "condition": "80/140 degC"}),
         ("heat_pump", {"fluid": "Cyclopentane", "condition": "80/130 degC"}),
+        ("refrigeration", {"fluid": "R449A", "condition": "-35/40 degC"}),
+        ("refrigeration", {"fluid": "R407C", "condition": "-40/35 degC", "displacement": "100 m^3/h"}),
+        ("refrigeration", {"fluid": "R134a", "condition": "-30/45 degC", "displacement": "100 m^3/h"}),
+        ("refrigeration", {"fluid": "R290", "condition": "-40/35 degC", "displacement": "100 m^3/h"}),
         ("expander", {"fluid": "R1233zd(E)", "condition": "20.8/3.27 bar"}),
         ("booster", {"fluid": "Air", "condition": "0.4/1.01 bar", "displacement": "730 m^3/h"}),
     ],
 )
 def test_templates_that_had_no_solution_or_warned_run(kind, stated):
-    """A ratio far from the pressures', a thermostat above what leaves, oil below the dew or hot, wet steam or inlet,
+    """A ratio far from the pressures', a thermostat above what leaves, oil below the dew or hot, deep freezing, wet steam or inlet,
     no transport, oil films that take more than a vacuum pump."""
     figures(kind, **stated)
 

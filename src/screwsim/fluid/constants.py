@@ -287,11 +287,17 @@ def enthalpy(fluid: str, p: float, T: float) -> float:
     return vapour_enthalpy(fluid, p, T)
 
 
-def compressed(fluid: str, p: float, T: float, p_end: float, efficiency: float) -> tuple[float, float] | None:
-    """Return temperature [K] and enthalpy above the dew point [J/kg] of a gas compressed from p [Pa], T [K] to `p_end`.
+class Compressed(NamedTuple):
+    """A compressed gas: the work taken [J/kg], and its enthalpy above the dew point [J/kg]."""
 
-    `efficiency` is the isentropic one. None for a blend, above the critical pressure, and where CoolProp has no such
-    state.
+    work: float
+    over_dew: float
+
+
+def compressed(fluid: str, p: float, T: float, p_end: float, efficiency: float) -> Compressed | None:
+    """Return the real gas compressed from p [Pa], T [K] to `p_end` [Pa] with an isentropic efficiency.
+
+    None for a blend, above the critical pressure, and where CoolProp has no such state.
     """
     if _blend(fluid) is not None:
         return None
@@ -306,16 +312,15 @@ def compressed(fluid: str, p: float, T: float, p_end: float, efficiency: float) 
             h, s = state.hmass(), state.smass()
             state.unspecify_phase()
             state.update(coolprop.PSmass_INPUTS, p_end, s)
-            h += (state.hmass() - h) / efficiency
-            state.update(coolprop.HmassP_INPUTS, h, p_end)
-            return [state.T(), h - dew]
+            work = (state.hmass() - h) / efficiency
+            return [work, h + work - dew]
         except ValueError:
             return []
         finally:
             state.unspecify_phase()
 
     found = ask(f"{fluid} compressed {p!r} {T!r} {p_end!r} {efficiency!r}", question)
-    return (found[0], found[1]) if found else None
+    return Compressed(*found) if found else None
 
 
 def _single_phase(fluid: str, p: float, T: float, phase: str) -> float:

@@ -26,7 +26,7 @@ class Duty(NamedTuple):
     p_s: float
     p_d: float
     gas_flow: float
-    work: float
+    work: float  # lossless work of an ideal gas
     hottest: float  # [K] after isentropic compression of an ideal gas
     heat_capacity: float
     k: float
@@ -77,7 +77,7 @@ def _superheat(
 
     def over_dew(more: float) -> float:
         end = constants.compressed(fluid, p_s, at.low + more, p_d, efficiency)
-        return math.inf if end is None else end[1]
+        return math.inf if end is None else end.over_dew
 
     enough = next((more for more in SUPERHEATS if over_dew(more) >= DRY), None)
     usual = f"{enough or SUPERHEATS[0]:g} K"

@@ -21,8 +21,13 @@ OIL_COOLED_FROM = 350.0  # [K] after isentropic compression, from which the oil 
 LEAVES, ABOVE = 348.15, 35.0  # [K] outlet temperature of gas and oil then, and least margin above condensing
 WITHIN = 5.0  # [K] by which gas and oil then stay at least below the end of the oil's data
 OIL_WARMING = 25.0  # [K] by which the oil is then warmed
+MOST_WARMING_SHARE = 0.75  # of the way from the dew point to the outlet temperature: by how much oil may be warmed
 OVER_DEW = 4.0  # [K] margin of oil above condensing where a machine leaks more than those behind EFFICIENCIES
 TIGHT, LEAKED = 0.8, 1.3  # eta_s without leaks, and what these take, rather too large: five gases from 40 m³/h ...
+# of that estimate with the work beyond the built-in ratio: least efficiency computed for seven refrigerants, -40/35 to
+# 5/60 °C, 60 to 2000 m³/h
+CAUTION = 0.82
+MOTOR_EFFICIENCY = 0.92  # of a semi-hermetic motor, assumed by the source of validation/bitzer
 RISING, THIN, DENSER = 0.9, 3.6, 0.35  # ... by powers of pressure ratio and of density, at least the second [kg/m³]
 LEAST, TOO_HOT = 0.2, 400.0  # least value of the estimate; [K] leaving a leaky machine, from which its oil is cooled
 BORE_OIL_TEMPERATURE = 333.15  # [K] of the oil in its bores
@@ -88,7 +93,8 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
     duty, size = duty_of(fluid, flow, asked.condition or plant.condition, plant.condition), texts.sized(flow, speed)
     usual = sizes.matching(duty.p_d / duty.p_s, duty.k, 0.9)
     oil = asked.oil or OILS_FOR.get(fluid.lower(), "POE_68")
-    ratio, separator = _oil_and_separator(fluid, duty, oil, asked.ratio, _leaky_efficiency(fluid, duty, size, flow))
+    leaky, in_gas = _leaky_efficiency(fluid, duty, size, flow), fluid.lower() not in COPPER_CORROSIVES
+    ratio, separator = _oil_and_separator(fluid, duty, oil, asked.ratio or usual, leaky, in_gas)
     cooled = "discharge_temperature:" in separator.partition("#")[0]
     values = {
         **conditions(duty),
@@ -216,7 +222,10 @@ def _motor(fluid: str, rated: float) -> dict[str, str]:
             "motor": f"{{rated_power: {rated:g} kW, {sizes.motor_efficiency(rated)}}}",
         }
     told = "Semi-hermetic, in the suction gas, 92 % efficient as assumed by the source of validation/bitzer"
-    return {"drive": told, "motor": f"{{rated_power: {rated:g} kW, efficiency: 0.92, cooling: suction_gas}}"}
+    return {
+        "drive": told,
+        "motor": f"{{rated_power: {rated:g} kW, efficiency: {MOTOR_EFFICIENCY:g}, cooling: suction_gas}}",
+    }
 
 
 def _jets(duty: Duty, ratio: float, oil: str) -> dict[str, str]:
@@ -273,35 +282,34 @@ def _leaky_efficiency(fluid: str, duty: Duty, size: sizes.Size, flow: float) -> 
     return TIGHT * max(1.0 - LEAKED * max(duty.p_s / (R * T), THIN) ** DENSER * passed, LEAST)
 
 
-def _oil_and_separator(fluid: str, duty: Duty, oil: str, built_in: float | None, leaky: float) -> tuple[float, str]:
+def _oil_and_separator(
+    fluid: str, duty: Duty, oil: str, built_in: float, leaky: float, motor_in_gas: bool
+) -> tuple[float, str]:
     """Return oil over gas, and the separator, with a cooler where the gas would get hot without one.
 
-    The oil of a small machine, whose leaks take more power, stays warm enough that no gas condenses on it. Raise
+    So much oil is cooled that no gas condenses on it, also where a machine takes more power than estimated. Raise
     UsageError where no oil temperature is both above condensing and within the oil's data.
     """
-    hottest_oil = OILS[oil].high - WITHIN
+    T, dew = duty.T_e + duty.more, constants.saturation_temperature(fluid, duty.p_d)
+    begins, hottest_oil = constants.vapour_enthalpy(fluid, duty.p_s, T), OILS[oil].high - WITHIN
     leaves = min(max(LEAVES, duty.T_c + ABOVE), hottest_oil)
-    end = _leaving(fluid, duty, EFFICIENCIES[1])
-    if hottest_oil < min(duty.T_c + OVER_DEW, end):
-        what = (
-            f"condenses at {in_celsius(duty.T_c)}, too warm for {oil}, whose data end at {in_celsius(OILS[oil].high)}"
-        )
+    lossless = constants.compressed(fluid, duty.p_s, T, duty.p_d, 1.0)
+    work = duty.work if lossless is None else lossless.work
+    work *= sizes.beyond_matching(duty.p_d / duty.p_s, duty.k, built_in)
+    usual, most = work / EFFICIENCIES[1], work / (CAUTION * leaky * (MOTOR_EFFICIENCY if motor_in_gas else 1.0))
+
+    def left(work: float, leaving: float) -> float:
+        """Return what the oil takes of a work [J/kg] where the gas leaves at a temperature [K]."""
+        return work - constants.vapour_enthalpy(fluid, duty.p_d, leaving) + begins
+
+    if hottest_oil < dew + OVER_DEW and (hottest_oil <= dew or left(usual, hottest_oil) > 0.0):
+        what = f"condenses at {in_celsius(dew)}, too warm for {oil}, whose data end at {in_celsius(OILS[oil].high)}"
         raise UsageError(f"--condition: {fluid} {what} (choose a lower condensing temperature, or another --oil)")
-    work = sizes.beyond_matching(duty.p_d / duty.p_s, duty.k, built_in) * duty.work
-    cooled = duty.heat_capacity * (leaves - duty.T_e - duty.more)
-    left, more = work / EFFICIENCIES[1] - cooled, work / leaky - cooled
-    hot = duty.hottest >= OIL_COOLED_FROM and (end > leaves if math.isfinite(end) else left > 0.0)
-    leaking = more > duty.heat_capacity * (TOO_HOT - leaves) and _leaving(fluid, duty, leaky) > leaves
-    if not hot and not leaking:
+    hot = duty.hottest >= OIL_COOLED_FROM and left(usual, leaves) > 0.0
+    if not hot and left(most if leaves < TOO_HOT else work / leaky, max(TOO_HOT, leaves)) <= 0.0:
         return 1.0, "separator: {}    # uncooled; cooler: {discharge_temperature: 75 degC} adds a thermostat"
-    dry = leaves - duty.T_c - OVER_DEW
-    needed = max(left / min(OIL_WARMING, dry), more / dry) / OILS[oil].heat_capacity_at(leaves)
-    ratio = max(1.0, math.ceil(2.0 * needed) / 2.0)
+    dry = max(leaves - dew - OVER_DEW, MOST_WARMING_SHARE * (leaves - dew))
+    needed = max(left(usual, leaves) / min(OIL_WARMING, dry), left(most, leaves) / dry)
+    ratio = max(1.0, math.ceil(2.0 * needed / OILS[oil].heat_capacity_at(leaves)) / 2.0)
     kept = f"cooler: {{discharge_temperature: {leaves - ZERO_CELSIUS:.0f} degC}}"
     return ratio, f"separator: {{{kept}}}    # # a thermostat holds the discharge temperature"
-
-
-def _leaving(fluid: str, duty: Duty, efficiency: float) -> float:
-    """Return the temperature [K] of the gas after compression; inf where it is not known."""
-    end = constants.compressed(fluid, duty.p_s, duty.T_e + duty.more, duty.p_d, efficiency)
-    return math.inf if end is None else end[0]
