@@ -91,6 +91,15 @@ def test_json_is_one_document(name, studied, command):
     assert json.loads(answer.out)
 
 
+@pytest.mark.parametrize("as_json", [False, True])
+@pytest.mark.parametrize(("name", "file"), [("optimum", "new.csv"), ("map", "new.json"), ("sensitivity", "new.h5")])
+def test_the_file_that_was_written_is_named_last_and_on_stderr_beside_json(name, file, as_json, studied, command):
+    answer = command(*COMMANDS[name], "-o", file, *(["--json"] if as_json else []))
+    assert answer.code == 0 and (studied / file).is_file()
+    assert (answer.err if as_json else answer.out).splitlines()[-1] == file
+    assert (answer.err == "") != as_json
+
+
 def test_the_optimum_is_told_and_written(studied, command):
     answer = command(*COMMANDS["optimum"], "--from", "0.2", "--to", "5", "-o", "out.h5", "--json")
     found = json.loads(answer.out)
