@@ -73,13 +73,16 @@ def startup(
     from screwsim.printing.machine import TRACES, print_startup, protect_other_traces, write_traces
     from screwsim.report.drive import draw_start
     from screwsim.results.atomic import make_folder
-    from screwsim.solve.start_up import INTERRUPTED, start_up
+    from screwsim.solve.start_up import INTERRUPTED, InterruptedStart, start_up
 
     if folder is not None:
         make_folder(folder)
         protect_other_traces(folder / TRACES)
-    with _shown_speed() as told:
-        found = start_up(scene, slow, longest, told)
+    try:
+        with _shown_speed() as told:
+            found = start_up(scene, slow, longest, told)
+    except InterruptedStart as pressed:
+        found = pressed.found
     options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_startup, scene.title, found)
     if folder is not None and found.traces:
         make_folder(folder)  # again: another command may have removed the one that it had made and that was still empty
