@@ -154,6 +154,20 @@ def test_a_trial_that_fails_is_told_and_an_answer_that_is_missing_ends_with_its_
     assert answer.code == 4 and "narrow the ranges" in answer.out
 
 
+@pytest.mark.parametrize(
+    ("name", "rest"),
+    [
+        ("optimum", ("--from", "3 bar")),
+        ("sensitivity", ("--path", "oil_supply.ratio=1")),
+        ("sensitivity", ("--path", "oil_supply.ratio=1..2", "--samples", "3")),
+    ],
+)
+def test_a_refusal_is_one_line_also_where_a_real_gas_would_be_told_its_efficiency(name, rest, studied, command):
+    real = ("--set", "gas={model: real, isentropic_exponent: null}")
+    answer = command(name, "oiled.yaml", *real, *rest)
+    assert (answer.code, answer.out, len(answer.err.splitlines())) == (2, "", 1), answer.err
+
+
 def test_a_border_is_said_with_its_remedy(studied, command):
     answer = command(*COMMANDS["optimum"], "--from", "2", "--to", "5")
     assert answer.code == 0

@@ -43,10 +43,10 @@ def optimum(
     from screwsim.study.optimum import optimum as found
     from screwsim.study.optimum import question
 
-    if figure is None and (told := efficiency_note(scene)):
-        typer.echo(f"optimum: {told}", err=True)
     asked = question(scene, path, figure, minimum=minimum, first=first, last=last)
     options.check_columns(output, "optimum of", "accuracy", "solutions", "failed_solutions", "place")
+    if figure is None and (told := efficiency_note(scene)):
+        typer.echo(f"optimum: {told}", err=True)
     with counted_progress("optimum", "rows") as shown:
         rows = found(scene, asked, jobs=jobs, progress=shown)
     options.print_document_or_text(as_json, optimum_document, print_optimum, scene, asked, rows)
@@ -139,16 +139,17 @@ def sensitivity(
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
     from screwsim.printing.tables import wrapped
     from screwsim.study.inputs import efficiency_note
-    from screwsim.study.sensitivity import cost_in_words, usual_samples
+    from screwsim.study.sensitivity import check_samples, cost_in_words, usual_samples
     from screwsim.study.sensitivity import sensitivity as studied
     from screwsim.study.spans import read_ranges
 
     options.check_columns(output, "Sobol indices", "figure", "path", "first_order", "total")
     names = tuple(dict.fromkeys(figures or ()))
-    if not names and (told := efficiency_note(scene)):
-        typer.echo(f"sensitivity: {told}", err=True)
     ranges = read_ranges(scene, paths or ())
     samples = usual_samples(len(ranges)) if samples is None else samples
+    check_samples(len(ranges), samples)
+    if not names and (told := efficiency_note(scene)):
+        typer.echo(f"sensitivity: {told}", err=True)
     if sys.stderr.isatty():
         say(wrapped(f"sensitivity: {cost_in_words(len(ranges), samples)}"), err=True)
     with counted_progress("sensitivity", "solutions") as shown:
