@@ -39,6 +39,8 @@ def started(monkeypatch):
     def fake(scene, creep, longest, told):
         told(0.5)
         asked.update(scene=scene, creep=creep, longest=longest)
+        if "so far" in asked:
+            raise start_up.InterruptedStart(asked["so far"])
         return asked.get("outcome") or start_up.StartUp("ok", "", ("it hammers",), Figures(FIGURES), dict(TRACES))
 
     monkeypatch.setattr(start_up, "start_up", fake)
@@ -47,21 +49,30 @@ def started(monkeypatch):
 
 def test_an_interrupted_start_keeps_what_there_is(started, capsys, tmp_path):
     told = "0.5 s after the start, at 2000 rpm of the steady 3000 rpm"
-    started["outcome"] = start_up.StartUp("interrupted", told, (), Figures(FIGURES), dict(TRACES))
+    started["so far"] = start_up.StartUp("interrupted", told, (), Figures(FIGURES), dict(TRACES))
     assert cli.exit_code(["startup", str(CONFIGS / "drive/point.yaml"), "-o", str(tmp_path / "st")]) == 130
     out, err = capsys.readouterr()
     assert f"status: interrupted, {told}" in out and err.strip().endswith("interrupted")
     assert (tmp_path / "st" / "startup.csv").stat().st_size > 100
 
 
-def test_a_start_that_ctrl_c_ends_gives_its_pitches(monkeypatch):
+def test_ctrl_c_in_a_start_is_raised_as_elsewhere_and_has_the_pitches_so_far():
     def pressed(share):
         if share > 0.05:
             raise KeyboardInterrupt
 
-    found = start_up.start_up(screwsim.load(CONFIGS / "drive/point.yaml"), told=pressed)
+    with pytest.raises(KeyboardInterrupt) as raised:
+        start_up.start_up(screwsim.load(CONFIGS / "drive/point.yaml"), told=pressed)
+    found = raised.value.found
     assert found.status == "interrupted" and "of the steady 3000 rpm" in found.message
     assert 0.0 < found.figures["end_speed"] < found.figures["steady_speed"] and len(found.traces["time"]) > 100
+
+
+def test_ctrl_c_before_the_first_pitch_is_raised_as_it_came(monkeypatch):
+    monkeypatch.setattr(start_up.StartUpRun, "advance", lambda self: (_ for _ in ()).throw(KeyboardInterrupt("now")))
+    with pytest.raises(KeyboardInterrupt, match="now") as raised:
+        start_up.start_up(screwsim.load(CONFIGS / "drive/point.yaml"))
+    assert type(raised.value) is KeyboardInterrupt
 
 
 def test_a_folder_that_another_command_removes_meanwhile_is_made_again(started, monkeypatch, tmp_path):

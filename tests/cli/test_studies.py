@@ -91,6 +91,15 @@ def test_json_is_one_document(name, studied, command):
     assert json.loads(answer.out)
 
 
+@pytest.mark.parametrize("as_json", [False, True])
+@pytest.mark.parametrize(("name", "file"), [("optimum", "new.csv"), ("map", "new.json"), ("sensitivity", "new.h5")])
+def test_the_file_that_was_written_is_named_last_and_on_stderr_beside_json(name, file, as_json, studied, command):
+    answer = command(*COMMANDS[name], "-o", file, *(["--json"] if as_json else []))
+    assert answer.code == 0 and (studied / file).is_file()
+    assert (answer.err if as_json else answer.out).splitlines()[-1] == file
+    assert (answer.err == "") != as_json
+
+
 def test_the_optimum_is_told_and_written(studied, command):
     answer = command(*COMMANDS["optimum"], "--from", "0.2", "--to", "5", "-o", "out.h5", "--json")
     found = json.loads(answer.out)
@@ -143,6 +152,20 @@ def test_a_trial_that_fails_is_told_and_an_answer_that_is_missing_ends_with_its_
     assert (answer.code, json.loads(answer.out)["rows"][0]["status"]) == (4, "failed")
     answer = command("sensitivity", "oiled.yaml", "--jobs", "1", "--samples", "16", "--path", "oil_supply.ratio=1..12")
     assert answer.code == 4 and "narrow the ranges" in answer.out
+
+
+@pytest.mark.parametrize(
+    ("name", "rest"),
+    [
+        ("optimum", ("--from", "3 bar")),
+        ("sensitivity", ("--path", "oil_supply.ratio=1")),
+        ("sensitivity", ("--path", "oil_supply.ratio=1..2", "--samples", "3")),
+    ],
+)
+def test_a_refusal_is_one_line_also_where_a_real_gas_would_be_told_its_efficiency(name, rest, studied, command):
+    real = ("--set", "gas={model: real, isentropic_exponent: null}")
+    answer = command(name, "oiled.yaml", *real, *rest)
+    assert (answer.code, answer.out, len(answer.err.splitlines())) == (2, "", 1), answer.err
 
 
 def test_a_border_is_said_with_its_remedy(studied, command):

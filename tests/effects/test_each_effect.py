@@ -1,5 +1,6 @@
 """Every effect alone on the paper's machine: it closes, is explained and accounted for, and vanishes in its limit."""
 
+import pickle
 import re
 import shutil
 import subprocess
@@ -34,6 +35,12 @@ def test_every_effect_of_a_screw_has_a_row():
     of_screws = {name for name, effect in catalogue().items() if effect.fits(MACHINES["twin_screw"])}
     # valves, rings and the cylinder's walls are those of a piston machine
     assert of_screws == {each.effect_of(name) for name in each.ROWS}
+
+
+@each_row("name", catalogue())
+def test_an_effect_that_went_to_another_process_and_back_equals_the_one_that_was_sent(name):
+    effect = catalogue()[name]
+    assert pickle.loads(pickle.dumps(effect)) == effect
 
 
 def test_the_page_has_every_row_as_the_script_has_it():

@@ -20,7 +20,7 @@ from screwsim.model.run import Machinery
 from screwsim.outputs import Result
 from screwsim.scene import Scene
 from screwsim.scene.load import _finish
-from screwsim.scene.yaml_tree import Faults, Node, Position
+from screwsim.scene.yaml_tree import LocatedFaults, Node, Position
 from screwsim.simulate import simulate
 
 BASE: dict[str, Any] = {
@@ -176,7 +176,7 @@ def _run(text: str) -> Result:
 def _read(text: str) -> Scene:
     """Return the scene of a JSON text, which is YAML, too: `loads` takes three times as long for it, most in ruamel."""
     start = Position(0, "<text>", folder=str(Path.cwd()))
-    return _finish(_node(json.loads(text), start), start, (), (), Faults())
+    return _finish(_node(json.loads(text), start), start, (), (), LocatedFaults())
 
 
 def _node(value: Any, place: Position) -> Node:

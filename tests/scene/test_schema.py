@@ -9,7 +9,7 @@ from screwsim.effects import catalogue
 from screwsim.machine.kinds import MACHINES
 from screwsim.scene import loads, schema
 from screwsim.scene.fields import FIXED, SWEEPABLE, leaf_paths
-from screwsim.scene.yaml_tree import Faults, Node, Position, compose
+from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
 
 
 def objects(part, path=""):
@@ -99,7 +99,7 @@ def test_every_path_that_can_vary_is_an_axis():
 
 @pytest.mark.parametrize("canonical", [False, True])
 def test_it_accepts_a_scene(example, canonical):
-    tree = compose(loads(example).text if canonical else example, Position(0, "x"), Faults())
+    tree = compose(loads(example).text if canonical else example, Position(0, "x"), LocatedFaults())
     assert tree is not None
     assert accepts(schema(), plain(tree))
 

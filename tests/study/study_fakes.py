@@ -42,6 +42,11 @@ def gappy(scene: Scene) -> Result:
     return result_of(None) if d < 0.3 else parabola(scene)
 
 
+def steady(scene: Scene) -> Result:
+    """Return a figure that falls with the isentropic exponent."""
+    return result_of(1.0 - 0.1 * scene.gas.isentropic_exponent)
+
+
 def flat(scene: Scene) -> Result:
     """Return the same for every d, within the wanted accuracy."""
     accuracy = scene.numerics.accuracy

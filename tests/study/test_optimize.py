@@ -90,6 +90,15 @@ def test_a_path_that_is_best_at_both_ends_matters():
     assert reach.border and not reach.idle
 
 
+@pytest.mark.parametrize(("high", "told"), [("2", ""), ("4.9", "failed: pressure left the range")])
+def test_at_a_border_it_is_said_whether_there_is_anything_beyond(high, told):
+    """`gappy` has no solution from a ratio of 5 on; the best at 6000 rpm is 6.28."""
+    fast = with_values(scene(), {"operation.speed": 6.0 * RPM * 1000.0})
+    found = optimize(fast, [f"oil_supply.ratio=0.5..{high}"], ["isothermal_efficiency"], simulate=gappy, jobs=1)
+    reach = found.reach["oil_supply.ratio"]
+    assert reach.border == "upper border" and reach.beyond.startswith(told) and bool(reach.beyond) == bool(told)
+
+
 def test_a_path_that_does_nothing_lies_at_no_border():
     """The best of figures that differ by their errors alone is anywhere: here at the lower end."""
     found = optimize(scene(), ["oil_supply.ratio=1..3"], ["isothermal_efficiency"], simulate=idle, jobs=1)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from each_row import each_row
 from result_fakes import SCENE
-from study_fakes import deadly, flat, gappy, parabola, raising, rough, two_tops
+from study_fakes import deadly, flat, gappy, parabola, raising, rough, steady, two_tops
 
 from screwsim.build import build_parts
 from screwsim.inputs.faults import UsageError
@@ -72,6 +72,30 @@ def test_a_minimum_is_found():
 def test_an_optimum_at_the_border_is_said(first, last, place, d):
     (row,) = best_of(parabola, first=first, last=last)
     assert (row.place, row.value) == (place, pytest.approx(d, rel=1e-3))
+
+
+@each_row(
+    ("last", "told"),
+    [
+        ("2", ""),
+        ("4.9", "failed: pressure left the range (choose a smaller gap)"),  # `gappy` has no solution from 5 on
+    ],
+)
+def test_at_a_border_it_is_said_whether_there_is_anything_beyond(last, told):
+    (row,) = best_of(gappy, "sweep:\n  operation.speed: [6000 rpm]\n", first="0.5", last=last)
+    assert (row.place, row.beyond, row.failed) == ("upper border", told, 0)
+
+
+def test_a_border_that_is_one_of_the_key_itself_is_said_with_its_limit():
+    (row,) = best_of(steady, path="gas.isentropic_exponent", first="1.001", last="1.5")
+    assert row.place == "lower border"
+    assert row.beyond.startswith("gas.isentropic_exponent: ") and "at least 1.001" in row.beyond
+
+
+def test_a_best_at_the_edge_of_what_has_solutions_is_told_as_such():
+    (row,) = best_of(gappy, "sweep:\n  operation.speed: [6000 rpm]\n", first="0.5", last="10")
+    assert row.place == "inside" and row.value == pytest.approx(5.0, rel=1e-3)
+    assert row.beyond == "failed: pressure left the range (choose a smaller gap)"
 
 
 def test_every_local_optimum_is_told_the_highest_first():

@@ -62,6 +62,14 @@ def test_a_goal_beyond_the_range_is_said_with_how_far_the_search_came():
     assert found.solutions <= 12
 
 
+def test_of_a_border_beyond_which_nothing_is_simulated_it_is_said_in_place_of_widen():
+    """`torn` has no solution from 2500 rpm on, where it would reach 0.833 kg/s."""
+    found = find(scene(), [f"{SPEED}=1000 rpm..2490 rpm"], ["gas_mass_flow=0.9 kg/s"], simulate=torn)
+    assert (found.status, found.borders) == ("none", {SPEED: "upper border"})
+    end = "its upper border, and beyond there is no solution: failed: pressure left the range (choose a smaller gap)"
+    assert found.message.endswith(end)
+
+
 def test_a_figure_that_turns_before_its_goal_is_followed_to_where_it_turns():
     found = find(scene(), [RANGE], ["gas_mass_flow=1.01 kg/s"], simulate=turning)
     assert (found.status, found.borders) == ("none", {})

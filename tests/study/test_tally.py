@@ -2,10 +2,12 @@
 
 import multiprocessing
 import pickle
+import time
 
 import pytest
 
-from screwsim.study.progress import CountingProgress, Progress
+from screwsim.study.parallel import parallel_map
+from screwsim.study.progress import CountingProgress, Progress, TolerantProgress
 from screwsim.study.tally import SHOWN_EVERY, Place, Tally, no_mark
 
 
@@ -102,3 +104,29 @@ def test_a_sweep_and_an_optimisation_show_cases_before_a_chunk_is_finished(seen,
         rough, ["oil_supply.ratio=1..2"], ["isothermal_efficiency"], evaluations=13, jobs=1, progress=other
     )
     assert {1, 2, 3, 5, 8} <= set(other.shown) and other.shown[-1] == 13
+
+
+def _slower_and_slower(number):
+    time.sleep(0.15 if number > 3 else 1e-3)  # so that the later ones come in chunks
+    return number
+
+
+def test_a_study_on_workers_shows_points_before_a_chunk_is_finished_and_each_of_them_once(seen, monkeypatch):
+    ahead = []
+    show = seen.solving
+    monkeypatch.setattr(seen, "solving", lambda cases: (ahead.append(cases), show(cases)))
+    assert parallel_map(_slower_and_slower, 16, died=lambda number: -1, jobs=2, progress=seen) == list(range(16))
+    assert max(ahead) > 0 and ahead[-1] == 0
+    assert seen.shown == sorted(seen.shown) and seen.shown[-1] == 16
+
+
+def test_what_was_solved_in_a_chunk_that_was_never_finished_is_counted():
+    counted = TolerantProgress(Progress())
+    counted.start(7, 1)
+    counted.advance(1, 0)
+    counted.solving(3)
+    counted.more(2)
+    assert counted.counts == (5, 9)
+    counted.solving(0)  # as at the end of an interrupted study
+    counted.stop()
+    assert counted.counts == (5, 9)

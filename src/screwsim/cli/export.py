@@ -271,7 +271,7 @@ def loads(
     as_json: AsJson = False,
 ) -> int:
     """Write loads and noise sources: forces on rotors and bearings, flows in both lines, spectra, rotor surfaces."""
-    options.check_folder_name(output)
+    options.check_folder(output)
     from screwsim.export.loads import loads, protect_other_loads, write_loads
     from screwsim.export.source import run_of, spans_of
     from screwsim.printing.export import loads_document, print_loads

@@ -19,7 +19,7 @@ def rotors(
     as_json: AsJson = False,
 ) -> None:
     """Print and draw the rotor geometry that follows from a scene's profile."""
-    options.check_folder_name(folder)
+    options.check_folder(folder)
     scene = options.base_point(options.loaded_scene(scene_file, overrides, None), scene_file)
     from screwsim.printing import print_json
     from screwsim.report.rotors_scene import document, table_text, write
@@ -32,7 +32,8 @@ def rotors(
     if as_json:
         print_json(document(scene, files))
     else:
-        say("\n".join([text, *files]))
+        say(text)
+        options.print_files(files)
 
 
 def plot(
@@ -44,12 +45,11 @@ def plot(
     ] = None,
 ) -> None:
     """Draw the figures of a results file."""
-    options.check_folder_name(Path(folder) if folder is not None else None)
+    options.check_folder(Path(folder) if folder is not None else None)
     from screwsim.report import plot as drawn
 
     if measured is None:
-        for path in drawn(results_file, folder):
-            say(path)
+        options.print_files(drawn(results_file, folder))
         return
     from screwsim.printing.tables import wrapped
     from screwsim.report.indicated import check_angles, deviation_in_words, read_indicated
@@ -62,9 +62,9 @@ def plot(
             f"{results_file}: holds no cycle to compare (run stores one; a sweep does with output.keep: cycle)"
         )
     check_angles(points, trace)
-    for path in drawn(results_file, folder, points):
-        say(path)
+    files = drawn(results_file, folder, points)
     say(wrapped(deviation_in_words(points, trace)))
+    options.print_files(files)
 
 
 def scene(
@@ -80,7 +80,10 @@ def scene(
     if output is not None and output.exists():
         raise UsageError(f"-o {output}: already exists and is not overwritten (choose another name, or remove it)")
     text = stored_scene(open_results(results_file))
-    say(text.rstrip("\n") if output is None else write_text(output, text))
+    if output is None:
+        say(text.rstrip("\n"))
+        return
+    options.print_files([write_text(output, text)])
 
 
 def report(
@@ -89,13 +92,14 @@ def report(
     other: Annotated[Text, option("OTHER.h5", "The paper's other sweep; its claims need both.", "--with")] = None,
 ) -> None:
     """Make one HTML page of a results file: figures, cycles, checks, scene; it opens offline in any browser."""
-    if output is not None:
-        options.check_page(Path(output))
     from screwsim.report.page import report as made
+    from screwsim.results import open_results
     from screwsim.study.claims import claims_of
 
+    open_results(results_file)  # a file that is missing is told before a place that cannot be written
     target = output or str(Path(results_file).with_suffix(".html"))
-    say(made(results_file, target, claims_of(results_file, other)))
+    options.check_page(Path(target))
+    options.print_files([made(results_file, target, claims_of(results_file, other))])
 
 
 def validate(
@@ -109,7 +113,7 @@ def validate(
     as_json: AsJson = False,
 ) -> int:
     """Compare computed results with published references. A failed comparison still exits with 0."""
-    options.check_folder_name(output)
+    options.check_folder(output)
     from screwsim.printing import print_json, write_json
     from screwsim.report.validation import draw
     from screwsim.results.atomic import make_folder
@@ -135,8 +139,7 @@ def validate(
         make_folder(output)
         written = [write_json(found, output / "validation.json")]
         written += [write_json(errors, output / "model_errors.json")] if errors else []
-        for path in (*written, *draw(found, output)):
-            say(path, err=as_json)
+        options.print_files([*written, *draw(found, output)], as_json)
     if stopped:
         return options.INTERRUPTED
     return OK if all(each.comparison is not None for each in outcomes) else NOT_ALL_OK

@@ -13,7 +13,6 @@ from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, option, switch
 from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without
 from screwsim.inputs.faults import UsageError
-from screwsim.screen import say
 
 RPM = math.pi / 30.0
 LEAST_CREEP = 0.1  # [rpm] slowest start
@@ -68,24 +67,27 @@ def startup(
     as_json: AsJson = False,
 ) -> int:
     """Start a machine that has a drive, against the discharge pressure."""
-    options.check_folder_name(folder)
+    options.check_folder(folder)
     slow = _creep_speed(creep)
     scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
     from screwsim.printing.machine import TRACES, print_startup, protect_other_traces, write_traces
     from screwsim.report.drive import draw_start
     from screwsim.results.atomic import make_folder
-    from screwsim.solve.start_up import INTERRUPTED, start_up
+    from screwsim.solve.start_up import INTERRUPTED, InterruptedStart, start_up
 
     if folder is not None:
         make_folder(folder)
         protect_other_traces(folder / TRACES)
-    with _shown_speed() as told:
-        found = start_up(scene, slow, longest, told)
+    try:
+        with _shown_speed() as told:
+            found = start_up(scene, slow, longest, told)
+    except InterruptedStart as pressed:
+        found = pressed.found
     options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_startup, scene.title, found)
     if folder is not None and found.traces:
         make_folder(folder)  # again: another command may have removed the one that it had made and that was still empty
-        for path in (write_traces(folder / TRACES, found), *draw_start(found, scene.title, folder)):
-            say(path, err=as_json)
+        written = [write_traces(folder / TRACES, found), *draw_start(found, scene.title, folder)]
+        options.print_files(written, as_json)
     if found.status == INTERRUPTED:
         return options.INTERRUPTED
     return OK if found.status == "ok" else NOT_ALL_OK
@@ -146,5 +148,5 @@ def datasheet(
     if output is not None:
         from screwsim.report.datasheet import write_sheet
 
-        say(write_sheet(sheet, output), err=as_json)
+        options.print_files([write_sheet(sheet, output)], as_json)
     return OK if sheet.ok else NOT_ALL_OK

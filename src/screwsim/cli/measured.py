@@ -3,9 +3,17 @@
 from typing import Annotated
 
 from screwsim.cli.declare import File, Texts, argument, option
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, check_target, print_document_or_text, progress_bar
+from screwsim.cli.options import (
+    NOT_ALL_OK,
+    OK,
+    AsJson,
+    Jobs,
+    check_target,
+    print_document_or_text,
+    print_files,
+    progress_bar,
+)
 from screwsim.inputs.faults import UsageError
-from screwsim.screen import say
 
 FitFile = Annotated[str, argument("FIT", "Machine, parameters and points: a fit's YAML file.")]
 OtherScene = Annotated[
@@ -69,5 +77,5 @@ def plan(
     found = planned(fit, points, count=count, jobs=jobs, progress=progress_bar("plan"))
     print_document_or_text(as_json, plan_document, print_plan, found)
     if output is not None and found.steps:
-        say(write_plan(output, found), err=as_json)
+        print_files([write_plan(output, found)], as_json)
     return OK if found.status == "ok" else NOT_ALL_OK

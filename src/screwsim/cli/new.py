@@ -109,3 +109,6 @@ def _check_free(output: Path) -> None:
         raise UsageError(f"-o {output}: is named like a fit or a two-stage file (choose another name)")
     if output.exists():
         raise UsageError(f"-o {output}: already exists and is not overwritten (choose another name, or remove it)")
+    from screwsim.results.atomic import check_writable
+
+    check_writable(output)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -61,7 +61,7 @@ def print_document_or_text(
 
 
 def check_results(output: Path) -> None:
-    """Raise UsageError where a name for results has another file's ending than HDF5, or is that of a folder."""
+    """Raise UsageError where a name for results has another ending than HDF5, is a folder's, or cannot be written."""
     if output.suffix and output.suffix.lower() not in RESULTS:
         good = output.with_suffix(RESULTS[0])
         also = "; screwsim report makes a page of it" if output.suffix.lower() in PAGES else ""
@@ -70,12 +70,22 @@ def check_results(output: Path) -> None:
         )
     if output.is_dir():
         raise UsageError(f"-o {output}: is a folder (name a file in it, e.g. -o {output / 'out.h5'})")
+    _check_writable(output)
+
+
+def _check_writable(output: Path) -> None:
+    from screwsim.results.atomic import check_writable
+
+    check_writable(output)
 
 
 def check_target(output: Path | None, *endings: str) -> None:
-    """Raise UsageError unless the file name has one of the endings."""
-    if output is not None and output.suffix.lower() not in endings:
+    """Raise UsageError unless the file name has one of the endings, and can be written."""
+    if output is None:
+        return
+    if output.suffix.lower() not in endings:
         raise UsageError(f"-o {output}: needs an ending that states its format (one of {', '.join(endings)})")
+    _check_writable(output)
 
 
 def check_columns(output: Path | None, title: str, *names: str) -> None:
@@ -88,7 +98,7 @@ def check_columns(output: Path | None, title: str, *names: str) -> None:
 
 
 def check_page(output: Path) -> None:
-    """Raise UsageError where a page's file name has another ending, or the file there is not a page."""
+    """Raise UsageError where a page's file name has another ending, is not a page's, or cannot be written."""
     from screwsim.results.protection import PAGE, protect_unmarked
 
     protect_unmarked(output, PAGE)
@@ -97,13 +107,19 @@ def check_page(output: Path) -> None:
         raise UsageError(
             f"-o {output}: a page is written, so the name must end in {' or '.join(PAGES)} (write -o {good})"
         )
+    _check_writable(output)
 
 
-def check_folder_name(folder: Path | None) -> None:
-    """Raise UsageError where a folder's name is that of a file, by its ending or because a file is there."""
-    if folder is not None and (folder.suffix.lower() in FILES or folder.is_file()):
+def check_folder(folder: Path | None) -> None:
+    """Raise UsageError where a folder's name is that of a file, by its ending or on disk, or cannot be written to."""
+    if folder is None:
+        return
+    if folder.suffix.lower() in FILES or folder.is_file():
         good = folder.with_suffix("") if folder.suffix else folder.with_name(f"{folder.name}_files")
         raise UsageError(f"-o {folder}: several files are written, so name a folder (e.g. -o {good})")
+    from screwsim.results.atomic import check_writable_folder
+
+    check_writable_folder(folder)
 
 
 def check_place(output: Path) -> None:
@@ -115,6 +131,12 @@ def check_place(output: Path) -> None:
     check_results(output)
     if has_content(output) and open_results(output).shape:
         raise UsageError(f"{output}: holds results of a sweep (choose another -o, or remove it)")
+
+
+def print_files(files: Iterable[Path | str], as_json: bool = False) -> None:
+    """Print the names of the files that a command wrote, below all else; on stderr beside a JSON document."""
+    for file in files:
+        say(str(file), err=as_json)
 
 
 def base_point(scene: Scene, file: str) -> Scene:

@@ -99,6 +99,7 @@ def run(
             from screwsim.printing.measured import print_measured
 
             print_measured(scene, result, found)
+    options.print_files([] if output is None else [output], as_json)
     return OK if result.status == "ok" and not (found and found.none) else NOT_ALL_OK
 
 
@@ -140,13 +141,15 @@ def _run_stages(
             told = "tolerances are ignored (screwsim run of that scene shows their effect)"
             say(f"{file}: the {name} scene's {told}", err=True)
     found = run_stages(chain)
-    if places and found.scenes:
+    written = places if found.scenes else []
+    if written:
         from screwsim.results import save
         from screwsim.study.point import kept_slopes
 
         for place, scene, result in zip(places, found.scenes, found.stages, strict=True):
             save(place, scene, result, derivatives=kept_slopes(scene, result))
     options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_stages, chain.title, found)
+    options.print_files(written, as_json)
     return OK if found.status == "ok" else NOT_ALL_OK
 
 
@@ -238,7 +241,7 @@ def accuracy(
     if is_stages(scene_file):
         raise UsageError(f"{scene_file}: describes two stages, and accuracy needs one scene (name that of one stage)")
     scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
-    options.check_folder_name(folder)
+    options.check_folder(folder)
     from screwsim.cli.interruption import counted_progress
     from screwsim.report.accuracy import draw
     from screwsim.results.atomic import make_folder
@@ -255,6 +258,5 @@ def accuracy(
     say(words.report(found))
     if folder is not None:
         make_folder(folder)  # again: another command may have removed the one that it had made and that was still empty
-        for path in (*files.write(found, folder), *draw(found, folder)):
-            say(path)
+        options.print_files([*files.write(found, folder), *draw(found, folder)])
     return OK

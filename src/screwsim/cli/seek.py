@@ -59,11 +59,13 @@ def find(
     found = rows[0]
     if output is not None and table:
         write_find(output, scene, asked, rows)
+        options.print_files([output], as_json)
     elif output is not None and found.scene is not None:
         values = {varied[0]: found.size.value} if found.size else found.values
         wanted = ", ".join(f"--for '{text}'" for text in goals or ())
         told = f"find {Path(scene_file).name} --vary {', '.join(varied)} {wanted}"
-        say(write_found(output, found.scene, values, scene_file, overrides or (), without or (), told), err=True)
+        written = write_found(output, found.scene, values, scene_file, overrides or (), without or (), told)
+        options.print_files([written], as_json)
     return OK if all(row.status == "ok" for row in rows) else NOT_ALL_OK
 
 
@@ -125,10 +127,12 @@ def optimize(
         check_scene_file(best, "--best")
     found = run_question(asked, output, jobs=jobs, restart=restart, progress=options.progress_bar("optimize"))
     options.print_document_or_text(as_json, optimize_document, print_optimize, found)
+    written = [] if output is None else [str(output)]
     if best is not None and found.scene is not None:
         told = f"optimize {Path(scene_file).name} --vary {', '.join(span.path for span in asked.spans)}"
         values = rounded_values(found)
-        say(write_found(best, found.scene, values, scene_file, overrides or (), without or (), told), err=True)
+        written.append(write_found(best, found.scene, values, scene_file, overrides or (), without or (), told))
+    options.print_files(written, as_json)
     return OK if found.status == "ok" else NOT_ALL_OK
 
 

@@ -43,15 +43,16 @@ def optimum(
     from screwsim.study.optimum import optimum as found
     from screwsim.study.optimum import question
 
-    if figure is None and (told := efficiency_note(scene)):
-        typer.echo(f"optimum: {told}", err=True)
     asked = question(scene, path, figure, minimum=minimum, first=first, last=last)
     options.check_columns(output, "optimum of", "accuracy", "solutions", "failed_solutions", "place")
+    if figure is None and (told := efficiency_note(scene)):
+        typer.echo(f"optimum: {told}", err=True)
     with counted_progress("optimum", "rows") as shown:
         rows = found(scene, asked, jobs=jobs, progress=shown)
+    options.print_document_or_text(as_json, optimum_document, print_optimum, scene, asked, rows)
     if output is not None:
         write_optimum(output, scene, asked, rows)
-    options.print_document_or_text(as_json, optimum_document, print_optimum, scene, asked, rows)
+        options.print_files([output], as_json)
     return OK if all(row.status == "ok" for row in rows) else NOT_ALL_OK
 
 
@@ -91,13 +92,14 @@ def performance_map(
         protect_other_maps(output)
     maps = performance_maps(results, tuple(dict.fromkeys(figures or ())))
     found = points_at(results, maps, points or ())
-    if output is not None:
-        write_maps(output, results, maps)
     if found:
         options.print_document_or_text(as_json, points_document, print_points, results, found)
-        return OK
-    options.print_document_or_text(as_json, map_document, print_maps, results, maps)
-    return OK if not any(each.message or each.not_ok for each in maps) else NOT_ALL_OK
+    else:
+        options.print_document_or_text(as_json, map_document, print_maps, results, maps)
+    if output is not None:
+        write_maps(output, results, maps)
+        options.print_files([output], as_json)
+    return OK if found or not any(each.message or each.not_ok for each in maps) else NOT_ALL_OK
 
 
 def sensitivity(
@@ -137,23 +139,25 @@ def sensitivity(
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
     from screwsim.printing.tables import wrapped
     from screwsim.study.inputs import efficiency_note
-    from screwsim.study.sensitivity import cost_in_words, usual_samples
+    from screwsim.study.sensitivity import check_samples, cost_in_words, usual_samples
     from screwsim.study.sensitivity import sensitivity as studied
     from screwsim.study.spans import read_ranges
 
     options.check_columns(output, "Sobol indices", "figure", "path", "first_order", "total")
     names = tuple(dict.fromkeys(figures or ()))
-    if not names and (told := efficiency_note(scene)):
-        typer.echo(f"sensitivity: {told}", err=True)
     ranges = read_ranges(scene, paths or ())
     samples = usual_samples(len(ranges)) if samples is None else samples
+    check_samples(len(ranges), samples)
+    if not names and (told := efficiency_note(scene)):
+        typer.echo(f"sensitivity: {told}", err=True)
     if sys.stderr.isatty():
         say(wrapped(f"sensitivity: {cost_in_words(len(ranges), samples)}"), err=True)
     with counted_progress("sensitivity", "solutions") as shown:
         found = studied(scene, ranges, names, samples=samples, seed=seed, jobs=jobs, progress=shown)
+    options.print_document_or_text(as_json, sensitivity_document, print_sensitivity, scene, found)
     if output is not None and not found.message:
         write_sensitivity(output, found)
-    options.print_document_or_text(as_json, sensitivity_document, print_sensitivity, scene, found)
+        options.print_files([output], as_json)
     return OK if not found.message else NOT_ALL_OK
 
 
@@ -194,9 +198,10 @@ def _local_sensitivity(
     names = [figure_of(scene, name) for name in figures]
     with counted_progress("sensitivity", "solutions") as shown:
         found = sensitivities(scene, places, names, jobs=jobs, progress=shown)
+    options.print_document_or_text(as_json, local_document, partial(print_local, chosen=names), scene, found)
     if output is not None and found.derivatives:
         write_local(output, scene, found)
-    options.print_document_or_text(as_json, local_document, partial(print_local, chosen=names), scene, found)
+        options.print_files([output], as_json)
     return OK if found.result.status == "ok" else NOT_ALL_OK
 
 
@@ -212,7 +217,7 @@ def compare(
     as_json: AsJson = False,
 ) -> int:
     """Compare two results files. A difference still exits with 0."""
-    options.check_folder_name(folder)
+    options.check_folder(folder)
     from screwsim.printing.compare import comparison_document, print_comparison, write_comparison
     from screwsim.results import open_results
     from screwsim.study.compare import compare as compared
@@ -220,8 +225,8 @@ def compare(
     a, b = open_results(first), open_results(second)
     found = compared(a, b, tolerance)
     options.print_document_or_text(as_json, comparison_document, print_comparison, a, b, found)
-    for path in () if folder is None else write_comparison(a, b, folder):
-        say(path, err=as_json)
+    if folder is not None:
+        options.print_files(write_comparison(a, b, folder), as_json)
     return OK
 
 
@@ -239,7 +244,7 @@ def calibrate(
     as_json: AsJson = False,
 ) -> int:
     """Fit parameters of a scene to measured points, and report how well the data fix them."""
-    options.check_folder_name(folder)
+    options.check_folder(folder)
     from screwsim.printing import print_json
     from screwsim.printing.calibration import calibration_document, check_folder, print_calibration, write_calibration
     from screwsim.printing.posterior import posterior_document, print_posterior, protect_other_samples, write_posterior
@@ -269,8 +274,8 @@ def calibrate(
         if wide is not None:
             print_posterior(found, wide)
     if folder is not None:
-        for path in write_calibration(found, folder) + ([] if wide is None else write_posterior(found, wide, folder)):
-            say(path, err=as_json)
+        more = [] if wide is None else write_posterior(found, wide, folder)
+        options.print_files([*write_calibration(found, folder), *more], as_json)
     if found.status == "interrupted":
         say(found.message, err=True)
         return options.INTERRUPTED
@@ -296,7 +301,7 @@ def tolerance(
     as_json: AsJson = False,
 ) -> int:
     """Find how length errors of a slider-crank change its motion and, by Monte Carlo, the compressor."""
-    options.check_folder_name(folder)
+    options.check_folder(folder)
     scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
     from screwsim.cli.interruption import counted_progress
     from screwsim.printing.machine import print_tolerance, tolerance_document
@@ -312,6 +317,5 @@ def tolerance(
         from screwsim.report.slider_crank import draw_machine
 
         deviations = {each.figure: found.values[each.figure] / each.nominal - 1.0 for each in found.spreads}
-        for path in draw_machine(found.links, (found.table, found.shifts, deviations), folder):
-            say(path, err=as_json)
+        options.print_files(draw_machine(found.links, (found.table, found.shifts, deviations), folder), as_json)
     return OK if not found.failed else NOT_ALL_OK

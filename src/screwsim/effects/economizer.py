@@ -326,6 +326,11 @@ def _between(parameters: Parameters, T: float, facts, stated: str) -> Faults:
         yield Fault(f"effects.{NAME}.{stated}", f"{what} (choose a value between)")
 
 
+def check_geometry(parameters: Parameters, geometry) -> Faults:
+    """Yield a fault where the window extends beyond the chamber's life."""
+    yield from check_within(NAME, parameters, geometry)
+
+
 EFFECT = Effect(
     name=NAME,
     title="vapour from an economizer, through a port into a closed chamber",
@@ -334,7 +339,7 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
-    check_geometry=partial(check_within, NAME),
+    check_geometry=check_geometry,
     needs=frozenset({HOLES}),
     figures=FIGURES,
     warnings=warnings,

@@ -26,7 +26,7 @@ from screwsim.scene.tolerances import tolerance_text
 from screwsim.scene.units import Refused
 from screwsim.scene.values import convert, shown, text_of
 from screwsim.scene.write import quoted
-from screwsim.scene.yaml_tree import Faults, Position, compose
+from screwsim.scene.yaml_tree import LocatedFaults, Position, compose
 from screwsim.study.scene_files import lines_of, put
 
 # kinds of fields; only the command may state a fluid, a file or a word
@@ -120,7 +120,7 @@ def modules_of(names: Iterable[str]) -> list[str]:
 def _base_of(path: str) -> str | None:
     """Return the path of the base of a scene's file; None where it has none."""
     try:
-        root = compose(read_text(path, MOST_YAML), Position(0, path), Faults())
+        root = compose(read_text(path, MOST_YAML), Position(0, path), LocatedFaults())
     except Unreadable:
         return None
     base = root.value.get("base") if root is not None and isinstance(root.value, dict) else None

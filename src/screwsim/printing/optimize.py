@@ -9,6 +9,7 @@ from screwsim.figures.engineering import error_text, figure_text, shown_name
 from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.warning_kinds import kinds_of
 from screwsim.screen import say
+from screwsim.study.beyond import LOWER, UPPER, border_note
 from screwsim.study.inputs import shown_number, shown_value
 from screwsim.study.optimize import EquallyGoodRange, Optimum, Question
 from screwsim.study.seek import VALUE_DIGITS
@@ -102,7 +103,7 @@ def _print_best(found: Optimum) -> None:
     rows = []
     for path, value in found.values.items():
         reach = found.reach[path]
-        mark = {"lower border": " <", "upper border": " >"}.get(reach.border, "")
+        mark = {LOWER: " <", UPPER: " >"}.get(reach.border, "")
         rows.append([path, shown_value(asked.scene, path, value, VALUE_DIGITS) + mark, _reach(found, path, reach)])
     print_table(["", "best", "as good"], rows, 1)
     value, error = found.aims[row, 0], found.errors[row, 0]
@@ -113,7 +114,7 @@ def _print_best(found: Optimum) -> None:
         say("\n".join(_points(found)))
     for path, reach in found.reach.items():
         if reach.border:
-            say(wrapped(f"{path} lies at the {reach.border} of its range; a better value may lie beyond, so widen it"))
+            say(wrapped(f"{path}: {border_note(reach.border, reach.beyond)}"))
         if reach.idle:
             say(wrapped(f"{path} has hardly any effect: equally good values were found over all of its range"))
     for place, height in found.others:

@@ -11,6 +11,7 @@ from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.screen import say
+from screwsim.study.beyond import LOWER, UPPER, border_note
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.inputs import shown_number, shown_value
 from screwsim.study.optimum import Best, Question
@@ -56,7 +57,7 @@ def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> li
         return [*head, row.status, "", "", "", "", str(row.solutions)]
     number, unit = engineering(asked.figure, row.figure)
     low, high = (shown_number(scene, asked.path, end) for end in (row.low, row.high))
-    mark = {"lower border": " <", "upper border": " >"}.get(row.place or "", "")
+    mark = {LOWER: " <", UPPER: " >"}.get(row.place or "", "")
     place = [shown_value(scene, asked.path, row.value, 4) + mark, f"{low} … {high}", f"{number} {unit}".strip()]
     error = f"{row.error / abs(row.figure):.0e}" if row.figure else ""
     return [*head, *place, error, f"{row.accuracy:.0e}", str(row.solutions)]
@@ -65,9 +66,10 @@ def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> li
 def _notes(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> Iterator[str]:
     where = ", ".join(shown_value(scene, path, row.values[path]) for path in paths)
     where = f"{where}: " if where else ""
-    if row.place in ("lower border", "upper border"):
-        option = "--from" if row.place == "lower border" else "--to"
-        yield f"{where}at the {row.place} of the range; a better value may lie beyond, so widen it ({option})"
+    if row.place in (LOWER, UPPER):
+        yield where + border_note(row.place, row.beyond, " (--from)" if row.place == LOWER else " (--to)")
+    elif row.beyond:
+        yield f"{where}at the edge of the values that have a solution: {row.beyond}"
     if row.place == "anywhere":
         yield f"{where}{asked.path} has hardly any effect: equally good values were found over all of its range"
     for value, figure in row.others:
@@ -98,6 +100,7 @@ def write_optimum(path: Path, scene: Scene, asked: Question, rows: Sequence[Best
         "failed": ("failed_solutions", "1", "number of solutions that failed or did not close"),
         "status": ("status", "", "ok or failed"),
         "place": ("place", "", "inside the range, or the border it lies at"),
+        "beyond": ("beyond", "", "why there is no solution next to the best value, where there is none"),
         "message": ("message", "", "why solutions failed"),
     }
     for name, (column, unit, meaning) in meanings.items():

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
-from screwsim.results.atomic import make_folder, write_text
+from screwsim.results.atomic import check_writable, make_folder, write_text
 from screwsim.results.protection import PAGE, PDF, protect_unmarked
 from screwsim.version import version
 
@@ -24,12 +24,13 @@ LONG_HEADS = 42  # characters of a table's heads from which units move below, so
 
 
 def check_sheet(output: Path) -> None:
-    """Raise UsageError where a sheet's file name is neither HTML nor PDF, or the file there is another's."""
+    """Raise UsageError where a sheet's file name is neither HTML nor PDF, another's, or cannot be written."""
     mark = {".pdf": PDF, ".html": PAGE, ".htm": PAGE}.get(output.suffix.lower())
     if mark is None:
         good = " or ".join(str(output.with_suffix(ending)) for ending in (".html", ".pdf"))
         raise UsageError(f"-o {output}: a data sheet is an HTML page or a PDF (write -o {good})")
     protect_unmarked(output, mark)
+    check_writable(output)
 
 
 def write_sheet(sheet: Any, output: Path) -> str:

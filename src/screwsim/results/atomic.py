@@ -142,10 +142,39 @@ def make_folder(folder: Path) -> None:
     """
     with refused(folder):
         whole = Path(os.path.abspath(folder))
+        file = next((each for each in (whole, *whole.parents) if each.is_file()), None)
+        if file is not None:
+            what = f"{file} is a file, not a folder"
+            raise UsageError(f"{folder}: cannot be written: {what} (choose another place with -o)")
         missing = [each for each in (whole, *whole.parents) if not os.path.lexists(each)]
         folder.mkdir(parents=True, exist_ok=True)
         if missing:
             atexit.register(_remove_empty, missing, os.getpid())
+
+
+def check_writable(path: Path) -> None:
+    """Raise UsageError, in one line, where the system refuses to write a file there: before the work, not after it.
+
+    The folders above it are made, and an empty file beside it, which is removed at once.
+    """
+    path = link_target(path)
+    make_folder(path.parent)
+    with refused(path):
+        _try_file(temporary_name(path))
+
+
+def check_writable_folder(folder: Path) -> None:
+    """Raise UsageError, in one line, where the system refuses to make a folder, or to write files into it."""
+    make_folder(folder)
+    with refused(folder):
+        _try_file(temporary_name(folder / "trial"))
+
+
+def _try_file(trial: Path) -> None:
+    try:
+        trial.touch()
+    finally:
+        remove(trial)
 
 
 def _remove_empty(folders: Sequence[Path], process: int) -> None:

@@ -15,7 +15,7 @@ from typing import Any
 from screwsim.figures import known
 from screwsim.numerics import sources
 from screwsim.numerics.trial import import_own_module
-from screwsim.scene.yaml_tree import Faults, Node, Position, compose
+from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
 from screwsim.version import release
 
 LIBRARIES = ("CoolProp", "llvmlite", "numpy", "scipy")
@@ -83,7 +83,7 @@ def changed_values(stored: Mapping[str, str], wanted: Mapping[str, str]) -> str:
 
 def scene_values(text: str, file: str, left_out: tuple[str, ...] = ()) -> dict[str, str]:
     """Return {dotted path: text} of a scene's canonical text from a file, without the sections `left_out`."""
-    root = compose(text, Position(0, file), Faults())
+    root = compose(text, Position(0, file), LocatedFaults())
     return {} if root is None else dict(_leaves(root, "", left_out))
 
 

@@ -17,7 +17,7 @@ from screwsim.scene.sections import read_leaf
 from screwsim.scene.tolerances import tolerance_sign
 from screwsim.scene.units import Refused, customary_unit, to_customary
 from screwsim.scene.values import convert, shown, text_of
-from screwsim.scene.yaml_tree import Faults, Node, join
+from screwsim.scene.yaml_tree import LocatedFaults, Node, join
 
 LONGEST_AXIS = 100_000  # values; more is taken for a typing error
 SPACING = Leaf("choice", "spacing of the values", "linear", {"options": ("linear", "log")})
@@ -28,7 +28,7 @@ _RANGE = "write {from: …, to: …, count: …}"
 _COLUMN = "write {file: x.csv, column: …}"
 
 
-def read_axis(leaf: Leaf, node: Node, path: str, problems: Faults, distinct: bool = True) -> tuple[Any, ...]:
+def read_axis(leaf: Leaf, node: Node, path: str, problems: LocatedFaults, distinct: bool = True) -> tuple[Any, ...]:
     """Return the values of an axis; where they must be `distinct`, a repeated one is a fault."""
     if isinstance(node.value, dict):
         read = _column if "file" in node.value else _range
@@ -52,7 +52,7 @@ def read_axis(leaf: Leaf, node: Node, path: str, problems: Faults, distinct: boo
     return tuple(good)
 
 
-def _item(leaf: Leaf, node: Node, path: str, problems: Faults) -> Any:
+def _item(leaf: Leaf, node: Node, path: str, problems: LocatedFaults) -> Any:
     """Return one value of a list, or None after its fault was added."""
     if isinstance(node.value, str) and tolerance_sign(node.value):
         remedy = (
@@ -82,7 +82,7 @@ def example(leaf: Leaf) -> str:
 
 
 def read_fields(
-    fields: Mapping[str, Leaf], node: Node, path: str, problems: Faults, remedy: str, also: tuple[str, ...] = ()
+    fields: Mapping[str, Leaf], node: Node, path: str, problems: LocatedFaults, remedy: str, also: tuple[str, ...] = ()
 ) -> dict[str, Any] | None:
     """Return the values of a small mapping, or None after faults were added; the names `also` are read elsewhere."""
     if not isinstance(node.value, dict):
@@ -104,7 +104,7 @@ def read_fields(
     return given if len(problems) == before else None
 
 
-def _range(leaf: Leaf, node: Node, path: str, problems: Faults) -> list[Any]:
+def _range(leaf: Leaf, node: Node, path: str, problems: LocatedFaults) -> list[Any]:
     """Return the values of {from, to, count, spacing}, or an empty list after faults were added."""
     if leaf.kind in OF_WORDS:
         problems.add(node.place, path, OF_WORDS[leaf.kind])
@@ -148,7 +148,7 @@ def _rounded(leaf: Leaf, number: float) -> Any:
     return convert(leaf, f"{text} {customary_unit(kind)}" if kind else float(text))
 
 
-def _column(leaf: Leaf, node: Node, path: str, problems: Faults) -> list[Any]:
+def _column(leaf: Leaf, node: Node, path: str, problems: LocatedFaults) -> list[Any]:
     """Return the values of {file, column, unit}: a column of a CSV file whose first line names the columns."""
     required = dataclasses.replace(_WORD, default=dataclasses.MISSING)
     given = read_fields({"file": required, "column": required, "unit": _WORD}, node, path, problems, _COLUMN)

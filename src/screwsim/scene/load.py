@@ -28,7 +28,17 @@ from screwsim.scene.types import STANDARD_ATMOSPHERE, Scene
 from screwsim.scene.units import Refused, gauge_pressures_over, parse_quantity
 from screwsim.scene.values import shown
 from screwsim.scene.write import DICT_NAME, scene_text, yaml_text
-from screwsim.scene.yaml_tree import Faults, LocatedFault, Node, Position, child_of, compose, merge, one_line, pointer
+from screwsim.scene.yaml_tree import (
+    LocatedFault,
+    LocatedFaults,
+    Node,
+    Position,
+    child_of,
+    compose,
+    merge,
+    one_line,
+    pointer,
+)
 
 OVERRIDE = 1_000_000  # rank of the first override, above those of all files
 SET = "--set "  # prefix of an override in messages
@@ -53,7 +63,7 @@ def load(
     if isinstance(path, Mapping):
         return loads(yaml_text(path), DICT_NAME, overrides=overrides, without=without)
     name = shipped_name(path)
-    problems = Faults()
+    problems = LocatedFaults()
     start = Position(0, name, folder=os.path.dirname(os.path.abspath(name)))
     root = _read_file(name, start, (os.path.realpath(name),), problems)
     return _finish(root, start, overrides, without, problems, stage)
@@ -72,7 +82,7 @@ def loads(
 
     `told` is put before an override in messages about its faults.
     """
-    problems = Faults()
+    problems = LocatedFaults()
     start = Position(0, name, folder=os.path.abspath(folder))
     return _finish(_read_text(text, start, (), problems), start, overrides, without, problems, told=told)
 
@@ -82,7 +92,7 @@ def _finish(
     start: Position,
     overrides: Iterable[str],
     without: Iterable[str],
-    problems: Faults,
+    problems: LocatedFaults,
     stage: str = "",
     told: str = SET,
 ) -> Scene:
@@ -96,7 +106,7 @@ def _finish(
     with gauge_pressures_over(_ambient(root)):
         scene = _read(root, start.folder, problems)
     if problems or scene is None:
-        raise Faults(_of_stage(problem, stage) for problem in problems).error()
+        raise LocatedFaults(_of_stage(problem, stage) for problem in problems).error()
     return replace(scene, text=scene_text(scene))
 
 
@@ -109,7 +119,7 @@ def _of_stage(problem: LocatedFault, stage: str) -> LocatedFault:
 
 
 def _read_file(
-    name: str, start: Position, trail: tuple[str, ...], problems: Faults, at: LocatedFault | None = None
+    name: str, start: Position, trail: tuple[str, ...], problems: LocatedFaults, at: LocatedFault | None = None
 ) -> Node | None:
     """Return the tree of a file and its bases; `at` says where and how it was named, `trail` which files led to it."""
     try:
@@ -140,7 +150,7 @@ def _near_file(name: str) -> str | None:
     return None if near is None else os.path.join(folder, near)
 
 
-def _read_text(text: str, start: Position, trail: tuple[str, ...], problems: Faults) -> Node | None:
+def _read_text(text: str, start: Position, trail: tuple[str, ...], problems: LocatedFaults) -> Node | None:
     """Return the tree of a text merged over its base, or None after a fault was added."""
     before = len(problems)
     root = compose(text, start, problems)
@@ -165,7 +175,7 @@ def _read_text(text: str, start: Position, trail: tuple[str, ...], problems: Fau
     return None if below is None else merge(below, above)  # without the base, nearly all keys would be reported missing
 
 
-def _read_base(node: Node, trail: tuple[str, ...], problems: Faults) -> Node | None:
+def _read_base(node: Node, trail: tuple[str, ...], problems: LocatedFaults) -> Node | None:
     if not isinstance(node.value, str):
         problems.add(node.place, "base", f"{shown(node.value)} is not the name of a file (write e.g. point.yaml)")
         return None
@@ -181,7 +191,7 @@ def _read_base(node: Node, trail: tuple[str, ...], problems: Faults) -> Node | N
     return _read_file(path, start, (*trail, real), problems, at)
 
 
-def _override(root: Node, override: str, place: Position, problems: Faults, told: str) -> Node:
+def _override(root: Node, override: str, place: Position, problems: LocatedFaults, told: str) -> Node:
     """Return the tree changed by one `PATH=VALUE`; `told` is put before the override in messages."""
     path, equals, text = override.partition("=")
     path = path.strip()
@@ -205,7 +215,7 @@ def _override(root: Node, override: str, place: Position, problems: Faults, told
     return merge(root, node)
 
 
-def _override_value(text: str, place: Position, path: str, problems: Faults) -> Node | None:
+def _override_value(text: str, place: Position, path: str, problems: LocatedFaults) -> Node | None:
     before = len(problems)
     node = compose(text, place, problems, path)
     if len(problems) > before:
@@ -260,7 +270,7 @@ def _not_active(name: str, named: list[str]) -> str:
     return f"that effect is not active in this scene{hint} (active: {active})"
 
 
-def _machine_kind(root: Node, problems: Faults) -> str:
+def _machine_kind(root: Node, problems: LocatedFaults) -> str:
     """Return the machine kind that a tree names; the default where it names none, or one that does not exist."""
     named = child_of(root, "machine", "kind")
     name = named.value if named is not None else None
@@ -295,7 +305,7 @@ def _ambient(root: Node) -> float | None:
         return None
 
 
-def _read(root: Node, folder: str, problems: Faults) -> Scene | None:
+def _read(root: Node, folder: str, problems: LocatedFaults) -> Scene | None:
     """Return the typed scene, or None after faults were added; cross-checks wait until every field is valid."""
     root, given = split_tolerances(root)
     kind = _machine_kind(root, problems)

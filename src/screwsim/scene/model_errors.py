@@ -12,7 +12,7 @@ from typing import Any
 
 from screwsim.inputs.suggestions import nearest
 from screwsim.scene.values import shown
-from screwsim.scene.yaml_tree import Faults, Node, child_of
+from screwsim.scene.yaml_tree import LocatedFaults, Node, child_of
 
 BLOCK, MODEL = "uncertainty", "model"
 FILE = "model_errors.json"
@@ -26,7 +26,7 @@ def stored_model_errors() -> Mapping[str, Any]:
     return json.loads(resources.files("screwsim.scene").joinpath(FILE).read_text(encoding="utf-8"))
 
 
-def read_model_error(block: Node | None, problems: Faults) -> str:
+def read_model_error(block: Node | None, problems: LocatedFaults) -> str:
     """Return the name of the validation whose model error a scene asks for; '' where it asks for none."""
     node = child_of(block, MODEL)
     if node is None or node.value is None:

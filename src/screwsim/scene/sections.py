@@ -11,13 +11,18 @@ from screwsim.scene.fields import Leaf, Section, section_of, stray_key, unknown_
 from screwsim.scene.types import ActiveEffect
 from screwsim.scene.units import Refused, customary_unit
 from screwsim.scene.values import convert, describe_leaf, imported, shown
-from screwsim.scene.yaml_tree import Faults, LocatedFault, Node, join
+from screwsim.scene.yaml_tree import LocatedFault, LocatedFaults, Node, join
 
 OFF_WORDS = ("off", "no", "false")
 
 
 def read_section(
-    section: Section, node: Node, path: str, problems: Faults, also: Iterable[str] = (), paths: Iterable[str] = ()
+    section: Section,
+    node: Node,
+    path: str,
+    problems: LocatedFaults,
+    also: Iterable[str] = (),
+    paths: Iterable[str] = (),
 ) -> Any:
     """Return the dataclass of a section, or None after its faults were added.
 
@@ -48,7 +53,7 @@ def read_section(
     return section.type(**values) if len(problems) == before else None
 
 
-def _absent(item: Leaf | Section, node: Node, path: str, problems: Faults, beside: Mapping[str, Node]) -> None:
+def _absent(item: Leaf | Section, node: Node, path: str, problems: LocatedFaults, beside: Mapping[str, Node]) -> None:
     if isinstance(item, Section) and item.required:
         needed = [name for name, field in item.fields.items() if field.required]
         problems.add(node.heading, path, f"is missing (write it with {', '.join(needed or item.fields)})")
@@ -66,7 +71,7 @@ def _blank(leaf: Leaf) -> str:
     return " or ".join(leaf.limits["options"]) if leaf.kind == "choice" else describe_leaf(leaf)
 
 
-def read_leaf(leaf: Leaf, node: Node, path: str, problems: Faults) -> Any:
+def read_leaf(leaf: Leaf, node: Node, path: str, problems: LocatedFaults) -> Any:
     """Return the SI value of a node, or None after its fault was added."""
     try:
         return convert(leaf, node.value, node.place.folder)
@@ -75,7 +80,7 @@ def read_leaf(leaf: Leaf, node: Node, path: str, problems: Faults) -> Any:
         return None
 
 
-def read_effects(node: Node | None, problems: Faults) -> dict[str, ActiveEffect]:
+def read_effects(node: Node | None, problems: LocatedFaults) -> dict[str, ActiveEffect]:
     """Return the active effects in the catalogue's order, then user-defined ones in the order of the file."""
     if node is None or node.value is None:
         return {}

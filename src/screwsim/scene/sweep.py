@@ -17,7 +17,7 @@ from screwsim.scene.sections import is_off
 from screwsim.scene.types import ActiveEffect, Joint, Sample
 from screwsim.scene.units import Refused
 from screwsim.scene.values import shown
-from screwsim.scene.yaml_tree import Faults, Node, join, locate
+from screwsim.scene.yaml_tree import LocatedFaults, Node, join, locate
 
 Axes = dict[str, tuple[Any, ...]]
 LeafOf = Callable[[str], Leaf]  # raises `Refused`
@@ -34,7 +34,7 @@ DESIGNS = ("zip", "sample")  # keys of a sweep that are not paths
 
 
 def read_sweep(
-    node: Node | None, root: Node, active: Mapping[str, ActiveEffect], kind: str, problems: Faults
+    node: Node | None, root: Node, active: Mapping[str, ActiveEffect], kind: str, problems: LocatedFaults
 ) -> tuple[Axes, tuple[Joint, ...]]:
     """Return {path: values in SI} in the order of the file, and which paths vary together; `kind` is the machine's."""
     if node is None or node.value is None:
@@ -67,7 +67,7 @@ def read_sweep(
     return sweep, tuple(joints)
 
 
-def _part(name: str, node: Node, leaf_of: LeafOf, problems: Faults) -> list[tuple[Joint | None, Axes]]:
+def _part(name: str, node: Node, leaf_of: LeafOf, problems: LocatedFaults) -> list[tuple[Joint | None, Axes]]:
     """Return the axes of one key of the sweep, with their joint if they vary together."""
     path = f"sweep.{name}"
     if node.value is None and name in DESIGNS:  # removes what a base names
@@ -92,7 +92,7 @@ def _refuse_absent_section(path: str, root: Node) -> None:
         raise Refused(f"the section {parent} is not in this scene (write it first)")
 
 
-def read_axes(node: Node, path: str, leaf_of: LeafOf, problems: Faults, distinct: bool = True) -> Axes:
+def read_axes(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, distinct: bool = True) -> Axes:
     """Return {path: values} of a mapping of axes."""
     axes: Axes = {}
     for name, child in node.value.items():
@@ -105,7 +105,7 @@ def read_axes(node: Node, path: str, leaf_of: LeafOf, problems: Faults, distinct
     return axes
 
 
-def read_zip(node: Node, path: str, leaf_of: LeafOf, problems: Faults) -> list[tuple[Joint, Axes]]:
+def read_zip(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults) -> list[tuple[Joint, Axes]]:
     """Return the groups of axes whose values are combined one by one, each with its joint."""
     if not isinstance(node.value, list) or not all(isinstance(group.value, dict) for group in node.value):
         problems.add(node.place, path, f"is not a list of mappings ({_ZIP})")
@@ -123,7 +123,7 @@ def read_zip(node: Node, path: str, leaf_of: LeafOf, problems: Faults) -> list[t
     return found
 
 
-def read_sample(node: Node, path: str, leaf_of: LeafOf, problems: Faults) -> tuple[Joint, Axes] | None:
+def read_sample(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults) -> tuple[Joint, Axes] | None:
     """Return a sample with its values, or None after faults were added."""
     if not isinstance(node.value, dict):
         problems.add(node.place, path, f"{shown(node.value)} is not a mapping ({_SAMPLE})")
@@ -142,7 +142,7 @@ def read_sample(node: Node, path: str, leaf_of: LeafOf, problems: Faults) -> tup
     return Joint("sample", tuple(name for name, _ in over), sample), draw(sample)
 
 
-def _over(node: Node, path: str, leaf_of: LeafOf, problems: Faults) -> tuple[tuple[str, tuple[Any, ...]], ...]:
+def _over(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults) -> tuple[tuple[str, tuple[Any, ...]], ...]:
     child = node.value.get("over")
     if child is None or not isinstance(child.value, dict) or not child.value:
         place = node.heading if child is None else child.place
@@ -157,7 +157,7 @@ def _over(node: Node, path: str, leaf_of: LeafOf, problems: Faults) -> tuple[tup
     return tuple(found)
 
 
-def _span(leaf: Leaf, node: Node, path: str, problems: Faults) -> tuple[Any, ...]:
+def _span(leaf: Leaf, node: Node, path: str, problems: LocatedFaults) -> tuple[Any, ...]:
     """Return ("any", values) or ("linear" or "log", first, last); () after faults were added."""
     if isinstance(node.value, list):
         return ("any", *read_axis(leaf, node, path, problems))

@@ -22,7 +22,7 @@ from screwsim.scene.model_errors import BLOCK, MODEL
 from screwsim.scene.types import COVERAGE, Scene, Tolerance
 from screwsim.scene.units import NUMBER, Refused, format_quantity, parse_quantity
 from screwsim.scene.values import limits_text, shown, text_of, within
-from screwsim.scene.yaml_tree import Faults, Node, Position, join
+from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, join
 
 LARGEST_COVERAGE = 10.0  # nobody states more standard uncertainties than these
 COVERAGE_FACTOR = re.compile(rf"\s*\(\s*k\s*=\s*({NUMBER})\s*\)\s*$")
@@ -88,7 +88,7 @@ def _nominal(value: str, text: str, factor: bool) -> Any:
 
 
 def read_tolerances(
-    given: Mapping[str, WrittenTolerance], block: Node | None, scene: Scene, problems: Faults
+    given: Mapping[str, WrittenTolerance], block: Node | None, scene: Scene, problems: LocatedFaults
 ) -> tuple[dict[str, Tolerance], tuple[tuple[str, ...], ...]]:
     """Return the tolerances of a scene by path, and the groups that err together; faults are added at their places."""
     leaves, found = leaves_of(scene), {}
@@ -174,7 +174,7 @@ def _half_interval(leaf: Leaf, given: WrittenTolerance, value: float) -> Toleran
 
 
 def _correlated_groups(
-    block: Node | None, known: Set[str], scene: Scene, problems: Faults
+    block: Node | None, known: Set[str], scene: Scene, problems: LocatedFaults
 ) -> tuple[tuple[str, ...], ...]:
     """Return the groups of paths that err together, without paths of effects that the scene does not name."""
     if block is None or block.value is None:

@@ -76,7 +76,7 @@ class LocatedFault:
         return one_line(f"{self.place}: {path}: {self.what}" if path else f"{self.place}: {self.what}")
 
 
-class Faults(list[LocatedFault]):
+class LocatedFaults(list[LocatedFault]):
     """The faults found so far in what is being read."""
 
     def add(self, place: Position, path: str, what: str) -> None:
@@ -98,7 +98,7 @@ def join(path: str, name: str) -> str:
     return f"{path}.{name}" if path else name
 
 
-def compose(text: str, start: Position, problems: Faults, path: str = "") -> Node | None:
+def compose(text: str, start: Position, problems: LocatedFaults, path: str = "") -> Node | None:
     """Return the tree of a YAML text that begins at `start`; None if empty or, after a fault was added, not YAML."""
     try:
         root = _tree(text)
@@ -184,7 +184,7 @@ def _children(node: Any) -> list[Any]:
 class _Converter:
     """Converter from ruamel's nodes to `Node`, each converted once: an alias shares the node of its anchor."""
 
-    def __init__(self, start: Position, problems: Faults) -> None:
+    def __init__(self, start: Position, problems: LocatedFaults) -> None:
         self.start = start
         self.problems = problems
         self.done: dict[int, Node | None] = {}

@@ -71,6 +71,15 @@ class StartUp:
         return {**kept, "figures": dict(self.figures)}
 
 
+class InterruptedStart(KeyboardInterrupt):
+    """Ctrl-C during a start; `found` is the start so far, of at least one lobe pitch."""
+
+    def __init__(self, found: StartUp) -> None:
+        """Keep the start so far."""
+        super().__init__(found.message)
+        self.found = found
+
+
 def start_up(
     scene: Scene, creep: float = CREEP_SPEED, longest: float = LONGEST, told: Told = lambda share: None
 ) -> StartUp:
@@ -78,7 +87,7 @@ def start_up(
 
     `told` is called after each lobe pitch, with its mean speed over the steady one.
     Raises UsageError where the scene has no drive, its motor has no torque limit, or `creep` is not below the
-    steady speed.
+    steady speed; after Ctrl-C KeyboardInterrupt, once there is a pitch an `InterruptedStart` that has the start so far.
     """
     problem = steady_problem(scene, creep)
     machinery, part = lease_for(problem), problem.parts.shaft
@@ -204,15 +213,16 @@ class StartUpRun:
     # ---- all of it -------------------------------------------------------------------------------------------
 
     def run(self, told: Told = lambda share: None) -> StartUp:
-        """Continue until the steady speed is reached and kept, or the start ends otherwise, as by Ctrl-C."""
+        """Continue until the steady speed is reached and kept, or the start ends otherwise."""
         try:
             return self._run(told)
-        except KeyboardInterrupt:
+        except KeyboardInterrupt as pressed:
             if not self.pitches:
                 raise
-        last = self.pitches[-1].motion
-        reached = f"at {_rpm(float(last.speed[-1]))} of the steady {_rpm(self.steady.mean_speed)}"
-        return self._ended(INTERRUPTED, f"{last.time[-1]:.4g} s after the start, {reached}")
+            last = self.pitches[-1].motion
+            reached = f"at {_rpm(float(last.speed[-1]))} of the steady {_rpm(self.steady.mean_speed)}"
+            so_far = self._ended(INTERRUPTED, f"{last.time[-1]:.4g} s after the start, {reached}")
+            raise InterruptedStart(so_far) from pressed
 
     def _run(self, told: Told) -> StartUp:
         stays, target = 0, self.steady.mean_speed

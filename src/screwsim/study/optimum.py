@@ -11,6 +11,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, case, case_count, case_values, cross_check, with_values
 from screwsim.scene.grid import with_sweep_over
+from screwsim.study.beyond import LOWER, UPPER, refusal_beyond, value_beyond
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value, usual_efficiency
 from screwsim.study.parallel import parallel_map
@@ -58,7 +59,8 @@ class Best:
     `place` is inside, or the border of the range at which the best value lies: a better one may lie beyond it;
     'anywhere' where the path hardly affects the figure. Between `low` and `high` the figure is within its estimated
     `error` (absolute) of the best. `accuracy` is the one asked of the last solutions, `failed` the number of
-    `solutions` that failed or did not close; `warnings` are those of the best solution.
+    `solutions` that failed or did not close; `warnings` are those of the best solution. `beyond` says why there is no
+    solution next to the best value, where it lies at the edge of those that can be solved.
     """
 
     values: Mapping[str, Any]
@@ -75,6 +77,7 @@ class Best:
     solutions: int = 0
     failed: int = 0
     warnings: tuple[str, ...] = ()
+    beyond: str = ""
 
 
 def question(
@@ -164,7 +167,7 @@ class _Trials:
     asked: Question
     simulate: Simulate
     count: int = 0
-    reasons: list[str] = field(default_factory=list)  # of solutions that failed or did not close
+    reasons: dict[float, str] = field(default_factory=dict)  # of solutions that failed or did not close, by coordinate
     absent: list[str] = field(default_factory=list)  # of closed solutions without this figure
     warned: dict[float, tuple[str, ...]] = field(default_factory=dict)  # by the search coordinate
 
@@ -174,7 +177,7 @@ class _Trials:
         scene, name = with_values(self.scene, {self.asked.path: self.asked.value(x)}), self.asked.figure
         result = simulated_if_valid(scene, self.simulate)
         if result.status != "ok":
-            self.reasons.append(result.told)
+            self.reasons[x] = result.told
             return SearchPoint(x, math.nan)
         value = result.performance.get(name)
         if value is None:
@@ -182,6 +185,21 @@ class _Trials:
             return SearchPoint(x, math.nan)
         self.warned[x] = result.warnings
         return SearchPoint(x, -value if self.asked.minimum else value, absolute_error(result, name, scene))
+
+    def beyond(self, border: str) -> str:
+        """Return why there is no solution just beyond a border of the range; '' where there is one."""
+        path, value = self.asked.path, value_beyond(self.asked, border)
+
+        def solved() -> Result:
+            self.count += 1
+            return simulated_if_valid(with_values(self.scene, {path: value}), self.simulate)
+
+        return refusal_beyond(self.scene, path, value, solved)
+
+    def beside(self, x: float, within: float) -> str:
+        """Return why the nearest solution within a distance of a coordinate failed; '' where none did."""
+        near = [(abs(at - x), reason) for at, reason in self.reasons.items() if abs(at - x) <= within]
+        return min(near)[1] if near else ""
 
     def tighten(self) -> bool:
         """Make all further solutions more accurate; return False when that is not possible."""
@@ -224,17 +242,23 @@ def absolute_error(result: Result, name: str, scene: Scene) -> float:
 def _best_of_trials(
     values: Mapping[str, Any], asked: Question, trials: _Trials, top: Maximum | None, ends: tuple[float, float]
 ) -> Best:
-    counts = {"solutions": trials.count, "failed": len(trials.reasons), "accuracy": trials.scene.numerics.accuracy}
-    some = f"{len(trials.reasons)} of {trials.count} solutions: {trials.reasons[0]}" if trials.reasons else ""
+    reasons = list(trials.reasons.values())
+    counts = {"solutions": trials.count, "failed": len(reasons), "accuracy": trials.scene.numerics.accuracy}
+    some = f"{len(reasons)} of {trials.count} solutions: {reasons[0]}" if reasons else ""
     if top is None:
         missing = f"{trials.absent[0]} (choose another --figure)" if trials.absent else ""
         return Best(values, "failed", some or missing, **counts)
     sign = -1.0 if asked.minimum else 1.0
     near = 2e-4 * (ends[1] - ends[0])
-    place = "lower border" if top.point.x - ends[0] < near else "inside"
-    place = "upper border" if ends[1] - top.point.x < near else place
+    place = LOWER if top.point.x - ends[0] < near else UPPER if ends[1] - top.point.x < near else "inside"
+    beyond = ""
     if top.high - top.low > INSENSITIVE_SHARE * (ends[1] - ends[0]):  # the best place is one by chance
         place = "anywhere"
+    elif place == "inside":
+        beyond = trials.beside(top.point.x, near)
+    else:
+        beyond = trials.beyond(place)
+        counts["solutions"] = trials.count
     return Best(
         values,
         "ok",
@@ -247,5 +271,6 @@ def _best_of_trials(
         asked.value(top.high),
         tuple((asked.value(point.x), sign * point.y) for point in top.others),
         **counts,
+        beyond=beyond,
         warnings=trials.warned[top.point.x],
     )

@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 from screwsim.outputs import Result
 from screwsim.scene import Scene
 from screwsim.study.progress import Progress
+from screwsim.study.tally import Place, Tally
 from screwsim.study.workers import (
     DEATH_GRACE,
     Chunks,
@@ -46,9 +47,9 @@ def parallel_map(
 
     The function is pickled once. `died` gives the answer for a number whose worker died; `failed` decides which answers
     the progress counts as failed, by default those with a status other than ok. After an interruption `answers` holds
-    those found so far.
+    those found so far. Numbers are counted as they are computed, before their chunk is finished.
     """
-    progress, jobs = progress or Progress(), min(jobs or cores(), count)
+    jobs = min(jobs or cores(), count)
     answers = {} if answers is None else answers
 
     chunks = Chunks([range(count)], count, lambda: jobs)
@@ -57,18 +58,28 @@ def parallel_map(
         found, seconds = outcome
         chunks.learn(len(numbers), seconds)
         answers.update(zip(numbers, found, strict=True))
-        progress.advance(len(found), sum(map(failed, found)))
+        tally.advance(len(found), sum(map(failed, found)))
 
-    progress.start(count, 0)
+    # alone, this process finishes each number by itself
+    tally = Tally(progress or Progress(), Place.BESIDE if jobs > 1 else Place.ELSEWHERE)
+    tally.start(count, 0)
     try:
         if jobs <= 1:
             for number in range(count):
                 finish(range(number, number + 1), ([function(number)], 0.0))
         else:
-            _map_on_workers(pickled_work(function), chunks, jobs, finish, died, progress.tick)
+            work = pickled_work(partial(_counted, function, tally.mark))
+            _map_on_workers(work, chunks, jobs, finish, died, tally.tick)
     finally:
-        progress.stop()
+        tally.stop()
     return [answers[number] for number in range(count)]
+
+
+def _counted(function: Callable[[int], Answer], mark: Callable[[], None], number: int) -> Answer:
+    """Return the answer for a number, and count it."""
+    answer = function(number)
+    mark()
+    return answer
 
 
 def _map_on_workers(

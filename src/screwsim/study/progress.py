@@ -39,22 +39,71 @@ class Progress:
         """End, also after an error."""
 
 
-class TolerantProgress(Progress):
-    """Forward to another progress until its output fails: a terminal that is gone is no fault of the study."""
+class CountingProgress(Progress):
+    """Base of progresses that count points, those of chunks that are not finished among them, and time their work [s].
+
+    Each finished point refreshes the report.
+    """
+
+    def __init__(self, title: str = "", clock: Callable[[], float] = time.monotonic) -> None:
+        self._title = title
+        self._clock = clock
+        self._cases = self._reused = self._done = self._failed = self._ahead = self._most = 0
+        self._began = 0.0
+
+    @property
+    def counts(self) -> tuple[int, int]:
+        """Return how many points were solved, also in chunks that were never finished, and how many there are."""
+        return self._most, self._cases
+
+    def start(self, cases: int, reused: int) -> None:
+        self._cases, self._reused, self._done, self._most = cases, reused, reused, reused
+        self._began = self._clock()
+
+    def advance(self, cases: int, failed: int) -> None:
+        self._finish(cases, failed)
+        self.tick()
+
+    def solving(self, cases: int) -> None:
+        self._done += cases - self._ahead
+        self._ahead = cases
+        self._most = max(self._most, self._done)
+
+    def more(self, cases: int) -> None:
+        self._cases += cases
+
+    def _finish(self, cases: int, failed: int) -> None:
+        shown = min(self._ahead, cases)
+        self._ahead -= shown
+        self._done += cases - shown
+        self._failed += failed
+        self._most = max(self._most, self._done)
+
+    def _failures(self, before: str = ", ") -> str:
+        return f"{before}{self._failed} not ok" if self._failed else ""
+
+
+class TolerantProgress(CountingProgress):
+    """Count, and forward to another progress until its output fails: a terminal that is gone is no fault of a study."""
 
     def __init__(self, told: Progress) -> None:
+        super().__init__()
         self._told = told
 
     def start(self, cases: int, reused: int) -> None:
+        super().start(cases, reused)
         self._try(lambda: self._told.start(cases, reused))
 
     def advance(self, cases: int, failed: int) -> None:
+        self._finish(cases, failed)
         self._try(lambda: self._told.advance(cases, failed))
 
     def solving(self, cases: int) -> None:
+        super().solving(cases)
         self._try(lambda: self._told.solving(cases))
 
     def more(self, cases: int) -> None:
+        super().more(cases)
         self._try(lambda: self._told.more(cases))
 
     def tick(self) -> None:
@@ -72,37 +121,6 @@ class TolerantProgress(Progress):
                 told.stop()  # restores stdout and stderr
 
 
-class CountingProgress(Progress):
-    """Base of progresses that count cases and the time [s] since the start; each finished case refreshes the report."""
-
-    def __init__(self, title: str, clock: Callable[[], float]) -> None:
-        self._title = title
-        self._clock = clock
-        self._cases = self._reused = self._done = self._failed = self._ahead = 0
-        self._began = 0.0
-
-    def start(self, cases: int, reused: int) -> None:
-        self._cases, self._reused, self._done = cases, reused, reused
-        self._began = self._clock()
-
-    def advance(self, cases: int, failed: int) -> None:
-        shown = min(self._ahead, cases)
-        self._ahead -= shown
-        self._done += cases - shown
-        self._failed += failed
-        self.tick()
-
-    def solving(self, cases: int) -> None:
-        self._done += cases - self._ahead
-        self._ahead = cases
-
-    def more(self, cases: int) -> None:
-        self._cases += cases
-
-    def _failures(self, before: str = ", ") -> str:
-        return f"{before}{self._failed} not ok" if self._failed else ""
-
-
 class TerminalBar(CountingProgress):
     """A bar on stderr with rate, time left and failures.
 
@@ -111,7 +129,7 @@ class TerminalBar(CountingProgress):
     """
 
     def __init__(self, title: str = "sweep") -> None:
-        super().__init__(title, time.monotonic)
+        super().__init__(title)
         self._bar: Any = None
 
     def start(self, cases: int, reused: int) -> None:
@@ -194,7 +212,7 @@ class OverwrittenLine(CountingProgress):
     """One line on stderr that overwrites itself, at most twice a second: for programs, and a start-up on a terminal."""
 
     def __init__(self, title: str, every: float = 0.5) -> None:
-        super().__init__(title, time.monotonic)
+        super().__init__(title)
         self._every = every
         self._told = 0.0
 
@@ -230,7 +248,7 @@ class NotebookBar(CountingProgress):
     """
 
     def __init__(self, title: str, publish: Publisher | None = None, every: float = 0.2) -> None:
-        super().__init__(title, time.monotonic)
+        super().__init__(title)
         self._publish = publish
         self._every = every
         self._name = uuid.uuid4().hex

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from screwsim.effects import catalogue
 from screwsim.inputs.faults import SceneError, UsageError
-from screwsim.results.atomic import make_folder, protect_others, write_text
+from screwsim.results.atomic import check_writable, make_folder, protect_others, write_text
 from screwsim.scene import Scene, leaf_of, loads, scene_text
 from screwsim.scene.fields import effect_keys
 from screwsim.scene.values import text_of
@@ -27,11 +27,12 @@ FITTED_LINE = "# Fitted by: screwsim calibrate"  # start of a scene that a calib
 
 
 def check_scene_file(path: Path, option: str = "-o") -> None:
-    """Raise UsageError where no scene may be written: wrong suffix, or an existing file that no study wrote."""
+    """Raise UsageError where no scene may be written: wrong suffix, a file that no study wrote, or a refused place."""
     if path.suffix.lower() not in (".yaml", ".yml"):
         good = path.with_suffix(".yaml")
         raise UsageError(f"{option} {path}: a scene file must end in .yaml (write {option} {good})")
     protect_others(path, FIRST_LINE.encode())
+    check_writable(path)
 
 
 def write_found(

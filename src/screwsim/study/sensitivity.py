@@ -83,6 +83,15 @@ def usual_samples(inputs: int) -> int:
     return SAMPLES if inputs > 1 else ALONE
 
 
+def check_samples(inputs: int, samples: int) -> None:
+    """Raise UsageError for base samples that Sobol's sequence cannot have, or that take too many points."""
+    if samples < 2 or samples & (samples - 1):
+        raise UsageError(f"--samples {samples}: is not a power of two (write e.g. 256; Sobol's sequence needs it)")
+    what = too_many(samples * (inputs + 2))
+    if what:
+        raise UsageError(f"--samples {samples}: {what}")
+
+
 def cost_in_words(inputs: int, samples: int) -> str:
     """Return in a line how many solutions a study takes, and the effect of fewer or more samples."""
     count, many = samples * (inputs + 2), f"{inputs} input{'s' * (inputs > 1)}"
@@ -110,11 +119,7 @@ def sensitivity(
     samples = usual_samples(len(ranges)) if samples is None else samples
     named = tuple(figures) or (usual_efficiency(scene), "gas_mass_flow")
     figures = tuple(dict.fromkeys(figure_of(scene, figure) for figure in named))
-    if samples < 2 or samples & (samples - 1):
-        raise UsageError(f"--samples {samples}: is not a power of two (write e.g. 256; Sobol's sequence needs it)")
-    what = too_many(samples * (len(ranges) + 2))
-    if what:
-        raise UsageError(f"--samples {samples}: {what}")
+    check_samples(len(ranges), samples)
     bounds = [[each.low, each.high] for each in ranges]
     problem = {"num_vars": len(ranges), "names": [each.path for each in ranges], "bounds": bounds}  # in SALib's form
     points = _sampled_points(problem, samples, seed)

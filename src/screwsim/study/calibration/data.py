@@ -21,7 +21,7 @@ from screwsim.scene.numerals import odd_number, odd_number_text
 from screwsim.scene.tolerances import COVERAGE_FACTOR, split_coverage
 from screwsim.scene.units import NUMBER, Refused, gauge_pressures_over, parse_quantity, tidy_unit
 from screwsim.scene.values import convert, shown
-from screwsim.scene.yaml_tree import Faults, LocatedFault, Position
+from screwsim.scene.yaml_tree import LocatedFault, LocatedFaults, Position
 from screwsim.study.calibration.fit import Measurement, Point
 
 MOST_POINTS = 10_000  # per fit
@@ -72,7 +72,7 @@ class _Column:
 
 
 def read_points(
-    path: str, label: str, scene: Scene, taken: Sequence[str], problems: Faults, *, candidates: bool = False
+    path: str, label: str, scene: Scene, taken: Sequence[str], problems: LocatedFaults, *, candidates: bool = False
 ) -> list[tuple[Point, Position]]:
     """Return the points of a file with their places; `taken` are paths that a parameter sets.
 
@@ -105,7 +105,7 @@ def read_points(
 
 
 def _read(
-    sheet: Sheet, start: Position, scene: Scene, taken: Sequence[str], problems: Faults, candidates: bool
+    sheet: Sheet, start: Position, scene: Scene, taken: Sequence[str], problems: LocatedFaults, candidates: bool
 ) -> list[tuple[Point, Position]]:
     """Return the points of a table; gauge pressures are relative to the scene's ambient pressure."""
     before = len(problems)
@@ -155,7 +155,7 @@ def _columns(
     cells: list[tuple[str, Position]],
     scene: Scene,
     taken: Sequence[str],
-    problems: Faults,
+    problems: LocatedFaults,
     candidates: bool,
 ) -> list[tuple[_Column, Position]]:
     found, refused = [], set()
@@ -268,7 +268,7 @@ def odd_uncertainty(value: float, own: float) -> str:
 
 
 def _point(
-    row: Row, start: Position, columns: list[tuple[_Column, Position]], problems: Faults, candidates: bool
+    row: Row, start: Position, columns: list[tuple[_Column, Position]], problems: LocatedFaults, candidates: bool
 ) -> tuple[Point, Position] | None:
     place, before = start.at(row.line, 1), len(problems)
     found: dict[str, dict[str, Any]] = {kind: {} for kind in ("name", "use", "path", "figure", "uncertainty")}

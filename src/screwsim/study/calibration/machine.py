@@ -12,7 +12,7 @@ from screwsim.inputs.declare import FoundWithCycle
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, value_at
-from screwsim.scene.yaml_tree import Faults, LocatedFault, Position
+from screwsim.scene.yaml_tree import LocatedFault, LocatedFaults, Position
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Point
 from screwsim.study.calibration.residuals import Array, Simulate
@@ -105,7 +105,7 @@ def points_of(fit: Fit, file: str | os.PathLike[str], option: str, what: str) ->
     """
     if not os.path.isfile(file):
         raise UsageError(f"{option} {file}: is not a file (name an existing one)")
-    problems = Faults()
+    problems = LocatedFaults()
     name, values = os.fspath(file), fit.first_start()
     rows = read_points(name, name, fit.scene, list(fit.changes(values)), problems, candidates=True)
     for point, place in rows:

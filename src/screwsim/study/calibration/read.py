@@ -15,7 +15,7 @@ from screwsim.scene.fields import Leaf, leaf_paths
 from screwsim.scene.file_kinds import other_file
 from screwsim.scene.schema import DRAFT, OWN_PARAMETER, mapping, value_schema
 from screwsim.scene.values import limits_text, shown, text_of, within
-from screwsim.scene.yaml_tree import Faults, Node, Position, compose, join
+from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose, join
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Parameter, Point, Prior, Tie, prior_of
 from screwsim.study.inputs import DISCRETE_KINDS, shown_value
@@ -50,7 +50,7 @@ def read_fit(
     """
     name = shipped_name(path)
     place = Position(0, name, folder=os.path.dirname(os.path.abspath(name)))
-    problems = Faults()
+    problems = LocatedFaults()
     root = _read(name, place, problems)
     other = {key: os.fspath(each) for key, each in (("scene", scene), ("data", data)) if each is not None}
     fit = None if root is None else _typed(root, name, other, fixed, problems)
@@ -59,7 +59,7 @@ def read_fit(
     return fit
 
 
-def _read(name: str, place: Position, problems: Faults) -> Node | None:
+def _read(name: str, place: Position, problems: LocatedFaults) -> Node | None:
     try:
         text = read_text(name, MOST_YAML)
     except Unreadable as error:
@@ -79,7 +79,7 @@ def _read(name: str, place: Position, problems: Faults) -> Node | None:
     return root
 
 
-def _typed(root: Node, name: str, other: Mapping[str, str], fixed: bool, problems: Faults) -> Fit | None:
+def _typed(root: Node, name: str, other: Mapping[str, str], fixed: bool, problems: LocatedFaults) -> Fit | None:
     head = read_fields(HEAD_FIELDS, root, "", problems, _REMEDY, also=("parameters",))
     for key, file in other.items():
         if not os.path.isfile(file):
@@ -103,7 +103,7 @@ def _typed(root: Node, name: str, other: Mapping[str, str], fixed: bool, problem
     return fit
 
 
-def _is_file(root: Node, key: str, name: str, problems: Faults) -> bool:
+def _is_file(root: Node, key: str, name: str, problems: LocatedFaults) -> bool:
     found = os.path.isfile(os.path.join(root.place.folder, name))
     if not found:
         what = f"{shown(name)} is not a file (name an existing one, relative to this file)"
@@ -120,7 +120,7 @@ def _with_fit_accuracy(scene: Scene, accuracy: float | None) -> Scene:
     return replace(scene, numerics=replace(numerics, accuracy=wanted))
 
 
-def _parameters(root: Node, scene: Scene, problems: Faults) -> tuple[Parameter, ...]:
+def _parameters(root: Node, scene: Scene, problems: LocatedFaults) -> tuple[Parameter, ...]:
     node = root.value.get("parameters")
     if node is None or not isinstance(node.value, dict) or not node.value:
         place = root.place if node is None else node.place
@@ -141,7 +141,7 @@ def _parameters(root: Node, scene: Scene, problems: Faults) -> tuple[Parameter, 
     return tuple(found)
 
 
-def _leaf(scene: Scene, path: str, place: Position, where: str, problems: Faults) -> Leaf | None:
+def _leaf(scene: Scene, path: str, place: Position, where: str, problems: LocatedFaults) -> Leaf | None:
     """Return the leaf of a continuous path; None after adding a fault."""
     try:
         leaf = leaf_of(scene, path)
@@ -155,7 +155,7 @@ def _leaf(scene: Scene, path: str, place: Position, where: str, problems: Faults
     return leaf
 
 
-def _parameter(path: str, node: Node, scene: Scene, problems: Faults) -> Parameter | None:
+def _parameter(path: str, node: Node, scene: Scene, problems: LocatedFaults) -> Parameter | None:
     where, before = join("parameters", path), len(problems)
     leaf = _leaf(scene, path, node.heading, where, problems)
     if leaf is None:
@@ -200,7 +200,7 @@ def difference(leaf: Leaf, default: Any = dataclasses.MISSING, **limits: float) 
     return Leaf(kind, f"difference of {leaf.doc}", default, limits)
 
 
-def _prior(leaf: Leaf, node: Node | None, where: str, problems: Faults) -> Prior | None:
+def _prior(leaf: Leaf, node: Node | None, where: str, problems: LocatedFaults) -> Prior | None:
     if node is None or node.value is None:
         return None
     fields = {"mean": replace(leaf, default=dataclasses.MISSING), "deviation": difference(leaf, gt=0.0)}
@@ -208,7 +208,7 @@ def _prior(leaf: Leaf, node: Node | None, where: str, problems: Faults) -> Prior
     return None if given is None else Prior(given["mean"], given["deviation"])
 
 
-def _ties(leaf: Leaf, node: Node | None, scene: Scene, where: str, problems: Faults) -> tuple[Tie, ...]:
+def _ties(leaf: Leaf, node: Node | None, scene: Scene, where: str, problems: LocatedFaults) -> tuple[Tie, ...]:
     if node is None or node.value is None:
         return ()
     remedy = "write {PATH: {factor: …, offset: …}}"
@@ -235,7 +235,7 @@ def _ties(leaf: Leaf, node: Node | None, scene: Scene, where: str, problems: Fau
     return tuple(found)
 
 
-def _check_ties(parameter: Parameter, leaf: Leaf, node: Node, scene: Scene, problems: Faults) -> None:
+def _check_ties(parameter: Parameter, leaf: Leaf, node: Node, scene: Scene, problems: LocatedFaults) -> None:
     """Add a fault where a path follows itself, or leaves its limits."""
     where = join("parameters", parameter.path)
     for tie in parameter.ties:
@@ -253,7 +253,7 @@ def _check_ties(parameter: Parameter, leaf: Leaf, node: Node, scene: Scene, prob
                 break
 
 
-def _check(fit: Fit, rows: list[tuple[Point, Position]], root: Node, fixed: bool, problems: Faults) -> None:
+def _check(fit: Fit, rows: list[tuple[Point, Position]], root: Node, fixed: bool, problems: LocatedFaults) -> None:
     """Add a fault where values of a point and of the first start do not fit together, or there are too few data.
 
     Without `fixed` one measured figure is enough.

@@ -13,10 +13,12 @@ from typing import Any
 import numpy as np
 
 from screwsim.inputs.arguments import TEXTS, checked_arguments, whole
+from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
 from screwsim.results.atomic import make_folder
 from screwsim.scene import Scene, scene_text, with_values
 from screwsim.scene.argument import scene_of
+from screwsim.study.beyond import LOWER, UPPER, refusal_beyond, value_beyond
 from screwsim.study.goals import Bound
 from screwsim.study.inputs import check_fit, shown_figure, shown_value
 from screwsim.study.optimize.evaluate import SimulatedPoint, simulated
@@ -45,13 +47,15 @@ LARGEST_HOLE = 0.5  # ... unless such a share of it is without an equally good v
 class EquallyGoodRange:
     """How far a path [SI] may go with the aim equally good within its error, as far as evaluated.
 
-    `border` is the end at which the best lies; `idle` where the aim is equally good over the whole range.
+    `border` is the end at which the best lies, `beyond` why there is no solution beyond that end; `idle` where the aim
+    is equally good over the whole range.
     """
 
     low: float
     high: float
     border: str = ""
     idle: bool = False
+    beyond: str = ""
 
 
 @dataclass(frozen=True, repr=False)
@@ -222,6 +226,7 @@ def _optimum_of(record: Record, top: Maximum | None, simulate: Simulate) -> Opti
     lower = () if top is None else top.others
     others = tuple((asked.spans[0].value(each.x), float(signs[0] * -each.y)) for each in lower)
     reach = {span.path: _equally_good_range(found, feasible, i, best, top) for i, span in enumerate(asked.spans)}
+    reach = {path: _with_beyond(found, path, one, simulate) for path, one in reach.items()}
     return replace(found, reach=reach, others=others, points=points, scene=found.scene_at(best))
 
 
@@ -253,7 +258,21 @@ def _equally_good_range(
     low, high = float(good[0]), float(good[-1])
     if high - low > INSENSITIVE_SHARE and float(np.diff(good).max()) < LARGEST_HOLE:  # the best place is one by chance
         return EquallyGoodRange(span.value(low), span.value(high), idle=True)
-    border = "lower border" if place < END_DISTANCE else "upper border" if place > 1.0 - END_DISTANCE else ""
+    border = LOWER if place < END_DISTANCE else UPPER if place > 1.0 - END_DISTANCE else ""
     if top is not None and not found.asked.bounds:
         low, high = top.low, top.high
     return EquallyGoodRange(span.value(low), span.value(high), border)
+
+
+def _with_beyond(found: Optimum, path: str, reach: EquallyGoodRange, simulate: Simulate) -> EquallyGoodRange:
+    """Add to a range at whose border the best lies why there is no solution beyond it."""
+    if not reach.border:
+        return reach
+    asked = found.asked
+    value = value_beyond(next(span for span in asked.spans if span.path == path), reach.border)
+
+    def solved() -> Result:
+        points = simulated(asked, {**found.values, path: value}, simulate)
+        return next((each.result for each in points if each.result.status != "ok"), points[0].result)
+
+    return replace(reach, beyond=refusal_beyond(asked.scene, path, value, solved))

@@ -169,7 +169,7 @@ def _answer_at_point(rest: Scene, asked: Question, simulate: Simulate | None, nu
 def _with_catalogue_size(trials: Trials, found: GoalSeekAnswer, met: Trial | None, asked: Question) -> GoalSeekAnswer:
     """Return an answer with the next size of the catalogue."""
     size, path = next_size(trials, met, asked.sizes), asked.spans[0].path
-    counts: dict[str, Any] = {"solutions": len(trials.known), "failed": len(trials.reasons)}
+    counts: dict[str, Any] = {"solutions": trials.solutions, "failed": len(trials.reasons)}
     if size is None:
         largest = shown_value(trials.scene, path, asked.sizes[-1])
         why = "; ".join(filter(None, (f"no size in the catalogue, up to {largest}, meets the goal", found.message)))

@@ -14,6 +14,7 @@ from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene
 from screwsim.scene.units import NUMBER
+from screwsim.study.beyond import LOWER, UPPER
 from screwsim.study.goals import Goal
 from screwsim.study.inputs import read_text, shown_figure, shown_value
 from screwsim.study.seek import one_goal, several_goals
@@ -23,7 +24,7 @@ from screwsim.study.spans import Span
 SAME_SIZE = 1e-9  # relative difference below which a size equals the value
 BOUND_DISTANCE = 1e-6  # of a range: distance from its end that counts as at the end
 CLEAR_ERRORS = 4.0  # errors of a figure from which on two solutions determine its slope
-BOUND_NAMES = ("lower border", "upper border")
+BOUND_NAMES = (LOWER, UPPER)
 
 
 @dataclass(frozen=True)
@@ -97,13 +98,13 @@ def answer_of_trials(trials: Trials, met: Trial | None, at: Mapping[str, Any]) -
 
 
 def _counts(trials: Trials) -> dict[str, Any]:
-    return {"solutions": len(trials.known), "failed": len(trials.reasons)}
+    return {"solutions": trials.solutions, "failed": len(trials.reasons)}
 
 
 def _failures(trials: Trials) -> str:
     if not trials.reasons:
         return ""
-    return f"{len(trials.reasons)} of {len(trials.known)} solutions: {trials.reasons[0]}"
+    return f"{len(trials.reasons)} of {trials.solutions} solutions: {trials.reasons[0]}"
 
 
 def _active_bounds(trials: Trials, trial: Trial) -> dict[str, str]:
@@ -152,8 +153,11 @@ def why_missed(trials: Trials, best: Trial) -> str:
     at = {path: f", its {border}" for path, border in borders.items()}
     values = trials.values(best.places).items()
     where = ", ".join(f"{path} {shown_value(scene, path, value)}{at.get(path, '')}" for path, value in values)
-    remedy = "widen the range" if borders else "change what else limits it"
-    return f"nothing within {ranges} gives {wanted}: the nearest is {came}, at {where} ({remedy})"
+    refusals = [trials.refusal_beyond(best, path, border) for path, border in borders.items()]
+    end = " (change what else limits it)"
+    if refusals:
+        end = f", and beyond there is no solution: {refusals[0]}" if all(refusals) else " (widen the range)"
+    return f"nothing within {ranges} gives {wanted}: the nearest is {came}, at {where}{end}"
 
 
 def _jump_in_words(trials: Trials) -> str:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
+from screwsim.study.beyond import refusal_beyond, value_beyond
 from screwsim.study.goals import Bound, Goal
 from screwsim.study.optimum import Simulate, absolute_error, simulated_if_valid
 from screwsim.study.progress import Progress
@@ -38,6 +39,7 @@ class Trials:
     tolerance: float = 0.0  # relative, of the goals: also met within it where it exceeds the errors
     reasons: list[str] = field(default_factory=list)  # of solutions that failed, did not close, or lack a figure
     known: dict[tuple[float, ...], Trial] = field(default_factory=dict)
+    beyond: int = 0  # solutions beyond a range, to learn whether there are any
 
     def at(self, *places: float) -> Trial:
         """Return the solution at places, clipped to the spans."""
@@ -53,6 +55,21 @@ class Trials:
     def values(self, places: tuple[float, ...]) -> dict[str, float]:
         """Return the values [SI] at places."""
         return {span.path: span.value(place) for span, place in zip(self.spans, places, strict=True)}
+
+    @property
+    def solutions(self) -> int:
+        """Number of all solutions."""
+        return len(self.known) + self.beyond
+
+    def refusal_beyond(self, trial: Trial, path: str, border: str) -> str:
+        """Return why there is no solution beyond the border of a range at which a trial lies; '' where there is one."""
+        value = value_beyond(next(span for span in self.spans if span.path == path), border)
+
+        def solved() -> Result:
+            self.beyond += 1
+            return simulated_if_valid(with_values(self.scene_at(trial.places), {path: value}), self.simulate)
+
+        return refusal_beyond(self.scene, path, value, solved)
 
     def _solved(self, places: tuple[float, ...]) -> Trial:
         scene, names = self.scene_at(places), [goal.figure for goal in self.goals]

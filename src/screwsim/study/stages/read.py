@@ -20,7 +20,7 @@ from screwsim.scene.schema import DRAFT, leaf_schema, mapping
 from screwsim.scene.sections import read_section
 from screwsim.scene.units import readable_quantity
 from screwsim.scene.values import shown
-from screwsim.scene.yaml_tree import Faults, Node, Position, compose
+from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
 
 STAGES_KEY = "stages"
 STAGE_NAMES = ("first", "second")
@@ -72,7 +72,7 @@ class StageChain:
 
 def is_stages(path: str | os.PathLike[str]) -> bool:
     """Return whether a YAML file describes stages instead of one scene."""
-    root = _root(shipped_name(path), Faults())
+    root = _root(shipped_name(path), LocatedFaults())
     return root is not None and STAGES_KEY in root.value
 
 
@@ -82,7 +82,7 @@ def read_stages(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> 
     Raises `SceneError` with one line per fault, `UsageError` for an override that makes no sense.
     """
     name = shipped_name(path)
-    problems = Faults()
+    problems = LocatedFaults()
     root = _root(name, problems)
     chain = None if root is None else _typed(root, _overrides_by_stage(overrides), problems)
     if problems or chain is None:
@@ -90,7 +90,7 @@ def read_stages(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> 
     return chain
 
 
-def _root(name: str, problems: Faults) -> Node | None:
+def _root(name: str, problems: LocatedFaults) -> Node | None:
     place = Position(0, name, folder=os.path.dirname(os.path.abspath(name)))
     try:
         text = read_text(name, MOST_YAML)
@@ -113,7 +113,7 @@ def _overrides_by_stage(overrides: Iterable[str]) -> dict[str, list[str]]:
     return found
 
 
-def _typed(root: Node, overrides: dict[str, list[str]], problems: Faults) -> StageChain | None:
+def _typed(root: Node, overrides: dict[str, list[str]], problems: LocatedFaults) -> StageChain | None:
     content: dict[str, Any] = dict(root.value)
     for extra in (name for name in content if name not in ("title", STAGES_KEY, "intercooler")):
         what = f"is not known in a two-stage file (known: title, {STAGES_KEY}, intercooler)"
@@ -148,7 +148,7 @@ def _scenes(files: list[str], overrides: dict[str, list[str]]) -> list[Scene]:
     return found
 
 
-def _files(root: Node, node: Node, problems: Faults) -> list[str] | None:
+def _files(root: Node, node: Node, problems: LocatedFaults) -> list[str] | None:
     names = [item.value for item in node.value] if isinstance(node.value, list) else None
     if names is None or len(names) != len(STAGE_NAMES) or not all(isinstance(name, str) for name in names):
         problems.add(
@@ -163,7 +163,7 @@ def _files(root: Node, node: Node, problems: Faults) -> list[str] | None:
     return files
 
 
-def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str, Any], problems: Faults) -> None:
+def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str, Any], problems: LocatedFaults) -> None:
     """Add faults of what does not go together: gases, expanders, drawn gas, an economizer without a condenser."""
     place = content[STAGES_KEY].place
     for name, scene in zip(STAGE_NAMES, (first, second), strict=True):
