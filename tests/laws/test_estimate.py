@@ -17,6 +17,7 @@ from screwsim.cycle.problem import ClosingTask, problem_of
 from screwsim.evaluate import cautions
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.figures.errors import relative_errors, worst
+from screwsim.figures.registry import declared
 from screwsim.model import leases
 from screwsim.model.compose import compose
 from screwsim.outputs import Figures
@@ -279,6 +280,17 @@ def test_a_swing_errs_by_the_phases_of_its_curves_harmonics_as_well():
     assert np.ptp(one) == pytest.approx(np.ptp(other)) and np.abs(np.fft.rfft(one - other)[1]) < 1e-9
     (size,) = swing_errors(figures, {"gas_torque_peak_to_peak": one}, {"gas_torque_peak_to_peak": other}).values()
     assert size == pytest.approx(0.2 * math.sin(0.3) / np.ptp(one))  # amplitude of the difference: 0.2 sin 0.3
+
+
+def test_a_mean_square_errs_by_the_phases_of_its_curves_harmonics_as_well():
+    """Two speeds across a coupling have the same mean square: one runs ahead in its second harmonic."""
+    angle = np.linspace(0.0, 2.0 * math.pi, 720, endpoint=False)
+    one, other = (np.cos(angle) + 0.5 * np.cos(2.0 * angle + phase) for phase in (0.0, 0.2))
+    figures = Figures(coupling_loss=30.0)
+    figures.about = {"coupling_loss": declared("coupling_loss")}
+    assert np.mean(one**2) == pytest.approx(np.mean(other**2))
+    (size,) = swing_errors(figures, {"coupling_loss": one}, {"coupling_loss": other}).values()
+    assert size == pytest.approx(math.sqrt(0.5) * 0.5 * math.sin(0.1) / np.mean(one**2))  # it is 2 · 0.5 sin 0.1 apart
 
 
 @pytest.mark.parametrize("name", ["specific_power", "cop", "cooling_capacity", "heating_cop", "economizer_flow_ratio"])

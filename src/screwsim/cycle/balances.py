@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.cycle.gaps_at_discharge import misread_at_discharge
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.model import slots
 from screwsim.model.composition import Composition
@@ -80,15 +81,17 @@ def flow_past_suction_port(problem: Problem, life: Trajectory) -> float:
 
     A chamber reads those ahead from the turn before, so what it gets from them is not quite what they give to those
     behind. Between chambers that are open to one line Δp is a few pascals, and both flows err as the pressure does;
-    what passes the angle at which chambers leave the line does not.
+    what passes the angle at which chambers leave the line does not, up to what chambers open to the discharge line
+    misread of it (`cycle.gaps_at_discharge`).
     """
     if not meets_line_at_angle(problem):
         return 0.0
-    c, at, pitch, gained = problem.composition, problem.parted or 0.0, problem.parts.geometry.pitch, 0.0
-    for i, offset in enumerate(c.offsets):
-        ahead, behind = c.first_met + 2 * i, c.first_met + 2 * i + 1
-        gained += life.sum_until(at, ahead) + life.sum_until(at + offset * pitch, behind)
-    return gained
+    c, at, pitch = problem.composition, problem.parted or 0.0, problem.parts.geometry.pitch
+    sums = [
+        (life.sum_until(at, c.first_met + 2 * i), life.sum_until(at + offset * pitch, c.first_met + 2 * i + 1))
+        for i, offset in enumerate(c.offsets)
+    ]
+    return sum(got + gave for got, gave in sums) - misread_at_discharge(problem, life, at, sums)
 
 
 def net_into(problem: Problem, life: Trajectory, q: Array, line: int) -> float:

@@ -50,7 +50,13 @@ FIGURES = (
     Figure("torsional_frequency", "Hz", "first torsional frequency of small motions about the mean twist, undamped"),
     Figure("resonance_speed", "rad s-1", "speed at which the lobe frequency equals the torsional frequency"),
     power_figure("motor_power", "mean power from the motor to the coupling"),
-    Figure("coupling_loss", "W", "mean power dissipated by the coupling's damping", curve=SWING),
+    Figure(
+        "coupling_loss",
+        "W",
+        "mean power dissipated by the coupling's damping",
+        curve=SWING,
+        square_of=("motor_speed", "speed"),
+    ),
 )
 
 

@@ -61,8 +61,8 @@ class Figure:
     effect's plenum (`by_port`), or of the gas that the oil holds dissolved (`by_held`), whose closing error counts over
     the gas that flashes. `curve` names the swings of its curve, with whose square it goes: its error is at least
     twice theirs. `swing_of` names the trace to whose swing it is proportional: its error is at least that of
-    reading the trace at two angles. `shown` is the unit in which people write it (`engineering.SCALES`), if not the
-    usual one of its SI unit.
+    reading the trace at two angles. `square_of` names two traces, with the mean square of whose difference it goes.
+    `shown` is the unit in which people write it (`engineering.SCALES`), if not the usual one of its SI unit.
     """
 
     name: str
@@ -76,6 +76,7 @@ class Figure:
     by_held: bool = False
     curve: tuple[str, ...] = ()
     swing_of: str = ""
+    square_of: tuple[str, ...] = ()
     shown: str = ""
 
 

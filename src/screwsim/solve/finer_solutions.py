@@ -122,8 +122,12 @@ def _slow_by_own_tangents(request: EstimateRequest) -> bool:
 
 
 def _next_life(request: EstimateRequest) -> FinerSolutions:
-    """Return the life that follows a closed cycle; NOTHING where it stops."""
-    _, machinery, criteria, cycle = request
+    """Return the life that follows a closed cycle; NOTHING where it stops.
+
+    It takes what the cycle's last turn made of the unknowns: with those that this turn took it would repeat it.
+    """
+    of, machinery, criteria, cycle = request
+    set_unknowns(request.problem, machinery, request.problem.entries.possible(of.image))
     machinery.composition.P[machinery.composition.widths] = criteria.widths
     status, _, _, q = machinery.turn(cycle.y.copy(), FINER * cycle.rtol, 1e-3)
     if status != 0:

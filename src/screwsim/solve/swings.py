@@ -1,4 +1,4 @@
-"""Errors of swings, which figures read at the two extreme angles of a curve: how far the curves of two lives are apart.
+"""Errors of swings and mean squares of curves: how far the curves of two lives are apart, not what they agree on.
 
 Source: docs/model.md M41; docs/explanation/errors.md.
 """
@@ -13,31 +13,52 @@ from screwsim.evaluate.evaluation import Evaluation
 from screwsim.figures.errors import error_of
 from screwsim.outputs import Figures
 
-Curves = Mapping[str, np.ndarray]  # by figure: the curve over a pitch, at even angles, whose swing it is
+Curves = Mapping[str, np.ndarray]  # by figure: the curve over a pitch, at even angles, whose swing or mean square it is
 
 
 def curves_of(of: Evaluation) -> Curves:
-    """Return the curves of a life whose swings its scene calls for; empty where it calls for none."""
+    """Return the curves of a life whose swings and squares its scene calls for; empty where it calls for none."""
     about, parts = of.figures.about, of.problem.parts
     found: dict[str, np.ndarray] = {}
     for _, part in parts.all(Reading):
-        swings = {name: about[name].swing_of for name in part.figures if name in about and about[name].swing_of}
-        if swings and part.traces is not None:
-            traces = part.traces(of.known if parts.shaft is None else of.complete)
-            found |= {name: traces[trace] for name, trace in swings.items() if trace in traces}
+        read = {name: (about[name].swing_of, about[name].square_of) for name in part.figures if name in about}
+        if part.traces is None or not any(swing or squared for swing, squared in read.values()):
+            continue
+        traces = part.traces(of.known if parts.shaft is None else of.complete)
+        for name, (swing, squared) in read.items():
+            if swing in traces:
+                found[name] = traces[swing]
+            elif squared and set(squared) <= traces.keys():
+                found[name] = traces[squared[0]] - traces[squared[1]]
     return found
 
 
 def swing_errors(figures: Figures, found: Curves, better: Curves) -> Figures:
-    """Return by how much swings differ whose curves are as far apart as these, over what their errors are relative to.
+    """Return by how much swings and squares differ whose curves are so far apart, over what errors are relative to.
 
     At their extreme angles two curves may agree by chance. At two angles of any phase their differences are apart by
-    the root of twice their variance, in which every harmonic counts with its amplitude and its phase.
+    the root of twice their variance, in which every harmonic counts with its amplitude and its phase. So may two means
+    of squares agree (`_of_square`).
     """
-    sizes: dict[str, float] = {}
+    about, sizes = getattr(figures, "about", {}), {}
     for name in found.keys() & better.keys():
-        swing, value = float(np.ptp(found[name])), figures.get(name)
-        if value is not None and swing > 0.0:
-            apart = math.sqrt(2.0) * float(np.std(found[name] - better[name]))
-            sizes[name] = error_of(name, apart / swing * abs(value), figures)  # half a swing, or one over a mean
+        curve, value = found[name], figures.get(name)
+        swing = float(np.ptp(curve))
+        if value is None or not swing > 0.0:
+            continue
+        if name in about and about[name].square_of:
+            apart = _of_square(curve, better[name] - curve)
+        else:
+            apart = math.sqrt(2.0) * float(np.std(curve - better[name])) / swing  # half a swing, or one over a mean
+        sizes[name] = error_of(name, apart * abs(value), figures)
     return Figures(sizes)
+
+
+def _of_square(curve: np.ndarray, apart: np.ndarray) -> float:
+    """Return the relative change of a curve's mean square by an addition whose harmonics have any phase.
+
+    It is the root of that change's variance.
+    """
+    own, more = np.abs(np.fft.rfft(curve)), np.abs(np.fft.rfft(apart))
+    weights = np.where(np.arange(len(own)) > 0, 2.0, 1.0)  # Parseval: harmonics count twice, the mean once
+    return 2.0 * math.sqrt(float(weights @ (own * more) ** 2)) / max(float(weights @ own**2), 1e-300)

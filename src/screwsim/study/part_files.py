@@ -83,7 +83,7 @@ def read_part(path: Path, traces: bool = True, cases: bool = True) -> Table:
 
 def _figures(about: Any) -> tuple[Figure, ...]:
     """Return the figures described in a part; raise TypeError where one is not valid."""
-    more = ({name: tuple(each.get(name, ())) for name in ("needs", "curve")} for each in about["about"])
+    more = ({name: tuple(each.get(name, ())) for name in ("needs", "curve", "square_of")} for each in about["about"])
     more = (lists | {"scale": scale_of(each["scale"])} for lists, each in zip(more, about["about"], strict=True))
     found = tuple(Figure(**each | typed) for each, typed in zip(about["about"], more, strict=True))
     texts = (text for each in found for text in (each.name, each.units, each.long_name, *each.needs))
