@@ -167,6 +167,7 @@ def damped(change: Array, last: Array) -> Array:
 def limited_step(pitch: CollocatedPitch, Y: Array, change: Array) -> Array:
     """Return states changed by at most `LONGEST` of themselves; states of either sign change without limit."""
     c = pitch.machinery.composition
-    signed = np.tile(np.isin(np.arange(pitch.n), c.signed), c.chambers)
-    most = np.where(signed, np.inf, LONGEST * np.maximum(np.abs(Y), 0.0))
-    return Y + np.clip(change, -most, most)
+    most = LONGEST * np.abs(Y)
+    for signed in c.signed:
+        most[..., signed :: pitch.n] = np.inf
+    return Y + np.minimum(np.maximum(change, -most), most)

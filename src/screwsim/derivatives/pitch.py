@@ -159,6 +159,9 @@ class CollocatedPitch:
 
     def runs(self, of: Array) -> Iterator[slice]:
         """Yield ranges of rows with equal phases, with the chambers held in these; `of` is the slice of each row."""
+        if not self.has_phases:  # all are free
+            yield slice(0, len(of))
+            return
         held, phases = self._held(), self.phases[of]
         ends = np.flatnonzero((phases[1:] != phases[:-1]).any(axis=1)) + 1
         try:

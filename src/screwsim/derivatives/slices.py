@@ -118,8 +118,9 @@ def edges_of(machinery: Machinery, seams: Array, steps: float, longest: float) -
 def refined(edges: Array, errors: Array, tolerance: float) -> Array:
     """Return edges of slices, with those whose error exceeds the tolerance divided."""
     parts = np.clip(np.ceil((errors / tolerance) ** POWER), 1, MOST).astype(int)
-    found = [low + (high - low) * np.arange(n) / n for low, high, n in zip(edges[:-1], edges[1:], parts, strict=True)]
-    return np.append(np.concatenate(found), edges[-1])
+    of, first = np.repeat(np.arange(len(parts)), parts), np.cumsum(parts) - parts
+    found = edges[of] + np.diff(edges)[of] * (np.arange(len(of)) - first[of]) / parts[of]
+    return np.append(found, edges[-1])
 
 
 def with_rings(
