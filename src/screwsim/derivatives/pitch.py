@@ -93,6 +93,14 @@ class CollocatedPitch:
         c = self.machinery.composition
         c.P[:], c.TAB[:], self.machinery.R[:] = numbers
 
+    def put_with_cells(self, numbers: RateNumbers, by: float, change: Array) -> None:
+        """Set the numbers that the rates use, with a multiple of a change of the cells that the injection sets."""
+        self.put(numbers)
+        self.machinery.R[R_RATIO:R_SIZE] += by * change[: self.run_cells]
+        noted = self.noted
+        if noted:
+            self.machinery.composition.P[noted] += by * change[self.run_cells :]
+
     # ---- states ------------------------------------------------------------------------------------------------
 
     def read(self) -> Array:
