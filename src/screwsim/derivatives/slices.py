@@ -123,6 +123,11 @@ def refined(edges: Array, errors: Array, tolerance: float) -> Array:
     return np.append(found, edges[-1])
 
 
+def _end_behind(ends: Array, at: float) -> int:
+    """Return the index of the first end at or behind an angle [rad], not that of the first one."""
+    return min(max(int(ends.searchsorted(at)), 1), len(ends) - 1)
+
+
 def with_rings(
     edges: Array, seams: Array, crossings: Sequence[Crossing], growth: tuple[float, float], peak: float = math.nan
 ) -> Array:
@@ -137,11 +142,11 @@ def with_rings(
         added.append(around[(around > edges[0] + LEAST) & (around < edges[-1] - LEAST)])
     for angle, layer, jump in crossings:
         at, first, wider = angle - SHARE_BEFORE * layer, growth[0] * FIRST_RING * layer, growth[1] * RING_GROWTH
-        after = int(np.clip(np.searchsorted(edges, at), 1, len(edges) - 1))
+        after = _end_behind(edges, at)
         room = float(edges[after] - edges[after - 1])
         count = max(0, int(np.ceil(np.log(max(0.5 * room / first, 1e-300)) / np.log(wider))))
         reach = first * wider ** np.arange(count)
-        segment = int(np.clip(np.searchsorted(seams, at), 1, len(seams) - 1))
+        segment = _end_behind(seams, at)
         low, high = seams[segment - 1] + LEAST, seams[segment] - LEAST
         ring = np.concatenate([at - reach[::-1], [at, *([at + jump] if jump else [])], at + reach])
         ring = ring[(ring > low) & (ring < high)]
