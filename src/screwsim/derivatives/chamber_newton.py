@@ -20,6 +20,7 @@ from screwsim.derivatives.slices import INTEGRALS
 Array = np.ndarray
 MOST_ITERATIONS = 12  # iterations
 KEEP_SLOPES_BELOW = 0.2  # ratio of residuals up to which the derivatives of the iteration before are kept
+RENEWED_ABOVE = 0.1  # share of the wanted residual above which the derivatives of a slice are taken anew
 CLOSINGS = 8  # iterations that may close a cycle, while each residual is at most ...
 AGAIN = 4.0  # ... this many times the least before: a residual may return through other chambers before it decays
 LONGEST = 0.3  # relative change of a state in one iteration
@@ -46,16 +47,24 @@ class ChamberFactors:
         return self.blocks if pitch.count == len(self.edges) - 1 else None
 
     def begun(self, pitch: CollocatedPitch, Y: Array) -> Blocks:
-        """Return the factors for a pitch with other slices; only new slices are factored."""
+        """Return the factors for a pitch with other slices; only slices that are new or have moved are factored."""
         if self.blocks is None or not self.good:
             return self.anew(pitch, Y)
-        edges, before = pitch.slices.edges, self.edges
-        at = np.minimum(np.searchsorted(before, edges[:-1]), len(before) - 2)
-        apart = (np.abs(Y - self.states[at]) / np.maximum(np.abs(Y), SMALL)).max(axis=(1, 2))
-        new = (before[at] != edges[:-1]) | (before[at + 1] != edges[1:]) | (apart > UNCHANGED_WITHIN)
+        states = self.states[self._before(pitch)]
+        return self.renewed(pitch, Y, _largest(Y - states, Y) > UNCHANGED_WITHIN)
+
+    def renewed(self, pitch: CollocatedPitch, Y: Array, wrong: Array) -> Blocks:
+        """Return the factors for a pitch where those of `wrong` slices, and of ones with other ends, are not kept."""
+        assert self.blocks is not None
+        edges, before, at = pitch.slices.edges, self.edges, self._before(pitch)
+        new = wrong | (before[at] != edges[:-1]) | (before[at + 1] != edges[1:])
         found, self.states = _blocks(pitch, Y, np.flatnonzero(new)), np.where(new[:, None, None], Y, self.states[at])
         self.blocks, self.edges = found.among(self.blocks, new, at[~new], pitch.N // pitch.n), edges
         return self.blocks
+
+    def _before(self, pitch: CollocatedPitch) -> Array:
+        """Return the index of the kept slice that begins where each slice of a pitch does, or near there."""
+        return np.minimum(np.searchsorted(self.edges, pitch.slices.edges[:-1]), len(self.edges) - 2)
 
     def anew(self, pitch: CollocatedPitch, Y: Array) -> Blocks:
         """Return, and keep, new factors for a pitch at given states."""
@@ -80,7 +89,7 @@ def approach(pitch: CollocatedPitch, bound: float, kept: ChamberFactors) -> tupl
         if blocks is None:
             blocks = kept.begun(pitch, Y)
         elif size > KEEP_SLOPES_BELOW * before:
-            blocks = kept.anew(pitch, Y)
+            blocks = kept.renewed(pitch, Y, _largest(open_, Y) > RENEWED_ABOVE * bound)
         before = size
         last = damped(blocks.follow_one_by_one(-open_, nothing), last)
         Y = limited_step(pitch, Y, last)
@@ -156,6 +165,11 @@ def residual(pitch: CollocatedPitch, Y: Array, start: Array, f: Array) -> Array:
 def size_of(open_: Array, Y: Array) -> float:
     """Return a relative residual."""
     return float(np.max(np.abs(open_) / np.maximum(np.abs(Y), SMALL)))
+
+
+def _largest(change: Array, Y: Array) -> Array:
+    """Return the largest relative change, or residual, of the states in each slice."""
+    return (np.abs(change) / np.maximum(np.abs(Y), SMALL)).max(axis=(1, 2))
 
 
 def damped(change: Array, last: Array) -> Array:
