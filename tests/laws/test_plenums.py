@@ -89,6 +89,22 @@ def test_what_is_open_to_a_line_counts_from_where_its_port_opens(opens):
     assert life.into_lines(LINE_POINTS)[1][1] == pytest.approx(mean, rel=1e-5)
 
 
+def test_a_lifes_flow_into_its_lines_is_read_once_and_another_lifes_anew():
+    """It costs as much as a turn; a workspace that goes on, with other states or other numbers, has another life."""
+    _, machinery, _ = closed(make({**PLENUMS, "numerics.error": "none"}))
+    view, kept = machinery.trajectory, machinery.trajectory.copy()
+    first = view.into_lines(LINE_POINTS)
+    assert kept.into_lines(LINE_POINTS) is first
+    again = {**kept._asdict(), "known": {}}
+    np.testing.assert_array_equal(type(kept)(**again).into_lines(LINE_POINTS)[0], first[0])
+    machinery.histories[0][1][: view.steps, :, 1] *= 1.01  # denser gas
+    denser = machinery.trajectory.into_lines(LINE_POINTS)[0]
+    assert abs(denser / first[0] - 1.0).min() > 1e-4
+    machinery.composition.P[P_OMEGA] *= 2.0
+    assert abs(machinery.trajectory.into_lines(LINE_POINTS)[0] / denser - 1.0).max() > 1e-4
+    np.testing.assert_array_equal(kept.into_lines(LINE_POINTS)[0], first[0])
+
+
 def test_the_mean_drop_is_that_of_the_loss_coefficient():
     """2 · ½ ρ u² with u = 1/(50 · 10⁻³) = 20 m/s is 20 kPa, in the direction of the flow."""
     line = wave(1, 0.2)

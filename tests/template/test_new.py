@@ -113,11 +113,31 @@ def test_a_package_of_a_small_pressure_rise_has_a_motor_that_takes_its_load_and_
         ("heat_pump", {"fluid": "CO2", "condition": "-10/25 degC", "displacement": "18 m^3/h", "speed": "900 rpm"}),
         ("expander", {"fluid": "Water", "condition": "20/3.59 bar, 220 degC"}),
         ("reciprocating", {"fluid": "R454B"}),
+        ("reciprocating", {"fluid": "R1233zd(E)"}),
+        ("heat_pump", {"fluid": "R245fa", "condition": "80/140 degC"}),
+        ("heat_pump", {"fluid": "Cyclopentane", "condition": "80/130 degC"}),
+        ("expander", {"fluid": "R1233zd(E)", "condition": "20.8/3.27 bar"}),
+        ("booster", {"fluid": "Air", "condition": "0.4/1.01 bar", "displacement": "730 m^3/h"}),
     ],
 )
 def test_templates_that_had_no_solution_or_warned_run(kind, stated):
-    """A ratio far from the pressures', a thermostat above what leaves, oil below the dew, wet steam, no transport."""
+    """A ratio far from the pressures', a thermostat above what leaves, oil below the dew or hot, wet steam or inlet,
+    no transport, oil films that take more than a vacuum pump."""
     figures(kind, **stated)
+
+
+@pytest.mark.parametrize(
+    ("kind", "fluid", "condition", "wet", "dry"),
+    [("heat_pump", "n-Pentane", "80/130 degC", 10, 15), ("reciprocating", "R1234yf", "-10/45 degC", 3, 10)],
+)
+def test_a_gas_whose_vapour_line_leans_over_has_the_superheat_that_keeps_it_dry(kind, fluid, condition, wet, dry):
+    """Compressed from little superheat such gases end wet: the chamber's equations had no solution."""
+    scene = scene_of(kind, fluid=fluid, condition=condition)
+    assert scene.operation.superheat == dry
+    assert screwsim.simulate(scene, trace=False).performance.discharge_superheat > 0.0
+    told = rf"ends wet, as its vapour line leans over \(write e.g. --condition '{condition}, {dry} K'\)$"
+    with pytest.raises(UsageError, match=told):
+        new_scene(kind, request_of(fluid, None, None, None, None, f"{condition}, {wet} K"))
 
 
 @pytest.mark.parametrize("fluid", ["CO2", "R744", "CarbonDioxide"])
@@ -178,8 +198,12 @@ def test_a_motor_that_is_stated_turns_the_first_size_that_is_tried():
 
 def test_an_economizer_without_a_steady_draw_is_refused():
     asked = request_of("R454B", "600 m^3/h", None, None, None, "-29/-14 degC, 20 K", economizer=True)
-    with pytest.raises(UsageError, match=r"^--economizer: no temperature is found .*or no --economizer\)$"):
+    told = r"^--economizer: no temperature is found .*or no --economizer\)$"
+    with pytest.raises(UsageError, match=told):
         with_steady_port(new_scene("refrigeration", asked))
+    asked = request_of("R1234ze(Z)", None, None, None, None, "94/111 degC, 25 K", capacity="27.3 kW", economizer=True)
+    with pytest.raises(UsageError, match=told):
+        sized_machine("refrigeration", asked)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -380,12 +404,20 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
         (["booster", "--fluid", "Ethylene"], "--fluid Ethylene: CoolProp has no viscosity of it, which the gaps need"),
         (
             ["booster", "--fluid", "Hydrogen", "--condition", "1/1.8 bar, 10 degC", "--speed", "6000 rpm"],
-            "--speed 6000 rpm: with oil films it takes 7 times the work that the gas needs (choose a lower speed, or "
-            "pressures",
+            "--speed 6000 rpm: with oil films it takes 7 times the work that the gas needs (choose a lower speed, "
+            "an oil thinner than PAG_100",
         ),
         (
             ["booster", "--fluid", "R290", "--condition", "20/42 bar, 60 degC"],
             "--condition: R290 of 42 bar condenses below 96 °C, close to its outlet temperature",
+        ),
+        (
+            ["heat_pump", "--fluid", "Cyclopentane", "--condition", "80/150 degC"],
+            "--condition: Cyclopentane condenses at 150 degC, too warm for POE_68, whose data end at 150 degC",
+        ),
+        (
+            ["expander", "--fluid", "R245fa", "--condition", "20/5 bar, 100 degC"],
+            "--condition 20/5 bar, 100 degC: R245fa of 20 bar is liquid below",
         ),
         (["booster", "--slide"], "--slide: is for refrigeration and heat_pump, which it unloads"),
         (["heat_pump", "--variable-speed"], "--variable-speed: is for air, from whose data sheet it comes"),

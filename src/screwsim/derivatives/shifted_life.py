@@ -75,6 +75,7 @@ class ShiftedLife(Trajectory):
             0,
             nothing,
             machinery._reading,
+            machinery._known,
         )
         found.turning = turning
 

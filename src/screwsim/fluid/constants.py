@@ -287,6 +287,37 @@ def enthalpy(fluid: str, p: float, T: float) -> float:
     return vapour_enthalpy(fluid, p, T)
 
 
+def compressed(fluid: str, p: float, T: float, p_end: float, efficiency: float) -> tuple[float, float] | None:
+    """Return temperature [K] and enthalpy above the dew point [J/kg] of a gas compressed from p [Pa], T [K] to `p_end`.
+
+    `efficiency` is the isentropic one. None for a blend, above the critical pressure, and where CoolProp has no such
+    state.
+    """
+    if _blend(fluid) is not None:
+        return None
+
+    def question() -> list[float]:
+        state, coolprop = _abstract_state(fluid)
+        try:
+            state.update(coolprop.PQ_INPUTS, p_end, 1.0)
+            dew = state.hmass()
+            state.specify_phase(coolprop.iphase_gas)
+            state.update(coolprop.PT_INPUTS, p, T)
+            h, s = state.hmass(), state.smass()
+            state.unspecify_phase()
+            state.update(coolprop.PSmass_INPUTS, p_end, s)
+            h += (state.hmass() - h) / efficiency
+            state.update(coolprop.HmassP_INPUTS, h, p_end)
+            return [state.T(), h - dew]
+        except ValueError:
+            return []
+        finally:
+            state.unspecify_phase()
+
+    found = ask(f"{fluid} compressed {p!r} {T!r} {p_end!r} {efficiency!r}", question)
+    return (found[0], found[1]) if found else None
+
+
 def _single_phase(fluid: str, p: float, T: float, phase: str) -> float:
     def question() -> float:
         state, coolprop = _abstract_state(fluid)

@@ -19,6 +19,7 @@ from screwsim.model.contexts import ChamberContext
 from screwsim.model.trace import SAMPLED
 
 Array = np.ndarray
+KNOWN_LIVES = 4  # lives of a workspace whose flows into lines are kept: a turn, the closed cycle, and a finer one
 
 
 def with_numbers(composition: Composition, P: Array, **more: Any) -> Composition:
@@ -43,6 +44,7 @@ class Trajectory(NamedTuple):
     steps: int
     context: Context
     alone: Lock  # held while writing to the context's scratch arrays
+    known: dict[tuple[Any, ...], Any]  # flows into lines by the life that they were read from, see `into_lines`
 
     def copy(self) -> Trajectory:
         """Return a copy in its own, read-only arrays."""
@@ -54,7 +56,7 @@ class Trajectory(NamedTuple):
         context = Context(ChamberContext(P, c.TAB, R, times, dense, times, dense, kept, *scratch))
         for array in (times, dense, quads, P, R):
             array.flags.writeable = False
-        return Trajectory(with_numbers(c, P), self.module, R, times, dense, quads, steps, context, Lock())
+        return Trajectory(with_numbers(c, P), self.module, R, times, dense, quads, steps, context, Lock(), self.known)
 
     @property
     def rows(self) -> tuple[Array, Array, int]:
@@ -134,12 +136,23 @@ class Trajectory(NamedTuple):
         """Return the flow [kg/s] into suction and discharge line, and the mean volume [m³] open to each.
 
         If they pulsate. The flow is given at `points` even angles of a pitch, starting at the youngest
-        chamber's 0°.
+        chamber's 0°. It costs as much as a turn, and a life is asked again after its workspace went on: what was read
+        of the last lives is found by their content.
         """
-        into, volume = np.zeros((2, points)), np.zeros(2)
-        with self.alone:
-            self.module.line_flow__into_lines(*self.rows, self.context, self.composition.n_E, into, volume)
-        return into, volume
+        times, dense, steps = self.rows
+        rows = times[: steps + 1], dense[:steps], self.composition.P, self.R
+        life = points, *(array.tobytes() for array in rows)
+        found = self.known.get(life)
+        if found is None:
+            into, volume = np.zeros((2, points)), np.zeros(2)
+            with self.alone:
+                self.module.line_flow__into_lines(*self.rows, self.context, self.composition.n_E, into, volume)
+            for array in (into, volume):
+                array.flags.writeable = False
+            while len(self.known) >= KNOWN_LIVES:
+                self.known.pop(next(iter(self.known)), None)
+            found = self.known[life] = into, volume
+        return found
 
     def account(self, s_suction: float, s_discharge: float) -> tuple[Array, Array, Array]:
         """Return the ledger's sums of paths, of heat rates and walls, and of oil over the life (`model.ledger`).

@@ -63,6 +63,8 @@ def sized_machine(kind: str, asked: SceneRequest) -> SizedMachine:
             what = f"the machine of {flow_text(flow)} tried for it does not run: {why}"
             raise UsageError(f"{option}: {what} (choose another {option}, --speed, --vi or --condition)")
         if abs(value / wanted - 1.0) <= (NEAR if count < FIRM else ROUNDED):
+            if asked.economizer:
+                _check_port(result)
             return found
         flow *= wanted / value
     raise UsageError(
@@ -86,10 +88,15 @@ def solved_machine(text: str) -> SizedMachine:
 def with_steady_port(text: str) -> str:
     """Return the text of a scene whose economizer's port draws what the liquid gives off, else raise UsageError."""
     text, _, result = solved_machine(text)
+    _check_port(result)
+    return text
+
+
+def _check_port(result: Result) -> None:
+    """Raise UsageError unless the economizer's port draws what the liquid gives off."""
     drawn = result.performance.get("economizer_draw_ratio") if result.status == "ok" else None
     if drawn is None or abs(drawn - 1.0) > STEADY:
         raise UsageError(UNSTEADY_PORT)
-    return text
 
 
 def _text(kind: str, asked: SceneRequest, option: str) -> str:

@@ -39,6 +39,8 @@ DRYNESS_FACTOR = 1.3  # of the outlet's pressure: estimate of how much drier an 
 LARGEST_FRICTION_RATIO = 4.0  # times the lossless work, beyond which friction rules out a booster
 ABOVE_DEW, NEARLY = 10.0, 0.999  # [K] margin of the separator above the dew point; fraction of the critical temperature
 OIL_OVER_DEW = 4.0  # [K] margin of cooled oil above the dew point
+# of gases that hardly dissolve in it, as in air packages; others thin mineral oil
+BOOSTER_OILS = {**OILS_FOR, **dict.fromkeys(("air", "nitrogen", "n2", "argon", "ar", "oxygen", "o2"), "mineral_46")}
 SOLIDITY = 0.63  # of end faces, as in the text of flooded machines
 
 
@@ -68,6 +70,7 @@ class Duty(NamedTuple):
 
 
 def _duty(asked: SceneRequest, fluid: str, example: str, temperature: str, expands: bool = False) -> Duty:
+    """Return the lines of a condition; an unstated temperature is the default, or 10 K above the dew point."""
     at = condition_of(asked.condition or example, "pressure", example)
     low, high = (at.high, at.low) if expands else (at.low, at.high)
     if not low < high:
@@ -76,6 +79,14 @@ def _duty(asked: SceneRequest, fluid: str, example: str, temperature: str, expan
         )
         raise UsageError(f"--condition {asked.condition}: {order} (write e.g. --condition '{example}')")
     text, T = quantity_after_comma(at, "temperature", temperature)
+    boils = constants.liquid_below(fluid, at.low, T)
+    if boils is not None:
+        dry = f"{5.0 * math.ceil((boils + ABOVE_DEW - ZERO_CELSIUS) / 5.0):g} degC"
+        if at.beside:
+            what = f"{fluid} of {at.low_text} is liquid below {boils - ZERO_CELSIUS:.4g} degC"
+            pair = (asked.condition or example).partition(",")[0].strip()
+            raise UsageError(f"--condition {asked.condition}: {what} (write e.g. --condition '{pair}, {dry}')")
+        text, T = quantity_after_comma(at, "temperature", dry)  # the default is too cold
     return Duty(at, text, T, constants.isentropic_exponent(fluid, T), constants.gas_constant(fluid))
 
 
@@ -248,7 +259,7 @@ def _booster_outlet_temperature(fluid: str, duty: Duty, warmed: float, dew: floa
 def booster(asked: SceneRequest) -> str:
     """Return the scene of a screw that takes in gas under pressure: a fuel-gas booster, or a second stage."""
     fluid = asked.fluid or "Methane"
-    oil = asked.oil or OILS_FOR.get(fluid.lower(), "PAG_100")
+    oil = asked.oil or BOOSTER_OILS.get(fluid.lower(), "PAG_100")
     flow, speed = asked.flow or 600.0 / 3600.0, asked.speed or 2950.0 * RPM
     size, duty = texts.sized(flow, speed), _duty(asked, fluid, "5/20 bar", "20 degC")
     c_p = duty.R * duty.k / (duty.k - 1.0)
@@ -264,7 +275,8 @@ def booster(asked: SceneRequest) -> str:
     taken = taken_at(leaves)
     if taken > LARGEST_FRICTION_RATIO * duty.work:
         what = f"with oil films it takes {taken / duty.work:.0f} times the work that the gas needs"
-        raise UsageError(f"--speed {sizes.rpm(speed)}: {what} (choose a lower speed, or pressures farther apart)")
+        remedy = f"choose a lower speed, an oil thinner than {oil} with --oil, or pressures farther apart"
+        raise UsageError(f"--speed {sizes.rpm(speed)}: {what} ({remedy})")
     warmed = WARMED if dew is None else min(WARMED, leaves - dew - OIL_OVER_DEW)
     left = taken - c_p * (leaves - duty.T)
     least = max(LEAST_OIL, LEAST_SHARE * flow * OILS[oil].density_at(LEAVES) / gas_flow)

@@ -3,9 +3,11 @@
 import math
 from typing import NamedTuple
 
+from screwsim.fluid import constants
 from screwsim.fluid.description import describe
 from screwsim.inputs.faults import UsageError
 from screwsim.template import sizes
+from screwsim.template.duty import Duty, conditions, duty_of
 from screwsim.template.gas_cooler import (
     BY,
     best_pressure,
@@ -14,7 +16,6 @@ from screwsim.template.gas_cooler import (
     range_note,
     refuse_too_warm,
 )
-from screwsim.template.refrigeration import Duty, conditions, duty_of
 from screwsim.template.request import SceneRequest, condition_of, refuse_option
 from screwsim.template.texts import filled
 
@@ -113,7 +114,7 @@ def reciprocating(asked: SceneRequest) -> str:
     if needs_gas_cooler(fluid, stated):
         refuse_too_warm(condition, stated)
         pressure = best_pressure(stated.low, stated.high)
-    duty = duty_of(fluid, flow, condition, example, pressure)
+    duty = duty_of(fluid, flow, condition, example, pressure, lossless=True)
     s = (2.0 * math.pi * flow / speed / of.swept) ** (1.0 / 3.0)
     faster = s * speed / of.speed  # mean piston speed over the known one
     if of.suction.area * s**2 * faster > LARGEST_PORT_SHARE * 0.25 * math.pi * (of.bore * s) ** 2:
@@ -125,9 +126,12 @@ def reciprocating(asked: SceneRequest) -> str:
 
 
 def _wall(fluid: str, T: float) -> str:
-    """Return the line on the heat between gas and wall [K]; for a blend, why there is none."""
-    if describe(fluid).glides:
-        return f"  # No cylinder_heat: CoolProp has no transport properties of blends such as {fluid}.\n"
+    """Return the line on heat between gas and wall [K], or why there is none."""
+    try:
+        constants.transport(fluid, 1e4, max(T, 300.0))  # as effects.cylinder_heat asks
+    except UsageError:
+        unknown = f"blends such as {fluid}" if describe(fluid).glides else fluid
+        return f"  # No cylinder_heat: CoolProp has no transport properties of {unknown}.\n"
     told = "between the temperatures of inflow and outflow"
     return f"  cylinder_heat: {{wall_temperature: {T:.0f} K}}    # {told}\n"
 

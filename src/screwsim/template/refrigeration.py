@@ -9,16 +9,17 @@ from screwsim.fluid.description import describe
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.slide import fitting_slide
+from screwsim.outputs.customary import in_celsius
 from screwsim.scene import loads
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes, texts
-from screwsim.template.gas_cooler import refused_screw
-from screwsim.template.request import SceneRequest, condition_of, quantity_after_comma
+from screwsim.template.duty import EFFICIENCIES, Duty, conditions, duty_of
+from screwsim.template.request import SceneRequest
 
 RPM = math.pi / 30.0
-EFFICIENCIES = 0.91, 0.74  # lambda and eta_s of mean curves (validation/bitzer), for estimates of flow and power
 OIL_COOLED_FROM = 350.0  # [K] after isentropic compression, from which the oil is cooled
 LEAVES, ABOVE = 348.15, 35.0  # [K] outlet temperature of gas and oil then, and least margin above condensing
+WITHIN = 5.0  # [K] by which gas and oil then stay at least below the end of the oil's data
 OIL_WARMING = 25.0  # [K] by which the oil is then warmed
 OVER_DEW = 4.0  # [K] margin of oil above condensing where a machine leaks more than those behind EFFICIENCIES
 TIGHT, LEAKED = 0.8, 1.3  # eta_s without leaks, and what these take, rather too large: five gases from 40 m³/h ...
@@ -27,7 +28,6 @@ LEAST, TOO_HOT = 0.2, 400.0  # least value of the estimate; [K] leaving a leaky 
 BORE_OIL_TEMPERATURE = 333.15  # [K] of the oil in its bores
 BESIDE, SHORTEST = math.radians(5.0), math.radians(30.0)  # of an economizer's port: distance from others, length
 PORT_AREA_RATIO = 0.0057  # its area over the squared rotor diameter: assumed, 2 cm^2 at 187 mm
-CONDITION_SHARES = 0.5, 0.8  # of the way from triple to critical point: a condition possible for any fluid
 FRICTION, OF_DISPLACED = 0.096, 1.08  # of the indicated power; ratio of that to the theoretical one at 0/40 °C
 # power over that without an economizer, which draws 10 to 20 % more gas: for an estimate
 ECONOMIZED_POWER_FACTOR = 1.12
@@ -64,22 +64,6 @@ COOLING = Plant("Refrigeration screw", "R134a", "0/40 degC", "cooling")
 HEATING = Plant("Heat-pump screw", "R1234ze(E)", "10/65 degC", "heating")
 
 
-class Duty(NamedTuple):
-    """The states of a condition, and estimates of flow and power, in SI units."""
-
-    T_e: float
-    T_c: float
-    superheat: str
-    more: float  # [K] of it
-    p_s: float
-    p_d: float
-    gas_flow: float
-    work: float
-    hottest: float
-    heat_capacity: float
-    k: float
-
-
 RATED_POWER_SOURCES = ("the next size of IEC 60072-1 above an estimate", "as stated")  # source of the rated power
 DEFAULT_DISPLACEMENT_FLOW = 600.0 / 3600.0  # [m³/s] default displacement
 
@@ -104,7 +88,7 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
     duty, size = duty_of(fluid, flow, asked.condition or plant.condition, plant.condition), texts.sized(flow, speed)
     usual = sizes.matching(duty.p_d / duty.p_s, duty.k, 0.9)
     oil = asked.oil or OILS_FOR.get(fluid.lower(), "POE_68")
-    ratio, separator = _oil_and_separator(duty, oil, asked.ratio, _leaky_efficiency(fluid, duty, size, flow))
+    ratio, separator = _oil_and_separator(fluid, duty, oil, asked.ratio, _leaky_efficiency(fluid, duty, size, flow))
     cooled = "discharge_temperature:" in separator.partition("#")[0]
     values = {
         **conditions(duty),
@@ -199,18 +183,6 @@ def _evidence_comments(fluid: str) -> str:
     )
 
 
-def conditions(duty: Duty) -> dict[str, str]:
-    """Return the temperatures of a duty as stated in a scene; the liquid stays warmer than the evaporator."""
-    e, c = (f"{T - ZERO_CELSIUS:.6g}" for T in (duty.T_e, duty.T_c))
-    return {
-        "condition": f"{e}/{c} degC",
-        "evaporating": f"{e} degC",
-        "condensing": f"{c} degC",
-        "superheat": duty.superheat,
-        "subcooling": f"{min(5.0, 0.5 * (duty.T_c - duty.T_e)):g} K",
-    }
-
-
 def _sizing_comment(asked: SceneRequest, plant: Plant) -> str:
     """Return the comment on the goal by which the size was sought; empty where the size was stated."""
     goals = {
@@ -292,44 +264,6 @@ def _transport(fluid: str, duty: Duty) -> dict[str, str]:
     return {"transport": told + "".join(f"    {line}\n" for line in lines)}
 
 
-def duty_of(fluid: str, flow: float, condition: str, example: str, p_cooler: float | None = None) -> Duty:
-    """Return the states of a condition with estimates of flow and power; raise UsageError for an impossible one.
-
-    `p_cooler` [Pa] is the pressure of a gas cooler, which the condition's upper temperature leaves; without it, the gas
-    condenses.
-    """
-    found = condition_of(condition, "temperature", example)
-    superheat, more = quantity_after_comma(found, "temperature_difference", "10 K")
-    limits = constants.limits(fluid)
-    assert limits is not None
-    for T in (found.low, found.high) if p_cooler is None else (found.low,):
-        if not limits.T_triple < T < limits.T_critical:
-            least, most = (end - ZERO_CELSIUS for end in (limits.T_triple, limits.T_critical))
-            usual = ", which is the default" if condition == example else ""
-            what = f"{fluid} saturates between {least:.1f} and {most:.1f} degC"
-            what += f" (write e.g. --condition '{_possible_condition(limits)}')"
-            cooler = refused_screw(fluid, condition, example) if T is found.high else ""
-            raise UsageError(f"--condition {condition}{usual}: {cooler or what}")
-    if not found.low < found.high:
-        raise UsageError(
-            f"--condition {condition}: evaporates above the condensing temperature (write LOW/HIGH, e.g. '{example}')"
-        )
-    p_s, p_d = constants.dew_pressure(fluid, found.low), p_cooler or constants.condensing_pressure(fluid, found.high)
-    T, R = found.low + more, constants.gas_constant(fluid)
-    k = constants.isentropic_exponent(fluid, T)
-    hottest = T * (p_d / p_s) ** ((k - 1.0) / k)
-    gas_flow = EFFICIENCIES[0] * flow * p_s / (R * T)
-    work = sizes.isentropic_work(k, R, T, p_d / p_s)
-    return Duty(found.low, found.high, superheat, more, p_s, p_d, gas_flow, work, hottest, R * k / (k - 1.0), k)
-
-
-def _possible_condition(limits: constants.Limits) -> str:
-    """Return a condition that is possible for a fluid."""
-    span, zero = limits.T_critical - limits.T_triple, ZERO_CELSIUS
-    low, high = (limits.T_triple + share * span - zero for share in CONDITION_SHARES)
-    return f"{low:.1f}/{high:.1f} degC"
-
-
 def _leaky_efficiency(fluid: str, duty: Duty, size: sizes.Size, flow: float) -> float:
     """Return an estimate of eta_s of a small or slow machine, whose gaps pass much of its displacement."""
     R, T = constants.gas_constant(fluid), duty.T_e + duty.more
@@ -339,19 +273,35 @@ def _leaky_efficiency(fluid: str, duty: Duty, size: sizes.Size, flow: float) -> 
     return TIGHT * max(1.0 - LEAKED * max(duty.p_s / (R * T), THIN) ** DENSER * passed, LEAST)
 
 
-def _oil_and_separator(duty: Duty, oil: str, built_in: float | None, leaky: float) -> tuple[float, str]:
+def _oil_and_separator(fluid: str, duty: Duty, oil: str, built_in: float | None, leaky: float) -> tuple[float, str]:
     """Return oil over gas, and the separator, with a cooler where the gas would get hot without one.
 
-    The oil of a small machine, whose leaks take more power, stays warm enough that no gas condenses on it.
+    The oil of a small machine, whose leaks take more power, stays warm enough that no gas condenses on it. Raise
+    UsageError where no oil temperature is both above condensing and within the oil's data.
     """
-    leaves = max(LEAVES, duty.T_c + ABOVE)
+    hottest_oil = OILS[oil].high - WITHIN
+    leaves = min(max(LEAVES, duty.T_c + ABOVE), hottest_oil)
+    end = _leaving(fluid, duty, EFFICIENCIES[1])
+    if hottest_oil < min(duty.T_c + OVER_DEW, end):
+        what = (
+            f"condenses at {in_celsius(duty.T_c)}, too warm for {oil}, whose data end at {in_celsius(OILS[oil].high)}"
+        )
+        raise UsageError(f"--condition: {fluid} {what} (choose a lower condensing temperature, or another --oil)")
     work = sizes.beyond_matching(duty.p_d / duty.p_s, duty.k, built_in) * duty.work
     cooled = duty.heat_capacity * (leaves - duty.T_e - duty.more)
     left, more = work / EFFICIENCIES[1] - cooled, work / leaky - cooled
-    hot = duty.hottest >= OIL_COOLED_FROM and left > 0.0
-    if not hot and more <= duty.heat_capacity * (TOO_HOT - leaves):
+    hot = duty.hottest >= OIL_COOLED_FROM and (end > leaves if math.isfinite(end) else left > 0.0)
+    leaking = more > duty.heat_capacity * (TOO_HOT - leaves) and _leaving(fluid, duty, leaky) > leaves
+    if not hot and not leaking:
         return 1.0, "separator: {}    # uncooled; cooler: {discharge_temperature: 75 degC} adds a thermostat"
-    needed = max(left / OIL_WARMING, more / (leaves - duty.T_c - OVER_DEW)) / OILS[oil].heat_capacity_at(leaves)
+    dry = leaves - duty.T_c - OVER_DEW
+    needed = max(left / min(OIL_WARMING, dry), more / dry) / OILS[oil].heat_capacity_at(leaves)
     ratio = max(1.0, math.ceil(2.0 * needed) / 2.0)
     kept = f"cooler: {{discharge_temperature: {leaves - ZERO_CELSIUS:.0f} degC}}"
     return ratio, f"separator: {{{kept}}}    # # a thermostat holds the discharge temperature"
+
+
+def _leaving(fluid: str, duty: Duty, efficiency: float) -> float:
+    """Return the temperature [K] of the gas after compression; inf where it is not known."""
+    end = constants.compressed(fluid, duty.p_s, duty.T_e + duty.more, duty.p_d, efficiency)
+    return math.inf if end is None else end[0]

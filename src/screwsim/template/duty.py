@@ -1,0 +1,112 @@
+"""The duty of a refrigeration machine: its states, a superheat from which the gas stays dry, flow and power."""
+
+import math
+from typing import NamedTuple
+
+from screwsim.fluid import constants
+from screwsim.inputs.faults import UsageError
+from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.template import sizes
+from screwsim.template.gas_cooler import refused_screw
+from screwsim.template.request import Condition, condition_of, quantity_after_comma
+
+EFFICIENCIES = 0.91, 0.74  # lambda and eta_s of mean curves (validation/bitzer), for estimates of flow and power
+CONDITION_SHARES = 0.5, 0.8  # of the way from triple to critical point: a condition possible for any fluid
+SUPERHEATS = 10.0, 15.0, 20.0, 25.0, 30.0, 40.0  # [K] of which the first that keeps the gas dry is the default
+DRY = 5e3  # [J/kg] least enthalpy above the dew point that the compressed gas has by default: some 5 K
+
+
+class Duty(NamedTuple):
+    """The states of a condition, and estimates of flow and power, in SI units."""
+
+    T_e: float
+    T_c: float
+    superheat: str
+    more: float  # [K] of it
+    p_s: float
+    p_d: float
+    gas_flow: float
+    work: float
+    hottest: float  # [K] after isentropic compression of an ideal gas
+    heat_capacity: float
+    k: float
+
+
+def duty_of(
+    fluid: str, flow: float, condition: str, example: str, p_cooler: float | None = None, lossless: bool = False
+) -> Duty:
+    """Return the states of a condition with estimates of flow and power; raise UsageError for an impossible one.
+
+    The gas stays dry, also in `lossless` compression, which is nearly that of a cylinder until its valve opens.
+    `p_cooler` [Pa] is the pressure of a gas cooler, which the condition's upper temperature leaves; without it, the gas
+    condenses.
+    """
+    found = condition_of(condition, "temperature", example)
+    limits = constants.limits(fluid)
+    assert limits is not None
+    for T in (found.low, found.high) if p_cooler is None else (found.low,):
+        if not limits.T_triple < T < limits.T_critical:
+            least, most = (end - ZERO_CELSIUS for end in (limits.T_triple, limits.T_critical))
+            usual = ", which is the default" if condition == example else ""
+            what = f"{fluid} saturates between {least:.1f} and {most:.1f} degC"
+            what += f" (write e.g. --condition '{_possible_condition(limits)}')"
+            cooler = refused_screw(fluid, condition, example) if T is found.high else ""
+            raise UsageError(f"--condition {condition}{usual}: {cooler or what}")
+    if not found.low < found.high:
+        raise UsageError(
+            f"--condition {condition}: evaporates above the condensing temperature (write LOW/HIGH, e.g. '{example}')"
+        )
+    p_s, p_d = constants.dew_pressure(fluid, found.low), p_cooler or constants.condensing_pressure(fluid, found.high)
+    superheat, more = _superheat(fluid, found, p_s, p_d, condition, 1.0 if lossless else EFFICIENCIES[1])
+    T, R = found.low + more, constants.gas_constant(fluid)
+    k = constants.isentropic_exponent(fluid, T)
+    hottest = T * (p_d / p_s) ** ((k - 1.0) / k)
+    gas_flow = EFFICIENCIES[0] * flow * p_s / (R * T)
+    work = sizes.isentropic_work(k, R, T, p_d / p_s)
+    return Duty(found.low, found.high, superheat, more, p_s, p_d, gas_flow, work, hottest, R * k / (k - 1.0), k)
+
+
+def _superheat(
+    fluid: str, at: Condition, p_s: float, p_d: float, condition: str, efficiency: float
+) -> tuple[str, float]:
+    """Return the superheat of the suction gas, its text and value [K]: as stated, or so much that the gas stays dry.
+
+    The vapour line of heavy molecules leans over, so that compression from little superheat ends in the wet region.
+    Raise UsageError for a stated superheat from which it does.
+    """
+
+    def over_dew(more: float) -> float:
+        end = constants.compressed(fluid, p_s, at.low + more, p_d, efficiency)
+        return math.inf if end is None else end[1]
+
+    enough = next((more for more in SUPERHEATS if over_dew(more) >= DRY), None)
+    usual = f"{enough or SUPERHEATS[0]:g} K"
+    superheat, more = quantity_after_comma(at, "temperature_difference", usual)
+    if over_dew(more) >= 0.0 and (enough or at.beside):
+        told = f"    # so that {fluid}, whose vapour line leans over, leaves dry"
+        return superheat + (told if more > SUPERHEATS[0] and not at.beside else ""), more
+    what = f"compressed from {superheat} of superheat, {fluid} ends wet, as its vapour line leans over"
+    pair = condition.partition(",")[0].strip()
+    remedy = (
+        f"write e.g. --condition '{pair}, {usual}'" if enough else "choose ends closer together, or another --fluid"
+    )
+    raise UsageError(f"--condition {condition}: {what} ({remedy})")
+
+
+def _possible_condition(limits: constants.Limits) -> str:
+    """Return a condition that is possible for a fluid."""
+    span, zero = limits.T_critical - limits.T_triple, ZERO_CELSIUS
+    low, high = (limits.T_triple + share * span - zero for share in CONDITION_SHARES)
+    return f"{low:.1f}/{high:.1f} degC"
+
+
+def conditions(duty: Duty) -> dict[str, str]:
+    """Return the temperatures of a duty as stated in a scene; the liquid stays warmer than the evaporator."""
+    e, c = (f"{T - ZERO_CELSIUS:.6g}" for T in (duty.T_e, duty.T_c))
+    return {
+        "condition": f"{e}/{c} degC",
+        "evaporating": f"{e} degC",
+        "condensing": f"{c} degC",
+        "superheat": duty.superheat,
+        "subcooling": f"{min(5.0, 0.5 * (duty.T_c - duty.T_e)):g} K",
+    }
