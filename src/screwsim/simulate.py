@@ -251,7 +251,8 @@ def _status_of(accurate: Accurate, balance: Figures, forbidden: str, why: str) -
     status, message, bound = cycle.status, "", balance["bound"]
     none, circuit_open = verdict.circuit_verdict(of)
     package_open = verdict.package_verdict(of)
-    forbidden = forbidden or none or (why if max(circuit_open, package_open) > bound else "")
+    unsettled = why if max(circuit_open, package_open) > bound else ""
+    forbidden = none or unsettled or forbidden  # what a cycle of other surroundings forbids says nothing of the scene
     residuals = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
     if status == NOT_CLOSED or max(residuals.values()) > bound:
         status, left = NOT_CLOSED, f"{_shown(residuals)} against the bound {bound:.2g}"

@@ -13,10 +13,11 @@ from screwsim.explain import explain
 from screwsim.figures.engineering import engineering
 from screwsim.figures.errors import relative_errors
 from screwsim.inputs.faults import SceneError
-from screwsim.scene import load, with_values
+from screwsim.scene import load, loads, with_values
 from screwsim.scene.lines import lines
 from screwsim.simulate import simulate, simulate_many
 from screwsim.solve.start_up import steady_problem
+from screwsim.template import new_scene, request_of
 
 SOLUBILITY = "effects.refrigerant_solubility"
 CARRIED = {"oil.transport": "carried", "effects.separator": {}}
@@ -336,7 +337,7 @@ OUT_OF_RANGE = {
         cooled(None, {**STORED, "oil_supply.ratio": 0.02, "operation.discharge.pressure": "20 bar"}),
         "(cool the oil, e.g. effects.separator.cooler.outlet_temperature: 60 degC, or state its properties as numbers)",
     ),
-    "cold": (cooled({"duty": "60 kW"}, STORED), "(choose another duty or temperature of the cooler)"),
+    "cold": (cooled({"duty": "60 kW"}, STORED), "(cool it less: colder oil takes more friction, so that no duty may"),
 }
 
 
@@ -347,6 +348,21 @@ def test_a_remedy_for_oil_that_gets_too_hot_or_cold_is_one_for_its_cooler(case):
     result = run(changes)
     assert result.status == "failed" and "lies outside the range of POE_ACD100FY" in result.message
     assert remedy in result.message
+
+
+def test_oil_that_takes_more_friction_than_it_carries_away_is_told_before_its_power():
+    """At 82 °C friction and cooling are in equilibrium; at 80 °C at no oil temperature: cooling makes films thicker.
+
+    The search ends in cold oil, whose films would take 12 times the motor's power: not the machine's.
+    """
+    scene = new_scene("booster", request_of("Helium", None, None, None, None, "1/2 bar, 40 degC"))
+    low = ["operation.suction.pressure=0.8 bar", "operation.discharge.pressure=1.6 bar"]
+    kept = "effects.separator.cooler.discharge_temperature={} degC"
+    warm = simulate(loads(scene, overrides=[*low, kept.format(82)]))
+    assert warm.status == "ok" and warm.performance.shaft_power < 40e3
+    cold = simulate(loads(scene, overrides=low))
+    assert cold.status == "failed"
+    assert "lies outside the range of PAG_100" in cold.message and "cool it less" in cold.message
 
 
 @pytest.mark.parametrize("case", FAILS)

@@ -100,7 +100,7 @@ def _into_range(scene: Scene, hot: bool) -> str:
     if cooling is None or scene.oil_supply is None or not isinstance(scene.oil_supply.temperature, FoundWithCycle):
         return "choose one inside, or state the properties of the oil as numbers"
     if not hot:
-        return "choose another duty or temperature of the cooler"
+        return "cool it less: colder oil takes more friction, so that no duty may suffice for a low temperature"
     name, cooler = cooling
     return f"cool the oil, e.g. effects.{name}.{cooler.outlet_key}: 60 degC, or state its properties as numbers"
 
