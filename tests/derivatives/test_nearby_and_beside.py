@@ -133,6 +133,28 @@ def test_slices_that_stay_lend_their_factors_and_others_have_their_own(cycle, mo
     np.testing.assert_array_equal(one, other)
 
 
+def test_slices_nearly_as_wide_take_factors_over_unless_they_are_wrong(cycle, monkeypatch):
+    pitch, at, asked = cycle.pitch, cycle.at, []
+    pitch.put(at)
+    pitch.install(cycle.start, cycle.nodes)
+    kept, edges = chamber_newton.ChamberFactors(), pitch.slices.edges.copy()
+    before = kept.anew(pitch, cycle.nodes).factors.reshape(pitch.N // pitch.n, pitch.count, -1)
+    widths, wrong = np.diff(edges), np.zeros(pitch.count, bool)
+    edges[8] += 0.5 * chamber_newton.ALIKE * min(widths[7:9])
+    edges[20] += 3.0 * chamber_newton.ALIKE * max(widths[19:21])
+    wrong[30], by_states = True, CollocatedPitch.by_own_states
+    monkeypatch.setattr(
+        CollocatedPitch, "by_own_states", lambda *given: asked.append(given[2].tolist()) or by_states(*given)
+    )
+    moved = CollocatedPitch(pitch.problem, pitch.machinery, between(edges))
+    found = kept.renewed(moved, moved.read(), wrong, chamber_newton.ALIKE).factors.reshape(before.shape)
+    assert asked == [[19, 20, 30]]
+    np.testing.assert_array_equal(found[:, [7, 8]], before[:, [7, 8]])
+    kept.renewed(moved, moved.read(), np.zeros(pitch.count, bool), 0.0)
+    assert len(asked) == 2, "no slice is wrong: all are factored anew"
+    assert asked[1] == list(range(pitch.count))
+
+
 def test_a_cycle_that_cannot_be_closed_so_leaves_the_numbers_as_they_were(cycle):
     pitch, at = cycle.pitch, cycle.at
     pitch.put(at)

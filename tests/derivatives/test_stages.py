@@ -3,6 +3,7 @@
 import numpy as np
 from each_row import each_row
 
+from screwsim.derivatives import chamber_stages, stages
 from screwsim.derivatives.blocks import Blocks, follow_once
 from screwsim.derivatives.slices import INTEGRALS, NODES
 from screwsim.derivatives.stages import LITTLE
@@ -37,6 +38,20 @@ def test_stage_equations_are_solved_slice_by_slice(shape):
         expected = np.linalg.solve(matrix, (right[k] + before).reshape(NODES * N, COLUMNS))
         assert np.abs(found[k].reshape(expected.shape) - expected).max() < 1e-10 * np.abs(expected).max()
         before = found[k, -1]
+
+
+@each_row("states", [1, 2, 3, 4, 8])
+def test_a_chamber_alone_has_the_bits_of_one_among_others(states):
+    draw = np.random.default_rng(4)
+    J, widths, size = equations(draw, 1, states, 0), np.full(COUNT, WIDTH), NODES * states
+    band, own = ((np.empty((COUNT, size, size)), np.empty((COUNT, size), np.int64)) for _ in range(2))
+    stages.compiled().stages__factor(J.reshape(-1, states, states), widths, states, 0, *band)
+    chamber_stages.compiled().chamber_stages__factor(J.reshape(-1, states, states), widths, states, *own)
+    for one, other in zip(band, own, strict=True):
+        np.testing.assert_array_equal(one, other)
+    blocks, right = Blocks(J, widths, states, 0), draw.normal(size=(COUNT, NODES, states, 1))
+    through = blocks.follow(np.zeros((states, 1)), right.copy())[..., 0]
+    np.testing.assert_array_equal(blocks.follow_one_by_one(right[..., 0], np.zeros((states, states))), through)
 
 
 def test_shapes_are_of_all_kinds():

@@ -27,6 +27,11 @@ def test_what_is_held_is_not_given_out():
     assert not np.shares_memory(first, empty(LEAST))
 
 
+def test_what_is_large_begins_at_a_cache_line():
+    held = [empty(LEAST + i) for i in range(5)]
+    assert [each.ctypes.data % 64 for each in held] == [0] * 5
+
+
 def test_a_view_holds_the_memory_of_its_array():
     part = empty(4, LEAST).transpose()[:10, 2]
     part[:] = 7.0

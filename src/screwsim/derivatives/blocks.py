@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from screwsim.derivatives.chamber_stages import compiled as alone
 from screwsim.derivatives.slices import NODES
-from screwsim.derivatives.stages import compiled
+from screwsim.derivatives.stages import LITTLE, compiled
 from screwsim.numerics.reused_arrays import empty
 
 Array = np.ndarray
@@ -19,7 +20,10 @@ class Blocks:
         count, _, N, _ = J.shape
         self.states, self.reach = states, reach
         self.factors, self.pivots = empty(count, NODES * N, NODES * N), np.empty((count, NODES * N), np.int64)
-        compiled().stages__factor(J.reshape(-1, N, N), widths, states, reach, self.factors, self.pivots)
+        if N == states and NODES * N <= LITTLE:
+            alone().chamber_stages__factor(J.reshape(-1, N, N), widths, states, self.factors, self.pivots)
+        else:
+            compiled().stages__factor(J.reshape(-1, N, N), widths, states, reach, self.factors, self.pivots)
 
     def among(self, others: Blocks, own: Array, at: Array, chambers: int) -> Blocks:
         """Return a mixture of these factors and others, for each chamber: slices marked in `own` are from these.
@@ -56,8 +60,8 @@ class Blocks:
         """
         count, _, N = right.shape
         parts = right.reshape(count, NODES, -1, self.states).transpose(2, 0, 1, 3)  # by chamber
-        rows = np.array(parts, order="C").reshape(-1, NODES * self.states, 1)
-        compiled().stages__follow_one_by_one(self.factors, self.pivots, self.states, inject, rows)
+        rows = np.array(parts, order="C").reshape(-1, NODES * self.states)
+        alone().chamber_stages__follow_one_by_one(self.factors, self.pivots, self.states, inject, rows)
         return rows.reshape(parts.shape).transpose(1, 2, 0, 3).reshape(count, NODES, N)
 
 

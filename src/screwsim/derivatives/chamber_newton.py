@@ -20,11 +20,13 @@ from screwsim.derivatives.slices import INTEGRALS
 Array = np.ndarray
 MOST_ITERATIONS = 12  # iterations
 KEEP_SLOPES_BELOW = 0.2  # ratio of residuals up to which the derivatives of the iteration before are kept
+RENEWED_ABOVE = 0.1  # share of the wanted residual above which the derivatives of a slice are taken anew
 CLOSINGS = 8  # iterations that may close a cycle, while each residual is at most ...
 AGAIN = 4.0  # ... this many times the least before: a residual may return through other chambers before it decays
 LONGEST = 0.3  # relative change of a state in one iteration
 SWING_SHARE = 0.4  # ratio to the change before, above which a change of opposite sign is halved
 SMALL = 1e-3  # least size of a state, for relative residuals
+ALIKE = 0.03  # of its width: how much longer or shorter a slice may be than one whose factors it takes over
 UNCHANGED_WITHIN = 1e-3  # relative change of a state, up to which its slice's derivatives are kept for the next round
 
 
@@ -33,7 +35,8 @@ class ChamberFactors:
     """The last factored stage equations of each chamber alone, with the edges and states of their slices.
 
     They are tried for other slices of the same number, which have moved slightly with turning flows. If the number
-    differs, slices that existed before with nearly the same states keep their factors.
+    differs, slices take over the factors of one at their place with (nearly) the same width and states. Where the
+    iteration then converges too slowly, the slices to blame are factored anew.
     """
 
     blocks: Blocks | None = None
@@ -45,17 +48,31 @@ class ChamberFactors:
         """Return the kept factors, if they may serve a pitch."""
         return self.blocks if pitch.count == len(self.edges) - 1 else None
 
-    def begun(self, pitch: CollocatedPitch, Y: Array) -> Blocks:
-        """Return the factors for a pitch with other slices; only new slices are factored."""
+    def begun(self, pitch: CollocatedPitch, Y: Array, alike: float = 0.0) -> Blocks:
+        """Return the factors for a pitch with other slices; only slices that are new or have moved are factored.
+
+        Those of slices whose widths differ by up to a share `alike` are taken over.
+        """
         if self.blocks is None or not self.good:
             return self.anew(pitch, Y)
-        edges, before = pitch.slices.edges, self.edges
-        at = np.minimum(np.searchsorted(before, edges[:-1]), len(before) - 2)
-        apart = (np.abs(Y - self.states[at]) / np.maximum(np.abs(Y), SMALL)).max(axis=(1, 2))
-        new = (before[at] != edges[:-1]) | (before[at + 1] != edges[1:]) | (apart > UNCHANGED_WITHIN)
+        states = self.states[self._before(pitch)]
+        return self.renewed(pitch, Y, _largest(Y - states, Y) > UNCHANGED_WITHIN, alike)
+
+    def renewed(self, pitch: CollocatedPitch, Y: Array, wrong: Array, alike: float) -> Blocks:
+        """Return the factors for a pitch where those of `wrong` slices, and of ones that are not `alike`, are new."""
+        assert self.blocks is not None
+        edges, before, at = pitch.slices.edges, self.edges, self._before(pitch)
+        widths = np.diff(before)[at]
+        new = wrong | (np.abs(np.diff(edges) - widths) > alike * widths)
+        if not new.any():
+            return self.anew(pitch, Y)
         found, self.states = _blocks(pitch, Y, np.flatnonzero(new)), np.where(new[:, None, None], Y, self.states[at])
         self.blocks, self.edges = found.among(self.blocks, new, at[~new], pitch.N // pitch.n), edges
         return self.blocks
+
+    def _before(self, pitch: CollocatedPitch) -> Array:
+        """Return the index of the kept slice that holds the middle of each slice of a pitch."""
+        return np.clip(np.searchsorted(self.edges, pitch.slices.middles) - 1, 0, len(self.edges) - 2)
 
     def anew(self, pitch: CollocatedPitch, Y: Array) -> Blocks:
         """Return, and keep, new factors for a pitch at given states."""
@@ -78,9 +95,9 @@ def approach(pitch: CollocatedPitch, bound: float, kept: ChamberFactors) -> tupl
         if not np.isfinite(size):
             break
         if blocks is None:
-            blocks = kept.begun(pitch, Y)
+            blocks = kept.begun(pitch, Y, ALIKE)
         elif size > KEEP_SLOPES_BELOW * before:
-            blocks = kept.anew(pitch, Y)
+            blocks = kept.renewed(pitch, Y, _largest(open_, Y) > RENEWED_ABOVE * bound, ALIKE)
         before = size
         last = damped(blocks.follow_one_by_one(-open_, nothing), last)
         Y = limited_step(pitch, Y, last)
@@ -158,6 +175,11 @@ def size_of(open_: Array, Y: Array) -> float:
     return float(np.max(np.abs(open_) / np.maximum(np.abs(Y), SMALL)))
 
 
+def _largest(change: Array, Y: Array) -> Array:
+    """Return the largest relative change, or residual, of the states in each slice."""
+    return (np.abs(change) / np.maximum(np.abs(Y), SMALL)).max(axis=(1, 2))
+
+
 def damped(change: Array, last: Array) -> Array:
     """Return a change, halved where it nearly takes back the last one, alternating across a steep flow."""
     swings = (change * last < 0.0) & (np.abs(change) > SWING_SHARE * np.abs(last))
@@ -167,6 +189,7 @@ def damped(change: Array, last: Array) -> Array:
 def limited_step(pitch: CollocatedPitch, Y: Array, change: Array) -> Array:
     """Return states changed by at most `LONGEST` of themselves; states of either sign change without limit."""
     c = pitch.machinery.composition
-    signed = np.tile(np.isin(np.arange(pitch.n), c.signed), c.chambers)
-    most = np.where(signed, np.inf, LONGEST * np.maximum(np.abs(Y), 0.0))
-    return Y + np.clip(change, -most, most)
+    most = LONGEST * np.abs(Y)
+    for signed in c.signed:
+        most[..., signed :: pitch.n] = np.inf
+    return Y + np.minimum(np.maximum(change, -most), most)

@@ -293,7 +293,7 @@ def unknowns_response(
     for j in range(found.shape[1]):
         images = []
         for by in (SHIFT, -SHIFT):
-            pitch.put(cycle.at.plus(by, pitch.cells_as_numbers(response.cells[:, j])))
+            pitch.put_with_cells(cycle.at, by, response.cells[:, j])
             there = coordinates.copy()
             if j >= first:
                 there[j - first] += by

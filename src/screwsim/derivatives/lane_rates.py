@@ -51,11 +51,16 @@ class LaneRows(NamedTuple):
 
     @classmethod
     def parts(cls, whole: Array, part: int) -> LaneRows:
-        """Return one part of an array for each lane, `part` rows each; missing rows at the end repeat the last one."""
-        missing = LANES * part - len(whole)
-        whole = np.concatenate([whole, *[whole[-1:]] * missing]) if missing else np.ascontiguousarray(whole)
-        at, step = address(whole), part * whole.strides[0]
-        return cls([at + step * lane for lane in range(LANES)], (part, *whole.shape[1:]), whole)
+        """Return rows of an array for each lane, `part` of them; missing rows at the end repeat the last one.
+
+        Lanes take rows in turn: nodes side by side are near each other, so that the same ports are open in all.
+        """
+        rows = np.empty((part, LANES, *whole.shape[1:]))
+        flat = rows.reshape(part * LANES, *whole.shape[1:])
+        flat[: len(whole)], flat[len(whole) :] = whole, whole[-1]
+        dealt = np.ascontiguousarray(rows.swapaxes(0, 1))
+        at, step = address(dealt), dealt.strides[0]
+        return cls([at + step * lane for lane in range(LANES)], dealt.shape[1:], dealt)
 
 
 class Nodes(NamedTuple):
@@ -89,7 +94,7 @@ def rates(pitch: CollocatedPitch, Y: Array, edges: Array | None = None) -> tuple
         part = -(-some // LANES)
         nodes = Nodes(*(LaneRows.parts(each[rows], part) for each in asked))
         lanes = _in_lanes(pitch, nodes, numbers * LANES, entry)
-        found.append([np.moveaxis(each, -1, 0).reshape(LANES * part, -1)[:some] for each in lanes])
+        found.append([each.swapaxes(1, 2).reshape(LANES * part, -1)[:some] for each in lanes])
     f, g = _concatenated(found)
     return f.reshape(pitch.count, NODES, -1), g.reshape(pitch.count, NODES, -1)
 

@@ -20,7 +20,8 @@ SAMPLES = 0.5 * (1.0 - np.cos(np.pi * (np.arange(POINTS) + 0.5) / POINTS))  # Ch
 THROUGH = np.linalg.inv(np.vander(SAMPLES))  # maps values to coefficients of that polynomial, highest power first
 POWERS = np.arange(POINTS - 1.0, 0.0, -1.0)
 BELOW = np.eye(POINTS - 2, k=-1)
-SEARCH_POINTS = 9  # points of a step, ends included, at which a higher top is looked for
+SEARCH_POINTS = 9  # points of a step, ends included, at which a higher top is looked for ...
+ROUNDING = 1e-12  # ... if its end values and its bend allow one: relative error of that bound
 REAL = 1e-9  # imaginary part up to which a root counts as real
 
 
@@ -58,11 +59,14 @@ def peak(life: Trajectory, geometry: Any) -> tuple[float, float]:
     if not inside.any():
         return float("nan"), float("nan")
     best = int(np.argmax(np.where(inside, steps[:, 1], -np.inf)))
-    reached = (times[1:] > first) & (times[:-1] < limit)
-    low, high = (np.clip((each - times[:-1]) / np.diff(times), 0.0, 1.0) for each in (first, limit))
+    y0, y1, c3, c4 = steps.T
+    possible = np.maximum(y0, y1) + 0.25 * (np.abs(c3) + np.abs(c4)) > (1.0 - ROUNDING) * steps[best, 1]
+    reached = np.flatnonzero((times[1:] > first) & (times[:-1] < limit) & possible)
+    starts, widths = times[reached], times[reached + 1] - times[reached]
+    low, high = (np.clip((each - starts) / widths, 0.0, 1.0) for each in (first, limit))
     shares = np.linspace(low, high, SEARCH_POINTS)
-    tops = dense_value(shares, *steps.T).max(axis=0)  # a top within a step, or at an end of the range, may be higher
-    higher = np.flatnonzero(reached & (tops > steps[best, 1]))
+    tops = dense_value(shares, *steps[reached].T).max(axis=0)  # a top within a step, or at an end of the range
+    higher = reached[tops > steps[best, 1]]
     tried = sorted({best, min(best + 1, life.steps - 1), *higher.tolist()})
     return max(_highest(life, times, i, (first, limit)) for i in tried)
 

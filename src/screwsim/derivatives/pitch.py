@@ -93,6 +93,14 @@ class CollocatedPitch:
         c = self.machinery.composition
         c.P[:], c.TAB[:], self.machinery.R[:] = numbers
 
+    def put_with_cells(self, numbers: RateNumbers, by: float, change: Array) -> None:
+        """Set the numbers that the rates use, with a multiple of a change of the cells that the injection sets."""
+        self.put(numbers)
+        self.machinery.R[R_RATIO:R_SIZE] += by * change[: self.run_cells]
+        noted = self.noted
+        if noted:
+            self.machinery.composition.P[noted] += by * change[self.run_cells :]
+
     # ---- states ------------------------------------------------------------------------------------------------
 
     def read(self) -> Array:
@@ -159,6 +167,9 @@ class CollocatedPitch:
 
     def runs(self, of: Array) -> Iterator[slice]:
         """Yield ranges of rows with equal phases, with the chambers held in these; `of` is the slice of each row."""
+        if not self.has_phases:  # all are free
+            yield slice(0, len(of))
+            return
         held, phases = self._held(), self.phases[of]
         ends = np.flatnonzero((phases[1:] != phases[:-1]).any(axis=1)) + 1
         try:

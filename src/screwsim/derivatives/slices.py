@@ -118,8 +118,14 @@ def edges_of(machinery: Machinery, seams: Array, steps: float, longest: float) -
 def refined(edges: Array, errors: Array, tolerance: float) -> Array:
     """Return edges of slices, with those whose error exceeds the tolerance divided."""
     parts = np.clip(np.ceil((errors / tolerance) ** POWER), 1, MOST).astype(int)
-    found = [low + (high - low) * np.arange(n) / n for low, high, n in zip(edges[:-1], edges[1:], parts, strict=True)]
-    return np.append(np.concatenate(found), edges[-1])
+    of, first = np.repeat(np.arange(len(parts)), parts), np.cumsum(parts) - parts
+    found = edges[of] + np.diff(edges)[of] * (np.arange(len(of)) - first[of]) / parts[of]
+    return np.append(found, edges[-1])
+
+
+def _end_behind(ends: Array, at: float) -> int:
+    """Return the index of the first end at or behind an angle [rad], not that of the first one."""
+    return min(max(int(ends.searchsorted(at)), 1), len(ends) - 1)
 
 
 def with_rings(
@@ -136,11 +142,11 @@ def with_rings(
         added.append(around[(around > edges[0] + LEAST) & (around < edges[-1] - LEAST)])
     for angle, layer, jump in crossings:
         at, first, wider = angle - SHARE_BEFORE * layer, growth[0] * FIRST_RING * layer, growth[1] * RING_GROWTH
-        after = int(np.clip(np.searchsorted(edges, at), 1, len(edges) - 1))
+        after = _end_behind(edges, at)
         room = float(edges[after] - edges[after - 1])
         count = max(0, int(np.ceil(np.log(max(0.5 * room / first, 1e-300)) / np.log(wider))))
         reach = first * wider ** np.arange(count)
-        segment = int(np.clip(np.searchsorted(seams, at), 1, len(seams) - 1))
+        segment = _end_behind(seams, at)
         low, high = seams[segment - 1] + LEAST, seams[segment] - LEAST
         ring = np.concatenate([at - reach[::-1], [at, *([at + jump] if jump else [])], at + reach])
         ring = ring[(ring > low) & (ring < high)]

@@ -73,7 +73,7 @@ def derivatives(
     if not every:
         return {}, refused
     moves, read = responses(cycle, every, all_directions), []
-    turn = peak_step(unshifted_evaluation(cycle, all_directions))
+    turn = _turning(cycle, peak_step(unshifted_evaluation(cycle, all_directions)))
     here = _readings_of(unshifted_evaluation(cycle, all_directions, turn), bool(around))
     for j, direction in enumerate(every):
         there = _readings_of(shifted_evaluation(cycle, direction, moves.by(j), all_directions, turn), bool(around))
@@ -285,15 +285,19 @@ def _coordinates(of: Evaluation) -> Array:
 
 
 def unshifted_evaluation(
-    cycle: CollocatedCycle, all_directions: Directions, turn: tuple[int, float] | None = None
+    cycle: CollocatedCycle, all_directions: Directions, turn: PeakPlace | None = None
 ) -> Evaluation:
     """Return the evaluation of the unchanged cycle, read in the same way as one that is `shifted_evaluation`."""
     pitch = cycle.pitch
     pitch.put(all_directions.own[0])
-    turning = None if turn is None else PeakPlace(*turn, in_step(pitch, cycle.start, cycle.nodes.__getitem__, turn[0]))
     return Evaluation(
-        pitch.problem, ShiftedLife.of(pitch, lambda: pitch.install_life(all_directions.life), turning), cycle.sums
+        pitch.problem, ShiftedLife.of(pitch, lambda: pitch.install_life(all_directions.life), turn), cycle.sums
     )
+
+
+def _turning(cycle: CollocatedCycle, at: tuple[int, float] | None) -> PeakPlace | None:
+    """Return the highest pressure of the unchanged cycle, from its step and share; None without one."""
+    return None if at is None else PeakPlace(*at, in_step(cycle.pitch, cycle.start, cycle.nodes.__getitem__, at[0]))
 
 
 def shifted_evaluation(
@@ -301,18 +305,19 @@ def shifted_evaluation(
     direction: Direction,
     moves: CycleResponse,
     all_directions: Directions,
-    turn: tuple[int, float] | None = None,
+    turn: PeakPlace | None = None,
 ) -> Evaluation:
     """Return the evaluation of the cycle after a shift of a number; with a `turn`, its highest pressure is read there.
 
-    It uses the machinery of the cycle, so it must be read before that is used for anything else.
+    The `turn` is that of the unchanged cycle. The evaluation uses the machinery of the
+    cycle, so it must be read before that is used for anything else.
     """
     pitch, problem, by = cycle.pitch, direction.problem, direction.step
     at, entries, response = direction.side, problem.entries, moves.response
     if moves.unknowns.any():
         unknowns_in = entries.values(entries.coordinates(cycle.unknowns_in) + by * moves.unknowns, cycle.unknowns_in)
         at = all_directions.meeting(direction, unknowns_in)
-    pitch.put(at.plus(by, pitch.cells_as_numbers(response.cells)))
+    pitch.put_with_cells(at, by, response.cells)
 
     def fill() -> None:
         edges = direction.change.edges
@@ -321,8 +326,8 @@ def shifted_evaluation(
 
     turning = None
     if turn is not None:
-        here = in_step(pitch, cycle.start, cycle.nodes.__getitem__, turn[0])
-        turning = PeakPlace(*turn, here + by * in_step(pitch, response.start, response.inside, turn[0]))
+        moved = in_step(pitch, response.start, response.inside, turn.step)
+        turning = turn._replace(states=turn.states + by * moved)
     return Evaluation(problem, ShiftedLife.of(pitch, fill, turning), cycle.sums + by * response.sums)
 
 

@@ -240,35 +240,7 @@ def follow_once(J, widths, n, reach, now, B):
         through(M, pivots, 0, place, n, reach, now, B, k)
 
 
-@kernel
-def follow_one_by_one(M, pivots, n, inject, B):
-    """Follow a change chamber by chamber, each with its own factors: B (chambers slices, 3 n, 1) becomes the change.
-
-    B holds the right sides; each chamber starts with `inject` (N, N) applied to the end of the one before.
-    """
-    chambers = inject.shape[0] // n
-    count = B.shape[0] // chambers
-    place = np.empty(3 * n, np.int64)
-    places(n, 1, place)
-    before = np.zeros(n)
-    now = np.zeros(n)
-    for chamber in range(chambers):
-        for s in range(n):
-            before[s] = now[s]
-        for s in range(n):
-            begins = 0.0
-            for t in range(n):
-                begins += inject[chamber * n + s, chamber * n + t] * before[t]
-            now[s] = begins
-        for k in range(chamber * count, (chamber + 1) * count):
-            for row in range(3 * n):
-                B[k, row, 0] += now[row % n]
-            solve(M, pivots, k, place, n, 0, B, k)
-            for s in range(n):
-                now[s] = B[k, 2 * n + s, 0]
-
-
 @cache
 def compiled() -> ModuleType:
     """Return the module of these kernels, the same for all models."""
-    return modules.load(flat_module((factor, follow, follow_once, follow_one_by_one)), "stages", fast=True)
+    return modules.load(flat_module((factor, follow, follow_once)), "stages", fast=True)

@@ -7,6 +7,8 @@ and changes of the quadratures. Columns of changed states become lives, one for 
 from functools import cache
 from types import ModuleType
 
+import numpy as np
+
 from screwsim.codegen import modules
 from screwsim.derivatives.slices import INTEGRALS, SHARES
 from screwsim.numerics.kept_text import flat_module
@@ -22,17 +24,21 @@ def add_stages(rates, own, first, there, here, columns, right):
     Lanes from `first` on are used, weighted by there and here (slices, …) [h over the step]; `columns` are their
     targets.
     """
+    many = columns.shape[0]
+    changes = np.empty((3, rates.shape[1], many))
     for k in range(there.shape[0]):
-        for s in range(rates.shape[1]):
-            for lane in range(columns.shape[0]):
-                a = there[k, lane]
-                b = here[k, lane]
-                f0 = a * rates[3 * k + 0, s, first + lane] - b * own[3 * k + 0, s]
-                f1 = a * rates[3 * k + 1, s, first + lane] - b * own[3 * k + 1, s]
-                f2 = a * rates[3 * k + 2, s, first + lane] - b * own[3 * k + 2, s]
-                for i in range(3):
+        for j in range(3):
+            for s in range(rates.shape[1]):
+                for lane in range(many):
+                    a = there[k, lane] * rates[3 * k + j, s, first + lane]
+                    changes[j, s, lane] = a - here[k, lane] * own[3 * k + j, s]
+        for i in range(3):
+            for s in range(rates.shape[1]):
+                for lane in range(many):
                     right[3 * k + i, s, columns[lane]] += (
-                        INTEGRALS[i, 0] * f0 + INTEGRALS[i, 1] * f1 + INTEGRALS[i, 2] * f2
+                        INTEGRALS[i, 0] * changes[0, s, lane]
+                        + INTEGRALS[i, 1] * changes[1, s, lane]
+                        + INTEGRALS[i, 2] * changes[2, s, lane]
                     )
 
 

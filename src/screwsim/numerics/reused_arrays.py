@@ -2,6 +2,9 @@
 
 An allocator may return large arrays to the system, which then has to map their pages again: in a virtual machine that
 takes as long as filling them. Memory is in use as long as an array, or a view of it, exists.
+
+Arrays begin at a cache line: numpy's large ones begin 16 bytes behind one, so that every other register, or each, is
+read from two lines.
 """
 
 import mmap
@@ -17,6 +20,7 @@ PRIVATE = {"flags": mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS} if hasattr(mmap, "MAP
 Array = np.ndarray
 LEAST = 1 << 14  # least size, in numbers, for which this pays
 MOST = 1 << 23  # most numbers kept by a thread, 64 MiB
+LINE = 8  # numbers in a cache line
 WIDER = 1.25  # size of a new block over the requested one: pages that are never written cost nothing
 
 
@@ -39,11 +43,11 @@ _kept = _ThreadBlocks()
 
 
 def empty(*shape: int) -> Array:
-    """Return an array of floats with arbitrary content."""
+    """Return an array of floats with arbitrary content, aligned to a cache line if it is large."""
     size = prod(shape)
     if size < LEAST:
         return np.empty(shape)
-    blocks = _kept.blocks
+    blocks, size = _kept.blocks, size + LINE - 1
     free = [i for i, count in enumerate(_references(blocks)) if count == FREE and blocks[i].size >= size]
     if free:
         best = blocks[min(free, key=lambda i: blocks[i].size)]
@@ -52,7 +56,8 @@ def empty(*shape: int) -> Array:
         blocks.append(best)
         while sum(each.size for each in blocks) > MOST:
             del blocks[0]  # it stays alive while somebody holds it
-    return best[:size].reshape(shape)
+    skip = -best.ctypes.data % (LINE * best.itemsize) // best.itemsize
+    return best[skip : skip + prod(shape)].reshape(shape)
 
 
 def zeros(*shape: int) -> Array:

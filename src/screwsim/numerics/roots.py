@@ -87,7 +87,7 @@ def bracketed(
         x, f_x = np.where(open_, tried, x), np.where(open_, f_tried, f_x)
         along = _share_of((x, other, third), (f_x, f_other, f_third))
         shortest = np.minimum(0.5, 0.5 * within / np.maximum(np.abs(other - x), 1e-300))
-        along = np.clip(along, shortest, 1.0 - shortest)
+        along = np.minimum(np.maximum(along, shortest), 1.0 - shortest)
     return np.where(none, np.nan, np.where(np.abs(f_x) <= np.abs(f_other), x, other))
 
 
