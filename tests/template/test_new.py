@@ -125,8 +125,8 @@ def test_a_package_of_a_small_pressure_rise_has_a_motor_that_takes_its_load_and_
     ],
 )
 def test_templates_that_had_no_solution_or_warned_run(kind, stated):
-    """A ratio far from the pressures', a thermostat above what leaves, oil below the dew or hot, deep freezing, wet steam or inlet,
-    no transport, oil films that take more than a vacuum pump."""
+    """A ratio far from the pressures', a thermostat above what leaves, oil below the dew or hot, deep freezing,
+    wet steam or inlet, no transport, oil films that take more than a vacuum pump."""
     figures(kind, **stated)
 
 
