@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "tools"))
 import derivatives as tool  # noqa: E402
 from screwsim.derivatives.collocation import FINE, QUICK, Fineness, collocated  # noqa: E402
-from screwsim.derivatives.solving import derivatives  # noqa: E402
+from screwsim.derivatives.solving import derivatives, with_settled_surroundings  # noqa: E402
 from screwsim.simulate import simulate  # noqa: E402
 
 PAIRS = ROOT / "tests" / "tools" / "derivatives_pairs.csv"
@@ -51,6 +51,7 @@ def of_scene(rows: list[tool.Row], exact: tool.Exact, fineness: Fineness) -> tup
     paths = list(dict.fromkeys(row["path"] for row in rows))
     began = time.process_time()
     cycle = collocated(exact.problem, exact.machinery, exact.life, fineness)
+    cycle = with_settled_surroundings(cycle, exact.life, None, fineness)
     closed = time.process_time()
     slopes, _ = derivatives(cycle, {path: exact.values[path] for path in paths})
     return closed - began, time.process_time() - closed, cycle, slopes

@@ -95,7 +95,7 @@ def test_a_lifes_flow_into_its_lines_is_read_once_and_another_lifes_anew():
     view, kept = machinery.trajectory, machinery.trajectory.copy()
     first = view.into_lines(LINE_POINTS)
     assert kept.into_lines(LINE_POINTS) is first
-    again = {**kept._asdict(), "known": {}}
+    again = {**kept._asdict(), "line_flows": {}}
     np.testing.assert_array_equal(type(kept)(**again).into_lines(LINE_POINTS)[0], first[0])
     machinery.histories[0][1][: view.steps, :, 1] *= 1.01  # denser gas
     denser = machinery.trajectory.into_lines(LINE_POINTS)[0]

@@ -243,17 +243,19 @@ def told(pairs: Sequence[Row]) -> None:
     misses = [row for row in pairs if row["reason"]]
     sure = [row for row in pairs if row["own"] <= GOOD]
     print(f"{len(pairs)} pairs of {len({row['scene'] for row in pairs})} scenes", file=sys.stderr)
-    steep = [row for row in sure if abs(row["differences"]) > LEAST]
-    angled = [row for row in sure if not row["path"].endswith(ANGLES)]
-    of = "pairs", "whose reference is good", f"... and of a slope above {LEAST:g}", "... and without angles"
-    for those, what in zip((pairs, sure, steep, angled), of, strict=True):
-        errors = np.array([row["error"] for row in those])
-        shares = ", ".join(f"{np.mean(errors < limit):.2%} below {limit:g}" for limit in LIMITS)
-        print(f"{len(those)} {what}: median {np.median(errors):.1e}, {shares}", file=sys.stderr)
-    for closing in CLOSINGS:
-        errors = np.array([row["error"] for row in pairs if row["closing"] == closing])
-        if len(errors):
-            print(f"closed by {closing}: {len(errors)}, {np.mean(errors < GOOD):.2%} below {GOOD:g}", file=sys.stderr)
+    rows = {
+        "pairs": pairs,
+        "whose reference is good": sure,
+        **{f"... closed by {closing}": [row for row in sure if row["closing"] == closing] for closing in CLOSINGS},
+        "... of a slope that is not zero": [row for row in sure if row["differences"]],
+        f"... of a slope above {LEAST:g}": [row for row in sure if abs(row["differences"]) > LEAST],
+        "... and without angles": [row for row in sure if not row["path"].endswith(ANGLES)],
+    }
+    for what, those in rows.items():
+        if those:
+            errors = np.array([row["error"] for row in those])
+            shares = ", ".join(f"{np.mean(errors < limit):.2%} below {limit:g}" for limit in LIMITS)
+            print(f"{len(those)} {what}: median {np.median(errors):.1e}, {shares}", file=sys.stderr)
     print(f"misses: {dict(Counter(row['reason'] for row in misses))}", file=sys.stderr)
 
 

@@ -92,6 +92,7 @@ class CollocatedPitch:
         """Set the numbers that the rates use."""
         c = self.machinery.composition
         c.P[:], c.TAB[:], self.machinery.R[:] = numbers
+        self.machinery.line_flows.clear()  # they do not know of other tables
 
     def put_with_cells(self, numbers: RateNumbers, by: float, change: Array) -> None:
         """Set the numbers that the rates use, with a multiple of a change of the cells that the injection sets."""

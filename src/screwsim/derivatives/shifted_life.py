@@ -75,7 +75,7 @@ class ShiftedLife(Trajectory):
             0,
             nothing,
             machinery._reading,
-            machinery._known,
+            machinery.line_flows,
         )
         found.turning = turning
 

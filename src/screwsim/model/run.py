@@ -56,7 +56,7 @@ class Machinery:
         self._together: dict[str, Any] = {}
         self._rows: dict[int, tuple[Array, Array]] = {}  # buffers of `states_along`, by length
         self._reading = Lock()
-        self._known: dict[tuple[Any, ...], Any] = {}  # flows into lines, by lives of this composition
+        self.line_flows: dict[tuple[Any, ...], tuple[Array, Array]] = {}  # by lives of this composition
         self.compile_time = 0.0
         self.watch: Callable[[], None] = lambda: None  # called regularly; what it raises ends the work
 
@@ -94,7 +94,7 @@ class Machinery:
 
     def reset(self) -> None:
         """Reset run-time cells, search hints and histories."""
-        self._known = {}
+        self.line_flows = {}
         self.R[:] = 0.0
         self.spaces[1][:] = self._at_first
         self.hints[:] = 0
@@ -160,7 +160,9 @@ class Machinery:
     @property
     def trajectory(self) -> Trajectory:
         """The last turn as a view: the next turn overwrites it."""
-        return Trajectory(self.composition, self.module, self.R, *self.last(), self.context, self._reading, self._known)
+        return Trajectory(
+            self.composition, self.module, self.R, *self.last(), self.context, self._reading, self.line_flows
+        )
 
     def put(self, trajectory: Trajectory) -> None:
         """Make a life the last turn, together with the numbers that it was integrated with."""

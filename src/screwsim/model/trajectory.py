@@ -44,7 +44,7 @@ class Trajectory(NamedTuple):
     steps: int
     context: Context
     alone: Lock  # held while writing to the context's scratch arrays
-    known: dict[tuple[Any, ...], Any]  # flows into lines by the life that they were read from, see `into_lines`
+    line_flows: dict[tuple[Any, ...], tuple[Array, Array]]  # by the life that they were read from, see `into_lines`
 
     def copy(self) -> Trajectory:
         """Return a copy in its own, read-only arrays."""
@@ -56,7 +56,9 @@ class Trajectory(NamedTuple):
         context = Context(ChamberContext(P, c.TAB, R, times, dense, times, dense, kept, *scratch))
         for array in (times, dense, quads, P, R):
             array.flags.writeable = False
-        return Trajectory(with_numbers(c, P), self.module, R, times, dense, quads, steps, context, Lock(), self.known)
+        return Trajectory(
+            with_numbers(c, P), self.module, R, times, dense, quads, steps, context, Lock(), self.line_flows
+        )
 
     @property
     def rows(self) -> tuple[Array, Array, int]:
@@ -142,16 +144,16 @@ class Trajectory(NamedTuple):
         times, dense, steps = self.rows
         rows = times[: steps + 1], dense[:steps], self.composition.P, self.R
         life = points, *(array.tobytes() for array in rows)
-        found = self.known.get(life)
+        found = self.line_flows.get(life)
         if found is None:
             into, volume = np.zeros((2, points)), np.zeros(2)
             with self.alone:
                 self.module.line_flow__into_lines(*self.rows, self.context, self.composition.n_E, into, volume)
             for array in (into, volume):
                 array.flags.writeable = False
-            while len(self.known) >= KNOWN_LIVES:
-                self.known.pop(next(iter(self.known)), None)
-            found = self.known[life] = into, volume
+            while len(self.line_flows) >= KNOWN_LIVES:
+                self.line_flows.pop(next(iter(self.line_flows)), None)
+            found = self.line_flows[life] = into, volume
         return found
 
     def account(self, s_suction: float, s_discharge: float) -> tuple[Array, Array, Array]:

@@ -184,6 +184,7 @@ class _Trials:
             self.absent += result.lacks([name])
             return SearchPoint(x, math.nan)
         self.warned[x] = result.warnings
+        self.reasons.pop(x, None)  # less accurately it had failed
         return SearchPoint(x, -value if self.asked.minimum else value, absolute_error(result, name, scene))
 
     def beyond(self, border: str) -> str:

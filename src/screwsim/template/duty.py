@@ -13,6 +13,7 @@ from screwsim.template.request import Condition, condition_of, quantity_after_co
 EFFICIENCIES = 0.91, 0.74  # lambda and eta_s of mean curves (validation/bitzer), for estimates of flow and power
 CONDITION_SHARES = 0.5, 0.8  # of the way from triple to critical point: a condition possible for any fluid
 SUPERHEATS = 10.0, 15.0, 20.0, 25.0, 30.0, 40.0  # [K] of which the first that keeps the gas dry is the default
+UNUSUAL_SUPERHEATS = 50.0, 60.0, 80.0, 100.0  # [K] proposed where none of those suffices
 DRY = 5e3  # [J/kg] least enthalpy above the dew point that the compressed gas has by default: some 5 K
 
 
@@ -82,14 +83,14 @@ def _superheat(
     enough = next((more for more in SUPERHEATS if over_dew(more) >= DRY), None)
     usual = f"{enough or SUPERHEATS[0]:g} K"
     superheat, more = quantity_after_comma(at, "temperature_difference", usual)
-    if over_dew(more) >= 0.0 and (enough or at.beside):
+    if over_dew(more) >= 0.0:
         told = f"    # so that {fluid}, whose vapour line leans over, leaves dry"
         return superheat + (told if more > SUPERHEATS[0] and not at.beside else ""), more
     what = f"compressed from {superheat} of superheat, {fluid} ends wet, as its vapour line leans over"
+    suffices = enough or next((more for more in UNUSUAL_SUPERHEATS if over_dew(more) >= DRY), None)
     pair = condition.partition(",")[0].strip()
-    remedy = (
-        f"write e.g. --condition '{pair}, {usual}'" if enough else "choose ends closer together, or another --fluid"
-    )
+    remedy = "choose ends closer together, or another --fluid"
+    remedy = f"write e.g. --condition '{pair}, {suffices:g} K'" if suffices else remedy
     raise UsageError(f"--condition {condition}: {what} ({remedy})")
 
 

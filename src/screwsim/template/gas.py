@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 from screwsim.effects.oil_drag import end_drag, tip_drag
 from screwsim.fluid import constants
-from screwsim.fluid.description import describe
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.settings import FAMILIES
@@ -216,9 +215,9 @@ def _friction(size: sizes.Size, speed: float, oil: str, leaves: float = LEAVES) 
 
 
 def _condenses(fluid: str, duty: Duty) -> bool:
-    """Tell whether the gas at its inlet temperature would be liquid at the outlet pressure."""
-    limits = constants.limits(fluid)
-    return limits is not None and duty.T < limits.T_critical and constants.dew_pressure(fluid, duty.T) < duty.at.high
+    """Tell whether the gas at its inlet temperature, or on cooled oil, would be liquid at the outlet pressure."""
+    limits, T = constants.limits(fluid), min(duty.T, LEAVES)
+    return limits is not None and T < limits.T_critical and constants.dew_pressure(fluid, T) < duty.at.high
 
 
 def _nears_condensing(fluid: str, duty: Duty) -> bool:
@@ -272,10 +271,17 @@ def booster(asked: SceneRequest) -> str:
 
     dew = _dew_temperature(fluid, duty)
     leaves = _booster_outlet_temperature(fluid, duty, taken_at(LEAVES) / c_p, dew)
+    if leaves > OILS[oil].high:
+        what = f"gas and oil have to leave at {leaves - ZERO_CELSIUS:.0f} degC"
+        what += f", beyond the data of {oil}, which end at {OILS[oil].high - ZERO_CELSIUS:.0f} degC"
+        remedy = "choose lower pressures, or colder gas" if dew is None else "choose a lower discharge pressure"
+        raise UsageError(f"--condition {asked.condition}: {what} ({remedy})")
     taken = taken_at(leaves)
     if taken > LARGEST_FRICTION_RATIO * duty.work:
         what = f"with oil films it takes {taken / duty.work:.0f} times the work that the gas needs"
-        remedy = f"choose a lower speed, an oil thinner than {oil} with --oil, or pressures farther apart"
+        thinner = min(OILS, key=lambda name: OILS[name].viscosity_at(LEAVES))
+        oils = "" if thinner == oil else f"a thinner oil, e.g. --oil {thinner}, "
+        remedy = f"choose a lower speed, {oils}or pressures farther apart"
         raise UsageError(f"--speed {sizes.rpm(speed)}: {what} ({remedy})")
     warmed = WARMED if dew is None else min(WARMED, leaves - dew - OIL_OVER_DEW)
     left = taken - c_p * (leaves - duty.T)
@@ -286,7 +292,7 @@ def booster(asked: SceneRequest) -> str:
         **_motor(sizes.motor_for(gas_flow * taken)),
         "flooded": texts.flooded(size, leaves),
         "fluid": fluid,
-        "two_phase": ", two_phase: equilibrium" if _condenses(fluid, duty) and not describe(fluid).glides else "",
+        "two_phase": texts.two_phase(fluid, _condenses(fluid, duty)),
         "oil": oil,
         "oil_ratio": f"{max(math.ceil(2.0 * least) / 2.0, ratio):g}",
     }
@@ -305,9 +311,7 @@ def expander(asked: SceneRequest) -> str:
         **_motor(sizes.motor_for(inlet * duty.density * duty.work)),
         "machine": common["machine"].replace("kind: twin_screw\n", "kind: twin_screw\n  mode: expander\n"),
         "fluid": fluid,
-        "two_phase": ", two_phase: equilibrium"
-        if _nears_condensing(fluid, duty) and not describe(fluid).glides
-        else "",
+        "two_phase": texts.two_phase(fluid, _nears_condensing(fluid, duty)),
         "gap": sizes.um(DRY_CLEARANCE * size.clearance),
     }
     return texts.filled("expander", values)

@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 from screwsim.build import build_parts
 from screwsim.fluid import constants
-from screwsim.fluid.description import describe
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.slide import fitting_slide
@@ -19,6 +18,7 @@ from screwsim.template.request import SceneRequest
 RPM = math.pi / 30.0
 OIL_COOLED_FROM = 350.0  # [K] after isentropic compression, from which the oil is cooled
 LEAVES, ABOVE = 348.15, 35.0  # [K] outlet temperature of gas and oil then, and least margin above condensing
+BEYOND_MIXTURE = 15.0  # [K] by which gas that left chambers may at least be hotter than the mixture: assumed
 WITHIN = 5.0  # [K] by which gas and oil then stay at least below the end of the oil's data
 OIL_WARMING = 25.0  # [K] by which the oil is then warmed
 MOST_WARMING_SHARE = 0.75  # of the way from the dew point to the outlet temperature: by how much oil may be warmed
@@ -109,9 +109,7 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
         "fluid": fluid,
         "flow": sizes.flow_text(flow),
         "speed": sizes.rpm(speed),
-        "two_phase": ", two_phase: equilibrium"
-        if cooled and not describe(fluid).glides
-        else "",  # gas may condense on cooled oil
+        "two_phase": texts.two_phase(fluid, cooled),  # on cooled oil gas may condense
         "oil": oil,
         "oil_ratio": f"{ratio:g}",
         "separator": separator,
@@ -291,8 +289,10 @@ def _oil_and_separator(
     UsageError where no oil temperature is both above condensing and within the oil's data.
     """
     T, dew = duty.T_e + duty.more, constants.saturation_temperature(fluid, duty.p_d)
-    begins, hottest_oil = constants.vapour_enthalpy(fluid, duty.p_s, T), OILS[oil].high - WITHIN
-    leaves = min(max(LEAVES, duty.T_c + ABOVE), hottest_oil)
+    limits, begins = constants.limits(fluid), constants.vapour_enthalpy(fluid, duty.p_s, T)
+    hottest_oil = OILS[oil].high - WITHIN
+    hottest = min(hottest_oil, math.inf if limits is None else limits.T_max - BEYOND_MIXTURE)
+    leaves = min(max(LEAVES, duty.T_c + ABOVE), hottest)
     lossless = constants.compressed(fluid, duty.p_s, T, duty.p_d, 1.0)
     work = duty.work if lossless is None else lossless.work
     work *= sizes.beyond_matching(duty.p_d / duty.p_s, duty.k, built_in)
@@ -303,13 +303,17 @@ def _oil_and_separator(
         return work - constants.vapour_enthalpy(fluid, duty.p_d, leaving) + begins
 
     if hottest_oil < dew + OVER_DEW and (hottest_oil <= dew or left(usual, hottest_oil) > 0.0):
-        what = f"condenses at {in_celsius(dew)}, too warm for {oil}, whose data end at {in_celsius(OILS[oil].high)}"
-        raise UsageError(f"--condition: {fluid} {what} (choose a lower condensing temperature, or another --oil)")
+        ends = f"{oil}, whose data end at {in_celsius(OILS[oil].high)}"
+        what = f"condenses at {in_celsius(dew)}; oil so much warmer that nothing condenses on it is too hot for {ends}"
+        further = next((f", or write --oil {name}" for name in OILS if OILS[name].high > OILS[oil].high), "")
+        remedy = f"condense below {in_celsius(hottest_oil - OVER_DEW)}{further}"
+        raise UsageError(f"--condition: {fluid} {what} ({remedy})")
     hot = duty.hottest >= OIL_COOLED_FROM and left(usual, leaves) > 0.0
-    if not hot and left(most if leaves < TOO_HOT else work / leaky, max(TOO_HOT, leaves)) <= 0.0:
+    too_hot, power = (TOO_HOT, most) if leaves < TOO_HOT else (leaves, work / leaky)
+    if not hot and left(power, min(too_hot, hottest)) <= 0.0:
         return 1.0, "separator: {}    # uncooled; cooler: {discharge_temperature: 75 degC} adds a thermostat"
     dry = max(leaves - dew - OVER_DEW, MOST_WARMING_SHARE * (leaves - dew))
     needed = max(left(usual, leaves) / min(OIL_WARMING, dry), left(most, leaves) / dry)
     ratio = max(1.0, math.ceil(2.0 * needed / OILS[oil].heat_capacity_at(leaves)) / 2.0)
     kept = f"cooler: {{discharge_temperature: {leaves - ZERO_CELSIUS:.0f} degC}}"
-    return ratio, f"separator: {{{kept}}}    # # a thermostat holds the discharge temperature"
+    return ratio, f"separator: {{{kept}}}    # a thermostat holds the discharge temperature"

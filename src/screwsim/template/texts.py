@@ -5,6 +5,8 @@ from functools import cache
 from importlib.resources import files
 from string import Template
 
+from screwsim.fluid.composition import is_blend
+from screwsim.fluid.description import describe
 from screwsim.inputs.faults import UsageError
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes
@@ -83,3 +85,8 @@ def flooded(size: sizes.Size, leaves: float) -> str:
         "land": sizes.mm(0.003 * big, 2),
     }
     return filled("flooded", values)
+
+
+def two_phase(fluid: str, condenses: bool) -> str:
+    """Return the entry that follows two phases of a gas that may condense; a mixture described as if pure has none."""
+    return ", two_phase: equilibrium" if condenses and (is_blend(fluid) or not describe(fluid).glides) else ""
