@@ -124,6 +124,7 @@ def test_a_package_of_a_small_pressure_rise_has_a_motor_that_takes_its_load_and_
         ("refrigeration", {"fluid": "R290", "condition": "-40/35 degC", "displacement": "100 m^3/h"}),
         ("expander", {"fluid": "R1233zd(E)", "condition": "20.8/3.27 bar"}),
         ("booster", {"fluid": "Air", "condition": "0.4/1.01 bar", "displacement": "730 m^3/h"}),
+        ("booster", {"fluid": "hydrogen", "condition": "5/6 bar", "speed": "1000 rpm"}),
     ],
 )
 def test_templates_that_had_no_solution_or_warned_run(kind, stated):

@@ -20,6 +20,7 @@ DRY_CLEARANCE = 80e-6  # [m], clearances of dry rotors of 160 mm: two to four ti
 AIR_OIL = 4.0  # least kg of oil per kg of air, warmed by some 30 K (validation/cagi)
 LARGEST_OIL_WARMING = 40.0  # [K] most by which the oil of an air package is warmed: assumed
 LEAVES, WARMED = 353.15, 30.0  # [K] temperature at a booster's outlet, and by how much its oil is warmed
+FRICTION_COOLING = 0.5  # share of WARMED by which oil is warmed less where all power is friction: cold films take more
 LEAST_OIL, LEAST_SHARE = 2.0, 0.004  # least kg of oil per kg of gas; and of the displaced volume (air packages: 0.5 %)
 LARGEST_KEPT_RISE = 0.75  # of the temperature rise without cooling: most that gas and oil keep
 COMPRESSION_EFFICIENCY = 0.88  # efficiency without friction, for an estimate; friction depends on size, not gas
@@ -283,7 +284,9 @@ def booster(asked: SceneRequest) -> str:
         oils = "" if thinner == oil else f"a thinner oil, e.g. --oil {thinner}, "
         remedy = f"choose a lower speed, {oils}or pressures farther apart"
         raise UsageError(f"--speed {sizes.rpm(speed)}: {what} ({remedy})")
-    warmed = WARMED if dew is None else min(WARMED, leaves - dew - OIL_OVER_DEW)
+    friction = 1.0 - duty.work / COMPRESSION_EFFICIENCY / taken
+    warmed = WARMED * (1.0 - FRICTION_COOLING * max(friction, 0.0))
+    warmed = warmed if dew is None else min(warmed, leaves - dew - OIL_OVER_DEW)
     left = taken - c_p * (leaves - duty.T)
     least = max(LEAST_OIL, LEAST_SHARE * flow * OILS[oil].density_at(LEAVES) / gas_flow)
     ratio = math.ceil(2.0 * left / (OILS[oil].heat_capacity_at(leaves - 0.5 * WARMED) * warmed)) / 2.0
