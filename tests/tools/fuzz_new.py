@@ -1,0 +1,139 @@
+"""Ask `screwsim new` for random machines, and simulate what it writes.
+
+Run: fuzz_new.py [--seed 1] [--count 100] [--freezers]. A request that is possible should give a scene that runs without
+a warning, and one that is not a refusal in one line. Fluids are those used in such machines, sometimes any of
+CoolProp's, conditions between their triple and critical points. `--freezers` asks for the usual refrigerants from -40
+to 0 °C, in two sizes each, instead. Prints a line for each scene that does not run, or runs with warnings, and for each
+refusal; then their numbers.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
+import CoolProp.CoolProp as coolprop
+import numpy as np
+
+from screwsim.inputs.faults import UsageError
+from screwsim.scene import loads
+from screwsim.simulate import simulate
+from screwsim.study.sizing import sized_machine, with_steady_port
+from screwsim.template import new_scene, request_of
+
+HALOGENATED = ("R134a", "R1234yf", "R22", "R404A", "R507A", "R407C", "R448A", "R449A", "R454B", "R513A")
+NATURAL = ("Ammonia", "R290", "R600a")
+WARM = ("R1234ze(E)", "R245fa", "R1233zd(E)", "R1336mzz(Z)", "R600", "n-Pentane", "Cyclopentane", "Ammonia")
+USED = {
+    "refrigeration": HALOGENATED + NATURAL,
+    "heat_pump": WARM,
+    "booster": ("Methane", "Nitrogen", "CO2", "Hydrogen", "Helium", "R290", "Air", "Argon", "Water"),
+    "expander": ("R134a", "R245fa", "R1233zd(E)", "Water", "Isopentane", "Ammonia"),
+    "reciprocating": ("R134a", "CO2", "R404A", "R1234yf", "R1233zd(E)", *NATURAL[1:]),
+}
+FREEZERS = (
+    "R404A",
+    "R507A",
+    "R407C",
+    "R407F",
+    "R448A",
+    "R449A",
+    "R454B",
+    "R454C",
+    "R22",
+    "R134a",
+    *NATURAL[:2],
+    "R1270",
+)
+COLD = "-40/35", "-35/40", "-30/45", "-10/50", "0/60"
+ANY_FLUID = 0.3  # share of requests for any fluid
+ZERO = 273.15
+
+Request = tuple[str, dict[str, Any]]
+
+
+def freezers() -> Iterator[Request]:
+    """Yield requests for the usual refrigerants at low temperatures."""
+    for fluid in FREEZERS:
+        for ends in COLD:
+            for size in ("100 m^3/h", "600 m^3/h"):
+                yield "refrigeration", {"fluid": fluid, "condition": f"{ends} degC", "displacement": size}
+
+
+def drawn(random: np.random.Generator) -> Request:
+    """Return a random request: kind and options."""
+    kind = str(random.choice(["air", *USED]))
+    stated: dict[str, Any] = {}
+    if kind == "air":
+        stated["condition"] = f"0 bar(g)/{random.choice([3, 5, 7.5, 10, 13])} bar(g)"
+    else:
+        every = coolprop.get_global_param_string("FluidsList").split(",")
+        fluid = stated["fluid"] = str(random.choice(every if random.random() < ANY_FLUID else USED[kind]))
+        if kind in ("booster", "expander"):
+            low = 10.0 ** random.uniform(-0.6, 1.0)
+            high = low * random.uniform(1.5, 6.0)
+            stated["condition"] = f"{high:.3g}/{low:.3g} bar" if kind == "expander" else f"{low:.3g}/{high:.3g} bar"
+        else:
+            stated["condition"] = _temperatures(fluid, random)
+    size = random.random()
+    if size < 0.5:
+        stated["displacement"] = f"{10.0 ** random.uniform(1.7, 3.4):.3g} m^3/h"
+        stated["displacement"] = "15 m^3/h" if kind == "reciprocating" else stated["displacement"]
+    elif size < 0.7 and kind in ("refrigeration", "heat_pump"):
+        stated["capacity"] = f"{10.0 ** random.uniform(1.5, 3.0):.3g} kW"
+    if kind in ("refrigeration", "heat_pump"):
+        stated["economizer"], stated["slide"] = (bool(each < 0.25) for each in random.random(2))
+    return kind, stated
+
+
+def _temperatures(fluid: str, random: np.random.Generator) -> str:
+    try:
+        triple, critical = (coolprop.PropsSI(name, fluid) for name in ("Ttriple", "Tcrit"))
+    except ValueError:  # a blend
+        triple, critical = 200.0, 350.0
+    low = max(triple + (critical - triple) * random.uniform(0.15, 0.8), random.uniform(230.0, 300.0))
+    ends = f"{low - ZERO:.0f}/{low - ZERO + random.uniform(20.0, 60.0):.0f} degC"
+    return f"{ends}, {random.choice([0, 3, 10, 25])} K" if random.random() < 0.3 else ends
+
+
+def judged(kind: str, stated: dict[str, Any]) -> tuple[str, str]:
+    """Return what became of a request, with the reason: ok, warned, refused, or the status of a failed run."""
+    names = ("fluid", "displacement", "vi", "speed", "oil", "condition")
+    more = {name: each for name, each in stated.items() if name not in names}
+    try:
+        asked = request_of(*(stated.get(name) for name in names), **more)
+        if "capacity" in stated:
+            text = sized_machine(kind, asked).text
+        else:
+            text = new_scene(kind, asked)
+            text = with_steady_port(text) if stated.get("economizer") else text
+    except UsageError as refusal:
+        return "refused", str(refusal)
+    result = simulate(loads(text), trace=False)
+    if result.status != "ok":
+        return result.status, result.message
+    return ("warned", "; ".join(result.warnings)) if result.warnings else ("ok", "")
+
+
+def main() -> None:
+    """Print what became of each request that did not simply run, and the sums."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--count", type=int, default=100)
+    parser.add_argument("--freezers", action="store_true")
+    given = parser.parse_args()
+    random = np.random.default_rng(given.seed)
+    requests = freezers() if given.freezers else (drawn(random) for _ in range(given.count))
+    sums: Counter[str] = Counter()
+    for number, (kind, stated) in enumerate(requests):
+        found, why = judged(kind, stated)
+        sums[found] += 1
+        if found != "ok":
+            print(f"{number} {kind} {stated}: {found}: {why}", flush=True)
+    print(", ".join(f"{count} {what}" for what, count in sums.most_common()))
+
+
+if __name__ == "__main__":
+    main()
