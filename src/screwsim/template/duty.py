@@ -29,7 +29,6 @@ class Duty(NamedTuple):
     gas_flow: float
     work: float  # lossless work of an ideal gas
     hottest: float  # [K] after isentropic compression of an ideal gas
-    heat_capacity: float
     k: float
 
 
@@ -64,7 +63,7 @@ def duty_of(
     hottest = T * (p_d / p_s) ** ((k - 1.0) / k)
     gas_flow = EFFICIENCIES[0] * flow * p_s / (R * T)
     work = sizes.isentropic_work(k, R, T, p_d / p_s)
-    return Duty(found.low, found.high, superheat, more, p_s, p_d, gas_flow, work, hottest, R * k / (k - 1.0), k)
+    return Duty(found.low, found.high, superheat, more, p_s, p_d, gas_flow, work, hottest, k)
 
 
 def _superheat(

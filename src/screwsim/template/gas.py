@@ -261,7 +261,8 @@ def booster(asked: SceneRequest) -> str:
     fluid = asked.fluid or "Methane"
     oil = asked.oil or BOOSTER_OILS.get(fluid.lower(), "PAG_100")
     flow, speed = asked.flow or 600.0 / 3600.0, asked.speed or 2950.0 * RPM
-    size, duty = texts.sized(flow, speed), _duty(asked, fluid, "5/20 bar", "20 degC")
+    example = "5/20 bar"
+    size, duty = texts.sized(flow, speed), _duty(asked, fluid, example, "20 degC")
     c_p = duty.R * duty.k / (duty.k - 1.0)
     gas_flow = LAMBDA * flow * duty.density
 
@@ -275,8 +276,7 @@ def booster(asked: SceneRequest) -> str:
     if leaves > OILS[oil].high:
         what = f"gas and oil have to leave at {leaves - ZERO_CELSIUS:.0f} degC"
         what += f", beyond the data of {oil}, which end at {OILS[oil].high - ZERO_CELSIUS:.0f} degC"
-        remedy = "choose lower pressures, or colder gas" if dew is None else "choose a lower discharge pressure"
-        raise UsageError(f"--condition {asked.condition}: {what} ({remedy})")
+        raise UsageError(f"--condition {asked.condition or example}: {what} (choose a lower discharge pressure)")
     taken = taken_at(leaves)
     if taken > LARGEST_FRICTION_RATIO * duty.work:
         what = f"with oil films it takes {taken / duty.work:.0f} times the work that the gas needs"

@@ -24,9 +24,7 @@ OIL_WARMING = 25.0  # [K] by which the oil is then warmed
 MOST_WARMING_SHARE = 0.75  # of the way from the dew point to the outlet temperature: by how much oil may be warmed
 OVER_DEW = 4.0  # [K] margin of oil above condensing where a machine leaks more than those behind EFFICIENCIES
 TIGHT, LEAKED = 0.8, 1.3  # eta_s without leaks, and what these take, rather too large: five gases from 40 m³/h ...
-# of that estimate with the work beyond the built-in ratio: least efficiency computed for seven refrigerants, -40/35 to
-# 5/60 °C, 60 to 2000 m³/h
-CAUTION = 0.82
+CAUTION = 0.82  # of that estimate over the work beyond the built-in ratio: enough in tests/tools/fuzz_new.py --freezers
 MOTOR_EFFICIENCY = 0.92  # of a semi-hermetic motor, assumed by the source of validation/bitzer
 RISING, THIN, DENSER = 0.9, 3.6, 0.35  # ... by powers of pressure ratio and of density, at least the second [kg/m³]
 LEAST, TOO_HOT = 0.2, 400.0  # least value of the estimate; [K] leaving a leaky machine, from which its oil is cooled
@@ -290,8 +288,9 @@ def _oil_and_separator(
     """
     T, dew = duty.T_e + duty.more, constants.saturation_temperature(fluid, duty.p_d)
     limits, begins = constants.limits(fluid), constants.vapour_enthalpy(fluid, duty.p_s, T)
+    assert limits is not None
     hottest_oil = OILS[oil].high - WITHIN
-    hottest = min(hottest_oil, math.inf if limits is None else limits.T_max - BEYOND_MIXTURE)
+    hottest = min(hottest_oil, limits.T_max - BEYOND_MIXTURE)
     leaves = min(max(LEAVES, duty.T_c + ABOVE), hottest)
     lossless = constants.compressed(fluid, duty.p_s, T, duty.p_d, 1.0)
     work = duty.work if lossless is None else lossless.work
