@@ -20,7 +20,7 @@ from screwsim.outputs import ITSELF, STATUSES, Figure, Variable, shown_of
 from screwsim.outputs.display import About, Brief, value_text
 from screwsim.results import stored
 from screwsim.results.group import OWN, Group, labels_of, values_of
-from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis
+from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis, variable_name
 from screwsim.results.stored import REMEDY, MalformedFile, opened
 
 # the first two come with traces, the next two with their studies, two with tolerances, the last on request
@@ -73,6 +73,13 @@ class Results(Brief):
         """Return the values of a varied path in all cases, on the axes of the results."""
         number, values = self.varied[path]
         return np.broadcast_to(values.reshape([-1 if i == number else 1 for i in range(len(self.shape))]), self.shape)
+
+    def stated(self, path: str) -> np.ndarray:
+        """Return a number of the scene [SI] in all cases, varied or not, on the axes of the results; NaN without it."""
+        if path in self.varied:
+            return self.along(path)
+        name = variable_name(path)
+        return np.broadcast_to(self.inputs.get(name, np.nan), self.shape)
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -215,8 +215,7 @@ class _FileAtCommonPoints:
 
     def __init__(self, results: Results, cases: Array) -> None:
         self._results, self._cases = results, cases
-        accuracy = results.inputs.get("numerics_accuracy", 0.0)
-        self._accuracy = float(np.max(accuracy))
+        self._accuracy = np.nan_to_num(results.stated("numerics.accuracy"))
 
     def values(self, name: str) -> Array:
         """Return a figure [SI], NaN where it is missing."""
