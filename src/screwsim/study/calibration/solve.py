@@ -95,7 +95,8 @@ class Calibration(Brief):
         scene, known = self.fit.scene, self.certainty
         rows = []
         for i, (path, value) in enumerate(self.values.items()):
-            error = None if known is None else known.errors[i]
+            plain = None if known is None else known.errors[i]
+            error = None if plain is None else plain * self.scale
             told = "not known" if error is None else f"{100.0 * error / abs(value):.2g} %" if value else f"{error:.2g}"
             border = known.border[i] if known is not None else ""
             prior = self.fit.parameters[i].prior
