@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from fit_fakes import DEGENERATE, FIT, POINTS, Stopped, coordinates, hopeless, plane, product, torn, write_fit
 
+from screwsim.inputs.faults import Interrupted
 from screwsim.printing.calibration import print_calibration
 from screwsim.scene import load
 from screwsim.study.calibration import calibrate, read_fit
@@ -149,9 +150,11 @@ def test_without_any_solution_the_fit_fails_with_the_reason(fit):
     assert "pressure left the range" in found.message
 
 
-def test_an_interruption_leaves_the_best_so_far(fit):
-    found = calibrate(fit, jobs=1, simulate=Stopped())
-    assert found.status == "interrupted"
+def test_an_interruption_is_raised_and_has_the_best_so_far(fit):
+    with pytest.raises(Interrupted, match="best so far") as raised:
+        calibrate(fit, jobs=1, simulate=Stopped())
+    found = raised.value.found
+    assert isinstance(raised.value, KeyboardInterrupt) and found.status == "interrupted"
     assert found.values
     assert "best so far" in found.message
 

@@ -38,6 +38,14 @@ class UsageError(Exception):
     """Report a wrong use of a command, or of a function, in one line."""
 
 
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during a study that has something to show for it; `found` is its answer so far."""
+
+    def __init__(self, found: Any) -> None:
+        super().__init__(getattr(found, "message", ""))
+        self.found = found
+
+
 class ImpossibleValue(UsageError):
     """Report, in one line, that a user's effect returned an impossible value: the case has failed."""
 

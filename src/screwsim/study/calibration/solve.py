@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.inputs.faults import Interrupted
 from screwsim.outputs import Figures
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_text, with_values
@@ -135,9 +136,10 @@ def cost_in_words(fit: Fit) -> str:
 def calibrate(
     fit: Fit, *, jobs: int | None = None, simulate: Simulate | None = None, progress: Progress | None = None
 ) -> Calibration:
-    """Return the best fit of all starts; when interrupted, the best so far. The number of workers does not matter.
+    """Return the best fit of all starts. The number of workers does not matter.
 
-    The scene's tolerance is the prior of a parameter for which the fit states none.
+    The scene's tolerance is the prior of a parameter for which the fit states none. After Ctrl-C KeyboardInterrupt,
+    once a start has begun `Interrupted` with the best fit so far, whose status is interrupted.
     """
     fit = fit.with_priors()
     places = start_places(fit)
@@ -159,18 +161,17 @@ def calibrate(
                 progress=progress,
                 answers=answers,
             )
-        except KeyboardInterrupt:
+        except KeyboardInterrupt as pressed:
             answers |= _interrupted_starts(places, Path(folder), answers)
             if not answers:
                 raise
-            return _calibration_of_starts(
-                fit, [answers[number] for number in sorted(answers)], simulate, interrupted=True
-            )
+            begun = [answers[number] for number in sorted(answers)]
+            raise Interrupted(_calibration_of_starts(fit, begun, simulate, interrupted=True)) from pressed
     starts = [answers[number] for number in sorted(answers)]
     try:
         return _calibration_of_starts(fit, starts, simulate)
-    except KeyboardInterrupt:  # while the best end is being confirmed
-        return _calibration_of_starts(fit, starts, simulate, interrupted=True)
+    except KeyboardInterrupt as pressed:  # while the best end is being confirmed
+        raise Interrupted(_calibration_of_starts(fit, starts, simulate, interrupted=True)) from pressed
 
 
 def _interrupted_starts(places: Array, folder: Path, known: Mapping[int, Start]) -> dict[int, Start]:
