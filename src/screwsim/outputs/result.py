@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -53,6 +53,18 @@ class Result:
         for name, kind in (("balance", Balance), ("error", Error), ("numerics", Numerics), ("ledger", Ledger)):
             if type(own := getattr(self, name)) is not kind:
                 object.__setattr__(self, name, kind(own))
+
+    def __eq__(self, other: object) -> bool:
+        """Return whether all of another result is the same, times included; bit by bit, NaN as NaN."""
+        if not isinstance(other, Result):
+            return NotImplemented
+        compared = (each.name for each in fields(self) if each.compare and each.name != "cycle")
+        if any(getattr(self, name) != getattr(other, name) for name in compared):
+            return False
+        pairs = ((column, other.cycle.get(name)) for name, column in self.cycle.items())
+        return len(self.cycle) == len(other.cycle) and all(
+            own is not None and np.array_equal(column, own, equal_nan=True) for column, own in pairs
+        )
 
     @property
     def told(self) -> str:
