@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 from screwsim.figures.errors import error_in_unit
-from screwsim.inputs.faults import UsageError
+from screwsim.inputs.faults import UsageError, in_one_line
 from screwsim.outputs import Result
 from screwsim.scene import Scene, case, case_count, case_values, cross_check, with_values
 from screwsim.scene.grid import with_sweep_over
@@ -217,7 +217,7 @@ def simulated_if_valid(scene: Scene, simulate: Simulate) -> Result:
     try:
         return simulate(scene)
     except (UsageError, ArithmeticError, ValueError) as error:
-        return Result("failed", message=" ".join(f"{type(error).__name__}: {error}".split()))
+        return Result("failed", message=in_one_line(error))
 
 
 def results_at(
