@@ -20,7 +20,7 @@ from screwsim.cycle.search import FALLBACK_NAME
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.cycle.solution import CorrectedState, CycleSolution
 from screwsim.cycle.ways import way_of
-from screwsim.evaluate.evaluation import Evaluation, evaluate
+from screwsim.evaluate.evaluation import Evaluation, evaluate, evaluate_life
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.model import slots
 from screwsim.model.slices import INSIDE
@@ -134,7 +134,7 @@ def _next_life(request: EstimateRequest) -> FinerSolutions:
         return NO_SOLUTIONS
     machinery.swap()
     reach_station()
-    life = Evaluation(request.problem, machinery.trajectory, q)
+    life = evaluate_life(request.problem, machinery.trajectory, q)
     return FinerSolutions([life.figures], curves=[curves_of(life)])
 
 
@@ -163,7 +163,7 @@ class _Lives:
         if status != 0:
             return False
         machinery.swap()
-        life = Evaluation(problem, machinery.trajectory, self.q)
+        life = evaluate_life(problem, machinery.trajectory, self.q)
         self.figures.append(life.figures)
         self.curves.append(curves_of(life))
         self.unknowns_out = problem.entries.possible(life.image)
