@@ -85,8 +85,6 @@ def test_what_slow_pitches_leave_of_a_cycle_is_told_where_little_is_delivered(st
     found = simulate(asked, trace=False)
     off, room = relative_errors(found.performance, true), 0.01 * asked.numerics.accuracy
     assert all(off[name] <= found.error[name] + room for name in figures)
-        n: (off[n], found.error[n]) for n in figures
-    }
 
 
 @pytest.mark.parametrize("number, seed", [(4, 306), (32, 304)])
