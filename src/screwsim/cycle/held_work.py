@@ -24,7 +24,7 @@ NODES, WEIGHTS = 0.5 + 0.5 * _NODES, 0.5 * _WEIGHTS  # of a step
 def missed_work(problem: Problem, life: Trajectory) -> float:
     """Return what to add to the work on the gas [J] that a life sums; 0 where that is less than `DIFFERS`.
 
-    The life's steps have sums of their own (not those of all chambers together).
+    For a single cylinder: where chambers are integrated together, their steps have no sums of one.
     """
     steps, column = life.steps, len(life.composition.states)
     p, after, c3, c4 = life.dense[:steps, :, column].T

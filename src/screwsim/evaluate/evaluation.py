@@ -9,7 +9,6 @@ from screwsim.cycle.held_work import missed_work
 from screwsim.cycle.pitch import Pitch
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
-from screwsim.cycle.ways import way_of
 from screwsim.effects.base import Reading, Turn
 from screwsim.evaluate.figures import Read, figures_of
 from screwsim.evaluate.separator import Circuit, Package, circuit_of, package_residual
@@ -115,16 +114,17 @@ class Evaluation:
 
 def evaluate(problem: Problem, cycle: CycleSolution) -> Evaluation:
     """Return the evaluation of a cycle."""
-    if way_of(cycle).whole and problem.composition.chambers > 1:  # its steps have no sums of one chamber
-        return Evaluation(problem, cycle.trajectory, cycle.q, cycle.open, cycle.unknowns_out)
     return evaluate_life(problem, cycle.trajectory, cycle.q, cycle.open, cycle.unknowns_out)
 
 
 def evaluate_life(
     problem: Problem, life: Trajectory, q: Array, left: Residuals | None = None, unknowns_out: Array | None = None
 ) -> Evaluation:
-    """Return the evaluation of a life of one chamber, with the work that its long steps misread (`cycle.held_work`)."""
-    missed = missed_work(problem, life)
+    """Return the evaluation of a life; the work of a cylinder with what its long steps misread (`cycle.held_work`).
+
+    Several chambers have more breakpoints, and shorter steps.
+    """
+    missed = missed_work(problem, life) if problem.composition.chambers == 1 else 0.0
     if missed:
         q = q.copy()
         q[Q_WORK] += missed
