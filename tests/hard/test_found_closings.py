@@ -282,6 +282,27 @@ def test_swings_of_a_drive_err_by_their_whole_curves(seed, number, covered):
     assert all(told) or not covered
 
 
+@pytest.mark.parametrize(
+    "seed, number, most, off_by, least", [(413, 28, 50_000, 1.0, 0.5), (601, 3, 150_000, 0.2, 0.0)]
+)
+def test_turns_that_wander_in_the_noise_of_their_steps_refine_them(seed, number, most, off_by, least):
+    """Each changed the gas by a tolerance or more, until one did not by chance: off by 1.2 and 0.73 accuracies."""
+    asked = effects_space.scene_of("plenums", seed, number)
+    finer = replace(asked.numerics, accuracy=asked.numerics.accuracy / 50.0, error="none", closing="coupled")
+    true = simulate(replace(asked, numerics=finer), trace=False).performance
+    found = simulate(asked, trace=False)
+    figure, off = worst(relative_errors(found.performance, true))
+    assert found.numerics.rhs_evaluations < most  # 78 995 of the first
+    assert off <= off_by * asked.numerics.accuracy
+    assert found.error[figure] > least * off
+
+
+def test_a_cycle_closed_again_begins_with_the_steps_that_closed_it():
+    """Turns refined their steps anew at every closing: 74 818 evaluations."""
+    asked = effects_space.scene_of("gaps with friction", 601, 6)
+    assert simulate(asked, trace=False).numerics.rhs_evaluations < 50_000
+
+
 @pytest.fixture(scope="module")
 def left():
     """A problem, its machinery, and the cycle that a search finds for it and that pitches leave."""
