@@ -99,6 +99,20 @@ def test_a_figure_without_an_error_is_known_to_the_accuracy_of_its_case(tmp_path
     assert efficiency.at == {"numerics.accuracy": 1e-4}
 
 
+def test_a_figure_that_is_an_axis_of_the_other_file_is_compared_with_its_values(tmp_path):
+    """The temperature of the oil supply is a figure of a run, and in a sweep over it the axis of the same name."""
+
+    def telling(scene):
+        result = fake_simulate(scene)
+        told = Figures(result.performance, oil_supply_temperature=scene.oil_supply.temperature)
+        return replace(result, performance=told, error=Figures(dict.fromkeys(told, 1e-6)))
+
+    axis = swept(tmp_path / "a.h5", "sweep:\n  oil_supply.temperature: [293 K, 300 K]\n", telling)
+    found = compare(axis, run(tmp_path / "b.h5", simulate=telling))
+    temperature = figure(found, "oil_supply_temperature")
+    assert found.equal and (temperature.points, temperature.only_b, temperature.change) == (1, 0, 0.0)
+
+
 def test_a_tolerance_counts_beside_the_errors(grid, tmp_path):
     other = swept(tmp_path / "b.h5", simulate=other_power(1.01))
     assert not compare(grid, other).equal

@@ -14,7 +14,7 @@ from screwsim.inputs.faults import Interrupted
 from screwsim.outputs import Figures
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_text, with_values
-from screwsim.study.calibration.descent import least_squares
+from screwsim.study.calibration.descent import LEAST_GAIN, least_squares
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, TOLERANCE_REMEDY, Fit, Measurement, Point
 from screwsim.study.calibration.identifiability import Certainty, active_bounds, certainty
 from screwsim.study.calibration.residuals import Array, Objective, Residuals, Simulate
@@ -26,6 +26,8 @@ from screwsim.study.workers import WORKER_DIED
 PROBABILITY = 0.6827  # of the joint region of the free parameters within which fits count as equally good
 MOST_STEPS = 40  # steps per round of a start
 MOST_ROUNDS = 3
+SAME_FIT = 10.0 * LEAST_GAIN  # of chi squared per residual, at least of 1: difference of ends that fit alike
+APART = 0.1  # of the bounds' distance: ends this far apart are not one minimum
 
 
 @dataclass(frozen=True)
@@ -240,7 +242,7 @@ def _calibration_of_starts(
 ) -> Calibration:
     """Return the answer from the results of the starts."""
     counts: dict[str, Any] = {name: sum(getattr(start, name) for start in starts) for name in ("solutions", "failed")}
-    best = min(starts, key=lambda start: start.cost)
+    best = best_start(starts, sum(len(point.measured) for point in fit.points if point.fitted))
     if not np.isfinite(best.cost):
         reason = f"no start has a solution: {best.message} (change starts or bounds)"
         nothing = (None, None, 0, 0.0, (), (), {})
@@ -272,6 +274,21 @@ def _calibration_of_starts(
     return Calibration(
         fit, status, message, tuple(starts), values, *rest, **counts, methods=asked.methods, warnings=warned
     )
+
+
+def best_start(starts: Sequence[Start], count: int) -> Start:
+    """Return the start that fits `count` figures best; the first of those that fit alike if they lie apart.
+
+    A search ends within a few of its least gains of the least sum of squares, so that chance decides which of such ends
+    is the lowest. Along a combination that the data do not determine they lie far apart.
+    """
+    least = min(starts, key=lambda start: start.cost)
+    if not np.isfinite(least.cost):
+        return least
+    most = least.cost + SAME_FIT * max(1.0, least.cost / count)
+    alike = [start for start in starts if start.cost <= most]
+    spread = np.ptp([start.places for start in alike], axis=0)
+    return alike[0] if np.max(spread, initial=0.0) > APART else least
 
 
 def _margin(free: int, chi_squared: float, freedom: int) -> float:
