@@ -70,21 +70,15 @@ def test_what_slow_pitches_leave_of_the_first_guess_is_told():
         assert warns(found, asked.numerics.accuracy) or found.performance.gas_mass_flow == pytest.approx(true, rel=5e-3)
 
 
-@pytest.mark.parametrize(
-    "structure, number, figures",
-    [
-        ("plenums, carried", 5, ("gas_mass_flow", "specific_power", "isentropic_efficiency", "oil_mass_flow")),
-        ("displaced through a port, oil takes room", 12, ("oil_ratio", "gas_mass_flow", "discharge_line_least_flow")),
-    ],
-)
-def test_what_slow_pitches_leave_of_a_cycle_is_told_where_little_is_delivered(structure, number, figures):
-    """4 and 7 % are delivered: a closing that began with the cycle told 0.02 of 0.26, and 0.001 of 0.12 accuracies."""
-    asked = effects_space.scene_of(structure, 601, number)
+def test_what_slow_pitches_leave_of_a_cycle_is_told_where_little_is_delivered():
+    """7 % is delivered: a closing that began with the cycle told 0.01 of 0.11 accuracies of the oil ratio."""
+    asked = effects_space.scene_of("displaced through a port, oil takes room", 601, 12)
     finer = replace(asked.numerics, accuracy=asked.numerics.accuracy / 50.0, error="none", closing="coupled")
     true = simulate(replace(asked, numerics=finer), trace=False).performance
     found = simulate(asked, trace=False)
     off, room = relative_errors(found.performance, true), 0.01 * asked.numerics.accuracy
-    assert all(off[name] <= found.error[name] + room for name in figures)
+    for name in ("oil_ratio", "gas_mass_flow", "discharge_line_least_flow"):
+        assert off[name] <= found.error[name] + room, name
 
 
 @pytest.mark.parametrize("number, seed", [(4, 306), (32, 304)])

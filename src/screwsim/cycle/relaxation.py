@@ -270,7 +270,7 @@ class _Turns:
 
         That is so where the gap is within the tolerance but the balances are open and, by the correction's
         prediction, stay open; and where turns near the end make no progress: corrected ones then correct the noise
-        of the steps, others wander in it until they meet their tolerance by chance.
+        of the steps, those of pulsating lines wander in it until they meet their tolerance by chance.
         """
         if self.rtol > self.finest:  # the next turn is finer anyway
             return
@@ -280,7 +280,7 @@ class _Turns:
             if stays > CLOSED_SHARE * self.criteria.bound:
                 self.finest = refined_rtol(self.finest, stays / self.criteria.bound)
                 return
-        if self.near:
+        if self.near and (self.corrections.begun or self.problem.composition.pulsating):
             wanted = PROGRESS if self.corrections.begun else NOISE_RATIO
             progress = self.gap < wanted * self.least_gap
             self.least_gap, self.stalled = (self.gap, 0) if progress else (self.least_gap, self.stalled + 1)
