@@ -5,6 +5,7 @@ import json
 import pickle
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -241,6 +242,15 @@ def test_derivatives_cost_nothing_before_they_are_asked_for(monkeypatch):
     assert pickle.loads(pickle.dumps(result)).performance == result.performance
     with pytest.raises(AssertionError, match="nobody asked"):
         result.derivatives["shaft_power", "operation.speed"]
+
+
+def test_a_result_equals_its_copies_and_nothing_else(result):
+    copies = pickle.loads(pickle.dumps(result)), copy.deepcopy(result)
+    assert all(each == result for each in copies) and result in copies
+    traces = {name: column.copy() for name, column in result.cycle.items()}
+    traces["pressure"][3] += 1.0
+    others = replace(result, cycle=traces), replace(result, cycle={}), replace(result, warnings=("other",)), None
+    assert all(each != result for each in others)
 
 
 def test_derivatives_of_a_result_are_the_sensitivities_of_its_scene_with_units(result):

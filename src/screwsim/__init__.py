@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from screwsim import plot
     from screwsim.api import calibrate, compare, datasheet, diagnose, optimum, performance_map, plan, posterior
-    from screwsim.inputs.faults import SceneError, UsageError
+    from screwsim.inputs.faults import Interrupted, SceneError, UsageError
     from screwsim.outputs import Result
     from screwsim.results import open_results
     from screwsim.scene import Scene, load, loads, schema
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 BEGAN = time.time()  # [s] before any other file of the package was read
 
 __all__ = [
+    "Interrupted",
     "Result",
     "Scene",
     "SceneError",
@@ -61,6 +62,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "Interrupted": "screwsim.inputs.faults",
     "Result": "screwsim.outputs",
     "Scene": "screwsim.scene",
     "SceneError": "screwsim.inputs.faults",

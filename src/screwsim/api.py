@@ -145,7 +145,10 @@ def compare(a: ResultsLike, b: ResultsLike, *, tolerance: float = 0.0) -> _compa
 def calibrate(
     fit: Fit | str | os.PathLike[str], *, jobs: int | None = None, progress: Progress | bool | None = None
 ) -> Calibration:
-    """Return parameters fitted to measured points (`screwsim calibrate`); `fit` is a `Fit` or the path of its file."""
+    """Return parameters fitted to measured points (`screwsim calibrate`); `fit` is a `Fit` or the path of its file.
+
+    Ctrl-C raises `screwsim.Interrupted`, a KeyboardInterrupt whose `found` is the best fit so far.
+    """
     return _calibrate(_read(fit), jobs=jobs, progress=progress_of("calibrate", progress))
 
 

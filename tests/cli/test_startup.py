@@ -9,6 +9,7 @@ import pytest
 
 import screwsim
 from screwsim import cli
+from screwsim.inputs.faults import Interrupted
 from screwsim.machine.drive import run_up
 from screwsim.outputs import Figures
 from screwsim.solve import start_up
@@ -40,7 +41,7 @@ def started(monkeypatch):
         told(0.5)
         asked.update(scene=scene, creep=creep, longest=longest)
         if "so far" in asked:
-            raise start_up.InterruptedStart(asked["so far"])
+            raise Interrupted(asked["so far"])
         return asked.get("outcome") or start_up.StartUp("ok", "", ("it hammers",), Figures(FIGURES), dict(TRACES))
 
     monkeypatch.setattr(start_up, "start_up", fake)

@@ -4,6 +4,7 @@ import base64
 import gzip
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +26,7 @@ from report_fakes import (
 
 from screwsim.cli import exit_code
 from screwsim.inputs.faults import UsageError
-from screwsim.outputs import Result
+from screwsim.outputs import Figures, Result
 from screwsim.report import page
 from screwsim.report.page import data, pack, report, tables
 from screwsim.results import open_results
@@ -231,3 +232,14 @@ def test_a_page_that_cannot_be_written_is_one_line(tmp_path):
     with pytest.raises(UsageError, match="cannot be written") as fault:
         report(path, path / "x.html")
     assert "\n" not in str(fault.value)
+
+
+def test_a_page_tells_whether_errors_are_within_the_accuracy_of_their_own_case(tmp_path):
+    """The error of the fake, 2e-4, is within the first accuracy and beyond the second one, also of joined axes."""
+    zipped = "sweep:\n  zip:\n  - {numerics.accuracy: [1e-3, 1e-4], operation.speed: [1000 rpm, 2000 rpm]}\n"
+
+    def rough(scene):
+        return replace(ok(scene), error=Figures(shaft_power=2e-4))
+
+    *_, error = tables.checks(open_results(file(tmp_path / "x.h5", SCENE + zipped, rough)))
+    assert (error.bound, error.verdict) == ("1.0e-04", "exceeded")

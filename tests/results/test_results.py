@@ -51,6 +51,19 @@ def datasets(file):
     return found
 
 
+@pytest.mark.parametrize(
+    "sweep",
+    ["numerics.accuracy: [1e-3, 1e-4]", "zip:\n  - {numerics.accuracy: [1e-3, 1e-4], operation.speed: [1 rpm, 2 rpm]}"],
+)
+def test_a_number_of_the_scene_is_told_for_every_case_varied_or_not(sweep, tmp_path):
+    grid = scene(f"{SCENE}sweep:\n  {sweep}\n")
+    save(tmp_path / "x.h5", grid, results_of(grid), "sweep")
+    found = open_results(tmp_path / "x.h5")
+    assert found.stated("numerics.accuracy").tolist() == [1e-3, 1e-4]
+    assert found.stated("machine.rotor_length").tolist() == [0.14, 0.14]
+    assert np.isnan(found.stated("machine.crank_radius")).all()
+
+
 def test_one_run_reads_back_as_it_was(single):
     result, results = fake_simulate(scene()), open_results(single)
     assert results.axes == {}

@@ -20,6 +20,7 @@ from screwsim.scene import (
     value_at,
     with_values,
 )
+from screwsim.scene.fields import leaves_of, varies
 
 
 def swept(example, sweep):
@@ -216,3 +217,12 @@ def test_a_section_of_an_effect_that_is_not_there_cannot_be_varied():
         load(DRIVE, ["sweep.effects.drive.coupling.rubber_cord.cords=[100, 200]"])
     with pytest.raises(UsageError, match="is not in this scene"):
         leaf_of(load(DRIVE), "effects.drive.coupling.rubber_cord.discs")
+
+
+@pytest.mark.parametrize("file", ["everything.yaml", "slider_crank/r134a.yaml", "drive/point.yaml", "rotors/b.yaml"])
+def test_whatever_a_sweep_may_vary_can_be_given_its_own_value(file):
+    """No name of an input may be taken for something else on the way, as `effects.mechanical.of` once was."""
+    scene = load(DRIVE.parents[1] / file)
+    own = {path: value_at(scene, path) for path, leaf in leaves_of(scene).items() if varies(path, leaf)}
+    stated = {path: value for path, value in own.items() if value is not None and path != "gas.fluid"}
+    assert len(stated) > 20 and all(value_at(with_values(scene, {path: v}), path) == v for path, v in stated.items())

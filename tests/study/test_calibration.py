@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from fit_fakes import DEGENERATE, FIT, POINTS, Stopped, coordinates, hopeless, plane, product, torn, write_fit
 
+from screwsim.inputs.faults import Interrupted
 from screwsim.printing.calibration import print_calibration
 from screwsim.scene import load
 from screwsim.study.calibration import calibrate, read_fit
+from screwsim.study.calibration.solve import Start, best_start
 from screwsim.study.scene_files import fitted_text
 
 GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
@@ -149,9 +151,27 @@ def test_without_any_solution_the_fit_fails_with_the_reason(fit):
     assert "pressure left the range" in found.message
 
 
-def test_an_interruption_leaves_the_best_so_far(fit):
-    found = calibrate(fit, jobs=1, simulate=Stopped())
-    assert found.status == "interrupted"
+@pytest.mark.parametrize(
+    ("costs", "ends", "best"),
+    [
+        ((7.005, 7.002, 7.0), (0.2, 0.5, 0.9), 0),  # along a valley: rounding does not choose
+        ((7.005, 7.002, 7.0), (0.50, 0.51, 0.52), 2),  # one minimum
+        ((7.02, 7.005, 7.0), (0.2, 0.5, 0.9), 1),  # the first is another, worse one
+        ((np.inf, 7.005, 7.0), (0.2, 0.5, 0.9), 1),
+        ((np.inf, np.inf), (0.2, 0.9), 0),
+    ],
+)
+def test_of_starts_that_fit_alike_and_lie_apart_the_first_is_taken(costs, ends, best):
+    pairs = zip(costs, ends, strict=True)
+    starts = [Start("ok" if np.isfinite(cost) else "failed", "", (0.5,), (end,), cost) for cost, end in pairs]
+    assert best_start(starts, 10) is starts[best]
+
+
+def test_an_interruption_is_raised_and_has_the_best_so_far(fit):
+    with pytest.raises(Interrupted, match="best so far") as raised:
+        calibrate(fit, jobs=1, simulate=Stopped())
+    found = raised.value.found
+    assert isinstance(raised.value, KeyboardInterrupt) and found.status == "interrupted"
     assert found.values
     assert "best so far" in found.message
 

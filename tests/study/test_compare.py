@@ -84,6 +84,35 @@ def test_a_change_is_numerical_up_to_twice_both_errors(share, beyond, grid, tmp_
     assert power.error == pytest.approx(2.0 * ERROR * power.a, rel=1e-4)
 
 
+def test_a_figure_without_an_error_is_known_to_the_accuracy_of_its_case(tmp_path):
+    """The efficiency of the fake has no error; it changes by 1e-3 relative where 1e-2 and 1e-4 are wanted."""
+
+    def other(scene):
+        result = fake_simulate(scene)
+        efficiency = 1.001 * result.performance.isothermal_efficiency
+        return replace(result, performance=Figures(result.performance, isothermal_efficiency=efficiency))
+
+    text = "sweep:\n  numerics.accuracy: [1e-2, 1e-4]\n"
+    found = compare(swept(tmp_path / "a.h5", text), swept(tmp_path / "b.h5", text, other))
+    efficiency = figure(found, "isothermal_efficiency")
+    assert (efficiency.beyond, efficiency.points) == (1, 2)
+    assert efficiency.at == {"numerics.accuracy": 1e-4}
+
+
+def test_a_figure_that_is_an_axis_of_the_other_file_is_compared_with_its_values(tmp_path):
+    """The temperature of the oil supply is a figure of a run, and in a sweep over it the axis of the same name."""
+
+    def telling(scene):
+        result = fake_simulate(scene)
+        told = Figures(result.performance, oil_supply_temperature=scene.oil_supply.temperature)
+        return replace(result, performance=told, error=Figures(dict.fromkeys(told, 1e-6)))
+
+    axis = swept(tmp_path / "a.h5", "sweep:\n  oil_supply.temperature: [293 K, 300 K]\n", telling)
+    found = compare(axis, run(tmp_path / "b.h5", simulate=telling))
+    temperature = figure(found, "oil_supply_temperature")
+    assert found.equal and (temperature.points, temperature.only_b, temperature.change) == (1, 0, 0.0)
+
+
 def test_a_tolerance_counts_beside_the_errors(grid, tmp_path):
     other = swept(tmp_path / "b.h5", simulate=other_power(1.01))
     assert not compare(grid, other).equal

@@ -4,7 +4,7 @@ from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
-from fit_fakes import plane, write_fit
+from fit_fakes import POINTS, plane, write_fit
 from result_fakes import GRID, SCENE, fake_simulate
 from seek_fakes import figures_of
 from study_fakes import parabola
@@ -118,6 +118,17 @@ def test_a_calibration_tells_parameters_and_how_sure_they_are(tmp_path):
     assert first.startswith("Calibration: ok; chi² ") and f"{len(found.fit.points)} points" in first
     for path in found.values:
         assert any(row.startswith(path) for row in rows)
+
+
+def test_a_calibration_tells_the_standard_errors_that_the_command_prints(tmp_path):
+    """The points miss the plane by more than their uncertainties, so that standard errors are multiplied."""
+    lines = POINTS.replace("5.2,0.1", "5.7,0.1")
+    found = calibrate(read_fit(write_fit(tmp_path, points=lines)), jobs=1, simulate=plane)
+    assert found.certainty is not None and found.scale > 3.0
+    error, value = found.certainty.errors[0], found.values["effects.tip_leakage.gap"]
+    assert error is not None
+    (row,) = (row for row in lines_of(found) if row.startswith("effects.tip_leakage.gap"))
+    assert f"{100.0 * error * found.scale / value:.2g} %" in row
 
 
 def test_sensitivities_tell_the_largest_first_in_percent_per_percent():

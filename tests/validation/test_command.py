@@ -7,7 +7,7 @@ import pytest
 
 import screwsim
 from screwsim import cli
-from screwsim.inputs.faults import UsageError
+from screwsim.inputs.faults import Interrupted, UsageError
 from screwsim.study.validation import document, equal, folder_of, names_of, run_sources, trend
 from screwsim.study.validation.record import Row, report, row_text, summary
 
@@ -202,3 +202,12 @@ def test_fitted_numbers_are_no_evidence(checkout):
         row["kind"] = "calibrated"
     assert summary(found).startswith("0 of 0 judged comparisons hold")
     assert "4 are fitted or estimates" in report(found)
+
+
+def test_an_interruption_is_raised_with_the_sources_that_were_compared(checkout):
+    stopped = checkout / "validation" / "stopped"
+    stopped.mkdir()
+    (stopped / "compare.py").write_text("def compare(here):\n    raise KeyboardInterrupt\n", encoding="utf-8")
+    with pytest.raises(Interrupted) as raised:
+        run_sources(folder_of(), ["small", "stopped"])
+    assert [(each.name, each.reason) for each in raised.value.found] == [("small", ""), ("stopped", "interrupted")]

@@ -8,7 +8,7 @@ import typer
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
 from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, ResultsFile, SceneFile, Without, progress_bar
-from screwsim.inputs.faults import UsageError
+from screwsim.inputs.faults import Interrupted, UsageError
 from screwsim.screen import say
 
 
@@ -123,7 +123,10 @@ def validate(
 
     if output is not None:
         protect_other_json(output / "validation.json", "version", "verdicts", "sources")
-    outcomes = run_sources(folder_of(folder), names or (), progress_bar("validate"), jobs)
+    try:
+        outcomes = run_sources(folder_of(folder), names or (), progress_bar("validate"), jobs)
+    except Interrupted as pressed:
+        outcomes = pressed.found
     found, errors = document(outcomes), errors_of(outcomes)
     if as_json:
         print_json({**found, "model_errors": errors, "seconds": {each.name: each.seconds for each in outcomes}})

@@ -12,7 +12,7 @@ from typing import Annotated
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, option, switch
 from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without
-from screwsim.inputs.faults import UsageError
+from screwsim.inputs.faults import Interrupted, UsageError
 
 RPM = math.pi / 30.0
 LEAST_CREEP = 0.1  # [rpm] slowest start
@@ -73,7 +73,7 @@ def startup(
     from screwsim.printing.machine import TRACES, print_startup, protect_other_traces, write_traces
     from screwsim.report.drive import draw_start
     from screwsim.results.atomic import make_folder
-    from screwsim.solve.start_up import INTERRUPTED, InterruptedStart, start_up
+    from screwsim.solve.start_up import INTERRUPTED, start_up
 
     if folder is not None:
         make_folder(folder)
@@ -81,7 +81,7 @@ def startup(
     try:
         with _shown_speed() as told:
             found = start_up(scene, slow, longest, told)
-    except InterruptedStart as pressed:
+    except Interrupted as pressed:
         found = pressed.found
     options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_startup, scene.title, found)
     if folder is not None and found.traces:

@@ -13,7 +13,7 @@ import typer
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
 from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without
-from screwsim.inputs.faults import UsageError
+from screwsim.inputs.faults import Interrupted, UsageError
 from screwsim.screen import say
 
 if TYPE_CHECKING:
@@ -263,7 +263,10 @@ def calibrate(
             protect_other_samples(folder)
     if sys.stderr.isatty():
         say(wrapped(f"calibrate: {cost_in_words(fit)}"), err=True)
-    found = calibrated(fit, jobs=jobs, progress=options.progress_bar("calibrate"))
+    try:
+        found = calibrated(fit, jobs=jobs, progress=options.progress_bar("calibrate"))
+    except Interrupted as pressed:
+        found = pressed.found
     wide = None
     if (posterior or asked) and found.status != "interrupted":
         wide = posterior_with_predictions(found, asked, jobs=jobs, progress=options.progress_bar("posterior"))

@@ -178,10 +178,17 @@ def _stated(p: float, loss: float, facts) -> Faults:
 
 
 def discharge_pressure(facts) -> float | None:
-    """Return the pressure [Pa] of the discharge line, stated or of saturation; None where the scene gives neither."""
+    """Return the pressure [Pa] of the discharge line, stated or of saturation; None where the scene gives neither.
+
+    A condensing temperature without saturation, of which the check of the operation tells, gives none.
+    """
     p_d, T_c = facts.operation.discharge.pressure, facts.operation.condensing_temperature
     p_d = p_d if facts.operation.gas_cooler is None else facts.operation.gas_cooler.pressure
-    return constants.condensing_pressure(facts.gas.name, T_c) if p_d is None and T_c is not None else p_d
+    if p_d is not None or T_c is None:
+        return p_d
+    limits = constants.limits(facts.gas.name)
+    saturated = limits is None or limits.T_triple < T_c < limits.T_critical
+    return constants.condensing_pressure(facts.gas.name, T_c) if saturated else None
 
 
 def check_geometry(parameters: Parameters, geometry) -> Faults:

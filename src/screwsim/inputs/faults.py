@@ -24,7 +24,7 @@ class Fault:
 class SceneError(Exception):
     """Report the faults of a scene; `lines` are all of them, ready to print (`FILE:LINE:COLUMN: PATH: what`).
 
-    As text it has the first MOST_TOLD of them, and how many more there are.
+    As text it has the first MOST_LINES of them, and how many more there are.
     """
 
     def __init__(self, lines: list[str]) -> None:
@@ -34,8 +34,21 @@ class SceneError(Exception):
         self.lines = lines
 
 
+def in_one_line(error: BaseException) -> str:
+    """Return the class and the text of an error."""
+    return " ".join(f"{type(error).__name__}: {error}".split())
+
+
 class UsageError(Exception):
     """Report a wrong use of a command, or of a function, in one line."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during a study that has something to show for it; `found` is its answer so far."""
+
+    def __init__(self, found: Any) -> None:
+        super().__init__(getattr(found, "message", ""))
+        self.found = found
 
 
 class ImpossibleValue(UsageError):
@@ -53,7 +66,7 @@ class QuantityNotFound(ImpossibleValue):
 
 
 def checked_own_number(effect: str, what: str, value: Any, least: float = -math.inf) -> None:
-    """Raise Impossible where a user's effect gives no finite number, or one below `least`."""
+    """Raise ImpossibleValue where a user's effect gives no finite number, or one below `least`."""
     if "." not in effect:
         return
     size = float(value) if isinstance(value, Real) and not isinstance(value, bool) else None

@@ -28,7 +28,7 @@ def _plain(kind: type) -> dict[str, None] | None:
     return dict.fromkeys(each.name for each in every)
 
 
-def with_changes(of: Kind, **values: Any) -> Kind:
+def with_changes(of: Kind, /, **values: Any) -> Kind:
     """Return a copy of an object with other values of some fields."""
     kind = type(of)
     names = _plain(kind)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -54,6 +54,18 @@ class Result:
             if type(own := getattr(self, name)) is not kind:
                 object.__setattr__(self, name, kind(own))
 
+    def __eq__(self, other: object) -> bool:
+        """Return whether all of another result is the same, times included; bit by bit, NaN as NaN."""
+        if not isinstance(other, Result):
+            return NotImplemented
+        compared = (each.name for each in fields(self) if each.compare and each.name != "cycle")
+        if any(getattr(self, name) != getattr(other, name) for name in compared):
+            return False
+        pairs = ((column, other.cycle.get(name)) for name, column in self.cycle.items())
+        return len(self.cycle) == len(other.cycle) and all(
+            own is not None and np.array_equal(column, own, equal_nan=True) for column, own in pairs
+        )
+
     @property
     def told(self) -> str:
         """How the run ended, in words: `not closed: …`."""
@@ -63,6 +75,10 @@ class Result:
         """Return the reason for each of these figures that the result does not have."""
         none = (name for name in names if self.performance.get(name) is None)
         return [f"no {name}: {self.notes.get(name, 'it is not simulated')}" for name in none]
+
+    def why_not(self, names: Iterable[str]) -> str:
+        """Return how the run ended unless ok, else why it lacks some of these figures; '' where it has them all."""
+        return self.told if self.status != "ok" else "; ".join(self.lacks(names))
 
     def __repr__(self) -> str:
         return f"Result: {self.told if self.message else self.status}\n{table_text(shown(self.performance))}".rstrip()

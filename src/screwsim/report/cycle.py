@@ -36,8 +36,8 @@ def plans(results: Results, measured: Indicated | None = None) -> Iterator[tuple
     if any(name in trace.values for name in _LIFTS):
         yield "valve_lifts", partial(_valves, trace)
     torque = trace.values.get("gas_torque")
-    if "machine_male_lobes" in results.inputs and torque is not None and np.isfinite(torque).all():
-        yield "gas_torque", partial(_torque, trace, 360.0 / float(results.inputs["machine_male_lobes"]))
+    if np.isfinite(trace.male_lobes) and torque is not None and np.isfinite(torque).all():
+        yield "gas_torque", partial(_torque, trace, 360.0 / trace.male_lobes)
 
 
 def _valves(trace: Trace) -> Any:

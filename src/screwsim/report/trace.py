@@ -9,7 +9,6 @@ from screwsim.outputs import Result
 from screwsim.report.families import efficiency_name
 from screwsim.report.quantities import ANGLE, CRANK_ANGLE, DEGREE, Display, value_of
 from screwsim.results import Results
-from screwsim.results.schema import variable_name
 from screwsim.results.warning_kinds import warning_caption, warnings_of
 
 _SLACK = 0.1  # of the distance of two samples, for rounding of volume and ratio
@@ -17,6 +16,7 @@ _INJECTION = 360.0  # [degree] where oil is injected (docs/model.md)
 _LONE = 0.03  # largest share of the angles of a spike that may exceed the axis
 _ROOM = 1.25  # axis limit over the highest pressure outside spikes
 _SIDES = ("leading", "trailing")
+_LOBES = "machine.male_lobes"
 _LINES = {"$p_s$": "suction", "$p_d$": "discharge"}
 
 
@@ -29,11 +29,12 @@ class Trace(NamedTuple):
     pressures: Mapping[str, float]
     marks: Mapping[str, float]
     axis: Display = ANGLE
+    male_lobes: float = np.nan
 
 
 def angle_axis(results: Results) -> Display:
     """Return how the angle of a file's machine is shown."""
-    return ANGLE if variable_name("machine.crank_radius") not in results.inputs else CRANK_ANGLE
+    return CRANK_ANGLE if np.isfinite(results.stated("machine.crank_radius")).any() else ANGLE
 
 
 def chosen_trace(results: Results) -> Trace | None:
@@ -48,7 +49,8 @@ def chosen_trace(results: Results) -> Trace | None:
     title = case_title(results, index)
     lines = {symbol: _line_pressure(results, line, index) for symbol, line in _LINES.items()}
     pressures = {symbol: value for symbol, value in lines.items() if np.isfinite(value)}
-    return Trace(title, angle, values, pressures, marks_of(results, index, angle, values), angle_axis(results))
+    marks = marks_of(results, index, angle, values)
+    return Trace(title, angle, values, pressures, marks, angle_axis(results), _input(results, _LOBES, index))
 
 
 def trace_of(result: Result) -> Trace:
@@ -93,12 +95,7 @@ def _line_pressure(results: Results, line: str, index: tuple[int, ...]) -> float
 
 def _input(results: Results, path: str, index: tuple[int, ...]) -> float:
     """Return a numeric input of one case [SI]; NaN if the file has none."""
-    for axis, i in zip(results.axis_list, index, strict=True):
-        for inner in axis.joined or (axis,):
-            if inner.path == path:
-                return float(inner.values[i])
-    name = variable_name(path)
-    return float(results.inputs[name]) if name in results.inputs else np.nan
+    return float(results.stated(path)[index])
 
 
 def marks_of(

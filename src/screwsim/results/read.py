@@ -20,7 +20,7 @@ from screwsim.outputs import ITSELF, STATUSES, Figure, Variable, shown_of
 from screwsim.outputs.display import About, Brief, value_text
 from screwsim.results import stored
 from screwsim.results.group import OWN, Group, labels_of, values_of
-from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis
+from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis, variable_name
 from screwsim.results.stored import REMEDY, MalformedFile, opened
 
 # the first two come with traces, the next two with their studies, two with tolerances, the last on request
@@ -74,6 +74,13 @@ class Results(Brief):
         number, values = self.varied[path]
         return np.broadcast_to(values.reshape([-1 if i == number else 1 for i in range(len(self.shape))]), self.shape)
 
+    def stated(self, path: str) -> np.ndarray:
+        """Return a number of the scene [SI] in all cases, varied or not, on the axes of the results; NaN without it."""
+        if path in self.varied:
+            return self.along(path)
+        name = variable_name(path)
+        return np.broadcast_to(self.inputs.get(name, np.nan), self.shape)
+
     @property
     def shape(self) -> tuple[int, ...]:
         """Number of values on each axis; () for one run."""
@@ -101,10 +108,10 @@ class Results(Brief):
         scale = unpacked(self.error.scales.get(name, "")) or getattr(here, "scale", ITSELF)
         return Figure(name, units, long_name, scale, shown=here.shown if here and here.units == units else "")
 
-    def absolute_error(self, name: str, unknown: float = np.nan) -> np.ndarray:
+    def absolute_error(self, name: str, unknown: float | np.ndarray = np.nan) -> np.ndarray:
         """Return the estimated numerical error of a figure in each case, in its own unit [SI].
 
-        Where none was estimated, the relative error `unknown` is used.
+        Where none was estimated, the relative error `unknown` is used, one of all cases or of each.
         """
         scale = self.figure(name).scale
         asked = (each for each in figures_for_scale(name, scale) if each in self.performance)

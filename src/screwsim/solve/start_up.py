@@ -18,7 +18,7 @@ from screwsim.cycle.problem import LEAST_OIL, ClosingTask, Problem, Series, prob
 from screwsim.effects.base import OilSolution
 from screwsim.effects.gas_torque import raw_torque
 from screwsim.evaluate.evaluation import Evaluation, evaluate, loss_torque
-from screwsim.inputs.faults import UsageError
+from screwsim.inputs.faults import Interrupted, UsageError
 from screwsim.machine.drive.response import NoMotion, Response
 from screwsim.machine.drive.run_up import Motion, run_up
 from screwsim.machine.drive.train import Train
@@ -71,15 +71,6 @@ class StartUp:
         return {**kept, "figures": dict(self.figures)}
 
 
-class InterruptedStart(KeyboardInterrupt):
-    """Ctrl-C during a start; `found` is the start so far, of at least one lobe pitch."""
-
-    def __init__(self, found: StartUp) -> None:
-        """Keep the start so far."""
-        super().__init__(found.message)
-        self.found = found
-
-
 def start_up(
     scene: Scene, creep: float = CREEP_SPEED, longest: float = LONGEST, told: Told = lambda share: None
 ) -> StartUp:
@@ -87,7 +78,7 @@ def start_up(
 
     `told` is called after each lobe pitch, with its mean speed over the steady one.
     Raises UsageError where the scene has no drive, its motor has no torque limit, or `creep` is not below the
-    steady speed; after Ctrl-C KeyboardInterrupt, once there is a pitch an `InterruptedStart` that has the start so far.
+    steady speed; after Ctrl-C KeyboardInterrupt, once there is a pitch `Interrupted` with the start so far.
     """
     problem = steady_problem(scene, creep)
     machinery, part = lease_for(problem), problem.parts.shaft
@@ -222,7 +213,7 @@ class StartUpRun:
             last = self.pitches[-1].motion
             reached = f"at {_rpm(float(last.speed[-1]))} of the steady {_rpm(self.steady.mean_speed)}"
             so_far = self._ended(INTERRUPTED, f"{last.time[-1]:.4g} s after the start, {reached}")
-            raise InterruptedStart(so_far) from pressed
+            raise Interrupted(so_far) from pressed
 
     def _run(self, told: Told) -> StartUp:
         stays, target = 0, self.steady.mean_speed

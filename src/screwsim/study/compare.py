@@ -215,17 +215,21 @@ class _FileAtCommonPoints:
 
     def __init__(self, results: Results, cases: Array) -> None:
         self._results, self._cases = results, cases
-        accuracy = results.inputs.get("numerics_accuracy", 0.0)
-        self._accuracy = float(np.max(accuracy))
+        self._accuracy = np.nan_to_num(results.stated("numerics.accuracy"))
 
     def values(self, name: str) -> Array:
-        """Return a figure [SI], NaN where it is missing."""
-        if name not in self._results.performance:
+        """Return a figure [SI], NaN where it is missing; an axis of the same name in the file has its values."""
+        if name in self._results.performance:
+            return self._results.performance[name].ravel()[self._cases]
+        path = next((path for path in self._results.varied if variable_name(path) == name), None)
+        if path is None:
             return np.full(len(self._cases), np.nan)
-        return self._results.performance[name].ravel()[self._cases]
+        return self._results.along(path).ravel()[self._cases].astype(float)
 
     def errors(self, name: str) -> Array:
         """Return the estimated absolute error of a figure; from the wanted accuracy where nothing was estimated."""
+        if name not in self._results.error:  # an axis
+            return np.zeros(len(self._cases))
         return self._results.absolute_error(name, self._accuracy).ravel()[self._cases]
 
 

@@ -131,13 +131,16 @@ def checks(results: Results) -> Iterator[BalanceCheck]:
             kept = bool(np.all(values[there] <= bound[there]))
             largest, most = (small_number_text(float(each[there].max())) for each in (values, bound))
             yield BalanceCheck(BALANCE[name].long_name, largest, most, _verdict(kept))
-    worst = [(float(np.nanmax(errors)), name) for name, errors in _errors(results)]
-    if worst:
-        error, name = max(worst)
-        wanted = float(results.inputs["numerics_accuracy"]) if "numerics_accuracy" in results.inputs else np.nan
+    wanted = results.stated("numerics.accuracy")
+    bounds = np.where(wanted > 0.0, wanted, 1.0)
+    shares = [(float(np.nanmax(errors / bounds)), name, errors) for name, errors in _errors(results)]
+    if shares:
+        share, name, errors = max(shares, key=lambda each: each[0])
+        worst = np.nanargmax(errors / bounds)
         words = f"largest estimated error of a figure ({shown_name(name)})"
-        told = (small_number_text(wanted), _verdict(error <= wanted)) if np.isfinite(wanted) else ("", "")
-        yield BalanceCheck(words, small_number_text(error), *told)
+        bound = float(wanted.flat[worst])
+        told = (small_number_text(bound), _verdict(share <= 1.0)) if np.isfinite(bound) else ("", "")
+        yield BalanceCheck(words, small_number_text(float(errors.flat[worst])), *told)
 
 
 def _verdict(kept: bool) -> str:

@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.inputs.faults import Interrupted
 from screwsim.outputs import Figures
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_text, with_values
-from screwsim.study.calibration.descent import least_squares
+from screwsim.study.calibration.descent import LEAST_GAIN, least_squares
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, TOLERANCE_REMEDY, Fit, Measurement, Point
 from screwsim.study.calibration.identifiability import Certainty, active_bounds, certainty
-from screwsim.study.calibration.residuals import Array, Objective, Residuals, Simulate, missing_reason
+from screwsim.study.calibration.residuals import Array, Objective, Residuals, Simulate
 from screwsim.study.inputs import shown_value
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
@@ -25,6 +26,8 @@ from screwsim.study.workers import WORKER_DIED
 PROBABILITY = 0.6827  # of the joint region of the free parameters within which fits count as equally good
 MOST_STEPS = 40  # steps per round of a start
 MOST_ROUNDS = 3
+SAME_FIT = 10.0 * LEAST_GAIN  # of chi squared per residual, at least of 1: difference of ends that fit alike
+APART = 0.1  # of the bounds' distance: ends this far apart are not one minimum
 
 
 @dataclass(frozen=True)
@@ -95,7 +98,8 @@ class Calibration(Brief):
         scene, known = self.fit.scene, self.certainty
         rows = []
         for i, (path, value) in enumerate(self.values.items()):
-            error = None if known is None else known.errors[i]
+            plain = None if known is None else known.errors[i]
+            error = None if plain is None else plain * self.scale
             told = "not known" if error is None else f"{100.0 * error / abs(value):.2g} %" if value else f"{error:.2g}"
             border = known.border[i] if known is not None else ""
             prior = self.fit.parameters[i].prior
@@ -134,9 +138,10 @@ def cost_in_words(fit: Fit) -> str:
 def calibrate(
     fit: Fit, *, jobs: int | None = None, simulate: Simulate | None = None, progress: Progress | None = None
 ) -> Calibration:
-    """Return the best fit of all starts; when interrupted, the best so far. The number of workers does not matter.
+    """Return the best fit of all starts. The number of workers does not matter.
 
-    The scene's tolerance is the prior of a parameter for which the fit states none.
+    The scene's tolerance is the prior of a parameter for which the fit states none. After Ctrl-C KeyboardInterrupt,
+    once a start has begun `Interrupted` with the best fit so far, whose status is interrupted.
     """
     fit = fit.with_priors()
     places = start_places(fit)
@@ -158,18 +163,17 @@ def calibrate(
                 progress=progress,
                 answers=answers,
             )
-        except KeyboardInterrupt:
+        except KeyboardInterrupt as pressed:
             answers |= _interrupted_starts(places, Path(folder), answers)
             if not answers:
                 raise
-            return _calibration_of_starts(
-                fit, [answers[number] for number in sorted(answers)], simulate, interrupted=True
-            )
+            begun = [answers[number] for number in sorted(answers)]
+            raise Interrupted(_calibration_of_starts(fit, begun, simulate, interrupted=True)) from pressed
     starts = [answers[number] for number in sorted(answers)]
     try:
         return _calibration_of_starts(fit, starts, simulate)
-    except KeyboardInterrupt:  # while the best end is being confirmed
-        return _calibration_of_starts(fit, starts, simulate, interrupted=True)
+    except KeyboardInterrupt as pressed:  # while the best end is being confirmed
+        raise Interrupted(_calibration_of_starts(fit, starts, simulate, interrupted=True)) from pressed
 
 
 def _interrupted_starts(places: Array, folder: Path, known: Mapping[int, Start]) -> dict[int, Start]:
@@ -238,7 +242,7 @@ def _calibration_of_starts(
 ) -> Calibration:
     """Return the answer from the results of the starts."""
     counts: dict[str, Any] = {name: sum(getattr(start, name) for start in starts) for name in ("solutions", "failed")}
-    best = min(starts, key=lambda start: start.cost)
+    best = best_start(starts, sum(len(point.measured) for point in fit.points if point.fitted))
     if not np.isfinite(best.cost):
         reason = f"no start has a solution: {best.message} (change starts or bounds)"
         nothing = (None, None, 0, 0.0, (), (), {})
@@ -272,6 +276,21 @@ def _calibration_of_starts(
     )
 
 
+def best_start(starts: Sequence[Start], count: int) -> Start:
+    """Return the start that fits `count` figures best; the first of those that fit alike if they lie apart.
+
+    A search ends within a few of its least gains of the least sum of squares, so that chance decides which of such ends
+    is the lowest. Along a combination that the data do not determine they lie far apart.
+    """
+    least = min(starts, key=lambda start: start.cost)
+    if not np.isfinite(least.cost):
+        return least
+    most = least.cost + SAME_FIT * max(1.0, least.cost / count)
+    alike = [start for start in starts if start.cost <= most]
+    spread = np.ptp([start.places for start in alike], axis=0)
+    return alike[0] if np.max(spread, initial=0.0) > APART else least
+
+
 def _margin(free: int, chi_squared: float, freedom: int) -> float:
     """Return the increase of chi² within which a fit counts as equally good."""
     from scipy.stats import chi2
@@ -303,7 +322,7 @@ def _compared(
         else:
             result = asked.solved(point, values)
             figures: Figures = result.performance
-            reason = missing_reason(point, result)
+            reason = result.why_not(point.measured)
             reasons |= {point.name: reason} if reason else {}
             warned |= {point.name: result.warnings} if result.warnings else {}
         compared += [ComparedMeasurement(point, name, each, figures.get(name)) for name, each in point.measured.items()]

@@ -9,7 +9,7 @@ import importlib.util
 import sys
 import time
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -17,7 +17,7 @@ from types import ModuleType
 from typing import Any
 
 import screwsim
-from screwsim.inputs.faults import UsageError
+from screwsim.inputs.faults import Interrupted, UsageError
 from screwsim.inputs.sheets import BadSheet, read_sheet
 from screwsim.inputs.suggestions import nearest
 from screwsim.inputs.textfiles import Unreadable, read_text
@@ -102,7 +102,8 @@ def run_sources(
 ) -> list[SourceOutcome]:
     """Return the results of the named sources (default: all), run `jobs` at a time (None: as many as cores).
 
-    Raises UsageError for an unknown name. After Ctrl-C, those that had not finished have the reason `INTERRUPTED`.
+    Raises UsageError for an unknown name. After Ctrl-C KeyboardInterrupt, once one is
+    compared `Interrupted` with all of them, those that had not finished with the reason `INTERRUPTED`.
     """
     known = names_of(folder)
     for name in names:
@@ -119,6 +120,10 @@ def run_sources(
         wanted, key=lambda name: LONGEST_SOURCES.index(name) if name in LONGEST_SOURCES else len(LONGEST_SOURCES)
     )
     finished: dict[int, SourceOutcome] = {}
+
+    def ordered(outcomes: Iterable[SourceOutcome]) -> list[SourceOutcome]:
+        return sorted(outcomes, key=lambda outcome: wanted.index(outcome.name))
+
     try:
         outcomes = parallel_map(
             partial(_run_source, tuple(folder / name for name in begun)),
@@ -129,13 +134,12 @@ def run_sources(
             progress=progress,
             answers=finished,
         )
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as pressed:
         if not finished:
             raise
-        outcomes = [
-            finished.get(number, SourceOutcome(name, None, INTERRUPTED, 0.0)) for number, name in enumerate(begun)
-        ]
-    return sorted(outcomes, key=lambda outcome: wanted.index(outcome.name))
+        left = {number: SourceOutcome(name, None, INTERRUPTED, 0.0) for number, name in enumerate(begun)}
+        raise Interrupted(ordered((left | finished).values())) from pressed
+    return ordered(outcomes)
 
 
 def _run_source(folders: tuple[Path, ...], number: int) -> SourceOutcome:
