@@ -210,8 +210,7 @@ def sketch() -> Callable[[Any, Path, str], list[str]]:
 @pytest.fixture
 def sketched(monkeypatch: pytest.MonkeyPatch, sketch: Callable[[Any, Path, str], list[str]]) -> None:
     """Sketch figures where a test asks which there are; how they are written is asked in tests/cli/test_rotors.py."""
-    for module in ("style", "accuracy"):
-        monkeypatch.setattr(f"screwsim.report.{module}.write", sketch)
+    monkeypatch.setattr("screwsim.report.style.write", sketch)
 
 
 @pytest.fixture

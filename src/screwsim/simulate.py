@@ -17,7 +17,7 @@ from screwsim.evaluate.evaluation import balance as balance_of
 from screwsim.evaluate.ledger.total import Ledger, ledger
 from screwsim.evaluate.traces import traces
 from screwsim.figures import Performance
-from screwsim.inputs.faults import ImpossibleValue, UsageError
+from screwsim.inputs.faults import ImpossibleValue, UsageError, in_one_line
 from screwsim.model import compiled, leases
 from screwsim.model.run import Machinery
 from screwsim.model.turn_scheduler import reach_station
@@ -104,9 +104,9 @@ def _result(scene: Scene, trace: Trace, series: Series | None) -> Result:
             raise
         if series is not None:
             series.course.forget()
-        text = " ".join(f"{type(error).__name__}: {error}".split())
         what = "ends the program" if isinstance(error, SystemExit) else "fails"
-        return Result(FAILED, f"{own[name]}: {what} ({text}); fix that module", effects=tuple(scene.effects))
+        message = f"{own[name]}: {what} ({in_one_line(error)}); fix that module"
+        return Result(FAILED, message, effects=tuple(scene.effects))
 
 
 _tried: dict[tuple[str, ...], list[Any]] = {}  # machines and effects already tried; their own modules

@@ -43,6 +43,7 @@ PULSATING = 2e-3  # the same; with short slices at the pressure of the line itse
 DISSOLVED = 5e-4  # the same; without an end of a slice where the rate has its corner 3e-3
 STOOD_IN = 5e-3  # of cycles at 1e-6; over half a percent of an angle, three degrees, 5e-2
 WARMED = 2e-3  # the same; with the states left out of what the shaft takes 5e-2
+SENT_BACK = 1e-2  # of it, by the regularisation of the default accuracy; with differences across a turning 5e-1
 ANEW = 5e-5  # of a slope: differences found again, whose cycles may take other steps
 OFF = 5e-4  # of the largest of a number's: by the slices at the default accuracy of 3e-4; median 1e-6
 
@@ -64,6 +65,18 @@ def test_derivatives_are_those_of_closed_cycles(file, way, paths):
         close = OFF * max(LEAST, *map(abs, slopes.values()))
         assert found.method[path] == "exact"
         assert {name: found.relative(name, path) for name in FIGURES} == pytest.approx(slopes, abs=close), path
+
+
+@pytest.mark.parametrize("accuracy", ["3e-4", "1e-5"])
+def test_a_saturation_temperature_changes_what_flows_back_as_two_runs_say(accuracy):
+    """It moves the line's pressure ten times as far as itself, by which no node may change side of a turning flow."""
+    evaporating, figure = "operation.evaporating_temperature", "returned_gas_flow"
+    scene = screwsim.load(CONFIGS / "ammonia" / "flooded.yaml", ["numerics.accuracy=1e-6"])
+    T = value_at(scene, evaporating)
+    low, high = (screwsim.simulate(with_values(scene, {evaporating: T + by})).performance[figure] for by in (-0.3, 0.3))
+    asked = with_values(scene, {"numerics.accuracy": float(accuracy)})
+    found = sensitivities(asked, [evaporating], [figure]).derivatives[figure][evaporating]
+    assert found == pytest.approx((high - low) / 0.6, rel=SENT_BACK)
 
 
 def test_a_stated_temperature_of_what_flows_back_moves_the_cycle_by_itself():

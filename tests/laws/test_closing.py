@@ -210,22 +210,23 @@ QUICKLY, SLOWLY = (40.0, 100.0), (40.0, 8.0)  # gap and change of the states of 
 
 
 @each_row(
-    ("before", "moved", "stalled", "chance"),
+    ("before", "moved", "stalled", "begun", "chance"),
     [
-        (QUICKLY, 4.0, 0, False),  # the next turn moves them by 0.16
-        (SLOWLY, 6.0, 0, True),  # by 4.5
-        (SLOWLY, 4.0, 0, False),  # by 2
-        ((0.9, 8.0), 6.0, 0, False),  # it was met before: noise
-        (QUICKLY, 0.9, 1, True),  # corrected turns were as near, and led away
+        (QUICKLY, 4.0, 0, True, False),  # the next turn moves them by 0.16
+        (SLOWLY, 6.0, 0, True, True),  # by 4.5
+        (SLOWLY, 4.0, 0, True, False),  # by 2
+        ((0.9, 8.0), 6.0, 0, True, False),  # it was met before: noise
+        (QUICKLY, 0.9, 1, True, True),  # corrected turns were as near, and led away
+        (QUICKLY, 0.9, 1, False, False),  # without corrections
     ],
 )
-def test_a_tolerance_is_met_by_chance_while_states_move_on_or_corrections_swing(before, moved, stalled, chance):
+def test_a_tolerance_is_met_by_chance_while_states_move_on_or_corrections_swing(before, moved, stalled, begun, chance):
     tolerance = 1e-4
     turns = object.__new__(relaxation._Turns)
     turns.criteria = SimpleNamespace(tolerance=tolerance)
     turns.number, turns.gap, turns.moved = 5, 0.8 * tolerance, moved * tolerance
     turns.before = before[0] * tolerance, before[1] * tolerance
-    turns.stalled, turns.least_gap = stalled, 1.2 * tolerance
+    turns.stalled, turns.least_gap, turns.corrections = stalled, 1.2 * tolerance, SimpleNamespace(begun=begun)
     assert turns.by_chance() is chance
 
 

@@ -154,7 +154,7 @@ def test_rotors_know_the_share_of_each():
     pressure = np.where(exact < 0.0, 2e5, 1e5)
     within = PitchQuadrature(np.arange(POINTS) / POINTS, np.full(POINTS, 1.0 / POINTS), pressure, slope, male)
     curves = np.arange(POINTS), pressure, slope, male, 1e5, 50.0, 2e5
-    pitch = Pitch(*curves, at=lambda _: (pressure, slope), steps=exact, within=lambda: within)
+    pitch = Pitch(*curves, at=lambda _: (pressure, slope), missed=np.zeros_like, steps=exact, within=lambda: within)
     shaft, female = gas_torque.on_rotors(gas_torque.Parameters(), pitch, 1.5)
     assert shaft + female / 1.5 == pytest.approx(50.0, rel=1e-12)
     assert shaft / 50.0 == pytest.approx(geometry.profile.rotors.sections.male_share, abs=0.02)

@@ -42,6 +42,14 @@ def torn(scene: Scene) -> Result:
     return figures_of(scene, gas_mass_flow=n / 3000.0)
 
 
+def edged(scene: Scene) -> Result:
+    """Return a flow that falls ever faster with the speed, to 1 kg/s at 2500 rpm, from where on it fails."""
+    n = scene.operation.speed / RPM
+    if n > 2500.0:
+        return Result("failed", message="pressure left the range (choose a smaller gap)")
+    return figures_of(scene, gas_mass_flow=2.0 - (n / 2500.0) ** 4)
+
+
 def choosing(scene: Scene) -> Result:
     """Return two aims against each other: x = oil ratio over 1 … 3, y = speed over 1000 … 5000 rpm, both 0 … 1.
 

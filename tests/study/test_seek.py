@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from each_row import each_row
 from result_fakes import SCENE
-from seek_fakes import RPM, leaping, saturating, torn, turning
+from seek_fakes import RPM, edged, leaping, saturating, torn, turning
 
 import screwsim
 from screwsim.inputs.faults import UsageError
@@ -104,6 +104,21 @@ def test_failing_solutions_on_the_way_are_gone_round(flow, status):
         assert found.values[SPEED] / RPM == pytest.approx(3000.0 * flow, rel=1e-5)
     else:
         assert "where solutions fail: failed: pressure left the range" in found.message
+
+
+@pytest.mark.parametrize("speed", [2450.0, 2490.0])
+def test_a_goal_just_before_values_that_fail_is_met(speed):
+    goal = 2.0 - (speed / 2500.0) ** 4
+    found = find(scene(), [RANGE], [f"gas_mass_flow={goal} kg/s"], simulate=edged)
+    assert found.status == "ok"
+    assert found.values[SPEED] / RPM == pytest.approx(speed, rel=1e-5)
+
+
+def test_a_goal_beyond_values_that_fail_is_said_at_their_edge():
+    found = find(scene(), [RANGE], ["gas_mass_flow=0.9 kg/s"], simulate=edged)
+    assert (found.status, found.borders) == ("none", {})
+    assert found.values[SPEED] / RPM == pytest.approx(2500.0, abs=5.0)  # a thousandth of the range
+    assert "rpm, next to values that fail; " in found.message
 
 
 def test_without_a_range_it_is_the_axis_or_what_machines_have():

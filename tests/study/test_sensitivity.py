@@ -89,6 +89,13 @@ def test_a_failed_point_spoils_the_study_with_the_remedy():
     assert found.message.endswith("(every point is needed: narrow the ranges)")
 
 
+def test_where_no_point_has_a_solution_its_own_remedy_is_said_not_that_narrower_ranges_help():
+    """An orifice's number may be its default in the middle of its range, and has no meaning beside a pump elsewhere."""
+    found = study(gappy, ("oil_supply.orifice_count=0.9..1.1",), BOTH[:1], samples=16)
+    assert found.message.startswith("48 of 48 solutions: failed: oil_supply.orifice_count: applies only to kind: ")
+    assert found.message.endswith("(remove it, or change the kind)")
+
+
 def test_a_figure_that_is_missing_somewhere_is_a_failed_point():
     found = study(gappy, ("oil_supply.ratio=0.2..2",), BOTH[:1], samples=16)
     assert "no isothermal_efficiency: no gas is delivered (every point is needed: narrow the ranges" in found.message

@@ -23,7 +23,7 @@ from screwsim.cli.export import app as export_app
 from screwsim.cli.machine import datasheet, startup
 from screwsim.cli.new import new
 from screwsim.cli.options import BAD_SCENE, INTERNAL, INTERRUPTED, OK, USAGE, print_error
-from screwsim.inputs.faults import SceneError, UsageError
+from screwsim.inputs.faults import SceneError, UsageError, in_one_line
 from screwsim.inputs.suggestions import nearest
 from screwsim.screen import say
 from screwsim.version import version
@@ -152,9 +152,8 @@ def _command_arguments(arguments: Sequence[str]) -> tuple[Sequence[str], Any]:
 def _internal_error(error: Exception) -> int:
     if os.environ.get("SCREWSIM_DEBUG") == "1":
         traceback.print_exc()
-    text = " ".join(f"{type(error).__name__}: {error}".split())
     remedy = "this is a bug in screwsim; please report it with the scene (SCREWSIM_DEBUG=1 prints the traceback)"
-    return print_error(f"internal error: {text}\n{remedy}", INTERNAL)
+    return print_error(f"internal error: {in_one_line(error)}\n{remedy}", INTERNAL)
 
 
 def main() -> None:

@@ -1,18 +1,13 @@
 """The search commands: values for given figures, and best values of paths."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, option, switch
 from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
-
-if TYPE_CHECKING:
-    from screwsim.study.optimize import Optimum
 
 
 def find(
@@ -108,6 +103,7 @@ def optimize(
     from screwsim.study.optimize import question, run_question, spans_of
     from screwsim.study.optimize.points import as_csv, read_points
     from screwsim.study.scene_files import check_scene_file, write_found
+    from screwsim.study.seek import rounded
 
     if print_points:
         if over is None:
@@ -130,14 +126,7 @@ def optimize(
     written = [] if output is None else [str(output)]
     if best is not None and found.scene is not None:
         told = f"optimize {Path(scene_file).name} --vary {', '.join(span.path for span in asked.spans)}"
-        values = rounded_values(found)
+        values = rounded(found.asked.scene, found.values)
         written.append(write_found(best, found.scene, values, scene_file, overrides or (), without or (), told))
     options.print_files(written, as_json)
     return OK if found.status == "ok" else NOT_ALL_OK
-
-
-def rounded_values(found: Optimum) -> dict[str, float]:
-    """Return the best values [SI], rounded as written."""
-    from screwsim.study.seek import rounded
-
-    return rounded(found.asked.scene, found.values)

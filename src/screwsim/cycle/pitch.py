@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.cycle.between_ends import missed_pressure
 from screwsim.machine.protocol import MachineGeometry
 from screwsim.model.trajectory import Trajectory
 
@@ -72,6 +73,7 @@ class Pitch(NamedTuple):
     torque_mean: float
     high_pressure: float
     at: Callable[[Array], tuple[Array, Array]]
+    missed: Callable[[Array], Array]
     steps: Array
     within: Callable[..., PitchQuadrature]
 
@@ -79,7 +81,8 @@ class Pitch(NamedTuple):
         """Return the lowest and highest value over a pitch of curves of all chambers' pressures and slopes.
 
         Extremes may be corners or lie between the points: each curve is also evaluated on both sides of the
-        ends of steps, and once more around its lowest and its highest value.
+        ends of steps, and once more around its lowest and its highest value. There what the dense output misses of the
+        pressures is added (`cycle.between_ends`).
         """
         apart = self.angle[1]
         width, found = apart * len(self.angle), []
@@ -88,9 +91,13 @@ class Pitch(NamedTuple):
         for curve in curves:
             values = np.append(curve(self.pressure, self.slope), curve(*at_ends))
             best = angles[[values.argmin(), values.argmax()]]
-            around = np.mod(best[:, None] + np.linspace(-apart, apart, EXTREME_POINTS), width).ravel()
-            values = np.append(values, curve(*self.at(np.sort(around))))
-            found.append((float(values.min()), float(values.max())))
+            around = np.sort(np.mod(best[:, None] + np.linspace(-apart, apart, EXTREME_POINTS), width).ravel())
+            values, where = np.append(values, curve(*self.at(around))), np.append(angles, around)
+            best = where[[values.argmin(), values.argmax()]]
+            order = np.argsort(best)
+            pressure, slope = self.at(best[order])
+            low, high = curve(pressure + self.missed(best[order]), slope)[order]
+            found.append((float(low), float(high)))
         return found
 
 
@@ -104,8 +111,9 @@ def pitch_of(
     pressure = np.ascontiguousarray(found[:, -1].reshape(geometry.chambers, POINTS).T)
     slope, male = _slopes(geometry)
     at, steps = partial(_at, life, geometry.pitch, geometry.chambers), life.times[: life.steps].copy()
+    missed = partial(_missed, life, geometry.pitch, geometry.chambers)
     within = lru_cache(maxsize=2)(partial(_quadrature_of, geometry, at, steps))
-    return Pitch(angle, pressure, slope, male, low_pressure, torque_mean, high_pressure, at, steps, within)
+    return Pitch(angle, pressure, slope, male, low_pressure, torque_mean, high_pressure, at, missed, steps, within)
 
 
 def _quadrature_of(
@@ -127,6 +135,12 @@ def _at(life: Trajectory, pitch: float, chambers: int, angle: Array) -> tuple[Ar
     ahead, behind = (life.volumes(grid + aside) for aside in (SIDE_STEP, -SIDE_STEP))
     shape = chambers, len(angle)
     return pressure.reshape(shape).T, ((ahead - behind) / (2.0 * SIDE_STEP)).reshape(shape).T
+
+
+def _missed(life: Trajectory, pitch: float, chambers: int, angle: Array) -> Array:
+    """Return what the dense output misses of the pressures of all chambers at angles of the youngest."""
+    grid = (angle + pitch * np.arange(chambers)[:, None]).ravel()
+    return missed_pressure(life, grid).reshape(chambers, len(angle)).T
 
 
 @lru_cache(maxsize=16)

@@ -48,8 +48,8 @@ QUICK = 0.2  # ratio of a turn's change to that of the turn before, below which 
 ASSUMED_MISS = 0.1  # share of a turn's change that corrections are assumed to miss before a second one shows it
 PREDICTED_WITHIN = 1.5  # tolerances: change to come, as a correction predicts it, with which the cycle may close
 HEAVIER = 2.0  # weight of the unknowns' change to come: with much oil the energy balance depends on its temperature
-STALL = 2  # corrected turns near the end without progress, after which steps are refined
-PROGRESS = 0.5  # ratio to the smallest gap before, below which a gap is progress
+STALL = 2  # turns near the end without progress, after which steps are refined
+PROGRESS = 0.5  # ratio to the smallest gap before, below which a gap is progress (NOISE_RATIO without corrections)
 REFINEMENT = 0.4  # factor on the tolerance of the steps then
 FALLING = 0.5  # ratio of a residual to that of the turn before, below which turns, not finer steps, close the balance
 CHANCE_MOVE = 3.0  # tolerances that the next turn would move the states by, above which a small gap may be chance
@@ -182,7 +182,7 @@ class _Turns:
 
     def _swings(self) -> bool:
         """Return whether corrected turns go back and forth, so that a small gap says little."""
-        return self.stalled > 0 and self.gap > PROGRESS * self.least_gap
+        return self.corrections.begun and self.stalled > 0 and self.gap > PROGRESS * self.least_gap
 
     def closes(self, corrected: bool) -> bool:
         """Return whether too little is still to come to need a confirming turn, and the balances are closed well."""
@@ -269,8 +269,8 @@ class _Turns:
         """Refine the steps where their error is all that is left.
 
         That is so where the gap is within the tolerance but the balances are open and, by the correction's
-        prediction, stay open; and where corrected turns near the end make no progress, as they then correct the
-        noise of the steps.
+        prediction, stay open; and where turns near the end make no progress: corrected ones then correct the noise
+        of the steps, others wander in it until they meet their tolerance by chance.
         """
         if self.rtol > self.finest:  # the next turn is finer anyway
             return
@@ -280,8 +280,9 @@ class _Turns:
             if stays > CLOSED_SHARE * self.criteria.bound:
                 self.finest = refined_rtol(self.finest, stays / self.criteria.bound)
                 return
-        if self.corrections.begun and self.near:
-            progress = self.gap < PROGRESS * self.least_gap
+        if self.near:
+            wanted = PROGRESS if self.corrections.begun else NOISE_RATIO
+            progress = self.gap < wanted * self.least_gap
             self.least_gap, self.stalled = (self.gap, 0) if progress else (self.least_gap, self.stalled + 1)
             if self.stalled > STALL:
                 self.finest, self.least_gap, self.stalled = REFINEMENT * self.finest, np.inf, 0

@@ -64,9 +64,10 @@ class WaveformRelaxation(Way):
         return relax(task, start, last)
 
     def again(self, task: ClosingTask, cycle: CycleSolution, led: CorrectedState | None) -> CycleSolution:
-        """Relax from the cycle, or from where its finer lives have moved it."""
+        """Relax from the cycle, or from where its finer lives have moved it, with steps no coarser than before."""
         y, seen = led or (cycle.y, cycle.seen)
-        expected = Expectation(seen, 0.0, 1.0, cycle.contraction, cycle.missed)
+        share = min(1.0, self.share(cycle, task.criteria))
+        expected = Expectation(seen, 0.0, share, cycle.contraction, cycle.missed)
         return close_by_ways(task, Start(y, expected, cycle.tangents))
 
     def finer(self, task: ClosingTask, cycle: CycleSolution, most: int) -> CycleSolution | None:

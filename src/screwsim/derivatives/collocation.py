@@ -36,7 +36,7 @@ FIRST_ROUND_FACTOR = 100.0  # ... and in the first round, whose slices are much 
 SHIFT = 1e-6  # of coordinates, for differences of the image
 KEEP_SLOPES_BELOW = 0.2  # ratio of residuals up to which the derivatives of the iteration before are kept
 VANISHED_WITHIN = 20.0  # layers around a crossing, within which it may be one of the round before
-PLACED = 0.5 * slices.SHARE_BEFORE  # layers between a crossing and its slice's end, within which it counts as placed
+PLACED = 0.5  # of `Crossing.share`: layers between a crossing and its slice's end, within which it counts as placed
 IDENTITY_WITHIN = 1e-6  # departure of an image's derivatives from identity, up to which the scene states the unknown
 
 
@@ -171,11 +171,11 @@ def _with_vanished(turns: list[slices.Crossing], before: list[slices.Crossing]) 
 
 
 def _slices_still_fit(turns: list[slices.Crossing], before: list[slices.Crossing], bound: float) -> bool:
-    """Return whether all crossings are within so many layers of where slices were ended for them."""
+    """Return whether all crossings are where slices were ended for them, within so many of their `share` of a layer."""
     if len(before) != len(turns):
         return False
     pairs = zip(turns, before, strict=True)
-    return all(abs(one.angle - other.angle) < bound * one.layer for one, other in pairs)
+    return all(abs(one.angle - other.angle) < bound * one.share * one.layer for one, other in pairs)
 
 
 def errors_of(pitch: CollocatedPitch, start: Array, Y: Array) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 
 from screwsim.derivatives.phases import border_crossings
 from screwsim.derivatives.pitch import CollocatedPitch
-from screwsim.derivatives.slices import CORNER_LAYER, SHARES, Crossing
+from screwsim.derivatives.slices import CORNER_LAYER, SHARES, Crossing, share_before
 from screwsim.effects.base import FlowPath
 from screwsim.model.slots import FIRST_OWN, P_GAP_WIDTH, P_PITCH, P_PORT_WIDTH, PORT_STATE, PRESSURE
 from screwsim.model.trajectory import Trajectory
@@ -151,8 +151,9 @@ def _located(life: Trajectory, turns: list[FlowReversal]) -> list[Crossing]:
     at, step = np.where(real, at, 0.5 * (low + high)), np.where(real, step, 0.5 * (high - low))
     slopes = (drop(at + step) - drop(at - step)) / (2.0 * step)
     layers = widths / np.maximum(np.abs(slopes), 1e-300)
+    share = share_before(float(life.composition.P[P_GAP_WIDTH]))
     return [
-        Crossing(angle, layer)
+        Crossing(angle, layer, share=share)
         for turn, is_real, angle, layer in zip(turns, real.tolist(), at.tolist(), layers.tolist(), strict=True)
         if turn.beyond.start is None or (is_real and layer < STEEP * turn.wide)
     ]

@@ -70,9 +70,7 @@ class Directions:
             problem, by = shifted(-step), -step
         if problem.composition.text != self.cycle.pitch.machinery.composition.text:
             raise Structural("decides the structure of the model")
-        problem.__dict__["called"] = (
-            self.cycle.pitch.problem.called
-        )  # the structure is the same, so are the figures called for
+        problem.__dict__["called"] = self.cycle.pitch.problem.called  # the same structure, so the same figures
         own, own_given = self.own  # compute first: the spare machinery is overwritten below
         side, given = self.numbers(problem, self.cycle.unknowns_in)
         if side.TAB.shape != self.cycle.at.TAB.shape:

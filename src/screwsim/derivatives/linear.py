@@ -75,6 +75,18 @@ class Response(NamedTuple):
         return Response(made(self.start), made(self.cells), made(self.sums), made(self.weights), self.followed)
 
 
+def step_along(change: ArgumentChange, at: RateNumbers, step: float) -> float:
+    """Return the relative step of differences along a change, at which the pressures of lines move by `step` at most.
+
+    A saturation temperature moves its pressure ten times as far as itself, which took nodes beyond a turning.
+    """
+    if not change.both:
+        return step
+    lines = slice(PRESSURE, R_RATIO, PORT_STATE)
+    moved = change.numbers.R[lines] / np.where(at.R[lines] > 0.0, at.R[lines], np.inf)
+    return step / max(1.0, float(np.abs(moved).max()))
+
+
 def step_of(pitch: CollocatedPitch) -> float:
     """Return the relative step of differences: small against the regularisation, far above rounding."""
     width = float(pitch.machinery.composition.P[P_GAP_WIDTH])
@@ -115,10 +127,10 @@ def along(
     some = [i for i, each in enumerate(changes) if not each.nothing]
     if not some:
         return sums
-    step, asked, of_asked = step_of(pitch), [RateRequest(at, None)], []
+    of_pressures, asked, of_asked = step_of(pitch), [RateRequest(at, None)], []
     for i in some:
         numbers, edges, side = changes[i]
-        both = changes[i].both
+        both, step = changes[i].both, step_along(changes[i], at, of_pressures)
         signs = (side,) if isinstance(side, float) and not both else (1.0, -1.0)
         of_asked += [(i, sign / step * (0.5 if both else np.equal(side, sign)), not both) for sign in signs]
         for sign in signs:

@@ -46,6 +46,7 @@ FIRST_RING = 0.3  # first slices on both sides of a turning flow, in widths of i
 AROUND_PEAK = 2e-4  # rad: half the width of the slice around the highest pressure
 RING_GROWTH = 2.5  # ... and ratio of each slice to the one before
 SHARE_BEFORE = 1e-4  # widths of a layer by which a slice ends before the flow turns, to keep its last node on that side
+DROP_BEFORE = 1e-9  # of the pressure: least difference at that node, ten times the shortest step of differences
 CORNER_LAYER = 1e-2  # rad: layer assumed for a corner or jump of a rate; the slice before it ends 1e-6 rad from it
 
 
@@ -53,12 +54,13 @@ class Crossing(NamedTuple):
     """Where a flow turns round or a rate jumps [rad of the pitch], and the width of its layer [rad].
 
     Where the response of the states jumps, the slice behind is as short as `jump` [rad], as polynomials cannot
-    follow.
+    follow. A slice ends `share` of the layer before it.
     """
 
     angle: float
     layer: float
     jump: float = 0.0
+    share: float = SHARE_BEFORE
 
 
 class Slices(NamedTuple):
@@ -123,6 +125,11 @@ def refined(edges: Array, errors: Array, tolerance: float) -> Array:
     return np.append(found, edges[-1])
 
 
+def share_before(width: float) -> float:
+    """Return the widths of a layer by which slices end before flows turn, from that width over the pressure."""
+    return max(SHARE_BEFORE, DROP_BEFORE / width)
+
+
 def _end_behind(ends: Array, at: float) -> int:
     """Return the index of the first end at or behind an angle [rad], not that of the first one."""
     return min(max(int(ends.searchsorted(at)), 1), len(ends) - 1)
@@ -140,8 +147,8 @@ def with_rings(
     if math.isfinite(peak):
         around = np.array([peak - AROUND_PEAK, peak + AROUND_PEAK])
         added.append(around[(around > edges[0] + LEAST) & (around < edges[-1] - LEAST)])
-    for angle, layer, jump in crossings:
-        at, first, wider = angle - SHARE_BEFORE * layer, growth[0] * FIRST_RING * layer, growth[1] * RING_GROWTH
+    for angle, layer, jump, share in crossings:
+        at, first, wider = angle - share * layer, growth[0] * FIRST_RING * layer, growth[1] * RING_GROWTH
         after = _end_behind(edges, at)
         room = float(edges[after] - edges[after - 1])
         count = max(0, int(np.ceil(np.log(max(0.5 * room / first, 1e-300)) / np.log(wider))))

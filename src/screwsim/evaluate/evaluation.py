@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals, streams_of
 from screwsim.cycle.cycle_figures import CycleFigures, LazyPitch, cycle_figures, oil_lift, power_losses, shaft_power
 from screwsim.cycle.feedback import image, turn_of
+from screwsim.cycle.held_work import missed_work
 from screwsim.cycle.pitch import Pitch
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
@@ -12,7 +13,7 @@ from screwsim.effects.base import Reading, Turn
 from screwsim.evaluate.figures import Read, figures_of
 from screwsim.evaluate.separator import Circuit, Package, circuit_of, package_residual
 from screwsim.figures import Performance
-from screwsim.model.slots import Q_HEAT, R_INJECTED, R_TRAPPED
+from screwsim.model.slots import Q_HEAT, Q_WORK, R_INJECTED, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.model.turn_scheduler import reach_station
 from screwsim.numerics.frozen import fast_init
@@ -113,7 +114,21 @@ class Evaluation:
 
 def evaluate(problem: Problem, cycle: CycleSolution) -> Evaluation:
     """Return the evaluation of a cycle."""
-    return Evaluation(problem, cycle.trajectory, cycle.q, cycle.open, cycle.unknowns_out)
+    return evaluate_life(problem, cycle.trajectory, cycle.q, cycle.open, cycle.unknowns_out)
+
+
+def evaluate_life(
+    problem: Problem, life: Trajectory, q: Array, left: Residuals | None = None, unknowns_out: Array | None = None
+) -> Evaluation:
+    """Return the evaluation of a life; the work of a cylinder with what its long steps misread (`cycle.held_work`).
+
+    Several chambers have more breakpoints, and shorter steps.
+    """
+    missed = missed_work(problem, life) if problem.composition.chambers == 1 else 0.0
+    if missed:
+        q = q.copy()
+        q[Q_WORK] += missed
+    return Evaluation(problem, life, q, left, unknowns_out)
 
 
 def balance(of: Evaluation) -> Figures:

@@ -30,7 +30,7 @@ from screwsim.explore.changes import (
     yaml_text,
 )
 from screwsim.explore.machine import document as drawn_machine
-from screwsim.inputs.faults import SceneError, UsageError
+from screwsim.inputs.faults import SceneError, UsageError, in_one_line
 from screwsim.numerics.folder import adopt_worker_state
 from screwsim.scene.types import Scene
 from screwsim.scene.units import Refused
@@ -115,8 +115,8 @@ def answer_job(named: tuple[str, tuple[str, ...]], job: Job) -> bytes:
     except MemoryError:
         return answer.refused_answer("the solution needs too much memory (change the settings)", job.tag)
     except Exception as error:  # noqa: BLE001 - the page reports it and continues
-        text = " ".join(f"{type(error).__name__}: {error}".split())
-        return answer.refused_answer(f"internal error: {text}; please report it with these settings", job.tag)
+        what = f"internal error: {in_one_line(error)}; please report it with these settings"
+        return answer.refused_answer(what, job.tag)
 
 
 def _point(base: SceneArguments, overrides: list[str], scene: Scene, job: Job) -> bytes:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Container
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -67,19 +68,9 @@ def normalised(one: Any, at: tuple[float, float]) -> dict[str, tuple[tuple[float
 
     The errors are relative, with respect to the cubics.
     """
-    ratio = quadratic(_PowerOverCapacity(one), "power_over_capacity", at)  # type: ignore[arg-type]
-    return {"CAPFT": quadratic(one, CAPACITY, at), "EIRFT": ratio}
-
-
-class _PowerOverCapacity:
-    """The power over capacity of a map, with the interface of a figure."""
-
-    def __init__(self, one: Any) -> None:
-        self._one, self.envelope, self.inside = one, one.envelope, one.inside
-
-    def evaluate(self, figure: str, S: Any, D: Any) -> Any:
-        assert figure == "power_over_capacity"
-        return self._one.evaluate(power_of(self._one.fits), S, D) / self._one.evaluate(CAPACITY, S, D)
+    capacity, power = partial(one.evaluate, CAPACITY), partial(one.evaluate, power_of(one.fits))
+    ratio = quadratic(one, lambda S, D: power(S, D) / capacity(S, D), at)
+    return {"CAPFT": quadratic(one, capacity, at), "EIRFT": ratio}
 
 
 def epjson(objects: Objects) -> dict[str, Any]:

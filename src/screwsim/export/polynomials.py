@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.export.inputs import Input, evenly_spaced_nodes, read_inputs, title_on_one_line
-from screwsim.export.source import is_results
+from screwsim.export.source import is_results, refuse_changes
 from screwsim.export.table import temporary_results
 from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import UsageError
@@ -71,9 +71,7 @@ def swept_results(
 ) -> Iterator[Results]:
     """Give the results of a file, or those of a scene after its own sweep or one over ranges (`--over`)."""
     if is_results(source):
-        stray = [name for name, value in (("--over", over), ("--set", overrides), ("--without", without)) if value]
-        if stray:
-            raise UsageError(f"{source}: holds results, which {stray[0]} cannot change (name their scene instead)")
+        refuse_changes(source, {"--over": over, "--set": overrides, "--without": without})
         yield open_results(source)
         return
     scene = load(source, overrides or (), without or ())
@@ -137,7 +135,9 @@ def rated_temperatures(one: PerformanceMap) -> tuple[float, float]:
     return float(round(S, 1)), float(round(D, 1))
 
 
-def quadratic(one: PerformanceMap, figure: str, at: tuple[float, float]) -> tuple[tuple[float, ...], float]:
+def quadratic(
+    one: PerformanceMap, figure: Callable[[Any, Any], Any], at: tuple[float, float]
+) -> tuple[tuple[float, ...], float]:
     """Return c0 + c1 S + c2 S² + c3 D + c4 D² + c5 S D of a figure over its value at a point, and the largest error.
 
     It is fitted to the cubic at 11 × 11 points of the envelope's box that lie inside; the error is relative to the
@@ -147,7 +147,7 @@ def quadratic(one: PerformanceMap, figure: str, at: tuple[float, float]) -> tupl
     S, D = (x.ravel() for x in np.meshgrid(np.linspace(s0, s1, 11), np.linspace(d0, d1, 11)))
     inside = one.inside(S, D)
     S, D = S[inside], D[inside]
-    wanted = np.asarray(one.evaluate(figure, S, D)) / float(one.evaluate(figure, *at))
+    wanted = np.asarray(figure(S, D)) / float(figure(*at))
     matrix = np.column_stack([np.ones_like(S), S, S**2, D, D**2, S * D])
     found, *_ = np.linalg.lstsq(matrix, wanted, rcond=None)
     return tuple(map(float, found)), float(np.max(np.abs(matrix @ found / wanted - 1.0)))

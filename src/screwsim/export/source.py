@@ -1,8 +1,9 @@
 """A map, or a run with its cycle, from a command's argument: a scene to simulate, or a file with the results."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -33,6 +34,13 @@ def is_results(source: str) -> bool:
         return False
 
 
+def refuse_changes(source: str, given: Mapping[str, Any]) -> None:
+    """Raise UsageError where an option is given that cannot change stored results."""
+    stray = next((name for name, value in given.items() if value), None)
+    if stray is not None:
+        raise UsageError(f"{source}: holds results, which {stray} cannot change (name their scene instead)")
+
+
 def map_of(
     source: str,
     over: Sequence[str] | None = None,
@@ -51,9 +59,7 @@ def map_of(
     """
     if is_results(source):
         given = {"--over": over, "--error": wanted, "--most-cases": most, "--set": overrides, "--without": without}
-        stray = [name for name, value in given.items() if value]
-        if stray:
-            raise UsageError(f"{source}: holds results, which {stray[0]} cannot change (name their scene instead)")
+        refuse_changes(source, given)
         results = open_results(source)
         names = [figure_named(text, results.figures, results.error) for text in figures or ()]
         absent = [name for name in names if name not in results.figures]

@@ -24,7 +24,7 @@ class Fault:
 class SceneError(Exception):
     """Report the faults of a scene; `lines` are all of them, ready to print (`FILE:LINE:COLUMN: PATH: what`).
 
-    As text it has the first MOST_TOLD of them, and how many more there are.
+    As text it has the first MOST_LINES of them, and how many more there are.
     """
 
     def __init__(self, lines: list[str]) -> None:
@@ -32,6 +32,11 @@ class SceneError(Exception):
         told = [*lines[:MOST_LINES], f"… and {more} more fault{'s' * (more > 1)} (fix these first)"]
         super().__init__("\n".join(told if more > 0 else lines))
         self.lines = lines
+
+
+def in_one_line(error: BaseException) -> str:
+    """Return the class and the text of an error."""
+    return " ".join(f"{type(error).__name__}: {error}".split())
 
 
 class UsageError(Exception):
@@ -61,7 +66,7 @@ class QuantityNotFound(ImpossibleValue):
 
 
 def checked_own_number(effect: str, what: str, value: Any, least: float = -math.inf) -> None:
-    """Raise Impossible where a user's effect gives no finite number, or one below `least`."""
+    """Raise ImpossibleValue where a user's effect gives no finite number, or one below `least`."""
     if "." not in effect:
         return
     size = float(value) if isinstance(value, Real) and not isinstance(value, bool) else None

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from screwsim.inputs.faults import Fault
+from screwsim.inputs.faults import Fault, in_one_line
 from screwsim.machine import twin_screw as _twin_screw
 from screwsim.machine.profile_law import Interface
 from screwsim.machine.protocol import (
@@ -71,8 +71,7 @@ def _check_own(machine: MachineSettings) -> list[Fault]:
         found = list(kind.check(machine))
         wrong = "" if found else _impossible(kind.geometry(machine), kind.offers)
     except Exception as error:  # noqa: BLE001 - a module of the user's may raise anything
-        text = " ".join(f"{type(error).__name__}: {error}".split())
-        return [Fault("machine.kind", f"{machine.kind} fails ({text}); fix that module")]
+        return [Fault("machine.kind", f"{machine.kind} fails ({in_one_line(error)}); fix that module")]
     return [Fault("machine.kind", f"{machine.kind}: {wrong}; fix that module")] if wrong else found
 
 

@@ -76,6 +76,10 @@ class Result:
         none = (name for name in names if self.performance.get(name) is None)
         return [f"no {name}: {self.notes.get(name, 'it is not simulated')}" for name in none]
 
+    def why_not(self, names: Iterable[str]) -> str:
+        """Return how the run ended unless ok, else why it lacks some of these figures; '' where it has them all."""
+        return self.told if self.status != "ok" else "; ".join(self.lacks(names))
+
     def __repr__(self) -> str:
         return f"Result: {self.told if self.message else self.status}\n{table_text(shown(self.performance))}".rstrip()
 

@@ -1,9 +1,10 @@
 """Work-precision figure: error of the performance figures over time and over evaluations, on logarithmic axes."""
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, journal, subplots, write
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, subplots, write_all
 
 HEIGHT = 92.0  # [mm]
 MARKERS = "os^Dv<>P"
@@ -13,8 +14,7 @@ LINES = (*DASHES, (0, (1, 0.8)), (0, (7, 2.5)))
 
 def draw(study: Any, folder: Path) -> list[str]:
     """Write the figure of a study (`study.accuracy.Study`) as PNG and PDF; return the paths."""
-    with journal():
-        return write(_figure(study), folder, "accuracy")
+    return write_all({"accuracy": partial(_figure, study)}, folder)
 
 
 def _figure(study: Any) -> Any:

@@ -224,12 +224,10 @@ def optimum(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:
     best = int(np.argmax(y))
     if not 0 < best < len(x) - 1:
         return None
-    near = slice(best - 1, best + 2)
-    log = bool(np.all(x[near] > 0.0))
-    u = np.log(x[near]) if log else x[near]
+    u, v, log = _near_top(x, y)
     if np.any(np.diff(u) <= 0.0):
         return None
-    u0, v = float(u[1]), y[near]
+    u0 = float(u[1])
     left, right = (v[1] - v[0]) / (u[1] - u[0]), (v[2] - v[1]) / (u[2] - u[1])
     curvature = (right - left) / (u[2] - u[0])
     if curvature >= 0.0:  # a plateau
@@ -247,13 +245,16 @@ def optimum_arc(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray] |
     """
     if optimum(x, y) is None:
         return None
-    best = int(np.argmax(y))
-    near = slice(best - 1, best + 2)
-    log = bool(np.all(x[near] > 0.0))
-    u = np.log(x[near]) if log else x[near]
+    u, v, log = _near_top(x, y)
     places = np.linspace(u[0], u[2], _ARC)
-    heights = np.polynomial.Polynomial.fit(u, y[near], 2)(places)
-    return (np.exp(places) if log else places), heights
+    return (np.exp(places) if log else places), np.polynomial.Polynomial.fit(u, v, 2)(places)
+
+
+def _near_top(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
+    """Return ln x (x where it is not positive) and y at the highest point and its neighbours; whether it is ln x."""
+    near = slice(int(np.argmax(y)) - 1, int(np.argmax(y)) + 2)
+    log = bool(np.all(x[near] > 0.0))
+    return np.log(x[near]) if log else x[near], y[near], log
 
 
 def is_log(x: np.ndarray) -> bool:

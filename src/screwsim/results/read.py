@@ -108,10 +108,10 @@ class Results(Brief):
         scale = unpacked(self.error.scales.get(name, "")) or getattr(here, "scale", ITSELF)
         return Figure(name, units, long_name, scale, shown=here.shown if here and here.units == units else "")
 
-    def absolute_error(self, name: str, unknown: float = np.nan) -> np.ndarray:
+    def absolute_error(self, name: str, unknown: float | np.ndarray = np.nan) -> np.ndarray:
         """Return the estimated numerical error of a figure in each case, in its own unit [SI].
 
-        Where none was estimated, the relative error `unknown` is used.
+        Where none was estimated, the relative error `unknown` is used, one of all cases or of each.
         """
         scale = self.figure(name).scale
         asked = (each for each in figures_for_scale(name, scale) if each in self.performance)

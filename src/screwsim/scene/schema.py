@@ -18,9 +18,8 @@ from screwsim.scene.units import NUMBER
 from screwsim.scene.values import limits_text, text_of
 
 _COVERAGE = rf"(\(\s*k\s*=\s*{NUMBER}\s*\)\s*)?"  # (k=1)
-VALUE_WITH_TOLERANCE = (  # 0.7 ± 0.05
-    rf"^\s*{NUMBER}\s*(±|\+/?-|[×x]/÷|\*/|x/)\s*[0-9.]+(e-?[0-9]+)?\s*%?\s*{_COVERAGE}$"
-)
+# 0.7 ± 0.05
+VALUE_WITH_TOLERANCE = rf"^\s*{NUMBER}\s*(±|\+/?-|[×x]/÷|\*/|x/)\s*[0-9.]+(e-?[0-9]+)?\s*%?\s*{_COVERAGE}$"
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 OWN_NAME = r"^[^.]+(\.[^.]+)+$"  # my_package.my_effect, my_package.my_machine
 OWN_PARAMETER = r"^effects\.[^.]+(\.[^.]+){2,}$"

@@ -95,11 +95,7 @@ def _count(leaf: Leaf, raw: Any, folder: str) -> int:
     return _limited(leaf, raw, raw)
 
 
-_CALLED = {  # other names of an option
-    "perfect": "ideal",
-    "ideal_gas": "ideal",
-    "real_gas": "real",
-}
+_CALLED = {"perfect": "ideal", "ideal_gas": "ideal", "real_gas": "real"}  # other names of an option
 _CALLED |= {word: name for name, kind in MACHINES.items() for word in kind.called}
 
 

@@ -20,13 +20,13 @@ from screwsim.cycle.search import FALLBACK_NAME
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.cycle.solution import CorrectedState, CycleSolution
 from screwsim.cycle.ways import way_of
-from screwsim.evaluate.evaluation import Evaluation, evaluate
+from screwsim.evaluate.evaluation import Evaluation, evaluate, evaluate_life
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.model import slots
 from screwsim.model.slices import INSIDE
 from screwsim.model.turn_scheduler import reach_station
 from screwsim.outputs import Figures
-from screwsim.solve.estimate_protocol import BARELY_DELIVERS, FINER, NO_SOLUTIONS, EstimateRequest, FinerSolutions
+from screwsim.solve.estimate_protocol import FINER, NO_SOLUTIONS, EstimateRequest, FinerSolutions
 from screwsim.solve.swings import Curves, curves_of
 
 TWO_LIVES_BELOW = 1e-4  # wanted accuracy up to which two lives estimate
@@ -36,7 +36,8 @@ LAST_CHANGE = 0.05  # of the wanted accuracy: change of the last life below whic
 RELIABLE_CORRECTION = 0.15  # relative error of the corrections in closing, below which one replaces the second life
 LEAST_DELIVERY = 0.2  # volumetric efficiency above which it may do so: with less delivered, leaks hide larger errors
 TOGETHER_FACTOR = 0.05  # factor on the tolerance on changes when chambers are closed together beside a closed cycle
-SHIFT = 10.0  # wanted accuracies by which densities are moved before chambers that barely deliver are closed again
+SHIFT = 10.0  # wanted accuracies by which densities are moved before chambers of a leaky machine are closed again ...
+SHIFTED_BELOW = 0.1  # ... that delivers less than this volumetric efficiency: pitches change next to nothing there
 LINEARITY_ERROR = 0.1  # share of such a correction that is assumed to be wrong, at least
 
 
@@ -134,7 +135,7 @@ def _next_life(request: EstimateRequest) -> FinerSolutions:
         return NO_SOLUTIONS
     machinery.swap()
     reach_station()
-    life = Evaluation(request.problem, machinery.trajectory, q)
+    life = evaluate_life(request.problem, machinery.trajectory, q)
     return FinerSolutions([life.figures], curves=[curves_of(life)])
 
 
@@ -163,7 +164,7 @@ class _Lives:
         if status != 0:
             return False
         machinery.swap()
-        life = Evaluation(problem, machinery.trajectory, self.q)
+        life = evaluate_life(problem, machinery.trajectory, self.q)
         self.figures.append(life.figures)
         self.curves.append(curves_of(life))
         self.unknowns_out = problem.entries.possible(life.image)
@@ -263,7 +264,7 @@ def closed_again(request: EstimateRequest) -> FinerSolutions:
     A cycle that needed a fallback attracts its neighbourhood slowly or not at all, so a single life shows much less
     than its error. It is closed by the way that closed it before, at the cost of a fallback at most.
 
-    Where simultaneous closing left a machine that barely delivers, it starts from densities that are moved. What slow
+    Where simultaneous closing left a machine that delivers little, it starts from densities that are moved. What slow
     pitches leave of that move is as much as they left of the first guess, which no closing from the cycle itself shows.
     """
     problem, cycle = request.problem, request.cycle
@@ -272,7 +273,7 @@ def closed_again(request: EstimateRequest) -> FinerSolutions:
     if cycle.needed:
         finer = close_again(task, cycle)
     else:
-        start = _with_moved_densities(request) if way_of(cycle).whole and request.filling < BARELY_DELIVERS else cycle
+        start = _with_moved_densities(request) if way_of(cycle).whole and request.filling < SHIFTED_BELOW else cycle
         finer = way_of(cycle).finer(task, start, MOST_OF_A_TRY)
     if finer is None or not finer.closed:
         return NO_SOLUTIONS

@@ -13,6 +13,7 @@ from functools import partial
 from itertools import tee
 from typing import Any
 
+from screwsim.inputs.faults import in_one_line
 from screwsim.outputs import Result
 from screwsim.results.table import Table, table_of
 from screwsim.scene import cross_check, dimensions, with_values
@@ -125,7 +126,7 @@ def _misfit_of_case(scene: Scene) -> str:
     try:
         return "; ".join(map(str, cross_check(scene)))
     except (Exception, SystemExit) as error:  # noqa: BLE001 - as below
-        return _error_in_words(error)
+        return in_one_line(error)
 
 
 def _consecutive_results(job: Job, run: Sequence[tuple[int, Scene]]) -> dict[int, Result]:
@@ -139,14 +140,10 @@ def _consecutive_results(job: Job, run: Sequence[tuple[int, Scene]]) -> dict[int
                 many = many or iter(job.simulate_many(scene for _, scene in run[number:]))
                 results[place] = next(many)
         except (Exception, SystemExit) as error:  # noqa: BLE001 - any error of one case; KeyboardInterrupt is none
-            results[place] = Result("failed", message=_error_in_words(error))
+            results[place] = Result("failed", message=in_one_line(error))
             many = None
         job.mark()
     return results
-
-
-def _error_in_words(error: BaseException) -> str:
-    return " ".join(f"{type(error).__name__}: {error}".split())
 
 
 class Blocks:

@@ -176,12 +176,10 @@ def pump_point(pump: PumpCurves) -> Claim:
 
 def _speed_of_ratio(line: DisplacementCurve, d: float) -> float | None:
     """Return the speed [rpm] at which displacement gives the oil ratio d, interpolated in logarithms."""
-    good = np.isfinite(line.ratio) & (line.ratio > 0.0) & np.isfinite(line.efficiency)
-    order = np.argsort(line.ratio[good])
-    x, y = np.log(line.ratio[good])[order], np.log(line.speeds[good])[order]
+    x, speeds = _over_logarithm(line.ratio, np.where(np.isfinite(line.efficiency), line.speeds, np.nan))
     if len(x) < 2 or not x[0] <= np.log(d) <= x[-1]:
         return None
-    return float(np.exp(np.interp(np.log(d), x, y)))
+    return float(np.exp(np.interp(np.log(d), x, np.log(speeds))))
 
 
 def _best_claim(claims: list[Claim]) -> Claim:

@@ -17,14 +17,8 @@ from screwsim.scene.types import Scene
 from screwsim.study.progress import Progress
 
 REFRIGERATION = ("cooling_capacity", "cop")
-
-
-GROUPS = {  # roles of effects by which a kind of machine groups them (`effects.parts.usual`)
-    "leaks": (LEAK,),
-    "oil": (OIL_HEAT, OIL_FRICTION),
-    "friction": (FRICTION,),
-    "walls": (WALLS,),
-}
+# roles of effects by which a kind of machine groups them (`effects.parts.usual`)
+GROUPS = {"leaks": (LEAK,), "oil": (OIL_HEAT, OIL_FRICTION), "friction": (FRICTION,), "walls": (WALLS,)}
 
 
 class LeftOut(NamedTuple):

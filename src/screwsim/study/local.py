@@ -159,13 +159,10 @@ def _other_scene(scene: Scene, result: Result) -> str:
     for path in leaves_of(scene):
         there, here = value_at(known, path), value_at(scene, path)
         if there != here and not path.startswith(EXCLUDED_SECTIONS):
-            shown = (_value_in_words(one, path, value) for one, value in ((known, there), (scene, here)))
+            pairs = ((known, there), (scene, here))
+            shown = ("not stated" if value is None else shown_value(one, path, value) for one, value in pairs)
             return f"{path} is {next(shown)} there, {next(shown)} here"
     return ""
-
-
-def _value_in_words(scene: Scene, path: str, value: Any) -> str:
-    return "not stated" if value is None else shown_value(scene, path, value)
 
 
 def _requested_numbers(scene: Scene, paths: Sequence[str], every: Mapping[str, float]) -> dict[str, float]:

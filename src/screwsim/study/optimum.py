@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 from screwsim.figures.errors import error_in_unit
-from screwsim.inputs.faults import UsageError
+from screwsim.inputs.faults import UsageError, in_one_line
 from screwsim.outputs import Result
 from screwsim.scene import Scene, case, case_count, case_values, cross_check, with_values
 from screwsim.scene.grid import with_sweep_over
@@ -143,7 +143,8 @@ def _best(rest: Scene, asked: Question, simulate: Simulate, number: int) -> Best
     trials = _Trials(case(rest, number), asked, simulate)
     ends = asked.coordinate(asked.low), asked.coordinate(asked.high)
     top = find_maximum(trials.point, *ends)
-    while top is not None and _is_uncertain(top, ends) and trials.tighten():
+    wanted = WANTED_CERTAINTY * (ends[1] - ends[0])
+    while top is not None and max(top.high - top.point.x, top.point.x - top.low) > wanted and trials.tighten():
         margin = 0.25 * (top.bracket[1] - top.bracket[0])
         bracket = max(top.bracket[0] - margin, ends[0]), min(top.bracket[1] + margin, ends[1])
         finer = find_maximum(trials.point, *bracket, count=1 + COARSE_POINTS // 2)
@@ -153,10 +154,6 @@ def _best(rest: Scene, asked: Question, simulate: Simulate, number: int) -> Best
         low = top.low if finer.low <= bracket[0] else finer.low
         top = replace(finer, others=top.others, low=low, high=top.high if finer.high >= bracket[1] else finer.high)
     return _best_of_trials(case_values(rest, number), asked, trials, top, ends)
-
-
-def _is_uncertain(top: Maximum, ends: tuple[float, float]) -> bool:
-    return max(top.high - top.point.x, top.point.x - top.low) > WANTED_CERTAINTY * (ends[1] - ends[0])
 
 
 @dataclass
@@ -220,7 +217,7 @@ def simulated_if_valid(scene: Scene, simulate: Simulate) -> Result:
     try:
         return simulate(scene)
     except (UsageError, ArithmeticError, ValueError) as error:
-        return Result("failed", message=" ".join(f"{type(error).__name__}: {error}".split()))
+        return Result("failed", message=in_one_line(error))
 
 
 def results_at(

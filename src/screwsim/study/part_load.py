@@ -122,9 +122,8 @@ def ratios(scene: Scene) -> tuple[float, ...]:
 
     They are those of a sweep or, for a machine whose axial port has a ratio of its own, from half of that up to it.
     """
-    swept = scene.sweep.get(RATIO_PATH)
-    if swept is not None:
-        return tuple(sorted(map(float, swept)))
+    if RATIO_PATH in scene.sweep:
+        return tuple(sorted(map(float, scene.sweep[RATIO_PATH])))
     axial = getattr(scene.machine, "axial_volume_ratio", None)
     if axial is None:
         return ()

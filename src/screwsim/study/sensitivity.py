@@ -133,9 +133,10 @@ def sensitivity(
     head = (tuple(ranges), samples, seed, len(points))
     bad = [answer for answer in answers if answer.message]
     if bad:
-        remedy = "every point is needed: narrow the ranges"
-        remedy += ", or choose another --figure" if bad[0].lacks else ""
-        return Sensitivity(*head, len(bad), (), f"{len(bad)} of {len(points)} solutions: {bad[0].message} ({remedy})")
+        remedies = ["every point is needed: narrow the ranges"] if len(bad) < len(points) else []  # else none helps
+        remedies += ["choose another --figure"] if bad[0].lacks else []
+        remedy = f" ({', or '.join(remedies)})" if remedies else ""
+        return Sensitivity(*head, len(bad), (), f"{len(bad)} of {len(points)} solutions: {bad[0].message}{remedy}")
     values, errors = (np.array([getattr(answer, name) for answer in answers]) for name in ("values", "errors"))
     shares = (_shares(figure, problem, values[:, i], errors[:, i], seed) for i, figure in enumerate(figures))
     return Sensitivity(*head, 0, tuple(shares), warnings=kinds_of(answer.warnings for answer in answers))

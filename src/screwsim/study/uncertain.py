@@ -97,19 +97,15 @@ class Uncertainty(Brief):
             name: {
                 "standard": spread.standard,
                 "expanded": spread.expanded,
-                "contributors": [
-                    {"paths": list(one.paths), "share": one.share, "change": one.change}
-                    for one in spread.contributors[:most]
-                ],
+                "contributors": [one._asdict() | {"paths": list(one.paths)} for one in spread.contributors[:most]],
             }
             for name, spread in self.spreads.items()
         }
-        methods = {path: self.slopes.method[path] for path in self.slopes.method}
         return {
             "coverage_factor": COVERAGE,
             "groups": [list(group) for group in self.groups],
             "figures": figures,
-            "method": methods,
+            "method": dict(self.slopes.method),
             "left_out": dict(self.left_out),
         }
 

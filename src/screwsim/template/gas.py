@@ -26,9 +26,7 @@ LARGEST_KEPT_RISE = 0.75  # of the temperature rise without cooling: most that g
 COMPRESSION_EFFICIENCY = 0.88  # efficiency without friction, for an estimate; friction depends on size, not gas
 FRICTION_FACTOR = 1.5  # over that of the films alone, for bearings and for accelerating the oil
 VALVE_OPENING_PRESSURE = 4e5  # [Pa] above ambient, below which a package's minimum-pressure valve stays shut ...
-SHUT_SHARE = (
-    0.8  # ... of the pressure rise at the most: a valve that opens above it holds the machine at its own pressure
-)
+SHUT_SHARE = 0.8  # ... of the rise at the most: a valve that opens above it holds the machine at its own pressure
 LOST_BEFORE, LOST_BEHIND = 3.5e3, 36e3  # [Pa]: filter and valve; separator, valve and aftercooler of air.template
 COOLED, BROUGHT = 0.97, 1.1  # efficiency without friction with oil cooling; friction over that of films: estimates
 FAN_SHARE = 0.04  # of the motor

@@ -38,16 +38,8 @@ ECONOMIZED_POWER_FACTOR = 1.12
 LARGEST_BORE_PORT_RATIO = 5.0
 STAND_IN = "R134a"
 COPPER_CORROSIVES = ("ammonia", "r717", "nh3")
-CURVES = (
-    "r134a",
-    "propane",
-    "r290",
-    "n-propane",
-    "r1234yf",
-    "r1234ze(e)",
-    "r1234zee",
-    "r407c",
-)  # that they are means of
+# refrigerants of which the curves behind EFFICIENCIES are means
+CURVES = ("r134a", "propane", "r290", "n-propane", "r1234yf", "r1234ze(e)", "r1234zee", "r407c")
 OILS_FOR = {
     **dict.fromkeys(COPPER_CORROSIVES, "mineral_68"),
     **dict.fromkeys(("propane", "r290", "isobutane", "r600a", "n-butane", "r600", "propylene", "r1270"), "PAG_68"),
@@ -127,11 +119,8 @@ def _friction(slide: bool) -> dict[str, str]:
     if not slide:
         return {"stays": "", "friction": f"fraction: {FRICTION:g}"}
     fraction = f"{FRICTION * OF_DISPLACED:.3g}"
-    told = (
-        f"at full load: {fraction} of the theoretical power of the full displacement, so that their torque stays "
-        f"constant (M460)"
-    )
-    told = f"\n  # {told}"
+    of = f"at full load: {fraction} of the theoretical power of the full displacement"
+    told = f"\n  # {of}, so that their torque stays constant (M460)"
     return {"stays": told, "friction": f"fraction: {fraction}, of: theoretical_power"}
 
 
@@ -207,21 +196,13 @@ def _power(duty: Duty, asked: SceneRequest) -> float:
 def _drive(fluid: str, power: float, stated: float | None) -> dict[str, str]:
     """Return the motor with the stated rated power [W], or with one chosen for an estimated power [W]."""
     rated = sizes.motor_for(power) if stated is None else 1e-3 * stated
-    return {**_motor(fluid, rated), "rated": RATED_POWER_SOURCES[stated is not None]}
-
-
-def _motor(fluid: str, rated: float) -> dict[str, str]:
+    told = "Semi-hermetic, in the suction gas, 92 % efficient as assumed by the source of validation/bitzer"
+    motor = f"efficiency: {MOTOR_EFFICIENCY:g}, cooling: suction_gas"
     if fluid.lower() in COPPER_CORROSIVES:
         told = "Open drive, as ammonia attacks copper: IE3, four poles (IEC 60034-30-1)"
-        return {
-            "drive": told,
-            "motor": f"{{rated_power: {rated:g} kW, {sizes.motor_efficiency(rated)}}}",
-        }
-    told = "Semi-hermetic, in the suction gas, 92 % efficient as assumed by the source of validation/bitzer"
-    return {
-        "drive": told,
-        "motor": f"{{rated_power: {rated:g} kW, efficiency: {MOTOR_EFFICIENCY:g}, cooling: suction_gas}}",
-    }
+        motor = sizes.motor_efficiency(rated)
+    motor = f"{{rated_power: {rated:g} kW, {motor}}}"
+    return {"drive": told, "motor": motor, "rated": RATED_POWER_SOURCES[stated is not None]}
 
 
 def _jets(duty: Duty, ratio: float, oil: str) -> dict[str, str]:
@@ -256,17 +237,15 @@ def _transport(fluid: str, duty: Duty) -> dict[str, str]:
     (p, T), found = _reference(duty), _substitute_properties(fluid, duty)
     if found is None:
         return {"transport": f"    reference_pressure: {1e-5 * p:.2g} bar\n    reference_temperature: {T:.0f} K\n"}
-    told = (
-        f"    # CoolProp has no transport properties of {fluid}: these values and the viscosity in the gaps are those "
-        f"of {STAND_IN}\n"
-    )
     conductivity, viscosity, prandtl = found
+    whose = f"these values and the viscosity in the gaps are those of {STAND_IN}"
     lines = (
+        f"# CoolProp has no transport properties of {fluid}: {whose}",
         f"gas_conductivity: {conductivity:.3g} W/(m K)",
         f"gas_viscosity: {1e3 * viscosity:.3g} mPa s",
         f"prandtl: {prandtl:.3g}",
     )
-    return {"transport": told + "".join(f"    {line}\n" for line in lines)}
+    return {"transport": "".join(f"    {line}\n" for line in lines)}
 
 
 def _leaky_efficiency(fluid: str, duty: Duty, size: sizes.Size, flow: float) -> float:

@@ -2,7 +2,7 @@
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from screwsim.fluid import constants, names
@@ -100,10 +100,11 @@ def request_of(
             raise UsageError(
                 f"{option}: is given together with {size}, which also states the size (remove one of the two)"
             )
+    asked = SceneRequest(
+        fluid, flow, at, vi, oil, condition, None, rated, delivered, cools, economizer, slide, variable
+    )
     if diameter is None:
-        return SceneRequest(
-            fluid, flow, at, vi, oil, condition, None, rated, delivered, cools, economizer, slide, variable
-        )
+        return asked
     if flow is not None:
         raise UsageError(
             "--diameter: is given together with --displacement, which also states it (remove one of the two)"
@@ -112,8 +113,7 @@ def request_of(
     if not sizes.SMALLEST <= rotor <= sizes.LARGEST:
         ends = f"{sizes.mm(sizes.SMALLEST)} to {sizes.mm(sizes.LARGEST)}"
         raise UsageError(f"--diameter {diameter}: screws are made from {ends} (choose one within)")
-    displaced = sizes.displaced(rotor, at or SPEED)
-    return SceneRequest(fluid, displaced, at, vi, oil, condition, rotor, rated, None, None, economizer, slide, variable)
+    return replace(asked, flow=sizes.displaced(rotor, at or SPEED), diameter=rotor)
 
 
 def _by_pressure(condition: str | None, pressure: str | None) -> str | None:

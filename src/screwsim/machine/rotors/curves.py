@@ -63,9 +63,7 @@ class Curves:
     suction_closes: float
     discharge_opens: float
     slot: Curve | None = None  # of a slide valve, to suction
-    compresses: float | None = (
-        None  # where the slot of a slide valve that is moved is passed, later than suction_closes
-    )
+    compresses: float | None = None  # where a moved slide valve's slot is passed, later than suction_closes
 
 
 Grid = tuple[Array, tuple[float, ...]]

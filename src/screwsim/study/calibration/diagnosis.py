@@ -44,7 +44,6 @@ from screwsim.study.calibration.profile import (
     LinearLikelihood,
     ProfileLikelihood,
     linear_likelihood,
-    linear_residuals,
     profile_likelihood,
     whitener,
 )
@@ -182,9 +181,8 @@ def diagnose(
     solutions += sum(one.solutions for one in every)
     failed += sum(one.failed for one in every)
     for i, one in enumerate(singles):
-        left[(i,)] = (
-            one.residuals if isinstance(one, ProfileLikelihood) else linear_residuals(one, start[i], here_, columns[i])
-        )
+        by_slope = here_ + columns[i] * (one.estimate - start[i])
+        left[(i,)] = one.residuals if isinstance(one, ProfileLikelihood) else by_slope
     ranked = tuple(sorted(rows, key=lambda each: -each.probability))
     by_path = {tuple(asked.parameters[i].path for i in which): each for which, each in left.items()}
     message = f"{len(reasons)} of {len(points)} points have no solution" if reasons else ""

@@ -62,20 +62,15 @@ def curves_of(
     here: Array, start: Array, columns: Array, singles: Sequence[LinearLikelihood | ProfileLikelihood]
 ) -> ResidualCurves:
     """Return the curves from solutions where there are any, else from slopes (parameters, n)."""
-    of = tuple(
-        _solved_curve(one, here) if isinstance(one, ProfileLikelihood) else _straight_curve(float(place), column)
-        for one, place, column in zip(singles, start, columns, strict=True)
-    )
+
+    def curve(one: LinearLikelihood | ProfileLikelihood, begin: float, column: Array) -> ResidualCurve:
+        if isinstance(one, ProfileLikelihood):
+            between = one.curve()
+            return lambda place: between(place) - here
+        return lambda place: column * (place - begin)
+
+    of = tuple(map(curve, singles, map(float, start), columns))
     return ResidualCurves(here, start, of, np.array([one.estimate for one in singles]))
-
-
-def _solved_curve(one: ProfileLikelihood, here: Array) -> ResidualCurve:
-    between = one.curve()
-    return lambda place: between(place) - here
-
-
-def _straight_curve(start: float, column: Array) -> ResidualCurve:
-    return lambda place: column * (place - start)
 
 
 def additive_likelihood(curves: ResidualCurves, pair: tuple[int, int], level: float) -> PairLikelihood:

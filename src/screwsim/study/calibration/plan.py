@@ -39,7 +39,7 @@ from screwsim.study.calibration.machine import (
     typical_uncertainties,
     unchanged_machine,
 )
-from screwsim.study.calibration.residuals import Array, Objective, Simulate, missing_reason
+from screwsim.study.calibration.residuals import Array, Objective, Simulate
 from screwsim.study.inputs import shown_value
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
@@ -236,8 +236,7 @@ def point_information(
     result = asked.solved(point, values)
     if not point.measured:
         point = replace(point, measured={name: Measurement(0.0, 1.0) for name in usual})
-    why = missing_reason(point, result)
-    if why:
+    if why := result.why_not(point.measured):
         return PointInformation(np.zeros((0, len(places) + len(groups))), {}, why, asked.solutions, asked.failed)
     measured = _as_measured(points[number], result.performance, usual)
     for name, one in measured.items():

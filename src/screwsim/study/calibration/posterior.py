@@ -7,7 +7,7 @@ scene states; widths half-Cauchy, with the scale of the figure's stated uncertai
 upper end). Places are 0 … 1 between the bounds.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -310,9 +310,7 @@ def _parameter_interval(fit: Fit, number: int, values: Array) -> ParameterInterv
     even = float(np.std([parameter.value(float(u)) for u in np.linspace(0.0, 1.0, 201)]))
     prior = even if parameter.prior is None else min(parameter.prior.spread, even)
     found = _interval(parameter.path, values)
-    return ParameterInterval(
-        found.name, found.low, found.median, found.high, found.deviation, found.deviation / float(prior)
-    )
+    return replace(found, of_prior=found.deviation / float(prior))
 
 
 def _interval(name: str, values: Array) -> ParameterInterval:

@@ -159,11 +159,6 @@ class ProfileLikelihood:
         return [float(self.grid[i]) for i in found[1:]]
 
 
-def linear_residuals(known: LinearLikelihood, place: float, residuals: Array, slopes: Array) -> Array:
-    """Return the residuals at the best place, by slopes."""
-    return residuals + slopes * (known.estimate - place)
-
-
 def profile_likelihood(asked: Objective, white: Array, place: float, slopes: Array) -> ProfileLikelihood | None:
     """Return the likelihood over the one parameter of `asked`, which lies at a place with whitened slopes there.
 
@@ -223,7 +218,8 @@ def _interpolated(nodes: Mapping[float, Array]) -> Callable[[Any], Array]:
     residuals = np.array([nodes[place] for place in places])
     if len(places) > 2:
         return Akima1DInterpolator(places, residuals, method="makima", extrapolate=True)
-    return _linear_likelihood_at(places, residuals)
+    slope = (residuals[1] - residuals[0]) / (places[1] - places[0])
+    return lambda at: residuals[0] + np.multiply.outer(np.asarray(at) - places[0], slope)
 
 
 def refined_grid(height: Callable[[Array], Array], depth: float) -> Array:
@@ -242,8 +238,3 @@ def _likelihood_over(nodes: Mapping[float, Array]) -> ProfileLikelihood:
     grid = np.union1d(refined_grid(lambda at: -np.sum(between(at) ** 2, axis=1), NEGLIGIBLE_DEPTH), places)
     chi_squared = np.sum(between(grid) ** 2, axis=1)
     return ProfileLikelihood(grid, chi_squared, between(grid[np.argmin(chi_squared)]), dict(nodes))
-
-
-def _linear_likelihood_at(places: Array, residuals: Array):
-    slope = (residuals[1] - residuals[0]) / (places[1] - places[0])
-    return lambda at: residuals[0] + np.multiply.outer(np.asarray(at) - places[0], slope)

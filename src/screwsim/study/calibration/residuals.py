@@ -92,7 +92,7 @@ class Objective:
         held = [self.fit.parameters[i] for i in self.fit.held]
         off = [each.prior.off(values[each.path]) for each in held if each.prior is not None]
         residuals += (self.fit.whitener @ off).tolist() if self.fit.together else off
-        why = {point.name: missing_reason(point, result) for point, result in zip(self.points, found, strict=True)}
+        why = {point.name: result.why_not(point.measured) for point, result in zip(self.points, found, strict=True)}
         reasons = {name: reason for name, reason in why.items() if reason}
         pairs = zip(self.points, found, strict=True)
         warned = {point.name: result.warnings for point, result in pairs if result.warnings}
@@ -204,8 +204,3 @@ def exact_column(parameter: Parameter, value: float, point: Point, exact: SceneD
         sizes = (slopes[name] / measured.uncertainty for name, measured in point.measured.items())
         total += factor * parameter.slope(value) * np.array(list(sizes))
     return total, ""
-
-
-def missing_reason(point: Point, result: Result) -> str:
-    """Return why a point lacks figures; empty when it has them all."""
-    return result.told if result.status != "ok" else "; ".join(result.lacks(point.measured))

@@ -17,7 +17,7 @@ from screwsim.scene import Scene, scene_text, with_values
 from screwsim.study.calibration.descent import LEAST_GAIN, least_squares
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, TOLERANCE_REMEDY, Fit, Measurement, Point
 from screwsim.study.calibration.identifiability import Certainty, active_bounds, certainty
-from screwsim.study.calibration.residuals import Array, Objective, Residuals, Simulate, missing_reason
+from screwsim.study.calibration.residuals import Array, Objective, Residuals, Simulate
 from screwsim.study.inputs import shown_value
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
@@ -322,7 +322,7 @@ def _compared(
         else:
             result = asked.solved(point, values)
             figures: Figures = result.performance
-            reason = missing_reason(point, result)
+            reason = result.why_not(point.measured)
             reasons |= {point.name: reason} if reason else {}
             warned |= {point.name: result.warnings} if result.warnings else {}
         compared += [ComparedMeasurement(point, name, each, figures.get(name)) for name, each in point.measured.items()]

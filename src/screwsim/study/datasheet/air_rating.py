@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.build import package_of
 from screwsim.effects.air_package import FREE_AIR, UNLOADED
 from screwsim.effects.parts.rating import STANDARDS, WEIGHTS, outside_scope, part_load_efficiency
 from screwsim.inputs.faults import UsageError
@@ -113,8 +112,6 @@ def _check(scene: Scene) -> None:
             f"datasheet: an air package is rated at the values of sweep.{SPEED}, but the scene varies {path} in "
             f"another way (remove that axis, and rate one value at a time with --set {path}=VALUE)"
         )
-    package = package_of(scene)
-    assert package is not None
     if scene.effects["air_package"].parameters.state == UNLOADED:
         raise UsageError(f"datasheet: {STATE} is unloaded, but an unloaded package delivers nothing (write loaded)")
 

@@ -194,10 +194,10 @@ def _drawings(rated: Rating) -> Iterator[Drawing]:
     across, _ = _sides(rated)
     columns = _columns(rated)
     below = list(enumerate(asked.down.values))
-    rows = [
-        (tables.shown_at(asked.across, value), sorted((ratio_at(asked, value, each), (i, j)) for j, each in below))
-        for i, value in enumerate(asked.across.values)
-    ]
+    rows = []
+    for i, value in enumerate(asked.across.values):
+        cases = ((with_values(asked.scene, {asked.across.path: value, asked.down.path: each}), j) for j, each in below)
+        rows.append((tables.shown_at(asked.across, value), sorted((pressure_ratio(one), (i, j)) for one, j in cases)))
     for column in (columns[1], columns[2]):
         yield from tables.drawing(rated, column, "pressure ratio", across, rows)
     title = columns[2].title
@@ -232,7 +232,7 @@ def rating_request(scene: Scene, ranges: Mapping[str, str | None], bounds: Seque
     over = f"{SPEED_PATH}, {inlet} and {outlet}" if expands else f"{inlet}, {outlet} and controls of the flow"
     base = rating.without_sweep(scene, {inlet, outlet, *beside}, over)
     if expands and ranges.get(first) is None and inlet not in scene.sweep:
-        speeds = _swept_values(scene, SPEED_PATH) or tuple(share * base.operation.speed for share in SPEED_SHARES)
+        speeds = rating.swept_values(scene, SPEED_PATH) or tuple(share * base.operation.speed for share in SPEED_SHARES)
         across = Axis(SPEED_PATH, speeds)
     else:
         across = _line(scene, base, inlet, ranges.get(first), first)
@@ -247,11 +247,7 @@ def _line(scene: Scene, base: Scene, path: str, text: str | None, option: str) -
         return Axis(
             path, rating.evenly_spaced(*rating.read_range(base, path, text, option, EXAMPLES[path]), VALUES_PER_RANGE)
         )
-    return Axis(path, _swept_values(scene, path) or _values_around_own(base, path))
-
-
-def _swept_values(scene: Scene, path: str) -> tuple[float, ...]:
-    return tuple(sorted(map(float, scene.sweep.get(path, ()))))
+    return Axis(path, rating.swept_values(scene, path) or _values_around_own(base, path))
 
 
 def _values_around_own(base: Scene, path: str) -> tuple[float, ...]:
@@ -263,8 +259,3 @@ def _values_around_own(base: Scene, path: str) -> tuple[float, ...]:
         every = [own + 5.0 * step for step in (-2, -1, 0, 1, 2)]
     kept = tuple(value for value in every if not rating.faults_of(base, {path: value}))
     return kept or (own,)
-
-
-def ratio_at(asked: RatingRequest, across: float, down: float) -> float:
-    """Return the pressure ratio of a point of the table."""
-    return pressure_ratio(with_values(asked.scene, {asked.across.path: across, asked.down.path: down}))

@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence, Set
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
@@ -83,6 +83,11 @@ def without_sweep(scene: Scene, known: Set[str], over: str) -> Scene:
     return replace(scene, sweep={}, joints=())
 
 
+def swept_values(scene: Scene, path: str) -> tuple[float, ...]:
+    """Return the values [SI] of a sweep over a path, ascending; none where it is not swept."""
+    return tuple(sorted(map(float, scene.sweep.get(path, ()))))
+
+
 def faults_of(base: Scene, values: dict[str, float]) -> list[str]:
     """Return why values do not fit into a scene."""
     return [str(fault) for fault in cross_check(with_values(base, values))]
@@ -121,33 +126,26 @@ def rating(asked: RatingRequest, jobs: int | None = None, progress: Progress | N
     found = parallel_map(
         work, count + many, died=partial(_part_of_dead_worker, asked, count), jobs=jobs, progress=progress
     )
-    columns, loads = [part.column for part in found[:count]], [part.load for part in found[count:]]
-    points = {(i, j): result for i, column in enumerate(columns) for j, result in enumerate(column) if result}
+    points = {(i, j): result for i, column in enumerate(found[:count]) for j, result in enumerate(column) if result}
     axes = asked.across.values, asked.down.values
     closed = {place: result.performance for place, result in points.items() if result.status == "ok"}
     figures = {(i, j): closed.get((i, j)) for i in range(count) for j in range(len(axes[1]))}
     reach = tuple(envelope(figures, axes, asked.bounds))
-    return Rating(asked, own, points, [load for load in loads if load is not None], reach)
+    return Rating(asked, own, points, found[count:], reach)
 
 
-class _RatingPart(NamedTuple):
-    """Part computed by one worker: a column of the table, or the results of a control."""
+def _rating_part(asked: RatingRequest, full: float | None, number: int) -> Any:
+    """Return what one worker computes: the results of a column by its index, beyond these the part load of a control.
 
-    column: Sequence[Result | None] = ()
-    load: PartLoad | None = None
-
-
-def _rating_part(asked: RatingRequest, full: float | None, number: int) -> _RatingPart:
-    """Return a column by the index of its value; indices beyond the columns are those of controls."""
+    A column has None where no point is computed.
+    """
     count = len(asked.across.values)
     if number >= count:
-        return _RatingPart(
-            load=part_load(asked.scene, asked.controls[number - count], full, LOADS, asked.ratios, asked.aim)
-        )
+        return part_load(asked.scene, asked.controls[number - count], full, LOADS, asked.ratios, asked.aim)
     across = asked.across.values[number]
     cases = [_case_scene(asked, across, down) for down in asked.down.values]
     solved = simulate_many([case for case in cases if isinstance(case, Scene)], trace=False)
-    return _RatingPart([next(solved) if isinstance(case, Scene) else case for case in cases])
+    return [next(solved) if isinstance(case, Scene) else case for case in cases]
 
 
 def _check_table(asked: RatingRequest) -> None:
@@ -199,11 +197,10 @@ def pressure_ratio(scene: Scene) -> float:
     return at.p_s / at.p_d if scene.machine.expands else at.p_d / at.p_s
 
 
-def _part_of_dead_worker(asked: RatingRequest, count: int, number: int) -> _RatingPart:
-    lost = Result("failed", message=WORKER_DIED)
+def _part_of_dead_worker(asked: RatingRequest, count: int, number: int) -> Any:
     if number >= count:
-        return _RatingPart(load=PartLoad(asked.controls[number - count], (), (), WORKER_DIED))
-    return _RatingPart([lost] * len(asked.down.values))
+        return PartLoad(asked.controls[number - count], (), (), WORKER_DIED)
+    return [Result("failed", message=WORKER_DIED)] * len(asked.down.values)
 
 
 def celsius(T: float) -> float:

@@ -23,6 +23,7 @@ from screwsim.study.datasheet.rated import (
     evenly_spaced,
     faults_of,
     read_range,
+    swept_values,
     without_sweep,
 )
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
@@ -147,8 +148,8 @@ def _axis(scene: Scene, base: Scene, path: str, text: str | None, option: str) -
         steps = min(max(round((last - first) / TEMPERATURE_STEP) + 1, 2), MOST_VALUES)
         count = len(PRESSURE_SHARES) if path == GAS_COOLER_P else steps
         return Axis(path, evenly_spaced(first, last, count))
-    if path in scene.sweep:
-        return Axis(path, tuple(sorted(map(float, scene.sweep[path]))))
+    if swept := swept_values(scene, path):
+        return Axis(path, swept)
     own = float(value_at(base, path))
     if path == GAS_COOLER_P:
         return Axis(path, tuple(own * share for share in PRESSURE_SHARES))

@@ -109,19 +109,13 @@ def part_load_table(
 
 def envelope_table(rated: Rating, first: str, side: str) -> Iterator[Table]:
     """Yield the table of the envelope: `first` heads the values across, `side` names the quantity within limits."""
-    asked = rated.asked
-    if not rated.reach:
-        return
-    rows = []
+    asked, rows = rated.asked, []
     for each in rated.reach:
-        ends = (_envelope_end(asked.down, at) for at in (each.low, each.high))
-        rows.append([shown_at(asked.across, each.at), *ends, each.below, each.above])
-    heads = (first, "from", "to", "lower end", "upper end")
-    yield Table(f"Envelope: {side} within all limits", heads, rows)
-
-
-def _envelope_end(axis: Axis, value: float) -> str:
-    return f"{celsius(value):.1f} °C" if axis.path == CONDENSING else quantity("Pa", value)
+        ends = (each.low, each.high)
+        shown = (f"{celsius(at):.1f} °C" if asked.down.path == CONDENSING else quantity("Pa", at) for at in ends)
+        rows.append([shown_at(asked.across, each.at), *shown, each.below, each.above])
+    if rows:
+        yield Table(f"Envelope: {side} within all limits", (first, "from", "to", "lower end", "upper end"), rows)
 
 
 def part_load_note(rated: Rating, load: str, best: str) -> str:

@@ -64,9 +64,9 @@ def simulated(asked: Question, values: dict[str, float], simulate: Simulate) -> 
         if full is None and result.status == "ok" and point.load is not None:
             full = result, value_at(scene, asked.points.by)
             own |= {asked.points.by: full[1]}
-        lacks = result.lacks(asked.figures) if result.status == "ok" else []
-        whole = replace(result, status="failed", message="; ".join(lacks)) if lacks else result
-        found.append(SimulatedPoint(point, own, whole))
+        if result.status == "ok" and (lacks := result.lacks(asked.figures)):
+            result = replace(result, status="failed", message="; ".join(lacks))
+        found.append(SimulatedPoint(point, own, result))
     return found
 
 

@@ -155,6 +155,8 @@ def why_missed(trials: Trials, best: Trial) -> str:
     where = ", ".join(f"{path} {shown_value(scene, path, value)}{at.get(path, '')}" for path, value in values)
     refusals = [trials.refusal_beyond(best, path, border) for path, border in borders.items()]
     end = " (change what else limits it)"
+    if len(trials.spans) == 1 and one_goal.failing_beside(trials, best):
+        end = ", next to values that fail"
     if refusals:
         end = f", and beyond there is no solution: {refusals[0]}" if all(refusals) else " (widen the range)"
     return f"nothing within {ranges} gives {wanted}: the nearest is {came}, at {where}{end}"

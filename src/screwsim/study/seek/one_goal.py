@@ -12,7 +12,8 @@ MOST_SOLUTIONS = 40  # solutions of the walk, and of the narrowing
 START_PLACES = (0.5, 0.25, 0.75, 0.1, 0.9, 0.0, 1.0)  # places to start from where the scene's own fails
 WIDEST, LEAST = 0.35, 0.01  # longest and shortest step of the walk, in places
 SCAN_PLACES = 7  # places over the whole range, where the walk ended without the goal
-EXTREMUM_ACCURACY = 1e-3  # of the range: wanted accuracy of the place nearest to a goal that is never reached
+EXTREMUM_ACCURACY = 1e-3  # of the range: wanted accuracy of the place nearest to a goal that is never reached, and of
+# the edge of values that fail
 JUMP_WIDTH = 1e-8  # width of a change of sign below which it is a jump
 FRACTIONS = (0.5, 0.25, 0.75, 0.125, 0.875)  # of a change of sign: places tried where a solution in it fails
 
@@ -80,13 +81,16 @@ def _secant_place(trials: Trials, best: Trial) -> float:
 
 
 def _scan(trials: Trials) -> None:
-    """Scan the whole range; where the figure has an extremum inside it, search there more closely."""
+    """Scan the whole range; towards values that fail, or where the figure has an extremum, search more closely."""
     from scipy.optimize import minimize_scalar
 
     for place in np.linspace(0.0, 1.0, SCAN_PLACES):
         trials.at(float(place))
         if nearest_bracket(trials) is not None:
             return
+    _to_the_edge(trials)
+    if nearest_bracket(trials) is not None:
+        return
     row = sorted(trials.closed, key=lambda trial: trial.places)
     number = min(range(len(row)), key=lambda i: abs(_residual(row[i])))
     if not 0 < number < len(row) - 1:
@@ -100,6 +104,25 @@ def _scan(trials: Trials) -> None:
 
     ends = row[number - 1].places[0], row[number + 1].places[0]
     minimize_scalar(off, bounds=ends, method="bounded", options={"xatol": EXTREMUM_ACCURACY})
+
+
+def failing_beside(trials: Trials, best: Trial) -> list[Trial]:
+    """Return the failed solutions that are the next ones below or above a closed one."""
+    row = sorted(trials.known.values(), key=lambda trial: trial.places)
+    number = row.index(best)
+    return [each for each in row[max(number - 1, 0) : number + 2] if not each.closed]
+
+
+def _to_the_edge(trials: Trials) -> None:
+    """Halve the way from the nearest solution to those beside it that fail, until the figure passes its goal."""
+    best = trials.nearest
+    while best is not None and nearest_bracket(trials) is None:
+        beside = [each.places[0] for each in failing_beside(trials, best)]
+        wide = [place for place in beside if abs(place - best.places[0]) > EXTREMUM_ACCURACY]
+        if not wide:
+            return
+        trials.at(0.5 * (wide[0] + best.places[0]))
+        best = trials.nearest
 
 
 def _narrowed(trials: Trials) -> Trial | None:

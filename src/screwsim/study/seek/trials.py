@@ -74,9 +74,8 @@ class Trials:
     def _solved(self, places: tuple[float, ...]) -> Trial:
         scene, names = self.scene_at(places), [goal.figure for goal in self.goals]
         result = simulated_if_valid(scene, self.simulate)
-        lacks = result.lacks(names) if result.status == "ok" else []
-        if result.status != "ok" or lacks:
-            self.reasons.append("; ".join(lacks) or result.told)
+        if why := result.why_not(names):
+            self.reasons.append(why)
             return Trial(places, None, result=result)
         off = tuple(float(result.performance[goal.figure]) - goal.value for goal in self.goals)
         return Trial(places, off, tuple(absolute_error(result, name, scene) for name in names), result)

@@ -22,7 +22,7 @@ from screwsim.scene import Scene, cross_check, lines, scene_text, suction_enthal
 from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.types import ActiveEffect
 from screwsim.simulate import simulate
-from screwsim.study.stages.read import STAGE_NAMES, Intercooler, StageChain
+from screwsim.study.stages.read import STAGE_NAMES, StageChain
 from screwsim.study.stages.result import (
     ChainResult,
     FiguresAndReasons,
@@ -128,41 +128,40 @@ class _ChainSolver:
         first = self._solved(scene, "first", trace)
         T_d = _delivery_temperature(first)
         self._check_dry(p, T_d, first)
-        vapour, T = self._between(p, T_d, between)
+        vapour, T = self._between(p, T_d)
         out = p - between.pressure_drop
         if between.cools and T == between.outlet_temperature and self._liquid(out, T):
             what = f"the cooler leaves a liquid at {in_celsius(T)} and {in_bar(out)}"
             raise _Stop("failed", f"{what} (choose a higher intercooler.outlet_temperature)", (first,))
-        other = _set_lines(self.chain.second, "second", out, ("temperature", T), self.high.p_d)
-        other, second, unparted = self._second(other, trace, first)
-        return StagePair(p, (scene, other), (first, second), vapour, T, unparted)
+        return self._with_second(p, scene, first, vapour, T, trace)
 
     def warmer(self, pair: StagePair, kelvin: float) -> StagePair:
         """Return a pair at the same pressure with the first stage's gas warmer by some kelvins."""
-        between, (first, second) = self.chain.intercooler, pair.results
+        first, second = pair.results
         changed = first.performance.copy()
         changed[delivery_temperature_figure(first)] += kelvin
         first = replace(first, performance=changed)
-        vapour, T = self._between(pair.p, _delivery_temperature(first), between)
+        vapour, T = self._between(pair.p, _delivery_temperature(first))
         if T == pair.T:
             return pair._replace(results=(first, second), vapour=vapour)
-        out = pair.p - between.pressure_drop
-        other = _set_lines(self.chain.second, "second", out, ("temperature", T), self.high.p_d)
-        other, second, unparted = self._second(other, True, first)
-        return StagePair(pair.p, (pair.scenes[0], other), (first, second), vapour, T, unparted)
+        return self._with_second(pair.p, pair.scenes[0], first, vapour, T, True)
 
-    def _second(self, scene: Scene, trace: bool, first: Result) -> tuple[Scene, Result, str]:
-        """Return the second stage; at the end (`trace`) with a separator, or why gas and oil are not separated.
+    def _with_second(self, p: float, scene: Scene, first: Result, vapour: float, T: float, trace: bool) -> StagePair:
+        """Return a first stage with the second one at the suction temperature T [K].
 
-        Nothing else in the chain depends on that separator.
+        At the end (`trace`) it has a separator, or the pair says why gas and oil are not separated; nothing else in the
+        chain depends on that separator.
         """
-        parted = _with_separator(scene) if trace else scene
-        if parted is scene:
-            return scene, self._solved(scene, "second", trace, (first,)), ""
-        result = simulate(parted, trace=trace)
-        if result.status == "ok":
-            return parted, result, ""
-        return scene, self._solved(scene, "second", trace, (first,)), result.message
+        out = p - self.chain.intercooler.pressure_drop
+        other = _set_lines(self.chain.second, "second", out, ("temperature", T), self.high.p_d)
+        parted, unparted = _with_separator(other) if trace else other, ""
+        if parted is not other:
+            second = simulate(parted, trace=trace)
+            if second.status == "ok":
+                return StagePair(p, (scene, parted), (first, second), vapour, T)
+            unparted = second.message
+        second = self._solved(other, "second", trace, (first,))
+        return StagePair(p, (scene, other), (first, second), vapour, T, unparted)
 
     def _solved(self, scene: Scene, name: str, trace: bool, before: tuple[Result, ...] = ()) -> Result:
         result = simulate(scene, trace=trace)
@@ -186,8 +185,9 @@ class _ChainSolver:
             what = f"the first stage delivers wet vapour at {p / 1e5:.4g} bar"
             raise _Stop("failed", f"{what} (use warmer or less oil there, or drier suction gas)", (first,))
 
-    def _between(self, p: float, T_d: float, between: Intercooler) -> tuple[float, float]:
+    def _between(self, p: float, T_d: float) -> tuple[float, float]:
         """Return vapour per unit of first-stage gas, and the suction temperature [K] of the second (M201, M202)."""
+        between = self.chain.intercooler
         out = p - between.pressure_drop
         if between.cools:
             assert between.outlet_temperature is not None  # checked on reading
@@ -263,7 +263,10 @@ class _ChainSolver:
             except _Stop as stop:
                 stops.append(stop)
                 p = float(np.sqrt(p * here.p))
-        raise stops[0] if stops else _Stop("failed", self._none_found(here.p), here.results)
+        if stops:
+            raise stops[0]
+        what = f"no intermediate pressure is found in {MOST_PAIRS} tries, the last at {here.p / 1e5:.4g} bar"
+        raise _Stop("failed", f"{what} (change one of the stages)", here.results)
 
     def _enclosed(self, one: StagePair, other: StagePair, least: float, most: float) -> tuple[StagePair, StagePair]:
         """Return two pairs around the solution: too much gas arrives at the lower pressure, too little at the other."""
@@ -277,13 +280,6 @@ class _ChainSolver:
                 raise _Stop("failed", self._none("takes less", most, "larger or faster"), b.results)
             a, b = b, self._towards(min(b.p * BRACKET_GROWTH, most), b)
         return a, b
-
-    @staticmethod
-    def _none_found(p: float) -> str:
-        return (
-            f"no intermediate pressure is found in {MOST_PAIRS} tries, the last at {p / 1e5:.4g} bar "
-            "(change one of the stages)"
-        )
 
     def _none(self, what: str, p: float, remedy: str) -> str:
         return (
