@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 from fit_fakes import DEGENERATE, FIT, POINTS, Stopped, coordinates, hopeless, plane, product, torn, write_fit
+from scipy.optimize import lsq_linear
 
 from screwsim.inputs.faults import Interrupted
 from screwsim.printing.calibration import print_calibration
 from screwsim.scene import load
 from screwsim.study.calibration import calibrate, read_fit
+from screwsim.study.calibration.identifiability import certainty
 from screwsim.study.calibration.solve import Start, best_start
 from screwsim.study.scene_files import fitted_text
 
@@ -165,6 +167,28 @@ def test_of_starts_that_fit_alike_and_lie_apart_the_first_is_taken(costs, ends, 
     pairs = zip(costs, ends, strict=True)
     starts = [Start("ok" if np.isfinite(cost) else "failed", "", (0.5,), (end,), cost) for cost, end in pairs]
     assert best_start(starts, 10) is starts[best]
+
+
+@pytest.mark.parametrize(
+    ("slopes", "least", "most"),
+    [
+        (np.array([[100.0, 50.0], [0.0, 0.5]]), 0.7, 1.3),  # the data hardly constrain the second
+        (np.array([[100.0, 50.0], [0.0, 4.0]]), 0.7, 1.3),
+    ],
+)
+def test_errors_beside_a_parameter_at_a_bound_are_those_of_many_such_fits(slopes, least, most, fit):
+    """Linear fits to noise: the root mean square of (found - truth) / error of the first, where the second is bound."""
+    random, off = np.random.default_rng(1), []
+    for _ in range(600):
+        truth = np.array([0.5, random.random()])
+        data = slopes @ truth + random.standard_normal(2)
+        places = lsq_linear(slopes, data, (0.0, 1.0), method="bvls").x
+        known = certainty(fit.parameters, places, slopes, slopes @ places - data)
+        if known.border[1] and not known.border[0]:
+            size = fit.parameters[0].slope(fit.parameters[0].value(places[0]))
+            off.append((places[0] - truth[0]) / (known.errors[0] / size))
+    assert len(off) > 30
+    assert least < np.sqrt(np.mean(np.square(off))) < most
 
 
 def test_an_interruption_is_raised_and_has_the_best_so_far(fit):

@@ -55,13 +55,15 @@ def certainty(
     parameters: Sequence[Parameter],
     places: Array,
     slopes: Array,
+    residuals: Array,
     *,
     apart: Array | None = None,
     together: Sequence[Sequence[int]] = (),
 ) -> Certainty:
-    """Return the certainty of parameters from the slopes of the residuals over the places.
+    """Return the certainty of parameters from the residuals and their slopes over the places.
 
-    For parameters whose priors are correlated (`together`, by index), `apart` are the slopes as if they were not.
+    A parameter at a bound has no error of its own, but those of the others allow for the values that it may have. For
+    parameters whose priors are correlated (`together`, by index), `apart` are the slopes as if they were not.
     """
     at = active_bounds(places)
     free = [index for index, border in enumerate(at) if not border]
@@ -69,8 +71,8 @@ def certainty(
     errors: list[float | None] = [None] * n
     matrix: list[list[float | None]] = [[None] * n for _ in range(n)]
     if free:
-        _, s, v = np.linalg.svd(slopes[:, free], full_matrices=False)
-        scaled = v.T * _inverse(s)
+        _, s, v = np.linalg.svd(_with_bounds(slopes, residuals, free), full_matrices=False)
+        scaled = (v.T * _inverse(s))[: len(free)]
         deviation = np.sqrt(np.sum(scaled**2, axis=1))
         correlation = np.clip((scaled @ scaled.T) / np.outer(deviation, deviation), -1.0, 1.0)
         for row, index in enumerate(free):
@@ -80,6 +82,18 @@ def certainty(
                 matrix[index][other] = float(correlation[row, column])
     share, found = undetermined_combinations(parameters, slopes, slopes if apart is None else apart, together)
     return Certainty(tuple(errors), tuple(map(tuple, matrix)), at, found, share)
+
+
+def _with_bounds(slopes: Array, residuals: Array, free: Sequence[int]) -> Array:
+    """Return the slopes of the free parameters, then those at a bound, each of these with a residual of its own.
+
+    Their mean square distance from the bound is 1/3 where the data say nothing (even between both bounds), and 2/g²
+    where half of chi squared rises with the slope g from the bound on (exponential).
+    """
+    held = [index for index in range(slopes.shape[1]) if index not in free]
+    rise = slopes[:, held].T @ residuals
+    own = np.hstack([np.zeros((len(held), len(free))), np.diag(np.sqrt(3.0 + 0.5 * rise**2))])
+    return np.vstack([slopes[:, [*free, *held]], own]) if held else slopes[:, free]
 
 
 def _inverse(s: Array) -> Array:

@@ -40,6 +40,11 @@ class Residuals:
     warnings: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # by name of the point
 
     @property
+    def known(self) -> Array:
+        """Return the residuals, those of figures without a solution as zero."""
+        return np.where(self.unsolved, 0.0, self.residuals)
+
+    @property
     def chi_squared(self) -> float:
         """Return the sum of squares of the solved residuals: penalties do not measure a fit."""
         return float(np.sum(self.residuals[~self.unsolved] ** 2))

@@ -255,8 +255,8 @@ def _calibration_of_starts(
         assert asked.best is not None
         places = asked.best[1]
         best = replace(best, places=tuple(places.tolist()), cost=asked.best[0])
-        slopes = asked.slopes(places)
-        known = certainty(fit.parameters, places, slopes, apart=asked.apart(slopes), together=fit.together)
+        slopes, off = asked.slopes(places), asked.outcome(places).known
+        known = certainty(fit.parameters, places, slopes, off, apart=asked.apart(slopes), together=fit.together)
     outcome = asked.outcome(places)
     values = asked.values(places)
     compared, reasons, warned = _compared(asked, outcome, values)
