@@ -253,6 +253,15 @@ def test_a_result_equals_its_copies_and_nothing_else(result):
     assert all(each != result for each in others)
 
 
+def test_a_result_with_missing_numbers_and_words_in_its_cycle_equals_its_copy(result):
+    odd = {**result.cycle, "phase": np.array(["gas", "wet"]), "gap": np.array([np.nan, 1.0])}
+    odd_result = replace(
+        result, cycle=odd, uncertainty={"samples": np.array([1.0, np.nan])}, ledger={"residue": np.nan}
+    )
+    assert pickle.loads(pickle.dumps(odd_result)) == odd_result
+    assert replace(odd_result, uncertainty={"samples": np.array([2.0, np.nan])}) != odd_result
+
+
 def test_derivatives_of_a_result_are_the_sensitivities_of_its_scene_with_units(result):
     found, derivatives = screwsim.sensitivities(GIVEN), result.derivatives
     for figure, slopes in found.derivatives.items():

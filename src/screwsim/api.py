@@ -170,7 +170,8 @@ def posterior(
     `fit` is the path of a fit file, a `Fit`, or what `calibrate` returned, which saves fitting again. `predict` is
     a CSV file of other operating points with the columns of the fit's data, figures empty or absent; columns
     `…_uncertainty` state how accurately they would be measured (default: as the fit's points). Raises SceneError,
-    and UsageError (also if emcee, the extra `posterior`, is not installed).
+    and UsageError (also if emcee, the extra `posterior`, is not installed). Ctrl-C raises KeyboardInterrupt, while it
+    still fits as in `calibrate`.
     """
     asked = fit.fit if isinstance(fit, Calibration) else _read(fit)
     points = () if predict is None else points_to_predict(asked, predict)

@@ -212,10 +212,10 @@ COMMANDS = """
 
 `python tests/tools/fuzz_commands.py --seed 1 --count 40` asks the commands about machines that `screwsim new` writes
 for random requests, and about shipped ones, and checks each answer in a second way (`tests/tools/command_laws.py`):
-what `find` gives is run; points of a grid do not beat `optimum` or `optimize`; a derivative is the difference of two fine
-runs, a band the derivative times the tolerance, a Sobol index their share; rows of a data sheet, nodes of a map and
-stages of a plant are run alone; a scene written otherwise gives the same bits. With `--told` it prints each refusal,
-for a reader to judge.
+what `find` gives is run; points of a grid do not beat `optimum` or `optimize`; a derivative is the difference of two
+fine runs, a band the derivative times the tolerance, a Sobol index their share; rows of a data sheet, nodes of a map
+and stages of a plant are run alone; a scene written otherwise gives the same bits. With `--told` it prints each
+refusal, for a reader to judge.
 
 `python tests/tools/fuzz_studies.py sweeps --count 40` does the same for sweeps: with two workers, in lanes, stopped and
 resumed, and read back from every form. With `fits` it gives points of a machine with known parameters and noise to

@@ -118,7 +118,7 @@ def test_a_goal_beyond_values_that_fail_is_said_at_their_edge():
     found = find(scene(), [RANGE], ["gas_mass_flow=0.9 kg/s"], simulate=edged)
     assert (found.status, found.borders) == ("none", {})
     assert found.values[SPEED] / RPM == pytest.approx(2500.0, abs=5.0)  # a thousandth of the range
-    assert "rpm, next to values that fail; " in found.message
+    assert "rpm, next to values that fail (change what else limits it); " in found.message
 
 
 def test_without_a_range_it_is_the_axis_or_what_machines_have():

@@ -146,9 +146,9 @@ def near(scene: Scene, path: str) -> tuple[float, float] | None:
     if ends is None:
         return None
     if leaves_of(scene)[path].kind == "temperature":
-        low, high = value - 8.0, value + 8.0
+        low, high = value - KELVINS, value + KELVINS
     elif value == 0.0:
-        low, high = ends[0], ends[0] + 0.3 * (ends[1] - ends[0])
+        low, high = ends[0], ends[0] + FROM_ZERO * (ends[1] - ends[0])
     else:
         low, high = sorted((value / NEAR, value * NEAR))
     return max(low, ends[0]), min(high, ends[1])

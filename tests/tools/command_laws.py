@@ -86,7 +86,7 @@ def written_otherwise(case: Case) -> Iterator[str]:
 
 @law
 def explained(case: Case) -> Iterator[str]:
-    """`explain` lists exactly the effects that `run` simulates; `--without` takes one of them away."""
+    """`explain` lists exactly the effects that `run` simulates."""
     effects = case.run()["effects"]
     listed = case.ask("explain", case.file)[1].partition("\nActive effects")[2]
     found = re.findall(r"^  ([a-z_.]+) ", listed.partition("\nLeft out")[0], re.MULTILINE)
@@ -316,6 +316,8 @@ def staged(case: Case) -> Iterator[str]:
 @law
 def measured_accuracy(case: Case) -> Iterator[str]:
     """`accuracy --quick` ends, and prints no number that is none."""
-    out = case.ask("accuracy", case.file, "--quick")[1] if case.random.random() < 0.6 else ""
+    if case.random.random() < 0.4:  # it takes long
+        raise NotAsked
+    out = case.ask("accuracy", case.file, "--quick")[1]
     if re.search(r"\b(nan|inf)\b", out):
         yield out

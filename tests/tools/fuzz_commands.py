@@ -73,7 +73,12 @@ def main() -> None:
         random, told = np.random.default_rng((given.seed, number)), []
         with tempfile.TemporaryDirectory() as folder:
             os.chdir(folder)
-            case = made(random, told)
+            try:
+                case = made(random, told)
+            except Contradiction as each:
+                case = None
+                asked["contradictions"] += 1
+                print(f"{given.seed}/{number} new: {each}", flush=True)
             names = (given.laws or random.choice(list(LAWS), 2, replace=False)) if case else ()
             head = f"({Path('scene.yaml').read_text().splitlines()[0][:90]})" if case else ""
             for name in names:

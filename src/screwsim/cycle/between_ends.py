@@ -28,6 +28,8 @@ def missed_pressure(life: Trajectory, angles: Array) -> Array:
 
     Gas and oil in the chamber keep their temperatures and the oil its amount: a port holds the pressure by far more.
     """
+    if len(angles) == 0:
+        return np.zeros(0)
     times = life.times[: life.steps + 1]
     step = (times.searchsorted(angles, "right") - 1).clip(0, life.steps - 1)
     begun = times[step][:, None]

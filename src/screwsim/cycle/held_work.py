@@ -24,9 +24,11 @@ NODES, WEIGHTS = 0.5 + 0.5 * _NODES, 0.5 * _WEIGHTS  # of a step
 def missed_work(problem: Problem, life: Trajectory) -> float:
     """Return what to add to the work on the gas [J] that a life sums; 0 where that is less than `DIFFERS`.
 
-    For a single cylinder: where chambers are integrated together, their steps have no sums of one.
+    For a single cylinder: of several chambers, each has more breakpoints and shorter steps.
     """
     steps, column = life.steps, len(life.composition.states)
+    if steps == 0:
+        return 0.0
     p, after, c3, c4 = life.dense[:steps, :, column].T
     changes = np.maximum(np.maximum(np.abs(after - p), np.abs(c3)), np.abs(c4))
     held = np.flatnonzero(changes <= STEADY * p)
@@ -41,7 +43,7 @@ def missed_work(problem: Problem, life: Trajectory) -> float:
     summed = sums[held] - np.where(held > 0, sums[held - 1], 0.0)
     more = left - moved - summed
     doubtful = np.flatnonzero(np.abs(more) > some / max(len(held), 1))
-    if np.abs(more[doubtful]).sum() <= some:
+    if not np.abs(more[doubtful]).sum() > some:
         return 0.0
     more = more[doubtful] + _of_what_dense_output_misses(life, angles[doubtful], widths[doubtful])
     found = float(more[np.isfinite(more)].sum())

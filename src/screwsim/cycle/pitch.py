@@ -81,15 +81,16 @@ class Pitch(NamedTuple):
         """Return the lowest and highest value over a pitch of curves of all chambers' pressures and slopes.
 
         Extremes may be corners or lie between the points: each curve is also evaluated on both sides of the
-        ends of steps, and once more around its lowest and its highest value. There what the dense output misses of the
-        pressures is added (`cycle.between_ends`).
+        ends of steps, and once more around its lowest and its highest value. To these two what the dense output misses
+        of the pressures is added (`cycle.between_ends`), and they are compared with the ends of steps, which are right.
         """
         apart = self.angle[1]
         width, found = apart * len(self.angle), []
         ends = np.sort(np.mod(np.concatenate([self.steps - SIDE_STEP, self.steps + SIDE_STEP]), width))
         angles, at_ends = np.append(self.angle, ends), self.at(ends)
         for curve in curves:
-            values = np.append(curve(self.pressure, self.slope), curve(*at_ends))
+            right = curve(*at_ends)
+            values = np.append(curve(self.pressure, self.slope), right)
             best = angles[[values.argmin(), values.argmax()]]
             around = np.sort(np.mod(best[:, None] + np.linspace(-apart, apart, EXTREME_POINTS), width).ravel())
             values, where = np.append(values, curve(*self.at(around))), np.append(angles, around)
@@ -97,7 +98,7 @@ class Pitch(NamedTuple):
             order = np.argsort(best)
             pressure, slope = self.at(best[order])
             low, high = curve(pressure + self.missed(best[order]), slope)[order]
-            found.append((float(low), float(high)))
+            found.append((float(min(low, right.min())), float(max(high, right.max()))))
         return found
 
 

@@ -76,9 +76,10 @@ class Response(NamedTuple):
 
 
 def step_along(change: ArgumentChange, at: RateNumbers, step: float) -> float:
-    """Return the relative step of differences along a change, at which the pressures of lines move by `step` at most.
+    """Return the relative step of differences along a change: of central ones so that pressures move by `step` at most.
 
-    A saturation temperature moves its pressure ten times as far as itself, which took nodes beyond a turning.
+    A saturation temperature moves the pressure of its line ten times as far as itself, and nodes must not be moved
+    beyond the turning of a flow.
     """
     if not change.both:
         return step

@@ -16,7 +16,7 @@ from screwsim.outputs.figures import Balance, Error, Figures, Ledger, Numerics, 
 from screwsim.outputs.variables import cycle_variable
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Result:
     """One simulated operating point, all in SI units; what `simulate` returns.
 
@@ -55,16 +55,11 @@ class Result:
                 object.__setattr__(self, name, kind(own))
 
     def __eq__(self, other: object) -> bool:
-        """Return whether all of another result is the same, times included; bit by bit, NaN as NaN."""
+        """Return whether all values of another result are equal, times included; NaN equals NaN."""
         if not isinstance(other, Result):
             return NotImplemented
-        compared = (each.name for each in fields(self) if each.compare and each.name != "cycle")
-        if any(getattr(self, name) != getattr(other, name) for name in compared):
-            return False
-        pairs = ((column, other.cycle.get(name)) for name, column in self.cycle.items())
-        return len(self.cycle) == len(other.cycle) and all(
-            own is not None and np.array_equal(column, own, equal_nan=True) for column, own in pairs
-        )
+        compared = [each.name for each in fields(self) if each.compare]
+        return all(_equal(getattr(self, name), getattr(other, name)) for name in compared)
 
     @property
     def told(self) -> str:
@@ -103,3 +98,15 @@ class Result:
         asked |= {"uncertainty": dict(self.uncertainty)} if self.uncertainty else {}
         own = ("status", "message", "warnings", "effects", "states", "performance", "balance", "error", "ledger")
         return display.picked(self, *own, "numerics", "notes") | asked
+
+
+def _equal(one: Any, other: Any) -> bool:
+    """Return whether two values, or all within two mappings, sequences or arrays, are equal; NaN equals NaN."""
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        numbers = all(np.issubdtype(np.asarray(each).dtype, np.number) for each in (one, other))
+        return np.array_equal(one, other, equal_nan=numbers)
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        return one.keys() == other.keys() and all(_equal(value, other[name]) for name, value in one.items())
+    if isinstance(one, tuple | list) and isinstance(other, tuple | list):
+        return len(one) == len(other) and all(map(_equal, one, other))
+    return one == other or (one != one and other != other)

@@ -78,7 +78,7 @@ def start_up(
 
     `told` is called after each lobe pitch, with its mean speed over the steady one.
     Raises UsageError where the scene has no drive, its motor has no torque limit, or `creep` is not below the
-    steady speed; after Ctrl-C KeyboardInterrupt, once there is a pitch `Interrupted` with the start so far.
+    steady speed. Ctrl-C raises KeyboardInterrupt, or `Interrupted` with the start so far once there is a pitch.
     """
     problem = steady_problem(scene, creep)
     machinery, part = lease_for(problem), problem.parts.shaft

@@ -228,7 +228,7 @@ class _FileAtCommonPoints:
 
     def errors(self, name: str) -> Array:
         """Return the estimated absolute error of a figure; from the wanted accuracy where nothing was estimated."""
-        if name not in self._results.error:  # an axis
+        if name not in self._results.performance:  # an axis, or missing
             return np.zeros(len(self._cases))
         return self._results.absolute_error(name, self._accuracy).ravel()[self._cases]
 

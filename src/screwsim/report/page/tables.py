@@ -137,7 +137,7 @@ def checks(results: Results) -> Iterator[BalanceCheck]:
     if shares:
         share, name, errors = max(shares, key=lambda each: each[0])
         worst = np.nanargmax(errors / bounds)
-        words = f"largest estimated error of a figure ({shown_name(name)})"
+        words = f"largest estimated error of a figure beside its accuracy ({shown_name(name)})"
         bound = float(wanted.flat[worst])
         told = (small_number_text(bound), _verdict(share <= 1.0)) if np.isfinite(bound) else ("", "")
         yield BalanceCheck(words, small_number_text(float(errors.flat[worst])), *told)

@@ -69,7 +69,7 @@ def curves_of(
             return lambda place: between(place) - here
         return lambda place: column * (place - begin)
 
-    of = tuple(map(curve, singles, map(float, start), columns))
+    of = tuple(curve(one, float(begin), column) for one, begin, column in zip(singles, start, columns, strict=True))
     return ResidualCurves(here, start, of, np.array([one.estimate for one in singles]))
 
 

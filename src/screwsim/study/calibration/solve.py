@@ -17,7 +17,7 @@ from screwsim.scene import Scene, scene_text, with_values
 from screwsim.study.calibration.descent import LEAST_GAIN, least_squares
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, TOLERANCE_REMEDY, Fit, Measurement, Point
 from screwsim.study.calibration.identifiability import Certainty, active_bounds, certainty
-from screwsim.study.calibration.residuals import Array, Objective, Residuals, Simulate
+from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Residuals, Simulate
 from screwsim.study.inputs import shown_value
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
@@ -140,8 +140,8 @@ def calibrate(
 ) -> Calibration:
     """Return the best fit of all starts. The number of workers does not matter.
 
-    The scene's tolerance is the prior of a parameter for which the fit states none. After Ctrl-C KeyboardInterrupt,
-    once a start has begun `Interrupted` with the best fit so far, whose status is interrupted.
+    The scene's tolerance is the prior of a parameter for which the fit states none. Ctrl-C raises KeyboardInterrupt, or
+    `Interrupted` once a start has begun: with the best fit so far, whose status is interrupted.
     """
     fit = fit.with_priors()
     places = start_places(fit)
@@ -280,13 +280,14 @@ def best_start(starts: Sequence[Start], count: int) -> Start:
     """Return the start that fits `count` figures best; the first of those that fit alike if they lie apart.
 
     A search ends within a few of its least gains of the least sum of squares, so that chance decides which of such ends
-    is the lowest. Along a combination that the data do not determine they lie far apart.
+    is the lowest. Along a combination that the data do not determine they lie far apart. That holds for starts that
+    ended in the same way, and for sums of squares without the penalty of a figure that has no solution.
     """
     least = min(starts, key=lambda start: start.cost)
-    if not np.isfinite(least.cost):
+    if not least.cost < PENALTY**2:  # nor infinity
         return least
     most = least.cost + SAME_FIT * max(1.0, least.cost / count)
-    alike = [start for start in starts if start.cost <= most]
+    alike = [start for start in starts if start.cost <= most and start.status == least.status]
     spread = np.ptp([start.places for start in alike], axis=0)
     return alike[0] if np.max(spread, initial=0.0) > APART else least
 

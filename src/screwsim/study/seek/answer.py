@@ -156,7 +156,7 @@ def why_missed(trials: Trials, best: Trial) -> str:
     refusals = [trials.refusal_beyond(best, path, border) for path, border in borders.items()]
     end = " (change what else limits it)"
     if len(trials.spans) == 1 and one_goal.failing_beside(trials, best):
-        end = ", next to values that fail"
+        end = ", next to values that fail (change what else limits it)"
     if refusals:
         end = f", and beyond there is no solution: {refusals[0]}" if all(refusals) else " (widen the range)"
     return f"nothing within {ranges} gives {wanted}: the nearest is {came}, at {where}{end}"

@@ -12,8 +12,7 @@ MOST_SOLUTIONS = 40  # solutions of the walk, and of the narrowing
 START_PLACES = (0.5, 0.25, 0.75, 0.1, 0.9, 0.0, 1.0)  # places to start from where the scene's own fails
 WIDEST, LEAST = 0.35, 0.01  # longest and shortest step of the walk, in places
 SCAN_PLACES = 7  # places over the whole range, where the walk ended without the goal
-EXTREMUM_ACCURACY = 1e-3  # of the range: wanted accuracy of the place nearest to a goal that is never reached, and of
-# the edge of values that fail
+EXTREMUM_ACCURACY = 1e-3  # of the range: wanted accuracy of the edge of failures, or of the place nearest to a goal
 JUMP_WIDTH = 1e-8  # width of a change of sign below which it is a jump
 FRACTIONS = (0.5, 0.25, 0.75, 0.125, 0.875)  # of a change of sign: places tried where a solution in it fails
 

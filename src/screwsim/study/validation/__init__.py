@@ -102,8 +102,8 @@ def run_sources(
 ) -> list[SourceOutcome]:
     """Return the results of the named sources (default: all), run `jobs` at a time (None: as many as cores).
 
-    Raises UsageError for an unknown name. After Ctrl-C KeyboardInterrupt, once one is
-    compared `Interrupted` with all of them, those that had not finished with the reason `INTERRUPTED`.
+    Raises UsageError for an unknown name. Ctrl-C raises KeyboardInterrupt, or `Interrupted` once one is compared: with
+    all of them, those that had not finished with the reason `INTERRUPTED`.
     """
     known = names_of(folder)
     for name in names:
