@@ -5,8 +5,6 @@ import pytest
 from scenes import closed, make
 
 from screwsim.cycle.between_ends import STIFF, _followed, missed_pressure
-from screwsim.cycle.pitch import SIDE_STEP
-from screwsim.evaluate.evaluation import evaluate
 
 WIDE = {"machine.discharge_port.area": "60 cm^2", "operation.speed": "4500 rpm"}
 HELD_FROM, LONG = np.radians(645.0), np.radians(4.0)  # [rad] the port is wide open; steps longer than that
@@ -36,21 +34,6 @@ def test_nothing_is_added_at_the_ends_of_steps_and_where_no_port_holds_the_press
     assert np.abs(missed_pressure(life, ends)).max() < 1e-6  # Pa, of a way of no length
     closed_chamber = np.radians(np.linspace(430.0, 590.0, 40))
     assert not missed_pressure(life, closed_chamber).any()
-
-
-def test_extremes_enclose_what_the_ends_of_steps_have():
-    changes = WIDE | {"operation.speed": "3000 rpm", "numerics": {"accuracy": 1e-3}}
-    problem, _, cycle = closed(make(changes))
-    pitch = evaluate(problem, cycle).pitch
-
-    def highest(pressure, _):
-        return pressure.max(axis=1)
-
-    ((low, high),) = pitch.extremes(highest)
-    ends = np.mod(np.concatenate([pitch.steps - SIDE_STEP, pitch.steps + SIDE_STEP]), problem.parts.geometry.pitch)
-    right = highest(*pitch.at(np.sort(ends)))
-    assert low <= right.min()
-    assert right.max() <= high
 
 
 @pytest.mark.parametrize("decay", [STIFF, 50.0])

@@ -82,15 +82,14 @@ class Pitch(NamedTuple):
 
         Extremes may be corners or lie between the points: each curve is also evaluated on both sides of the
         ends of steps, and once more around its lowest and its highest value. To these two what the dense output misses
-        of the pressures is added (`cycle.between_ends`), and they are compared with the ends of steps, which are right.
+        of the pressures is added (`cycle.between_ends`); at the end of one chamber's step others are within theirs.
         """
         apart = self.angle[1]
         width, found = apart * len(self.angle), []
         ends = np.sort(np.mod(np.concatenate([self.steps - SIDE_STEP, self.steps + SIDE_STEP]), width))
         angles, at_ends = np.append(self.angle, ends), self.at(ends)
         for curve in curves:
-            right = curve(*at_ends)
-            values = np.append(curve(self.pressure, self.slope), right)
+            values = np.append(curve(self.pressure, self.slope), curve(*at_ends))
             best = angles[[values.argmin(), values.argmax()]]
             around = np.sort(np.mod(best[:, None] + np.linspace(-apart, apart, EXTREME_POINTS), width).ravel())
             values, where = np.append(values, curve(*self.at(around))), np.append(angles, around)
@@ -98,7 +97,7 @@ class Pitch(NamedTuple):
             order = np.argsort(best)
             pressure, slope = self.at(best[order])
             low, high = curve(pressure + self.missed(best[order]), slope)[order]
-            found.append((float(min(low, right.min())), float(max(high, right.max()))))
+            found.append((float(low), float(high)))
         return found
 
 
