@@ -14,13 +14,13 @@ import numpy as np
 from screwsim.cycle.problem import Problem
 from screwsim.model import slots
 from screwsim.model.trajectory import Trajectory
+from screwsim.numerics.quadrature import gauss
 
 Array = np.ndarray
 DIFFER = 0.25  # wanted accuracies of the net flow by which the two sums may differ
 LEAST_NET = 0.1  # share of the trapped gas: least net flow that this is relative to
 FROM_SUCTION = slots.SUCTION_IN, slots.SUCTION_OUT  # streams of the suction line
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
-NODES, WEIGHTS = 0.5 + 0.5 * _NODES, 0.5 * _WEIGHTS  # of a step
+NODES, WEIGHTS = gauss(8)  # of a step
 
 
 def misread_at_discharge(problem: Problem, life: Trajectory, at: float, sums: Sequence[tuple[float, float]]) -> float:

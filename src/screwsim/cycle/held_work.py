@@ -12,13 +12,13 @@ from screwsim.cycle.between_ends import missed_pressure
 from screwsim.cycle.problem import Problem
 from screwsim.model.slots import Q_WORK
 from screwsim.model.trajectory import Trajectory
+from screwsim.numerics.quadrature import gauss
+from screwsim.numerics.rodas import dense_slope
 
 Array = np.ndarray
 DIFFERS = 0.1  # wanted accuracies of the work, from which on it is read by parts
 STEADY = 1e-3  # share of the pressure by which it may change within a step that counts as held
-SIDE_STEP = 1e-6  # rad, half the difference for slopes of volumes
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
-NODES, WEIGHTS = 0.5 + 0.5 * _NODES, 0.5 * _WEIGHTS  # of a step
+NODES, WEIGHTS = gauss(8)  # of a step
 
 
 def missed_work(problem: Problem, life: Trajectory) -> float:
@@ -37,7 +37,7 @@ def missed_work(problem: Problem, life: Trajectory) -> float:
     begun, widths = life.times[held], life.times[held + 1] - life.times[held]
     angles = begun[:, None] + widths[:, None] * NODES
     p, after, c3, c4 = (each[held, None] for each in (p, after, c3, c4))
-    slope = after - p + (1.0 - 2.0 * NODES) * c3 + (2.0 - 3.0 * NODES) * NODES * c4  # of the dense output
+    slope = dense_slope(NODES, p, after, c3, c4)
     left = (life.volumes(angles.ravel()).reshape(angles.shape) * slope) @ WEIGHTS
     moved = after[:, 0] * life.volumes(begun + widths) - p[:, 0] * life.volumes(begun)
     summed = sums[held] - np.where(held > 0, sums[held - 1], 0.0)
@@ -57,6 +57,5 @@ def _of_what_dense_output_misses(life: Trajectory, angles: Array, widths: Array)
     """
     at = angles.ravel()
     missed = missed_pressure(life, at)
-    slopes = (life.volumes(at + SIDE_STEP) - life.volumes(at - SIDE_STEP)) / (2.0 * SIDE_STEP)
-    work = -widths * ((missed * slopes).reshape(angles.shape) @ WEIGHTS)
+    work = -widths * ((missed * life.volume_slopes(at)).reshape(angles.shape) @ WEIGHTS)
     return np.where(missed.reshape(angles.shape).any(axis=1), work, np.nan)

@@ -18,7 +18,7 @@ from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
 POINTS = 360  # angles of a pitch: 0.25° apart with four lobes
-SIDE_STEP = 1e-6  # rad, distance from the end of a step, and half the difference for slopes of volumes
+SIDE_STEP = 1e-6  # rad, distance from the end of a step
 EXTREME_POINTS = 17  # points around an extreme, between its neighbours
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(3)  # of each part of a pitch between the ends of steps
 
@@ -132,9 +132,8 @@ def _at(life: Trajectory, pitch: float, chambers: int, angle: Array) -> tuple[Ar
     """Return pressure and slope of the volume of all chambers at increasing angles of the youngest."""
     grid = (angle + pitch * np.arange(chambers)[:, None]).ravel()
     pressure = life.states_at(grid)[:, -1]
-    ahead, behind = (life.volumes(grid + aside) for aside in (SIDE_STEP, -SIDE_STEP))
     shape = chambers, len(angle)
-    return pressure.reshape(shape).T, ((ahead - behind) / (2.0 * SIDE_STEP)).reshape(shape).T
+    return pressure.reshape(shape).T, life.volume_slopes(grid).reshape(shape).T
 
 
 def _missed(life: Trajectory, pitch: float, chambers: int, angle: Array) -> Array:

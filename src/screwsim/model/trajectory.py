@@ -19,6 +19,7 @@ from screwsim.model.contexts import ChamberContext
 from screwsim.model.trace import SAMPLED
 
 Array = np.ndarray
+SIDE_STEP = 1e-6  # rad, half the difference for slopes of volumes
 KNOWN_LIVES = 4  # lives of a workspace whose flows into lines are kept: a turn, the closed cycle, and a finer one
 
 
@@ -104,6 +105,10 @@ class Trajectory(NamedTuple):
         out = np.empty(len(angles))
         self.module.trace__volumes(angles, self.composition.P, self.composition.TAB, out)
         return out
+
+    def volume_slopes(self, angles: Array) -> Array:
+        """Return dV/dφ [m³/rad] of a chamber at angles [rad], by central differences."""
+        return (self.volumes(angles + SIDE_STEP) - self.volumes(angles - SIDE_STEP)) / (2.0 * SIDE_STEP)
 
     def sample(self, angles: Array) -> tuple[Array, Array]:
         """Return rows of (SAMPLED, state…) and of the flow of each path [kg/s] at increasing angles [rad]."""

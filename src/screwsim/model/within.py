@@ -3,16 +3,13 @@
 Source: ours; Gauss–Legendre quadrature of the dense output on each step.
 """
 
-import numpy as np
-
 from screwsim.model.slots import P_OMEGA, around_chamber, balanced, given_off, mass_rate, path_flows
 from screwsim.numerics.history import read
 from screwsim.numerics.kernel import kernel
+from screwsim.numerics.quadrature import gauss
 
 POINTS = 2  # nodes in each step
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(POINTS)
-NODES = 0.5 + 0.5 * _NODES
-WEIGHTS = 0.5 * _WEIGHTS
+NODES, WEIGHTS = gauss(POINTS)
 
 
 @kernel
