@@ -20,7 +20,7 @@ def rotors(
 ) -> None:
     """Print and draw the rotor geometry that follows from a scene's profile."""
     options.check_folder(folder)
-    scene = options.base_point(options.loaded_scene(scene_file, overrides, None), scene_file)
+    scene = options.loaded_point(scene_file, overrides, None)
     from screwsim.printing import print_json
     from screwsim.report.rotors_scene import document, table_text, write
     from screwsim.scene.plausible import scene_warnings

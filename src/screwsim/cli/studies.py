@@ -128,7 +128,7 @@ def sensitivity(
     as_json: AsJson = False,
 ) -> int:
     """Rank the inputs that a figure depends on: Sobol indices over ranges, or derivatives at the point (--local)."""
-    scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
+    scene = options.loaded_point(scene_file, overrides, without)
     if check_sobol is not None:
         return _print_checked_uncertainty(scene, check_sobol, jobs, as_json)
     if local:
@@ -305,7 +305,7 @@ def tolerance(
 ) -> int:
     """Find how length errors of a slider-crank change its motion and, by Monte Carlo, the compressor."""
     options.check_folder(folder)
-    scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
+    scene = options.loaded_point(scene_file, overrides, without)
     from screwsim.cli.interruption import counted_progress
     from screwsim.printing.machine import print_tolerance, tolerance_document
     from screwsim.study.tolerance import tolerances
