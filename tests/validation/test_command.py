@@ -128,7 +128,7 @@ def test_a_source_that_cannot_run_says_why_and_ends_with_4(checkout, capsys):
         ("def compare(here):\n    pass\n", "compare.py: compare returns a NoneType (return a Comparison)"),
         (
             "from screwsim.study.validation import solved\ndef compare(here):\n    solved(here / 'm.yaml')\n",
-            "m.yaml: cannot be read: No such file",
+            "m.yaml:1:1: cannot be read: No such file",
         ),
     ],
 )
