@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from each_row import each_row
 from result_fakes import SCENE
-from seek_fakes import RPM, edged, leaping, saturating, torn, turning
+from seek_fakes import RPM, edged, figures_of, leaping, saturating, torn, turning
 
 import screwsim
 from screwsim.inputs.faults import UsageError
@@ -168,6 +168,17 @@ def test_a_goal_below_the_smallest_size_takes_it_and_one_above_the_largest_none(
         assert found.message.startswith("no size in the catalogue, up to 3000 rpm, meets the goal")
     else:
         assert found.size.value / RPM == pytest.approx(size)
+
+
+@pytest.mark.parametrize("flow", [0.5, 1.9])
+def test_no_size_meets_a_goal_of_a_figure_that_the_size_does_nothing_to(flow):
+    def flat(one):  # falls by less than its error
+        return figures_of(one, gas_mass_flow=1.0 - 1e-11 * one.operation.speed / RPM)
+
+    goals = [f"gas_mass_flow={flow} kg/s"]
+    found = find(scene(), [SPEED], goals, catalogue="1500,3000 rpm", simulate=flat)
+    assert (found.status, found.size) == ("none", None)
+    assert "it is 1 kg/s throughout (vary something it depends on)" in found.message
 
 
 @each_row(

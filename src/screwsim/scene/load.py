@@ -29,6 +29,7 @@ from screwsim.scene.units import Refused, gauge_pressures_over, parse_quantity
 from screwsim.scene.values import shown
 from screwsim.scene.write import DICT_NAME, scene_text, yaml_text
 from screwsim.scene.yaml_tree import (
+    OVERRIDE,
     LocatedFault,
     LocatedFaults,
     Node,
@@ -40,7 +41,6 @@ from screwsim.scene.yaml_tree import (
     pointer,
 )
 
-OVERRIDE = 1_000_000  # rank of the first override, above those of all files
 SET = "--set "  # prefix of an override in messages
 MOST_BASES = 32  # longest chain of bases
 FILE_OR_DICT = Kind(
@@ -322,7 +322,7 @@ def _read(root: Node, folder: str, problems: LocatedFaults) -> Scene | None:
     scene = with_derived_values(
         replace(scene, effects=FixedDict(effects), sweep=FixedDict(sweep), joints=joints, folder=folder)
     )
-    uncertain, correlated = read_tolerances(given, root.value.get(BLOCK), scene, problems)
+    uncertain, correlated = read_tolerances(given, root, scene, problems)
     named = read_model_error(root.value.get(BLOCK), problems)
     scene = replace(scene, uncertain=FixedDict(uncertain), correlated=correlated, model_error=named)
     faults: list[Fault] = [*cross_check(scene), *check_files(scene)]
