@@ -111,7 +111,7 @@ def _cells(a: Results, b: Results, each: FigureChange) -> list[str]:
 
 
 def _changes(each: FigureChange, factor: float, unit: str) -> list[str]:
-    """Return the change in a unit (by its factor from SI), and in the same error of both and uncertainty by the inputs."""
+    """Return the change, error of both and uncertainty by the inputs, in a unit by its factor from SI."""
     change = factor * (each.change or 0.0)
     shown = f"{change:+.0f}" if abs(change) >= 100.0 else f"{change:+.2g}"
     inputs = f"± {factor * each.inputs:.1g}" if each.inputs else ""

@@ -267,7 +267,9 @@ def _change(
     relative = (value_b - value_a) / abs(value_a) if value_a else None
     changes = (value_a, value_b, value_b - value_a, relative, float(error[worst]), point(both[worst]))
     by_input = [side.contributions(name, both[worst]) for side in sides]
-    inputs = COVERAGE * math.dist(*([each.get(path, 0.0) for path in by_input[0] | by_input[1]] for each in by_input))
-    return FigureChange(
-        name, len(both), int(np.count_nonzero(over > 1.0)), only_a, only_b, *changes, inputs if any(by_input) else None
-    )
+    inputs = None
+    if any(by_input):
+        paths = by_input[0] | by_input[1]
+        inputs = COVERAGE * math.dist(*([each.get(path, 0.0) for path in paths] for each in by_input))
+    beyond = int(np.count_nonzero(over > 1.0))
+    return FigureChange(name, len(both), beyond, only_a, only_b, *changes, inputs)
