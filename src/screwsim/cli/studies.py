@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
 def optimum(
     scene_file: SceneFile,
-    path: Annotated[str, option("PATH", "Path to vary.")] = "oil_supply.ratio",
+    path: Annotated[str, option("PATH[=LOW..HIGH]", "Path to vary, and its range.")] = "oil_supply.ratio",
     figure: Annotated[
         Text, option("NAME", "Figure to maximize (default: an efficiency that suits the gas).", "--figure")
     ] = None,
-    minimum: Annotated[bool, switch("--minimum", "Minimize it instead.")] = False,
+    minimum: Annotated[bool, switch("--minimize", "Minimize it instead.", "--minimum")] = False,
     first: Annotated[Text, option("VALUE", "Lower end of the range.", "--from")] = None,
     last: Annotated[Text, option("VALUE", "Upper end of the range.", "--to")] = None,
     output: Annotated[File, option("OUT.csv|.h5", "Write the table.", "-o")] = None,
