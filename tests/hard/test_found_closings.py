@@ -89,6 +89,17 @@ def test_what_slow_pitches_leave_of_the_first_guess_is_told():
         assert warns(found, asked.numerics.accuracy) or found.performance.gas_mass_flow == pytest.approx(true, rel=5e-3)
 
 
+def test_what_steps_miss_of_the_end_of_a_neighbours_life_is_told():
+    """A finer life stepped over it as well: 0.08 accuracies of the motor's loss were told of 0.30."""
+    asked = effects_space.scene_of("what flows back", 702, 1)
+    finer = replace(asked.numerics, accuracy=asked.numerics.accuracy / 20.0, error="none")
+    true = simulate(replace(asked, numerics=finer), trace=False).performance
+    found = simulate(asked, trace=False)
+    off = relative_errors(found.performance, true)
+    for name in ("motor_loss", "indicated_power"):
+        assert off[name] <= 1.1 * found.error[name]
+
+
 def test_what_slow_pitches_leave_of_a_cycle_is_told_where_little_is_delivered():
     """7 % is delivered: a closing that began with the cycle told 0.01 of 0.11 accuracies of the oil ratio."""
     _, told, off = compared(scene_of("displaced through a port, oil takes room", 601, 12), 50)

@@ -5,8 +5,10 @@ from math import prod
 from typing import Any
 
 from screwsim.figures.registry import declared
-from screwsim.outputs import ITSELF, POWER, TIMES, Figure, Figures, Scale
+from screwsim.outputs import ITSELF, POWER, TIMES, Figure, Figures, Scale, over
 
+FLOW = "gas_mass_flow"
+OVER_FLOW = over(FLOW)
 LEAST_FILLING = 0.1  # volumetric efficiency below which the net gas flow is treated as passing through zero
 
 
@@ -49,7 +51,8 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
 def flow_errors(found: Figures, lost: float, by: str = "by_flow") -> Figures:
     """Return the errors of the figures that depend on a flow, given the flow's relative error `lost`.
 
-    `by` is the field by which figures declare that dependence: `by_flow`, `by_oil` … (`outputs.Figure`).
+    `by` is the field by which figures declare that dependence: `by_flow`, `by_oil` … (`outputs.Figure`). They are in
+    proportion to the flow; one whose scale is at least the flow is that flow and what comes and goes beside it.
     """
     known = {name: value for name, value in found.items() if value is not None}
     about: Mapping[str, Figure] = getattr(found, "about", {})
@@ -65,7 +68,8 @@ def flow_errors(found: Figures, lost: float, by: str = "by_flow") -> Figures:
             size = of_powers = error_scale(name, each.scale, known)
         else:
             size = of_powers
-        sizes[name] = lost * abs(value) / max(size, 1e-300)
+        amount = max(abs(value), abs(known.get(FLOW, 0.0))) if each.scale == OVER_FLOW else abs(value)
+        sizes[name] = lost * amount / max(size, 1e-300)
     return Figures(sizes)
 
 
