@@ -91,7 +91,7 @@ def test_what_slow_pitches_leave_of_the_first_guess_is_told():
 
 def test_what_steps_miss_of_the_end_of_a_neighbours_life_is_told():
     """A finer life stepped over it as well: 0.08 accuracies of the motor's loss were told of 0.30."""
-    asked = effects_space.scene_of("what flows back", 702, 1)
+    asked = scene_of("what flows back", 702, 1)
     finer = replace(asked.numerics, accuracy=asked.numerics.accuracy / 20.0, error="none")
     true = simulate(replace(asked, numerics=finer), trace=False).performance
     found = simulate(asked, trace=False)
