@@ -87,24 +87,25 @@ def _print_figures(a: Results, b: Results, found: Comparison) -> None:
         say(wrapped(f"largest change{place}: {few}"))
 
 
-def _cells(a: Results, b: Results, each: FigureChange) -> list[str]:
-    differ = f"{each.beyond} of {each.points}" if each.points > 1 else "yes" if each.beyond else "no"
-    if each.only_a or each.only_b:
-        differ = f"{each.only_a + each.only_b} only in {'A' if each.only_a else 'B'}"
-    if each.a is None or each.b is None:
-        return [shown_name(each.figure), "", "", "", "", "", differ]
-    about = (a if each.figure in a.performance else b).figure(each.figure)
+def _cells(a: Results, b: Results, change: FigureChange) -> list[str]:
+    """Return a row of the table: name, value in A, in B, unit, change, error, at how many points they differ."""
+    differ = f"{change.beyond} of {change.points}" if change.points > 1 else "yes" if change.beyond else "no"
+    if change.only_a or change.only_b:
+        differ = f"{change.only_a + change.only_b} only in {'A' if change.only_a else 'B'}"
+    name = shown_name(change.figure)
+    if change.a is None or change.b is None:
+        return [name, "", "", "", "", "", differ]
+    about = (a if change.figure in a.performance else b).figure(change.figure)
+    error = change.error or 0.0
     if about.units == "K":
-        one, other = map(printed_celsius, (each.a, each.b))
-        change = f"{each.change:+.1e} K" if each.change else "0"
-        return [shown_name(each.figure), one, other, "°C", change, f"{each.error or 0.0:.0e} K", differ]
-    (one, unit), (other, other_unit) = (engineering(about, value) for value in (each.a, each.b))
-    if not each.a or not each.b:  # zero has the unit of the other one
-        unit = other_unit = unit if each.a else other_unit
-    other = other if other_unit == unit else f"{other} {other_unit}"  # as for 900 W and 1.1 kW
-    relative = "" if each.relative is None else f"{each.relative:+.1e}" if each.relative else "0"
-    error = f"{(each.error or 0.0) / abs(each.a):.0e}" if each.a else ""
-    return [shown_name(each.figure), one, other, unit, relative, error, differ]
+        by = f"{change.change:+.1e} K" if change.change else "0"
+        return [name, printed_celsius(change.a), printed_celsius(change.b), "°C", by, f"{error:.0e} K", differ]
+    (in_a, unit_a), (in_b, unit_b) = engineering(about, change.a), engineering(about, change.b)
+    if change.a and change.b and unit_a != unit_b:  # as for 900 W and 1.1 kW; zero has the unit of the other one
+        in_b = f"{in_b} {unit_b}"
+    relative = "" if change.relative is None else f"{change.relative:+.1e}" if change.relative else "0"
+    of_a = f"{error / abs(change.a):.0e}" if change.a else ""
+    return [name, in_a, in_b, unit_a if change.a else unit_b, relative, of_a, differ]
 
 
 def _shown_pair(one: str, other: str) -> tuple[str, str]:
