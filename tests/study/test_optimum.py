@@ -129,7 +129,7 @@ def test_the_efficiency_that_is_asked_for_by_itself_is_one_that_the_gas_has(mode
 
 def test_a_border_of_the_range_that_is_no_machine_is_no_end_of_the_question():
     """Which figures there are is asked of the scene itself, where a slide is too narrow for the first of its axis."""
-    slide = new_scene("refrigeration", request_of("R134a", None, None, None, None, None, slide=True))
+    slide = new_scene("refrigeration", request_of(fluid="R134a", slide=True))
     whole = loads(slide + "\nsweep:\n  machine.built_in_volume_ratio: [2.2, 3.5]\n")
     with pytest.raises(UsageError, match="male_span"):
         build_parts(case(whole, 0))

@@ -92,30 +92,30 @@ def _print_figures(a: Results, b: Results, found: Comparison) -> None:
         say(wrapped(f"largest change{place}: {few}"))
 
 
-def _cells(a: Results, b: Results, each: FigureChange) -> list[str]:
-    differ = f"{each.beyond} of {each.points}" if each.points > 1 else "yes" if each.beyond else "no"
-    if each.only_a or each.only_b:
-        differ = f"{each.only_a + each.only_b} only in {'A' if each.only_a else 'B'}"
-    if each.a is None or each.b is None:
-        return [shown_name(each.figure), "", "", "", "", "", "", differ]
-    about = (a if each.figure in a.performance else b).figure(each.figure)
+def _cells(a: Results, b: Results, change: FigureChange) -> list[str]:
+    """Return a row: name, value in A, in B, unit, change, error, part of the inputs, at how many points they differ."""
+    differ = f"{change.beyond} of {change.points}" if change.points > 1 else "yes" if change.beyond else "no"
+    if change.only_a or change.only_b:
+        differ = f"{change.only_a + change.only_b} only in {'A' if change.only_a else 'B'}"
+    name = shown_name(change.figure)
+    if change.a is None or change.b is None:
+        return [name, "", "", "", "", "", "", differ]
+    about = (a if change.figure in a.performance else b).figure(change.figure)
     if about.units == "K":
-        one, other = map(printed_celsius, (each.a, each.b))
-        return [shown_name(each.figure), one, other, "°C", *_changes(each, 1.0, "K"), differ]
-    (one, unit), (other, other_unit) = (engineering(about, value) for value in (each.a, each.b))
-    if not each.a or not each.b:  # zero has the unit of the other one
-        unit = other_unit = unit if each.a else other_unit
-    other = other if other_unit == unit else f"{other} {other_unit}"  # as for 900 W and 1.1 kW
-    changes = _changes(each, 100.0 / abs(each.a), "%") if each.a else ["", "", ""]
-    return [shown_name(each.figure), one, other, unit, *changes, differ]
+        return [name, printed_celsius(change.a), printed_celsius(change.b), "°C", *_changes(change, 1.0, "K"), differ]
+    (in_a, unit_a), (in_b, unit_b) = engineering(about, change.a), engineering(about, change.b)
+    if change.a and change.b and unit_a != unit_b:  # as for 900 W and 1.1 kW; zero has the unit of the other one
+        in_b = f"{in_b} {unit_b}"
+    changes = _changes(change, 100.0 / abs(change.a), "%") if change.a else ["", "", ""]
+    return [name, in_a, in_b, unit_a if change.a else unit_b, *changes, differ]
 
 
-def _changes(each: FigureChange, factor: float, unit: str) -> list[str]:
+def _changes(of: FigureChange, factor: float, unit: str) -> list[str]:
     """Return the change, error of both and uncertainty by the inputs, in a unit by its factor from SI."""
-    change = factor * (each.change or 0.0)
+    change = factor * (of.change or 0.0)
     shown = f"{change:+.0f}" if abs(change) >= 100.0 else f"{change:+.2g}"
-    inputs = f"± {factor * each.inputs:.1g}" if each.inputs else ""
-    return [f"{shown} {unit}" if change else "0", f"{factor * (each.error or 0.0):.1g}", inputs]
+    inputs = f"± {factor * of.inputs:.1g}" if of.inputs else ""
+    return [f"{shown} {unit}" if change else "0", f"{factor * (of.error or 0.0):.1g}", inputs]
 
 
 def _shown_pair(one: str, other: str) -> tuple[str, str]:
