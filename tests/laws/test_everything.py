@@ -36,7 +36,7 @@ def test_all_together_close():
 @pytest.mark.slow
 def test_near_points_close_in_a_turn_or_two_and_give_what_each_gives_alone():
     scene = load(SCENE)
-    course = [with_values(scene, {"operation.speed": scene.operation.speed * (1.0 + 0.002 * i)}) for i in range(8)]
+    course = [with_values(scene, {"operation.speed": scene.operation.speed * (1.0 + 0.003 * i)}) for i in range(8)]
     found = list(simulate_many(course, trace=False))
     assert [result.status for result in found] == ["ok"] * len(course)
     assert all(result.numerics.turns <= 2 for result in found[1:]) and found[-1].numerics.turns == 1

@@ -338,6 +338,27 @@ def test_a_wave_that_turns_the_flow_round_is_told():
     assert any("a check valve would shut" in warning for warning in loud.warnings)
 
 
+def test_a_plenum_longer_than_half_a_wave_is_told():
+    """It has no single pressure: over a quarter of a wave that changes its sign. Half a wave here is 0.4 m and more."""
+    short, long = (run(plenums(suction_volume=volume)) for volume in ("8 l", "1 m^3"))
+    assert not short.warnings
+    (warning,) = long.warnings
+    assert warning.startswith("the suction plenum is a cube of 1 m or longer, and half a wave")
+    line = turn_of_run(plenums(suction_volume="1 m^3"))
+    assert PlenumWithLine("suction", Parameters(suction_volume=0.99 * half_wave(line) ** 3)).spread(line) == ""
+    assert PlenumWithLine("suction", Parameters(suction_volume=1.01 * half_wave(line) ** 3)).spread(line) != ""
+
+
+def turn_of_run(changes):
+    problem, _, cycle = closed(make(changes))
+    return evaluate(problem, cycle).complete.turn
+
+
+def half_wave(turn):
+    """Return half of the sound's way [m] in the time between two lobes."""
+    return 0.5 * turn.line("suction").sound * turn.pitch / turn.omega
+
+
 VALVE = {"discharge_valve": {"area": "12 cm^2", "pressure": "0.1 bar"}}
 
 

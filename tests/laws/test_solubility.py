@@ -88,6 +88,10 @@ def test_explain_names_plenum_and_equations():
         ({**SOLUBLE, "effects.oil_injection": DROP}, "needs effects.oil_injection"),
         ({**SOLUBLE, "gas.fluid": "R1234yf"}, "covers R134a in POE oil only"),
         (
+            {**SOLUBLE, "oil": {"name": "mineral_46", "transport": "carried"}},
+            "oil.name: is mineral_46, and effects.refrigerant_solubility knows what polyol esters dissolve",
+        ),
+        (
             {**SOLUBLE, "effects.refrigerant_solubility.separator_temperature": "310 K"},
             "at 36.85 degC the gas condenses in the separator, at 12 bar",
         ),

@@ -28,6 +28,7 @@ import numpy as np
 from screwsim.effects.base import Drawn, Effect, InSeparator, OilContent, OilGas, OilSolution, Plenum, Site
 from screwsim.effects.oil_injection import discharge_pressure
 from screwsim.fluid import constants, solubility
+from screwsim.fluid.oils import is_ester
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.declare import quantity
 from screwsim.inputs.faults import Fault
@@ -237,6 +238,9 @@ def build(parameters: Parameters, machine) -> list[OilGas | Plenum]:
 
 def check(parameters: Parameters, facts) -> list[Fault]:
     path, faults = f"effects.{NAME}", []
+    if facts.oil is not None and facts.oil.name is not None and not is_ester(facts.oil.name):
+        what = f"is {facts.oil.name}, and effects.{NAME} knows what polyol esters dissolve"
+        faults.append(Fault("oil.name", f"{what} (choose a POE, or remove the effect)"))
     if facts.gas.name != solubility.FLUID:
         return [Fault(path, f"covers {solubility.FLUID} in POE oil only, not {facts.gas.name} (remove the effect)")]
     if parameters.absorption_time is not None and parameters.flash_time is None:

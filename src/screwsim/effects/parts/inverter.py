@@ -5,7 +5,7 @@ torque-producing current is proportional. P_i = ℓ [c_0 + c_1 i + (1 − c_0 �
 that of switching and conduction, and that of rectifier and choke. ℓ is the loss at 90 % of the frequency and full
 current, which EU 2019/1781 has makers state; or the law is fitted to the points that it has them state (M432). The
 motor's loss is ℓ_m P_r (1 + r) [c f^1.5 + (1 − c) i²] (M433): iron and friction by speed, copper by torque; for a motor
-given by a table, 1 + r times the table's loss.
+given by a table, 1 + r times the table's loss, whose efficiencies have to be those at the speed of each load.
 Source: operating points: IEC 61800-9-2; 1.5: between hysteresis, 1, and eddies, 2 (textbook). The shares c_0, c_1 are
 estimated; r is 0.15 up to 90 kW and 0.25 above as we know IEC TS 60034-30-2, whose text was not at hand.
 Assumptions: torque and current in proportion, no field weakening: above rated speed there is a warning; the loss heats
