@@ -122,6 +122,6 @@ def _decay(problem: Problem, life: Trajectory, first: int) -> Array:
     sampled, flows = life.sample(angles)
     dense = life.dense[: life.steps].copy()
     dense[:, :, slots.S_RHO] *= 1.0 + DENSER
-    _, more = life._replace(dense=dense).sample(angles)
+    _, more = life.with_dense(dense).sample(angles)
     slope = (more - flows).sum(axis=1) / DENSER
     return -slope / (problem.parts.omega * sampled[:, VOLUME] * sampled[:, RHO])
