@@ -218,7 +218,7 @@ def energyplus(
         (at, [*errors, *(error for _, error in each.values())])
         for (at, errors), each in zip(_polynomial_errors(found), curves, strict=True)
     ]
-    errors = [{word: error for word, (_, error) in each.items()} for each in curves]
+    errors = [{word: error for word, (_, error) in curve.items()} for curve in curves]
     said = {**document(found), "objects": objects, "largest_errors_of_normalised": errors}
     return _print_polynomials_and_files(said, [*found.units, *curves[0]], rows, [file], as_json)
 

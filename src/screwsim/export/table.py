@@ -99,7 +99,7 @@ def scales(outputs: Sequence[Output], values: Array) -> Array:
     size = np.abs(values)
     largest = np.nanmax(size.reshape(-1, size.shape[-1]), axis=0)
     found = np.maximum(size, LEAST_SCALE * largest)
-    kelvin = np.array([each.units == "K" for each in outputs])
+    kelvin = np.array([output.units == "K" for output in outputs])
     return np.where(kelvin, TEMPERATURE_SCALE, np.where(found > 0.0, found, 1.0))
 
 
@@ -327,7 +327,7 @@ class _Solver:
         with temporary_results(scene, jobs=self._jobs, progress=told, **options) as results:
             self.cases += math.prod(shape)
             nothing = np.full(shape, np.nan)
-            columns = [np.reshape(results.performance.get(each.name, nothing), shape) for each in self._outputs]
+            columns = [np.reshape(results.performance.get(output.name, nothing), shape) for output in self._outputs]
             values = np.stack(columns, axis=-1)
             sound = (results.status.reshape(shape) == "ok") & np.isfinite(values).all(axis=-1)
             if not sound.all() and not self.why:

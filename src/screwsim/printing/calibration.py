@@ -120,7 +120,7 @@ def print_calibration(found: Calibration) -> None:
     say()
     heads = ["", "value", "± standard error", "as good"]
     rows = [_row(found, index, each) for index, each in enumerate(found.fit.parameters)]
-    tolerances = [_tolerance(found, each) for each in found.fit.parameters]
+    tolerances = [_tolerance(found, parameter) for parameter in found.fit.parameters]
     if any(tolerances):
         heads.append(TOLERANCE_REMEDY)
         rows = [[*row, cell] for row, cell in zip(rows, tolerances, strict=True)]

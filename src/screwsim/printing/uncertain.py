@@ -90,8 +90,8 @@ def model_lines(model: Mapping[str, Any]) -> list[str]:
     figures = model["figures"]
     if not figures:
         return [f"model: {model['of']} states no error for any figure of this scene"]
-    points = max(each["points"] for each in figures.values())
-    missing = list(dict.fromkeys(word for each in figures.values() for word in each["not_stated"]))
+    points = max(figure["points"] for figure in figures.values())
+    missing = list(dict.fromkeys(word for figure in figures.values() for word in figure["not_stated"]))
     lines = [f"model: ours less theirs at the {points} points of {model['of']} not used in any fit, E ± 2 u_val"]
     lines[0] += f"; without {', '.join(missing)}, which the source does not state" if missing else ""
     lines[0] += f". {model['citation']}"

@@ -195,13 +195,13 @@ class Fit:
 
     def with_priors(self) -> Fit:
         """Return the fit with the scene's tolerances as priors of parameters that have none."""
-        held = (replace(each, prior=prior_of(self.scene, each)) for each in self.parameters)
+        held = (replace(parameter, prior=prior_of(self.scene, parameter)) for parameter in self.parameters)
         together = correlated_groups(self.scene, self.parameters)
         return replace(self, parameters=tuple(held), together=together)
 
     def short_names(self) -> dict[str, str]:
         """Return short names of the parameters by path: the last words that tell them apart."""
-        paths = {each.path: each.path.split(".") for each in self.parameters}
+        paths = {parameter.path: parameter.path.split(".") for parameter in self.parameters}
         ends = [path[-1] for path in paths.values()]
         return {name: ".".join(path[-2:]) if ends.count(path[-1]) > 1 else path[-1] for name, path in paths.items()}
 

@@ -95,14 +95,14 @@ def part_load_table(
     heads = ["control", "load %", "setting", *(head for head, _ in columns)]
     heads += ["best Vi", best[0]] if rated.asked.ratios else []
     rows = []
-    for each in rated.loads:
-        for k, step in enumerate(each.steps):
-            setting = shown_value(scene, each.control.path, step.setting, 4)
+    for load in rated.loads:
+        for k, step in enumerate(load.steps):
+            setting = shown_value(scene, load.control.path, step.setting, 4)
             cells = [column.cell(step.result.performance) for _, column in columns]
             if rated.asked.ratios:
                 better = step.best.performance if step.best is not None else {}
                 cells += [NONE if step.ratio is None else f"{step.ratio:.2f}", best[1].cell(better)]
-            rows.append([each.control.name if k == 0 else "", f"{100.0 * step.load:.0f}", setting, *cells])
+            rows.append([load.control.name if k == 0 else "", f"{100.0 * step.load:.0f}", setting, *cells])
     if rows:
         yield Table("Part load at equal loads", heads, rows, note, left=1, across=True)
 
@@ -130,7 +130,7 @@ def part_load_note(rated: Rating, load: str, best: str) -> str:
 
 def _missed_ratios(rated: Rating) -> str:
     """Return at which built-in volume ratios no best one was sought, and why; empty where there are none."""
-    missed = {ratio: why for each in rated.loads for step in each.steps for ratio, why in step.missed.items()}
+    missed = {ratio: why for load in rated.loads for step in load.steps for ratio, why in step.missed.items()}
     if not missed:
         return ""
     named = ", ".join(f"{ratio:.3g}" for ratio in sorted(missed))
@@ -158,9 +158,9 @@ def drawing(
 
 def part_load_drawing(rated: Rating, column: Column, title: str) -> Iterator[Drawing]:
     """Yield a drawing over the load, with one curve per control; nothing where none has two points."""
-    parts = [each for each in rated.loads if len(each.curve) > 1]
+    parts = [load for load in rated.loads if len(load.curve) > 1]
     if parts:
-        yield Drawing(title, "load [%]", title, [_load_curve(each, column) for each in parts])
+        yield Drawing(title, "load [%]", title, [_load_curve(part, column) for part in parts])
 
 
 def _load_curve(each: PartLoad, column: Column) -> Curve:
@@ -190,7 +190,7 @@ def document_of(rated: Rating, names: Sequence[str]) -> dict[str, Any]:
         out = exceeded_bounds(result.performance, asked.bounds) if result.status == "ok" else []
         at = {first: asked.across.values[i], second: asked.down.values[j]}
         points.append({**at, **document_figures(result, names), "beyond": [bound.figure for bound in out]})
-    every = (rated.own, *rated.points.values(), *(step.result for each in rated.loads for step in each.steps))
+    every = (rated.own, *rated.points.values(), *(step.result for load in rated.loads for step in load.steps))
     return {
         "own_point": document_figures(rated.own, names),
         "points": points,
@@ -201,7 +201,7 @@ def document_of(rated: Rating, names: Sequence[str]) -> dict[str, Any]:
         "envelope": [
             {first: each.at, second: [each.low, each.high], "ends": [each.below, each.above]} for each in rated.reach
         ],
-        "part_load": [_control(each, names) for each in rated.loads],
+        "part_load": [_control(load, names) for load in rated.loads],
         "warnings": list(dict.fromkeys(text for result in every for text in result.warnings)),
     }
 
