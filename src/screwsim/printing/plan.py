@@ -61,7 +61,7 @@ def print_plan(found: Plan) -> None:
         say(wrapped(f"{found.status}: {found.message}"))
         return
     say()
-    rows = [[f"{i}", each.point.name, f"{each.gain:.3f}"] for i, each in enumerate(found.steps, 1)]
+    rows = [[f"{i}", step.point.name, f"{step.gain:.3f}"] for i, step in enumerate(found.steps, 1)]
     print_table(["", "measure next", "gain"], rows, 2)
     say()
     shown = (

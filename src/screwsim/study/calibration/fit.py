@@ -126,7 +126,7 @@ def correlated_groups(scene: Scene, parameters: Sequence[Parameter]) -> tuple[tu
     """Return the groups of parameters, by index, whose priors are correlated tolerances of the scene."""
     found = []
     for group in scene.correlated:
-        own = [i for i, each in enumerate(parameters) if each.path in group]
+        own = [i for i, parameter in enumerate(parameters) if parameter.path in group]
         held = [prior_of(scene, parameters[i]) for i in own]
         found.append(tuple(i for i, prior in zip(own, held, strict=True) if prior is not None and prior.of_scene))
     return tuple(group for group in found if len(group) > 1)
@@ -163,7 +163,7 @@ class Fit:
     @property
     def held(self) -> tuple[int, ...]:
         """Indices of the parameters that have a prior."""
-        return tuple(i for i, each in enumerate(self.parameters) if each.prior is not None)
+        return tuple(i for i, parameter in enumerate(self.parameters) if parameter.prior is not None)
 
     @cached_property
     def whitener(self) -> NDArray[np.float64]:
