@@ -70,21 +70,22 @@ def tables_of(rated: Rating, columns: Sequence[Column], side: str) -> Iterator[T
     across = (shown_at(asked.across, value) for value in asked.across.values)
     heads = [side, *(value.replace(" ", BLANK) for value in across)]
     for column in columns:
-        rows, marked = [], False
-        for j, value in enumerate(asked.down.values):
-            cells = []
-            for i in range(len(asked.across.values)):
-                result = rated.points.get((i, j))
-                if result is None or result.status != "ok":
-                    cells.append("" if result is None else NONE)
-                    continue
-                out = bool(exceeded_bounds(result.performance, asked.bounds))
-                marked = marked or out
-                cells.append(column.cell(result.performance) + (MARK if out else BLANK))
-            rows.append([shown_at(asked.down, value), *cells])
-        if not marked:
-            rows = [[cell.rstrip(BLANK) for cell in row] for row in rows]
+        cells = [
+            [_cell(rated, column, i, j) for i in range(len(asked.across.values))] for j in range(len(asked.down.values))
+        ]
+        marked = any(beyond for row in cells for _, beyond in row)
+        texts = [[text if marked else text.rstrip(BLANK) for text, _ in row] for row in cells]
+        rows = [[shown_at(asked.down, value), *row] for value, row in zip(asked.down.values, texts, strict=True)]
         yield Table(column.title, heads, rows, f"{MARK} beyond a limit" if marked else "")
+
+
+def _cell(rated: Rating, column: Column, i: int, j: int) -> tuple[str, bool]:
+    """Return the text at one point of a table, and whether the point lies beyond a limit."""
+    result = rated.points.get((i, j))
+    if result is None or result.status != "ok":
+        return "" if result is None else NONE, False
+    beyond = bool(exceeded_bounds(result.performance, rated.asked.bounds))
+    return column.cell(result.performance) + (MARK if beyond else BLANK), beyond
 
 
 def part_load_table(
