@@ -139,10 +139,10 @@ def check_names(inputs: Sequence[Input], outputs: Sequence[Output]) -> None:
             what = f"{paths[one.name]} and {one.path} would both be called {one.name} in the export"
             raise UsageError(f"no map: {what} (vary one of them)")
         paths[one.name] = one.path
-    for each in outputs:
-        if each.name in paths:
-            what = f"is the name of an input of this map, {paths[each.name]}"
-            raise UsageError(f"no map: figure {each.name} {what} (name other figures with --figure)")
+    for output in outputs:
+        if output.name in paths:
+            what = f"is the name of an input of this map, {paths[output.name]}"
+            raise UsageError(f"no map: figure {output.name} {what} (name other figures with --figure)")
 
 
 def title_on_one_line(text: str) -> str:

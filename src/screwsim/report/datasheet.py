@@ -53,7 +53,7 @@ def page(sheet: Any) -> str:
         "HEADING": escape(sheet.heading),
         "STYLE": "".join(source.joinpath("page", f"{name}.css").read_text("utf-8") for name in ("theme", "page")),
         "LINES": "".join(lines),
-        "TABLES": _side_by_side("tables", [_table(each) for each in sheet.tables], len(sheet.tables)),
+        "TABLES": _side_by_side("tables", [_table(table) for table in sheet.tables], len(sheet.tables)),
         "DRAWINGS": _side_by_side("drawings", [_figure(each) for each in sheet.drawings], len(sheet.drawings)),
         "VERDICT": _verdict(sheet.verdict),
         "NOTES": "".join(f"<li>{escape(note)}</li>" for note in sheet.notes),

@@ -74,7 +74,7 @@ class Comparison(Brief):
     @property
     def equal(self) -> bool:
         """Whether statuses and figures agree at all common points; False where no point has figures."""
-        odd = any(each.beyond or each.only_a or each.only_b for each in self.figures)
+        odd = any(figure.beyond or figure.only_a or figure.only_b for figure in self.figures)
         return not odd and not self.status_changes and self.compared > 0
 
     def _about(self) -> About:
@@ -83,7 +83,7 @@ class Comparison(Brief):
         notes = [f"points: {counts}"]
         notes += [f"scenes differ by {', '.join(self.scene)}"] if self.scene else []
         notes += [f"the status of {self.status_changes} points differs"] if self.status_changes else []
-        rows = [_cells(each) for each in self.figures]
+        rows = [_cells(figure) for figure in self.figures]
         columns = ("figure [SI]", "A", "B", "error of both", "differ")
         return About(f"Comparison: {'equal' if self.equal else 'different'} within errors", notes, columns, rows)
 
@@ -124,7 +124,7 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
         math.prod(a.shape) - len(in_a),
         math.prod(b.shape) - len(in_b),
         {path: both for path, both in sides_of.items() if path not in paths and both[0] != both[1]},
-        tuple(each for each in figures if each is not None),
+        tuple(figure for figure in figures if figure is not None),
         len(changed),
         tuple(first),
     )

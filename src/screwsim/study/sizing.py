@@ -140,7 +140,7 @@ def performance_lines(asked: SceneRequest, found: SizedMachine) -> Iterator[str]
     else:
         assumed += [f"{p.oil_ratio:.2g} kg of oil per kg of gas", "losses fitted to similar machines"]
     yield f"assumed: {', '.join(assumed)}"
-    yield from (f"warning: {each}" for each in found.result.warnings)
+    yield from (f"warning: {warning}" for warning in found.result.warnings)
 
 
 def _package_in_words(found: SizedMachine) -> tuple[str, str]:
