@@ -190,7 +190,7 @@ def matched(a: Sequence[Array], b: Sequence[Array], rows: tuple[int, int]) -> tu
 
 
 def _partners(codes: Array, others: Array) -> tuple[Array, Array]:
-    """Return the rows whose code is among the others, and of each the row there: as many-th of that code, or the last."""
+    """Return the rows whose code is among the others, and for each the row there: as many-th of that code, or last."""
     own, theirs = np.argsort(codes, kind="stable"), np.argsort(others, kind="stable")
     rank = np.empty(len(codes), np.int64)
     rank[own] = np.arange(len(codes)) - np.searchsorted(codes[own], codes[own])
