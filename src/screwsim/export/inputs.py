@@ -29,7 +29,7 @@ _DERIVED: dict[str, dict[str, int]] = {
 }
 _PART = re.compile(r"([A-Za-z]+)\^?(-?[0-9]+)?")
 LOGARITHMIC_FROM = 2.0  # ratio of the ends of a pressure range from which nodes are spaced by its logarithm
-FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "cooling_capacity")
+FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "cooling_capacity", "electrical_power")
 _NAMES = {
     "operation.suction.pressure": "suction_pressure",
     "operation.suction.temperature": "suction_temperature",
