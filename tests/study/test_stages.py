@@ -166,8 +166,11 @@ def test_errors_of_both_stages_reach_the_whole_by_the_pressure_that_they_move(ch
     assert any("above the wanted accuracy" in warning for warning in found.warnings)
 
 
-def test_a_cooler_warmer_than_the_gas_does_nothing(chain):
-    warm = run_stages(read_stages(chain({**COOLER, "outlet_temperature": "450 K"}))).performance
+def test_a_cooler_warmer_than_the_gas_does_nothing_and_says_so(chain):
+    found = run_stages(read_stages(chain({**COOLER, "outlet_temperature": "450 K"})))
+    warm = found.performance
+    assert "the intercooler cools nothing: the gas arrives at" in found.warnings[0]
+    assert run_stages(read_stages(chain(COOLER))).warnings == ()
     assert warm.intercooler_heat == pytest.approx(0.0, abs=1e-6)
     assert warm.shaft_power == pytest.approx(run_stages(read_stages(chain())).performance.shaft_power, rel=1e-9)
 

@@ -20,7 +20,7 @@ def rotors(
 ) -> None:
     """Print and draw the rotor geometry that follows from a scene's profile."""
     options.check_folder(folder)
-    scene = options.base_point(options.loaded_scene(scene_file, overrides, None), scene_file)
+    scene = options.loaded_point(scene_file, overrides, None)
     from screwsim.printing import print_json
     from screwsim.report.rotors_scene import document, table_text, write
     from screwsim.scene.plausible import scene_warnings
@@ -41,7 +41,10 @@ def plot(
     folder: Annotated[Text, option("DIR", "Folder for the figures.", "-o")] = None,
     measured: Annotated[
         File,
-        option("POINTS.csv", "Measured chamber pressures (angle_deg, pressure_bar) to draw with the computed ones."),
+        option(
+            "POINTS.csv",
+            "Measured chamber pressures to draw, too (columns angle_deg or volume_cm3, and pressure_bar).",
+        ),
     ] = None,
 ) -> None:
     """Draw the figures of a results file."""
@@ -52,16 +55,16 @@ def plot(
         options.print_files(drawn(results_file, folder))
         return
     from screwsim.printing.tables import wrapped
-    from screwsim.report.indicated import check_angles, deviation_in_words, read_indicated
+    from screwsim.report.indicated import at_angles, deviation_in_words, read_indicated
     from screwsim.report.trace import chosen_trace
     from screwsim.results import open_results
 
-    points, trace = read_indicated(measured), chosen_trace(open_results(results_file))
+    read, trace = read_indicated(measured), chosen_trace(open_results(results_file))
     if trace is None:
         raise UsageError(
             f"{results_file}: holds no cycle to compare (run stores one; a sweep does with output.keep: cycle)"
         )
-    check_angles(points, trace)
+    points = at_angles(read, trace)
     files = drawn(results_file, folder, points)
     say(wrapped(deviation_in_words(points, trace)))
     options.print_files(files)

@@ -79,6 +79,7 @@ FIGURES = (
         "lowest mass flow from the discharge plenum into its line",
         over("gas_mass_flow"),  # it passes through zero
         (".discharge_volume",),
+        by_flow=True,
     ),
 )
 

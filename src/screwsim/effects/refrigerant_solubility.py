@@ -59,6 +59,7 @@ FIGURES = (
         "1",
         "refrigerant that flashes out of the oil, over net suction flow",
         Scale(BROUGHT, ("dissolved_gas_ratio", "oil_flow_ratio"), where=OVER_TIME),
+        by_flow=True,
         by_held=True,
     ),
 )

@@ -203,6 +203,7 @@ _CORE = (
         "1",
         "net gas flow of an expander, over the flow that would fill its chambers when the inlet closes",
         needs=EXPANDED,
+        by_flow=True,
     ),
     Figure("wall_heat", "W", "net heat from walls into the gas", POWER, WALLED),
     Figure(

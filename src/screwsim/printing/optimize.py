@@ -17,7 +17,10 @@ from screwsim.study.seek import VALUE_DIGITS
 MOST_FRONT_ROWS = 12  # most rows of a front printed; all are in the file
 MOST_REASONS = 3  # most reasons for failed evaluations
 # for operating points, beside objectives
-OTHER_FIGURES = ("cooling_capacity", "shaft_power", "cop", "discharge_temperature")
+OTHER_FIGURES = (
+    *("free_air_delivered", "package_specific_power"),
+    *("cooling_capacity", "shaft_power", "cop", "discharge_temperature"),
+)
 
 
 def optimize_document(found: Optimum) -> dict[str, Any]:

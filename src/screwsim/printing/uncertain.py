@@ -10,6 +10,7 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, figure_unit, shown_name
 from screwsim.figures.errors import error_in_unit
 from screwsim.outputs import Result
+from screwsim.outputs.derivatives import PACKAGE_FIGURES, usual_figures
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.read import Results
@@ -17,13 +18,13 @@ from screwsim.scene import Scene
 from screwsim.screen import say
 from screwsim.study.uncertain import COVERAGE, Uncertainty
 
-USUAL_FIGURES = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power")
 MOST_FIGURES = 3
 EFFICIENCY_SUFFIX = "efficiency"
 MOST_CONTRIBUTORS = 3  # most contributors named for a figure ...
 LEAST_SHARE = 0.01  # ... and their least share of its variance
 NEGLIGIBLE = 1e-6  # of a figure: smaller uncertainties are ignored
 RANGE_FIGURES = (
+    *PACKAGE_FIGURES,
     *("isothermal_efficiency", "isentropic_efficiency", "volumetric_efficiency", "gas_mass_flow", "cooling_capacity"),
     *("cop", "shaft_power", "electrical_power", "discharge_temperature", "oil_mass_flow", "work_per_cycle"),
 )
@@ -154,7 +155,8 @@ def uncertainty_ranges(results: Results) -> dict[str, Any]:
 def ranges_text(found: Mapping[str, Any]) -> str:
     """Return in words the uncertainty of the first figures, and the input that contributes most."""
     parts = []
-    for name in [name for name in USUAL_FIGURES if name in found["figures"]][:MOST_FIGURES]:
+    names = usual_figures(found["figures"])[:MOST_FIGURES]
+    for name in names:
         each = found["figures"][name]
         factor, unit = figure_unit(declared(name), each["largest"])
         unit = "points" if unit == "%" and name.endswith(EFFICIENCY_SUFFIX) else unit
@@ -163,7 +165,7 @@ def ranges_text(found: Mapping[str, Any]) -> str:
         parts.append(f"{shown_name(name)} {reach} {unit}".strip())
     if not parts:
         return "none of the usual figures (all are in group uncertainty of the file)"
-    shares = next(found["figures"][name]["shares"] for name in USUAL_FIGURES if name in found["figures"])
+    shares = found["figures"][names[0]]["shares"]
     path, share = max(shares.items(), key=lambda item: item[1])
     most = f"{path.replace('effects.', '')} causes {share:.0%} of the first one's variance"
     return f"{'; '.join(parts)} (95 %, linear; {most}; all in the file)"

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from screwsim.evaluate.performance import NO_POWER, heating, parted
-from screwsim.figures.errors import error_in_unit, error_scale
+from screwsim.figures.errors import error_in_unit, error_scale, zeros_for_none
 from screwsim.outputs import STAGES, Figures, Result
 from screwsim.outputs.display import picked
 from screwsim.scene import Scene
@@ -81,7 +81,7 @@ def chain_errors(
     other = beside(pair.p * PRESSURE_STEP)
     shift = left / max(abs(other.excess - pair.excess), 1e-300)  # fraction of the step to that other pressure
     by_pressure = _figure_changes(found, figures(other))
-    known = {name: 0.0 if value is None else value for name, value in found.items()}
+    known = zeros_for_none(found)
     scales = {name: STAGES[name].scale for name, value in found.items() if value is not None}
     sizes = {name: error_scale(name, scale, known) for name, scale in scales.items() if not scale.unasked}
     return Figures(
