@@ -305,8 +305,8 @@ class _ChainSolver:
         etas, notes = parted(efficiencies(self.gas, ends, Inlet(port_state[1], port_state[2]), flow, power, drawn))
         comes, taken = pair.flows
         cooled, reasons = self._capacities(pair, flow, power, port_state[2])
-        taken_up = [each.get("electrical_power") for each in (first, second)]
-        electrical = None if None in taken_up else sum(taken_up)
+        taken_up = [each["electrical_power"] for each in (first, second) if each.get("electrical_power") is not None]
+        electrical = sum(taken_up) if len(taken_up) == len(pair.results) else None
         notes = {**notes, **reasons}
         found = Figures(
             intermediate_pressure=p,
