@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -60,15 +60,15 @@ def capacities(
     return {"cooling_capacity": cooling, "cop": cop, **warming}, notes
 
 
-def electrical_figures(found: Mapping[str, float | None], stages: Sequence[Mapping[str, Any]]) -> dict[str, float]:
-    """Return the electrical power [W] of both stages, and the COP of the capacities found; none without two motors."""
-    powers = [power for stage in stages if (power := stage.get("electrical_power")) is not None]
-    if len(powers) < len(stages):
+def electrical_figures(results: tuple[Result, Result], found: Mapping[str, float | None]) -> dict[str, float]:
+    """Return the electrical power [W] of both stages, if both have a motor, and the COP of the capacities found."""
+    powers = [each.performance.get("electrical_power") for each in results]
+    power = sum(each for each in powers if each is not None)
+    if None in powers or not power > 0.0:
         return {}
-    power = sum(powers)
     names = (("electrical_cop", "cooling_capacity"), ("electrical_heating_cop", "heating_capacity"))
-    known = ((name, found.get(capacity)) for name, capacity in names if power > 0.0)
-    return {"electrical_power": power, **{name: size / power for name, size in known if size is not None}}
+    known = ((name, found.get(capacity)) for name, capacity in names)
+    return {"electrical_power": power} | {name: capacity / power for name, capacity in known if capacity is not None}
 
 
 def chain_errors(

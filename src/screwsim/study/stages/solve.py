@@ -321,7 +321,7 @@ class _ChainSolver:
             discharge_temperature=second.discharge_temperature,
             **etas,
             **cooled,
-            **electrical_figures(cooled, (first, second)),
+            **electrical_figures(pair.results, cooled),
             flow_mismatch=abs(comes - taken) / max(comes, taken),
         )
         notes |= {f"{STAGE_NAMES[1]}_{name}": pair.unparted for name in SEPARATOR_FIGURES if pair.unparted}
