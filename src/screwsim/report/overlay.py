@@ -19,6 +19,8 @@ WIDTHS = 1.2, 0.9  # [pt] line widths of A and B
 DASH = DASHES[1]
 COLOUR_B = COLOURS[3]  # of the second cycle
 
+Pair = tuple[list[Curve], list[Curve]]  # curves of A and of B
+
 
 def draw_overlay(a: Results, b: Results, folder: str | Path) -> list[str]:
     """Write the figures that two files have in common, and return their paths; none where they share no axes."""
@@ -29,8 +31,11 @@ def plans(a: Results, b: Results) -> Mapping[str, Callable[[], Any]]:
     """Return the figures that both files have data for, by name."""
     found: dict[str, Callable[[], Any]] = {}
     layouts = families.layout_of(a), families.layout_of(b)
-    if None not in layouts and _same(a, b, *layouts):  # type: ignore[arg-type]
-        found["comparison"] = partial(_curves, a, b, *layouts)
+    layout, other = layouts
+    if layout is not None and other is not None and _same(a, b, layout, other):
+        shown = _common_curves(a, b, layout)
+        if shown:  # no figure may have two points along an axis in both
+            found["comparison"] = partial(_curves, a, b, layout, shown)
     traces = chosen_trace(a), chosen_trace(b)
     if None not in traces:
         found["comparison_cycles"] = partial(_cycles, a, b, *traces)
@@ -42,17 +47,23 @@ def _same(a: Results, b: Results, one: Layout, other: Layout) -> bool:
     return [axis.path for axis in a.axis_list] == [axis.path for axis in b.axis_list] and one == other
 
 
-def _curves(a: Results, b: Results, layout: Layout, _other: Layout) -> Any:
-    """Draw figures over the common axis of both sweeps, one panel each, with further axes at their first values."""
-    _, constant, chosen = next(slices(a, layout))
+def _common_curves(a: Results, b: Results, layout: Layout) -> dict[str, Pair]:
+    """Return the curves of each figure that both files have, those of B in the units of A."""
+    _, _, chosen = next(slices(a, layout))
     efficiency = families.efficiency_name(a)
     names = [name for name in (efficiency, *OTHER_FIGURES) if name is not None]
     both = {name: [curves_of_slice(each, layout, chosen, None, name) for each in (a, b)] for name in names}
-    shown = {name: (one, _in_units(a, b, name, other)) for name, (one, other) in both.items() if one and other}
+    return {name: (one, _in_units(a, b, name, other)) for name, (one, other) in both.items() if one and other}
+
+
+def _curves(a: Results, b: Results, layout: Layout, shown: Mapping[str, Pair]) -> Any:
+    """Draw figures over the common axis of both sweeps, one panel each, with further axes at their first values."""
+    _, constant, _ = next(slices(a, layout))
     few = {curve.text for one, _ in shown.values() for curve in thinned(one)[0]}
     kept = next((words for one, _ in shown.values() if (words := thinned(one)[1])), "")
     shown = {
-        name: tuple([curve for curve in curves if curve.text in few] for curves in pair) for name, pair in shown.items()
+        name: ([curve for curve in one if curve.text in few], [curve for curve in other if curve.text in few])
+        for name, (one, other) in shown.items()
     }
     figure, places = panels(len(shown), 22.0, 52.0)
     for axes, (name, pair) in zip(places, shown.items(), strict=True):
