@@ -1,6 +1,7 @@
 """Two results files: which points are common, what differs beyond numerical error, and what of the scenes."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,9 +11,13 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
 from screwsim.printing.compare import _shown_pair, comparison_document, print_comparison
 from screwsim.results import open_results, save
-from screwsim.scene import loads
+from screwsim.scene import load, loads
+from screwsim.simulate import simulate
 from screwsim.study.compare import compare, matched
 from screwsim.study.sweep import run_sweep
+from screwsim.study.uncertain import with_uncertainty
+
+PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 
 ERROR = 1e-5  # estimated, of the shaft power of the fake
 
@@ -117,6 +122,22 @@ def test_a_tolerance_counts_beside_the_errors(grid, tmp_path):
     other = swept(tmp_path / "b.h5", simulate=other_power(1.01))
     assert not compare(grid, other).equal
     assert compare(grid, other, tolerance=0.011).equal
+
+
+def test_a_change_is_as_uncertain_as_inputs_that_are_not_off_alike(tmp_path, capsys):
+    """A file against itself: they are all alike. Against the same machine without tolerances: none is."""
+    tolerances = {"effects.tip_leakage.gap": "27.5 um ± 5 um", "oil_supply.ratio": "3 ± 10 %"}
+    files = []
+    for name, scene in (("with", load(PAPER).with_(tolerances)), ("without", load(PAPER))):
+        save(tmp_path / f"{name}.h5", scene, with_uncertainty(scene, simulate(scene)))
+        files.append(open_results(tmp_path / f"{name}.h5"))
+    toleranced, exact = files
+    alike, apart = (figure(compare(toleranced, other), "shaft_power") for other in files)
+    assert alike.inputs == 0.0
+    assert apart.inputs == pytest.approx(2.0 * float(toleranced.uncertainty["shaft_power"]), rel=1e-12)
+    assert figure(compare(exact, exact), "shaft_power").inputs is None
+    print_comparison(toleranced, exact, compare(toleranced, exact))
+    assert "error inputs differ" in " ".join(capsys.readouterr().out.split())
 
 
 def test_points_are_matched_by_their_values(grid, tmp_path):

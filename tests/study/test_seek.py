@@ -132,7 +132,7 @@ def test_without_a_range_it_is_the_axis_or_what_machines_have():
 
 
 def test_a_path_at_zero_has_the_range_of_its_limits():
-    machine = loads(new_scene("refrigeration", request_of(*[None] * 6, slide=True)))
+    machine = loads(new_scene("refrigeration", request_of(slide=True)))
     asked = question(machine, ["machine.slide_valve.position"], ["cooling_capacity=100 kW"])
     assert [(span.low, span.high, span.start) for span in asked.spans] == [(0.0, 1.0, 0.0)]
 
@@ -239,7 +239,7 @@ def test_a_scene_of_another_size_says_so_in_its_title(tmp_path):
     from screwsim.scene import with_values
 
     base = tmp_path / "machine.yaml"
-    base.write_text(new_scene("refrigeration", request_of(None, "600 m^3/h", None, None, None, None)), encoding="utf-8")
+    base.write_text(new_scene("refrigeration", request_of(displacement="600 m^3/h")), encoding="utf-8")
     values = {"machine.displacement.flow": 1250.0 / 3600.0}
     path = tmp_path / "sized.yaml"
     write_found(path, with_values(screwsim.load(base), values), values, str(base), [], [], "find machine.yaml")

@@ -33,9 +33,9 @@ def plans(a: Results, b: Results) -> Mapping[str, Callable[[], Any]]:
     layouts = families.layout_of(a), families.layout_of(b)
     layout, other = layouts
     if layout is not None and other is not None and _same(a, b, layout, other):
-        shown = _common_curves(a, b, layout)
-        if shown:  # no figure may have two points along an axis in both
-            found["comparison"] = partial(_curves, a, b, layout, shown)
+        common = _common_curves(a, b, layout)
+        if common[0]:  # no figure may have two points along an axis in both
+            found["comparison"] = partial(_curves, a, b, layout, *common)
     traces = chosen_trace(a), chosen_trace(b)
     if None not in traces:
         found["comparison_cycles"] = partial(_cycles, a, b, *traces)
@@ -47,30 +47,16 @@ def _same(a: Results, b: Results, one: Layout, other: Layout) -> bool:
     return [axis.path for axis in a.axis_list] == [axis.path for axis in b.axis_list] and one == other
 
 
-def _common_curves(a: Results, b: Results, layout: Layout) -> dict[str, Pair]:
-    """Return the curves of each figure that both files have, those of B in the units of A."""
-    _, _, chosen = next(slices(a, layout))
-    efficiency = families.efficiency_name(a)
-    names = [name for name in (efficiency, *OTHER_FIGURES) if name is not None]
-    both = {name: [curves_of_slice(each, layout, chosen, None, name) for each in (a, b)] for name in names}
-    return {name: (one, _in_units(a, b, name, other)) for name, (one, other) in both.items() if one and other}
-
-
-def _curves(a: Results, b: Results, layout: Layout, shown: Mapping[str, Pair]) -> Any:
+def _curves(a: Results, b: Results, layout: Layout, panels_of: Mapping[str, Pair], kept: str) -> Any:
     """Draw figures over the common axis of both sweeps, one panel each, with further axes at their first values."""
     _, constant, _ = next(slices(a, layout))
-    few = {curve.text for one, _ in shown.values() for curve in thinned(one)[0]}
-    kept = next((words for one, _ in shown.values() if (words := thinned(one)[1])), "")
-    shown = {
-        name: ([curve for curve in one if curve.text in few], [curve for curve in other if curve.text in few])
-        for name, (one, other) in shown.items()
-    }
-    figure, places = panels(len(shown), 22.0, 52.0)
-    for axes, (name, pair) in zip(places, shown.items(), strict=True):
+    figure, places = panels(len(panels_of), 22.0, 52.0)
+    for axes, (name, pair) in zip(places, panels_of.items(), strict=True):
         texts = list(dict.fromkeys(curve.text for curves in pair for curve in curves))
+        colours = {text: COLOURS[number % len(COLOURS)] for number, text in enumerate(texts)}
         for curves, width, dashes in zip(pair, WIDTHS, ("-", DASH), strict=True):
             for curve in curves:
-                colour = COLOURS[texts.index(curve.text) % len(COLOURS)]
+                colour = colours[curve.text]
                 axes.plot(curve.x, curve.y, color=colour, linestyle=dashes, linewidth=width)
                 if curve.banded:
                     axes.fill_between(curve.x, curve.low, curve.high, color=colour, alpha=0.16, linewidth=0.0)
@@ -79,18 +65,39 @@ def _curves(a: Results, b: Results, layout: Layout, shown: Mapping[str, Pair]) -
     heading, words = families.curves_heading(a, layout)
     _head(figure, a, b, constant, words, kept)
     if layout.curves is not None:
-        label_curves(zip(places, (one for one, _ in shown.values()), strict=True), heading)
+        label_curves(zip(places, (of_a for of_a, _ in panels_of.values()), strict=True), heading)
     return figure
+
+
+def _common_curves(a: Results, b: Results, layout: Layout) -> tuple[dict[str, Pair], str]:
+    """Return the curves of both files by figure, B's in the units of A, and words on curves left out."""
+    _, _, chosen = next(slices(a, layout))
+    pairs: dict[str, Pair] = {}
+    for name in filter(None, (families.efficiency_name(a), *OTHER_FIGURES)):
+        of_a, of_b = (curves_of_slice(each, layout, chosen, None, name) for each in (a, b))
+        if of_a and of_b:
+            pairs[name] = of_a, _in_units(a, b, name, of_b)
+    thin = [thinned(of_a) for of_a, _ in pairs.values()]
+    shown = {curve.text for curves, _ in thin for curve in curves}
+
+    def few(curves: list[Curve]) -> list[Curve]:
+        return [curve for curve in curves if curve.text in shown]
+
+    return {name: (few(of_a), few(of_b)) for name, (of_a, of_b) in pairs.items()}, next(
+        filter(None, (words for _, words in thin)), ""
+    )
 
 
 def _in_units(a: Results, b: Results, name: str, curves: list[Curve]) -> list[Curve]:
     """Return the curves of B in the units in which A shows the figure."""
     own, wanted = shown_figure(b, name), shown_figure(a, name)
 
-    def of(values: np.ndarray) -> np.ndarray:
+    def converted(values: np.ndarray) -> np.ndarray:
         return wanted.of((values - own.offset) / own.factor)
 
-    return [curve._replace(y=of(curve.y), low=of(curve.low), high=of(curve.high)) for curve in curves]
+    return [
+        curve._replace(y=converted(curve.y), low=converted(curve.low), high=converted(curve.high)) for curve in curves
+    ]
 
 
 def _cycles(a: Results, b: Results, one: Trace, other: Trace) -> Any:

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from screwsim.effects import catalogue
 from screwsim.inputs.declare import KINDS
-from screwsim.inputs.suggestions import nearest
+from screwsim.inputs.suggestions import did_you_mean
 from screwsim.scene.fields import Leaf, effect_keys, leaf_paths, leaves_of, value_at
 from screwsim.scene.model_errors import BLOCK, MODEL
 from screwsim.scene.types import COVERAGE, Scene, Tolerance
@@ -191,43 +191,53 @@ def _correlated_groups(
         what = f"does not list correlated groups (write {CORRELATED_KEY}: [[PATH, PATH], …], or {MODEL}: NAME)"
         problems.add(block.place, BLOCK, what)
         return ()
-    groups, seen = [], set()
-    if CORRELATED_KEY not in block.value or block.value[CORRELATED_KEY].value is None:
+    listed = block.value.get(CORRELATED_KEY)
+    if listed is None or listed.value is None:
         return ()
-    listed = block.value[CORRELATED_KEY]
+    groups: list[tuple[str, ...]] = []
     for group in listed.value if isinstance(listed.value, list) else [listed]:
-        if not isinstance(group.value, list) or len(group.value) < 2:
+        if isinstance(group.value, list) and len(group.value) > 1:
+            groups.append(_correlated_group(root, group.value, groups, known, scene, problems))
+        else:
             told = "one path" if isinstance(group.value, list) and group.value else shown(group.value)
             what = f"{told} is not a group of paths (write [[PATH, PATH], …])"
             problems.add(group.place, f"{BLOCK}.{CORRELATED_KEY}", what)
-            continue
-        names = []
-        for node in group.value:
-            if _is_left_out(node.value, scene):
-                continue
-            if not isinstance(node.value, str):
-                why = (
-                    "; a group is fully correlated and has no coefficient"
-                    if isinstance(node.value, int | float)
-                    else ""
-                )
-                what = f"{shown(node.value)} is not a path{why} (write [[PATH, PATH], …])"
-                problems.add(node.place, f"{BLOCK}.{CORRELATED_KEY}", what)
-                continue
-            twice = "is listed twice (name it once)" if node.value in names else "is in two groups (name it in one)"
-            why = twice if node.value in seen else ""
-            if not why and node.value not in known:
-                if _is_stated_over(root, node):
-                    continue
-                near = nearest(node.value, list(known))
-                hint = f"; did you mean '{near}'?" if near else ""
-                why = f"has no tolerance in this scene{hint} (write it there, or leave it out)"
-            if why:
-                problems.add(node.place, f"{BLOCK}.{CORRELATED_KEY}", f"{shown(node.value)} {why}")
-            seen.add(node.value)
-            names.append(str(node.value))
-        groups.append(tuple(names))
     return tuple(group for group in groups if len(group) > 1)
+
+
+def _correlated_group(
+    root: Node,
+    nodes: Sequence[Node],
+    others: Sequence[Sequence[str]],
+    known: Set[str],
+    scene: Scene,
+    problems: LocatedFaults,
+) -> tuple[str, ...]:
+    """Return the paths of one group; `others` are the groups before it, `known` the paths with a tolerance."""
+    names: list[str] = []
+    for node in nodes:
+        path = node.value
+        if _is_left_out(path, scene):
+            continue
+        if not isinstance(path, str):
+            numeric = isinstance(path, int | float)
+            why = "; a group is fully correlated and has no coefficient" if numeric else ""
+            fault = f"is not a path{why} (write [[PATH, PATH], …])"
+        elif path in names:
+            fault = "is listed twice (name it once)"
+        elif any(path in group for group in others):
+            fault = "is in two groups (name it in one)"
+        elif path not in known and _is_stated_over(root, node):
+            continue
+        elif path not in known:
+            fault = f"has no tolerance in this scene{did_you_mean(path, known)} (write it there, or leave it out)"
+        else:
+            fault = ""
+        if fault:
+            problems.add(node.place, f"{BLOCK}.{CORRELATED_KEY}", f"{shown(path)} {fault}")
+        if isinstance(path, str):
+            names.append(path)
+    return tuple(names)
 
 
 def _is_stated_over(root: Node, named: Node) -> bool:
