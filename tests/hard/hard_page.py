@@ -214,12 +214,19 @@ COMMANDS = """
 for random requests, and about shipped ones, and checks each answer in a second way (`tests/tools/command_laws.py`):
 what `find` gives is run; points of a grid do not beat `optimum` or `optimize`; a derivative is the difference of two
 fine runs, a band the derivative times the tolerance, a Sobol index their share; rows of a data sheet, nodes of a map
-and stages of a plant are run alone; a scene written otherwise gives the same bits. With `--told` it prints each
-refusal, for a reader to judge.
+and stages of a plant are run alone; a scene written otherwise gives the same bits. Further laws
+(`tests/tools/file_laws.py`) compare maps with numpy's least squares, FMUs with runs at fresh points, what flows between
+stages with CoolProp, sizes of a catalogue with runs, and files with themselves. With `--told` it prints each refusal,
+for a reader to judge.
 
 `python tests/tools/fuzz_studies.py sweeps --count 40` does the same for sweeps: with two workers, in lanes, stopped and
 resumed, and read back from every form. With `fits` it gives points of a machine with known parameters and noise to
 `calibrate`, and tells how often the truth lies within the intervals of 90 %.
+
+`python tests/tools/fuzz_fits.py fits --count 20` draws fits with priors, tolerances and correlated groups: chi squared,
+standard errors and correlations must be those of a sum of squares written anew. With `plans` the gains must be those of
+an information matrix by differences of runs, and no other points better; with `posteriors` the quantiles must be those
+of an integral over a grid.
 """
 
 

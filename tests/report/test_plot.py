@@ -13,6 +13,8 @@ import screwsim
 from screwsim import load, plot, simulate
 from screwsim.build import build_parts
 from screwsim.outputs import Result
+from screwsim.report import plot as draw_figures
+from screwsim.report.overlay import draw_overlay
 from screwsim.report.trace import chosen_trace
 from screwsim.results import save
 from screwsim.scene import loads
@@ -143,3 +145,16 @@ def test_units_stand_in_parentheses_behind_what_they_are_of():
         shown = [each.value for each in texts if isinstance(each.value, str)]
         bracketed += [f"{path.name}: {text}" for text in shown if re.search(r"[\w$}±] \[[^\]\[]+\]", text)]
     assert not bracketed
+
+
+def test_a_sweep_of_which_one_point_of_an_axis_closed_has_no_curve_and_says_so(tmp_path):
+    def slow_only(scene):
+        return ok(scene) if scene.operation.speed < 150.0 else Result("failed", message="too fast (choose a lower one)")
+
+    path = tmp_path / "x.h5"
+    swept = "sweep: {operation.speed: [1000 rpm, 3000 rpm], numerics.accuracy: [1e-3, 1e-4]}\n"
+    run_sweep(loads(SCENE + swept), path, jobs=1, simulate=slow_only)
+    one = screwsim.open_results(path)
+    assert draw_overlay(one, one, tmp_path) == []
+    with pytest.raises(screwsim.UsageError, match="no two points along an axis closed, 2 of 4 cases did not"):
+        draw_figures(path, tmp_path)

@@ -1,9 +1,9 @@
 """Ask commands about random machines, and check each answer in a second way.
 
 Run: fuzz_commands.py [LAW …] [--seed 1] [--count 40] [--from 0] [--told]. A scene is one that `screwsim new` writes for
-a random request (`fuzz_new.drawn`), or a shipped one. Laws (`command_laws.py`) ask commands about it. Prints a line per
-contradiction, with `--told` also each refusal with its command, for a reader to judge; then how often each law was
-asked. A case is found again by its seed and number (`--from`).
+a random request (`fuzz_new.drawn`), or a shipped one. Laws (`command_laws.py`, `file_laws.py`) ask commands about it.
+Prints a line per contradiction, with `--told` also each refusal with its command, for a reader to judge; then how often
+each law was asked. A case is found again by its seed and number (`--from`).
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import traceback
 from collections import Counter
 from pathlib import Path
 
+import file_laws  # noqa: F401 - adds its laws
 import numpy as np
 from asking import OK, Case, Contradiction, NotAsked, command
 from command_laws import CONFIGS, LAWS, PLANT

@@ -43,4 +43,8 @@ def _why(results: Results) -> str:
         return "no cycle (write it with `screwsim run -o`)"
     if any(axis.joined for axis in results.axis_list):
         return "its paths vary together, and none of them is numeric (read it with xarray, or sweep one path)"
+    bad = int((results.status != "ok").sum())
+    if bad and max(results.shape) > 1:
+        few = f"no two points along an axis closed, {bad} of {results.status.size} cases did not, and there is no cycle"
+        return f"{few} (sweep other values, or write output.keep: cycle)"
     return "no axis with two or more values, and no cycle (sweep a path, or write output.keep: cycle)"

@@ -19,6 +19,8 @@ WIDTHS = 1.2, 0.9  # [pt] line widths of A and B
 DASH = DASHES[1]
 COLOUR_B = COLOURS[3]  # of the second cycle
 
+Pair = tuple[list[Curve], list[Curve]]  # curves of A and of B
+
 
 def draw_overlay(a: Results, b: Results, folder: str | Path) -> list[str]:
     """Write the figures that two files have in common, and return their paths; none where they share no axes."""
@@ -29,8 +31,11 @@ def plans(a: Results, b: Results) -> Mapping[str, Callable[[], Any]]:
     """Return the figures that both files have data for, by name."""
     found: dict[str, Callable[[], Any]] = {}
     layouts = families.layout_of(a), families.layout_of(b)
-    if None not in layouts and _same(a, b, *layouts):  # type: ignore[arg-type]
-        found["comparison"] = partial(_curves, a, b, *layouts)
+    layout, other = layouts
+    if layout is not None and other is not None and _same(a, b, layout, other):
+        common = _common_curves(a, b, layout)
+        if common[0]:  # no figure may have two points along an axis in both
+            found["comparison"] = partial(_curves, a, b, layout, *common)
     traces = chosen_trace(a), chosen_trace(b)
     if None not in traces:
         found["comparison_cycles"] = partial(_cycles, a, b, *traces)
@@ -42,10 +47,9 @@ def _same(a: Results, b: Results, one: Layout, other: Layout) -> bool:
     return [axis.path for axis in a.axis_list] == [axis.path for axis in b.axis_list] and one == other
 
 
-def _curves(a: Results, b: Results, layout: Layout, _other: Layout) -> Any:
+def _curves(a: Results, b: Results, layout: Layout, panels_of: Mapping[str, Pair], kept: str) -> Any:
     """Draw figures over the common axis of both sweeps, one panel each, with further axes at their first values."""
-    _, constant, chosen = next(slices(a, layout))
-    panels_of, kept = _common_curves(a, b, layout, chosen)
+    _, constant, _ = next(slices(a, layout))
     figure, places = panels(len(panels_of), 22.0, 52.0)
     for axes, (name, pair) in zip(places, panels_of.items(), strict=True):
         texts = list(dict.fromkeys(curve.text for curves in pair for curve in curves))
@@ -65,11 +69,10 @@ def _curves(a: Results, b: Results, layout: Layout, _other: Layout) -> Any:
     return figure
 
 
-def _common_curves(
-    a: Results, b: Results, layout: Layout, chosen: Any
-) -> tuple[dict[str, tuple[list[Curve], list[Curve]]], str]:
+def _common_curves(a: Results, b: Results, layout: Layout) -> tuple[dict[str, Pair], str]:
     """Return the curves of both files by figure, B's in the units of A, and words on curves left out."""
-    pairs: dict[str, tuple[list[Curve], list[Curve]]] = {}
+    _, _, chosen = next(slices(a, layout))
+    pairs: dict[str, Pair] = {}
     for name in filter(None, (families.efficiency_name(a), *OTHER_FIGURES)):
         of_a, of_b = (curves_of_slice(each, layout, chosen, None, name) for each in (a, b))
         if of_a and of_b:

@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any
 from screwsim.evaluate.performance import NO_POWER, heating, parted
 from screwsim.figures.errors import error_in_unit, error_scale, zeros_for_none
 from screwsim.outputs import STAGES, Figures, Result
+from screwsim.outputs.customary import in_celsius
 from screwsim.outputs.display import picked
 from screwsim.scene import Scene
 
 if TYPE_CHECKING:
+    from screwsim.study.stages.read import Intercooler
     from screwsim.study.stages.solve import StagePair
 
 PRESSURE_STEP = 1.02  # factor of the pressure between the stages, for the slopes by that pressure
@@ -136,3 +138,12 @@ def _figure_changes(found: Mapping[str, Any], other: Mapping[str, Any]) -> dict[
     """Return the differences between two chains' figures; zero where one is missing."""
     pairs = ((name, value, other.get(name)) for name, value in found.items())
     return {name: 0.0 if value is None or its is None else abs(its - value) for name, value, its in pairs}
+
+
+def idle_cooler(between: Intercooler, T: float) -> tuple[str, ...]:
+    """Return a warning where the gas reaches the cooler, and leaves it at T [K], colder than it is to leave (M201)."""
+    wanted = between.outlet_temperature
+    if wanted is None or T >= wanted:
+        return ()
+    what = f"the intercooler cools nothing: the gas arrives at {in_celsius(T)}, below its outlet_temperature"
+    return (f"{what} of {in_celsius(wanted)} (choose a lower intercooler.outlet_temperature, or kind: none)",)
