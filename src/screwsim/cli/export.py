@@ -34,7 +34,7 @@ RangeOptions = Annotated[
     option("PATH=LOW..HIGH", "An input of the map and its range (default: the scene's sweep); repeatable.", "--over"),
 ]
 FigureOptions = Annotated[
-    Texts, option("NAME", "An output of the map (default: flow, power, discharge temperature, capacity).", "--figure")
+    Texts, option("NAME", "An output of the map (default: flow, powers, discharge temperature, capacity).", "--figure")
 ]
 ErrorOption = Annotated[
     float | None, option("E", "Largest relative error allowed in the map (default: 0.005).", "--error")
