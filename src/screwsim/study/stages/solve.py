@@ -306,7 +306,8 @@ class _ChainSolver:
         comes, taken = pair.flows
         cooled, reasons = self._capacities(pair, flow, power, port_state[2])
         taken_up = [each.get("electrical_power") for each in (first, second)]
-        electrical = None if None in taken_up else sum(taken_up)
+        known = [each for each in taken_up if each is not None]
+        electrical = sum(known) if len(known) == len(taken_up) else None
         notes = {**notes, **reasons}
         found = Figures(
             intermediate_pressure=p,
