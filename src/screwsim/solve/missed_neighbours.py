@@ -23,7 +23,7 @@ from screwsim.outputs import Figures
 
 Array = np.ndarray
 MANY = 4  # steps of a neighbour that end within a step, from which on their sums are compared
-SOME = 0.05  # wanted accuracies: departure of ln m that is left alone
+SOME = 0.15  # wanted accuracies: departure of ln m that is left alone
 DOUBTFUL = 0.2  # share of that by which the two sums of a step may differ
 GAIN = 1.5  # change of ln p over that of ln m, as the gas comes from a hotter chamber: 0.8 to 1.7 in eight scenes
 DENSER = 1e-7  # relative change of the density by which slopes of flows are found
@@ -62,16 +62,18 @@ def departures(problem: Problem, life: Trajectory) -> Departures | None:
     geometry, ends = problem.parts.geometry, life.times[: life.steps + 1]
     left, opens = problem.parted or geometry.injection_angle, geometry.discharge_opens or geometry.life
     closed = np.flatnonzero((ends[:-1] > left - EQUAL) & (ends[1:] < opens + EQUAL))
+    steps, differ = _sums_differ(problem, life, closed)
     last = life.dense[: life.steps, 1]
-    rho, ratio = last[:, slots.S_RHO], last[:, slots.S_X_OIL] if problem.composition.carried else 0.0
-    gas = rho * problem.gas_share(rho, ratio) * life.volumes(ends[1:])
+    rho, ratio = last[steps, slots.S_RHO], last[steps, slots.S_X_OIL] if problem.composition.carried else 0.0
+    gas = rho * problem.gas_share(rho, ratio) * life.volumes(ends[steps + 1])
     some = SOME * problem.scene.numerics.accuracy
-    differ = np.abs(_sums_differ(problem, life, closed)) / gas[closed]
-    doubtful = closed[differ > DOUBTFUL * some]
-    if not differ[differ > DOUBTFUL * some].sum() > some:
+    differ = np.abs(differ) / gas
+    doubtful = differ > DOUBTFUL * some
+    if not differ[doubtful].sum() > some:
         return None
-    first, shares = int(doubtful[0]), np.zeros(life.steps)
-    shares[doubtful] = _missed_gas(problem, life, doubtful) / gas[doubtful]
+    steps, gas = steps[doubtful], gas[doubtful]
+    first, shares = int(steps[0]), np.zeros(life.steps)
+    shares[steps] = _missed_gas(problem, life, steps) / gas
     if np.abs(shares).sum() <= some:
         return None
     passed = np.maximum(_decay(problem, life, first) * np.diff(ends)[first:], 1e-12)
@@ -84,20 +86,22 @@ def departures(problem: Problem, life: Trajectory) -> Departures | None:
     return Departures(ends[first + 1 :], last[first:, len(life.composition.states)], GAIN * of_mass)
 
 
-def _sums_differ(problem: Problem, life: Trajectory, steps: Array) -> Array:
-    """Return the gas [kg] that steps sum through gaps beyond what neighbours sum in their many steps."""
+def _sums_differ(problem: Problem, life: Trajectory, steps: Array) -> tuple[Array, Array]:
+    """Return those of the steps in which a neighbour takes many, and the gas [kg] by which their sums differ."""
     c, pitch, ends = problem.composition, problem.parts.geometry.pitch, life.times[: life.steps + 1]
-    begun, ended, found = ends[steps], ends[steps + 1], np.zeros(len(steps))
-    sums = np.vstack([np.zeros(life.quads.shape[1]), life.quads[: life.steps]])
+    found = np.zeros(life.steps)
     for i, offset in enumerate(c.offsets):
         ahead, behind = c.first_met + 2 * i, c.first_met + 2 * i + 1
         for own, other, shift in ((ahead, behind, offset * pitch), (behind, ahead, -offset * pitch)):
-            low, high = begun + shift, ended + shift
+            low, high = ends[steps] + shift, ends[steps + 1] + shift
             many = ends.searchsorted(high - EQUAL) - ends.searchsorted(low + EQUAL) >= MANY
-            theirs = np.interp(high, ends, sums[:, other]) - np.interp(low, ends, sums[:, other])
-            among = many & (high < ends[-1] + EQUAL) & (low > -EQUAL)
-            found += np.where(among, sums[steps + 1, own] - sums[steps, own] + theirs, 0.0)
-    return found
+            among = np.flatnonzero(many & (high < ends[-1] + EQUAL) & (low > -EQUAL))
+            if len(among):
+                mine, theirs = (np.append(0.0, life.quads[: life.steps, column]) for column in (own, other))
+                met = np.interp(high[among], ends, theirs) - np.interp(low[among], ends, theirs)
+                found[steps[among]] += mine[steps[among] + 1] - mine[steps[among]] + met
+    differ = np.flatnonzero(found)
+    return differ, found[differ]
 
 
 def _missed_gas(problem: Problem, life: Trajectory, steps: Array) -> Array:

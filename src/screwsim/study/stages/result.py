@@ -60,13 +60,15 @@ def capacities(
     return {"cooling_capacity": cooling, "cop": cop, **warming}, notes
 
 
-def electrical_coefficients(found: Mapping[str, float | None], power: float | None) -> dict[str, float]:
-    """Return the COP of the capacities found relative to the electrical power [W] of both stages; none without it."""
-    if power is None or not power > 0.0:
+def electrical_figures(results: tuple[Result, Result], found: Mapping[str, float | None]) -> dict[str, float]:
+    """Return the electrical power [W] of both stages, if both have a motor, and the COP of the capacities found."""
+    powers = [each.performance.get("electrical_power") for each in results]
+    power = sum(each for each in powers if each is not None)
+    if None in powers or not power > 0.0:
         return {}
     names = (("electrical_cop", "cooling_capacity"), ("electrical_heating_cop", "heating_capacity"))
     known = ((name, found.get(capacity)) for name, capacity in names)
-    return {name: capacity / power for name, capacity in known if capacity is not None}
+    return {"electrical_power": power} | {name: capacity / power for name, capacity in known if capacity is not None}
 
 
 def chain_errors(
