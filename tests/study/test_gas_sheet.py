@@ -13,8 +13,7 @@ from screwsim.study.datasheet.gas_sheet import rating_request
 from screwsim.study.datasheet.rated import _case_scene
 from screwsim.study.inputs import ends_of
 from screwsim.study.part_load import SPEED_PATH
-from screwsim.template import new_scene
-from screwsim.template import request_of as options
+from screwsim.template import new_scene, request_of
 
 pytestmark = pytest.mark.around
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -24,7 +23,7 @@ LAX = "numerics.accuracy=3e-3"
 
 def new(tmp_path_factory, kind):
     file = tmp_path_factory.mktemp(kind) / f"{kind}.yaml"
-    file.write_text(new_scene(kind, options(None, None, None, None, None, None)), encoding="utf-8")
+    file.write_text(new_scene(kind, request_of()), encoding="utf-8")
     return file
 
 
@@ -150,11 +149,11 @@ def test_the_sheet_of_a_bare_air_compressor_says_what_rates_a_package(capsys):
 
 
 def test_axes_are_the_sweeps_the_options_or_shares_of_the_scenes_own():
-    gas = loads(new_scene("booster", options(None, None, None, None, None, None)))
+    gas = loads(new_scene("booster", request_of()))
     own = rating_request(gas, NONE, ())
     assert (own.across.path, own.down.path) == (P_S, P_D)
     assert own.across.values == pytest.approx([4e5, 4.5e5, 5e5, 5.5e5, 6e5])
-    expands = loads(new_scene("expander", options(None, None, None, None, None, None)))
+    expands = loads(new_scene("expander", request_of()))
     assert rating_request(expands, NONE, ()).across.path == SPEED_PATH
     inlets = rating_request(expands, {**NONE, "--suction": "18 bar..22 bar"}, ())
     assert inlets.across.path == P_S and inlets.across.values[0] == pytest.approx(18e5)

@@ -15,6 +15,16 @@ LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on a search uses the loga
 RANGE_FACTOR = 20.0  # without a range: the largest factor above and below the scene's value
 
 
+def value_between(low: float, high: float, place: float, logarithmic: bool) -> float:
+    """Return the value [SI] at a place between two values, 0 … 1; by their logarithms if `logarithmic`."""
+    return low * (high / low) ** place if logarithmic else low + (high - low) * place
+
+
+def place_between(low: float, high: float, value: float, logarithmic: bool) -> float:
+    """Return the place of a value [SI] between two others, 0 … 1."""
+    return math.log(value / low) / math.log(high / low) if logarithmic else (value - low) / (high - low)
+
+
 @dataclass(frozen=True)
 class Span:
     """A path that varies between two values [SI]; `start`: the scene's value, None where it is not between them."""
@@ -32,16 +42,11 @@ class Span:
         """Return the value [SI] at a place 0 … 1; at an end exactly the end."""
         if place <= 0.0 or place >= 1.0:
             return self.low if place <= 0.0 else self.high
-        if self.logarithmic:
-            return self.low * (self.high / self.low) ** place
-        return self.low + (self.high - self.low) * place
+        return value_between(self.low, self.high, place, self.logarithmic)
 
     def place(self, value: float) -> float:
         """Return the place 0 … 1 of a value [SI]."""
-        value = min(max(value, self.low), self.high)
-        if self.logarithmic:
-            return math.log(value / self.low) / math.log(self.high / self.low)
-        return (value - self.low) / (self.high - self.low)
+        return place_between(self.low, self.high, min(max(value, self.low), self.high), self.logarithmic)
 
     def slope(self, place: float) -> float:
         """Return the derivative of the value [SI] by the place."""

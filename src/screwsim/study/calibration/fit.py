@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.types import COVERAGE
+from screwsim.study.spans import place_between, value_between
 
 EXACT, DIFFERENCES = "exact", "differences"  # how slopes are found
 TOLERANCE_REMEDY = "prior from the scene's tolerance"
@@ -94,15 +95,11 @@ class Parameter:
 
     def value(self, place: float) -> float:
         """Return the value [SI] at a place between the bounds, 0 … 1."""
-        if self.logarithmic:
-            return self.low * (self.high / self.low) ** place
-        return self.low + (self.high - self.low) * place
+        return value_between(self.low, self.high, place, self.logarithmic)
 
     def place(self, value: float) -> float:
         """Return the place 0 … 1 of a value [SI] between the bounds."""
-        if self.logarithmic:
-            return math.log(value / self.low) / math.log(self.high / self.low)
-        return (value - self.low) / (self.high - self.low)
+        return place_between(self.low, self.high, value, self.logarithmic)
 
     def slope(self, value: float) -> float:
         """Return the derivative of the value [SI] by the place."""
