@@ -110,6 +110,15 @@ def test_a_dense_gas_that_is_taken_as_ideal_is_warned_of():
     assert not scene_warnings(load(point))
 
 
+@each_row(("film", "beyond"), [("360 K", False), ("430 K", True), ("240 K", True)])
+def test_a_film_beyond_the_viscosity_data_of_its_oil_is_warned_of(film, beyond):
+    drag = f"effects.oil_drag={{tip_gap: 0.1 mm, tip_land: 1.5 mm, film_temperature: {film}}}"
+    oil = "oil={name: mineral_46, density: null, heat_capacity: null, viscosity: null}"
+    warnings = scene_warnings(load(CONFIGS / "paper" / "point.yaml", overrides=[oil, drag]))
+    told = [line for line in warnings if line.startswith("effects.oil_drag.film_temperature: ")]
+    assert [("extrapolated to" in line) for line in told] == [True] * beyond
+
+
 def test_sizes_are_told_of_the_section_that_states_them_whatever_was_asked_before():
     machine, effects = "machine.volume.max", "effects.blow_hole.area"
     stated = [], [f"{machine}=5 cm^3"], [f"{effects}=40 cm^2"]

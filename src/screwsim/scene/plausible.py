@@ -19,6 +19,7 @@ from screwsim.effects import catalogue
 from screwsim.effects.parts.usual import LEAK, USUAL, Usual
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses, find_gas_model
+from screwsim.fluid.oils import OILS
 from screwsim.fluid.settings import GasSettings
 from screwsim.inputs.declare import KINDS, UNBOUNDED, VOLUME, is_derived
 from screwsim.inputs.faults import UsageError
@@ -51,7 +52,7 @@ PLAIN_SECTIONS = ("gas", "oil", "operation", "oil_supply", "machine")
 def scene_warnings(scene: Scene) -> tuple[str, ...]:
     """Return warnings about a scene that passed `cross_check`, one line each, which begins with the path."""
     of_machine = *_volume(scene), *_profile(scene), *size_warnings(scene)
-    found = [*_fields(scene), *of_machine, *_lines(scene), *_oil(scene)]
+    found = [*_fields(scene), *of_machine, *_lines(scene), *_oil(scene), *_films(scene)]
     return tuple(f"{path}: {what}; {ASK_IF_MEANT}" for path, what in found)
 
 
@@ -236,6 +237,19 @@ def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
             cold, warm = map(in_celsius, (supply.temperature, T))
             what = f"{scene.gas.name} condenses on it at the discharge pressure, {1e-5 * p_d:.4g} bar, below {warm}"
             yield "oil_supply.temperature", f"the oil enters at {cold}; {what} (use warmer oil)"
+
+
+def _films(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Yield a warning for each film of a stored oil whose stated temperature lies beyond its viscosity data (M140)."""
+    if scene.oil is None or scene.oil.name is None:
+        return
+    known = OILS[scene.oil.name]
+    for name, active in scene.effects.items():
+        T = getattr(active.parameters, "film_temperature", None)
+        if T is not None and not known.low <= T <= known.high:
+            reach = f"{in_celsius(known.low)} to {in_celsius(known.high)}"
+            what = f"the viscosity of {scene.oil.name} is known from {reach}, and extrapolated to {in_celsius(T)}"
+            yield f"effects.{name}.film_temperature", what
 
 
 @IdentityCache
