@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from each_row import each_row
-from scenes import closed, make, run
+from scenes import change, closed, make, run
 from scipy.integrate import solve_ivp
 
 from screwsim.cycle.feedback import LINE_POINTS, at_angles, turn_of
@@ -20,17 +20,11 @@ ACCURACY = 3e-4
 CARRIED = {"oil.transport": "carried"}
 SIZE = {"suction_volume": "8 l", "discharge_volume": "3 l", "suction_area": "40 cm^2", "discharge_area": "15 cm^2"}
 PLENUMS = {**CARRIED, "effects.plenums": SIZE}
-SEEN = ("gas_mass_flow", "indicated_power", "shaft_power", "discharge_temperature", "trapped_mass", "peak_pressure")
 BALANCES = ("mass", "energy", "entropy", "oil_mass")
 
 
 def plenums(**changes):
     return {**PLENUMS, "effects.plenums": {**SIZE, **changes}}
-
-
-def change(one, other, names=SEEN):
-    """Return the largest relative change of figures."""
-    return max(abs(one.performance[name] / other.performance[name] - 1.0) for name in names)
 
 
 # ---- closed forms --------------------------------------------------------------------------------------------------

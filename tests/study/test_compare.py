@@ -223,6 +223,22 @@ def test_points_of_a_sample_are_matched_by_all_columns_however_many():
     assert in_a.tolist() == [*range(1, 64)] and in_b.tolist() == [*range(62, -1, -1)]
 
 
+def test_a_point_that_a_sample_has_twice_is_matched_each_time():
+    a, b = np.array([3.0, 1.0, 3.0, 2.0, 3.0]), np.array([1.0, 3.0, 5.0, 3.0, 1.0])
+    in_a, in_b = matched([a], [b], (5, 5))
+    assert list(zip(in_a.tolist(), in_b.tolist(), strict=True)) == [(0, 1), (1, 0), (1, 4), (2, 3), (4, 3)]
+    for each in (a, b):
+        rows = matched([each], [each], (5, 5))
+        assert np.array_equal(rows[0], np.arange(5)) and np.array_equal(rows[1], np.arange(5))
+
+
+def test_a_sample_of_few_values_equals_itself(tmp_path):
+    over = "{operation.speed: [1000 rpm, 1500 rpm], machine.volume.phi_A: [60 deg, 65 deg]}"
+    sample = swept(tmp_path / "a.h5", f"sweep: {{sample: {{kind: sobol, count: 8, seed: 20, over: {over}}}}}\n")
+    found = compare(sample, sample)
+    assert (found.common, found.only_a, found.only_b) == (8, 0, 0)
+
+
 def test_choices_are_matched_by_their_words(tmp_path):
     axis = "sweep: {oil_supply.source: [separator, suction]}\n"
     found = compare(swept(tmp_path / "a.h5", axis), run(tmp_path / "b.h5", ["oil_supply.source=suction"]))

@@ -498,6 +498,17 @@ def test_a_sheets_power_is_met_within_what_packages_differ_by():
     assert 1.0 < found.package_input_power / (1e3 * power) < 1.12
 
 
+def test_a_size_that_was_sought_is_round_and_the_heat_of_an_oil_cooler_is_told():
+    asked = request_of("Ammonia", *[None] * 4, "30/80 degC", capacity="1 MW")
+    found = sized_machine("heat_pump", asked)
+    flow = 3600.0 * found.scene.machine.displacement.flow
+    assert flow == pytest.approx(float(f"{flow:.4g}"), rel=1e-12)
+    figures = found.result.performance
+    duty = figures.heating_capacity - figures.cooling_capacity - figures.shaft_power
+    assert figures.oil_cooler_duty == pytest.approx(-duty, rel=1e-3)
+    assert f"(without the {figures.oil_cooler_duty * 1e-3:.5g} kW of its oil cooler)" in next(sized_told(asked, found))
+
+
 def test_a_motor_alone_is_loaded_in_full_and_what_hardly_fits_it_is_told(capsys):
     asked = request_of(motor="45 kW")
     assert sized_machine("air", asked).result.performance.shaft_power == pytest.approx(45e3, rel=NEAR)

@@ -137,7 +137,7 @@ def validate(
         say(report(found))
         if errors:
             say(f"\n{errors_report(errors)}")
-    stopped = any(each.reason == INTERRUPTED for each in outcomes)
+    stopped = any(outcome.reason == INTERRUPTED for outcome in outcomes)
     kept = None if output is None or not stopped else output / "validation.json"
     if kept is not None and kept.exists():  # it may hold all sources
         say(f"{kept}: stays as it was, since not all sources were compared (name another -o for these)", err=True)
@@ -148,7 +148,7 @@ def validate(
         options.print_files([*written, *draw(found, output)], as_json)
     if stopped:
         return options.INTERRUPTED
-    return OK if all(each.comparison is not None for each in outcomes) else NOT_ALL_OK
+    return OK if all(outcome.comparison is not None for outcome in outcomes) else NOT_ALL_OK
 
 
 def schema(

@@ -95,7 +95,9 @@ def startup(
 
 def datasheet(
     scene_file: SceneFile,
-    output: Annotated[File, option("OUT.html|.pdf", "Write the sheet as an HTML page or a PDF.", "-o")] = None,
+    output: Annotated[
+        File, option("OUT.html|.pdf|.csv", "Write the sheet as a page, or its points as a table.", "-o")
+    ] = None,
     evaporating: Annotated[
         Text, option("LOW..HIGH", "Evaporating temperatures of the table (refrigeration machine).")
     ] = None,

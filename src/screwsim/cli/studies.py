@@ -319,6 +319,6 @@ def tolerance(
     if folder is not None:
         from screwsim.report.slider_crank import draw_machine
 
-        deviations = {each.figure: found.values[each.figure] / each.nominal - 1.0 for each in found.spreads}
+        deviations = {spread.figure: found.values[spread.figure] / spread.nominal - 1.0 for spread in found.spreads}
         options.print_files(draw_machine(found.links, (found.table, found.shifts, deviations), folder), as_json)
     return OK if not found.failed else NOT_ALL_OK

@@ -36,8 +36,8 @@ def comparison_document(a: Results, b: Results, found: Comparison) -> dict[str, 
         "points": {"common": found.common, "compared": found.compared, "only_a": found.only_a, "only_b": found.only_b},
         "scene": {path: {"a": one, "b": other} for path, (one, other) in found.scene.items()},
         "status_changes": found.status_changes,
-        "first_status_changes": [asdict(each) for each in found.first_status_changes],
-        "figures": {each.figure: asdict(each) for each in found.figures},
+        "first_status_changes": [asdict(change) for change in found.first_status_changes],
+        "figures": {figure.figure: asdict(figure) for figure in found.figures},
     }
 
 
@@ -60,8 +60,8 @@ def print_comparison(a: Results, b: Results, found: Comparison) -> None:
         say()
         count = found.status_changes
         say(f"{count} point{'s have' if count != 1 else ' has'} another status")
-        for each in found.first_status_changes:
-            say(wrapped(f"{each.a} → {each.b}{_where(a, each.at)}"))
+        for change in found.first_status_changes:
+            say(wrapped(f"{change.a} → {change.b}{_where(a, change.at)}"))
     if not found.compared:
         return
     say()
@@ -72,11 +72,11 @@ def print_comparison(a: Results, b: Results, found: Comparison) -> None:
 
 def _print_figures(a: Results, b: Results, found: Comparison) -> None:
     heads = ["", "A", "B", "", "change", "error", "inputs", "differ"]
-    toleranced = any(each.inputs for each in found.figures)
+    toleranced = any(figure.inputs for figure in found.figures)
     kept = [head != "inputs" or toleranced for head in heads]
-    rows = [list(compress(cells, kept)) for cells in (heads, *(_cells(a, b, each) for each in found.figures))]
+    rows = [list(compress(cells, kept)) for cells in (heads, *(_cells(a, b, figure) for figure in found.figures))]
     print_table(rows[0], rows[1:], 1)
-    many = any(each.at for each in found.figures) and found.common > 1
+    many = any(figure.at for figure in found.figures) and found.common > 1
     text = (
         "change in % of A, of temperatures in K; error in the same unit: both estimates together, twice which counts "
     )
@@ -84,9 +84,9 @@ def _print_figures(a: Results, b: Results, found: Comparison) -> None:
     text += "; inputs: half of the 95 % interval of the change, if inputs are off alike in both" if toleranced else ""
     say(wrapped(f"{text}; the point shown has the largest change relative to what is allowed" if many else text))
     places: dict[str, list[str]] = {}
-    for each in found.figures:
-        if many and each.beyond and each.at:
-            places.setdefault(_where(a, each.at), []).append(shown_name(each.figure))
+    for figure in found.figures:
+        if many and figure.beyond and figure.at:
+            places.setdefault(_where(a, figure.at), []).append(shown_name(figure.figure))
     for place, names in places.items():
         few = ", ".join(names[:MOST_NAMES]) + (" …" if len(names) > MOST_NAMES else "")
         say(wrapped(f"largest change{place}: {few}"))

@@ -33,7 +33,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "level": INTERVAL_LEVEL,
         "unchanged": dict(found.unchanged),
         "odds_of_two_changes_against_one": found.odds,
-        "hypotheses": [_hypothesis(each) for each in found.hypotheses],
+        "hypotheses": [_hypothesis(hypothesis) for hypothesis in found.hypotheses],
         "changed": found.changed,
         "not_told_apart": [each._asdict() for each in found.alike],
         "told_next_to_nothing_of": list(found.untold),
@@ -121,10 +121,10 @@ def _findings(found: Diagnosis) -> Iterator[str]:
     what = " and ".join(amounts[:1] + [text.replace(" has changed", "") for text in amounts[1:]])
     yield f"most probable: {what or NOTHING_CHANGED} ({_probability(best.probability)})"
     yield from _changes_at_bounds(found, best)
-    probable = [each for each in others if each.probability > LEAST_PROBABILITY_IN_WORDS]
+    probable = [other for other in others if other.probability > LEAST_PROBABILITY_IN_WORDS]
     if probable:
         yield f"then {'; '.join(_hypothesis_text(found, each) for each in probable[:MOST_IN_WORDS])}"
-    pairs = [each for each in found.hypotheses if len(each.changes) == 2]
+    pairs = [hypothesis for hypothesis in found.hypotheses if len(hypothesis.changes) == 2]
     if pairs:
         yield from _pairs_of_changes(found, pairs)
     yield from _other_values(found)
@@ -143,7 +143,7 @@ def _findings(found: Diagnosis) -> Iterator[str]:
         )
     beside = f"; {', '.join(found.inputs)} known to within their tolerances and priors" if found.inputs else ""
     yield f"misfit: chi squared at the best estimate of each{beside}"
-    if any(each.linear for each in found.hypotheses):
+    if any(hypothesis.linear for hypothesis in found.hypotheses):
         yield "* from the slopes of the unchanged machine only (improbable, or no other solution was found)"
 
 
@@ -171,8 +171,8 @@ def _pairs_of_changes(found: Diagnosis, pairs: Sequence[Hypothesis]) -> Iterator
 
 def _other_values(found: Diagnosis) -> Iterator[str]:
     """Yield the other values of a parameter that fit nearly as well as its best."""
-    for each in found.hypotheses:
-        if each.also and each.probability > LIKELY_PROBABILITY and each.path not in found.untold:
-            per, unit = unit_of_change(found.fit.scene, each.path, each.changes[0].value)
-            values = ", ".join(f"{per * value:.4g} {unit}".strip() for value in each.also)
-            yield f"{each.path} = {values} fits nearly as well as its best value"
+    for hypothesis in found.hypotheses:
+        if hypothesis.also and hypothesis.probability > LIKELY_PROBABILITY and hypothesis.path not in found.untold:
+            per, unit = unit_of_change(found.fit.scene, hypothesis.path, hypothesis.changes[0].value)
+            values = ", ".join(f"{per * value:.4g} {unit}".strip() for value in hypothesis.also)
+            yield f"{hypothesis.path} = {values} fits nearly as well as its best value"

@@ -23,7 +23,7 @@ MOST_DEVIATIONS = 6  # most points for which the table shows the deviations
 
 def plan_document(found: Plan) -> dict[str, Any]:
     """Return what `plan --json` prints, in SI units."""
-    paths = [each.path for each in found.fit.parameters]
+    paths = [parameter.path for parameter in found.fit.parameters]
     return {
         "title": found.fit.title,
         "status": found.status,
@@ -35,13 +35,13 @@ def plan_document(found: Plan) -> dict[str, Any]:
         "deviations": dict(zip(paths, found.before, strict=True)) if found.before else {},
         "points": [
             {
-                "name": each.point.name,
-                "conditions": dict(each.point.values),
-                "uncertainties": {name: one.uncertainty for name, one in each.point.measured.items()},
-                "gain": each.gain,
-                "deviations": dict(zip(paths, each.deviations, strict=True)),
+                "name": step.point.name,
+                "conditions": dict(step.point.values),
+                "uncertainties": {name: one.uncertainty for name, one in step.point.measured.items()},
+                "gain": step.gain,
+                "deviations": dict(zip(paths, step.deviations, strict=True)),
             }
-            for each in found.steps
+            for step in found.steps
         ],
         "without_solution": dict(found.reasons),
         "nothing_delivered": list(found.idle),
@@ -61,7 +61,7 @@ def print_plan(found: Plan) -> None:
         say(wrapped(f"{found.status}: {found.message}"))
         return
     say()
-    rows = [[f"{i}", each.point.name, f"{each.gain:.3f}"] for i, each in enumerate(found.steps, 1)]
+    rows = [[f"{i}", step.point.name, f"{step.gain:.3f}"] for i, step in enumerate(found.steps, 1)]
     print_table(["", "measure next", "gain"], rows, 2)
     say()
     shown = (
@@ -78,7 +78,7 @@ def print_plan(found: Plan) -> None:
 def _row(found: Plan, index: int, deviations: Sequence[Sequence[float]]) -> list[str]:
     parameter = found.fit.parameters[index]
     per, unit = unit_of_change(found.fit.scene, parameter.path, found.values[parameter.path])
-    cells = [f"{per * each[index]:.3g}" for each in deviations]
+    cells = [f"{per * deviation[index]:.3g}" for deviation in deviations]
     less = 1.0 - deviations[-1][index] / deviations[0][index]
     return [found.fit.short_names()[parameter.path], *cells, unit, f"{100.0 * less:.0f} %"]
 
@@ -116,25 +116,25 @@ def write_plan(path: Path, found: Plan) -> str:
     """Write the points as the data file of a fit, with the figures still to be measured."""
     make_folder(path.parent)
     scene = found.fit.scene
-    conditions = list(dict.fromkeys(name for each in found.steps for name in each.point.values))
-    figures = list(dict.fromkeys(name for each in found.steps for name in each.point.measured))
+    conditions = list(dict.fromkeys(name for step in found.steps for name in step.point.values))
+    figures = list(dict.fromkeys(name for step in found.steps for name in step.point.measured))
     heads = ["name", *(_head(scene, name, found) for name in conditions)]
     units = {name: _written_unit(found, name) for name in figures}
     for name, (head, unit, _) in units.items():
         heads += [f"{name}{_in_brackets(head)}", f"{name}_uncertainty{_in_brackets(unit)}"]
     rows = []
-    for each in found.steps:
-        cells: list[Any] = [each.point.name]
-        cells += [_number(in_customary(scene, name, each.point.values[name])[0]) for name in conditions]
+    for step in found.steps:
+        cells: list[Any] = [step.point.name]
+        cells += [_number(in_customary(scene, name, step.point.values[name])[0]) for name in conditions]
         for name in figures:
-            one = each.point.measured.get(name)
+            one = step.point.measured.get(name)
             cells += ["", "" if one is None else f"{one.uncertainty / units[name][2]:.3g}"]
         rows.append(cells)
     return write_csv(path, heads, rows)
 
 
 def _head(scene: Scene, path: str, found: Plan) -> str:
-    value = next(each.point.values[path] for each in found.steps if path in each.point.values)
+    value = next(step.point.values[path] for step in found.steps if path in step.point.values)
     return path + _in_brackets(in_customary(scene, path, value)[1].replace("°C", CELSIUS))
 
 

@@ -34,14 +34,14 @@ def sensitivity_document(scene: Scene, found: Sensitivity) -> dict[str, Any]:
         "warnings": [{"solutions": count, "warning": text} for count, text in found.warnings],
         "confidence": CONFIDENCE,
         "figures": {
-            each.figure: {
-                "mean": each.mean,
-                "standard_deviation": each.deviation,
-                "noise": each.noise,
-                "message": each.message,
-                "indices": {index.path: index._asdict() for index in each.indices},
+            share.figure: {
+                "mean": share.mean,
+                "standard_deviation": share.deviation,
+                "noise": share.noise,
+                "message": share.message,
+                "indices": {index.path: index._asdict() for index in share.indices},
             }
-            for each in found.shares
+            for share in found.shares
         },
     }
 

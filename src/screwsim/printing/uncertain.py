@@ -1,7 +1,8 @@
 """Output on the uncertainty of a scene's figures due to its inputs, beside the numerical error; and that of sweeps."""
 
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import compress
 from typing import Any
 
 import numpy as np
@@ -37,23 +38,19 @@ def print_uncertainty(result: Result) -> None:
     """
     found, model = result.uncertainty.get("figures", {}), result.uncertainty.get("model", {})
     by_model = model.get("figures", {})
-    rows, named = [], []
+    rows, causes = [], []
     for name in (name for name in RANGE_FIGURES if name in found or name in by_model):
-        value, spread = result.performance[name], found.get(name, {"expanded": 0.0, "contributors": ()})
-        if spread["expanded"] > NEGLIGIBLE * abs(value) or name in by_model:
+        spread = found.get(name, {"expanded": 0.0, "contributors": ()})
+        if spread["expanded"] > NEGLIGIBLE * abs(result.performance[name]) or name in by_model:
             rows.append([shown_name(name), *_uncertainty_row(result, name, spread["expanded"], model)])
-            some = [one for one in spread["contributors"][:MOST_CONTRIBUTORS] if one["share"] >= LEAST_SHARE]
-            causes = (" + ".join(path.removeprefix("effects.") for path in one["paths"]) for one in some)
-            named.append(", ".join(f"{cause} {one['share']:.0%}" for cause, one in zip(causes, some, strict=True)))
-    parts = [("numerical", True), ("inputs", bool(found)), ("model", bool(by_model))]
-    kept = [True, True, True, *(there for _, there in parts)]
+            causes.append(_causes(spread["contributors"]))
     say()
     if rows:
-        heads = ["uncertain by", "value", "unit", *(word for word, _ in parts)]
-        table = [[cell for cell, there in zip(row, kept, strict=True) if there] for row in (heads, *rows)]
-        head, *lines = plain_table(table[0], table[1:], 1)
+        heads = ["uncertain by", "value", "unit", "numerical", "inputs", "model"]
+        kept = [True, True, True, True, bool(found), bool(by_model)]
+        head, *lines = plain_table([*compress(heads, kept)], [[*compress(row, kept)] for row in rows], 1)
         say(head)
-        for line, text in zip(lines, named, strict=True):
+        for line, text in zip(lines, causes, strict=True):
             say(line)
             if text:
                 say(textwrap.indent(wrapped(f"  {text}"), "  "))
@@ -62,6 +59,13 @@ def print_uncertainty(result: Result) -> None:
         other = "" if model else "; the model's own error comes on top (screwsim validate)"
         say(wrapped(f"{told}; shares are those of the variance{other}"))
     print_wrapped(model_lines(model))
+
+
+def _causes(contributors: Sequence[Mapping[str, Any]]) -> str:
+    """Return the inputs that contribute most to a figure's uncertainty, with their shares of its variance."""
+    some = [each for each in contributors[:MOST_CONTRIBUTORS] if each["share"] >= LEAST_SHARE]
+    paths = (" + ".join(path.removeprefix("effects.") for path in each["paths"]) for each in some)
+    return ", ".join(f"{path} {each['share']:.0%}" for path, each in zip(paths, some, strict=True))
 
 
 def _uncertainty_row(result: Result, name: str, expanded: float, model: Mapping[str, Any]) -> list[str]:
@@ -90,8 +94,8 @@ def model_lines(model: Mapping[str, Any]) -> list[str]:
     figures = model["figures"]
     if not figures:
         return [f"model: {model['of']} states no error for any figure of this scene"]
-    points = max(each["points"] for each in figures.values())
-    missing = list(dict.fromkeys(word for each in figures.values() for word in each["not_stated"]))
+    points = max(figure["points"] for figure in figures.values())
+    missing = list(dict.fromkeys(word for figure in figures.values() for word in figure["not_stated"]))
     lines = [f"model: ours less theirs at the {points} points of {model['of']} not used in any fit, E ± 2 u_val"]
     lines[0] += f"; without {', '.join(missing)}, which the source does not state" if missing else ""
     lines[0] += f". {model['citation']}"

@@ -313,7 +313,7 @@ def _read(root: Node, folder: str, problems: LocatedFaults) -> Scene | None:
     # faults of a machine of unknown kind may be no faults of the kind that is meant
     first = next((problem for problem in problems if problem.path == "machine.kind"), None)
     if first is not None:
-        problems[:] = [each for each in problems if not each.path.startswith("machine.") or each is first]
+        problems[:] = [problem for problem in problems if not problem.path.startswith("machine.") or problem is first]
     effects = read_effects(root.value.get("effects"), problems)
     sweep, joints = read_sweep(root.value.get("sweep"), root, effects, kind, problems)
     if problems or scene is None:

@@ -71,7 +71,7 @@ def _section_warnings(part: Any, path: str) -> tuple[tuple[str, str], ...]:
 
 @IdentityCache
 def _effect_warnings(effects: Mapping[str, ActiveEffect]) -> tuple[tuple[str, str], ...]:
-    found = (_outside_usual_range(one.parameters, f"effects.{name}") for name, one in effects.items())
+    found = (_outside_usual_range(effect.parameters, f"effects.{name}") for name, effect in effects.items())
     return tuple(chain.from_iterable(found))
 
 

@@ -74,7 +74,7 @@ class Comparison(Brief):
     @property
     def equal(self) -> bool:
         """Whether statuses and figures agree at all common points; False where no point has figures."""
-        odd = any(each.beyond or each.only_a or each.only_b for each in self.figures)
+        odd = any(figure.beyond or figure.only_a or figure.only_b for figure in self.figures)
         return not odd and not self.status_changes and self.compared > 0
 
     def _about(self) -> About:
@@ -83,7 +83,7 @@ class Comparison(Brief):
         notes = [f"points: {counts}"]
         notes += [f"scenes differ by {', '.join(self.scene)}"] if self.scene else []
         notes += [f"the status of {self.status_changes} points differs"] if self.status_changes else []
-        rows = [_cells(each) for each in self.figures]
+        rows = [_cells(figure) for figure in self.figures]
         columns = ("figure [SI]", "A", "B", "error of both", "differ")
         return About(f"Comparison: {'equal' if self.equal else 'different'} within errors", notes, columns, rows)
 
@@ -121,10 +121,10 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
     return Comparison(
         len(in_a),
         int(np.count_nonzero(ok)),
-        math.prod(a.shape) - len(in_a),
-        math.prod(b.shape) - len(in_b),
+        math.prod(a.shape) - len(np.unique(in_a)),
+        math.prod(b.shape) - len(np.unique(in_b)),
         {path: both for path, both in sides_of.items() if path not in paths and both[0] != both[1]},
-        tuple(each for each in figures if each is not None),
+        tuple(figure for figure in figures if figure is not None),
         len(changed),
         tuple(first),
     )
@@ -175,15 +175,31 @@ def _common_cases(
 def matched(a: Sequence[Array], b: Sequence[Array], rows: tuple[int, int]) -> tuple[Array, Array]:
     """Return the rows of a and of b, in the order of a, that have the same values in all columns.
 
-    However many columns vary together, no code outgrows its integer: after each column they are numbered anew.
+    A sample may have a point several times: the first of a goes with the first of b, and so on; where one side has
+    fewer, its last one goes with the others. However many columns vary together, no code outgrows its integer: after
+    each column they are numbered anew.
     """
     codes = np.zeros(sum(rows), np.int64)
     for column_a, column_b in zip(a, b, strict=True):
         own = np.concatenate(_coded(column_a, column_b))
         codes = np.unique(codes * (1 + own.max()) + own, return_inverse=True)[1]
-    _, in_a, in_b = np.intersect1d(codes[: rows[0]], codes[rows[0] :], return_indices=True)
-    order = np.argsort(in_a)
+    codes_a, codes_b = codes[: rows[0]], codes[rows[0] :]
+    mine, partners = _partners(codes_a, codes_b)
+    others, theirs = _partners(codes_b, codes_a)
+    repeated = ~np.isin(others, partners)  # of b, where a has the point less often
+    in_a, in_b = np.concatenate([mine, theirs[repeated]]), np.concatenate([partners, others[repeated]])
+    order = np.argsort(in_a, kind="stable")
     return in_a[order], in_b[order]
+
+
+def _partners(codes: Array, others: Array) -> tuple[Array, Array]:
+    """Return the rows whose code is among the others, and for each the row there: as many-th of that code, or last."""
+    own, theirs = np.argsort(codes, kind="stable"), np.argsort(others, kind="stable")
+    rank = np.empty(len(codes), np.int64)
+    rank[own] = np.arange(len(codes)) - np.searchsorted(codes[own], codes[own])
+    first, end = (np.searchsorted(others[theirs], codes, side) for side in ("left", "right"))
+    found = np.flatnonzero(end > first)
+    return found, theirs[np.minimum(first + rank, end - 1)[found]]
 
 
 def _column(results: Results, path: str, flat: Mapping[str, str]) -> Array:

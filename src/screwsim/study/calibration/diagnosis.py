@@ -91,9 +91,9 @@ class Diagnosis:
     def changed(self) -> dict[str, float]:
         """Probability that each parameter has changed, alone or with another; the most probable first."""
         sums = dict.fromkeys(self.unchanged, 0.0)
-        for one in self.hypotheses:
-            for path in one.paths:
-                sums[path] += one.probability
+        for hypothesis in self.hypotheses:
+            for path in hypothesis.paths:
+                sums[path] += hypothesis.probability
         return dict(sorted(sums.items(), key=lambda item: -item[1]))
 
     @property

@@ -203,9 +203,9 @@ def as_csv(points: OperatingPoints) -> str:
     lines = [f"# {line}" for line in points.told]
     weight, load = "energy" if points.energy else "weight", "load" if points.by == SPEED else f"load by {points.by}"
     lines.append(", ".join(["name", weight, load, *(f"{path} [degC]" for path in paths)]))
-    for each in points.points:
-        temperatures = (f"{round(value - ZERO_CELSIUS, 6):g}" for value in each.values.values())
-        lines.append(", ".join([each.name, f"{each.weight:.6g}", f"{each.load:g}", *temperatures]))
+    for point in points.points:
+        temperatures = (f"{round(value - ZERO_CELSIUS, 6):g}" for value in point.values.values())
+        lines.append(", ".join([point.name, f"{point.weight:.6g}", f"{point.load:g}", *temperatures]))
     return "\n".join(lines) + "\n"
 
 

@@ -168,8 +168,8 @@ def _jump_in_words(trials: Trials) -> str:
     if ends is None:
         return ""
     (span,), (goal,) = trials.spans, trials.goals
-    low, high = (shown_value(trials.scene, span.path, span.value(each.places[0]), 7) for each in ends)
-    a, b = (figure_text(goal.figure, (each.off or (math.nan,))[0] + goal.value) for each in ends)
+    low, high = (shown_value(trials.scene, span.path, span.value(end.places[0]), 7) for end in ends)
+    a, b = (figure_text(goal.figure, (end.off or (math.nan,))[0] + goal.value) for end in ends)
     why = f", where solutions fail: {trials.reasons[-1]}" if trials.reasons else ""
     return f"it jumps from {a} at {low} to {b} at {high}{why}"
 

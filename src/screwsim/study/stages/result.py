@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 
 PRESSURE_STEP = 1.02  # factor of the pressure between the stages, for the slopes by that pressure
 TEMPERATURE_STEP = 1.0  # K, warming of the first stage's gas, for the slopes by its temperature
-STAGE_FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "separator_temperature", "oil_cooler_duty")
+STAGE_FIGURES = (
+    *("gas_mass_flow", "shaft_power", "electrical_power"),
+    *("discharge_temperature", "separator_temperature", "oil_cooler_duty"),
+)
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,15 @@ def capacities(
     warming, reasons = parted(given)
     notes = reasons if cop is not None else {"cop": NO_POWER, **reasons}
     return {"cooling_capacity": cooling, "cop": cop, **warming}, notes
+
+
+def electrical_coefficients(found: Mapping[str, float | None], power: float | None) -> dict[str, float]:
+    """Return the COP of the capacities found relative to the electrical power [W] of both stages; none without it."""
+    if power is None or not power > 0.0:
+        return {}
+    names = (("electrical_cop", "cooling_capacity"), ("electrical_heating_cop", "heating_capacity"))
+    known = ((name, found.get(capacity)) for name, capacity in names)
+    return {name: capacity / power for name, capacity in known if capacity is not None}
 
 
 def chain_errors(
