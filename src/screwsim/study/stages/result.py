@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -60,13 +60,15 @@ def capacities(
     return {"cooling_capacity": cooling, "cop": cop, **warming}, notes
 
 
-def electrical_coefficients(found: Mapping[str, float | None], power: float | None) -> dict[str, float]:
-    """Return the COP of the capacities found relative to the electrical power [W] of both stages; none without it."""
-    if power is None or not power > 0.0:
+def electrical_figures(found: Mapping[str, float | None], stages: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+    """Return the electrical power [W] of both stages, and the COP of the capacities found; none without two motors."""
+    powers = [power for stage in stages if (power := stage.get("electrical_power")) is not None]
+    if len(powers) < len(stages):
         return {}
+    power = sum(powers)
     names = (("electrical_cop", "cooling_capacity"), ("electrical_heating_cop", "heating_capacity"))
-    known = ((name, found.get(capacity)) for name, capacity in names)
-    return {name: capacity / power for name, capacity in known if capacity is not None}
+    known = ((name, found.get(capacity)) for name, capacity in names if power > 0.0)
+    return {"electrical_power": power, **{name: size / power for name, size in known if size is not None}}
 
 
 def chain_errors(

@@ -29,7 +29,7 @@ from screwsim.study.stages.result import (
     capacities,
     chain_errors,
     delivery_temperature_figure,
-    electrical_coefficients,
+    electrical_figures,
 )
 
 BRACKET_GROWTH = 1.25  # factor between successive pressures while the solution is being bracketed
@@ -305,8 +305,6 @@ class _ChainSolver:
         etas, notes = parted(efficiencies(self.gas, ends, Inlet(port_state[1], port_state[2]), flow, power, drawn))
         comes, taken = pair.flows
         cooled, reasons = self._capacities(pair, flow, power, port_state[2])
-        taken_up = [each.get("electrical_power") for each in (first, second)]
-        electrical = None if None in taken_up else sum(taken_up)
         notes = {**notes, **reasons}
         found = Figures(
             intermediate_pressure=p,
@@ -317,14 +315,13 @@ class _ChainSolver:
             first_shaft_power=first.shaft_power,
             second_shaft_power=second.shaft_power,
             shaft_power=power,
-            **({} if electrical is None else {"electrical_power": electrical}),
             **_cooler_figures(pair),
             first_pressure_ratio=p / self.low.p_s,
             second_pressure_ratio=self.high.p_d / (p - self.chain.intercooler.pressure_drop),
             discharge_temperature=second.discharge_temperature,
             **etas,
             **cooled,
-            **electrical_coefficients(cooled, electrical),
+            **electrical_figures(cooled, (first, second)),
             flow_mismatch=abs(comes - taken) / max(comes, taken),
         )
         notes |= {f"{STAGE_NAMES[1]}_{name}": pair.unparted for name in SEPARATOR_FIGURES if pair.unparted}
