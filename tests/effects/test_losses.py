@@ -154,6 +154,16 @@ def test_the_friction_factor_is_continuous():
         assert friction_factor(Re * (1.0 - 1e-9)) == pytest.approx(friction_factor(Re * (1.0 + 1e-9)), rel=1e-6)
 
 
+@pytest.mark.parametrize(("viscosity", "beyond"), [(0.1, False), (0.002, False), (0.0012, True)])
+def test_a_flow_beyond_blasius_law_is_told(viscosity, beyond):
+    """From Re = 1e5 on: 106 103 at 1.2 mPa s."""
+    parameters = oil_pump.Parameters(efficiency=0.5, line=oil_pump.Line(**LINE))
+    _, reading = oil_pump.build(parameters, MACHINE)
+    why, warnings = reading.judge(SimpleNamespace(**{**vars(FIGURES), "oil_viscosity": viscosity}))
+    assert why == ""
+    assert [("is 1.06e+05" in line) for line in warnings] == [True] * beyond
+
+
 def test_no_flow_loses_nothing_in_the_pipe():
     assert line_loss(oil_volume_flow=0.0, oil_mass_flow=0.0) == 0.0
 

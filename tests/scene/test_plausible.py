@@ -17,7 +17,8 @@ from screwsim.machine.profile_law import laid_curves
 from screwsim.machine.rotors.export import lobe_csv
 from screwsim.scene import load
 from screwsim.scene.fields import leaf_paths
-from screwsim.scene.plausible import scene_warnings, virial_compressibility
+from screwsim.scene.plausible import scene_warnings
+from screwsim.scene.plausible_media import virial_compressibility
 from screwsim.scene.sizes import sizes_of_effect
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -108,6 +109,15 @@ def test_a_dense_gas_that_is_taken_as_ideal_is_warned_of():
     (warning,) = scene_warnings(load(point, overrides=["operation.discharge.pressure=25 bar"]))
     assert warning.startswith("gas.model: R134a of 25 bar, 106.15 degC is about 25% denser than the ideal gas")
     assert not scene_warnings(load(point))
+
+
+@each_row(("film", "beyond"), [("360 K", False), ("430 K", True), ("240 K", True)])
+def test_a_film_beyond_the_viscosity_data_of_its_oil_is_warned_of(film, beyond):
+    drag = f"effects.oil_drag={{tip_gap: 0.1 mm, tip_land: 1.5 mm, film_temperature: {film}}}"
+    oil = "oil={name: mineral_46, density: null, heat_capacity: null, viscosity: null}"
+    warnings = scene_warnings(load(CONFIGS / "paper" / "point.yaml", overrides=[oil, drag]))
+    told = [line for line in warnings if line.startswith("effects.oil_drag.film_temperature: ")]
+    assert [("extrapolated to" in line) for line in told] == [True] * beyond
 
 
 def test_sizes_are_told_of_the_section_that_states_them_whatever_was_asked_before():

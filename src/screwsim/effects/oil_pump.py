@@ -21,7 +21,13 @@ from screwsim.machine.protocol import OIL
 from screwsim.outputs import Figure, power_figure
 
 LOSS = "oil_line_pressure_loss"
-LAMINAR, TURBULENT = 2000.0, 4000.0  # Reynolds numbers
+LAMINAR, TURBULENT, FITTED = 2000.0, 4000.0, 1e5  # Reynolds numbers; the last one ends Blasius's law
+
+
+BEYOND = (
+    "the Reynolds number of effects.oil_pump.line is {Re:.3g}, and the law of its friction holds up to 100 000: its "
+    "loss comes out too small (choose a larger effects.oil_pump.line.diameter)"
+)
 
 
 @dataclass(frozen=True)
@@ -69,20 +75,36 @@ def pressure_loss(
     if volume_flow <= 0.0:
         return 0.0
     w = volume_flow / (0.25 * math.pi * diameter**2)
-    f = friction_factor(density * w * diameter / viscosity)
+    f = friction_factor(reynolds(volume_flow, density, viscosity, diameter))
     return (f * length / diameter + fittings) * 0.5 * density * w**2
+
+
+def reynolds(volume_flow: float, density: float, viscosity: float, diameter: float) -> float:
+    """Return the Reynolds number of a volume flow [m³/s] in a pipe (M390)."""
+    return 4.0 * density * volume_flow / (math.pi * diameter * viscosity)
 
 
 def build(parameters: Parameters, machine) -> list[PowerLoss | Reading]:
     line = parameters.line
 
+    def flows(figures) -> tuple[float, float, float]:
+        """Return volume flow [m³/s], density [kg/m³] and viscosity [Pa s] of the oil that flows."""
+        flow = figures.oil_volume_flow
+        return flow, figures.oil_mass_flow / flow, figures.oil_viscosity
+
     def loss(figures) -> float:
         """Return the pressure loss [Pa] between pump and chamber."""
         if line is None or figures.oil_volume_flow <= 0.0:
             return parameters.pressure_loss
-        flow, density = figures.oil_volume_flow, figures.oil_mass_flow / figures.oil_volume_flow
         pipe = line.diameter, line.length, line.fittings
-        return parameters.pressure_loss + pressure_loss(flow, density, figures.oil_viscosity, *pipe)
+        return parameters.pressure_loss + pressure_loss(*flows(figures), *pipe)
+
+    def judge(figures) -> tuple[str, tuple[str, ...]]:
+        """Return no text on a failure, and a warning of a flow beyond the range of the friction's law."""
+        if line is None or figures.oil_volume_flow <= 0.0:
+            return "", ()
+        Re = reynolds(*flows(figures), line.diameter)
+        return "", (BEYOND.format(Re=Re),) if Re > FITTED else ()
 
     def power(figures) -> float:
         """Return the pump's power [W] (M31)."""
@@ -94,7 +116,7 @@ def build(parameters: Parameters, machine) -> list[PowerLoss | Reading]:
         return figures.oil_volume_flow * max(0.0, figures.delivery_pressure - figures.oil_source_pressure)
 
     lost = PowerLoss("oil_pump_power", power, kept)
-    return [lost] if line is None else [lost, Reading((LOSS,), lambda figures: {LOSS: loss(figures)})]
+    return [lost] if line is None else [lost, Reading((LOSS,), lambda figures: {LOSS: loss(figures)}, judge=judge)]
 
 
 def check(parameters: Parameters, facts) -> Faults:
