@@ -133,6 +133,7 @@ def test_a_result_is_a_table_of_pandas_and_of_xarray(result):
     frame, data = result.to_pandas(), result.to_xarray()
     assert frame.index.name == "angle" and list(frame.pressure) == list(result.cycle["pressure"])
     assert frame.attrs["shaft_power"] == result.performance.shaft_power
+    assert set(frame.columns) <= set(frame.attrs["units"]) and frame.attrs["units"]["pressure"] == "Pa"
     assert float(data.shaft_power) == result.performance.shaft_power and data.shaft_power.units == "W"
     assert data.pressure.dims == ("angle",)
 
@@ -144,6 +145,8 @@ def test_results_are_a_row_a_case(tmp_path):
     frame = results.to_pandas()
     assert list(frame["shaft_power"]) == pytest.approx(list(10.0 * frame["operation.speed"]))
     assert list(frame["status"]) == ["ok", "ok"]
+    assert frame.attrs["units"]["shaft_power"] == "W" and frame.attrs["units"]["operation.speed"] == "rad/s"
+    assert set(frame.columns) == set(frame.attrs["meanings"])
     assert "operation.speed (2); 2 ok" in repr(results)
 
 

@@ -86,7 +86,7 @@ def test_a_strange_argument_is_told_in_one_line(name, argument, tmp_path, monkey
         ),
         ("sweep", {"jobs": True}, "jobs: True is not a number of workers"),
         ("optimum", {"minimum": "no"}, "minimum: 'no' is neither True nor False"),
-        ("datasheet", {"output": "sheet.txt"}, "a data sheet is an HTML page or a PDF"),
+        ("datasheet", {"output": "sheet.txt"}, "a data sheet is an HTML page, a PDF or a table"),
         ("plan", {"ranges": {"operation.speed": 3}}, r"ranges\['operation.speed'\]: 3 is not a pair"),
         ("find", {"vary": {"oil_supply.ratio": (3, 1)}}, r"oil_supply.ratio: \(3, 1\) is not a range"),
         ("find", {"goals": {"discharge_temperature": None}}, "goal discharge_temperature: None is neither a number"),

@@ -50,8 +50,7 @@ class Machine(NamedTuple):
     @property
     def text(self) -> str:
         """The scene as `screwsim new` writes it."""
-        names = ("fluid", "displacement", "vi", "speed", "oil", "condition")
-        return new_scene(self.kind, request_of(*(self.stated.get(name) for name in names)))  # type: ignore[arg-type]
+        return new_scene(self.kind, request_of(**self.stated))  # type: ignore[arg-type]
 
 
 MACHINES = (

@@ -20,7 +20,6 @@ from screwsim.template import new_scene, request_of
 
 _ratings = sibling(Path(__file__).resolve().parents[2] / "validation" / "templates" / "ratings.py")
 RATED, ratings = _ratings.POINTS, _ratings.ratings
-OPTIONS = ("fluid", "displacement", "vi", "speed", "oil", "condition")
 CASES: tuple[tuple[str, Mapping[str, object]], ...] = (
     *(("refrigeration", {"displacement": f"{flow} m^3/h"}) for flow in (100, 250, 600, 1500, 3000)),
     *(("refrigeration", {"vi": vi}) for vi in (2.2, 3.5, 4.5)),
@@ -40,7 +39,7 @@ CASES: tuple[tuple[str, Mapping[str, object]], ...] = (
 
 def row(kind: str, stated: Mapping[str, object]) -> str:
     """Return what one machine does, as a row."""
-    asked = request_of(*(stated.get(name) for name in OPTIONS))  # type: ignore[arg-type]
+    asked = request_of(**stated)  # type: ignore[arg-type]
     scene = loads(new_scene(kind, asked))
     result = simulate(scene, trace=False)
     found = result.performance

@@ -94,9 +94,9 @@ def datasheet(
 
         sheet = screwsim.datasheet("point.yaml", limits=["discharge_temperature<110 degC"], output="sheet.pdf")
 
-    `sheet.document` is the sheet in SI units, as `--json` prints it; `output` is the HTML page or PDF to write.
-    With `heating` it also gives the heating capacity and COP of a heat pump; with a `profile` (a CSV file of flows
-    and hours) the energy that an air package uses over that profile.
+    `sheet.document` is the sheet in SI units, as `--json` prints it; `output` is the page to write (.html, .pdf), or
+    the table of its points (.csv). With `heating` it also gives the heating capacity and COP of a heat pump; with a
+    `profile` (a CSV file of flows and hours) the energy that an air package uses over that profile.
     """
     if output is not None:
         check_sheet(Path(output))

@@ -11,7 +11,8 @@ Each returns the axes; without `ax` it draws into those of a new figure of pyplo
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -28,20 +29,24 @@ from screwsim.study.figures import figure_named
 
 __all__ = ["contours", "curves", "mass_flows", "pressure", "pressure_volume", "pv", "temperatures", "write"]
 
+NONE: Mapping[str, Any] = MappingProxyType({})
 CycleLike = Result | Results | str | os.PathLike[str]
 
 
-def pressure_volume(result: CycleLike, ax: Any = None) -> Any:
-    """Draw the pressure–volume loop with the pressures of both lines and marks; return the axes."""
-    return _drawn(cycle.draw_loop, result, ax)
+def pressure_volume(result: CycleLike, ax: Any = None, **line: Any) -> Any:
+    """Draw the pressure–volume loop with the pressures of both lines and marks; return the axes.
+
+    `line` are properties of the loop's line (color, linestyle, label, …), to tell several in the same axes apart.
+    """
+    return _drawn(cycle.draw_loop, result, ax, line)
 
 
 pv = pressure_volume
 
 
-def pressure(result: CycleLike, ax: Any = None) -> Any:
-    """Draw the chamber's pressure over the angle; return the axes."""
-    return _drawn(cycle.draw_pressure, result, ax)
+def pressure(result: CycleLike, ax: Any = None, **line: Any) -> Any:
+    """Draw the chamber's pressure over the angle; return the axes. `line` as of `pressure_volume`."""
+    return _drawn(cycle.draw_pressure, result, ax, line)
 
 
 def temperatures(result: CycleLike, ax: Any = None) -> Any:
@@ -100,10 +105,12 @@ def contours(results: Results | str | os.PathLike[str], figure: str | None = Non
     return axes
 
 
-def _drawn(draw: Callable[[Any, Trace], None], result: CycleLike, ax: Any) -> Any:
+def _drawn(draw: Callable[[Any, Trace], None], result: CycleLike, ax: Any, line: Mapping[str, Any] = NONE) -> Any:
     trace = _trace(result)
     axes = _axes(ax)
+    before = len(axes.get_lines())
     draw(axes, trace)
+    axes.get_lines()[before].set(**line)
     return axes
 
 

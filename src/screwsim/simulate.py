@@ -257,26 +257,22 @@ def _status_of(accurate: Accurate, balance: Figures, forbidden: str, why: str) -
     if status == NOT_CLOSED or max(residuals.values()) > bound:
         status, left = NOT_CLOSED, f"{_shown(residuals)} against the bound {bound:.2g}"
         message = f"{left}, last change {cycle.change:.2g}; {verdict.unclosed(of, cycle)}"
-    elif circuit_open > bound:
-        status, left = NOT_CLOSED, f"the oil's circuit leaves {circuit_open:.2g} of the shaft power open"
-        message = f"{left}, against the bound {bound:.2g}; try a tighter numerics.accuracy"
-    elif circuit.open_values_residual(of) > bound:
-        status, left = (
-            NOT_CLOSED,
-            f"what is found with the cycle leaves {circuit.open_values_residual(of):.2g} of a flow open",
+    else:
+        tighter, found_open = "try a tighter numerics.accuracy", circuit.open_values_residual(of)
+        parts = (
+            (circuit_open, "the oil's circuit leaves {:.2g} of the shaft power open", tighter),
+            (found_open, "what is found with the cycle leaves {:.2g} of a flow open", why or f"state it, or {tighter}"),
+            (package_open, "the package's losses leave {:.2g} of a pressure open", tighter),
         )
-        message = f"{left}, against the bound {bound:.2g}; {why or 'state it, or try a tighter numerics.accuracy'}"
-    elif package_open > bound:
-        status, left = NOT_CLOSED, f"the package's losses leave {package_open:.2g} of a pressure open"
-        message = f"{left}, against the bound {bound:.2g}; try a tighter numerics.accuracy"
+        for size, left, remedy in parts:
+            if status != NOT_CLOSED and size > bound:
+                status, message = NOT_CLOSED, f"{left.format(size)}, against the bound {bound:.2g}; {remedy}"
     unsettled = f"; {{}} cycle does not close: {_shown(residuals)}, bound {bound:.2g}" if status != OK else ""
     unknown = verdict.unanswered_question(of, status == OK)
     if unknown:
         status, message = FAILED, unknown + unsettled.format("their")
-    elif status != OK:
-        swings = verdict.beyond_its_mean(of.problem, of.life)
-        if swings:
-            status, message = FAILED, swings + unsettled.format("its")
+    elif status != OK and (swings := verdict.beyond_its_mean(of.problem, of.life)):
+        status, message = FAILED, swings + unsettled.format("its")
     if forbidden:
         status, message = FAILED, f"{forbidden}; the chambers' figures are those of the closed cycle"
     return status, message

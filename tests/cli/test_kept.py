@@ -73,14 +73,14 @@ def test_a_plan_does_not_replace_what_was_measured(tmp_path, capsys):
         assert exit_code([*asked, "-o", str(planned)]) == 0
     head, row = planned.read_text(encoding="utf-8").splitlines()
     filled = row.split(",")
-    filled[head.split(",").index("shaft_power [W]")] = "9850"
+    filled[head.split(",").index("shaft_power [kW]")] = "9.850"
     planned.write_text(f"{head}\n{','.join(filled)}\n", encoding="utf-8")
     capsys.readouterr()
     assert exit_code([*asked, "-o", str(planned)]) == 2
     assert (
         f"{planned}: holds measured figures, which would be overwritten (choose another -o)" in capsys.readouterr().err
     )
-    assert "9850" in planned.read_text(encoding="utf-8")
+    assert "9.850" in planned.read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,9 @@ from each_row import each_row
 
 from screwsim.figures import known
 from screwsim.figures.engineering import SCALES, scale
-from screwsim.outputs import Figures, Result
+from screwsim.outputs import Figures, Result, effect_words
 from screwsim.printing import _numerics, engineering, plain, print_result
+from screwsim.printing.short import print_short
 from screwsim.printing.stages import print_stages
 from screwsim.printing.tables import plain_table
 from screwsim.study.stages import ChainResult
@@ -47,6 +48,21 @@ def printed(result: Result, capsys) -> list[str]:
     """Return the lines that `run` prints of a result."""
     print_result("a title", result)
     return capsys.readouterr().out.splitlines()
+
+
+def test_effects_are_named_without_their_package():
+    assert [effect_words(each) for each in ("blow_hole", "my_effects.slot_leak")] == ["blow hole", "slot leak"]
+
+
+def test_the_essentials_of_a_heat_pump_have_both_coefficients(capsys):
+    both = Figures(cooling_capacity=3e5, heating_capacity=4e5, cop=3.5, heating_cop=4.5)
+    print_short("a title", Result("ok", performance=both))
+    shown = capsys.readouterr().out
+    assert "\nCOP " in shown and "\nheating COP " in shown
+    electrical = Figures(**both, electrical_cop=3.0, electrical_heating_cop=4.0)
+    print_short("a title", Result("ok", performance=electrical))
+    shown = capsys.readouterr().out
+    assert "electrical heating COP" in shown and "\nheating COP" not in shown
 
 
 FEW = Figures(shaft_power=1e3, displacement=2112e-6, cop=None)

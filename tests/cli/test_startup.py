@@ -141,7 +141,7 @@ def test_traces_and_figure_are_written(started, tmp_path):
 
 def test_a_scene_without_a_drive_cannot_be_started(capsys):
     assert cli.exit_code(["startup", str(CONFIGS / "paper/point.yaml")]) == 2
-    assert "the scene has no drive to start (name drive under effects)" in capsys.readouterr().err
+    assert "the scene has no drive to start (name drive under effects; docs" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("inertia", ["motor_inertia", "rotor_inertia"])

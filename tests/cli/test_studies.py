@@ -168,6 +168,14 @@ def test_a_refusal_is_one_line_also_where_a_real_gas_would_be_told_its_efficienc
     assert (answer.code, answer.out, len(answer.err.splitlines())) == (2, "", 1), answer.err
 
 
+def test_a_range_may_follow_the_path_and_the_search_go_down(studied, command):
+    followed = command(*COMMANDS["optimum"], "--path", "oil_supply.ratio=0.5..4", "--minimize", "--json")
+    apart = command(*COMMANDS["optimum"], "--from", "0.5", "--to", "4", "--minimum", "--json")
+    assert followed.code == 0
+    assert followed.out == apart.out
+    assert command(*COMMANDS["optimum"], "--from", "0.5", "--to", "4", "--json").out != apart.out
+
+
 def test_a_border_is_said_with_its_remedy(studied, command):
     answer = command(*COMMANDS["optimum"], "--from", "2", "--to", "5")
     assert answer.code == 0
@@ -199,6 +207,14 @@ def test_indices_are_written(studied, command):
     ("arguments", "message"),
     [
         (("optimum", "small.yaml"), "oil_supply.ratio: the section oil_supply is not in this scene (write it first)"),
+        (
+            ("optimum", "oiled.yaml", "--path", "oil_supply.ratio=1..2", "--to", "3"),
+            "oil_supply.ratio=1..2: states its range (remove --from and --to)",
+        ),
+        (
+            ("optimum", "oiled.yaml", "--path", "oil_supply.ratio=2"),
+            "oil_supply.ratio=2: is not PATH=LOW..HIGH (write e.g. 'oil_supply.ratio=0.5..4')",
+        ),
         (("optimum", "oiled.yaml", "-o", "out.txt"), "-o out.txt: needs an ending that states its format"),
         (("map", "both.h5"), "both.h5: has no axis operation.evaporating_temperature and operation.condensing"),
         (("map", "nowhere.h5"), "nowhere.h5: there is no such file"),

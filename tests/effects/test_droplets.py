@@ -4,13 +4,12 @@ import math
 
 import pytest
 from each_row import each_row
-from scenes import DROP, make, run
+from scenes import DROP, refusal, run
 
 from screwsim.effects import droplets, oil_heat
 from screwsim.effects.base import Around
 from screwsim.fluid.constants import gas_constant, ideal_heat_capacity, transport
 from screwsim.fluid.settings import OilProperties
-from screwsim.inputs.faults import SceneError
 
 LAMBDA, MU, PR = transport("R134a", 6e5, 310.0)
 CARRIED = {"oil.transport": "carried"}
@@ -138,6 +137,4 @@ def test_huge_droplets_exchange_nothing():
     ],
 )
 def test_a_fault_is_found_with_its_remedy(changes, words):
-    with pytest.raises(SceneError) as caught:
-        make(changes)
-    assert words in str(caught.value)
+    assert words in refusal(changes)

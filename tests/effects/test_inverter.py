@@ -10,6 +10,7 @@ from screwsim.effects import motor
 from screwsim.effects.base import SuctionHeat
 from screwsim.effects.parts import inverter
 from screwsim.inputs.faults import SceneError, UsageError
+from screwsim.scene import scene_text, with_values
 
 RATED, SPEED, LOSS = 1e5, 300.0, 3000.0  # [W, rad/s, W]
 DRIVE = inverter.Inverter(rated_speed=SPEED, loss=LOSS, harmonic_loss=0.0)
@@ -50,6 +51,31 @@ def test_copper_follows_the_torque_and_iron_the_speed():
     assert losses(0.5 * RATED, 0.5 * SPEED)[0] == pytest.approx(rated * (0.6 + 0.4 * 0.5**1.5), rel=1e-12)
     drive = inverter.Inverter(rated_speed=SPEED, loss=LOSS, harmonic_loss=0.15)
     assert losses(RATED, SPEED, drive)[0] == pytest.approx(1.15 * rated, rel=1e-12)
+
+
+@pytest.mark.parametrize(("rated", "more"), [(15e3, 0.15), (90e3, 0.15), (90.1e3, 0.25), (400e3, 0.25)])
+def test_what_an_inverter_adds_to_a_motors_loss_goes_by_its_size(rated, more):
+    drive = inverter.Inverter(rated_speed=SPEED, loss=LOSS)
+    own = motor.losses_of(motor.Parameters(rated_power=rated, efficiency=0.95, inverter=drive))(rated, SPEED)[0]
+    assert own == pytest.approx((1.0 + more) * rated * (1 / 0.95 - 1), rel=1e-12)
+
+
+def test_an_added_loss_that_is_stated_stays_with_any_size():
+    drive = inverter.Inverter(rated_speed=SPEED, loss=LOSS, harmonic_loss=0.15)
+    assert motor.Parameters(rated_power=400e3, inverter=drive).inverter == drive
+
+
+def test_the_added_loss_follows_a_rated_power_that_is_changed():
+    stated = "effects.motor={rated_power: 75 kW, efficiency: 0.95, inverter: {rated_speed: 3000 rpm, loss: 2 kW}}"
+    small = screwsim.load(POINT, [stated])
+    large = screwsim.load(POINT, [stated, "effects.motor.rated_power=132 kW"])
+    assert (harmonic(small), harmonic(large)) == (0.15, 0.25)
+    assert "harmonic_loss" not in scene_text(large)
+    assert harmonic(with_values(small, {"effects.motor.rated_power": 132e3})) == 0.25
+
+
+def harmonic(scene):
+    return scene.effects["motor"].parameters.inverter.harmonic_loss
 
 
 def test_a_generator_loses_as_much():

@@ -115,6 +115,14 @@ def test_pressures_over_a_wide_range_lie_over_their_logarithm():
     assert (speed.name, pressure.name, pressure.units) == ("speed", "discharge_pressure", "Pa")
 
 
+def test_an_input_is_explained_to_those_who_see_no_scene():
+    ranges = ["operation.evaporating_temperature=0 degC..5 degC", "operation.condensing_temperature=40 degC..50 degC"]
+    plain = load(Path(__file__).parents[1] / "plain" / "r134a.yaml")
+    meanings = [each.long_name for each in read_inputs(plain, ranges)]
+    assert meanings[0] == "evaporating temperature: dew point at p_s"
+    assert meanings[1].startswith("condensing temperature: ") and "instead" not in meanings[1]
+
+
 def test_temperatures_err_over_100_kelvin():
     found = scales((Output("T", "K", ""), Output("P", "W", "")), np.array([[300.0, 5.0], [400.0, 1000.0]]))
     assert found.tolist() == [[TEMPERATURE_SCALE, 100.0], [TEMPERATURE_SCALE, 1000.0]]

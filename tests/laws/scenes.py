@@ -8,14 +8,18 @@ from __future__ import annotations
 
 import copy
 import json
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+import pytest
 
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import ClosingTask, Problem, problem_of
 from screwsim.cycle.solution import CycleSolution
+from screwsim.inputs.faults import SceneError
 from screwsim.model.run import Machinery
 from screwsim.outputs import Result
 from screwsim.scene import Scene
@@ -135,6 +139,14 @@ OF_ALL_STREAMS = {  # scenes that have every kind of stream between them
 }
 
 
+SEEN = ("gas_mass_flow", "indicated_power", "shaft_power", "discharge_temperature", "trapped_mass", "peak_pressure")
+
+
+def change(one: Result, other: Result, names: Sequence[str] = SEEN) -> float:
+    """Return the largest relative change of figures."""
+    return max(abs(one.performance[name] / other.performance[name] - 1.0) for name in names)
+
+
 def scene_dict(changes: dict[str, Any] | None = None) -> dict[str, Any]:
     """Return the base scene with changes by dotted path; the value DROP removes a field."""
     scene = copy.deepcopy(BASE)
@@ -153,6 +165,13 @@ def scene_dict(changes: dict[str, Any] | None = None) -> dict[str, Any]:
 def make(changes: dict[str, Any] | None = None) -> Scene:
     """Return the scene of `scene_dict`."""
     return _read(json.dumps(scene_dict(changes)))
+
+
+def refusal(changes: dict[str, Any]) -> str:
+    """Return why a scene with changes is refused."""
+    with pytest.raises(SceneError) as caught:
+        make(changes)
+    return str(caught.value)
 
 
 def closed(scene: Scene) -> tuple[Problem, Machinery, CycleSolution]:

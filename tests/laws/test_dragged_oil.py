@@ -6,17 +6,15 @@ import numpy as np
 import pytest
 from each_row import each_row
 from known_figures import known_solution
-from scenes import FILM, FILMS, OIL_VOLUME, PUMPED_PORT, RADAU, SOLUBLE_RATE, closed, make, run
+from scenes import FILM, FILMS, OIL_VOLUME, PUMPED_PORT, RADAU, SOLUBLE_RATE, change, closed, make, refusal, run
 
 from screwsim.explain import explain
-from screwsim.inputs.faults import SceneError
 from screwsim.machine.geometry import wall_speeds
 from screwsim.machine.protocol import END_GAP, TIP_GAP
 from screwsim.model.slots import OIL_TEMPERATURE, PORT_STATE, PRESSURE
 from screwsim.scene import load
 
 ACCURACY = 3e-4  # numerics.accuracy
-FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "trapped_mass")
 BALANCES = ("mass", "energy", "entropy", "oil_mass")
 GAP, PASSAGE, LENGTH = 50e-6, 2e-3, 9.83 * 0.16
 DENSITY, HEAT, TIP_SPEED = 1000.0, 2000.0, 0.08 * 100.0 * math.pi
@@ -45,11 +43,6 @@ THICK = {
     "machine.volume.min": "20 cm^3",
     "effects.tip_leakage": {"gap": "50 um", "reading": "interface", **FILM, "filled_from": 1e-5, "wall_speed": 0.4},
 }
-
-
-def change(one, other):
-    """Return the largest relative change of figures."""
-    return max(abs(one.performance[name] / other.performance[name] - 1.0) for name in FIGURES)
 
 
 # ---- plane flow between a wall at rest and one that moves ------------------------------------------------------------
@@ -224,6 +217,4 @@ def test_explain_names_the_speed_of_the_wall():
     ],
 )
 def test_speeds_without_a_meaning_are_said(changes, words):
-    with pytest.raises(SceneError) as caught:
-        make({**FILMS, **changes})
-    assert words in str(caught.value)
+    assert words in refusal({**FILMS, **changes})

@@ -1,5 +1,6 @@
 """All effects that can be on together: they converge, close, and keep the signs of what each of them does."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,7 @@ from screwsim.effects import catalogue
 from screwsim.machine.kinds import MACHINES
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate, simulate_many
+from screwsim.study.local import sensitivities
 
 SCENE = Path(__file__).parents[2] / "configs" / "everything.yaml"
 LEFT_OUT = {"oil_heat"}  # droplets take its place
@@ -36,7 +38,7 @@ def test_all_together_close():
 @pytest.mark.slow
 def test_near_points_close_in_a_turn_or_two_and_give_what_each_gives_alone():
     scene = load(SCENE)
-    course = [with_values(scene, {"operation.speed": scene.operation.speed * (1.0 + 0.002 * i)}) for i in range(8)]
+    course = [with_values(scene, {"operation.speed": scene.operation.speed * (1.0 + 0.003 * i)}) for i in range(8)]
     found = list(simulate_many(course, trace=False))
     assert [result.status for result in found] == ["ok"] * len(course)
     assert all(result.numerics.turns <= 2 for result in found[1:]) and found[-1].numerics.turns == 1
@@ -46,6 +48,17 @@ def test_near_points_close_in_a_turn_or_two_and_give_what_each_gives_alone():
     alone = alone.performance
     for name in ("gas_mass_flow", "shaft_power", "rotor_temperature", "mean_speed"):
         assert found[-1].performance[name] == pytest.approx(alone[name], rel=scene.numerics.accuracy), name
+
+
+@pytest.mark.slow
+def test_every_figure_of_all_together_has_an_exact_derivative():
+    """But for a drive, whose speed is found, and for what is left of the circuit's residual."""
+    gap = "effects.tip_leakage.gap"
+    found = sensitivities(load(SCENE, ["effects.drive=off"]), [gap])
+    with_value = {name for name, value in found.result.performance.items() if value is not None}
+    assert found.method == {gap: "exact"}
+    assert with_value - set(found.derivatives) == {"oil_circuit_residual"}
+    assert all(math.isfinite(each[gap]) for each in found.derivatives.values())
 
 
 @pytest.mark.slow

@@ -2,7 +2,7 @@
 
 import pytest
 from known_figures import known_solution
-from scenes import BASE, RADAU, make, run
+from scenes import BASE, RADAU, change, make, run
 
 from screwsim.build import build_parts
 from screwsim.explain import explain
@@ -10,17 +10,12 @@ from screwsim.model.compose import compose
 
 ACCURACY = 3e-4
 CARRIED = {"oil.transport": "carried"}
-SEEN = ("gas_mass_flow", "indicated_power", "shaft_power", "discharge_temperature", "trapped_mass", "peak_pressure")
 OWN = "own_effects.warm_wall"
 
 
 def wall(conductance=5.0, widening=0.0, **changes):
     own = {OWN: {"conductance": conductance, "widening": widening}}
     return {"effects": {**BASE["effects"], **own}, **CARRIED, **changes}
-
-
-def change(one, other):
-    return max(abs(one.performance[name] / other.performance[name] - 1.0) for name in SEEN)
 
 
 @pytest.mark.parametrize(

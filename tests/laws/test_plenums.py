@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from each_row import each_row
-from scenes import closed, make, run
+from scenes import change, closed, make, run
 from scipy.integrate import solve_ivp
 
 from screwsim.cycle.feedback import LINE_POINTS, at_angles, turn_of
@@ -20,17 +20,11 @@ ACCURACY = 3e-4
 CARRIED = {"oil.transport": "carried"}
 SIZE = {"suction_volume": "8 l", "discharge_volume": "3 l", "suction_area": "40 cm^2", "discharge_area": "15 cm^2"}
 PLENUMS = {**CARRIED, "effects.plenums": SIZE}
-SEEN = ("gas_mass_flow", "indicated_power", "shaft_power", "discharge_temperature", "trapped_mass", "peak_pressure")
 BALANCES = ("mass", "energy", "entropy", "oil_mass")
 
 
 def plenums(**changes):
     return {**PLENUMS, "effects.plenums": {**SIZE, **changes}}
-
-
-def change(one, other, names=SEEN):
-    """Return the largest relative change of figures."""
-    return max(abs(one.performance[name] / other.performance[name] - 1.0) for name in names)
 
 
 # ---- closed forms --------------------------------------------------------------------------------------------------
@@ -336,6 +330,27 @@ def test_a_wave_that_turns_the_flow_round_is_told():
     assert not quiet.warnings
     assert loud.performance.discharge_line_least_flow < 0.0
     assert any("a check valve would shut" in warning for warning in loud.warnings)
+
+
+def test_a_plenum_longer_than_half_a_wave_is_told():
+    """It has no single pressure: over a quarter of a wave that changes its sign. Half a wave here is 0.4 m and more."""
+    short, long = (run(plenums(suction_volume=volume)) for volume in ("8 l", "1 m^3"))
+    assert not short.warnings
+    (warning,) = long.warnings
+    assert warning.startswith("the suction plenum is a cube of 1 m or longer, and half a wave")
+    line = turn_of_run(plenums(suction_volume="1 m^3"))
+    assert PlenumWithLine("suction", Parameters(suction_volume=0.99 * half_wave(line) ** 3)).spread(line) == ""
+    assert PlenumWithLine("suction", Parameters(suction_volume=1.01 * half_wave(line) ** 3)).spread(line) != ""
+
+
+def turn_of_run(changes):
+    problem, _, cycle = closed(make(changes))
+    return evaluate(problem, cycle).complete.turn
+
+
+def half_wave(turn):
+    """Return half of the sound's way [m] in the time between two lobes."""
+    return 0.5 * turn.line("suction").sound * turn.pitch / turn.omega
 
 
 VALVE = {"discharge_valve": {"area": "12 cm^2", "pressure": "0.1 bar"}}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from each_row import each_row
 from known_figures import known_solution
-from scenes import DROP, ECONOMIZER, OIL_PORT, OIL_VOLUME, PUMPED_PORT, RADAU, TOGETHER, make, run
+from scenes import DROP, ECONOMIZER, OIL_PORT, OIL_VOLUME, PUMPED_PORT, RADAU, TOGETHER, change, make, run
 
 from screwsim import load
 from screwsim.fluid import constants
@@ -21,17 +21,11 @@ ACCURACY = 3e-4
 CARRIED = {"oil.transport": "carried"}
 AT_PRESSURE = {**ECONOMIZER, "effects.economizer.temperature": DROP, "effects.economizer.pressure": "4 bar"}
 CASES = {"economizer": ECONOMIZER, "oil port": OIL_PORT, "oil volume": OIL_VOLUME, "together": TOGETHER}
-SEEN = ("gas_mass_flow", "indicated_power", "shaft_power", "discharge_temperature", "trapped_mass", "peak_pressure")
 
 
 @pytest.fixture(scope="module")
 def liquid(pytestconfig):
     return simulate(load(pytestconfig.rootpath / CONFIG, LIQUID))
-
-
-def change(one, other, names=SEEN):
-    """Return the largest relative change of figures."""
-    return max(abs(one.performance[name] / other.performance[name] - 1.0) for name in names)
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -355,7 +355,7 @@ def test_oil_that_takes_more_friction_than_it_carries_away_is_told_before_its_po
 
     The search ends in cold oil, whose films would take 12 times the motor's power: not the machine's.
     """
-    scene = new_scene("booster", request_of("Helium", None, None, None, None, "1/2 bar, 40 degC"))
+    scene = new_scene("booster", request_of(fluid="Helium", condition="1/2 bar, 40 degC"))
     low = ["operation.suction.pressure=0.8 bar", "operation.discharge.pressure=1.6 bar", "oil_supply.ratio=27.5"]
     kept = "effects.separator.cooler.discharge_temperature={} degC"
     warm = simulate(loads(scene, overrides=[*low, kept.format(82)]))

@@ -68,7 +68,7 @@ def test_a_flash_tank_settles_and_a_larger_port_makes_it_colder(settled):
 
 def test_a_port_that_draws_little_of_much_that_passes_both_ways_settles():
     """A kelvin changes its draw sixfold, close to the end of the range: 0.014 of the flow was left open."""
-    machine = loads(new_scene("refrigeration", request_of("R134a", *[None] * 5, capacity="300 kW", economizer=True)))
+    machine = loads(new_scene("refrigeration", request_of(fluid="R134a", capacity="300 kW", economizer=True)))
     warm = {"operation.evaporating_temperature": 283.15, "operation.condensing_temperature": 298.15}
     found = simulate(with_values(machine, warm), trace=False)
     assert found.status == "ok"

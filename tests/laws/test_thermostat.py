@@ -58,7 +58,7 @@ def test_gas_and_oil_of_one_temperature_are_what_the_valve_keeps(mixed):
 @pytest.mark.parametrize("area", [5, 20, 80])
 def test_a_bore_of_any_size_is_opened_alike_where_oil_comes_back_as_warm_as_it_left(area, tmp_path):
     """Such oil holds no temperature: the liquid cools all of it. Bores of 20 mm^2 and more did not close."""
-    text = new_scene("refrigeration", request_of("R1234ze(E)", "780 m^3/h", None, None, None, None))
+    text = new_scene("refrigeration", request_of(fluid="R1234ze(E)", displacement="780 m^3/h"))
     file = tmp_path / "machine.yaml"
     file.write_text(text, encoding="utf-8")
     bore = f"{{opens: 480 deg, closes: 560 deg, area: {area} mm^2, discharge_temperature: 55 degC}}"

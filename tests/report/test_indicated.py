@@ -6,6 +6,7 @@ import pytest
 from screwsim.inputs.faults import UsageError
 from screwsim.report.indicated import (
     Indicated,
+    at_angles,
     check_angles,
     deviation_in_words,
     draw_over_angle,
@@ -38,7 +39,7 @@ def test_pressures_are_read_in_the_unit_of_their_column_with_the_mark_of_excel(t
         ("angle_deg,p\n1,2\n", r"needs the columns angle_deg and one pressure \(found: angle_deg, p; write"),
         ("angle_deg,pressure_bar,pressure_Pa\n1,2,3\n", "needs the columns angle_deg and one pressure"),
         ("angle_deg,pressure_bar\n", "has no points"),
-        ("angle_deg,pressure_bar\n1,x\n", "line 2: 1, x are not an angle and a pressure"),
+        ("angle_deg,pressure_bar\n1,x\n", "line 2: 1, x are not two numbers"),
         ("angle_deg,pressure_bar\n1,-0.1\n", "line 2: -0.1 bar is not an absolute pressure"),
         ("angle_deg,pressure_bar\nnan,1\n", "line 2"),
         ("angle_deg,pressure_bar\n1,5,2\n", "write decimal points, not decimal commas"),
@@ -60,6 +61,19 @@ def test_angles_of_another_zero_are_refused():
     with pytest.raises(UsageError, match=r"^1 of the measured angles, as -30 deg, lie outside the cycle"):
         check_angles(Indicated(np.array([-30.0, 10.0]), np.array([1e5, 1e5])), TRACE)
     check_angles(Indicated(np.array([-3.0, 723.0]), np.array([1e5, 1e5])), TRACE)
+
+
+def test_points_over_the_volume_stand_on_the_side_on_which_it_grows_or_falls(tmp_path):
+    """A chamber that grows to 360 cm³ at 360° and falls again: 100 cm³ is passed at 100° and at 620°."""
+    volume = 1e-6 * np.minimum(ANGLE, 720.0 - ANGLE)
+    trace = TRACE._replace(values={"pressure": TRACE.values["pressure"], "volume": volume})
+    rows = "100,1\n300,1\n360,1.2\n300,1.5\n100,4\n"
+    read = read_indicated(written(tmp_path, f"volume_cm3,pressure_bar\n{rows}"))
+    assert at_angles(read, trace).angle == pytest.approx([100.0, 300.0, 360.0, 420.0, 620.0], rel=1e-12)
+    with pytest.raises(UsageError, match="1 of the measured volumes, as 400 cm3, are not between 0 and"):
+        at_angles(read._replace(volume=np.array([400e-6, 1e-6, 2e-6, 3e-6, 4e-6])), trace)
+    with pytest.raises(UsageError, match="are all the same"):
+        at_angles(read_indicated(written(tmp_path, "volume_l,pressure_kPa\n0.1,200\n")), trace)
 
 
 def test_points_stand_at_their_pressure_angle_and_computed_volume_and_none_is_cut_off():

@@ -49,6 +49,19 @@ def test_the_loop_is_that_of_the_cycle(closed, axes):
     assert axes.get_xlabel() and axes.get_ylabel()
 
 
+def test_two_loops_in_the_same_axes_are_told_apart(closed, axes):
+    first, second = ({"label": "A"}, {"label": "B", "color": "red", "linestyle": "--"})
+    for draw in (plot.pv, plot.pressure):
+        axes.clear()
+        draw(closed, ax=axes, **first)
+        draw(closed, ax=axes, **second)
+        named = {line.get_label(): line for line in axes.get_lines()}
+        assert (named["B"].get_color(), named["B"].get_linestyle()) == ("red", "--") != (named["A"].get_color(), "-")
+        np.testing.assert_allclose(named["B"].get_ydata(), closed.cycle["pressure"] * 1e-5)
+    with pytest.raises(AttributeError, match="colour"):
+        plot.pv(closed, ax=axes, colour="red")
+
+
 def test_the_port_of_rotors_is_marked_where_it_opens(tmp_path):
     """Between the samples of a trace, which are a degree apart: the mark tells tenths of it."""
     scene = load("configs/rotors/b.yaml", ["numerics.accuracy=1e-2", "numerics.error=none"])

@@ -121,7 +121,7 @@ def test_settings_of_a_sample_are_changed_from_outside(example):
         ("{sample: {kind: sobol, count: 4}}", "sweep.sample.over: must name the paths that vary (write {kind:"),
         (
             "{sample: {kind: sobol, count: 60, over: {oil_supply.ratio: {from: 1, to: 2}}}}",
-            "sweep.sample.count: 60 is not a power of two, which a Sobol sample needs (write e.g. 64)",
+            "sweep.sample.count: 60 is not a power of two, which a Sobol sample needs (write e.g. 64, or kind: latin",
         ),
         (
             "{sample: {kind: halton, count: 4, over: {oil_supply.ratio: {from: 1, to: 2}}}}",

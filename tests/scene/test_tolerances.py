@@ -32,6 +32,7 @@ effects:
 """
 GAP, OTHER = "effects.tip_leakage.gap", "effects.interlobe_leakage.gap"
 TOGETHER = f"uncertainty.correlated=[[{GAP}, {OTHER}]]"
+CORRELATED = f"uncertainty: {{correlated: [[{GAP}, {OTHER}]]}}\n"
 BOTH = (f"{GAP}=27 um ± 5 um", f"{OTHER}=29 um ± 5 um")
 
 
@@ -127,6 +128,27 @@ def test_a_tolerance_that_makes_no_sense_is_told_at_its_line(change, told):
         read(change)
     assert told in str(error.value)
     assert str(error.value).startswith(f"--set {change}")
+
+
+@each_row(
+    ("changes", "groups"),
+    [
+        ((*BOTH, TOGETHER), ((GAP, OTHER),)),
+        ((*BOTH, TOGETHER, f"{GAP}=20 um"), ()),
+        ((*BOTH, TOGETHER, f"{GAP}=20 um ± 1 um"), ((GAP, OTHER),)),
+    ],
+)
+def test_a_value_that_replaces_one_with_a_tolerance_leaves_its_group(changes, groups):
+    assert read(*changes).correlated == groups
+
+
+def test_a_scene_may_state_a_value_of_a_group_of_its_base(tmp_path):
+    held = SCENE.replace("27.5 um", "27 um ± 5 um").replace("29.5 um", "29 um ± 5 um") + CORRELATED
+    (tmp_path / "machine.yaml").write_text(held, encoding="utf-8")
+    own = "base: machine.yaml\neffects: {tip_leakage: {gap: 20 um}}\n"
+    assert loads(own, folder=str(tmp_path)).correlated == ()
+    with pytest.raises(SceneError, match="has no tolerance in this scene"):
+        loads(own + CORRELATED, folder=str(tmp_path))
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Two results files: which points are common, what differs beyond numerical error, and what of the scenes."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,9 +11,13 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
 from screwsim.printing.compare import _shown_pair, comparison_document, print_comparison
 from screwsim.results import open_results, save
-from screwsim.scene import loads
+from screwsim.scene import load, loads
+from screwsim.simulate import simulate
 from screwsim.study.compare import compare, matched
 from screwsim.study.sweep import run_sweep
+from screwsim.study.uncertain import with_uncertainty
+
+PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 
 ERROR = 1e-5  # estimated, of the shaft power of the fake
 
@@ -119,6 +124,22 @@ def test_a_tolerance_counts_beside_the_errors(grid, tmp_path):
     assert compare(grid, other, tolerance=0.011).equal
 
 
+def test_a_change_is_as_uncertain_as_inputs_that_are_not_off_alike(tmp_path, capsys):
+    """A file against itself: they are all alike. Against the same machine without tolerances: none is."""
+    tolerances = {"effects.tip_leakage.gap": "27.5 um ± 5 um", "oil_supply.ratio": "3 ± 10 %"}
+    files = []
+    for name, scene in (("with", load(PAPER).with_(tolerances)), ("without", load(PAPER))):
+        save(tmp_path / f"{name}.h5", scene, with_uncertainty(scene, simulate(scene)))
+        files.append(open_results(tmp_path / f"{name}.h5"))
+    toleranced, exact = files
+    alike, apart = (figure(compare(toleranced, other), "shaft_power") for other in files)
+    assert alike.inputs == 0.0
+    assert apart.inputs == pytest.approx(2.0 * float(toleranced.uncertainty["shaft_power"]), rel=1e-12)
+    assert figure(compare(exact, exact), "shaft_power").inputs is None
+    print_comparison(toleranced, exact, compare(toleranced, exact))
+    assert "error inputs differ" in " ".join(capsys.readouterr().out.split())
+
+
 def test_points_are_matched_by_their_values(grid, tmp_path):
     axes = "sweep:\n  oil_supply.ratio: [9, 2, 2.5]\n  operation.speed: [3000 rpm, 4000 rpm]\n"
     found = compare(grid, swept(tmp_path / "b.h5", axes))
@@ -200,6 +221,22 @@ def test_points_of_a_sample_are_matched_by_all_columns_however_many():
     other = own[::-1] * (1.0 + 1e-12)
     in_a, in_b = matched(own.T, other[:-1].T, (64, 63))
     assert in_a.tolist() == [*range(1, 64)] and in_b.tolist() == [*range(62, -1, -1)]
+
+
+def test_a_point_that_a_sample_has_twice_is_matched_each_time():
+    a, b = np.array([3.0, 1.0, 3.0, 2.0, 3.0]), np.array([1.0, 3.0, 5.0, 3.0, 1.0])
+    in_a, in_b = matched([a], [b], (5, 5))
+    assert list(zip(in_a.tolist(), in_b.tolist(), strict=True)) == [(0, 1), (1, 0), (1, 4), (2, 3), (4, 3)]
+    for each in (a, b):
+        rows = matched([each], [each], (5, 5))
+        assert np.array_equal(rows[0], np.arange(5)) and np.array_equal(rows[1], np.arange(5))
+
+
+def test_a_sample_of_few_values_equals_itself(tmp_path):
+    over = "{operation.speed: [1000 rpm, 1500 rpm], machine.volume.phi_A: [60 deg, 65 deg]}"
+    sample = swept(tmp_path / "a.h5", f"sweep: {{sample: {{kind: sobol, count: 8, seed: 20, over: {over}}}}}\n")
+    found = compare(sample, sample)
+    assert (found.common, found.only_a, found.only_b) == (8, 0, 0)
 
 
 def test_choices_are_matched_by_their_words(tmp_path):

@@ -220,7 +220,7 @@ def test_points_that_fail_are_told_and_counted(capsys):
             2,
             "delivers nothing (write loaded)",
         ),
-        ("configs/air/fixed_speed_7.yaml", ["-o", "sheet.txt"], 2, "-o sheet.html or sheet.pdf"),
+        ("configs/air/fixed_speed_7.yaml", ["-o", "sheet.txt"], 2, "-o sheet.html, sheet.pdf or sheet.csv"),
         ("configs/air/fixed_speed_7.yaml", ["--without", "motor"], 3, "needs effects.motor"),
     ],
 )

@@ -201,6 +201,7 @@ def test_a_log_gets_a_line_of_a_long_study_whenever_twice_as_long_has_passed(cap
         told.advance(2, int(second == 15))
     lines = capsys.readouterr().err.splitlines()
     assert lines == [
+        "screwsim: plan: continues with 2 of 202 that were there",
         "screwsim: plan: 22 of 202 in 10 s, about 90 s left",
         "screwsim: plan: 42 of 202 in 20 s, 1 not ok, about 80 s left",
         "screwsim: plan: 82 of 202 in 40 s, 1 not ok, about 60 s left",

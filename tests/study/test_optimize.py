@@ -20,7 +20,7 @@ from screwsim.scene import loads, with_values
 from screwsim.simulate import simulate as simulated
 from screwsim.study.optimize import optimize, question, run_question
 from screwsim.study.optimize.evaluate import weighted_mean
-from screwsim.study.optimize.points import BIN_HOURS, as_csv, energy_shares, read_points, standards
+from screwsim.study.optimize.points import BIN_HOURS, as_csv, energy_shares, load_at, read_points, standards
 from screwsim.study.optimize.record import Record, nearest_neighbour_order
 from screwsim.study.optimize.solve import front_of
 from screwsim.study.optimize.store import held_parts
@@ -294,6 +294,26 @@ def test_seasonal_points_have_the_weights_of_their_standards():
     assert sum(BIN_HOURS["SEER"].values()) == 2602.0  # hours above 16 °C
     for name in ("SEER", "SEPR"):
         assert sum(energy_shares(name)) == pytest.approx(1.0)
+
+
+def test_the_law_of_the_cooling_load_gives_the_rating_points_in_whole_percents():
+    """And goes on: space cooling vanishes at 16 °C and exceeds the design load on hotter days than 35 °C."""
+    for name in ("SEER", "SEPR"):
+        ratings = standards()[name].ratings
+        assert [round(load_at(name, each.entering), 2) for each in ratings] == [each.load for each in ratings]
+    assert load_at("SEER", 16.0) == 0.0
+    assert load_at("SEER", 39.0) == pytest.approx(23.0 / 19.0)
+    assert load_at("SEPR", -10.0) == load_at("SEPR", 5.0) == 0.8
+
+
+def test_shares_of_the_cooling_energy_meet_its_mean_temperature():
+    """Dividing each hour linearly between two points keeps its first moment, inside the outer points."""
+    points = {"SEER": (35.0, 30.0, 25.0, 20.0), "SEPR": (35.0, 25.0, 15.0, 5.0)}
+    for name, at in points.items():
+        cooling = {T: hours * load_at(name, T) for T, hours in BIN_HOURS[name].items()}
+        mean = sum(min(max(T, at[-1]), at[0]) * each for T, each in cooling.items()) / sum(cooling.values())
+        found = sum(T * share for T, share in zip(at, energy_shares(name), strict=True))
+        assert found == pytest.approx(mean, abs=1e-9)
 
 
 def test_a_seasonal_figure_of_one_cop_is_that_cop(chilled):

@@ -129,7 +129,7 @@ def test_the_efficiency_that_is_asked_for_by_itself_is_one_that_the_gas_has(mode
 
 def test_a_border_of_the_range_that_is_no_machine_is_no_end_of_the_question():
     """Which figures there are is asked of the scene itself, where a slide is too narrow for the first of its axis."""
-    slide = new_scene("refrigeration", request_of("R134a", None, None, None, None, None, slide=True))
+    slide = new_scene("refrigeration", request_of(fluid="R134a", slide=True))
     whole = loads(slide + "\nsweep:\n  machine.built_in_volume_ratio: [2.2, 3.5]\n")
     with pytest.raises(UsageError, match="male_span"):
         build_parts(case(whole, 0))
@@ -181,7 +181,7 @@ def test_a_worker_that_dies_costs_its_row_only():
     [
         ({"figure": "isothermal_eficiency"}, "--figure isothermal_eficiency: is not known; did you mean"),
         ({"path": "oil_supply.ratoi"}, "oil_supply.ratoi: is not known; did you mean 'oil_supply.ratio'?"),
-        ({"path": "operation.speed"}, "operation.speed: has no range (write --from and --to, or an axis"),
+        ({"path": "operation.speed"}, "operation.speed: has no range (write operation.speed=LOW..HIGH, or an axis"),
         ({"path": "machine.male_lobes"}, "machine.male_lobes: is a whole number, not a continuous quantity"),
         ({"path": "operation.speed", "first": "10", "last": "20 rpm"}, "operation.speed: '10' has no unit"),
         ({"first": "3", "last": "2"}, "oil_supply.ratio: the range 3 … 2 is empty (--from must be below --to)"),
@@ -198,7 +198,7 @@ def test_a_wrong_question_is_refused_in_one_line(asked, message):
 def test_a_path_that_the_scene_cannot_have_is_refused():
     text = SCENE.replace("{kind: pump, ratio: 3,", "{kind: displacement, orifice_diameter: 2 mm,")
     one = loads(text)
-    with pytest.raises(UsageError, match=r"oil_supply\.ratio: applies only to kind: pump"):
+    with pytest.raises(UsageError, match=r"oil_supply\.ratio: follows from the orifice of displaced oil"):
         optimum(one, question(one), simulate=parabola)
 
 

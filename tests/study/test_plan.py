@@ -222,12 +222,14 @@ def test_the_command_prints_the_points_and_writes_them_to_be_filled_in(tmp_path,
     assert "1  1000 rpm" in shown or "1  5000 rpm" in shown
     assert "constrained so far by their bounds only: gap, heat_capacity" in shown
     heads, *rows = out.read_text(encoding="utf-8").splitlines()
-    assert heads == "name,operation.speed [rpm],shaft_power [W],shaft_power_uncertainty [W]" and len(rows) == 2
+    assert heads == "name,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]" and len(rows) == 2
     fit = read_fit(file, fixed=False)
     assert {each.name for each in candidates_of(fit, out)} == {"1000 rpm", "5000 rpm"}
     assert exit_code([*asked, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["candidates"] == 4 and len(document["points"]) == 2
+    told = [each["uncertainties"]["shaft_power"] for each in document["points"]]
+    assert [1e3 * float(row.split(",")[-1]) for row in rows] == pytest.approx(told, rel=5e-3)  # three digits
     assert document["points"][-1]["deviations"][GAP] < document["deviations"][GAP]
 
 

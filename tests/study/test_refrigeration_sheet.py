@@ -196,7 +196,7 @@ def test_its_document_is_in_si(sheet):
 def test_a_machine_with_an_economizer_has_what_its_port_draws(tmp_path):
     """The liquid is cooled to 5 K (`approach`) above what evaporates: CoolProp's enthalpies give the gain."""
     file = tmp_path / "eco.yaml"
-    file.write_text(new_scene("refrigeration", request_of(*[None] * 6, economizer=True)), encoding="utf-8")
+    file.write_text(new_scene("refrigeration", request_of(economizer=True)), encoding="utf-8")
     found = sheet_of(screwsim.load(file), evaporating=RANGES[0], condensing="40 degC..45 degC", jobs=1)
     tables = {table.title: table for table in found.tables}
     flow, temperature = tables["Economizer mass flow [kg/h]"], tables["Economizer temperature [°C]"]

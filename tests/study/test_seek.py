@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from each_row import each_row
 from result_fakes import SCENE
-from seek_fakes import RPM, edged, leaping, saturating, torn, turning
+from seek_fakes import RPM, edged, figures_of, leaping, saturating, torn, turning
 
 import screwsim
 from screwsim.inputs.faults import UsageError
@@ -132,7 +132,7 @@ def test_without_a_range_it_is_the_axis_or_what_machines_have():
 
 
 def test_a_path_at_zero_has_the_range_of_its_limits():
-    machine = loads(new_scene("refrigeration", request_of(*[None] * 6, slide=True)))
+    machine = loads(new_scene("refrigeration", request_of(slide=True)))
     asked = question(machine, ["machine.slide_valve.position"], ["cooling_capacity=100 kW"])
     assert [(span.low, span.high, span.start) for span in asked.spans] == [(0.0, 1.0, 0.0)]
 
@@ -168,6 +168,17 @@ def test_a_goal_below_the_smallest_size_takes_it_and_one_above_the_largest_none(
         assert found.message.startswith("no size in the catalogue, up to 3000 rpm, meets the goal")
     else:
         assert found.size.value / RPM == pytest.approx(size)
+
+
+@pytest.mark.parametrize("flow", [0.5, 1.9])
+def test_no_size_meets_a_goal_of_a_figure_that_the_size_does_nothing_to(flow):
+    def flat(one):  # falls by less than its error
+        return figures_of(one, gas_mass_flow=1.0 - 1e-11 * one.operation.speed / RPM)
+
+    goals = [f"gas_mass_flow={flow} kg/s"]
+    found = find(scene(), [SPEED], goals, catalogue="1500,3000 rpm", simulate=flat)
+    assert (found.status, found.size) == ("none", None)
+    assert "it is 1 kg/s throughout (vary something it depends on)" in found.message
 
 
 @each_row(
@@ -228,7 +239,7 @@ def test_a_scene_of_another_size_says_so_in_its_title(tmp_path):
     from screwsim.scene import with_values
 
     base = tmp_path / "machine.yaml"
-    base.write_text(new_scene("refrigeration", request_of(None, "600 m^3/h", None, None, None, None)), encoding="utf-8")
+    base.write_text(new_scene("refrigeration", request_of(displacement="600 m^3/h")), encoding="utf-8")
     values = {"machine.displacement.flow": 1250.0 / 3600.0}
     path = tmp_path / "sized.yaml"
     write_found(path, with_values(screwsim.load(base), values), values, str(base), [], [], "find machine.yaml")

@@ -69,6 +69,18 @@ def test_flows_match_between_the_pressures_of_both_ends(chain):
     assert p.isothermal_efficiency == pytest.approx(ideal / p.shaft_power, rel=1e-6)
 
 
+def test_electrical_figures_are_those_of_both_motors_if_both_stages_have_one(chain):
+    both = run_stages(read_stages(CONFIGS / "two_stage" / "plant.stages.yaml"))
+    p, parts = both.performance, [each.performance.electrical_power for each in both.stages]
+    assert p.electrical_power == sum(parts) > p.shaft_power
+    assert p.electrical_cop * p.electrical_power == pytest.approx(p.cop * p.shaft_power, rel=1e-12)
+    assert p.electrical_heating_cop == pytest.approx(p.heating_capacity / p.electrical_power, rel=1e-12)
+    assert 0.0 < both.error.electrical_power < ACCURACY
+    motor = {"effects.motor": {"rated_power": "30 kW", "efficiency": 0.9}}
+    one = run_stages(read_stages(chain(low=motor)))
+    assert one.status == "ok" and "electrical_power" not in one.performance
+
+
 def test_stages_are_the_scenes_alone_at_that_pressure(chain):
     found = run_stages(read_stages(chain()))
     for scene, result in zip(found.scenes, found.stages, strict=True):
@@ -166,8 +178,11 @@ def test_errors_of_both_stages_reach_the_whole_by_the_pressure_that_they_move(ch
     assert any("above the wanted accuracy" in warning for warning in found.warnings)
 
 
-def test_a_cooler_warmer_than_the_gas_does_nothing(chain):
-    warm = run_stages(read_stages(chain({**COOLER, "outlet_temperature": "450 K"}))).performance
+def test_a_cooler_warmer_than_the_gas_does_nothing_and_says_so(chain):
+    found = run_stages(read_stages(chain({**COOLER, "outlet_temperature": "450 K"})))
+    warm = found.performance
+    assert "the intercooler cools nothing: the gas arrives at" in found.warnings[0]
+    assert run_stages(read_stages(chain(COOLER))).warnings == ()
     assert warm.intercooler_heat == pytest.approx(0.0, abs=1e-6)
     assert warm.shaft_power == pytest.approx(run_stages(read_stages(chain())).performance.shaft_power, rel=1e-9)
 

@@ -20,11 +20,10 @@ from screwsim.template import KINDS, new_scene, refrigeration, request_of, sizes
 ROOT = Path(__file__).parents[2]
 templates = sibling(ROOT / "docs" / "tools" / "templates.py")
 comparison = sibling(ROOT / "validation" / "templates" / "compare.py")
-EVERY = ("fluid", "displacement", "vi", "speed", "oil", "condition")
 
 
 def scene_of(kind, **stated):
-    return screwsim.loads(new_scene(kind, request_of(*(stated.get(name) for name in EVERY))))
+    return screwsim.loads(new_scene(kind, request_of(**stated)))
 
 
 def figures(kind, **stated):
@@ -144,7 +143,7 @@ def test_a_gas_whose_vapour_line_leans_over_has_the_superheat_that_keeps_it_dry(
     assert screwsim.simulate(scene, trace=False).performance.discharge_superheat > 0.0
     told = rf"ends wet, as its vapour line leans over \(write e.g. --condition '{condition}, {dry} K'\)$"
     with pytest.raises(UsageError, match=told):
-        new_scene(kind, request_of(fluid, None, None, None, None, f"{condition}, {wet} K"))
+        new_scene(kind, request_of(fluid=fluid, condition=f"{condition}, {wet} K"))
 
 
 @pytest.mark.parametrize("fluid", ["CO2", "R744", "CarbonDioxide"])
@@ -182,7 +181,7 @@ def test_the_cylinder_for_carbon_dioxide_is_the_one_of_the_shipped_scene():
 
 def test_a_motor_takes_what_a_built_in_ratio_costs_that_the_pressures_do_not_call_for():
     """R22 from 41 to 68 °C with 2.98 in place of 1.8, and an economizer's gas: 1.4 of the motor's power before."""
-    asked = request_of("R22", "4637 m^3/h", 2.98, None, None, "41/68 degC, 0 K", economizer=True)
+    asked = request_of(fluid="R22", displacement="4637 m^3/h", vi=2.98, condition="41/68 degC, 0 K", economizer=True)
     scene = screwsim.loads(new_scene("heat_pump", asked))
     result = screwsim.simulate(scene, trace=False)
     assert (result.status, result.warnings) == ("ok", ())
@@ -199,23 +198,23 @@ def test_work_beyond_the_matching_ratio_is_that_of_constant_volume():
 
 def test_a_motor_that_is_stated_turns_the_first_size_that_is_tried():
     """A search from 600 m³/h ended where 22 kW should have turned six times as much."""
-    asked = request_of("R407C", None, 5.28, None, None, "-9/38 degC, 5 K", motor="22 kW")
+    asked = request_of(fluid="R407C", vi=5.28, condition="-9/38 degC, 5 K", motor="22 kW")
     assert sized_machine("heat_pump", asked).result.performance.shaft_power == pytest.approx(22e3, rel=5e-3)
 
 
 def test_an_economizer_without_a_steady_draw_is_refused():
-    asked = request_of("R454B", "600 m^3/h", None, None, None, "-29/-14 degC, 20 K", economizer=True)
+    asked = request_of(fluid="R454B", displacement="600 m^3/h", condition="-29/-14 degC, 20 K", economizer=True)
     told = r"^--economizer: no temperature is found .*or no --economizer\)$"
     with pytest.raises(UsageError, match=told):
         with_steady_port(new_scene("refrigeration", asked))
-    asked = request_of("R1234ze(Z)", None, None, None, None, "94/111 degC, 25 K", capacity="27.3 kW", economizer=True)
+    asked = request_of(fluid="R1234ze(Z)", condition="94/111 degC, 25 K", capacity="27.3 kW", economizer=True)
     with pytest.raises(UsageError, match=told):
         sized_machine("refrigeration", asked)
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_names_all_its_leaks_and_where_its_numbers_come_from(kind):
-    text = new_scene(kind, request_of(None, None, None, None, None, None))
+    text = new_scene(kind, request_of())
     scene = screwsim.loads(text)
     lacking = leaks_in_words(scene)
     assert lacking == "" or (kind == "expander" and lacking.endswith("typical scenes name shaft_leakage, too"))
@@ -275,7 +274,7 @@ def test_an_expander_lies_within_five_points_of_the_best_that_was_measured():
 
 def test_the_first_lines_say_what_lambda_and_eta_rest_on():
     def head(kind, fluid=None, condition=None):
-        text = new_scene(kind, request_of(fluid, None, None, None, None, condition))
+        text = new_scene(kind, request_of(fluid=fluid, condition=condition))
         return " ".join(text.partition("title:")[0].replace("#", "").split())
 
     assert "over five refrigerants including this one" in head("refrigeration", "Propane")
@@ -290,7 +289,7 @@ def test_the_first_lines_say_what_lambda_and_eta_rest_on():
 
 
 def test_a_diameter_states_the_size_in_place_of_a_displacement():
-    asked = request_of(None, None, None, "2950 rpm", None, None, "204 mm")
+    asked = request_of(speed="2950 rpm", diameter="204 mm")
     scene = screwsim.loads(new_scene("refrigeration", asked))
     assert scene.machine.rotor_diameter == pytest.approx(0.204)
     assert scene.machine.displacement is None
@@ -494,15 +493,26 @@ def test_a_sheets_power_is_met_within_what_packages_differ_by():
     rows = (ROOT / "validation" / "cagi" / "sheet.csv").read_text().splitlines()
     flow, power = map(float, next(row for row in rows if row[0].isdigit()).split(","))
     stated = {"motor": "110 kW", "free_air": f"{0.3048**3 * flow} m^3/min", "pressure": "125 psig"}
-    found = sized_machine("air", request_of(*[None] * 6, **stated)).result.performance
+    found = sized_machine("air", request_of(**stated)).result.performance
     assert found.free_air_delivered == pytest.approx(0.3048**3 * flow / 60.0, rel=NEAR)
     assert 1.0 < found.package_input_power / (1e3 * power) < 1.12
 
 
+def test_a_size_that_was_sought_is_round_and_the_heat_of_an_oil_cooler_is_told():
+    asked = request_of("Ammonia", *[None] * 4, "30/80 degC", capacity="1 MW")
+    found = sized_machine("heat_pump", asked)
+    flow = 3600.0 * found.scene.machine.displacement.flow
+    assert flow == pytest.approx(float(f"{flow:.4g}"), rel=1e-12)
+    figures = found.result.performance
+    duty = figures.heating_capacity - figures.cooling_capacity - figures.shaft_power
+    assert figures.oil_cooler_duty == pytest.approx(-duty, rel=1e-3)
+    assert f"(without the {figures.oil_cooler_duty * 1e-3:.5g} kW of its oil cooler)" in next(sized_told(asked, found))
+
+
 def test_a_motor_alone_is_loaded_in_full_and_what_hardly_fits_it_is_told(capsys):
-    asked = request_of(*[None] * 6, motor="45 kW")
+    asked = request_of(motor="45 kW")
     assert sized_machine("air", asked).result.performance.shaft_power == pytest.approx(45e3, rel=NEAR)
-    asked = request_of(*[None] * 6, motor="22 kW", free_air="7.5 m^3/min")
+    asked = request_of(motor="22 kW", free_air="7.5 m^3/min")
     lines = list(sized_told(asked, sized_machine("air", asked)))
     assert "(207 % of a motor of 22 kW)" in lines[0] or "(206 % of a motor of 22 kW)" in lines[0]
     assert lines[1].startswith("the motor carries more than data sheets show")
@@ -522,7 +532,7 @@ def test_a_motor_alone_is_loaded_in_full_and_what_hardly_fits_it_is_told(capsys)
     ],
 )
 def test_a_refrigeration_machine_is_sized_by_what_it_cools_or_by_its_motor(stated, figure, wanted, told):
-    found = sized_machine("refrigeration", request_of(*[None] * 6, **stated))
+    found = sized_machine("refrigeration", request_of(**stated))
     assert found.result.performance[figure] == pytest.approx(wanted, rel=NEAR)
     assert told in found.text
     rated = screwsim.loads(found.text).effects["motor"].parameters.rated_power
@@ -532,7 +542,7 @@ def test_a_refrigeration_machine_is_sized_by_what_it_cools_or_by_its_motor(state
 @pytest.mark.slow
 def test_large_packages_at_a_high_speed_are_told_of_and_a_lower_one_is_better():
     """250 kW at 2950 rpm: 48 m/s at the tips; at 1800 rpm 5 % less power for the air."""
-    fast, slow = (request_of(*[None] * 3, speed, None, None, motor="250 kW") for speed in (None, "1800 rpm"))
+    fast, slow = (request_of(speed=speed, motor="250 kW") for speed in (None, "1800 rpm"))
     found = [sized_machine("air", asked) for asked in (fast, slow)]
     told = [list(sized_told(asked, each)) for asked, each in zip((fast, slow), found, strict=True)]
     assert told[0][1].startswith("rotor tips run at 48 m/s") and not any(line.startswith("tips") for line in told[1])
@@ -541,7 +551,7 @@ def test_large_packages_at_a_high_speed_are_told_of_and_a_lower_one_is_better():
 
 
 def test_a_size_that_is_stated_needs_no_search():
-    asked = request_of(None, "520 m^3/h", None, None, None, None, motor="45 kW", pressure="8 bar(g)")
+    asked = request_of(displacement="520 m^3/h", motor="45 kW", pressure="8 bar(g)")
     assert not asked.by_sheet
     scene = screwsim.loads(new_scene("air", asked))
     assert scene.title == "Air package, 520 m^3/h at 2950 rpm, motor of 45 kW, 8 bar(g)"
@@ -552,7 +562,7 @@ def test_a_size_that_is_stated_needs_no_search():
 @pytest.mark.parametrize(("vi", "closes"), [(None, 545.0), (1.2, 522.0)])
 def test_an_economizers_port_lies_where_a_chamber_is_closed(vi, closes):
     """Suction of the template's rotors ends at 450 degrees; a low built-in ratio leaves less than a pitch of 90."""
-    asked = request_of(None, None, vi, None, None, None, economizer=True)
+    asked = request_of(vi=vi, economizer=True)
     scene = screwsim.loads(new_scene("refrigeration", asked))
     port, geometry = scene.effects["economizer"].parameters, build_parts(scene).geometry
     assert geometry.injection_angle < port.opens < port.closes < geometry.discharge_opens
@@ -562,7 +572,7 @@ def test_an_economizers_port_lies_where_a_chamber_is_closed(vi, closes):
 def test_an_economizer_cools_more_and_better_than_without():
     both = [
         screwsim.simulate(
-            screwsim.loads(new_scene("refrigeration", request_of(None, None, None, None, None, None, economizer=each))),
+            screwsim.loads(new_scene("refrigeration", request_of(economizer=each))),
             trace=False,
         )
         for each in (False, True)
@@ -578,7 +588,7 @@ def test_no_room_for_an_economizers_port_is_told():
     with pytest.raises(
         UsageError, match=r"^--economizer: suction ends at 450 deg and discharge begins at .*choose a larger"
     ):
-        new_scene("refrigeration", request_of(None, None, 1.05, None, None, None, economizer=True))
+        new_scene("refrigeration", request_of(vi=1.05, economizer=True))
 
 
 def test_without_a_file_the_screen_has_the_scene_alone(capsys):
@@ -609,7 +619,7 @@ def test_gauge_pressures_of_a_condition_are_over_what_the_scene_states():
 
 
 def test_a_blend_of_which_no_transport_is_known_says_whose_it_has():
-    text = new_scene("refrigeration", request_of("R454B", None, None, None, None, None))
+    text = new_scene("refrigeration", request_of(fluid="R454B"))
     assert (
         "# CoolProp has no transport properties of R454B: these values and the viscosity in the gaps are those of R134a"
         in text
@@ -640,7 +650,7 @@ def test_a_slide_valve_goes_to_a_quarter_of_the_load_or_so_and_takes_none_at_ful
     """Full load as without it but for the axial port, which is cut later: η_s within 2 points, flow within 0.5 %. At
     −20/40 °C oil that nothing cools gets too hot in the last fifth of the way.
     """
-    asked = request_of(None, None, vi, None, None, condition, slide=True)
+    asked = request_of(vi=vi, condition=condition, slide=True)
     text = new_scene("refrigeration", asked)
     assert max(map(len, text.splitlines())) <= 125
 
@@ -659,13 +669,13 @@ def test_a_slide_valve_goes_to_a_quarter_of_the_load_or_so_and_takes_none_at_ful
 
 
 def test_a_slide_valve_and_an_economizer_go_together():
-    asked = request_of(None, None, None, None, None, None, economizer=True, slide=True)
+    asked = request_of(economizer=True, slide=True)
     assert {"slide_valve", "economizer"} <= set(screwsim.loads(new_scene("heat_pump", asked)).effects)
 
 
 def test_a_package_of_variable_speed_loses_in_its_inverter_and_has_the_curve_of_sheets():
     """Specific power has its least between, and rises by some percent to a third of the flow (validation/cagi: 8 %)."""
-    text = new_scene("air", request_of(None, None, None, None, None, None, variable=True))
+    text = new_scene("air", request_of(variable=True))
     assert max(map(len, text.splitlines())) <= 125
     fixed = figures("air")
     speeds = screwsim.loads(text).sweep

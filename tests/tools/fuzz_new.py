@@ -100,10 +100,8 @@ def _temperatures(fluid: str, random: np.random.Generator) -> str:
 
 def judged(kind: str, stated: dict[str, Any]) -> tuple[str, str]:
     """Return what became of a request, with the reason: ok, warned, refused, or the status of a failed run."""
-    names = ("fluid", "displacement", "vi", "speed", "oil", "condition")
-    more = {name: each for name, each in stated.items() if name not in names}
     try:
-        asked = request_of(*(stated.get(name) for name in names), **more)
+        asked = request_of(**stated)
         if "capacity" in stated:
             text = sized_machine(kind, asked).text
         else:

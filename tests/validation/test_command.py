@@ -119,6 +119,28 @@ def test_a_source_that_cannot_run_says_why_and_ends_with_4(checkout, capsys):
     assert "A small source" in out
 
 
+@pytest.mark.parametrize(
+    ("program", "told"),
+    [
+        ("def compare(here):\n    return {}['x']\n", "compare.py:2: fails (KeyError: 'x'); fix that program"),
+        ("def compare(here:\n", "compare.py: fails (SyntaxError: '(' was never closed (compare.py, line 1))"),
+        ("x = 1\n", "has no attribute 'compare'); fix that program"),
+        ("def compare(here):\n    pass\n", "compare.py: compare returns a NoneType (return a Comparison)"),
+        (
+            "from screwsim.study.validation import solved\ndef compare(here):\n    solved(here / 'm.yaml')\n",
+            "m.yaml:1:1: cannot be read: No such file",
+        ),
+    ],
+)
+def test_a_source_whose_program_is_wrong_says_where_and_leaves_the_others(checkout, capsys, program, told):
+    wrong = checkout / "validation" / "wrong"
+    wrong.mkdir()
+    (wrong / "compare.py").write_text(program, encoding="utf-8")
+    code, out, err = run(capsys, "--jobs", "1")
+    assert (code, err) == (4, "")
+    assert "wrong: not run: " in out and told in out and "A small source" in out
+
+
 def test_an_unknown_name_is_one_line_with_the_nearest(checkout, capsys):
     code, out, err = run(capsys, "smal")
     assert (code, out) == (2, "")

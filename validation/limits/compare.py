@@ -11,15 +11,14 @@ from scipy.optimize import brentq
 
 from screwsim.outputs import Figures
 from screwsim.scene import Scene, load
-from screwsim.study.validation import Comparison, Row, equal, read_table, sibling, solved
+from screwsim.study.validation import Comparison, Row, sibling, solved
 
 TITLE = "What the validated scenes leave out"
 CITATION = "Estimates by the formulas in the notes; solubility: Grebner 1992 with the Heil model"
 ABOUT = (
     "Each row is the size of one thing that the scenes of this page leave out or take as given, at R134a 2/45 °C and "
-    "2950 rpm. None is held against a measurement, but for the solubility that one of them needs. Refrigerant in "
-    "the oil, the room of the oil and heat of walls can be simulated instead: effects.refrigerant_solubility, "
-    "oil_volume and wall_heat (effects.md)."
+    "2950 rpm. None is held against a measurement. Refrigerant in the oil, the room of the oil and heat of walls can "
+    "be simulated instead: effects.refrigerant_solubility, oil_volume and wall_heat (effects.md)."
 )
 GAS_CONSTANT, M_R134A, M_OIL = 8.314462618, 0.102032, 0.590
 WALL, CASING = 100.0, 10.0  # [W/(m² K)] gas to wall inside; outside of the casing, free convection and radiation
@@ -33,9 +32,9 @@ def activity_pressure(x: float, T: float) -> float:
     t_12, t_21 = 948.0 / (GAS_CONSTANT * T), 3993.0 / (GAS_CONSTANT * T)
     l_12, l_21 = v_2 / v_1 * exp(-t_12), v_1 / v_2 * exp(-t_21)
     y = 1.0 - x
-    first, second = x + l_21 * y, l_12 * x + y
-    gamma = -log(first) + y * (l_21 / first - l_12 / second)
-    gamma += y**2 * (t_21 * (l_21 / first) ** 2 + t_12 * l_12 / second**2)
+    first, second = x + l_12 * y, l_21 * x + y
+    gamma = -log(first) + y * (l_12 / first - l_21 / second)
+    gamma += y**2 * (t_12 * (l_12 / first) ** 2 + t_21 * l_21 / second**2)
     return exp(gamma) * x * coolprop.PropsSI("P", "T", T, "Q", 1, "R134a")
 
 
@@ -48,22 +47,6 @@ def dissolved(T: float, p: float) -> float:
 def estimate(quantity: str, size: float, unit: str, note: str) -> Row:
     """Return the row of a size."""
     return Row(quantity, size, None, "estimate", "no verdict", unit, note=note)
-
-
-def solubility_rows(here: Path) -> list[Row]:
-    """Return the coded solubility against the stated one."""
-    return [
-        equal(
-            f"R134a dissolved in POE at 70 °C, {row['pressure_bar']} bar",
-            dissolved(343.15, 1e5 * float(row["pressure_bar"])),
-            float(row["mass_fraction"]),
-            0.0015,
-            "cross-code",
-            unit="kg/kg",
-            basis="three digits, rounded; the correlation itself is within 6.3 % of its data",
-        )
-        for row in read_table(here / "solubility.csv")
-    ]
 
 
 def flash_row(found: Figures) -> Row:
@@ -200,6 +183,5 @@ def compare(here: Path) -> Comparison:
         *wall_rows(scene, base),
         *given,
         nozzle_row(sealed),
-        *solubility_rows(here),
     ]
     return Comparison(TITLE, CITATION, ABOUT, rows)

@@ -31,7 +31,6 @@ ABOUT = (
     "isentropic efficiency with its conditions was found: those rows have no verdict; λ and η_s rest on the laws and "
     "on what was fitted on R134a."
 )
-OPTIONS = ("fluid", "displacement", "vi", "speed", "oil", "condition")
 FILLED, WORK, SMALL, RECIPROCATING, EXPANDER = 0.04, 0.06, 0.08, 0.05, 0.05  # tolerances
 SIZES = (100, 250, 600, 1500, 3000)  # m³/h
 BEST = 0.845  # of the sheet of validation/cagi at full flow
@@ -40,7 +39,7 @@ TAKEN = "taken: a mean over machines of several sizes"
 
 def figures(kind: str, **stated: object) -> Figures:
     """Return the figures of a new machine; raise NotRun where its cycle does not close."""
-    request = request_of(*(stated.get(name) for name in OPTIONS))  # type: ignore[arg-type]
+    request = request_of(**stated)  # type: ignore[arg-type]
     result = simulate(loads(new_scene(kind, request)), trace=False)
     if result.status != "ok":
         raise NotRun(f"new {kind} {stated}: {result.told}")

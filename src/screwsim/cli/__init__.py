@@ -77,7 +77,7 @@ def _parser(name: str) -> Any:
     """Return the parser of one command's arguments, or of all: building them all takes a tenth of a command's start."""
     alone = copy.copy(app)
     if name:
-        alone.registered_commands = [each for each in app.registered_commands if _name(each) == name]
+        alone.registered_commands = [command for command in app.registered_commands if _name(command) == name]
         alone.registered_groups = [each for each in app.registered_groups if each.name == name]
     return typer.main.get_command(alone)
 

@@ -18,9 +18,9 @@ def option(value: str, says: str, *names: str, **more: Any) -> Any:
     return typer.Option(*names, metavar=value, help=says, **more)
 
 
-def switch(name: str, says: str) -> Any:
-    """Return an option without a value: its name and its help."""
-    return typer.Option(name, help=says)
+def switch(name: str, says: str, *others: str) -> Any:
+    """Return an option without a value: its name, its help and other names of it."""
+    return typer.Option(name, *others, help=says)
 
 
 def argument(value: str, says: str) -> Any:

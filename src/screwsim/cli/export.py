@@ -34,7 +34,7 @@ RangeOptions = Annotated[
     option("PATH=LOW..HIGH", "An input of the map and its range (default: the scene's sweep); repeatable.", "--over"),
 ]
 FigureOptions = Annotated[
-    Texts, option("NAME", "An output of the map (default: flow, power, discharge temperature, capacity).", "--figure")
+    Texts, option("NAME", "An output of the map (default: flow, powers, discharge temperature, capacity).", "--figure")
 ]
 ErrorOption = Annotated[
     float | None, option("E", "Largest relative error allowed in the map (default: 0.005).", "--error")
@@ -215,10 +215,10 @@ def energyplus(
     file = _write_content(output, made_for.idf(objects, made_for.notes(found)) if text else made_for.epjson(objects))
     curves = [made_for.normalised(one, rated_temperatures(one)) for one in found.maps]
     rows = [
-        (at, [*errors, *(error for _, error in each.values())])
-        for (at, errors), each in zip(_polynomial_errors(found), curves, strict=True)
+        (at, [*errors, *(error for _, error in curve.values())])
+        for (at, errors), curve in zip(_polynomial_errors(found), curves, strict=True)
     ]
-    errors = [{word: error for word, (_, error) in each.items()} for each in curves]
+    errors = [{word: error for word, (_, error) in curve.items()} for curve in curves]
     said = {**document(found), "objects": objects, "largest_errors_of_normalised": errors}
     return _print_polynomials_and_files(said, [*found.units, *curves[0]], rows, [file], as_json)
 

@@ -20,7 +20,7 @@ def rotors(
 ) -> None:
     """Print and draw the rotor geometry that follows from a scene's profile."""
     options.check_folder(folder)
-    scene = options.base_point(options.loaded_scene(scene_file, overrides, None), scene_file)
+    scene = options.loaded_point(scene_file, overrides, None)
     from screwsim.printing import print_json
     from screwsim.report.rotors_scene import document, table_text, write
     from screwsim.scene.plausible import scene_warnings
@@ -41,7 +41,10 @@ def plot(
     folder: Annotated[Text, option("DIR", "Folder for the figures.", "-o")] = None,
     measured: Annotated[
         File,
-        option("POINTS.csv", "Measured chamber pressures (angle_deg, pressure_bar) to draw with the computed ones."),
+        option(
+            "POINTS.csv",
+            "Measured chamber pressures to draw, too (columns angle_deg or volume_cm3, and pressure_bar).",
+        ),
     ] = None,
 ) -> None:
     """Draw the figures of a results file."""
@@ -52,16 +55,16 @@ def plot(
         options.print_files(drawn(results_file, folder))
         return
     from screwsim.printing.tables import wrapped
-    from screwsim.report.indicated import check_angles, deviation_in_words, read_indicated
+    from screwsim.report.indicated import at_angles, deviation_in_words, read_indicated
     from screwsim.report.trace import chosen_trace
     from screwsim.results import open_results
 
-    points, trace = read_indicated(measured), chosen_trace(open_results(results_file))
+    read, trace = read_indicated(measured), chosen_trace(open_results(results_file))
     if trace is None:
         raise UsageError(
             f"{results_file}: holds no cycle to compare (run stores one; a sweep does with output.keep: cycle)"
         )
-    check_angles(points, trace)
+    points = at_angles(read, trace)
     files = drawn(results_file, folder, points)
     say(wrapped(deviation_in_words(points, trace)))
     options.print_files(files)
@@ -134,7 +137,7 @@ def validate(
         say(report(found))
         if errors:
             say(f"\n{errors_report(errors)}")
-    stopped = any(each.reason == INTERRUPTED for each in outcomes)
+    stopped = any(outcome.reason == INTERRUPTED for outcome in outcomes)
     kept = None if output is None or not stopped else output / "validation.json"
     if kept is not None and kept.exists():  # it may hold all sources
         say(f"{kept}: stays as it was, since not all sources were compared (name another -o for these)", err=True)
@@ -145,7 +148,7 @@ def validate(
         options.print_files([*written, *draw(found, output)], as_json)
     if stopped:
         return options.INTERRUPTED
-    return OK if all(each.comparison is not None for each in outcomes) else NOT_ALL_OK
+    return OK if all(outcome.comparison is not None for outcome in outcomes) else NOT_ALL_OK
 
 
 def schema(

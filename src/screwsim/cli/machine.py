@@ -69,7 +69,7 @@ def startup(
     """Start a machine that has a drive, against the discharge pressure."""
     options.check_folder(folder)
     slow = _creep_speed(creep)
-    scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
+    scene = options.loaded_point(scene_file, overrides, without)
     from screwsim.printing.machine import TRACES, print_startup, protect_other_traces, write_traces
     from screwsim.report.drive import draw_start
     from screwsim.results.atomic import make_folder
@@ -95,7 +95,9 @@ def startup(
 
 def datasheet(
     scene_file: SceneFile,
-    output: Annotated[File, option("OUT.html|.pdf", "Write the sheet as an HTML page or a PDF.", "-o")] = None,
+    output: Annotated[
+        File, option("OUT.html|.pdf|.csv", "Write the sheet as a page, or its points as a table.", "-o")
+    ] = None,
     evaporating: Annotated[
         Text, option("LOW..HIGH", "Evaporating temperatures of the table (refrigeration machine).")
     ] = None,

@@ -64,13 +64,13 @@ def new(
     stated = [name for name, value in sheet.items() if value is not None]
     kind_of(kind, [*stated, *(name for name, is_so in chosen.items() if is_so)])
     asked = request_of(
-        fluid,
-        displacement,
-        vi,
-        speed,
-        oil,
-        condition,
-        diameter,
+        fluid=fluid,
+        displacement=displacement,
+        diameter=diameter,
+        vi=vi,
+        speed=speed,
+        oil=oil,
+        condition=condition,
         motor=motor,
         free_air=flow,
         pressure=pressure,

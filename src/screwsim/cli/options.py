@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -39,6 +39,22 @@ def loaded_scene(scene_file: str, overrides: Sequence[str] | None, without: Sequ
     from screwsim.scene import load
 
     return load(scene_file, overrides or (), without or ())
+
+
+def loaded_point(scene_file: str, overrides: Sequence[str] | None, without: Sequence[str] | None) -> Scene:
+    """Return the scene of a command that simulates one point; a sweep is left out, which is reported on stderr."""
+    return base_point(loaded_scene(scene_file, overrides, without), scene_file)
+
+
+def first_given(options: Mapping[str, Any]) -> str:
+    """Return the name of the first option that was given; '' where none was."""
+    return next((name for name, value in options.items() if value), "")
+
+
+def refuse_for_stages(file: str, verb: str, options: Mapping[str, Any]) -> None:
+    """Raise UsageError if an option was given that a command does not have for two stages."""
+    if name := first_given(options):
+        raise UsageError(f"{file}: stages have no {name} ({verb} one of the two scenes instead)")
 
 
 def progress_bar(title: str = "sweep", names: Sequence[str] = ()) -> Progress:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
@@ -13,6 +13,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
 if TYPE_CHECKING:
+    from screwsim.outputs import Result
     from screwsim.scene import Scene
     from screwsim.study.knock_out import LeftOut
     from screwsim.study.measured import MeasuredFigure
@@ -43,64 +44,81 @@ def run(
     """Simulate one operating point, or two stages in series (a file with stages: [first.yaml, second.yaml])."""
     from screwsim.study.stages import is_stages
 
-    if short and (as_json or knock_out or together):
-        table = "--knock-out" if knock_out else "--together"
-        whole, other = ("prints everything", "--json") if as_json else ("prints a table of its own", table)
-        raise UsageError(f"--short: prints the main figures only, but {other} {whole} (remove one of the two)")
+    if short:
+        _refuse_beside_short({"--json": as_json, "--knock-out": knock_out, "--together": together})
     if is_stages(scene_file):
-        other = "--short" if short else "--measured" if measured else "--together" if together else ""
-        if other:
-            raise UsageError(f"{scene_file}: stages have no {other} (run one of the two scenes instead)")
-        return _run_stages(scene_file, output, overrides, without, knock_out, as_json)
-    scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
+        named = {"--short": short, "--measured": measured, "--together": together}
+        options.refuse_for_stages(scene_file, "run", named | {"--knock-out": knock_out, "--without": without})
+        return _run_stages(scene_file, output, overrides, as_json)
+    scene = options.loaded_point(scene_file, overrides, without)
     if output is not None:
         options.check_place(output)
     points, left_out = _read_measured(scene, measured), _knock_out_groups(scene, knock_out, together)
-    from screwsim.printing import print_json, print_result
-    from screwsim.scene.plausible import left_out_lines
+    result = _simulated(scene, left_out, traced=output is not None)
+    if output is not None:
+        from screwsim.study.point import save_point
+
+        options.check_place(output)  # again: a file that has appeared meanwhile is kept
+        save_point(output, scene, result)
+    compared = None
+    if points:
+        from screwsim.study.measured import compare_measured
+
+        compared = compare_measured(scene, result, points)
+    if as_json:
+        from screwsim.printing import print_json
+
+        print_json(result.as_json() | ({} if compared is None else {"measured": compared.as_json()}))
+    else:
+        changed = [*(f"with {each}" for each in overrides or ()), *(f"without {each}" for each in without or ())]
+        _print_point(scene, result, changed, short)
+        if compared is not None:
+            from screwsim.printing.measured import print_measured
+
+            print_measured(scene, result, compared)
+    options.print_files([] if output is None else [output], as_json)
+    return OK if result.status == "ok" and not (compared and compared.none) else NOT_ALL_OK
+
+
+def _refuse_beside_short(given: Mapping[str, Any]) -> None:
+    """Raise UsageError if an option was given that --short leaves no room for."""
+    if name := options.first_given(given):
+        prints = "everything" if name == "--json" else "a table of its own"
+        raise UsageError(f"--short: prints the main figures only, but {name} prints {prints} (remove one of the two)")
+
+
+def _simulated(scene: Scene, left_out: Sequence[LeftOut], traced: bool) -> Result:
+    """Return the result of a scene, with its knock-out and its uncertainties where these are asked for."""
     from screwsim.simulate import simulate
 
-    result = simulate(scene, trace=True if output is not None else "ledger")
+    result = simulate(scene, trace=True if traced else "ledger")
     if left_out and result.performance:
-        from screwsim.study.knock_out import knock_out as knocked_out
+        from screwsim.study.knock_out import knock_out
 
         names = [f"without {each.name}" for each in left_out]
-        result = knocked_out(scene, result, options.progress_bar("knock-out", names), left_out)
+        result = knock_out(scene, result, options.progress_bar("knock-out", names), left_out)
     if scene.uncertain or scene.model_error:
         from screwsim.study.uncertain import with_uncertainty
 
         result = with_uncertainty(scene, result)
-    if output is not None:
-        from screwsim.results import save
-        from screwsim.study.point import kept_slopes
+    return result
 
-        options.check_place(output)  # again: a file that has appeared meanwhile is kept
-        save(output, scene, result, derivatives=kept_slopes(scene, result))
-    found = None
-    if points:
-        from screwsim.study.measured import compare_measured
 
-        found = compare_measured(scene, result, points)
-    if as_json:
-        print_json(result.as_json() | ({} if found is None else {"measured": found.as_json()}))
-    else:
-        changed = [*(f"with {each}" for each in overrides or ()), *(f"without {each}" for each in without or ())]
-        if short:
-            from screwsim.printing.short import print_short
+def _print_point(scene: Scene, result: Result, changed: Sequence[str], short: bool) -> None:
+    """Print a result, all of it or its main figures; `changed` are the changes that the command line makes."""
+    if short:
+        from screwsim.printing.short import print_short
 
-            print_short(scene.title, result, changed)
-        else:
-            print_result(scene.title, result, left_out_lines(scene), changed)
-        if result.uncertainty and not short:
-            from screwsim.printing.uncertain import print_uncertainty
+        print_short(scene.title, result, changed)
+        return
+    from screwsim.printing import print_result
+    from screwsim.scene.plausible import left_out_lines
 
-            print_uncertainty(result)
-        if found is not None:
-            from screwsim.printing.measured import print_measured
+    print_result(scene.title, result, left_out_lines(scene), changed)
+    if result.uncertainty:
+        from screwsim.printing.uncertain import print_uncertainty
 
-            print_measured(scene, result, found)
-    options.print_files([] if output is None else [output], as_json)
-    return OK if result.status == "ok" and not (found and found.none) else NOT_ALL_OK
+        print_uncertainty(result)
 
 
 def _read_measured(scene: Scene, texts: Sequence[str] | None) -> tuple[MeasuredFigure, ...]:
@@ -121,12 +139,9 @@ def _knock_out_groups(scene: Scene, each: bool, together: Sequence[str] | None) 
     return (*read_groups(scene, together or ()), *(each_alone(scene) if each else ()))
 
 
-def _run_stages(
-    file: str, output: Path | None, overrides: Overrides, without: Without, knock_out: bool, as_json: bool
-) -> int:
-    if knock_out or without:
-        raise UsageError(f"{file}: stages have no --knock-out and no --without (run one of the two scenes instead)")
+def _run_stages(file: str, output: Path | None, overrides: Overrides, as_json: bool) -> int:
     from screwsim.printing.stages import print_stages
+    from screwsim.study.point import save_point
     from screwsim.study.stages import read_stages, run_stages
 
     chain = read_stages(file, overrides or ())
@@ -142,12 +157,8 @@ def _run_stages(
             say(f"{file}: the {name} scene's {told}", err=True)
     found = run_stages(chain)
     written = places if found.scenes else []
-    if written:
-        from screwsim.results import save
-        from screwsim.study.point import kept_slopes
-
-        for place, scene, result in zip(places, found.scenes, found.stages, strict=True):
-            save(place, scene, result, derivatives=kept_slopes(scene, result))
+    for place, scene, result in zip(written, found.scenes, found.stages, strict=False):
+        save_point(place, scene, result)
     options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_stages, chain.title, found)
     options.print_files(written, as_json)
     return OK if found.status == "ok" else NOT_ALL_OK
@@ -212,9 +223,8 @@ def explain(
     if parameters and code:
         raise UsageError("--parameters and --code exclude each other (remove one of the two)")
     if is_stages(scene_file):
-        if without or code or parameters:
-            option = "--without" if without else "--code" if code else "--parameters"
-            raise UsageError(f"{scene_file}: stages have no {option} (explain one of the two scenes instead)")
+        named = {"--without": without, "--code": code, "--parameters": parameters}
+        options.refuse_for_stages(scene_file, "explain", named)
         say(explain_stages(read_stages(scene_file, overrides or ())))
         return
     scene = options.loaded_scene(scene_file, overrides, without)
@@ -240,7 +250,7 @@ def accuracy(
 
     if is_stages(scene_file):
         raise UsageError(f"{scene_file}: describes two stages, and accuracy needs one scene (name that of one stage)")
-    scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
+    scene = options.loaded_point(scene_file, overrides, without)
     options.check_folder(folder)
     from screwsim.cli.interruption import counted_progress
     from screwsim.report.accuracy import draw

@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
 def optimum(
     scene_file: SceneFile,
-    path: Annotated[str, option("PATH", "Path to vary.")] = "oil_supply.ratio",
+    path: Annotated[str, option("PATH[=LOW..HIGH]", "Path to vary, and its range.")] = "oil_supply.ratio",
     figure: Annotated[
         Text, option("NAME", "Figure to maximize (default: an efficiency that suits the gas).", "--figure")
     ] = None,
-    minimum: Annotated[bool, switch("--minimum", "Minimize it instead.")] = False,
+    minimum: Annotated[bool, switch("--minimize", "Minimize it instead.", "--minimum")] = False,
     first: Annotated[Text, option("VALUE", "Lower end of the range.", "--from")] = None,
     last: Annotated[Text, option("VALUE", "Upper end of the range.", "--to")] = None,
     output: Annotated[File, option("OUT.csv|.h5", "Write the table.", "-o")] = None,
@@ -128,7 +128,7 @@ def sensitivity(
     as_json: AsJson = False,
 ) -> int:
     """Rank the inputs that a figure depends on: Sobol indices over ranges, or derivatives at the point (--local)."""
-    scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
+    scene = options.loaded_point(scene_file, overrides, without)
     if check_sobol is not None:
         return _print_checked_uncertainty(scene, check_sobol, jobs, as_json)
     if local:
@@ -305,7 +305,7 @@ def tolerance(
 ) -> int:
     """Find how length errors of a slider-crank change its motion and, by Monte Carlo, the compressor."""
     options.check_folder(folder)
-    scene = options.base_point(options.loaded_scene(scene_file, overrides, without), scene_file)
+    scene = options.loaded_point(scene_file, overrides, without)
     from screwsim.cli.interruption import counted_progress
     from screwsim.printing.machine import print_tolerance, tolerance_document
     from screwsim.study.tolerance import tolerances
@@ -319,6 +319,6 @@ def tolerance(
     if folder is not None:
         from screwsim.report.slider_crank import draw_machine
 
-        deviations = {each.figure: found.values[each.figure] / each.nominal - 1.0 for each in found.spreads}
+        deviations = {spread.figure: found.values[spread.figure] / spread.nominal - 1.0 for spread in found.spreads}
         options.print_files(draw_machine(found.links, (found.table, found.shifts, deviations), folder), as_json)
     return OK if not found.failed else NOT_ALL_OK

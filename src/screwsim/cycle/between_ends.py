@@ -38,7 +38,7 @@ def missed_pressure(life: Trajectory, angles: Array) -> Array:
     found, flow = _read(life, nodes, order)
     by_more = life.dense[: life.steps].copy()
     by_more[:, :, S_RHO] *= 1.0 + DENSER
-    changed, more = _read(life._replace(dense=by_more), nodes, order)
+    changed, more = _read(life.with_dense(by_more), nodes, order)
     slope = (more - flow) / DENSER  # of the net inflow over ln ρ [kg/s]
     omega = float(life.composition.P[P_OMEGA])
     decay = -slope / (omega * found[..., VOLUME] * found[..., RHO])

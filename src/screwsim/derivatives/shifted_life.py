@@ -123,6 +123,10 @@ class ShiftedLife(Trajectory):
         """The context for kernels that read a life."""
         return self._there.context
 
+    def with_dense(self, dense: Array) -> Trajectory:
+        """Return the installed history with other polynomials of its steps."""
+        return self._there.with_dense(dense)
+
     def sum_until(self, angle: float, quadrature: int) -> float:
         """Return 0: partial quadratures of this life are not known."""
         return 0.0

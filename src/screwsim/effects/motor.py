@@ -93,11 +93,13 @@ class Parameters:
     inverter: inverter.Inverter | None = None
 
     def __post_init__(self) -> None:
-        """Set the efficiency to that of the class, where a class is stated and no efficiency."""
+        """Set what follows from the rated power and is not stated: a class's efficiency, the loss by an inverter."""
         poles = self.poles or 4
         if self.is_of_class and poles in motor_classes.POLES and isinstance(self.efficiency, _Usual | Derived):
             efficiency = motor_classes.class_efficiency(self.efficiency_class, poles, self.rated_power)
             object.__setattr__(self, "efficiency", Derived(efficiency))
+        if self.inverter is not None:
+            object.__setattr__(self, "inverter", inverter.of_size(self.inverter, self.rated_power))
 
     @property
     def is_of_class(self) -> bool:

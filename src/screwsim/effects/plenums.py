@@ -8,9 +8,9 @@ nothing (M220–M222); between two valves that stay shut is an amount of gas tha
 Source: filling of a volume, plane waves in an endless pipe (textbook acoustics); that pulsations of screw compressors
 come from the flow through the ports: E. Mujic, A. Kovacevic, N. Stosic, I. K. Smith, Noise control by suppression of
 gas pulsation in screw compressors, in: Advances in Noise Analysis, Mitigation and Control, InTech 2016.
-Assumptions: one pressure in a plenum (shorter than a quarter of a wave), isentropic pulsation around the mean, constant
-sound speed, a stated number of harmonics; a check valve is tight and has no mass (a warning says where a line without
-one would need it).
+Assumptions: one pressure in a plenum (shorter than a quarter of a wave of the lobe frequency; beyond a half a warning
+says so), isentropic pulsation around the mean, constant sound speed, a stated number of harmonics; a check valve is
+tight and has no mass (a warning says where a line without one would need it).
 Parameters: volume, line area, loss coefficient and check valve of suction and discharge, harmonics.
 """
 
@@ -51,6 +51,11 @@ SWINGS = (
     "the pressure of the {to} plenum would swing by more than its mean: a chamber displaces more gas than the plenum "
     "holds (choose a larger effects.plenums.{to}_volume, or a higher speed)"
 )
+SPREADS = (
+    "the {to} plenum is a cube of {edge:.2g} m or longer, and half a wave of the lobe frequency is {half:.2g} m there: "
+    "it has no single pressure, as M184 gives it (state the volume next to the port alone as "
+    "effects.plenums.{to}_volume, or take its pulsation for an order of magnitude)"
+)
 SHUT = "the {to} line takes up the whole pressure (choose a wider effects.plenums.{to}_area or a smaller {to}_loss)"
 WHICH = ("the", "twice the", "three times the", "four times the")  # of the harmonics among the figures
 
@@ -74,6 +79,7 @@ FIGURES = (
         "lowest mass flow from the discharge plenum into its line",
         over("gas_mass_flow"),  # it passes through zero
         (".discharge_volume",),
+        by_flow=True,
     ),
 )
 
@@ -277,6 +283,14 @@ class PlenumWithLine:
         swings = SWINGS.format(to=self.to)
         return [*made, Pulsation(self.to, first, tuple(self.names), shut, unknown, STUCK, IDLE, swings)]
 
+    def spread(self, turn: Turn) -> str:
+        """Return a text where a plenum is longer than half a wave of the lobe frequency; empty where it is shorter.
+
+        From its middle to an end is then more than a quarter of a wave, over which the pressure changes its sign.
+        """
+        half, edge = pi * turn.line(self.to).sound * turn.pitch / (2.0 * pi * turn.omega), self.volume ** (1.0 / 3.0)
+        return SPREADS.format(to=self.to, edge=edge, half=half) if edge > half else ""
+
     def figures(self, turn: Turn) -> dict[str, float | None]:
         """Return mean, peak-to-peak value and harmonics of the pressure [Pa]."""
         p, pressure = turn.line(self.to).p, series(turn.made, self.to, self.count)
@@ -304,6 +318,11 @@ def build(parameters: Parameters, machine) -> list[Made | Pulsation | Reading]:
     def read(figures) -> dict[str, float | None]:
         return {name: value for one in behind for name, value in one.figures(figures.turn).items()}
 
+    def judge(figures) -> tuple[str, tuple[str, ...]]:
+        """Return no text on a failure, and warnings of plenums too long to have one pressure."""
+        found = (one.spread(figures.turn) for one in behind)
+        return "", tuple(each for each in found if each)
+
     def traces(figures) -> dict[str, Any]:
         """Return the pressures [Pa] over a pitch."""
         turn = figures.turn
@@ -311,7 +330,7 @@ def build(parameters: Parameters, machine) -> list[Made | Pulsation | Reading]:
             f"{one.to}_plenum_pressure": turn.line(one.to).p * series(turn.made, one.to, one.count) for one in behind
         }
 
-    return [*(part for one in behind for part in one.parts()), Reading(names_of(FIGURES), read, traces)]
+    return [*(part for one in behind for part in one.parts()), Reading(names_of(FIGURES), read, traces, judge)]
 
 
 def warnings(found: Mapping[str, Any]) -> Iterator[str]:

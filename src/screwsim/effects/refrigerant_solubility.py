@@ -7,7 +7,7 @@ chamber that travels with the oil through leaks and ports (M230); oil that holds
 with that time constant (M231), and oil that holds less absorbs gas with `absorption_time`, if that is stated. In the
 separator the oil absorbs that gas again, so that delivery equals suction; the machine compresses the flashed gas for
 nothing.
-Source: Heil's model with the constants of B. Grebner, 1992; flash, rate and balances ours. No source gives the time
+Source: Heil's model with the constants of J. J. Grebner, 1992; flash, rate and balances ours. No source gives the time
 constants of oil in a screw compressor's chamber: they are assumptions.
 Assumptions: the oil's viscosity, density and heat capacity are those of pure oil; no gas is taken up between separator
 and port. Flash in the port: it is complete there; gas that stays dissolved goes with the oil to discharge, it does not
@@ -28,6 +28,7 @@ import numpy as np
 from screwsim.effects.base import Drawn, Effect, InSeparator, OilContent, OilGas, OilSolution, Plenum, Site
 from screwsim.effects.oil_injection import discharge_pressure
 from screwsim.fluid import constants, solubility
+from screwsim.fluid.oils import is_ester
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.declare import quantity
 from screwsim.inputs.faults import Fault
@@ -58,16 +59,18 @@ FIGURES = (
         "1",
         "refrigerant that flashes out of the oil, over net suction flow",
         Scale(BROUGHT, ("dissolved_gas_ratio", "oil_flow_ratio"), where=OVER_TIME),
+        by_flow=True,
         by_held=True,
     ),
 )
 POINTS = 81  # rows of the table over pressure
 LOWEST = 0.02  # share of the separator's pressure below which the flashed amount is held constant
-RISE = 1e-6  # least relative rise of pressure from row to row: near zero, two contents have one pressure (M195)
+RISE = 1e-6  # least relative rise of pressure from row to row: oil as warm as the separator flashes from p_d on
 HIGHEST = 370.0  # [K] highest temperature, below the critical one
 STEP = 1.0  # [K] between the temperatures at which CoolProp is evaluated
 LEAST, MOST = 1e-6, 20.0  # [kg/kg] range of a solution's tables; beyond them the equilibrium is held constant
 ROWS = 401  # rows of those tables
+FLAT = 1e-4  # distance from saturation, over its pressure, from which on a solution's tables end
 APART = 5.0  # [K] least distance of the two temperatures that the heat of solution is derived from
 
 
@@ -182,11 +185,23 @@ def heat_enthalpy(gas: Any, T_separator: float, T: float, p_d: float) -> float:
     return (potentials[1] - potentials[0]) / (1.0 / other - 1.0 / T)
 
 
+@lru_cache(maxsize=256)
+def most_held(T: float) -> float:
+    """Return the content [kg/kg] up to which the pressure over oil at T [K] grows, below saturation; `MOST` at most.
+
+    Below 290 K the fit is flat within 0.3 % beyond 3.9 kg/kg, and would have one pressure at two contents.
+    """
+    contents = np.geomspace(1.0, MOST, ROWS)
+    pressures = np.array([equilibrium_pressure(float(each), T) for each in contents])
+    ends = np.flatnonzero((np.diff(pressures) <= 0.0) | (pressures[1:] > (1.0 - FLAT) * pair(T).p_sat))
+    return float(contents[ends[0]]) if len(ends) else MOST
+
+
 @lru_cache(maxsize=32)
 def solution(gas: Any, T_separator: float, T: float, p_d: float, release: float, uptake: float) -> OilSolution:
     """Return content and entropy of oil supplied at T [K] as it releases gas (M231–M233); rates in 1/s."""
     enthalpy = heat_enthalpy(gas, T_separator, T, p_d)
-    z = np.linspace(math.log(LEAST), math.log(MOST), ROWS)
+    z = np.linspace(math.log(LEAST), math.log(most_held(T)), ROWS)
     vapours = [gas.vapour(equilibrium_pressure(math.exp(each), T), T) for each in z]
     entropies = cubic.coefficients(z, np.array([each.s - (each.h - enthalpy) / T for each in vapours]))
     entropy, slope, held = cubic.at_points(z, entropies), cubic.slopes_at_points(z, entropies), np.exp(z)
@@ -223,6 +238,9 @@ def build(parameters: Parameters, machine) -> list[OilGas | Plenum]:
 
 def check(parameters: Parameters, facts) -> list[Fault]:
     path, faults = f"effects.{NAME}", []
+    if facts.oil is not None and facts.oil.name is not None and not is_ester(facts.oil.name):
+        what = f"is {facts.oil.name}, and effects.{NAME} knows what polyol esters dissolve"
+        faults.append(Fault("oil.name", f"{what} (choose a POE, or remove the effect)"))
     if facts.gas.name != solubility.FLUID:
         return [Fault(path, f"covers {solubility.FLUID} in POE oil only, not {facts.gas.name} (remove the effect)")]
     if parameters.absorption_time is not None and parameters.flash_time is None:
@@ -248,8 +266,11 @@ def check(parameters: Parameters, facts) -> list[Fault]:
         faults.append(Fault(f"{path}.separator_temperature", f"{what} (state a warmer separator)"))
     elif not faults and p_d is not None and parameters.flash_time is not None:
         held = content(p_d, T)
-        if not LEAST < held < MOST:
-            what = f"oil from there holds {held:.3g} kg of gas per kg, and the rate is known from {LEAST:g} to {MOST:g}"
+        most = MOST if facts.oil_supply.temperature is None else most_held(facts.oil_supply.temperature)
+        if not LEAST < held < most:
+            what = (
+                f"oil from there holds {held:.3g} kg of gas per kg, and the rate is known from {LEAST:g} to {most:.3g}"
+            )
             faults.append(Fault(f"{path}.separator_temperature", f"{what} (state another one, or remove flash_time)"))
     return faults
 

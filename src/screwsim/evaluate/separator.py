@@ -4,7 +4,9 @@ Source: docs/model.md M280–M285, M343.
 """
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from screwsim.build import open_temperatures, package_of, separator_effects
 from screwsim.cycle import suction_line
@@ -117,22 +119,25 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
     supplied += rate * float(walls_of(c, q)[:, 0].sum())
     absorbed = sum(float(streams[2 * i, OF_GAS] + streams[2 * i + 1, OF_GAS]) for i in flashing)
     taken_up = sum(beyond[2 * i] + beyond[2 * i + 1] for i in flashing)
-    injected = rate * float(streams_of(c, q)[PORT_OIL, OF_OIL] if c.ported else life.R[R_INJECTED])
     if c.carried:
         T_in = oil.temperature + problem.oil_pressure_term(max(oil.source_pressure, float(life.R[R_PRESSURE])))
+        T_in = float(c.P[oil_places(parts)["P_H_PORT"]]) if c.ported else T_in
+
+        def heat(oil_heat: Any, oil_flow: Any) -> float:
+            """Return the heat [W] of oil above that of oil at `T_in`."""
+            return oil.heat_capacity * float(np.sum(oil_heat - T_in * oil_flow))
+
         if c.ported:
-            T_in = float(c.P[oil_places(parts)["P_H_PORT"]])
-            taken_up += oil.heat_capacity * float(streams[PORT_OIL, OF_OIL_HEAT] - T_in * streams[PORT_OIL, OF_OIL])
+            taken_up += heat(streams[PORT_OIL, OF_OIL_HEAT], streams[PORT_OIL, OF_OIL])
         of_line = (SUCTION_IN, SUCTION_OUT) if parts.suction_line else ()
         lines = [row for row in range(len(streams)) if row not in (BETWEEN, PORT_OIL, *of_line)]
-        energy -= oil.heat_capacity * float((streams[lines, OF_OIL_HEAT] - T_in * streams[lines, OF_OIL]).sum())
+        energy -= heat(streams[lines, OF_OIL_HEAT], streams[lines, OF_OIL])
         if parts.suction_line:
             # oil that circulates through the suction line, and the leak to it, which leaves before the separator
             back = streams[SUCTION_IN] + streams[SUCTION_OUT]
-            kept = oil.heat_capacity * float(back[OF_OIL_HEAT] - T_in * back[OF_OIL])
-            leaked = oil.heat_capacity * (leak.oil_heat - T_in * leak.oil)
+            leaked = heat(leak.oil_heat, leak.oil)
             energy -= leaked
-            supplied += kept - leaked - (leak.enthalpy - h_ref * leak.gas)
+            supplied += heat(back[OF_OIL_HEAT], back[OF_OIL]) - leaked - (leak.enthalpy - h_ref * leak.gas)
         if isinstance(parts.oil_content, OilSolution) and parts.suction_line:
             flashed = leak.held - float(streams[SUCTION_IN, OF_HELD] + streams[SUCTION_OUT, OF_HELD])  # M272
             absorbed += flashed
@@ -143,16 +148,16 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
     friction = sum(losses[name] for name in {part.figure for _, part in parts.all(PowerLoss) if part.friction})
     return SeparatorInflow(
         parts.gas,
-        problem.lines.p_d,
-        out - returned - absorbed,
-        h_ref,
-        injected,
-        oil.heat_capacity,
-        oil.temperature,
-        energy - sent_back - taken_up,
-        (0.0 if parts.oil_room else lift) + sum(losses.values()) - friction,
-        friction,
-        supplied + (lift if parts.oil_room else 0.0),
+        p=problem.lines.p_d,
+        gas_flow=out - returned - absorbed,
+        h_ref=h_ref,
+        oil_flow=rate * float(streams_of(c, q)[PORT_OIL, OF_OIL] if c.ported else life.R[R_INJECTED]),
+        oil_heat_capacity=oil.heat_capacity,
+        T_supply=oil.temperature,
+        energy=energy - sent_back - taken_up,
+        heating=(0.0 if parts.oil_room else lift) + sum(losses.values()) - friction,
+        friction=friction,
+        supplied=supplied + (lift if parts.oil_room else 0.0),
     )
 
 

@@ -1,6 +1,7 @@
 """Traces over the angle of a closed cycle, read from its history."""
 
 import math
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -15,41 +16,62 @@ TRACE_STEP = 1.0  # degree
 
 def traces(of: Evaluation) -> dict[str, np.ndarray]:
     """Return the traces of a closed cycle (contract: cycle)."""
-    life, c, parts = of.life, of.life.composition, of.problem.parts
-    geometry = parts.geometry
-    degrees = trace_angles(geometry.life)
-    out, flows = life.sample(np.minimum(np.radians(degrees), geometry.life))
+    life, c = of.life, of.life.composition
+    degrees = trace_angles(of.problem.parts.geometry.life)
+    angles = np.minimum(np.radians(degrees), of.problem.parts.geometry.life)
+    out, flows = life.sample(angles)
     seen, states = dict(zip(SAMPLED, out.T, strict=False)), dict(zip(c.states, out.T[len(SAMPLED) :], strict=True))
     found = {"angle": degrees, **{name: seen[name] for name in ("volume", "pressure", "work")}}
-    found |= {"gas_temperature": states["T"], "gas_mass": states["rho"] * seen["volume"]}
+    found |= _contents(of, degrees, seen["volume"], states)
+    found |= {name: states[name] for name in c.own_states}
+    for name, flow in _flows(of, degrees, angles, flows, seen["mass_rate"]):
+        found[name] = found.get(name, 0.0) + flow
+    return found | _traces_of_effects(of, degrees)
+
+
+def _contents(
+    of: Evaluation, degrees: np.ndarray, volume: np.ndarray, states: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """Return temperatures and masses of what a chamber holds: gas, oil, and gas dissolved in the oil."""
+    life, c, parts = of.life, of.life.composition, of.problem.parts
+    found = {"gas_temperature": states["T"], "gas_mass": states["rho"] * volume}
     if c.oil_room and parts.oil is not None:
         found["gas_mass"] /= 1.0 + states["x_oil"] * states["rho"] / parts.oil.density
     if "T_oil" in c.states:
-        present = c.carried | (degrees >= math.degrees(geometry.injection_angle))
-        found["oil_temperature"] = np.where(present, states["T_oil"], np.nan)
+        present = c.carried | (degrees >= math.degrees(parts.geometry.injection_angle))
         ratio = states["x_oil"] if c.carried else np.where(present, float(life.R[R_RATIO]), 0.0)
+        found["oil_temperature"] = np.where(present, states["T_oil"], np.nan)
         found["oil_mass"] = ratio * found["gas_mass"]
-    if parts.dissolves:
-        found["dissolved_gas_ratio"] = states["w_gas"]
-    found |= {name: states[name] for name in c.own_states}
+    return found | ({"dissolved_gas_ratio": states["w_gas"]} if parts.dissolves else {})
+
+
+def _flows(
+    of: Evaluation, degrees: np.ndarray, angles: np.ndarray, flows: np.ndarray, mass_rate: np.ndarray
+) -> Iterator[tuple[str, np.ndarray]]:
+    """Yield the flows through ports and gaps with their names, several of which may be the same."""
+    life, c, parts = of.life, of.life.composition, of.problem.parts
     to_lines = [i for i, (_, path) in enumerate(parts.ports) if path.to in LINES and not path.narrow]
-    _smooth_plenum_flows(flows, to_lines, parts.omega * seen["mass_rate"])
-    films = life.oil_films(np.minimum(np.radians(degrees), geometry.life)) if any(parts.films) else np.empty((0, 0))
+    _smooth_plenum_flows(flows, to_lines, parts.omega * mass_rate)
+    films = life.oil_films(angles) if any(parts.films) else np.empty((len(degrees), 0))
     if c.speed_curve is not None:  # the model's flows refer to the mean speed
-        slow = np.array([slowness(phi, geometry.pitch, c.speed_curve, c.P) for phi in np.radians(degrees).tolist()])
+        pitch = parts.geometry.pitch
+        slow = np.array([slowness(phi, pitch, c.speed_curve, c.P) for phi in np.radians(degrees).tolist()])
         flows /= slow[:, None]
-        if any(parts.films):
-            films /= slow[:, None]
+        films /= slow[:, None]
     for i, name in enumerate(c.plenum_paths):
-        found[f"mass_flow_{name}"] = found.get(f"mass_flow_{name}", 0.0) + flows[:, i]
+        yield f"mass_flow_{name}", flows[:, i]
     for i, (name, _) in enumerate(c.gap_paths):
         for side, word in enumerate(("leading", "trailing")):
-            key, column = f"mass_flow_{name}_{word}", len(c.plenum_paths) + 2 * i + side
-            found[key] = found.get(key, 0.0) + flows[:, column]
+            yield f"mass_flow_{name}_{word}", flows[:, len(c.plenum_paths) + 2 * i + side]
             if parts.films[i]:
-                key = f"oil_flow_{name}_{word}"
-                found[key] = found.get(key, 0.0) + films[:, 2 * i + side]
-    known, pitch = of.known if parts.shaft is None else of.complete, math.degrees(geometry.pitch)
+                yield f"oil_flow_{name}_{word}", films[:, 2 * i + side]
+
+
+def _traces_of_effects(of: Evaluation, degrees: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the traces that effects read of one pitch, over all angles."""
+    parts = of.problem.parts
+    known, pitch = of.known if parts.shaft is None else of.complete, math.degrees(parts.geometry.pitch)
+    found = {}
     for read in [part.traces for _, part in parts.all(Reading) if part.traces is not None]:
         for name, values in read(known).items():
             grid = np.linspace(0.0, pitch, len(values) + 1)

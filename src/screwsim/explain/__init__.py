@@ -203,7 +203,7 @@ def _effects(scene: Scene, parts: Parts) -> Iterator[str]:
     called = called_for(scene, parts)
     for name, active in scene.effects.items():
         yield row(name, active.effect.title)
-        given = [each.name for each in active.effect.figures if each.name in called]
+        given = [figure.name for figure in active.effect.figures if figure.name in called]
         yield from (row("", text) for text in _effect_rows(active, parts.effects[name], parts.dissolves, given))
     if not scene.effects:
         yield row("none", "a closed chamber, whose gas is compressed and expands again")

@@ -22,6 +22,7 @@ TRANSPORT = {
 
 
 def gas_rows(scene: Scene, parts: Parts) -> Iterator[str]:
+    """Yield the rows on the gas, its lines, and what cools it."""
     gas = parts.gas
     equations = f" ({', '.join(gas.equations)})" if gas.equations else ""
     model = f"gas of {scene.gas.model}" if "." in scene.gas.model else f"{scene.gas.model} gas"
@@ -30,35 +31,46 @@ def gas_rows(scene: Scene, parts: Parts) -> Iterator[str]:
     if isinstance(dry, IdealGas):
         given = "given" if scene.gas.isentropic_exponent is not None else "cp0/(cp0 - R) at suction temperature"
         yield row("", f"R = {dry.R:.6g} J/(kg K), k = {dry.k:.6g} ({given})")
-    at, operation = lines(scene), scene.operation
     if isinstance(gas, MoistAir):
-        humid = f"relative humidity {scene.gas.relative_humidity:g} of the suction line"
-        yield row("water", f"{gas.humidity_ratio:.5g} per mass of dry air ({humid}, M320)")
-        where = "discharge pressure" if package_of(scene) is None else "the outlet's pressure, for the intake air"
-        water_dew = gas.dew_point(at.p_d)
-        told = f"below {in_celsius(DRIEST)}" if water_dew is None else in_celsius(water_dew)
-        yield row("dew point", f"{told} at {where} (M327)")
+        yield from _water_rows(scene, gas)
+    yield from _line_rows(scene)
+    yield from _cooling_rows(scene)
+
+
+def _water_rows(scene: Scene, gas: MoistAir) -> Iterator[str]:
+    humid = f"relative humidity {scene.gas.relative_humidity:g} of the suction line"
+    yield row("water", f"{gas.humidity_ratio:.5g} per mass of dry air ({humid}, M320)")
+    where = "discharge pressure" if package_of(scene) is None else "the outlet's pressure, for the intake air"
+    dew = gas.dew_point(lines(scene).p_d)
+    yield row("dew point", f"{f'below {in_celsius(DRIEST)}' if dew is None else in_celsius(dew)} at {where} (M327)")
+
+
+def _line_rows(scene: Scene) -> Iterator[str]:
+    """Yield the rows on the suction line, the surroundings, the discharge line, and a package around them."""
+    at, operation = lines(scene), scene.operation
     condensing = "dew" if is_blend(scene.gas.name) else "bubble"
-    dew = _saturation_remark(operation.evaporating_temperature, "dew")
-    bubble = _saturation_remark(operation.condensing_temperature, condensing)
-    dew = dew or _gauge_remark(scene, operation.suction.pressure)
-    bubble = bubble or _gauge_remark(scene, operation.discharge.pressure)
-    yield row("suction line", f"{in_bar(at.p_s)}{dew}, {in_celsius(at.T_s)}")
-    T_d = operation.discharge.temperature
-    back = "mean temperature of the outflow (M27)" if T_d is None else readable_quantity(KINDS["temperature"], T_d)
+    suction = _saturation_remark(operation.evaporating_temperature, "dew")
+    discharge = _saturation_remark(operation.condensing_temperature, condensing)
+    suction = suction or _gauge_remark(scene, operation.suction.pressure)
+    discharge = discharge or _gauge_remark(scene, operation.discharge.pressure)
+    yield row("suction line", f"{in_bar(at.p_s)}{suction}, {in_celsius(at.T_s)}")
     yield row(
         "surroundings", f"{in_celsius(operation.ambient_temperature)}, the reference of the ledger's exergy (M59)"
     )
-    back = f"backflow has {'the ' if T_d is None else ''}{back}"
-    yield row("discharge line", f"{in_bar(at.p_d)}{bubble}; {back}")
+    T_d = operation.discharge.temperature
+    back = "the mean temperature of the outflow (M27)" if T_d is None else readable_quantity(KINDS["temperature"], T_d)
+    yield row("discharge line", f"{in_bar(at.p_d)}{discharge}; backflow has {back}")
     if package_of(scene) is not None:
         yield row(
             "package", "both lines are the package's; its losses up to the machine are found with the cycle (M341-M343)"
         )
+
+
+def _cooling_rows(scene: Scene) -> Iterator[str]:
+    operation, cooler = scene.operation, scene.operation.gas_cooler
     if operation.condensing_temperature is not None:
         subcooling = readable_quantity(KINDS["temperature_difference"], operation.subcooling or 0.0)
         yield row("cooling", f"liquid subcooled by {subcooling}; enthalpies of the real fluid (M43)")
-    cooler = operation.gas_cooler
     if cooler is not None:
         T = readable_quantity(KINDS["temperature"], cooler.outlet_temperature)
         yield row("cooling", f"leaves the gas cooler at {T}; enthalpies of the real fluid (M330)")

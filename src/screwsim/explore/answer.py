@@ -30,7 +30,7 @@ def pack_message(head: Mapping[str, Any], arrays: Iterable[np.ndarray] = ()) -> 
     """
     text = json.dumps(head, allow_nan=False, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
-    return b"".join((struct.pack("<I", len(text)), text, *(np.asarray(each, "<f4").tobytes() for each in arrays)))
+    return b"".join((struct.pack("<I", len(text)), text, *(np.asarray(array, "<f4").tobytes() for array in arrays)))
 
 
 def unpack_message(message: bytes) -> tuple[dict[str, Any], np.ndarray]:

@@ -86,7 +86,7 @@ def read_changes(raw: Any) -> Changes:
     values, effects = raw.get("set", {}), raw.get("effects", {})
     if not isinstance(values, dict) or not isinstance(effects, dict) or len(values) + len(effects) > MOST_CHANGES:
         raise Refused(f"set and effects are not mappings, or hold more than {MOST_CHANGES} changes (reload the page)")
-    if not all(isinstance(each, bool) for each in effects.values()):
+    if not all(isinstance(effect, bool) for effect in effects.values()):
         raise Refused("an effect is neither on nor off: true or false (reload the page)")
     if not all(map(str.isprintable, (*values, *effects))):  # half a character could not even be reported
         raise Refused("a name in the settings has unprintable characters (reload the page)")
@@ -204,7 +204,7 @@ def _all_overrides(base: SceneArguments, overrides: Iterable[str]) -> list[str]:
     later = list(overrides)
     again = {each for each in base.overrides if each.endswith("=off") and each.replace("=off", "={}") in later}
     kept = [each for each in later if each.replace("={}", "=off") not in again]
-    return [*(each for each in base.overrides if each not in again), *kept]
+    return [*(override for override in base.overrides if override not in again), *kept]
 
 
 def shell_command(base: SceneArguments, overrides: Iterable[str]) -> str:

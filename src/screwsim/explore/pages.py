@@ -92,7 +92,7 @@ class Page:
         values = changes.get("set", {}) if isinstance(changes, dict) else None
         if not isinstance(points, list) or len(points) > MOST_POINTS or type(name) is not int:
             raise InvalidMessage("points are not a list, or too many")
-        pairs = (isinstance(each, list) and len(each) == 2 and isinstance(each[0], str) for each in points)
+        pairs = (isinstance(point, list) and len(point) == 2 and isinstance(point[0], str) for point in points)
         if not isinstance(changes, dict) or not isinstance(values, dict) or not all(pairs):
             raise InvalidMessage("points are not pairs [path, value] for the settings")
         self._lanes[lane].clear()

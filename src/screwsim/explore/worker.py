@@ -108,7 +108,7 @@ def answer_job(named: tuple[str, tuple[str, ...]], job: Job) -> bytes:
         faults = [
             [match[1], match[2]] if match else ["", line] for match, line in zip(matches, error.lines, strict=True)
         ]
-        text = "\n".join(": ".join(filter(None, each)) for each in faults)
+        text = "\n".join(": ".join(filter(None, fault)) for fault in faults)
         return answer.refused_answer(text, {**job.tag, "faults": faults})
     except (Refused, UsageError) as error:
         return answer.refused_answer(str(error), job.tag)

@@ -286,9 +286,9 @@ def documentation_page(table: MapTable, name: str) -> str:
         for one in table.inputs
     )
     outputs = "".join(
-        f"<tr><td>{each.name}</td><td>{escape(plain(each.units))}, error {error_text(error)}</td>"
-        f"<td>{escape(each.long_name)}</td></tr>"
-        for each, error in zip(table.outputs, table.errors, strict=True)
+        f"<tr><td>{output.name}</td><td>{escape(plain(output.units))}, error {error_text(error)}</td>"
+        f"<td>{escape(output.long_name)}</td></tr>"
+        for output, error in zip(table.outputs, table.errors, strict=True)
     )
     return f"""<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>{escape(name)}</title></head><body>

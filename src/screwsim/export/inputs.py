@@ -29,7 +29,7 @@ _DERIVED: dict[str, dict[str, int]] = {
 }
 _PART = re.compile(r"([A-Za-z]+)\^?(-?[0-9]+)?")
 LOGARITHMIC_FROM = 2.0  # ratio of the ends of a pressure range from which nodes are spaced by its logarithm
-FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "cooling_capacity")
+FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "cooling_capacity", "electrical_power")
 _NAMES = {
     "operation.suction.pressure": "suction_pressure",
     "operation.suction.temperature": "suction_temperature",
@@ -121,7 +121,8 @@ def _input(scene: Scene, path: str, low: float, high: float) -> Input:
     own = value_at(scene, path)
     value = float(own) if isinstance(own, int | float) and low <= own <= high else 0.5 * (low + high)
     log = units == "Pa" and low > 0.0 and high / low >= LOGARITHMIC_FROM
-    return Input(path, input_name(path), units, leaf.doc, float(low), float(high), value, log)
+    meaning = leaf.doc.partition(" (instead of ")[0]  # which concerns the author of a scene
+    return Input(path, input_name(path), units, meaning, float(low), float(high), value, log)
 
 
 def read_outputs(scene: Scene, figures: Sequence[str] = ()) -> tuple[Output, ...]:
@@ -139,10 +140,10 @@ def check_names(inputs: Sequence[Input], outputs: Sequence[Output]) -> None:
             what = f"{paths[one.name]} and {one.path} would both be called {one.name} in the export"
             raise UsageError(f"no map: {what} (vary one of them)")
         paths[one.name] = one.path
-    for each in outputs:
-        if each.name in paths:
-            what = f"is the name of an input of this map, {paths[each.name]}"
-            raise UsageError(f"no map: figure {each.name} {what} (name other figures with --figure)")
+    for output in outputs:
+        if output.name in paths:
+            what = f"is the name of an input of this map, {paths[output.name]}"
+            raise UsageError(f"no map: figure {output.name} {what} (name other figures with --figure)")
 
 
 def title_on_one_line(text: str) -> str:

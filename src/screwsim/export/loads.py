@@ -187,7 +187,7 @@ def document(found: ExportedLoads) -> dict[str, Any]:
             }
             for group, (angle, columns) in found.curves.items()
         },
-        "spectra": {name: [each._asdict() for each in rows] for name, rows in found.spectra.items()},
+        "spectra": {name: [row._asdict() for row in rows] for name, rows in found.spectra.items()},
     }
 
 
@@ -209,7 +209,7 @@ def mesh(surface: Surface, pressures: Pressures, along: int = CELLS_ALONG) -> tu
     )
     number = np.arange(points[..., 0].size).reshape(points.shape[:3])
     corners = (number[:, :-1, :-1], number[:, 1:, :-1], number[:, 1:, 1:], number[:, :-1, 1:])
-    return points.reshape(-1, 3), np.stack([each.ravel() for each in corners], -1)
+    return points.reshape(-1, 3), np.stack([corner.ravel() for corner in corners], -1)
 
 
 def write_surface(stem: Path, surface: Surface, pressures: Pressures, steps: int, speed: float) -> list[str]:

@@ -102,7 +102,7 @@ def _tables(table: MapTable) -> str:
     values = table.grid.data[0, 0]
     lines = ['  model Tables "Figures by tables with continuous derivatives, held beyond their ranges"']
     lines += [_port("Input", each, "    ") for each in table.inputs]
-    lines += [_port("Output", each, "    ") for each in table.outputs]
+    lines += [_port("Output", output, "    ") for output in table.outputs]
     lines.append('    Modelica.Blocks.Interfaces.BooleanOutput valid "inside, among points whose cycles closed";')
     lines.append("  protected")
     smooth = "Modelica.Blocks.Types.Smoothness.ContinuousDerivative"
@@ -111,9 +111,9 @@ def _tables(table: MapTable) -> str:
     linear = "Modelica.Blocks.Types.Smoothness.LinearSegments"
     lines.append(_block("closed", _matrix(nodes, table.grid.sound.astype(float)), linear))
     lines.append("  equation")
-    for block in (*(f"{each.name}_table" for each in table.outputs), "closed"):
+    for block in (*(f"{output.name}_table" for output in table.outputs), "closed"):
         lines += [f"    {block}.u1 = {one.name};", f"    {block}.u2 = {two.name};"]
-    lines += [f"    {each.name} = {each.name}_table.y;" for each in table.outputs]
+    lines += [f"    {output.name} = {output.name}_table.y;" for output in table.outputs]
     ranges = " and ".join(f"{each.name} >= {each.low!r} and {each.name} <= {each.high!r}" for each in table.inputs)
     lines += [f"    valid = {ranges} and closed.y > 0.999999;", "  end Tables;"]
     return "\n".join(lines)

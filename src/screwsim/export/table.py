@@ -32,6 +32,7 @@ from screwsim.export.inputs import (
 )
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
+from screwsim.results.schema import Axis
 from screwsim.scene import Scene, scene_text
 from screwsim.scene.types import Joint
 from screwsim.study.progress import Progress
@@ -84,9 +85,11 @@ class MapTable:
     def __call__(self, x: Array) -> tuple[Array, Array]:
         """Return the outputs [SI] at inputs (n, inputs) [SI], and whether each point is inside."""
         x = np.atleast_2d(np.asarray(x, float))
-        clipped = np.column_stack([np.clip(x[:, i], one.low, one.high) for i, one in enumerate(self.inputs)])
+        clipped = np.column_stack(
+            [np.clip(x[:, i], variable.low, variable.high) for i, variable in enumerate(self.inputs)]
+        )
         outside = np.any(np.abs(x - clipped) > 1e-9 * np.abs(clipped), axis=1)
-        u = np.column_stack([one.coordinate(clipped[:, i]) for i, one in enumerate(self.inputs)])
+        u = np.column_stack([variable.coordinate(clipped[:, i]) for i, variable in enumerate(self.inputs)])
         values, inside = evaluate(self.grid, u)
         return values, inside & ~outside
 
@@ -96,7 +99,7 @@ def scales(outputs: Sequence[Output], values: Array) -> Array:
     size = np.abs(values)
     largest = np.nanmax(size.reshape(-1, size.shape[-1]), axis=0)
     found = np.maximum(size, LEAST_SCALE * largest)
-    kelvin = np.array([each.units == "K" for each in outputs])
+    kelvin = np.array([output.units == "K" for output in outputs])
     return np.where(kelvin, TEMPERATURE_SCALE, np.where(found > 0.0, found, 1.0))
 
 
@@ -121,7 +124,7 @@ def tabulated_map(
     """
     check_names(inputs, outputs)
     solve = _Solver(scene, outputs, jobs, progress, simulate)
-    nodes = [evenly_spaced_nodes(one, 5 if len(inputs) <= FEW_INPUTS else 3) for one in inputs]
+    nodes = [evenly_spaced_nodes(variable, 5 if len(inputs) <= FEW_INPUTS else 3) for variable in inputs]
     points = _drawn_check_points(inputs)
     known = solve.grid(inputs, nodes)
     at_points, sound_points = solve.points(inputs, points)
@@ -160,32 +163,36 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable
         raise UsageError(f"{results.path}: varies nothing, as each axis has one value (export a sweep over more)")
     if any(axis.values.dtype.kind != "f" for axis in axes):
         raise UsageError(f"{results.path}: has a non-numeric axis (export a sweep of one of its values)")
-    inputs, orders = [], []
-    for axis in axes:
-        values = np.asarray(axis.values, float)
-        orders.append(np.argsort(values))
-        low, high = float(values.min()), float(values.max())
-        log = axis.units == "Pa" and high >= 2.0 * low > 0.0
-        inputs.append(
-            Input(axis.path, input_name(axis.path), axis.units, axis.long_name, low, high, float(values[0]), log)
-        )
+    inputs = [_input_of(axis) for axis in axes]
+    orders = [np.argsort(np.asarray(axis.values, float)) for axis in axes]
     names = figures or [name for name in FIGURES if name in results.figures]
     outputs = [output_of(name, {name: results.figure(name)}) for name in names]
     check_names(inputs, outputs)
-    shape = tuple(len(axis.values) for axis in axes)
-    columns = [np.asarray(results.performance[each.name]).reshape(shape)[np.ix_(*orders)] for each in outputs]
-    values = np.stack(columns, axis=-1)
-    sound = (results.status.reshape(shape)[np.ix_(*orders)] == "ok") & np.isfinite(values).all(axis=-1)
+
+    def sorted_grid(column: Any) -> np.ndarray:
+        """Return a column of the results on the grid of the axes, each in ascending order."""
+        return np.asarray(column).reshape([len(axis.values) for axis in axes])[np.ix_(*orders)]
+
+    values = np.stack([sorted_grid(results.performance[output.name]) for output in outputs], axis=-1)
+    sound = (sorted_grid(results.status) == "ok") & np.isfinite(values).all(axis=-1)
     if not sound.any():
         raise UsageError(f"{results.path}: none of its cases closed")
     across = zip(inputs, axes, orders, strict=True)
-    nodes = [one.coordinate(np.asarray(axis.values, float)[order]) for one, axis, order in across]
+    nodes = [variable.coordinate(np.asarray(axis.values, float)[order]) for variable, axis, order in across]
     table = _table(None, inputs, outputs, nodes, values, sound, None)
     errors, checked = _errors_of_leaving_out(nodes, values, sound, outputs)
     how = f"largest at {checked} nodes when every second one of an axis is left out: for a table twice as coarse"
     how = how if checked else "unknown, as no axis has five values"
     title, yaml = title_on_one_line(results.attributes["title"]), results.scene_yaml
     return replace(table, title=title, scene_yaml=yaml, errors=errors, checked=checked, how=how, cases=sound.size)
+
+
+def _input_of(axis: Axis) -> Input:
+    """Return the input that an axis of a sweep is; pressures over an octave or more are taken by their logarithm."""
+    values = np.asarray(axis.values, float)
+    low, high = float(values.min()), float(values.max())
+    log = axis.units == "Pa" and high >= 2.0 * low > 0.0
+    return Input(axis.path, input_name(axis.path), axis.units, axis.long_name, low, high, float(values[0]), log)
 
 
 def _table(
@@ -209,9 +216,12 @@ def _drawn_check_points(inputs: Sequence[Input]) -> Array:
     from scipy.stats import qmc
 
     shares = qmc.Sobol(len(inputs), rng=1).random(CHECK_POINTS)
-    ends = [(float(one.coordinate(one.low)), float(one.coordinate(one.high))) for one in inputs]
+    ends = [
+        (float(variable.coordinate(variable.low)), float(variable.coordinate(variable.high))) for variable in inputs
+    ]
     columns = [
-        one.at(low + share * (high - low)) for one, (low, high), share in zip(inputs, ends, shares.T, strict=True)
+        variable.at(low + share * (high - low))
+        for variable, (low, high), share in zip(inputs, ends, shares.T, strict=True)
     ]
     return np.column_stack(columns)
 
@@ -231,11 +241,10 @@ def _errors_of_leaving_out(
     nodes: Sequence[Array], values: Array, sound: Array, outputs: Sequence[Output]
 ) -> tuple[tuple[float, ...], int]:
     """Return the largest errors from leaving out every second node of each axis that has five or more; their number."""
-    each = [_axis_error(nodes, values, sound, outputs, axis) for axis, x in enumerate(nodes) if len(x) > FEW_NODES]
-    each = [one for one in each if one[1]]
-    if not each:
-        return (math.nan,) * len(outputs), 0
-    return tuple(float(e) for e in np.max([one[0] for one in each], axis=0)), sum(one[1] for one in each)
+    tested = [axis for axis, x in enumerate(nodes) if len(x) > FEW_NODES]
+    found = [_axis_error(nodes, values, sound, outputs, axis) for axis in tested]
+    errors, count = [errors for errors, number in found if number], sum(number for _, number in found)
+    return tuple(np.max(errors, axis=0).tolist()) if errors else (math.nan,) * len(outputs), count
 
 
 def _axis_error(
@@ -303,12 +312,12 @@ class _Solver:
 
     def grid(self, inputs: Sequence[Input], nodes: Sequence[Array]) -> tuple[Array, Array]:
         """Return values (nodes …, outputs) and which nodes closed."""
-        sweep = {one.path: tuple(map(float, one.at(u))) for one, u in zip(inputs, nodes, strict=True)}
+        sweep = {variable.path: tuple(map(float, variable.at(u))) for variable, u in zip(inputs, nodes, strict=True)}
         return self._swept(replace(self._scene, sweep=sweep, joints=()), tuple(map(len, nodes)))
 
     def points(self, inputs: Sequence[Input], points: Array) -> tuple[Array, Array]:
         """Return values (points, outputs) and which of them closed."""
-        sweep = {one.path: tuple(map(float, points[:, i])) for i, one in enumerate(inputs)}
+        sweep = {variable.path: tuple(map(float, points[:, i])) for i, variable in enumerate(inputs)}
         joint = Joint("case", tuple(sweep))
         return self._swept(replace(self._scene, sweep=sweep, joints=(joint,)), (len(points),))
 
@@ -318,7 +327,7 @@ class _Solver:
         with temporary_results(scene, jobs=self._jobs, progress=told, **options) as results:
             self.cases += math.prod(shape)
             nothing = np.full(shape, np.nan)
-            columns = [np.reshape(results.performance.get(each.name, nothing), shape) for each in self._outputs]
+            columns = [np.reshape(results.performance.get(output.name, nothing), shape) for output in self._outputs]
             values = np.stack(columns, axis=-1)
             sound = (results.status.reshape(shape) == "ok") & np.isfinite(values).all(axis=-1)
             if not sound.all() and not self.why:
@@ -331,7 +340,7 @@ def csv_table(table: MapTable) -> str:
     heads = [f"{each.name} [{plain(each.units)}]" for each in (*table.inputs, *table.outputs)]
     lines = [f"# {table.title}{TITLE_SEPARATOR}{table.error_in_words}"]
     lines.append(",".join([*heads, "closed"]))
-    nodes = [one.at(u) for one, u in zip(table.inputs, table.grid.nodes, strict=True)]
+    nodes = [variable.at(u) for variable, u in zip(table.inputs, table.grid.nodes, strict=True)]
     values = table.grid.data[(0,) * len(nodes)]
     for place in itertools.product(*(range(len(x)) for x in nodes)):
         closed = bool(table.grid.sound[place])

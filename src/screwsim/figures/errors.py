@@ -5,8 +5,10 @@ from math import prod
 from typing import Any
 
 from screwsim.figures.registry import declared
-from screwsim.outputs import ITSELF, POWER, TIMES, Figure, Figures, Scale
+from screwsim.outputs import ITSELF, POWER, TIMES, Figure, Figures, Scale, over
 
+FLOW = "gas_mass_flow"
+OVER_FLOW = over(FLOW)
 LEAST_FILLING = 0.1  # volumetric efficiency below which the net gas flow is treated as passing through zero
 
 
@@ -17,10 +19,10 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
     which they are rounding. Where the better value is exactly zero, as the flow of a machine that draws in nothing, the
     scale is that of the other one.
     """
-    known = {name: 0.0 if value is None else value for name, value in better.items()}
+    known = zeros_for_none(better)
     errors: dict[str, float | None] = dict.fromkeys(found)
     about: Mapping[str, Figure] = getattr(found, "about", {})
-    of_powers: float | None = None  # they share one scale
+    of_powers = 0.0  # they share one scale
     for name, value in found.items():
         if value is None or (reference := better.get(name)) is None:
             continue
@@ -30,16 +32,11 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
         elif scale.unasked:
             continue
         elif scale.alone and scale.times:  # a power
-            if of_powers is None:
-                of_powers = max(error_scale(name, scale, known), 1e-300, least_power)
-            errors[name] = abs(value - reference) / of_powers
-            continue
+            size = of_powers = of_powers or max(error_scale(name, scale, known), 1e-300, least_power)
         else:
-            size = error_scale(name, scale, known)
-            if size == 0.0:
-                size = error_scale(name, scale, {of: each or 0.0 for of, each in found.items()})
+            size = error_scale(name, scale, known) or error_scale(name, scale, zeros_for_none(found))
         least = least_work if name == "work_per_cycle" else 1e-300
-        errors[name] = abs(value - reference) / (size if size > least and size > 1e-300 else max(size, least, 1e-300))
+        errors[name] = abs(value - reference) / max(size, least, 1e-300)
     of_power = errors.get("shaft_power")
     if of_power is not None and errors.get("shaft_torque") is not None:
         errors["shaft_torque"] = of_power + (errors.get("mean_speed") or 0.0)
@@ -49,30 +46,34 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
 def flow_errors(found: Figures, lost: float, by: str = "by_flow") -> Figures:
     """Return the errors of the figures that depend on a flow, given the flow's relative error `lost`.
 
-    `by` is the field by which figures declare that dependence: `by_flow`, `by_oil` … (`outputs.Figure`).
+    `by` is the field by which figures declare that dependence: `by_flow`, `by_oil` … (`outputs.Figure`). They are in
+    proportion to the flow; one whose scale is at least the flow is that flow and what comes and goes beside it.
     """
     known = {name: value for name, value in found.items() if value is not None}
     about: Mapping[str, Figure] = getattr(found, "about", {})
-    sizes: dict[str, float] = {}
+    errors: dict[str, float] = {}
     of_powers: float | None = None  # they share one scale
     for name, value in known.items():
-        each = about.get(name) or declared(name, found)
-        if not getattr(each, by):
+        figure = about.get(name) or declared(name, found)
+        if not getattr(figure, by):
             continue
-        if each.scale is not POWER:
-            size = error_scale(name, each.scale, known)
-        elif of_powers is None:
-            size = of_powers = error_scale(name, each.scale, known)
-        else:
-            size = of_powers
-        sizes[name] = lost * abs(value) / max(size, 1e-300)
-    return Figures(sizes)
+        size = of_powers if figure.scale is POWER else None
+        if size is None:
+            size = error_scale(name, figure.scale, known)
+        of_powers = size if figure.scale is POWER else of_powers
+        amount = max(abs(value), abs(known.get(FLOW, 0.0))) if figure.scale == OVER_FLOW else abs(value)
+        errors[name] = lost * amount / max(size, 1e-300)
+    return Figures(errors)
+
+
+def zeros_for_none(figures: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of figures as `error_scale` needs them: zero for those that are None."""
+    return {name: 0.0 if value is None else value for name, value in figures.items()}
 
 
 def error_of(name: str, size: float, figures: Mapping[str, Any]) -> float:
     """Return the error of a figure, given in its own unit, relative to its `error_scale`."""
-    known = {each: 0.0 if value is None else value for each, value in figures.items()}
-    return size / max(error_scale(name, declared(name, figures).scale, known), 1e-300)
+    return size / max(error_scale(name, declared(name, figures).scale, zeros_for_none(figures)), 1e-300)
 
 
 def figures_for_scale(name: str, scale: Scale) -> tuple[str, ...]:
@@ -108,8 +109,7 @@ def error_in_unit(
     relative = otherwise if relative is None else relative
     if relative is None:
         return None
-    known = {each: 0.0 if value is None else value for each, value in performance.items()}
-    return float(error_scale(name, declared(name, performance).scale, known) * relative)
+    return float(error_scale(name, declared(name, performance).scale, zeros_for_none(performance)) * relative)
 
 
 def worst(errors: Figures) -> tuple[str, float]:

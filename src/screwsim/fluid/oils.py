@@ -19,6 +19,14 @@ WATER = 999.1  # [kg/m^3] at 15 degC
 MM2 = 1e-6  # [m^2/s] one mm^2/s, or centistokes
 
 
+ESTER = "POE_"  # names of polyol esters begin so
+
+
+def is_ester(name: str) -> bool:
+    """Tell whether a stored oil is a polyol ester."""
+    return name.startswith(ESTER)
+
+
 class Oil(Protocol):
     """Properties of an oil by temperature T [K], in SI units; `low`, `high`: range of the viscosity data [K]."""
 

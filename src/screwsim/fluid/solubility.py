@@ -1,7 +1,8 @@
 """R134a dissolved in a polyol ester oil: activity by Heil's model, and the content in equilibrium (M195).
 
-Source: B. Grebner, thesis, 1992 (constants; oil of 0.590 kg/mol); J. F. Heil, J. M. Prausnitz, AIChE J. 12 (1966) 678.
-Fitted from 255 K to 394 K; mean error 6.3 % at its 44 points.
+Source: J. J. Grebner, thesis, 1992 (constants; oil of 0.590 kg/mol); J. F. Heil, J. M. Prausnitz, AIChE J. 12 (1966)
+678. Fitted from 255 K to 394 K; mean error 5.5 % at its 44 points. The indices of Λ and τ are those with which the
+model has the limit of Flory and Huggins; docs/model.md says how it is found elsewhere, and what that costs.
 """
 
 import math
@@ -20,7 +21,11 @@ NEAR = 1e-12  # last step of ln x
 
 
 class RefrigerantOilPair(NamedTuple):
-    """The pair at one temperature: p_sat [Pa] of the refrigerant, Heil's Λ and τ, and the ratio of molar masses."""
+    """The pair at one temperature: p_sat [Pa] of the refrigerant, Heil's Λ and τ, and the ratio of molar masses.
+
+    Λ12 = (v_oil/v_refrigerant) e^−τ12 weighs the oil around a molecule of refrigerant, Λ21 the refrigerant around one
+    of oil.
+    """
 
     p_sat: float
     lambda_12: float
@@ -45,10 +50,10 @@ def pair(T: float, p_sat: float, liquid_density: float) -> RefrigerantOilPair:
 def log_activity(x, lambda_12, lambda_21, tau_12, tau_21):
     """Return ln(γ x) of the refrigerant at its mole fraction x by Heil's model (M195)."""
     oil = 1.0 - x
-    a = x + lambda_21 * oil
-    b = lambda_12 * x + oil
-    gamma = -math.log(a) + oil * (lambda_21 / a - lambda_12 / b)
-    gamma += oil * oil * (tau_21 * (lambda_21 / a) * (lambda_21 / a) + tau_12 * lambda_12 / (b * b))
+    a = x + lambda_12 * oil
+    b = lambda_21 * x + oil
+    gamma = -math.log(a) + oil * (lambda_12 / a - lambda_21 / b)
+    gamma += oil * oil * (tau_12 * (lambda_12 / a) * (lambda_12 / a) + tau_21 * lambda_21 / (b * b))
     return gamma + math.log(x)
 
 

@@ -24,6 +24,12 @@ def nearest(name: str, options: Iterable[str]) -> str | None:
     return near[0][1] if alone else None
 
 
+def did_you_mean(name: str, options: Iterable[str]) -> str:
+    """Return the question whether the nearest option was meant, to follow a statement; '' where none is near."""
+    near = nearest(name, options)
+    return f"; did you mean '{near}'?" if near else ""
+
+
 def paths_ending_in(path: str, options: Iterable[str]) -> list[str]:
     """Return the dotted paths that end in a given path: 'speed' gives 'operation.speed'."""
     return [option for option in options if option.endswith(f".{path}")]

@@ -47,6 +47,10 @@ class Trajectory(NamedTuple):
     alone: Lock  # held while writing to the context's scratch arrays
     line_flows: dict[tuple[Any, ...], tuple[Array, Array]]  # by the life that they were read from, see `into_lines`
 
+    def with_dense(self, dense: Array) -> Trajectory:
+        """Return the same life with another dense output of its steps."""
+        return self._replace(dense=dense)
+
     def copy(self) -> Trajectory:
         """Return a copy in its own, read-only arrays."""
         c, steps = self.composition, self.steps

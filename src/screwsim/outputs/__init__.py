@@ -51,6 +51,7 @@ from screwsim.outputs.variables import (
     NUMERICS_TEXT,
     STATUSES,
     cycle_variable,
+    effect_words,
     ledger_entries,
     ledger_variable,
     sorted_entries,

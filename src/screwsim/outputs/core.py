@@ -25,6 +25,7 @@ _STAGES = (  # figures of two stages in series
     Figure("first_shaft_power", "W", "shaft power of the first stage"),
     Figure("second_shaft_power", "W", "shaft power of the second stage"),
     Figure("shaft_power", "W", "shaft power of both stages"),
+    Figure("electrical_power", "W", "electrical power of both stages, if both have a motor"),
     Figure("first_separator_temperature", "K", "temperature of gas and oil in the separator of the first stage"),
     Figure("second_separator_temperature", "K", "temperature of gas and oil in the separator of the second stage"),
     Figure(
@@ -53,6 +54,8 @@ _STAGES = (  # figures of two stages in series
     Figure("cop", "1", "coefficient of performance of both stages together"),
     Figure("heating_capacity", "W", "heating capacity of both stages together, without that of the oil coolers"),
     Figure("heating_cop", "1", "heating coefficient of performance of both stages together"),
+    Figure("electrical_cop", "1", "cooling capacity over the electrical power of both stages"),
+    Figure("electrical_heating_cop", "1", "heating capacity over the electrical power of both stages"),
     Figure(
         "flow_mismatch",
         "1",
@@ -203,6 +206,7 @@ _CORE = (
         "1",
         "net gas flow of an expander, over the flow that would fill its chambers when the inlet closes",
         needs=EXPANDED,
+        by_flow=True,
     ),
     Figure("wall_heat", "W", "net heat from walls into the gas", POWER, WALLED),
     Figure(

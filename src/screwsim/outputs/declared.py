@@ -101,4 +101,4 @@ def efficiency(name: str, long_name: str, **more: Any) -> Figure:
 
 def names_of(figures: Iterable[Figure]) -> tuple[str, ...]:
     """Return the names of figures."""
-    return tuple(each.name for each in figures)
+    return tuple(figure.name for figure in figures)

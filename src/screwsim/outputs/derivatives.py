@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -13,9 +13,15 @@ from screwsim.outputs.figures import Figures, shown
 
 EXACT, ROUGH, DIFFERENCES = "exact", "quick", "differences"  # methods
 METHOD_CODES = {DIFFERENCES: 0, EXACT: 1, ROUGH: 2}  # codes of the methods in files
-# in texts, if present
-USUAL_FIGURES = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power")
+PACKAGE_FIGURES = ("package_specific_power", "free_air_delivered", "package_input_power")  # in texts, if all present
+USUAL_FIGURES = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power")  # else, if present
 MOST_PATHS = 15  # largest number of paths in a text, the most influential first
+
+
+def usual_figures(there: Collection[str]) -> list[str]:
+    """Return those of the figures there that a text shows by default: of an air package its own."""
+    package = set(PACKAGE_FIGURES) <= set(there)
+    return [name for name in (PACKAGE_FIGURES if package else USUAL_FIGURES) if name in there]
 
 
 class ComputedDerivatives(Protocol):
@@ -113,7 +119,7 @@ class Derivatives(Mapping[tuple[str, str], float]):
         if self._find is None:
             return "Derivatives: none (the result is not linked to its scene)"
         found = self.found
-        figures = [name for name in USUAL_FIGURES if name in found.derivatives] or list(found.derivatives)[:3]
+        figures = usual_figures(found.derivatives) or list(found.derivatives)[:3]
         size = f"{len(found.derivatives)} figures by {len(found.values)} numbers"
         if not figures:
             return f"Derivatives: none ({size})"
@@ -147,7 +153,7 @@ class Derivatives(Mapping[tuple[str, str], float]):
             raise KeyError("no derivatives: the point has no figures (result.status, result.message say why)")
         if figure not in found.derivatives:
             raise KeyError(_unknown_key(f"no derivatives of {figure!r}", figure, list(found.derivatives)))
-        same = [each for each in found.values if each == path or each.endswith(f".{path}")]
+        same = [value for value in found.values if value == path or value.endswith(f".{path}")]
         whole = path if path in same else same[0] if len(same) == 1 else None
         if whole is None and same:
             raise KeyError(f"{path!r} may be {', '.join(same)} (write the whole path)")

@@ -137,11 +137,11 @@ def customary(figure: ShownFigure) -> str:
 
 def table_text(figures: Sequence[ShownFigure]) -> str:
     """Return one line for each figure: name, value with its SI unit, meaning."""
-    values = [_value(each) for each in figures]
-    names, widths = max((len(each.name) for each in figures), default=0), max(map(len, values), default=0)
+    values = [_value(figure) for figure in figures]
+    names, widths = max((len(figure.name) for figure in figures), default=0), max(map(len, values), default=0)
     return "\n".join(
-        f"{each.name:<{names}}  {value:<{widths}}  {each.long_name[:MOST_CHARACTERS]}".rstrip()
-        for each, value in zip(figures, values, strict=True)
+        f"{figure.name:<{names}}  {value:<{widths}}  {figure.long_name[:MOST_CHARACTERS]}".rstrip()
+        for figure, value in zip(figures, values, strict=True)
     )
 
 

@@ -84,8 +84,12 @@ class Result:
         return table_html(heading, [f"warning: {text}" for text in self.warnings], shown(self.performance))
 
     def to_pandas(self) -> Any:
-        """Return the cycle as a pandas.DataFrame over the angle [degree], SI units; figures are in its `attrs`."""
-        return display.frame(self.cycle, dict(self.performance))
+        """Return the cycle as a pandas.DataFrame over the angle [degree], SI units.
+
+        Its `attrs` have the figures by name, and the `units` of the columns.
+        """
+        units = {name: cycle_variable(name).units for name in self.cycle}
+        return display.frame(self.cycle, {**self.performance, "units": units})
 
     def to_xarray(self) -> Any:
         """Return figures and cycle as an xarray.Dataset, units and meanings as attributes."""

@@ -83,6 +83,11 @@ KNOCK_OUT |= {
 }
 
 
+def effect_words(name: str) -> str:
+    """Return the name of an effect, or of another entry, as people write it; of one's own without its package."""
+    return name.rpartition(".")[2].replace("_", " ")
+
+
 def ledger_variable(name: str) -> Variable:
     """Return unit and meaning of a total of the ledger, or of an entry `<quantity>_<effect>`."""
     if name in LEDGER:

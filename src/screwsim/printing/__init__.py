@@ -11,7 +11,7 @@ from typing import Any
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, engineering_temperature, scale, shown_name, small_number_text
-from screwsim.outputs import STATUSES, Result, sorted_entries
+from screwsim.outputs import STATUSES, Result, effect_words, sorted_entries
 from screwsim.outputs.customary import with_printed_units
 from screwsim.printing.tables import WIDTH, plain_table, wrapped
 from screwsim.printing.uncertain import ranges_text, uncertainty_ranges
@@ -132,7 +132,7 @@ def _ledger(ledger: Mapping[str, Any]) -> Any:
         shown = (factor * exergy, None, entropy, None if energy is None else factor * energy, gas)
         cells = ["" if value is None else f"{value:.3g}" for value in shown]
         cells[0], cells[1] = f"{factor * exergy:.4g}", share
-        table.add_row(name.replace("_", " "), *cells)
+        table.add_row(effect_words(name), *cells)
 
     row("total given by the gas" if given else "total at the shaft", whole, {})
     row(*(("power at the shaft", -shaft) if given else ("exergy rise of the gas", gas)), {})
@@ -167,7 +167,7 @@ def _knock_out(costs: Iterable[Mapping[str, Any]]) -> list[str]:
     columns += [("cop", "COP", 1.0)] * cooled
     rows = []
     for cost in costs:
-        cells = [cost["effect"].replace("_", " ")]
+        cells = [effect_words(cost["effect"])]
         for name, _, factor in columns:
             value, change = cost[name], cost[f"change_of_{name}"]
             cells += ["" if value is None else f"{factor * value:.4g}"]

@@ -119,8 +119,8 @@ def print_calibration(found: Calibration) -> None:
         return
     say()
     heads = ["", "value", "± standard error", "as good"]
-    rows = [_row(found, index, each) for index, each in enumerate(found.fit.parameters)]
-    tolerances = [_tolerance(found, each) for each in found.fit.parameters]
+    rows = [_row(found, index, parameter) for index, parameter in enumerate(found.fit.parameters)]
+    tolerances = [_tolerance(found, parameter) for parameter in found.fit.parameters]
     if any(tolerances):
         heads.append(TOLERANCE_REMEDY)
         rows = [[*row, cell] for row, cell in zip(rows, tolerances, strict=True)]
@@ -140,7 +140,7 @@ def _methods(found: Calibration) -> Iterator[str]:
     """Yield how the slopes by the parameters were found, with parameters of the same method together."""
     names = found.fit.short_names()
     for why in dict.fromkeys(found.methods.values()):
-        some = [names[path] for path, each in found.methods.items() if each == why]
+        some = [names[path] for path, method in found.methods.items() if method == why]
         which = "" if len(some) == len(names) else f" of {', '.join(some)}"
         yield f"slopes{which}: " + (f"differences ({why})" if why else "exact")
 

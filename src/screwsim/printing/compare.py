@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import asdict
+from itertools import compress
 from pathlib import Path
 from typing import Any
 
@@ -35,8 +36,8 @@ def comparison_document(a: Results, b: Results, found: Comparison) -> dict[str, 
         "points": {"common": found.common, "compared": found.compared, "only_a": found.only_a, "only_b": found.only_b},
         "scene": {path: {"a": one, "b": other} for path, (one, other) in found.scene.items()},
         "status_changes": found.status_changes,
-        "first_status_changes": [asdict(each) for each in found.first_status_changes],
-        "figures": {each.figure: asdict(each) for each in found.figures},
+        "first_status_changes": [asdict(change) for change in found.first_status_changes],
+        "figures": {figure.figure: asdict(figure) for figure in found.figures},
     }
 
 
@@ -59,8 +60,8 @@ def print_comparison(a: Results, b: Results, found: Comparison) -> None:
         say()
         count = found.status_changes
         say(f"{count} point{'s have' if count != 1 else ' has'} another status")
-        for each in found.first_status_changes:
-            say(wrapped(f"{each.a} → {each.b}{_where(a, each.at)}"))
+        for change in found.first_status_changes:
+            say(wrapped(f"{change.a} → {change.b}{_where(a, change.at)}"))
     if not found.compared:
         return
     say()
@@ -70,41 +71,51 @@ def print_comparison(a: Results, b: Results, found: Comparison) -> None:
 
 
 def _print_figures(a: Results, b: Results, found: Comparison) -> None:
-    heads = ["", "A", "B", "", "change", "error", "differ"]
-    print_table(heads, [_cells(a, b, each) for each in found.figures], 1)
-    many = any(each.at for each in found.figures) and found.common > 1
+    heads = ["", "A", "B", "", "change", "error", "inputs", "differ"]
+    toleranced = any(figure.inputs for figure in found.figures)
+    kept = [head != "inputs" or toleranced for head in heads]
+    rows = [list(compress(cells, kept)) for cells in (heads, *(_cells(a, b, figure) for figure in found.figures))]
+    print_table(rows[0], rows[1:], 1)
+    many = any(figure.at for figure in found.figures) and found.common > 1
     text = (
-        "change and error are relative to A, in K for temperatures; error: both estimates together, twice which "
-        "counts as no change"
+        "change in % of A, of temperatures in K; error in the same unit: both estimates together, twice which counts "
     )
+    text += "as no change"
+    text += "; inputs: half of the 95 % interval of the change, if inputs are off alike in both" if toleranced else ""
     say(wrapped(f"{text}; the point shown has the largest change relative to what is allowed" if many else text))
     places: dict[str, list[str]] = {}
-    for each in found.figures:
-        if many and each.beyond and each.at:
-            places.setdefault(_where(a, each.at), []).append(shown_name(each.figure))
+    for figure in found.figures:
+        if many and figure.beyond and figure.at:
+            places.setdefault(_where(a, figure.at), []).append(shown_name(figure.figure))
     for place, names in places.items():
         few = ", ".join(names[:MOST_NAMES]) + (" …" if len(names) > MOST_NAMES else "")
         say(wrapped(f"largest change{place}: {few}"))
 
 
-def _cells(a: Results, b: Results, each: FigureChange) -> list[str]:
-    differ = f"{each.beyond} of {each.points}" if each.points > 1 else "yes" if each.beyond else "no"
-    if each.only_a or each.only_b:
-        differ = f"{each.only_a + each.only_b} only in {'A' if each.only_a else 'B'}"
-    if each.a is None or each.b is None:
-        return [shown_name(each.figure), "", "", "", "", "", differ]
-    about = (a if each.figure in a.performance else b).figure(each.figure)
+def _cells(a: Results, b: Results, change: FigureChange) -> list[str]:
+    """Return a row: name, value in A, in B, unit, change, error, part of the inputs, at how many points they differ."""
+    differ = f"{change.beyond} of {change.points}" if change.points > 1 else "yes" if change.beyond else "no"
+    if change.only_a or change.only_b:
+        differ = f"{change.only_a + change.only_b} only in {'A' if change.only_a else 'B'}"
+    name = shown_name(change.figure)
+    if change.a is None or change.b is None:
+        return [name, "", "", "", "", "", "", differ]
+    about = (a if change.figure in a.performance else b).figure(change.figure)
     if about.units == "K":
-        one, other = map(printed_celsius, (each.a, each.b))
-        change = f"{each.change:+.1e} K" if each.change else "0"
-        return [shown_name(each.figure), one, other, "°C", change, f"{each.error or 0.0:.0e} K", differ]
-    (one, unit), (other, other_unit) = (engineering(about, value) for value in (each.a, each.b))
-    if not each.a or not each.b:  # zero has the unit of the other one
-        unit = other_unit = unit if each.a else other_unit
-    other = other if other_unit == unit else f"{other} {other_unit}"  # as for 900 W and 1.1 kW
-    relative = "" if each.relative is None else f"{each.relative:+.1e}" if each.relative else "0"
-    error = f"{(each.error or 0.0) / abs(each.a):.0e}" if each.a else ""
-    return [shown_name(each.figure), one, other, unit, relative, error, differ]
+        return [name, printed_celsius(change.a), printed_celsius(change.b), "°C", *_changes(change, 1.0, "K"), differ]
+    (in_a, unit_a), (in_b, unit_b) = engineering(about, change.a), engineering(about, change.b)
+    if change.a and change.b and unit_a != unit_b:  # as for 900 W and 1.1 kW; zero has the unit of the other one
+        in_b = f"{in_b} {unit_b}"
+    changes = _changes(change, 100.0 / abs(change.a), "%") if change.a else ["", "", ""]
+    return [name, in_a, in_b, unit_a if change.a else unit_b, *changes, differ]
+
+
+def _changes(of: FigureChange, factor: float, unit: str) -> list[str]:
+    """Return the change, error of both and uncertainty by the inputs, in a unit by its factor from SI."""
+    change = factor * (of.change or 0.0)
+    shown = f"{change:+.0f}" if abs(change) >= 100.0 else f"{change:+.2g}"
+    inputs = f"± {factor * of.inputs:.1g}" if of.inputs else ""
+    return [f"{shown} {unit}" if change else "0", f"{factor * (of.error or 0.0):.1g}", inputs]
 
 
 def _shown_pair(one: str, other: str) -> tuple[str, str]:

@@ -1,6 +1,6 @@
 """Output of `screwsim diagnose`."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +33,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "level": INTERVAL_LEVEL,
         "unchanged": dict(found.unchanged),
         "odds_of_two_changes_against_one": found.odds,
-        "hypotheses": [_hypothesis(each) for each in found.hypotheses],
+        "hypotheses": [_hypothesis(hypothesis) for hypothesis in found.hypotheses],
         "changed": found.changed,
         "not_told_apart": [each._asdict() for each in found.alike],
         "told_next_to_nothing_of": list(found.untold),
@@ -90,7 +90,7 @@ def _rows(found: Diagnosis, each: Hypothesis) -> Iterator[list[str]]:
         yield [name + mark, probability, *sizes, misfit]
 
 
-def _change_text(found: Diagnosis, change: Change) -> str:
+def _amount(found: Diagnosis, change: Change) -> str:
     """Return by how much a parameter has changed; any amount, if the points say nothing about it."""
     if change.path in found.untold:
         return f"{ANY_VALUE} amount"
@@ -98,10 +98,10 @@ def _change_text(found: Diagnosis, change: Change) -> str:
     return f"{per * change.change:+.3g} {unit}".strip()
 
 
-def _hypothesis_text(found: Diagnosis, each: Hypothesis) -> str:
+def _hypothesis_text(found: Diagnosis, hypothesis: Hypothesis) -> str:
     """Return a hypothesis in a few words, with its probability."""
-    parts = [f"{_name(found, change.path)} {_change_text(found, change)}" for change in each.changes]
-    return f"{' and '.join(parts) or NOTHING_CHANGED}: {_probability(each.probability)}"
+    parts = [f"{_name(found, change.path)} {_amount(found, change)}" for change in hypothesis.changes]
+    return f"{' and '.join(parts) or NOTHING_CHANGED}: {_probability(hypothesis.probability)}"
 
 
 def _name(found: Diagnosis, path: str) -> str:
@@ -115,36 +115,19 @@ def _probability(value: float) -> str:
 
 
 def _findings(found: Diagnosis) -> Iterator[str]:
-    best = found.hypotheses[0]
-    first, *rest = [f"{change.path} has changed by {_change_text(found, change)}" for change in best.changes] or [
-        NOTHING_CHANGED
-    ]
-    what = " and ".join([first, *(text.replace(" has changed", "") for text in rest)])
-    yield f"most probable: {what} ({_probability(best.probability)})"
-    for change in best.changes:
-        parameter = next(each for each in found.fit.parameters if each.path == change.path)
-        for end, bound in (("lower", parameter.low), ("upper", parameter.high)):
-            if abs(change.value - bound) <= BOUND_DISTANCE * (parameter.high - parameter.low):
-                at = shown_value(found.fit.scene, change.path, bound, 4)
-                yield f"warning: {change.path} is at its {end} bound, {at}; it may have changed by more"
-    others = [each for each in found.hypotheses[1:] if each.probability > LEAST_PROBABILITY_IN_WORDS]
-    if others:
-        yield f"then {'; '.join(_hypothesis_text(found, each) for each in others[:MOST_IN_WORDS])}"
-    two = [each for each in found.hypotheses if len(each.changes) == 2]
-    if two:
-        likely = ((path, each) for path, each in found.changed.items() if each > LEAST_PROBABILITY_IN_WORDS)
-        changed = [f"{_name(found, path)} {_probability(each)}" for path, each in likely]
-        if changed and best.path != NO_CHANGE:
-            yield f"changed, alone or with another: {', '.join(changed)}"
-        hidden = [each.probability for each in two if each.probability <= LIKELY_PROBABILITY]
-        shown = f", of which {len(hidden)} are not shown: {_probability(sum(hidden))} together" if hidden else ""
-        count = "1 pair of changes was" if len(two) == 1 else f"{len(two)} pairs of changes were"
-        yield f"{count} considered{shown}; two changes at once are a priori {found.odds:g} times as probable as one"
-    for each in found.hypotheses:
-        if each.also and each.probability > LIKELY_PROBABILITY and each.path not in found.untold:
-            per, unit = unit_of_change(found.fit.scene, each.path, each.changes[0].value)
-            values = ", ".join(f"{per * value:.4g} {unit}".strip() for value in each.also)
-            yield f"{each.path} = {values} fits nearly as well as its best value"
+    """Yield what the hypotheses say in words: the most probable ones, what the points cannot tell, and warnings."""
+    best, *others = found.hypotheses
+    amounts = [f"{change.path} has changed by {_amount(found, change)}" for change in best.changes]
+    what = " and ".join(amounts[:1] + [text.replace(" has changed", "") for text in amounts[1:]])
+    yield f"most probable: {what or NOTHING_CHANGED} ({_probability(best.probability)})"
+    yield from _changes_at_bounds(found, best)
+    probable = [other for other in others if other.probability > LEAST_PROBABILITY_IN_WORDS]
+    if probable:
+        yield f"then {'; '.join(_hypothesis_text(found, each) for each in probable[:MOST_IN_WORDS])}"
+    pairs = [hypothesis for hypothesis in found.hypotheses if len(hypothesis.changes) == 2]
+    if pairs:
+        yield from _pairs_of_changes(found, pairs)
+    yield from _other_values(found)
     for each in found.alike:
         yield (
             f"indistinguishable: {each.first} and {each.second}: their changes affect all points alike, within "
@@ -153,13 +136,43 @@ def _findings(found: Diagnosis) -> Iterator[str]:
     for path in found.untold:
         yield f"warning: the points hardly constrain {path}: any value within its bounds fits as well"
     if found.chance is not None and found.chance < LEAST_CHANCE:
-        several = "more than two" if two else "several"
         yield (
             f"warning: the best misfit is {best.misfit:.4g} of {best.freedom} degrees of freedom, which chance alone "
-            f"produces in {found.chance:.1g} of all cases: {several} have changed, something else did, or the "
-            f"uncertainties are too small"
+            f"produces in {found.chance:.1g} of all cases: {'more than two' if pairs else 'several'} have changed, "
+            f"something else did, or the uncertainties are too small"
         )
     beside = f"; {', '.join(found.inputs)} known to within their tolerances and priors" if found.inputs else ""
     yield f"misfit: chi squared at the best estimate of each{beside}"
-    if any(each.linear for each in found.hypotheses):
+    if any(hypothesis.linear for hypothesis in found.hypotheses):
         yield "* from the slopes of the unchanged machine only (improbable, or no other solution was found)"
+
+
+def _changes_at_bounds(found: Diagnosis, best: Hypothesis) -> Iterator[str]:
+    parameters = {parameter.path: parameter for parameter in found.fit.parameters}
+    for change in best.changes:
+        parameter = parameters[change.path]
+        for end, bound in (("lower", parameter.low), ("upper", parameter.high)):
+            if abs(change.value - bound) <= BOUND_DISTANCE * (parameter.high - parameter.low):
+                at = shown_value(found.fit.scene, change.path, bound, 4)
+                yield f"warning: {change.path} is at its {end} bound, {at}; it may have changed by more"
+
+
+def _pairs_of_changes(found: Diagnosis, pairs: Sequence[Hypothesis]) -> Iterator[str]:
+    """Yield what is known of each parameter alone or with another, and how many pairs were considered."""
+    likely = {path: chance for path, chance in found.changed.items() if chance > LEAST_PROBABILITY_IN_WORDS}
+    if likely and found.hypotheses[0].path != NO_CHANGE:
+        changed = [f"{_name(found, path)} {_probability(chance)}" for path, chance in likely.items()]
+        yield f"changed, alone or with another: {', '.join(changed)}"
+    hidden = [pair.probability for pair in pairs if pair.probability <= LIKELY_PROBABILITY]
+    shown = f", of which {len(hidden)} are not shown: {_probability(sum(hidden))} together" if hidden else ""
+    count = "1 pair of changes was" if len(pairs) == 1 else f"{len(pairs)} pairs of changes were"
+    yield f"{count} considered{shown}; two changes at once are a priori {found.odds:g} times as probable as one"
+
+
+def _other_values(found: Diagnosis) -> Iterator[str]:
+    """Yield the other values of a parameter that fit nearly as well as its best."""
+    for hypothesis in found.hypotheses:
+        if hypothesis.also and hypothesis.probability > LIKELY_PROBABILITY and hypothesis.path not in found.untold:
+            per, unit = unit_of_change(found.fit.scene, hypothesis.path, hypothesis.changes[0].value)
+            values = ", ".join(f"{per * value:.4g} {unit}".strip() for value in hypothesis.also)
+            yield f"{hypothesis.path} = {values} fits nearly as well as its best value"

@@ -16,9 +16,11 @@ from screwsim.study.inputs import shown_value, unit_of_change
 from screwsim.study.seek import VALUE_DIGITS, GoalSeekAnswer, Question
 
 MOST_NOTES = 4  # most notes printed
-OTHER_FIGURES = ("cooling_capacity", "shaft_power", "cop", "heating_capacity", "heating_cop")
-OTHER_FIGURES += ("isentropic_efficiency", "volumetric_efficiency")
-OTHER_FIGURES += ("discharge_temperature", "gas_mass_flow")  # for a single answer, shown beside the figures sought
+OTHER_FIGURES = (  # for a single answer, shown beside the figures sought
+    *("free_air_delivered", "package_input_power", "package_specific_power"),
+    *("cooling_capacity", "shaft_power", "cop", "heating_capacity", "heating_cop"),
+    *("isentropic_efficiency", "volumetric_efficiency", "discharge_temperature", "gas_mass_flow"),
+)
 
 
 def find_document(scene: Scene, asked: Question, rows: Sequence[GoalSeekAnswer]) -> dict[str, Any]:

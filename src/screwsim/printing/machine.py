@@ -96,7 +96,7 @@ def tolerance_document(scene: Scene, found: ToleranceStudy) -> dict[str, Any]:
         **picked(found, "grades", "widths"),
         "law_of_motion": [row._asdict() for row in found.table],
         **picked(found, "count", "seed", "hits", "failed", "message"),
-        "figures": {each.figure: each._asdict() for each in found.spreads},
+        "figures": {spread.figure: spread._asdict() for spread in found.spreads},
     }
 
 

@@ -17,7 +17,10 @@ from screwsim.study.seek import VALUE_DIGITS
 MOST_FRONT_ROWS = 12  # most rows of a front printed; all are in the file
 MOST_REASONS = 3  # most reasons for failed evaluations
 # for operating points, beside objectives
-OTHER_FIGURES = ("cooling_capacity", "shaft_power", "cop", "discharge_temperature")
+OTHER_FIGURES = (
+    *("free_air_delivered", "package_specific_power"),
+    *("cooling_capacity", "shaft_power", "cop", "discharge_temperature"),
+)
 
 
 def optimize_document(found: Optimum) -> dict[str, Any]:
@@ -47,10 +50,10 @@ def optimize_document(found: Optimum) -> dict[str, Any]:
             for row in found.front
         ],
         "as_good": {path: reach.__dict__ for path, reach in found.reach.items()},
-        "other_optima": [list(each) for each in found.others],
+        "other_optima": [list(other) for other in found.others],
         "best_points": [
-            {"name": each.point.name, "values": each.values, "performance": dict(each.result.performance)}
-            for each in found.points
+            {"name": point.point.name, "values": point.values, "performance": dict(point.result.performance)}
+            for point in found.points
         ],
         "evaluations": len(found.places),
         "failed_evaluations": found.failed,
@@ -134,9 +137,9 @@ def _points(found: Optimum) -> Iterator[str]:
     asked, points = found.asked, found.asked.points
     sought = [aim.figure for aim in asked.aims]
     names = list(dict.fromkeys((*sought, *(bound.figure for bound in asked.bounds), *OTHER_FIGURES)))
-    there = [name for name in names if all(each.result.performance.get(name) is not None for each in found.points)]
+    there = [name for name in names if all(point.result.performance.get(name) is not None for point in found.points)]
     weight = "energy share" if points.energy else "weight"
-    paths = list(dict.fromkeys(path for each in found.points for path in each.values))
+    paths = list(dict.fromkeys(path for point in found.points for path in point.values))
     heads = ["point", weight, *(path.rpartition(".")[2].replace("_", " ") for path in paths)]
     rows = []
     total = sum(point.weight for point in points.points)

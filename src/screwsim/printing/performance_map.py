@@ -91,20 +91,20 @@ def points_document(results: Results, points: Sequence[MapPoint]) -> dict[str, A
         "file": str(results.path),
         "title": results.attributes["title"],
         "units": {figure: results.figure(figure).units for figure in points[0].figures},
-        "points": [each._asdict() for each in points],
+        "points": [point._asdict() for point in points],
     }
 
 
 def print_points(results: Results, points: Sequence[MapPoint]) -> None:
     """Print the figures of the map at each point, in customary units."""
     print_scene_title(results.attributes["title"])
-    for each in points:
-        temperatures = (each.evaporating_temperature, each.condensing_temperature)
+    for point in points:
+        temperatures = (point.evaporating_temperature, point.condensing_temperature)
         at = " / ".join(f"{round(T - ZERO_CELSIUS, 6):g}" for T in temperatures)
-        others = "".join(f", {_axis_value_text(results, path, value)}" for path, value in each.values.items())
+        others = "".join(f", {_axis_value_text(results, path, value)}" for path, value in point.values.items())
         say()
         say(wrapped(f"evaporating / condensing temperature {at} °C{others}"))
-        rows = [[shown_name(name), *engineering(results.figure(name), value)] for name, value in each.figures.items()]
+        rows = [[shown_name(name), *engineering(results.figure(name), value)] for name, value in point.figures.items()]
         say("\n".join(f"{name:<28}{number:>12}  {unit}" for name, number, unit in rows))
     _print_warnings(results)
 

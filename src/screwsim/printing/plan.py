@@ -6,12 +6,14 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from screwsim.figures import declared
+from screwsim.figures.engineering import figure_unit
 from screwsim.inputs.faults import UsageError
 from screwsim.printing.tables import print_left_out, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, make_folder, write_csv
 from screwsim.scene import Scene
 from screwsim.screen import say
-from screwsim.study.calibration.data import UNCERTAINTY_SUFFIX, units_of
+from screwsim.study.calibration.data import CELSIUS, UNCERTAINTY_SUFFIX, units_of
 from screwsim.study.calibration.plan import Plan, point_name
 from screwsim.study.columns import first_line
 from screwsim.study.inputs import in_customary, unit_of_change
@@ -21,7 +23,7 @@ MOST_DEVIATIONS = 6  # most points for which the table shows the deviations
 
 def plan_document(found: Plan) -> dict[str, Any]:
     """Return what `plan --json` prints, in SI units."""
-    paths = [each.path for each in found.fit.parameters]
+    paths = [parameter.path for parameter in found.fit.parameters]
     return {
         "title": found.fit.title,
         "status": found.status,
@@ -33,13 +35,13 @@ def plan_document(found: Plan) -> dict[str, Any]:
         "deviations": dict(zip(paths, found.before, strict=True)) if found.before else {},
         "points": [
             {
-                "name": each.point.name,
-                "conditions": dict(each.point.values),
-                "uncertainties": {name: one.uncertainty for name, one in each.point.measured.items()},
-                "gain": each.gain,
-                "deviations": dict(zip(paths, each.deviations, strict=True)),
+                "name": step.point.name,
+                "conditions": dict(step.point.values),
+                "uncertainties": {name: one.uncertainty for name, one in step.point.measured.items()},
+                "gain": step.gain,
+                "deviations": dict(zip(paths, step.deviations, strict=True)),
             }
-            for each in found.steps
+            for step in found.steps
         ],
         "without_solution": dict(found.reasons),
         "nothing_delivered": list(found.idle),
@@ -53,13 +55,13 @@ def print_plan(found: Plan) -> None:
     fit = found.fit
     print_scene_title(fit.title or fit.scene.title)
     there = sum(point.fitted for point in fit.points)
-    say(wrapped(f"{there} points, {found.candidates} candidates, {found.solutions} solutions"))
+    say(wrapped(f"{there} point{'s' * (there != 1)}, {found.candidates} candidates, {found.solutions} solutions"))
     print_left_out(found.reasons)
     if not found.steps:
         say(wrapped(f"{found.status}: {found.message}"))
         return
     say()
-    rows = [[f"{i}", each.point.name, f"{each.gain:.3f}"] for i, each in enumerate(found.steps, 1)]
+    rows = [[f"{i}", step.point.name, f"{step.gain:.3f}"] for i, step in enumerate(found.steps, 1)]
     print_table(["", "measure next", "gain"], rows, 2)
     say()
     shown = (
@@ -76,7 +78,7 @@ def print_plan(found: Plan) -> None:
 def _row(found: Plan, index: int, deviations: Sequence[Sequence[float]]) -> list[str]:
     parameter = found.fit.parameters[index]
     per, unit = unit_of_change(found.fit.scene, parameter.path, found.values[parameter.path])
-    cells = [f"{per * each[index]:.3g}" for each in deviations]
+    cells = [f"{per * deviation[index]:.3g}" for deviation in deviations]
     less = 1.0 - deviations[-1][index] / deviations[0][index]
     return [found.fit.short_names()[parameter.path], *cells, unit, f"{100.0 * less:.0f} %"]
 
@@ -84,7 +86,8 @@ def _row(found: Plan, index: int, deviations: Sequence[Sequence[float]]) -> list
 def _plan_notes(found: Plan) -> Iterator[str]:
     first = found.steps[0].point
     if first.name == point_name(found.fit.scene, first.values):
-        yield f"points: {', '.join(first.values)}"
+        absolute = "; pressures are absolute" if any(path.endswith("pressure") for path in first.values) else ""
+        yield f"points: {', '.join(first.values)}{absolute}"
     yield "gain: decrease of the logarithm of the volume of possible parameter values"
     if found.even:
         names = found.fit.short_names()
@@ -113,34 +116,46 @@ def write_plan(path: Path, found: Plan) -> str:
     """Write the points as the data file of a fit, with the figures still to be measured."""
     make_folder(path.parent)
     scene = found.fit.scene
-    conditions = list(dict.fromkeys(name for each in found.steps for name in each.point.values))
-    figures = list(dict.fromkeys(name for each in found.steps for name in each.point.measured))
+    conditions = list(dict.fromkeys(name for step in found.steps for name in step.point.values))
+    figures = list(dict.fromkeys(name for step in found.steps for name in step.point.measured))
     heads = ["name", *(_head(scene, name, found) for name in conditions)]
-    for name in figures:
-        unit = _unit(name)
-        heads += [f"{name}{unit}", f"{name}_uncertainty{unit}"]
+    units = {name: _written_unit(found, name) for name in figures}
+    for name, (head, unit, _) in units.items():
+        heads += [f"{name}{_in_brackets(head)}", f"{name}_uncertainty{_in_brackets(unit)}"]
     rows = []
-    for each in found.steps:
-        cells: list[Any] = [each.point.name]
-        cells += [_number(in_customary(scene, name, each.point.values[name])[0]) for name in conditions]
+    for step in found.steps:
+        cells: list[Any] = [step.point.name]
+        cells += [_number(in_customary(scene, name, step.point.values[name])[0]) for name in conditions]
         for name in figures:
-            one = each.point.measured.get(name)
-            cells += ["", "" if one is None else f"{one.uncertainty:.3g}"]
+            one = step.point.measured.get(name)
+            cells += ["", "" if one is None else f"{one.uncertainty / units[name][2]:.3g}"]
         rows.append(cells)
     return write_csv(path, heads, rows)
 
 
 def _head(scene: Scene, path: str, found: Plan) -> str:
-    value = next(each.point.values[path] for each in found.steps if path in each.point.values)
-    unit = in_customary(scene, path, value)[1].replace("°C", "degC")
-    return f"{path} [{unit}]" if unit else path
+    value = next(step.point.values[path] for step in found.steps if path in step.point.values)
+    return path + _in_brackets(in_customary(scene, path, value)[1].replace("°C", CELSIUS))
 
 
 def _number(value: Any) -> str:
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
-def _unit(figure: str) -> str:
-    """Return the unit of a figure's SI value as written in a fit's data."""
-    unit = next(name for name, factor in units_of(figure).items() if factor == 1.0)
+def _in_brackets(unit: str) -> str:
     return f" [{unit}]" if unit else ""
+
+
+def _written_unit(found: Plan, figure: str) -> tuple[str, str, float]:
+    """Return the customary unit of a figure and that of its uncertainty, as data of a fit state them, with its factor.
+
+    It is that of the largest value measured so far, or the SI unit where such data do not know it.
+    """
+    about, known = declared(figure), units_of(figure)
+    if about.units == "K":
+        return CELSIUS, "K", 1.0
+    sizes = [abs(point.measured[figure].value) for point in found.fit.points if figure in point.measured]
+    unit = figure_unit(about, max(sizes, default=0.0))[1].replace("³", "^3").replace("²", "^2")
+    if unit not in known:
+        unit = next(name for name, factor in known.items() if factor == 1.0)
+    return unit, unit, known[unit]

@@ -41,8 +41,8 @@ def posterior_document(found: Posterior) -> dict[str, Any]:
         "status": found.status,
         "message": found.message,
         "level": LEVEL,
-        "parameters": {each.name: each.__dict__ for each in found.parameters},
-        "discrepancies": {each.name: each.__dict__ for each in found.discrepancies},
+        "parameters": {parameter.name: parameter.__dict__ for parameter in found.parameters},
+        "discrepancies": {discrepancy.name: discrepancy.__dict__ for discrepancy in found.discrepancies},
         "predicted": [each.__dict__ | {"inside": each.inside} for each in found.predicted],
         "r_hat": found.r_hat,
         "autocorrelation_time": found.autocorrelation,
@@ -79,13 +79,13 @@ def print_posterior(fit: Calibration, found: Posterior) -> None:
         return
     scene = fit.fit.scene
     rows = []
-    for each in found.parameters:
-        low, high = (shown_number(scene, each.name, value) for value in (each.low, each.high))
-        share = "" if each.of_prior is None else f"{each.of_prior:.2f}"
-        rows.append([each.name, shown_value(scene, each.name, each.median, 4), f"{low} … {high}", share])
+    for parameter in found.parameters:
+        low, high = (shown_number(scene, parameter.name, value) for value in (parameter.low, parameter.high))
+        share = "" if parameter.of_prior is None else f"{parameter.of_prior:.2f}"
+        rows.append([parameter.name, shown_value(scene, parameter.name, parameter.median, 4), f"{low} … {high}", share])
     print_table(["posterior", "median", f"{LEVEL:.0%} interval", "of prior"], rows, 1)
     say()
-    rows = [[shown_name(each.name), *_width(found, each.name)] for each in found.discrepancies]
+    rows = [[shown_name(discrepancy.name), *_width(found, discrepancy.name)] for discrepancy in found.discrepancies]
     print_table(["model discrepancy", "median", f"up to ({(1 + LEVEL) / 2:.0%})"], rows, 1)
     say()
     rows = [_row(each) for each in found.predicted]
@@ -102,8 +102,8 @@ def print_predictions(found: Predictions) -> None:
         say(wrapped(f"predictions {found.status}: {found.message}"))
     print_left_out(found.reasons)
     rows = []
-    for name in dict.fromkeys(each.figure for each in found.figures):
-        of = [each for each in found.figures if each.figure == name]
+    for name in dict.fromkeys(figure.figure for figure in found.figures):
+        of = [figure for figure in found.figures if figure.figure == name]
         factor, unit, zero = reading_unit(declared(name), max(abs(each.median) for each in of))
         rows.append([f"{shown_name(name)} [{unit}]" if unit else shown_name(name), *[""] * 5])
         for each in of:
@@ -114,7 +114,7 @@ def print_predictions(found: Predictions) -> None:
             rows.append([f"  {each.point}", f"{low} … {high}", *sizes, beside + mark])
     if not rows:
         return
-    measured = [each for each in found.figures if each.measured is not None]
+    measured = [figure for figure in found.figures if figure.measured is not None]
     heads = ["predicted", f"{LEVEL:.0%} interval", "by parameters", "by the model", "by measuring", "measured"]
     width = len(heads) if measured else len(heads) - 1
     print_table(heads[:width], [row[:width] for row in rows], 1)
@@ -150,7 +150,7 @@ def write_predictions(fit: Fit, found: Predictions, folder: Path) -> list[str]:
 def _width(found: Posterior, name: str) -> list[str]:
     """Return median and upper end of a discrepancy's width, relative to the figure; for temperatures in kelvin."""
     size = max(abs(each.measured) for each in found.predicted if each.figure == name)
-    spread = next(each for each in found.discrepancies if each.name == name)
+    spread = next(discrepancy for discrepancy in found.discrepancies if discrepancy.name == name)
     if declared(name).units == "K":
         return [f"{spread.median:.2g} K", f"{spread.high:.2g} K"]
     return [f"{100.0 * spread.median / size:.2g} %", f"{100.0 * spread.high / size:.2g} %"]
@@ -168,7 +168,7 @@ def _notes(found: Posterior) -> Iterator[str]:
     if not all(each.fitted for each in found.predicted):
         checked = [each for each in found.predicted if not each.fitted]
         yield f"* not fitted: {sum(each.inside for each in checked)} of {len(checked)} inside"
-    untold = [each.name for each in found.parameters if (each.of_prior or 0.0) > UNDETERMINED_SHARE]
+    untold = [parameter.name for parameter in found.parameters if (parameter.of_prior or 0.0) > UNDETERMINED_SHARE]
     if untold:
         yield (
             f"the points do not constrain {', '.join(untold)}: as wide as the prior (of prior: width over that of "
@@ -193,8 +193,8 @@ def write_posterior(fit: Calibration, found: Posterior, folder: Path) -> list[st
     """Write the samples, one per row in SI units, the figure of pairs and the predictions; return the paths."""
     if found.samples is None or found.widths is None:
         return []
-    names = [each.path for each in fit.fit.parameters]
-    widths = [f"{WIDTH}{each.name} [{declared(each.name).units}]" for each in found.discrepancies]
+    names = [parameter.path for parameter in fit.fit.parameters]
+    widths = [f"{WIDTH}{discrepancy.name} [{declared(discrepancy.name).units}]" for discrepancy in found.discrepancies]
     rows = ([*a, *b] for a, b in zip(found.samples.tolist(), found.widths.tolist(), strict=True))
     written = [write_csv(folder / SAMPLES, [*names, *widths], rows)]
     written += draw_posterior([_parameter_samples(fit, found, i) for i in range(len(names))], LEVEL, folder, PAIRS)

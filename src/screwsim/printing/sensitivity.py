@@ -7,7 +7,7 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import figure_text, figure_unit
 from screwsim.outputs import EFFICIENCY
-from screwsim.outputs.derivatives import DIFFERENCES
+from screwsim.outputs.derivatives import DIFFERENCES, PACKAGE_FIGURES
 from screwsim.outputs.display import picked
 from screwsim.printing import shown_name
 from screwsim.printing.tables import print_scene_title, print_table, wrapped
@@ -19,7 +19,7 @@ from screwsim.study.inputs import shown_value, unit_of_change, usual_efficiency
 from screwsim.study.local import Sensitivities
 from screwsim.study.sensitivity import CONFIDENCE, LARGEST_NOISE_SHARE, FigureIndices, Sensitivity
 
-USUAL_FIGURES = ("gas_mass_flow", "shaft_power")  # beside the efficiency, if no figures are chosen
+USUAL_FIGURES = ("gas_mass_flow", "shaft_power")  # beside the efficiency, of a machine that is no air package
 MOST_NUMBERS = 15  # most numbers in the table, in order of importance
 LEAST_SENSITIVITY = 5e-5  # per cent per per cent, below which a figure is independent of a number
 ROUND_CHANGES = (1.0, 2.0, 5.0)  # of a power of ten: changes of a number in sentences
@@ -34,14 +34,14 @@ def sensitivity_document(scene: Scene, found: Sensitivity) -> dict[str, Any]:
         "warnings": [{"solutions": count, "warning": text} for count, text in found.warnings],
         "confidence": CONFIDENCE,
         "figures": {
-            each.figure: {
-                "mean": each.mean,
-                "standard_deviation": each.deviation,
-                "noise": each.noise,
-                "message": each.message,
-                "indices": {index.path: index._asdict() for index in each.indices},
+            share.figure: {
+                "mean": share.mean,
+                "standard_deviation": share.deviation,
+                "noise": share.noise,
+                "message": share.message,
+                "indices": {index.path: index._asdict() for index in share.indices},
             }
-            for each in found.shares
+            for share in found.shares
         },
     }
 
@@ -127,7 +127,8 @@ def print_local(scene: Scene, found: Sensitivities, chosen: Sequence[str] = ()) 
         say(wrapped(f"warning: {warning}"))
     if found.result.status != "ok":
         return
-    wanted = chosen or (usual_efficiency(scene), *USUAL_FIGURES)
+    package = set(PACKAGE_FIGURES) <= set(found.derivatives)
+    wanted = chosen or (PACKAGE_FIGURES if package else (usual_efficiency(scene), *USUAL_FIGURES))
     figures = [name for name in wanted if name in found.derivatives]
     sizes = {path: [found.relative(name, path) for name in figures] for path in found.values}
     ranked = sorted(found.values, key=lambda path: -max((abs(each) for each in sizes[path] if each), default=0.0))

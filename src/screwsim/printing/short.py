@@ -16,11 +16,13 @@ MOST_LINES = 3  # most lines of warnings and of a message, each
 FIRST_FIGURES = (
     *("free_air_delivered", "cooling_capacity", "heating_capacity", "gas_mass_flow", "output_power", "shaft_power"),
     *("electrical_power", "package_input_power", "package_specific_power", "cop", "electrical_cop"),
+    *("heating_cop", "electrical_heating_cop"),
     *("isentropic_efficiency", "isothermal_efficiency", "volumetric_efficiency", "discharge_temperature"),
     *("pressure_ratio", "oil_flow_volume", "oil_flow_ratio", "peak_pressure", "specific_power", "shaft_torque"),
 )
 REPLACED_FIGURES = {  # the first is replaced by the second, if that is present
     "cop": "electrical_cop",
+    "heating_cop": "electrical_heating_cop",
     "electrical_power": "package_input_power",
     "isothermal_efficiency": "cooling_capacity",
     "oil_flow_ratio": "oil_flow_volume",

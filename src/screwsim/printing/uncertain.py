@@ -1,7 +1,8 @@
 """Output on the uncertainty of a scene's figures due to its inputs, beside the numerical error; and that of sweeps."""
 
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import compress
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, figure_unit, shown_name
 from screwsim.figures.errors import error_in_unit
 from screwsim.outputs import Result
+from screwsim.outputs.derivatives import PACKAGE_FIGURES, usual_figures
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.read import Results
@@ -17,13 +19,13 @@ from screwsim.scene import Scene
 from screwsim.screen import say
 from screwsim.study.uncertain import COVERAGE, Uncertainty
 
-USUAL_FIGURES = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power")
 MOST_FIGURES = 3
 EFFICIENCY_SUFFIX = "efficiency"
 MOST_CONTRIBUTORS = 3  # most contributors named for a figure ...
 LEAST_SHARE = 0.01  # ... and their least share of its variance
 NEGLIGIBLE = 1e-6  # of a figure: smaller uncertainties are ignored
 RANGE_FIGURES = (
+    *PACKAGE_FIGURES,
     *("isothermal_efficiency", "isentropic_efficiency", "volumetric_efficiency", "gas_mass_flow", "cooling_capacity"),
     *("cop", "shaft_power", "electrical_power", "discharge_temperature", "oil_mass_flow", "work_per_cycle"),
 )
@@ -36,23 +38,19 @@ def print_uncertainty(result: Result) -> None:
     """
     found, model = result.uncertainty.get("figures", {}), result.uncertainty.get("model", {})
     by_model = model.get("figures", {})
-    rows, named = [], []
+    rows, causes = [], []
     for name in (name for name in RANGE_FIGURES if name in found or name in by_model):
-        value, spread = result.performance[name], found.get(name, {"expanded": 0.0, "contributors": ()})
-        if spread["expanded"] > NEGLIGIBLE * abs(value) or name in by_model:
+        spread = found.get(name, {"expanded": 0.0, "contributors": ()})
+        if spread["expanded"] > NEGLIGIBLE * abs(result.performance[name]) or name in by_model:
             rows.append([shown_name(name), *_uncertainty_row(result, name, spread["expanded"], model)])
-            some = [one for one in spread["contributors"][:MOST_CONTRIBUTORS] if one["share"] >= LEAST_SHARE]
-            causes = (" + ".join(path.removeprefix("effects.") for path in one["paths"]) for one in some)
-            named.append(", ".join(f"{cause} {one['share']:.0%}" for cause, one in zip(causes, some, strict=True)))
-    parts = [("numerical", True), ("inputs", bool(found)), ("model", bool(by_model))]
-    kept = [True, True, True, *(there for _, there in parts)]
+            causes.append(_causes(spread["contributors"]))
     say()
     if rows:
-        heads = ["uncertain by", "value", "unit", *(word for word, _ in parts)]
-        table = [[cell for cell, there in zip(row, kept, strict=True) if there] for row in (heads, *rows)]
-        head, *lines = plain_table(table[0], table[1:], 1)
+        heads = ["uncertain by", "value", "unit", "numerical", "inputs", "model"]
+        kept = [True, True, True, True, bool(found), bool(by_model)]
+        head, *lines = plain_table([*compress(heads, kept)], [[*compress(row, kept)] for row in rows], 1)
         say(head)
-        for line, text in zip(lines, named, strict=True):
+        for line, text in zip(lines, causes, strict=True):
             say(line)
             if text:
                 say(textwrap.indent(wrapped(f"  {text}"), "  "))
@@ -61,6 +59,13 @@ def print_uncertainty(result: Result) -> None:
         other = "" if model else "; the model's own error comes on top (screwsim validate)"
         say(wrapped(f"{told}; shares are those of the variance{other}"))
     print_wrapped(model_lines(model))
+
+
+def _causes(contributors: Sequence[Mapping[str, Any]]) -> str:
+    """Return the inputs that contribute most to a figure's uncertainty, with their shares of its variance."""
+    some = [each for each in contributors[:MOST_CONTRIBUTORS] if each["share"] >= LEAST_SHARE]
+    paths = (" + ".join(path.removeprefix("effects.") for path in each["paths"]) for each in some)
+    return ", ".join(f"{path} {each['share']:.0%}" for path, each in zip(paths, some, strict=True))
 
 
 def _uncertainty_row(result: Result, name: str, expanded: float, model: Mapping[str, Any]) -> list[str]:
@@ -89,8 +94,8 @@ def model_lines(model: Mapping[str, Any]) -> list[str]:
     figures = model["figures"]
     if not figures:
         return [f"model: {model['of']} states no error for any figure of this scene"]
-    points = max(each["points"] for each in figures.values())
-    missing = list(dict.fromkeys(word for each in figures.values() for word in each["not_stated"]))
+    points = max(figure["points"] for figure in figures.values())
+    missing = list(dict.fromkeys(word for figure in figures.values() for word in figure["not_stated"]))
     lines = [f"model: ours less theirs at the {points} points of {model['of']} not used in any fit, E ± 2 u_val"]
     lines[0] += f"; without {', '.join(missing)}, which the source does not state" if missing else ""
     lines[0] += f". {model['citation']}"
@@ -154,7 +159,8 @@ def uncertainty_ranges(results: Results) -> dict[str, Any]:
 def ranges_text(found: Mapping[str, Any]) -> str:
     """Return in words the uncertainty of the first figures, and the input that contributes most."""
     parts = []
-    for name in [name for name in USUAL_FIGURES if name in found["figures"]][:MOST_FIGURES]:
+    names = usual_figures(found["figures"])[:MOST_FIGURES]
+    for name in names:
         each = found["figures"][name]
         factor, unit = figure_unit(declared(name), each["largest"])
         unit = "points" if unit == "%" and name.endswith(EFFICIENCY_SUFFIX) else unit
@@ -163,7 +169,7 @@ def ranges_text(found: Mapping[str, Any]) -> str:
         parts.append(f"{shown_name(name)} {reach} {unit}".strip())
     if not parts:
         return "none of the usual figures (all are in group uncertainty of the file)"
-    shares = next(found["figures"][name]["shares"] for name in USUAL_FIGURES if name in found["figures"])
+    shares = found["figures"][names[0]]["shares"]
     path, share = max(shares.items(), key=lambda item: item[1])
     most = f"{path.replace('effects.', '')} causes {share:.0%} of the first one's variance"
     return f"{'; '.join(parts)} (95 %, linear; {most}; all in the file)"

@@ -24,8 +24,8 @@ def _figure(study: Any) -> Any:
         if best := study.front(cost):
             x, y = [scale * getattr(each, cost) for each in best], [each.error for each in best]
             axes.plot(x, y, color="#c9c9c9", linewidth=6.0, zorder=1, solid_capstyle="round")
-        for index, label in enumerate(dict.fromkeys(each.label for each in cases)):
-            mine = [each for each in cases if each.label == label]
+        for index, label in enumerate(dict.fromkeys(case.label for case in cases)):
+            mine = [case for case in cases if case.label == label]
             x, y = [scale * getattr(each, cost) for each in mine], [each.error for each in mine]
             colour, dashes, marker = (kinds[index % len(kinds)] for kinds in (FIRST, LINES, MARKERS))
             mark = {"marker": marker, "markersize": 4.5, "markerfacecolor": colour if index % 2 == 0 else "white"}

@@ -117,7 +117,7 @@ def _draw_distribution(axes: Any, one: ParameterSample) -> None:
 def _draw_pair(axes: Any, x: ParameterSample, y: ParameterSample) -> None:
     counts, *edges = np.histogram2d(x.samples, y.samples, bins=FINE, range=[_range(x), _range(y)])
     counts = _smoothed(counts)
-    middles = [0.5 * (each[1:] + each[:-1]) for each in edges]
+    middles = [0.5 * (edge[1:] + edge[:-1]) for edge in edges]
     axes.plot(x.samples[::4], y.samples[::4], ".", color=COLOURS[5], markersize=0.7, rasterized=True)
     ranked = np.sort(counts.ravel())[::-1]
     held = np.cumsum(ranked) / ranked.sum()

@@ -1,4 +1,4 @@
-"""A data sheet as a self-contained HTML page: one file, without scripts and external resources."""
+"""A data sheet in a file: a self-contained HTML page, without scripts and external resources; or a PDF, or a table."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -8,10 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
+from screwsim.report.datasheet_csv import check_table, write_table
 from screwsim.results.atomic import check_writable, make_folder, write_text
 from screwsim.results.protection import PAGE, PDF, protect_unmarked
 from screwsim.version import version
 
+CSV = ".csv"
 WIDE, HIGH = 640.0, 300.0  # size of a drawing
 LEFT, RIGHT, TOP, BOTTOM = 58.0, 14.0, 26.0, 44.0  # margins of a drawing
 TICK_COUNT = 6
@@ -24,18 +26,25 @@ LONG_HEADS = 42  # characters of a table's heads from which units move below, so
 
 
 def check_sheet(output: Path) -> None:
-    """Raise UsageError where a sheet's file name is neither HTML nor PDF, another's, or cannot be written."""
+    """Raise UsageError where a sheet's file name is neither HTML, PDF nor CSV, another's, or cannot be written."""
+    if output.suffix.lower() == CSV:
+        check_table(output)
+        check_writable(output)
+        return
     mark = {".pdf": PDF, ".html": PAGE, ".htm": PAGE}.get(output.suffix.lower())
     if mark is None:
-        good = " or ".join(str(output.with_suffix(ending)) for ending in (".html", ".pdf"))
-        raise UsageError(f"-o {output}: a data sheet is an HTML page or a PDF (write -o {good})")
+        good = ", ".join(str(output.with_suffix(ending)) for ending in (".html", ".pdf"))
+        good += f" or {output.with_suffix(CSV)}"
+        raise UsageError(f"-o {output}: a data sheet is an HTML page, a PDF or a table (write -o {good})")
     protect_unmarked(output, mark)
     check_writable(output)
 
 
 def write_sheet(sheet: Any, output: Path) -> str:
-    """Write a data sheet as PDF or HTML, by the ending of its name; raise UsageError when the system refuses."""
+    """Write a data sheet as PDF, HTML or CSV, by the ending of its name; raise UsageError when the system refuses."""
     make_folder(output.parent)
+    if output.suffix.lower() == CSV:
+        return write_table(sheet.document, output)
     if output.suffix.lower() == ".pdf":
         from screwsim.report.datasheet_pdf import write_pdf
 
@@ -53,7 +62,7 @@ def page(sheet: Any) -> str:
         "HEADING": escape(sheet.heading),
         "STYLE": "".join(source.joinpath("page", f"{name}.css").read_text("utf-8") for name in ("theme", "page")),
         "LINES": "".join(lines),
-        "TABLES": _side_by_side("tables", [_table(each) for each in sheet.tables], len(sheet.tables)),
+        "TABLES": _side_by_side("tables", [_table(table) for table in sheet.tables], len(sheet.tables)),
         "DRAWINGS": _side_by_side("drawings", [_figure(each) for each in sheet.drawings], len(sheet.drawings)),
         "VERDICT": _verdict(sheet.verdict),
         "NOTES": "".join(f"<li>{escape(note)}</li>" for note in sheet.notes),

@@ -125,8 +125,8 @@ def _line(paper: Paper, name: str, words: str, names: float) -> None:
 
 def _drawings(paper: Paper, drawings: Sequence[Any], abreast: int, plot: float) -> None:
     width = (TEXT - (abreast - 1) * TABLE_GAP) / abreast
-    titles = [wrapped(one.title, width, paper.size, bold=True) for one in drawings]
-    legends = [_legend(one, width, paper.size) for one in drawings]
+    titles = [wrapped(drawing.title, width, paper.size, bold=True) for drawing in drawings]
+    legends = [_legend(drawing, width, paper.size) for drawing in drawings]
     deep, rows = max(map(len, titles)), max(legend[-1][2] + 1 if legend else 0 for legend in legends)
     above = (deep + rows + 0.7) * paper.line + (1.5 if rows else 0.0)
     paper.room(above + plot)

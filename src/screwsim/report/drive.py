@@ -102,7 +102,7 @@ def start_figure(found: Any, title: str) -> Any:
     lower.plot([at], [peak], "o", color=COLOURS[2], markersize=3.5)
     lower.annotate(f"{peak:.4g} N m", (at, peak), xytext=(6, 2), textcoords="offset points", fontsize=SMALL)
     lower.set(xlabel="time (s)", ylabel="torque (N m)", xlim=(0.0, float(t["time"][-1])))
-    upper.legend(loc="lower right")
+    upper.legend(loc="lower right" if 2.0 * t["speed"][-1] > np.max(t["speed"]) else "upper right")
     lower.legend(loc="upper right", ncols=3)
     lower.set_ylim(top=1.28 * max(float(np.max(t[name])) for name in ("coupling_torque", "motor_torque")))
     plain_ticks(upper.yaxis, lower.yaxis, most=6)

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.report.quantities import EFFICIENCIES, is_numeric, short, shown_axis, shown_figure, value_of
+from screwsim.report.quantities import EFFICIENCIES, choice_words, is_numeric, short, shown_axis, shown_figure, value_of
 from screwsim.results import Results
 from screwsim.results.schema import Axis
 from screwsim.results.warning_kinds import cases_with_warnings
@@ -212,7 +212,7 @@ def curves_heading(results: Results, layout: Layout) -> tuple[str, str]:
     if layout.curves is None:
         return "", ""
     axis = results.axis_list[layout.curves]
-    words = shown_axis(axis).quantity if is_numeric(axis) else axis.path.split(".")[-1]
+    words = shown_axis(axis).quantity if is_numeric(axis) else choice_words(axis)
     return (words, "") if "$" in words or len(words) <= _SHORT_HEADING else ("", f"along the curves: {words}")
 
 

@@ -1,4 +1,4 @@
-"""Measured pressures of a chamber over the angle, to be drawn beside those of a computed cycle."""
+"""Measured pressures of a chamber over angle or volume, to be drawn beside those of a computed cycle."""
 
 import os
 import re
@@ -15,7 +15,10 @@ from screwsim.report.trace import Trace
 from screwsim.scene.units import Refused, parse_quantity
 
 PRESSURE_COLUMN = re.compile(r"pressure_(bar|mbar|kPa|MPa|Pa)")
-_EXAMPLE = "write angle_deg,pressure_bar; absolute pressures, also _kPa, _MPa or _Pa"
+VOLUME_COLUMN = re.compile(r"volume_(cm3|mm3|l|m3)")
+CUBIC_METRES = {"cm3": 1e-6, "mm3": 1e-9, "l": 1e-3, "m3": 1.0}
+_EXAMPLE = "write angle_deg,pressure_bar or volume_cm3,pressure_bar; absolute pressures, also _kPa, _MPa or _Pa"
+VOLUME_SLACK = 0.02  # of the largest volume, by which a point may exceed it
 ANGLE_SLACK = 5.0  # [degree] by which a point may exceed the ends of the cycle
 
 
@@ -26,27 +29,59 @@ class Indicated(NamedTuple):
     pressure: np.ndarray
 
 
-def read_indicated(path: str | os.PathLike[str]) -> Indicated:
-    """Return the measured points of a CSV file with columns angle_deg and pressure_UNIT; raise UsageError."""
+class IndicatedVolumes(NamedTuple):
+    """Measured points of an indicator diagram in the order of the cycle: volumes [m³], absolute pressures [Pa]."""
+
+    volume: np.ndarray
+    pressure: np.ndarray
+
+
+def read_indicated(path: str | os.PathLike[str]) -> Indicated | IndicatedVolumes:
+    """Return the measured points of a CSV file with angle_deg or volume_UNIT, and pressure_UNIT; raise UsageError."""
     where = os.fspath(path)
     with sheet_or_usage_error("name a CSV file of measured pressures", where):
         sheet = read_sheet(path)
     named = [name for name in sheet.names if PRESSURE_COLUMN.fullmatch(name)]
-    if "angle_deg" not in sheet.names or len(named) != 1:
+    places = [name for name in sheet.names if name == "angle_deg" or VOLUME_COLUMN.fullmatch(name)]
+    if len(places) != 1 or len(named) != 1:
         found = ", ".join(name for name in sheet.names if name) or "none"
         raise UsageError(f"{where}: needs the columns angle_deg and one pressure (found: {found}; {_EXAMPLE})")
     unit = named[0].removeprefix("pressure_")
-    rows = sheet.columns("angle_deg", named[0])
+    rows = sheet.columns(places[0], named[0])
     if not rows:
         raise UsageError(f"{where}: has no points below its header (one row per point)")
-    return Indicated(*map(np.array, zip(*(_point(where, line, cells, unit) for line, cells in rows), strict=True)))
+    of, pressure = map(np.array, zip(*(_point(where, line, cells, unit) for line, cells in rows), strict=True))
+    volume = VOLUME_COLUMN.fullmatch(places[0])
+    return IndicatedVolumes(of * CUBIC_METRES[volume[1]], pressure) if volume else Indicated(of, pressure)
+
+
+def at_angles(points: Indicated | IndicatedVolumes, trace: Trace) -> Indicated:
+    """Return the points at angles of the cycle, those over the volume at the angles at which it has theirs.
+
+    Where the volume grows from row to row the chamber fills, where it falls the chamber is compressed or discharges.
+    Raise UsageError for volumes that it does not have.
+    """
+    if isinstance(points, Indicated):
+        check_angles(points, trace)
+        return points
+    volume, largest = trace.values["volume"], float(np.max(trace.values["volume"]))
+    if len(points.volume) < 2 or not np.ptp(points.volume) > 0.0:
+        raise UsageError("the measured volumes are all the same (write the rows in the order of the cycle)")
+    odd = points.volume[(points.volume > (1.0 + VOLUME_SLACK) * largest) | (points.volume < 0.0)]
+    if len(odd):
+        what = f"{len(odd)} of the measured volumes, as {odd[0] * VOLUME.factor:.4g} cm3, are not between 0 and"
+        raise UsageError(f"{what} the chamber's {largest * VOLUME.factor:.4g} cm3 (male and female groove together)")
+    grows, top = np.gradient(points.volume) > 0.0, int(np.argmax(volume))
+    filling = np.interp(points.volume, volume[: top + 1], trace.angle[: top + 1])
+    closing = np.interp(points.volume, volume[top:][::-1], trace.angle[top:][::-1])
+    return Indicated(np.where(grows, filling, closing), points.pressure)
 
 
 def _point(where: str, line: int, cells: tuple[str, ...], unit: str) -> tuple[float, float]:
     try:
         angle, pressure = float(cells[0]), parse_quantity(KINDS["pressure"], f"{cells[1]} {unit}")
     except (Refused, ValueError):
-        raise UsageError(f"{where}: line {line}: {', '.join(cells)} are not an angle and a pressure") from None
+        raise UsageError(f"{where}: line {line}: {', '.join(cells)} are not two numbers") from None
     if not (np.isfinite(angle) and pressure > 0.0):
         raise UsageError(
             f"{where}: line {line}: {cells[1]} {unit} is not an absolute pressure (add the ambient pressure)"

@@ -45,21 +45,14 @@ def _same(a: Results, b: Results, one: Layout, other: Layout) -> bool:
 def _curves(a: Results, b: Results, layout: Layout, _other: Layout) -> Any:
     """Draw figures over the common axis of both sweeps, one panel each, with further axes at their first values."""
     _, constant, chosen = next(slices(a, layout))
-    efficiency = families.efficiency_name(a)
-    names = [name for name in (efficiency, *OTHER_FIGURES) if name is not None]
-    both = {name: [curves_of_slice(each, layout, chosen, None, name) for each in (a, b)] for name in names}
-    shown = {name: (one, _in_units(a, b, name, other)) for name, (one, other) in both.items() if one and other}
-    few = {curve.text for one, _ in shown.values() for curve in thinned(one)[0]}
-    kept = next((words for one, _ in shown.values() if (words := thinned(one)[1])), "")
-    shown = {
-        name: tuple([curve for curve in curves if curve.text in few] for curves in pair) for name, pair in shown.items()
-    }
-    figure, places = panels(len(shown), 22.0, 52.0)
-    for axes, (name, pair) in zip(places, shown.items(), strict=True):
+    panels_of, kept = _common_curves(a, b, layout, chosen)
+    figure, places = panels(len(panels_of), 22.0, 52.0)
+    for axes, (name, pair) in zip(places, panels_of.items(), strict=True):
         texts = list(dict.fromkeys(curve.text for curves in pair for curve in curves))
+        colours = {text: COLOURS[number % len(COLOURS)] for number, text in enumerate(texts)}
         for curves, width, dashes in zip(pair, WIDTHS, ("-", DASH), strict=True):
             for curve in curves:
-                colour = COLOURS[texts.index(curve.text) % len(COLOURS)]
+                colour = colours[curve.text]
                 axes.plot(curve.x, curve.y, color=colour, linestyle=dashes, linewidth=width)
                 if curve.banded:
                     axes.fill_between(curve.x, curve.low, curve.high, color=colour, alpha=0.16, linewidth=0.0)
@@ -68,18 +61,40 @@ def _curves(a: Results, b: Results, layout: Layout, _other: Layout) -> Any:
     heading, words = families.curves_heading(a, layout)
     _head(figure, a, b, constant, words, kept)
     if layout.curves is not None:
-        label_curves(zip(places, (one for one, _ in shown.values()), strict=True), heading)
+        label_curves(zip(places, (of_a for of_a, _ in panels_of.values()), strict=True), heading)
     return figure
+
+
+def _common_curves(
+    a: Results, b: Results, layout: Layout, chosen: Any
+) -> tuple[dict[str, tuple[list[Curve], list[Curve]]], str]:
+    """Return the curves of both files by figure, B's in the units of A, and words on curves left out."""
+    pairs: dict[str, tuple[list[Curve], list[Curve]]] = {}
+    for name in filter(None, (families.efficiency_name(a), *OTHER_FIGURES)):
+        of_a, of_b = (curves_of_slice(each, layout, chosen, None, name) for each in (a, b))
+        if of_a and of_b:
+            pairs[name] = of_a, _in_units(a, b, name, of_b)
+    thin = [thinned(of_a) for of_a, _ in pairs.values()]
+    shown = {curve.text for curves, _ in thin for curve in curves}
+
+    def few(curves: list[Curve]) -> list[Curve]:
+        return [curve for curve in curves if curve.text in shown]
+
+    return {name: (few(of_a), few(of_b)) for name, (of_a, of_b) in pairs.items()}, next(
+        filter(None, (words for _, words in thin)), ""
+    )
 
 
 def _in_units(a: Results, b: Results, name: str, curves: list[Curve]) -> list[Curve]:
     """Return the curves of B in the units in which A shows the figure."""
     own, wanted = shown_figure(b, name), shown_figure(a, name)
 
-    def of(values: np.ndarray) -> np.ndarray:
+    def converted(values: np.ndarray) -> np.ndarray:
         return wanted.of((values - own.offset) / own.factor)
 
-    return [curve._replace(y=of(curve.y), low=of(curve.low), high=of(curve.high)) for curve in curves]
+    return [
+        curve._replace(y=converted(curve.y), low=converted(curve.low), high=converted(curve.high)) for curve in curves
+    ]
 
 
 def _cycles(a: Results, b: Results, one: Trace, other: Trace) -> Any:

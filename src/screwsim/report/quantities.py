@@ -65,6 +65,7 @@ MASS_FLOW = Display("mass flow into the chamber", r"$\dot m$", "g/s", 1e3)
 SPEED = Display("male-rotor speed", "$n$", "rpm", RPM)
 RATIO = Display("oil-to-gas mass ratio", "$d$", "kg/kg", 1.0)
 _RATIOS = {"oil_ratio": RATIO, "cop": Display("COP", "", "W/W", 1.0)}  # shown as a ratio of units
+_WORDS = {"package_specific_power": "specific power"}  # a label must fit beside its panel
 
 EFFICIENCIES = ("isothermal_efficiency", "isentropic_efficiency")  # the one with more values is shown
 _SYMBOLS = {
@@ -120,8 +121,9 @@ def shown_axis(axis: Axis) -> Display:
 def shown_figure(results: Results, name: str) -> Display:
     """Return the display of a performance figure over all cases of a file: one unit, that of the largest value."""
     if name in _RATIOS:
-        return _RATIOS[name]
-    words, symbol = shown_name(name), _SYMBOLS.get(name, "")
+        of_shaft = name == "cop" and "electrical_cop" in results.performance
+        return _RATIOS[name]._replace(words="COP of the shaft power") if of_shaft else _RATIOS[name]
+    words, symbol = _WORDS.get(name, shown_name(name)), _SYMBOLS.get(name, "")
     about = results.figure(name)
     if about.units == "K":
         return celsius(words, symbol)
@@ -150,7 +152,13 @@ def value_of(axis: Axis, index: int) -> str:
     if axis.joined:
         return ", ".join(value_of(inner, index) for inner in axis.joined)
     value = axis.values[index]
-    return shown_axis(axis).value(float(value)) if is_numeric(axis) else f"{axis.path.split('.')[-1]}: {value}"
+    return shown_axis(axis).value(float(value)) if is_numeric(axis) else f"{choice_words(axis)}: {value}"
+
+
+def choice_words(axis: Axis) -> str:
+    """Return the words of an axis of choices: the end of its path, and for `oil.name` what has the name."""
+    first, _, last = axis.path.rpartition(".")
+    return (first.rpartition(".")[2] if last == "name" else last).replace("_", " ")
 
 
 def is_numeric(axis: Axis) -> bool:

@@ -164,7 +164,7 @@ def _csv(table: Table, unit: str) -> str:
 
 def _path_csv(interfaces: tuple[Interface, ...], gap: float | None) -> str:
     """Return the sum of all interfaces with the first one's offset (such as blow-holes at both cusps) as one table."""
-    tables = [one.table for one in interfaces if one.offset == interfaces[0].offset]
+    tables = [interface.table for interface in interfaces if interface.offset == interfaces[0].offset]
     angle = np.unique(np.concatenate([table.angle for table in tables]).round(9))
     value = np.sum([np.interp(angle, table.angle, table.value, left=0.0, right=0.0) for table in tables], axis=0)
     return curve_csv(Curve(angle, (gap or 1.0) * value, "m^2", ()))

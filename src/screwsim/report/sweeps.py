@@ -18,6 +18,8 @@ from screwsim.results import Results
 
 Plan = tuple[str, Callable[[], Any]]  # name of a figure, and the function that draws it
 OTHER_FIGURES = (
+    "package_specific_power",
+    "free_air_delivered",
     "volumetric_efficiency",
     "shaft_power",
     "gas_mass_flow",

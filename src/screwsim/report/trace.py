@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.outputs import Result
+from screwsim.outputs import Result, effect_words
 from screwsim.report.families import efficiency_name
 from screwsim.report.quantities import ANGLE, CRANK_ANGLE, DEGREE, Display, value_of
 from screwsim.results import Results
@@ -164,5 +164,5 @@ def flow_paths(values: Mapping[str, np.ndarray]) -> dict[str, dict[str, str]]:
         effect = name.removeprefix("mass_flow_")
         side = next((side for side in _SIDES if effect.endswith(f"_{side}")), "")
         words = effect.removesuffix(f"_{side}") if side else effect
-        paths.setdefault(words.replace("_", " "), {})[side] = name
+        paths.setdefault(effect_words(words), {})[side] = name
     return dict(sorted(paths.items(), key=lambda path: (len(path[1]), path[0] == "discharge port")))

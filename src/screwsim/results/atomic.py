@@ -181,8 +181,8 @@ def _remove_empty(folders: Sequence[Path], process: int) -> None:
     """Remove those of the folders that are empty, innermost first; a process forked from that one leaves them."""
     if os.getpid() == process:
         with suppress(OSError):  # not empty, already removed, or no longer ours
-            for each in folders:
-                each.rmdir()
+            for folder in folders:
+                folder.rmdir()
 
 
 def remove(path: Path) -> None:

@@ -41,11 +41,16 @@ def dataset(results: Results, group: str | None) -> Any:
 
 
 def frame(results: Results, group: str) -> Any:
-    """Return a group of results as a pandas.DataFrame, one row per case; raise UsageError if it has its own axis."""
+    """Return a group of results as a pandas.DataFrame, one row per case; raise UsageError if it has its own axis.
+
+    Its attrs have `units` and `meanings` by column.
+    """
     part: Group = getattr(results, group)
     if OWN.get(group) is not None:
         raise UsageError(f"{group}: has more than one value a case (use to_xarray({group!r}))")
     columns = {path: results.along(path).ravel() for path in results.varied}
+    about = {inner.path: (inner.units, inner.long_name) for axis in results.axis_list for inner in (axis, *axis.joined)}
+    about |= {name: (each.units, each.long_name) for name, each in part.about.items()}
     joined = {inner.name for axis in results.axis_list for inner in axis.joined}
     for name, found in part.items():
         values = np.asarray(found)
@@ -55,7 +60,12 @@ def frame(results: Results, group: str) -> Any:
             columns[name] = np.broadcast_to(values, results.shape).ravel()
     if group == "performance":
         columns |= {name + _UNCERTAIN: np.asarray(values).ravel() for name, values in results.uncertainty.items()}
-    return library("pandas").DataFrame({name: np.atleast_1d(column) for name, column in columns.items()})
+        spread = results.uncertainty.about
+        about |= {name + _UNCERTAIN: (each.units, each.long_name) for name, each in spread.items()}
+    made = library("pandas").DataFrame({name: np.atleast_1d(column) for name, column in columns.items()})
+    for place, key in enumerate(("units", "meanings")):
+        made.attrs[key] = {name: about[name][place] for name in columns if name in about}
+    return made
 
 
 def _variables(part: Group, prefix: str, axes: tuple[Axis, ...]) -> dict[str, Any]:

@@ -135,7 +135,10 @@ class Results(Brief):
 
     @checked_arguments(group=one_of(*_ALWAYS, *_OPTIONAL))
     def to_pandas(self, group: str = "performance") -> Any:
-        """Return one group as a pandas.DataFrame, one row per case: varied inputs, then the variables, in SI units."""
+        """Return one group as a pandas.DataFrame, one row per case: varied inputs, then the variables, in SI units.
+
+        Its `attrs` have the `units` and `meanings` of the columns.
+        """
         from screwsim.results.dataset import frame
 
         return frame(self, group)

@@ -84,7 +84,7 @@ class Table:
 
     def rows(self, chosen: slice | np.ndarray) -> Table:
         """Return a table of some of the cases."""
-        texts = {name: CaseTexts(each.words, each.number[chosen]) for name, each in self.texts.items()}
+        texts = {name: CaseTexts(text.words, text.number[chosen]) for name, text in self.texts.items()}
         by_name = {part: {name: v[chosen] for name, v in getattr(self, part).items()} for part in MAPPING_FIELDS}
         return replace(self, status=self.status[chosen], figures=self.figures[chosen], texts=texts, **by_name)
 

@@ -12,7 +12,7 @@ from screwsim.effects import catalogue
 from screwsim.inputs.arguments import FILE, TEXT, Kind, as_list, checked_arguments
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import Fault, UsageError
-from screwsim.inputs.suggestions import nearest
+from screwsim.inputs.suggestions import did_you_mean, nearest
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.checks import check_files, cross_check
@@ -29,6 +29,7 @@ from screwsim.scene.units import Refused, gauge_pressures_over, parse_quantity
 from screwsim.scene.values import shown
 from screwsim.scene.write import DICT_NAME, scene_text, yaml_text
 from screwsim.scene.yaml_tree import (
+    OVERRIDE,
     LocatedFault,
     LocatedFaults,
     Node,
@@ -40,7 +41,6 @@ from screwsim.scene.yaml_tree import (
     pointer,
 )
 
-OVERRIDE = 1_000_000  # rank of the first override, above those of all files
 SET = "--set "  # prefix of an override in messages
 MOST_BASES = 32  # longest chain of bases
 FILE_OR_DICT = Kind(
@@ -265,8 +265,7 @@ def _not_active(name: str, named: list[str]) -> str:
     active = ", ".join(named) or "none"
     if "," in name and all(part.strip() in named for part in name.split(",")):
         return f"takes one effect at a time (write {' '.join(f'--without {part.strip()}' for part in name.split(','))})"
-    near = nearest(name.removeprefix("effects."), named)
-    hint = f"; did you mean '{near}'?" if near else ""
+    hint = did_you_mean(name.removeprefix("effects."), named)
     return f"that effect is not active in this scene{hint} (active: {active})"
 
 
@@ -314,7 +313,7 @@ def _read(root: Node, folder: str, problems: LocatedFaults) -> Scene | None:
     # faults of a machine of unknown kind may be no faults of the kind that is meant
     first = next((problem for problem in problems if problem.path == "machine.kind"), None)
     if first is not None:
-        problems[:] = [each for each in problems if not each.path.startswith("machine.") or each is first]
+        problems[:] = [problem for problem in problems if not problem.path.startswith("machine.") or problem is first]
     effects = read_effects(root.value.get("effects"), problems)
     sweep, joints = read_sweep(root.value.get("sweep"), root, effects, kind, problems)
     if problems or scene is None:
@@ -322,7 +321,7 @@ def _read(root: Node, folder: str, problems: LocatedFaults) -> Scene | None:
     scene = with_derived_values(
         replace(scene, effects=FixedDict(effects), sweep=FixedDict(sweep), joints=joints, folder=folder)
     )
-    uncertain, correlated = read_tolerances(given, root.value.get(BLOCK), scene, problems)
+    uncertain, correlated = read_tolerances(given, root, scene, problems)
     named = read_model_error(root.value.get(BLOCK), problems)
     scene = replace(scene, uncertain=FixedDict(uncertain), correlated=correlated, model_error=named)
     faults: list[Fault] = [*cross_check(scene), *check_files(scene)]

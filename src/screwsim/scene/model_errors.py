@@ -45,7 +45,7 @@ def range_text(known: Mapping[str, Any]) -> str:
     """Return in words the range in which something was validated."""
     parts = []
     for name, ends in known.items():
-        texts = list(dict.fromkeys(each if isinstance(each, str) else shown_condition(name, each) for each in ends))
+        texts = list(dict.fromkeys(end if isinstance(end, str) else shown_condition(name, end) for end in ends))
         parts.append(f"{CONDITION_WORDS[name]} {(', ' if isinstance(ends[0], str) else ' to ').join(texts)}")
     return ", ".join(parts)
 

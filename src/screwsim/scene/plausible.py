@@ -19,6 +19,7 @@ from screwsim.effects import catalogue
 from screwsim.effects.parts.usual import LEAK, USUAL, Usual
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses, find_gas_model
+from screwsim.fluid.settings import GasSettings
 from screwsim.inputs.declare import KINDS, UNBOUNDED, VOLUME, is_derived
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.suggestions import joined_names
@@ -29,7 +30,7 @@ from screwsim.numerics.identity_cache import IdentityCache
 from screwsim.numerics.spline import read_curve, slope_oscillation
 from screwsim.outputs.customary import in_celsius
 from screwsim.scene.fields import Leaf, Section, section_of, value_at
-from screwsim.scene.lines import lines
+from screwsim.scene.lines import Lines, lines
 from screwsim.scene.operation import CONDENSING, GAS_COOLER, GAS_COOLER_P, P_D, T_S
 from screwsim.scene.sizes import size_warnings
 from screwsim.scene.types import ActiveEffect, Scene
@@ -39,6 +40,7 @@ ASK_IF_MEANT = "is that intended?"
 # share of the largest volume that a table's smallest may have: the displacement is off by as much
 LEAST_VOLUME_SHARE = 1e-3
 MIRRORED_RATIO = 1.5  # ratio of a lobe's blow-hole areas from which it looks mirrored: asymmetric profiles have 0.1
+LEAST_COMPRESSIBILITY = 0.8  # of a line's gas, below which it is a quarter and more denser than an ideal gas
 USUAL_RATIO = 30.0  # usual pressure ratio in one machine, higher over lower, at the most
 RESCALED_DEVIATION = 0.01  # relative deviation allowed between a table's largest volume and the stated one
 # over its largest slope, how far a table's slope may jump back and forth; cut-off digits give half of it
@@ -68,7 +70,7 @@ def _section_warnings(part: Any, path: str) -> tuple[tuple[str, str], ...]:
 
 @IdentityCache
 def _effect_warnings(effects: Mapping[str, ActiveEffect]) -> tuple[tuple[str, str], ...]:
-    found = (_outside_usual_range(one.parameters, f"effects.{name}") for name, one in effects.items())
+    found = (_outside_usual_range(effect.parameters, f"effects.{name}") for name, effect in effects.items())
     return tuple(chain.from_iterable(found))
 
 
@@ -127,6 +129,37 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
                 T_S,
                 f"{what}; gas.model: ideal treats it as a gas (use warmer gas, or gas.model: real, which refuses it)",
             )
+        else:
+            yield from _dense(scene.gas, at)
+
+
+def _dense(gas: GasSettings, at: Lines) -> Iterator[tuple[str, str]]:
+    """Yield a warning where a gas that is taken as ideal is much denser than that in one of its lines (M5).
+
+    The denser line: that of suction, or that of discharge at the temperature of isentropic compression, where the gas
+    is least dense.
+    """
+    limits = constants.limits(gas.name)
+    if limits is None:
+        return
+    k = gas.isentropic_exponent or constants.isentropic_exponent(gas.name, at.T_s)
+    hot = at.T_s * max(at.p_d / at.p_s, 1.0) ** ((k - 1.0) / k)
+    found = {(p, T): virial_compressibility(limits, p, T) for p, T in ((at.p_s, at.T_s), (at.p_d, hot))}
+    (p, T), Z = min(found.items(), key=lambda each: each[1])
+    if Z < LEAST_COMPRESSIBILITY:
+        state = f"{readable_quantity(KINDS['pressure'], round(p, 1))}, {in_celsius(round(T, 1))}"
+        what = f"{gas.name} of {state} is about {1.0 / Z - 1.0:.0%} denser than the ideal gas as which it is taken"
+        yield "gas.model", f"{what} (write gas.model: real)"
+
+
+def virial_compressibility(limits: constants.Limits, p: float, T: float) -> float:
+    """Return p/(ρ R T) of a gas at p [Pa], T [K] by its second virial coefficient, an estimate that is rather too high.
+
+    Source: K. S. Pitzer's correlation in the form of M. M. Abbott, of a simple fluid: Z = 1 + (p_r/T_r)(0.083 − 0.422
+    T_r^−1.6), as in J. M. Smith, H. C. Van Ness, M. M. Abbott, Chemical Engineering Thermodynamics.
+    """
+    T_r = T / limits.T_critical
+    return max(1.0 + p / limits.p_critical / T_r * (0.083 - 0.422 * T_r**-1.6), 0.1)
 
 
 def _volume(scene: Scene) -> Iterator[tuple[str, str]]:

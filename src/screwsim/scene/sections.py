@@ -107,7 +107,7 @@ def read_effects(node: Node | None, problems: LocatedFaults) -> dict[str, Active
         before = len(problems)
         parameters = read_section(section, child, path, problems)
         if child.value is None:  # a user who writes null may mean off
-            problems[before:] = [_declared_or_off(each, name) for each in problems[before:]]
+            problems[before:] = [_declared_or_off(problem, name) for problem in problems[before:]]
         active[name] = ActiveEffect(effect, parameters)
     return active
 

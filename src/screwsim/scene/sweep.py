@@ -135,7 +135,8 @@ def read_sample(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults)
         return None
     if given["kind"] == "sobol" and given["count"] & (given["count"] - 1):
         better = 2 ** round(math.log2(given["count"]))
-        what = f"{given['count']} is not a power of two, which a Sobol sample needs (write e.g. {better})"
+        other = f"write e.g. {better}, or kind: latin_hypercube"
+        what = f"{given['count']} is not a power of two, which a Sobol sample needs ({other})"
         problems.add(node.value["count"].place, join(path, "count"), what)
         return None
     sample = Sample(given["kind"], given["count"], given["seed"], over)

@@ -16,13 +16,13 @@ from typing import Any, NamedTuple
 
 from screwsim.effects import catalogue
 from screwsim.inputs.declare import KINDS
-from screwsim.inputs.suggestions import nearest
+from screwsim.inputs.suggestions import did_you_mean
 from screwsim.scene.fields import Leaf, effect_keys, leaf_paths, leaves_of, value_at
 from screwsim.scene.model_errors import BLOCK, MODEL
 from screwsim.scene.types import COVERAGE, Scene, Tolerance
 from screwsim.scene.units import NUMBER, Refused, format_quantity, parse_quantity
 from screwsim.scene.values import limits_text, shown, text_of, within
-from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, join
+from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, join, locate
 
 LARGEST_COVERAGE = 10.0  # nobody states more standard uncertainties than these
 COVERAGE_FACTOR = re.compile(rf"\s*\(\s*k\s*=\s*({NUMBER})\s*\)\s*$")
@@ -88,9 +88,12 @@ def _nominal(value: str, text: str, factor: bool) -> Any:
 
 
 def read_tolerances(
-    given: Mapping[str, WrittenTolerance], block: Node | None, scene: Scene, problems: LocatedFaults
+    given: Mapping[str, WrittenTolerance], root: Node, scene: Scene, problems: LocatedFaults
 ) -> tuple[dict[str, Tolerance], tuple[tuple[str, ...], ...]]:
-    """Return the tolerances of a scene by path, and the groups that err together; faults are added at their places."""
+    """Return the tolerances `given` in a scene's tree by path, and the groups that err together.
+
+    Faults are added at their places.
+    """
     leaves, found = leaves_of(scene), {}
     for path, each in given.items():
         leaf = leaves.get(path)
@@ -106,7 +109,7 @@ def read_tolerances(
             _check_sweep(leaf, found[path], scene.sweep.get(path, ()))
         except Refused as refusal:
             problems.add(each.place, path, str(refusal))
-    return found, _correlated_groups(block, set(given), scene, problems)
+    return found, _correlated_groups(root, set(given), scene, problems)
 
 
 def _tolerance(leaf: Leaf, given: WrittenTolerance, value: float) -> Tolerance:
@@ -174,50 +177,73 @@ def _half_interval(leaf: Leaf, given: WrittenTolerance, value: float) -> Toleran
 
 
 def _correlated_groups(
-    block: Node | None, known: Set[str], scene: Scene, problems: LocatedFaults
+    root: Node, known: Set[str], scene: Scene, problems: LocatedFaults
 ) -> tuple[tuple[str, ...], ...]:
-    """Return the groups of paths that err together, without paths of effects that the scene does not name."""
+    """Return the groups of paths that err together, without paths of effects that the scene does not name.
+
+    A value without a tolerance that is stated over the group (by an override, or in a scene over its base) replaces the
+    one that erred with others: it is not in the group any more.
+    """
+    block = root.value.get(BLOCK)
     if block is None or block.value is None:
         return ()
     if not isinstance(block.value, dict) or not set(block.value) <= {CORRELATED_KEY, MODEL}:
         what = f"does not list correlated groups (write {CORRELATED_KEY}: [[PATH, PATH], …], or {MODEL}: NAME)"
         problems.add(block.place, BLOCK, what)
         return ()
-    groups, seen = [], set()
-    if CORRELATED_KEY not in block.value or block.value[CORRELATED_KEY].value is None:
+    listed = block.value.get(CORRELATED_KEY)
+    if listed is None or listed.value is None:
         return ()
-    listed = block.value[CORRELATED_KEY]
+    groups: list[tuple[str, ...]] = []
     for group in listed.value if isinstance(listed.value, list) else [listed]:
-        if not isinstance(group.value, list) or len(group.value) < 2:
+        if isinstance(group.value, list) and len(group.value) > 1:
+            groups.append(_correlated_group(root, group.value, groups, known, scene, problems))
+        else:
             told = "one path" if isinstance(group.value, list) and group.value else shown(group.value)
             what = f"{told} is not a group of paths (write [[PATH, PATH], …])"
             problems.add(group.place, f"{BLOCK}.{CORRELATED_KEY}", what)
-            continue
-        names = []
-        for node in group.value:
-            if _is_left_out(node.value, scene):
-                continue
-            if not isinstance(node.value, str):
-                why = (
-                    "; a group is fully correlated and has no coefficient"
-                    if isinstance(node.value, int | float)
-                    else ""
-                )
-                what = f"{shown(node.value)} is not a path{why} (write [[PATH, PATH], …])"
-                problems.add(node.place, f"{BLOCK}.{CORRELATED_KEY}", what)
-                continue
-            twice = "is listed twice (name it once)" if node.value in names else "is in two groups (name it in one)"
-            why = twice if node.value in seen else ""
-            if not why and node.value not in known:
-                near = nearest(node.value, list(known))
-                hint = f"; did you mean '{near}'?" if near else ""
-                why = f"has no tolerance in this scene{hint} (write it there, or leave it out)"
-            if why:
-                problems.add(node.place, f"{BLOCK}.{CORRELATED_KEY}", f"{shown(node.value)} {why}")
-            seen.add(node.value)
-            names.append(str(node.value))
-        groups.append(tuple(names))
     return tuple(group for group in groups if len(group) > 1)
+
+
+def _correlated_group(
+    root: Node,
+    nodes: Sequence[Node],
+    others: Sequence[Sequence[str]],
+    known: Set[str],
+    scene: Scene,
+    problems: LocatedFaults,
+) -> tuple[str, ...]:
+    """Return the paths of one group; `others` are the groups before it, `known` the paths with a tolerance."""
+    names: list[str] = []
+    for node in nodes:
+        path = node.value
+        if _is_left_out(path, scene):
+            continue
+        if not isinstance(path, str):
+            numeric = isinstance(path, int | float)
+            why = "; a group is fully correlated and has no coefficient" if numeric else ""
+            fault = f"is not a path{why} (write [[PATH, PATH], …])"
+        elif path in names:
+            fault = "is listed twice (name it once)"
+        elif any(path in group for group in others):
+            fault = "is in two groups (name it in one)"
+        elif path not in known and _is_stated_over(root, node):
+            continue
+        elif path not in known:
+            fault = f"has no tolerance in this scene{did_you_mean(path, known)} (write it there, or leave it out)"
+        else:
+            fault = ""
+        if fault:
+            problems.add(node.place, f"{BLOCK}.{CORRELATED_KEY}", f"{shown(path)} {fault}")
+        if isinstance(path, str):
+            names.append(path)
+    return tuple(names)
+
+
+def _is_stated_over(root: Node, named: Node) -> bool:
+    """Tell whether the value of a path is stated in a place that takes precedence over the one that names the path."""
+    value, stated = locate(root, named.value)
+    return stated and not isinstance(value.value, dict) and value.place.is_over(named.place)
 
 
 def _is_left_out(path: Any, scene: Scene) -> bool:

@@ -99,10 +99,13 @@ class Operation:
     suction: SuctionState = SuctionState()
     discharge: DischargeState = DischargeState()
     evaporating_temperature: float | None = quantity(
-        "temperature", "dew point at p_s, instead of suction.pressure", None, gt=0.0
+        "temperature", "evaporating temperature: dew point at p_s (instead of suction.pressure)", None, gt=0.0
     )
     condensing_temperature: float | None = quantity(
-        "temperature", "bubble point (of a blend: dew point) at p_d, instead of discharge.pressure", None, gt=0.0
+        "temperature",
+        "condensing temperature: bubble point, of a blend dew point, at p_d (instead of discharge.pressure)",
+        None,
+        gt=0.0,
     )
     superheat: float | None = _superheat(
         "superheat of the suction gas above evaporating_temperature, which needs it (or suction.quality, for wet "

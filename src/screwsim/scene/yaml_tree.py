@@ -21,6 +21,7 @@ from ruamel.yaml.scanner import Scanner
 from screwsim.inputs.faults import SceneError
 from screwsim.scene.syntax import not_yaml
 
+OVERRIDE = 1_000_000  # rank of the first override, above those of all files
 MOST_NODES = 1_000_000  # of one text, with all aliases written out
 MOST_LEVELS = 32
 MOST_DIGITS = 4000  # of a whole number; Python may refuse to read longer ones, and no float is so large
@@ -47,6 +48,14 @@ class Position:
     def at(self, line: int, column: int) -> Position:
         """Return another position in the same source."""
         return Position(self.rank, self.source, line, column, self.folder) if self.line else self
+
+    def is_over(self, other: Position) -> bool:
+        """Return whether what stands here takes the place of what stands there: a scene over its base, then overrides.
+
+        Of two overrides the later one does.
+        """
+        mine, theirs = (rank if rank >= OVERRIDE else -rank for rank in (self.rank, other.rank))
+        return mine > theirs
 
 
 @dataclass(frozen=True)

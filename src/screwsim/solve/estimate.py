@@ -34,6 +34,7 @@ from screwsim.solve.finer_solutions import (
     finer_lives,
     repeated_share,
 )
+from screwsim.solve.missed_neighbours import missed_neighbour_errors
 from screwsim.solve.open_balances import open_balance_errors
 from screwsim.solve.swings import Curves, curves_of, swing_errors
 
@@ -62,6 +63,7 @@ def estimated_errors(
     if not finer.figures:
         return Figures(dict.fromkeys(found)), None
     reach_station()
+    finer_life = machinery.trajectory
     errors = _errors_shown(of, finer, curves, hides_flow=request.filling < LEAST_DELIVERY)
     c = of.problem.composition
     told = c.chambers == 1 or way_of(cycle).whole or finer.left is not None  # feedback through other chambers seen
@@ -76,7 +78,9 @@ def estimated_errors(
     if _closed_on_noise(request):
         lost_flow["by_flow"] = max(lost_flow.get("by_flow", 0.0), cycle.change / abs(request.filling))
     lost_now = [flow_errors(found, lost, by) for by, lost in lost_flow.items()]
-    for each in (*lost_now, *open_balance_errors(of, cycle)):
+    apart = c.offsets and not way_of(cycle).whole and not request.hidden  # the finer life met others at its own steps
+    missed = missed_neighbour_errors(of, finer_life) if apart else Figures()
+    for each in (*lost_now, *open_balance_errors(of, cycle), missed):
         for name, size in each.items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)
     of_squares(found, errors)

@@ -11,9 +11,10 @@ from screwsim.cycle.ways import way_of
 from screwsim.effects.base import FlowPath
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.figures.errors import error_of, flow_errors
-from screwsim.model.slots import OF_GAS
+from screwsim.model.slots import OF_GAS, OF_OIL, SUCTION_OUT
 from screwsim.outputs import Figures, names_of
 from screwsim.solve.outflow_heat import misread_of_gas, misread_of_oil
+from screwsim.solve.returned_flow import misread_return
 
 OIL_SHARE = 0.5  # share of carried oil left open beyond the bound by which its flow errs; measured: at most 0.4
 FLASH_SHARE = 0.25  # share of a residual of dissolved gas by which flashed gas errs; measured: at most 0.2
@@ -45,6 +46,7 @@ def open_balance_errors(of: Evaluation, cycle: CycleSolution) -> Iterator[Figure
     if problem.composition.carried and found.get(OIL_OUT) is not None and not way_of(cycle).whole:
         yield Figures({OIL_OUT: error_of(OIL_OUT, misread_of_oil(problem, cycle.trajectory), found)})
     yield _gas_heat_errors(of, cycle)
+    yield _returned_errors(of, cycle)
     if balances.meets_line_at_angle(problem) and not way_of(cycle).whole:
         yield from _plenum_port_errors(of, cycle)
 
@@ -58,6 +60,17 @@ def _gas_heat_errors(of: Evaluation, cycle: CycleSolution) -> Figures:
     gas, p_d = problem.parts.gas, problem.lines.p_d
     lost = misread / (gas.enthalpy(p_d, T + 1.0) - gas.enthalpy(p_d, T))  # by that of a kelvin
     return Figures({name: error_of(name, lost, found) for name in (GAS_OUT, OVER_DEW) if found.get(name) is not None})
+
+
+def _returned_errors(of: Evaluation, cycle: CycleSolution) -> Figures:
+    """Return the errors of what returns to the suction line, by what the sums misread of it."""
+    problem, found, out = of.problem, of.figures, of.streams[SUCTION_OUT]
+    if not problem.parts.suction_line or not out[OF_GAS] < 0.0:
+        return Figures()
+    lost = misread_return(problem, cycle.trajectory, cycle.q) * problem.rate
+    oil = lost * float(out[OF_OIL] / out[OF_GAS]) if problem.composition.carried else 0.0
+    by_name = {"returned_gas_flow": lost, "returned_oil_flow": oil}
+    return Figures({name: error_of(name, size, found) for name, size in by_name.items() if found.get(name)})
 
 
 def _plenum_port_errors(of: Evaluation, cycle: CycleSolution) -> Iterator[Figures]:

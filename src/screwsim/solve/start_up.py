@@ -109,7 +109,9 @@ def steady_problem(scene: Scene, creep: float) -> Problem:
         problem = problem_of(scene, series)
     part = problem.parts.shaft
     if part is None:
-        raise UsageError("the scene has no drive to start (name drive under effects)")
+        raise UsageError(
+            "the scene has no drive to start (name drive under effects; docs/reference/drive.md has an example)"
+        )
     if problem.parts.geometry.expands:
         raise UsageError("only a compressor has a start-up, and the scene's machine is an expander")
     if not math.isfinite(part.train(1.0).motor.most):

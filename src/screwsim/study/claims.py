@@ -236,7 +236,7 @@ def claims_of(path: str, other: str | None = None) -> list[Claim]:
     The sweep of Fig. 1 gives A1–A5, that of Fig. 2 A6, both together, in either order, all seven.
     """
     files = [path] if other is None else [path, other]
-    pumps, bores = ([each for each in files if _is_figure(each, axis)] for axis in _AXES)
+    pumps, bores = ([file for file in files if _is_figure(file, axis)] for axis in _AXES)
     if pumps and bores:
         return claims(pumps[0], bores[0])
     if other is not None:

@@ -55,7 +55,7 @@ def write_columns(path: Path, title: str, columns: Mapping[str, Column]) -> None
     make_folder(path.parent)
     if path.suffix.lower() == ".csv":
         heads = (f"{name} [{each.units}]" if each.units not in ("1", "") else name for name, each in columns.items())
-        rows = zip(*(each.values for each in columns.values()), strict=True)
+        rows = zip(*(column.values for column in columns.values()), strict=True)
         write_csv(path, heads, (["" if value is None else value for value in row] for row in rows))
         return
     with replacing(path) as temporary:

@@ -12,6 +12,7 @@ from screwsim.outputs.display import About, Brief
 from screwsim.results import Results
 from screwsim.results.identity import scene_values
 from screwsim.results.schema import variable_name
+from screwsim.scene.types import COVERAGE
 
 Array = np.ndarray
 
@@ -27,7 +28,8 @@ class FigureChange:
 
     `a`, `b`, `error` (both estimated errors together, absolute) and `at` are those of the point whose change is largest
     relative to the allowed one; `beyond` counts the points that exceed it; `only_a`, `only_b` those where only one file
-    has the figure.
+    has the figure. `inputs` is half of the 95 % interval of the change there by the tolerances of both scenes, whose
+    inputs are off alike; None where no tolerance is stated.
     """
 
     figure: str
@@ -41,6 +43,7 @@ class FigureChange:
     relative: float | None = None
     error: float | None = None
     at: Mapping[str, Any] | None = None
+    inputs: float | None = None
 
 
 @dataclass(frozen=True)
@@ -71,7 +74,7 @@ class Comparison(Brief):
     @property
     def equal(self) -> bool:
         """Whether statuses and figures agree at all common points; False where no point has figures."""
-        odd = any(each.beyond or each.only_a or each.only_b for each in self.figures)
+        odd = any(figure.beyond or figure.only_a or figure.only_b for figure in self.figures)
         return not odd and not self.status_changes and self.compared > 0
 
     def _about(self) -> About:
@@ -80,7 +83,7 @@ class Comparison(Brief):
         notes = [f"points: {counts}"]
         notes += [f"scenes differ by {', '.join(self.scene)}"] if self.scene else []
         notes += [f"the status of {self.status_changes} points differs"] if self.status_changes else []
-        rows = [_cells(each) for each in self.figures]
+        rows = [_cells(figure) for figure in self.figures]
         columns = ("figure [SI]", "A", "B", "error of both", "differ")
         return About(f"Comparison: {'equal' if self.equal else 'different'} within errors", notes, columns, rows)
 
@@ -118,10 +121,10 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
     return Comparison(
         len(in_a),
         int(np.count_nonzero(ok)),
-        math.prod(a.shape) - len(in_a),
-        math.prod(b.shape) - len(in_b),
+        math.prod(a.shape) - len(np.unique(in_a)),
+        math.prod(b.shape) - len(np.unique(in_b)),
         {path: both for path, both in sides_of.items() if path not in paths and both[0] != both[1]},
-        tuple(each for each in figures if each is not None),
+        tuple(figure for figure in figures if figure is not None),
         len(changed),
         tuple(first),
     )
@@ -172,15 +175,31 @@ def _common_cases(
 def matched(a: Sequence[Array], b: Sequence[Array], rows: tuple[int, int]) -> tuple[Array, Array]:
     """Return the rows of a and of b, in the order of a, that have the same values in all columns.
 
-    However many columns vary together, no code outgrows its integer: after each column they are numbered anew.
+    A sample may have a point several times: the first of a goes with the first of b, and so on; where one side has
+    fewer, its last one goes with the others. However many columns vary together, no code outgrows its integer: after
+    each column they are numbered anew.
     """
     codes = np.zeros(sum(rows), np.int64)
     for column_a, column_b in zip(a, b, strict=True):
         own = np.concatenate(_coded(column_a, column_b))
         codes = np.unique(codes * (1 + own.max()) + own, return_inverse=True)[1]
-    _, in_a, in_b = np.intersect1d(codes[: rows[0]], codes[rows[0] :], return_indices=True)
-    order = np.argsort(in_a)
+    codes_a, codes_b = codes[: rows[0]], codes[rows[0] :]
+    mine, partners = _partners(codes_a, codes_b)
+    others, theirs = _partners(codes_b, codes_a)
+    repeated = ~np.isin(others, partners)  # of b, where a has the point less often
+    in_a, in_b = np.concatenate([mine, theirs[repeated]]), np.concatenate([partners, others[repeated]])
+    order = np.argsort(in_a, kind="stable")
     return in_a[order], in_b[order]
+
+
+def _partners(codes: Array, others: Array) -> tuple[Array, Array]:
+    """Return the rows whose code is among the others, and for each the row there: as many-th of that code, or last."""
+    own, theirs = np.argsort(codes, kind="stable"), np.argsort(others, kind="stable")
+    rank = np.empty(len(codes), np.int64)
+    rank[own] = np.arange(len(codes)) - np.searchsorted(codes[own], codes[own])
+    first, end = (np.searchsorted(others[theirs], codes, side) for side in ("left", "right"))
+    found = np.flatnonzero(end > first)
+    return found, theirs[np.minimum(first + rank, end - 1)[found]]
 
 
 def _column(results: Results, path: str, flat: Mapping[str, str]) -> Array:
@@ -232,6 +251,14 @@ class _FileAtCommonPoints:
             return np.zeros(len(self._cases))
         return self._results.absolute_error(name, self._accuracy).ravel()[self._cases]
 
+    def contributions(self, name: str, number: int) -> dict[str, float]:
+        """Return the change [SI] of a figure at a common point by one standard uncertainty of each input."""
+        group = self._results.contributions
+        if name not in group:
+            return {}
+        row = group[name].reshape(-1, group[name].shape[-1])[self._cases[number]]
+        return dict(zip(group["contributor"].tolist(), np.nan_to_num(row).tolist(), strict=True))
+
 
 def _change(
     name: str,
@@ -255,4 +282,10 @@ def _change(
     value_a, value_b = float(a[both[worst]]), float(b[both[worst]])
     relative = (value_b - value_a) / abs(value_a) if value_a else None
     changes = (value_a, value_b, value_b - value_a, relative, float(error[worst]), point(both[worst]))
-    return FigureChange(name, len(both), int(np.count_nonzero(over > 1.0)), only_a, only_b, *changes)
+    by_input = [side.contributions(name, both[worst]) for side in sides]
+    inputs = None
+    if any(by_input):
+        paths = by_input[0] | by_input[1]
+        inputs = COVERAGE * math.dist(*([each.get(path, 0.0) for path in paths] for each in by_input))
+    beyond = int(np.count_nonzero(over > 1.0))
+    return FigureChange(name, len(both), beyond, only_a, only_b, *changes, inputs)

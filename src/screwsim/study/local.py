@@ -118,31 +118,39 @@ def sensitivities(
     scene = scene_of(scene)
     if result is not None and (other := _other_scene(scene, result)):
         raise UsageError(f"result: belongs to another scene: {other} (pass that of this scene, or none)")
-    every, left_out = numeric_paths(scene)
-    left_out |= dict.fromkeys(FIXED & every.keys(), GAUGE_REMEDY)
-    every = {path: value for path, value in every.items() if path not in FIXED}
+    numbers, left_out = numeric_paths(scene)
+    left_out |= dict.fromkeys(FIXED & numbers.keys(), GAUGE_REMEDY)
+    numbers = {path: value for path, value in numbers.items() if path not in FIXED}
     names = tuple(dict.fromkeys(figure_of(scene, name) for name in as_list(figures)))
     paths = as_list(paths)
-    values = _requested_numbers(scene, paths, every) if paths else every
-    result, leaves = simulate(scene, trace=False) if result is None else result, leaves_of(scene)
+    values = _requested_numbers(scene, paths, numbers) if paths else numbers
+    result = simulate(scene, trace=False) if result is None else result
     if result.status != "ok":
         return Sensitivities(result)
     exact = scene_derivatives(scene, values, FINE if fine else QUICK)
-    others = {path: exact.why or exact.refused[path] for path in values if path not in exact.derivatives}
-    differenced, failed = _differences(scene, {path: values[path] for path in others}, jobs, progress)
-    by_path = {**exact.derivatives, **differenced}
-    there = [name for name, value in result.performance.items() if isinstance(value, int | float)]
-    there = [name for name in there if not declared(name, result.performance).scale.unasked]  # residuals have none
-    asked = [name for name in there if name in names or not names]
+    why = {path: exact.why or exact.refused[path] for path in values if path not in exact.derivatives}
+    differences, failed = _differences(scene, {path: values[path] for path in why}, jobs, progress)
+    by_path, leaves = {**exact.derivatives, **differences}, leaves_of(scene)
+    found = [path for path in values if path in by_path]
+    figures_with_scale = _differentiable(result, names)
     return Sensitivities(
         result,
-        {path: value for path, value in values.items() if path in by_path},
-        {path: getattr(leaves[path].dimension, "si", "1") for path in values if path in by_path},
-        {name: {path: by_path[path][name] for path in values if name in by_path.get(path, {})} for name in asked},
-        {path: DIFFERENCES if path in others else EXACT if fine else ROUGH for path in values if path in by_path},
-        {path: why for path, why in others.items() if path in by_path},
-        ({} if paths else left_out) | failed,
+        values={path: values[path] for path in found},
+        units={path: getattr(leaves[path].dimension, "si", "1") for path in found},
+        derivatives={
+            name: {path: by_path[path][name] for path in found if name in by_path[path]} for name in figures_with_scale
+        },
+        method={path: DIFFERENCES if path in why else EXACT if fine else ROUGH for path in found},
+        why={path: why[path] for path in found if path in why},
+        left_out=({} if paths else left_out) | failed,
     )
+
+
+def _differentiable(result: Result, names: Sequence[str]) -> list[str]:
+    """Return the named figures of a result, by default all, that are numbers; residuals are none to differentiate."""
+    figures = result.performance
+    there = [name for name, value in figures.items() if isinstance(value, int | float) and (name in names or not names)]
+    return [name for name in there if not declared(name, figures).scale.unasked]
 
 
 def _other_scene(scene: Scene, result: Result) -> str:

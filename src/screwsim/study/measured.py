@@ -113,7 +113,7 @@ class Comparison:
             }
             for row in self.rows
         }
-        explained = [each._asdict() for each in self.explanations]
+        explained = [explanation._asdict() for explanation in self.explanations]
         return {"figures": figures, "none": dict(self.none), "explanations": explained, "message": self.why}
 
 

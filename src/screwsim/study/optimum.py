@@ -13,7 +13,7 @@ from screwsim.scene import Scene, case, case_count, case_values, cross_check, wi
 from screwsim.scene.grid import with_sweep_over
 from screwsim.study.beyond import LOWER, UPPER, refusal_beyond, value_beyond
 from screwsim.study.figures import figure_of
-from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value, usual_efficiency
+from screwsim.study.inputs import check_continuous, check_fit, ends_of, read_text, shown_value, usual_efficiency
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
 from screwsim.study.search import COARSE_POINTS, Maximum, SearchPoint, find_maximum
@@ -91,19 +91,36 @@ def question(
 ) -> Question:
     """Return the question, with the range as given, else that of the scene's axis, else the usual one of the oil ratio.
 
-    The default figure is `usual_efficiency`.
+    The range may follow the path: `oil_supply.ratio=0.5..4`. The default figure is `usual_efficiency`.
     """
+    path, first, last = _with_range(path, first, last)
+    if path == OIL_RATIO and scene.oil_supply is not None and not scene.oil_supply.pumped:
+        other = "--path 'oil_supply.orifice_diameter=2 mm..10 mm'"
+        raise UsageError(f"{path}: follows from the orifice of displaced oil (vary another path, e.g. {other})")
     figure = figure_of(scene, usual_efficiency(scene) if figure is None else figure)
     check_continuous(scene, path)
     axis = scene.sweep.get(path, OIL_RANGE if path == OIL_RATIO else ())
     if len(axis) < 2 and (first is None or last is None):
-        raise UsageError(f"{path}: has no range (write --from and --to, or an axis of it under sweep:)")
+        raise UsageError(f"{path}: has no range (write {path}=LOW..HIGH, or an axis of it under sweep:)")
     texts = ((first, min), (last, max))
     ends = [choose(axis) if text is None else read_text(scene, path, text) for text, choose in texts]
     if not ends[0] < ends[1]:
         shown = " … ".join(shown_value(scene, path, end) for end in ends)
         raise UsageError(f"{path}: the range {shown} is empty (--from must be below --to)")
     return Question(path, figure, ends[0], ends[1], minimum)
+
+
+def _with_range(text: str, first: str | None, last: str | None) -> tuple[str, str | None, str | None]:
+    """Return a path, and the ends of its range as they follow it (PATH=LOW..HIGH) or are given on their own."""
+    path, equals, ends = (part.strip() for part in text.partition("="))
+    if not equals:
+        return path, first, last
+    both = ends_of(ends)
+    if both is None:
+        raise UsageError(f"{text}: is not PATH=LOW..HIGH (write e.g. 'oil_supply.ratio=0.5..4')")
+    if first is not None or last is not None:
+        raise UsageError(f"{text}: states its range (remove --from and --to)")
+    return path, *both
 
 
 def optimum(

@@ -122,7 +122,7 @@ def _is_sound(table: Table, cases: int) -> bool:
         and all(values.shape == (cases,) for values in table.ledger.values())
         and all(values.shape == (cases, len(table.inputs)) for values in table.changes.values())
         and all(values.shape == (cases, len(table.numbers)) for values in table.slopes.values())
-        and all(each.dtype.kind == "f" for each in reals)
+        and all(real.dtype.kind == "f" for real in reals)
     )
 
 

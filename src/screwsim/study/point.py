@@ -6,6 +6,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from screwsim.inputs.arguments import checked_arguments, one_of
@@ -40,6 +41,13 @@ def kept_slopes(scene: Scene, result: Result) -> Sensitivities | None:
         return None
     found = sensitivities(scene, result=result)
     return found if found.derivatives else None
+
+
+def save_point(file: Path, scene: Scene, result: Result) -> None:
+    """Write a result to a file, with the derivatives that its scene keeps."""
+    from screwsim.results import save
+
+    save(file, scene, result, derivatives=kept_slopes(scene, result))
 
 
 def with_slopes(scene: Scene, result: Result) -> Result:

@@ -176,6 +176,11 @@ class OccasionalLine(CountingProgress):
         super().__init__(title, clock)
         self._next = first
 
+    def start(self, cases: int, reused: int) -> None:
+        super().start(cases, reused)
+        if 0 < reused < cases:
+            tell(f"{self._title}: continues with {reused} of {cases} that were there")
+
     def tick(self) -> None:
         passed = self._clock() - self._began
         if passed < self._next or self._done >= self._cases:

@@ -15,10 +15,10 @@ from screwsim.simulate import simulate
 from screwsim.study.inputs import shown_figure
 from screwsim.template import SceneRequest, kind_of, new_scene
 from screwsim.template.gas import INVERTER_LOSS_SHARE
-from screwsim.template.sizes import flow_text, rpm
+from screwsim.template.sizes import flow_text, rounded_flow, rpm
 
 DELIVERED, TAKEN = "free_air_delivered", "shaft_power"
-COOLS, HEATS = "cooling_capacity", "heating_capacity"
+COOLS, HEATS, DUTY = "cooling_capacity", "heating_capacity", "oil_cooler_duty"
 NEAR, TRIES = 1e-3, 8  # relative tolerance within which the stated value is met, and number of sizes tried
 FIRM, ROUNDED = 3, 5e-3  # a scene's numbers are rounded, so that sizes jump: the tolerance after so many tries
 FAST_TIP_SPEED = 40.0  # [m/s] tip speed above which oil films cost points of efficiency (docs/how-to/new-machine.md)
@@ -66,7 +66,7 @@ def sized_machine(kind: str, asked: SceneRequest) -> SizedMachine:
             if asked.economizer:
                 _check_port(result)
             return found
-        flow *= wanted / value
+        flow = rounded_flow(flow * wanted / value)
     raise UsageError(
         f"{option}: no size was found that gives {shown_figure(figure, wanted)} (state one with --displacement)"
     )
@@ -140,7 +140,7 @@ def performance_lines(asked: SceneRequest, found: SizedMachine) -> Iterator[str]
     else:
         assumed += [f"{p.oil_ratio:.2g} kg of oil per kg of gas", "losses fitted to similar machines"]
     yield f"assumed: {', '.join(assumed)}"
-    yield from (f"warning: {each}" for each in found.result.warnings)
+    yield from (f"warning: {warning}" for warning in found.result.warnings)
 
 
 def _package_in_words(found: SizedMachine) -> tuple[str, str]:
@@ -156,5 +156,7 @@ def _plant_in_words(found: SizedMachine) -> tuple[str, str]:
     """Return, in words, the capacities of a refrigeration or heat-pump machine, and its total input."""
     p = found.result.performance
     gives = f"cools {shown_figure(COOLS, p[COOLS])} and heats {shown_figure(HEATS, p[HEATS])}"
+    duty = p.get(DUTY)
+    gives += f" (without the {shown_figure(DUTY, duty)} of its oil cooler)" if duty else ""
     takes = f"{shown_figure('electrical_power', p.electrical_power)} with its motor"
     return gives, f"{takes}, COP {p.electrical_cop:.3g} of cooling, {p.electrical_heating_cop:.3g} of heating"

@@ -348,7 +348,7 @@ def _is_finished_file(output: Path, parts: Parts, restart: bool, text: str) -> b
 
 def _compare(where: Path, parts: Parts, stored: Mapping[str, Any], restart: bool, texts: Sequence[str] = ()) -> None:
     if stored.get("scene_sha256") != parts.identity["scene_sha256"]:
-        changed = changed_values(*(scene_values(each, str(where)) for each in texts)) if texts else ""
+        changed = changed_values(*(scene_values(text, str(where)) for text in texts)) if texts else ""
         raise UsageError(f"{where}: holds another scene's results{changed} (choose another -o, or remove it)")
     if restart:
         return

@@ -120,23 +120,35 @@ def tolerances(
         raise UsageError(f"the nominal machine: {nominal.told}")
     figures = tuple(name for name in FIGURES if nominal.performance.get(name) is not None)
     lengths = drawn_lengths(machine, widths, count, seed)
-    call, dead = partial(_figures_of_machine, scene, lengths, figures, simulate), _MachineFigures(WORKER_DIED)
     answers = parallel_map(
-        call, count, died=lambda number: dead, jobs=jobs, failed=lambda one: bool(one.message), progress=progress
+        partial(_figures_of_machine, scene, lengths, figures, simulate),
+        count,
+        died=lambda number: _MachineFigures(WORKER_DIED),
+        jobs=jobs,
+        failed=lambda answer: bool(answer.message),
+        progress=progress,
     )
     good = [i for i, answer in enumerate(answers) if not (answer.message or answer.hits)]
     bad = [answer.message for answer in answers if answer.message]
-    links = Links(machine.crank_radius, machine.rod_length, machine.offset)
-    table = tuple(grade(right, CRANK_ANGLES, links, number, number) for number in GRADES)
-    shifts = np.array([with_lengths(scene, _lengths_of(lengths, i))[1] for i in range(count)])[good]
     values = {name: np.array([answers[i].values[k] for i in good]) for k, name in enumerate(figures)}
-    kept = {name: values_of[good] for name, values_of in lengths.items()}
-    spreads = tuple(
-        _figure_scatter(name, float(nominal.performance[name]), values[name], kept) for name in figures if good
+    of_good = {name: drawn[good] for name, drawn in lengths.items()}
+    links = Links(machine.crank_radius, machine.rod_length, machine.offset)
+    return ToleranceStudy(
+        grades,
+        widths,
+        links,
+        table=tuple(grade(right, CRANK_ANGLES, links, number, number) for number in GRADES),
+        seed=seed,
+        count=count,
+        hits=sum(answer.hits for answer in answers),
+        failed=len(bad),
+        message=bad[0] if bad else "",
+        shifts=np.array([with_lengths(scene, _lengths_of(lengths, i))[1] for i in range(count)])[good],
+        values=values,
+        spreads=tuple(
+            _figure_scatter(name, float(nominal.performance[name]), values[name], of_good) for name in figures if good
+        ),
     )
-    hits = sum(answer.hits for answer in answers)
-    message = bad[0] if bad else ""
-    return ToleranceStudy(grades, widths, links, table, seed, count, hits, len(bad), message, shifts, values, spreads)
 
 
 def _lengths_of(lengths: dict[str, np.ndarray], number: int) -> dict[str, float]:

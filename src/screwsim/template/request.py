@@ -2,14 +2,15 @@
 
 import math
 import re
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from screwsim.fluid import constants, names
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.suggestions import nearest
+from screwsim.inputs.suggestions import did_you_mean
 from screwsim.scene.units import NUMBER, Refused, gauge_pressures_over, parse_quantity
 from screwsim.template import sizes
 
@@ -56,14 +57,14 @@ class SceneRequest:
 
 
 def request_of(
-    fluid: str | None,
-    displacement: str | None,
-    vi: float | None,
-    speed: str | None,
-    oil: str | None,
-    condition: str | None,
-    diameter: str | None = None,
     *,
+    fluid: str | None = None,
+    displacement: str | None = None,
+    diameter: str | None = None,
+    vi: float | None = None,
+    speed: str | None = None,
+    oil: str | None = None,
+    condition: str | None = None,
     motor: str | None = None,
     free_air: str | None = None,
     pressure: str | None = None,
@@ -78,59 +79,62 @@ def request_of(
     `capacity` is the cooling of a refrigeration machine, or the heating of a heat pump.
     """
     condition = _by_pressure(condition, pressure)
+    _check_names(fluid, oil)
+    if vi is not None and not 1.0 < vi <= 12.0:
+        raise UsageError(f"--vi {vi:g}: a built-in volume ratio is above 1 and at most 12 (write e.g. --vi 3)")
+    flow = _quantity("--displacement", "displacement", displacement, "600 m^3/h")
+    turns = _quantity("--speed", "speed", speed, "2950 rpm")
+    rated = _quantity("--motor", "power", motor, "45 kW")
+    delivered = _quantity("--flow", "volume_flow", free_air, "7.5 m^3/min")
+    duty = _quantity("--capacity", "power", capacity, "300 kW")
+    for option, sought in (("--flow", delivered), ("--capacity", duty)):
+        _refuse_both(option, sought, {"--displacement": displacement, "--diameter": diameter}, "the size")
+    _refuse_both("--diameter", diameter, {"--displacement": displacement})
+    rotor = _quantity("--diameter", "length", diameter, "204 mm")
+    if rotor is not None:
+        if not sizes.SMALLEST <= rotor <= sizes.LARGEST:
+            ends = f"{sizes.mm(sizes.SMALLEST)} to {sizes.mm(sizes.LARGEST)}"
+            raise UsageError(f"--diameter {diameter}: screws are made from {ends} (choose one within)")
+        flow = sizes.displaced(rotor, turns or SPEED)
+    return SceneRequest(
+        fluid, flow, turns, vi, oil, condition, rotor, rated, delivered, duty, economizer, slide, variable
+    )
+
+
+def _check_names(fluid: str | None, oil: str | None) -> None:
+    """Raise UsageError for a fluid or an oil that is not known."""
     if fluid is not None and constants.limits(fluid) is None:
         other, blend = names.same_fluid(fluid), names.suggested_blend(fluid)
         hint = f"; did you mean '{other}'?" if other else f"; {blend}" if blend else ""
         hint = hint or " (write one of its names, e.g. R134a, R454B or CO2)"
         raise UsageError(f"--fluid {fluid}: is not a fluid or blend of CoolProp{hint}")
     if oil is not None and oil not in OILS:
-        near = nearest(oil, OILS)
-        hint = f"; did you mean '{near}'?" if near else ""
-        raise UsageError(f"--oil {oil}: is not a stored oil{hint} (known: {', '.join(OILS)})")
-    if vi is not None and not 1.0 < vi <= 12.0:
-        raise UsageError(f"--vi {vi:g}: a built-in volume ratio is above 1 and at most 12 (write e.g. --vi 3)")
-    flow = None if displacement is None else _quantity("--displacement", "displacement", displacement, "600 m^3/h")
-    at = None if speed is None else _quantity("--speed", "speed", speed, "2950 rpm")
-    rated = None if motor is None else _quantity("--motor", "power", motor, "45 kW")
-    delivered = None if free_air is None else _quantity("--flow", "volume_flow", free_air, "7.5 m^3/min")
-    cools = None if capacity is None else _quantity("--capacity", "power", capacity, "300 kW")
-    size = "--displacement" if displacement is not None else "--diameter" if diameter is not None else ""
-    for option, sought in (("--flow", delivered), ("--capacity", cools)):
-        if sought is not None and size:
-            raise UsageError(
-                f"{option}: is given together with {size}, which also states the size (remove one of the two)"
-            )
-    asked = SceneRequest(
-        fluid, flow, at, vi, oil, condition, None, rated, delivered, cools, economizer, slide, variable
-    )
-    if diameter is None:
-        return asked
-    if flow is not None:
-        raise UsageError(
-            "--diameter: is given together with --displacement, which also states it (remove one of the two)"
-        )
-    rotor = _quantity("--diameter", "length", diameter, "204 mm")
-    if not sizes.SMALLEST <= rotor <= sizes.LARGEST:
-        ends = f"{sizes.mm(sizes.SMALLEST)} to {sizes.mm(sizes.LARGEST)}"
-        raise UsageError(f"--diameter {diameter}: screws are made from {ends} (choose one within)")
-    return replace(asked, flow=sizes.displaced(rotor, at or SPEED), diameter=rotor)
+        raise UsageError(f"--oil {oil}: is not a stored oil{did_you_mean(oil, OILS)} (known: {', '.join(OILS)})")
+
+
+def _refuse_both(option: str, value: Any, others: Mapping[str, Any], what: str = "it") -> None:
+    """Raise UsageError where an option is given together with another that states the same."""
+    other = next((name for name, given in others.items() if given is not None), None)
+    if value is not None and other is not None:
+        raise UsageError(f"{option}: is given together with {other}, which also states {what} (remove one of the two)")
 
 
 def _by_pressure(condition: str | None, pressure: str | None) -> str | None:
     """Return both lines of a package that draws in ambient air and delivers it at a pressure."""
     if pressure is None:
         return condition
-    if condition is not None:
-        raise UsageError("--pressure: is given together with --condition, which also states it (remove one of the two)")
+    _refuse_both("--pressure", pressure, {"--condition": condition})
     with gauge_pressures_over(ATMOSPHERE):
         found = _quantity("--pressure", "pressure", pressure, "7.5 bar(g)")
-    if found <= ATMOSPHERE:
+    if found is not None and found <= ATMOSPHERE:
         raise UsageError(f"--pressure {pressure}: is not above the ambient 1 bar (write e.g. --pressure '7.5 bar(g)')")
     return f"0 bar(g)/{pressure.strip()}"
 
 
-def _quantity(option: str, kind: str, text: str, example: str) -> float:
-    """Return the value [SI] of an option, which must be positive."""
+def _quantity(option: str, kind: str, text: str | None, example: str) -> float | None:
+    """Return the value [SI] of an option, which must be positive; None where it is not given."""
+    if text is None:
+        return None
     try:
         found = parse_quantity(KINDS[kind], text)
     except Refused as refusal:

@@ -118,6 +118,11 @@ def flow_text(flow: float) -> str:
     return f"{3600.0 * flow:.6g} m^3/h"
 
 
+def rounded_flow(flow: float) -> float:
+    """Return a flow [m³/s] with four digits in m³/h, as a size that was sought is stated."""
+    return float(f"{3600.0 * flow:.4g}") / 3600.0
+
+
 def rpm(speed: float) -> str:
     """Return a speed [rad/s] in revolutions per minute."""
     return f"{speed * 30.0 / math.pi:.6g} rpm"

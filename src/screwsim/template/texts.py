@@ -31,7 +31,7 @@ def sized(flow: float, speed: float) -> sizes.Size:
     ends = [sizes.displaced(diameter, speed) for diameter in (sizes.SMALLEST, sizes.LARGEST)]
     stated = f"--displacement {sizes.flow_text(flow)} at {sizes.rpm(speed)}"
     what = f"would take rotors of {sizes.mm(size.diameter)}; screws are made from {sizes.mm(sizes.SMALLEST)} to"
-    usual = " to ".join(f"{float(f'{3600.0 * each:.2g}'):g} m^3/h" for each in ends)
+    usual = " to ".join(f"{float(f'{3600.0 * end:.2g}'):g} m^3/h" for end in ends)
     raise UsageError(f"{stated}: {what} {sizes.mm(sizes.LARGEST)} (choose {usual}, or another --speed)")
 
 

@@ -47,6 +47,14 @@ def test_a_load_above_the_motors_limit_stops_the_rotors():
     assert len(motion.time) < 361
 
 
+def test_rotors_that_stop_twice_between_two_angles_have_stopped():
+    """A coupling wound up breaks them away under 400 N m, a motor of 300 N m does not keep them turning."""
+    motion = run_up(TRAIN, 1e3, moving(3.0, 0.0), np.full(3, 400.0), 3.0)
+    assert motion.stalled
+    assert motion.held > 0.0
+    assert motion.time.tolist() == [0.0]  # no angle but the first is reached
+
+
 def test_rotors_that_come_to_rest_break_away_when_the_coupling_carries_the_load():
     """A slack coupling, 250 N m of load at once, a motor of 300 N m: held until Θ = 250 N m (1 + 2 %)/K, then on."""
     soft = replace(TRAIN, coupling=LinearCoupling(spring=2e3), damping=0.0)

@@ -161,6 +161,9 @@ def test_file_round_trip(tmp_path, pairs):
     path.write_text(lobe_csv(pairs["b"]))
     again = make_rotors(points(path), 4, 6, 100 * MM, 110 * MM)
     assert again.largest[1] == pytest.approx(pairs["b"].largest[1], rel=2e-5)
+    head, *rows = lobe_csv(pairs["b"]).splitlines()
+    path.write_text("\n".join([head, *reversed(rows)]))
+    assert make_rotors(points(path), 4, 6, 100 * MM, 110 * MM).largest == again.largest  # clockwise
 
 
 def _refusal(function, *arguments):

@@ -5,9 +5,9 @@ torque-producing current is proportional. P_i = ℓ [c_0 + c_1 i + (1 − c_0 �
 that of switching and conduction, and that of rectifier and choke. ℓ is the loss at 90 % of the frequency and full
 current, which EU 2019/1781 has makers state; or the law is fitted to the points that it has them state (M432). The
 motor's loss is ℓ_m P_r (1 + r) [c f^1.5 + (1 − c) i²] (M433): iron and friction by speed, copper by torque; for a motor
-given by a table, 1 + r times the table's loss.
+given by a table, 1 + r times the table's loss, whose efficiencies have to be those at the speed of each load.
 Source: operating points: IEC 61800-9-2; 1.5: between hysteresis, 1, and eddies, 2 (textbook). The shares c_0, c_1 are
-estimated; r is 0.15 up to 90 kW as we know IEC TS 60034-30-2, whose text was not at hand.
+estimated; r is 0.15 up to 90 kW and 0.25 above as we know IEC TS 60034-30-2, whose text was not at hand.
 Assumptions: torque and current in proportion, no field weakening: above rated speed there is a warning; the loss heats
 nothing that the machine's model sees.
 Parameters: rated_speed; loss, standing_share, current_share or points_file; harmonic_loss.
@@ -15,14 +15,14 @@ Parameters: rated_speed; loss, standing_share, current_share or points_file; har
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
 
 from screwsim.effects.base import Faults
-from screwsim.inputs.declare import file, number, quantity
+from screwsim.inputs.declare import Derived, file, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
 
@@ -30,7 +30,12 @@ FREQUENCY = 0.9  # relative frequency of the point at which the loss is stated
 IRON = 1.5
 COLUMNS = "speed", "current", "loss"
 FEWEST, POOR = 5, 0.1  # fewest rows of a file; largest deviation of its fit, over the largest loss
+SMALL, SMALL_R, LARGE_R = 90e3, 0.15, 0.25  # [W] rated power up to which r is the former, above it the latter
 WEAK = 1.02  # speed over the rated one above which the field would be weakened
+
+
+class _Usual(float):
+    """The additional loss of a motor where the scene states none."""
 
 
 @dataclass(frozen=True)
@@ -52,12 +57,20 @@ class Inverter:
         "these three"
     )
     harmonic_loss: float = number(
-        "r: additional loss of the motor on the inverter, over its loss on the mains",
-        0.15,
+        "r: additional loss of the motor on the inverter, over its loss on the mains (default: 0.15, of a rated_power "
+        "above 90 kW 0.25)",
+        _Usual(SMALL_R),
         ge=0.0,
         le=2.0,
         hardly=(None, 0.5),
     )
+
+
+def of_size(inverter: Inverter, rated: float) -> Inverter:
+    """Return an inverter with the additional loss of a motor of a rated power [W], where none is stated (M433)."""
+    if not isinstance(inverter.harmonic_loss, _Usual | Derived):
+        return inverter
+    return replace(inverter, harmonic_loss=Derived(SMALL_R if rated <= SMALL else LARGE_R))
 
 
 class Turning(NamedTuple):

@@ -60,7 +60,7 @@ def run_up(train: Train, no_load: float, state: Array, load: Array, creep: float
     for _ in range(MOST_STOPS):
         left = grid[sum(len(part) for part in rows) :]
         found = _integrated(rates, (phi, train.pitch), y, left, no_load, standstill)
-        rows.append(found.y.T)
+        rows.append(np.reshape(found.y, (len(y), -1)).T)  # scipy's empty list where no angle was passed
         if found.status == 0:
             break
         phi, y = float(found.t_events[0][0]), found.y_events[0][0].copy()

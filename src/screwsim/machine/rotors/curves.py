@@ -5,6 +5,7 @@ belongs to the interface of a chamber with the one `offset` lobe pitches behind 
 `behind` is the same table over the trailing chamber's angle, which the effects need. Units SI.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -148,44 +149,43 @@ def _discharge_curves(
 
 
 def _paths(rotors: Rotors, closes: float) -> tuple[Path, ...]:
+    """Return the leakage paths of a chamber, each to the chamber `offset` pitches behind."""
     pair, chain, h, wrap = rotors.pair, rotors.chain, rotors.h, rotors.wrap
-    z1, S, p = pair.male_lobes, float(chain.psi[chain.trail]), pair.pitch
-    line, tips = sealing_line(pair, chain, h), (male_tip(pair, h), female_tip(pair, chain, h))
-    bores = _both_ends(rotors, [edge for tip in tips for edge in (tip.start, tip.end)])
-    contact = _both_ends(rotors, [*contact_breakpoints(rotors), S])
+    z1, S = pair.male_lobes, float(chain.psi[chain.trail])
+
+    def path(name: str, offset: int, unit: str, breakpoints: Sequence[float], size: Callable[[Array], Array]) -> Path:
+        grid = _grid(rotors, [*breakpoints, rotors.start + offset * pair.pitch])
+        return Path(name, offset, pair.pitch, _curve(rotors, grid, unit, size(grid[0])))
+
+    line, contact = sealing_line(pair, chain, h), _both_ends(rotors, [*contact_breakpoints(rotors), S])
+    lines = (
+        path("sealing_line", z1, "m", contact, lambda phi: line.lengths_at(phi, wrap)[0]),
+        path("sealing_line_over_tip", z1 + 1, "m", contact, lambda phi: line.lengths_at(phi, wrap)[1]),
+    )
+    male, female = male_tip(pair, h), female_tip(pair, chain, h)
+    bores = _both_ends(rotors, [male.start, male.end, female.start, female.end])
+    tips = (
+        path("male_tip", 1, "m", bores, lambda phi: male.length_at(phi, wrap)),
+        path("female_tip", 1, "m", bores, lambda phi: female.length_at(phi, wrap)),
+    )
     hole, back = rotors.blow_hole, rotors.suction_blow_hole
-    angles = [float(x) for x in (hole.psi_male[0], S, hole.psi_female[0])]
-    early = [-TURN - float(x) for x in (back.psi_male[0], back.psi_male[-1], back.psi_female[0])]
-    births = [rotors.start + offset * p for offset in leakage.offsets(pair)]
-    face = [*_both_ends(rotors, [*section_breakpoints(rotors), S - p, S]), closes - OVERLAP, *births]
+    angles = [float(psi) for psi in (hole.psi_male[0], S, hole.psi_female[0])]
+    early = [-TURN - float(psi) for psi in (back.psi_male[0], back.psi_male[-1], back.psi_female[0])]
+    at_suction = [*_both_ends(rotors, early), closes - OVERLAP]
+    holes = (
+        path("blow_hole", 1, "m^2", _both_ends(rotors, angles), lambda phi: hole.area_at(phi, wrap, h)),
+        path("suction_blow_hole", 1, "m^2", at_suction, lambda phi: back.area_at(wrap - phi - TURN, wrap, h)),
+    )
+    births = [rotors.start + offset * pair.pitch for offset in leakage.offsets(pair)]
+    face = [*_both_ends(rotors, [*section_breakpoints(rotors), S - pair.pitch, S]), closes - OVERLAP, *births]
     phi = _grid(rotors, face)[0]
     faces = {"end": leakage.face_lengths(pair, chain, phi - wrap), "suction": leakage.face_lengths(pair, chain, phi)}
-    made = [
-        ("sealing_line", z1, contact, "m", lambda phi: line.lengths_at(phi, wrap)[0]),
-        ("sealing_line_over_tip", z1 + 1, contact, "m", lambda phi: line.lengths_at(phi, wrap)[1]),
-        *(
-            (f"{name}_tip", 1, bores, "m", lambda phi, t=tip: t.length_at(phi, wrap))
-            for name, tip in zip(("male", "female"), tips, strict=True)
-        ),
-        ("blow_hole", 1, _both_ends(rotors, angles), "m^2", lambda phi: hole.area_at(phi, wrap, h)),
-        (
-            "suction_blow_hole",
-            1,
-            [*_both_ends(rotors, early), closes - OVERLAP],
-            "m^2",
-            lambda phi: back.area_at(wrap - phi - TURN, wrap, h),
-        ),
-        *(
-            (f"{side}_face_{offset}", offset, face, "m", lambda _, values=values: values)
-            for side, lengths in faces.items()
-            for offset, values in lengths.items()
-        ),
-    ]
-    found = []
-    for name, offset, breakpoints, unit, function in made:
-        grid = _grid(rotors, [*breakpoints, rotors.start + offset * p])
-        found.append(Path(name, offset, p, _curve(rotors, grid, unit, function(grid[0]))))
-    return tuple(found)
+    ends = (
+        path(f"{side}_face_{offset}", offset, "m", face, lambda _, lengths=lengths: lengths)
+        for side, by_offset in faces.items()
+        for offset, lengths in by_offset.items()
+    )
+    return (*lines, *tips, *holes, *ends)
 
 
 def _slot_curve(rotors: Rotors, at: PlacedSlide) -> Curve:

@@ -36,6 +36,12 @@ def read_profile(path: str) -> tuple[Array, Array]:
     return points[:, 0] * 1e-3, points[:, 1] * 1e-3
 
 
+def in_order(x: Array, y: Array, curve: str) -> tuple[Array, Array]:
+    """Return the points in the order of the program: a male lobe counter-clockwise, a rack towards growing y."""
+    along = np.unwrap(np.arctan2(y, x)) if curve == "male" else y
+    return (x, y) if along[-1] > along[0] else (x[::-1], y[::-1])
+
+
 def averaged(way: Array, angle: Array, length: float) -> Array:
     """Return the angle averaged over a length of the curve around each point (less near its ends)."""
     half = np.minimum(0.5 * length, np.minimum(way - way[0], way[-1] - way))

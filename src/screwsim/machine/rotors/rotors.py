@@ -132,7 +132,7 @@ class Rotors:
 
 def _of_points(pair: Pair, profile: Profile) -> Chain:
     """Return the contact points of a profile given by a file, faired within the stated tolerance."""
-    x, y = imported.read_profile(str(profile.file))
+    x, y = imported.in_order(*imported.read_profile(str(profile.file)), profile.curve)
     make = imported.from_male if profile.curve == "male" else imported.from_rack
     if not profile.tolerance > 0.0:
         return make(pair, x, y, profile.smoothing)

@@ -125,7 +125,7 @@ def study(scene: Scene, extent: Scope | None = None, progress: Progress | None =
         lobes = [counted(lobe_times, scene, count, extent) for count in lobe_counts]
     finally:
         progress.stop()
-    bad = [(f"{each.size} male lobes", each.reason) for each in lobes if each.reason]
+    bad = [(f"{lobe.size} male lobes", lobe.reason) for lobe in lobes if lobe.reason]
     coarse = [(f"asking for {each:g}", why) for each in extent.asked if (why := own.why_not(each))]
     left_out = [*coarse, *_left_out(measured), *bad, *omitted_methods(scene)]
     return Study(scene.title, scene.numerics.accuracy, own, asked, measured, costs, points, lobes, left_out)
@@ -250,5 +250,5 @@ def lobe_times(scene: Scene, lobes: int, extent: Scope) -> SizeCost:
     last = results[-1]
     if last.status != "ok":
         return SizeCost(lobes, reason=last.told)
-    seconds = statistics.median(each.numerics.wall_time + each.numerics.estimating_time for each in results)
+    seconds = statistics.median(result.numerics.wall_time + result.numerics.estimating_time for result in results)
     return SizeCost(lobes, seconds, int(last.numerics.rhs_evaluations))

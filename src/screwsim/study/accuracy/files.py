@@ -42,8 +42,8 @@ def write(study: Study, folder: Path) -> list[str]:
 
 def _columns(records: Sequence[Any], without: Sequence[str] = ()) -> dict[str, list[Any]]:
     """Return {field: values} of dataclasses of one kind; None becomes NaN."""
-    names = [each.name for each in fields(records[0]) if each.name not in without] if records else []
-    return {name: [_nan_if_none(getattr(each, name)) for each in records] for name in names}
+    names = [field.name for field in fields(records[0]) if field.name not in without] if records else []
+    return {name: [_nan_if_none(getattr(record, name)) for record in records] for name in names}
 
 
 def _nan_if_none(value: Any) -> Any:

@@ -119,11 +119,11 @@ class Posterior(Brief):
 
     def _about(self) -> About:
         scene, rows = self.fit.scene, []
-        for each in self.parameters:
-            ends = (each.low, each.median, each.high)
-            low, median, high = (shown_value(scene, each.name, value, 4) for value in ends)
-            share = "" if each.of_prior is None else f"{each.of_prior:.2f}"
-            rows.append((each.name, median, f"{low} … {high}", share))
+        for parameter in self.parameters:
+            ends = (parameter.low, parameter.median, parameter.high)
+            low, median, high = (shown_value(scene, parameter.name, value, 4) for value in ends)
+            share = "" if parameter.of_prior is None else f"{parameter.of_prior:.2f}"
+            rows.append((parameter.name, median, f"{low} … {high}", share))
         chains = "" if self.r_hat is None else f"; R-hat {self.r_hat:.3f}, {self.effective:.0f} effective samples"
         notes = [text for text in (self.fit.title, self.message) if text]
         columns = ("parameter", "median", f"{LEVEL:.0%} interval", "of prior")

@@ -184,7 +184,7 @@ def _columns(
 
 def _figures(scene: Scene) -> Mapping[str, Figure]:
     """Return the program's figures and those of the scene's own effects."""
-    return known() | {each.name: each for active in scene.effects.values() for each in active.effect.figures}
+    return known() | {figure.name: figure for active in scene.effects.values() for figure in active.effect.figures}
 
 
 def units_of(figure: str) -> Mapping[str, float]:

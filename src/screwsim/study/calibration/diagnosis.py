@@ -15,8 +15,6 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
-from screwsim.outputs import Figures
-from screwsim.study.calibration import pair_likelihood
 from screwsim.study.calibration.fit import Fit, Parameter
 from screwsim.study.calibration.hypotheses import (
     INTERVAL_LEVEL,
@@ -39,7 +37,12 @@ from screwsim.study.calibration.machine import (
     residual_shifts,
     unchanged_machine,
 )
-from screwsim.study.calibration.pair_likelihood import PairLikelihood, ResidualCurves, additive_likelihood, curves_of
+from screwsim.study.calibration.pair_likelihood import (
+    PairLikelihood,
+    additive_likelihood,
+    curves_of,
+    solved_pair,
+)
 from screwsim.study.calibration.profile import (
     LinearLikelihood,
     ProfileLikelihood,
@@ -88,9 +91,9 @@ class Diagnosis:
     def changed(self) -> dict[str, float]:
         """Probability that each parameter has changed, alone or with another; the most probable first."""
         sums = dict.fromkeys(self.unchanged, 0.0)
-        for one in self.hypotheses:
-            for path in one.paths:
-                sums[path] += one.probability
+        for hypothesis in self.hypotheses:
+            for path in hypothesis.paths:
+                sums[path] += hypothesis.probability
         return dict(sorted(sums.items(), key=lambda item: -item[1]))
 
     @property
@@ -109,13 +112,63 @@ class Diagnosis:
         )
 
 
+Single = LinearLikelihood | ProfileLikelihood  # of one parameter: by slopes, or solved
+
+
+@dataclass(frozen=True)
+class LinearMachine:
+    """The unchanged machine by its slopes: whitened residuals (n,) and slopes (parameters, n) at its places `start`.
+
+    `before` are its parameters [SI], `white` the matrix (n, n) that whitens residuals.
+    """
+
+    fit: Fit
+    simulate: Simulate | None
+    before: Mapping[str, float]
+    start: Array
+    white: Array
+    residuals: Array
+    slopes: Array
+
+    @property
+    def misfit(self) -> float:
+        """Chi² of no change."""
+        return float(self.residuals @ self.residuals)
+
+    def likelihoods(self) -> list[LinearLikelihood]:
+        """Return the likelihood over each parameter, by its slopes."""
+        pairs = zip(self.start, self.slopes, strict=True)
+        return [linear_likelihood(place, self.residuals, slopes) for place, slopes in pairs]
+
+    def residuals_of(self, i: int, single: Single) -> Array:
+        """Return the residuals (n,) at the best place of one parameter."""
+        if isinstance(single, ProfileLikelihood):
+            return single.residuals
+        return self.residuals + self.slopes[i] * (single.estimate - self.start[i])
+
+    def change(self, i: int, place: float, ends: tuple[float, float]) -> Change:
+        """Return the change of one parameter to a place, between the places `ends`."""
+        parameter = self.fit.parameters[i]
+        was, value = self.before[parameter.path], parameter.value(place)
+        low, high = (parameter.value(end) - was for end in ends)
+        return Change(parameter.path, value, value - was, low, high)
+
+
+class Judgement(NamedTuple):
+    """All hypotheses, the residuals (n,) that each change leaves, by its paths, and the solutions that this took."""
+
+    hypotheses: Sequence[Hypothesis]
+    residuals: Mapping[tuple[str, ...], Array]
+    solutions: int
+    failed: int
+
+
 class UnchangedPoint(NamedTuple):
     """One point of the unchanged machine: residuals (n,), slopes (n, parameters), effect of its inputs (n, inputs)."""
 
     residuals: Array
     slopes: Array
     inputs: Array
-    figures: Figures
     why: str
     solutions: int
     failed: int
@@ -138,58 +191,42 @@ def diagnose(
     _check(unchanged, pairs)
     machine, before = unchanged_machine(fit)
     asked = fit_of_unchanged(fit, machine, simulate)
-    names, priors = inputs_of(fit, machine)
+    groups, priors = inputs_of(fit, machine)
     prepare(asked, simulate)
-    call = partial(unchanged_point, asked, names, priors, before, simulate)
-    dead = UnchangedPoint(np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), Figures(), WORKER_DIED, 0, 0)
     points = [point for point in asked.points if point.fitted]
-    found = parallel_map(
-        call, len(points), died=lambda number: dead, jobs=jobs, failed=lambda one: bool(one.why), progress=progress
+    answers = parallel_map(
+        partial(unchanged_point, asked, groups, priors, before, simulate),
+        len(points),
+        died=lambda number: UnchangedPoint(np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), WORKER_DIED, 0, 0),
+        jobs=jobs,
+        failed=lambda answer: bool(answer.why),
+        progress=progress,
     )
-    reasons = {point.name: one.why for point, one in zip(points, found, strict=True) if one.why}
-    solutions, failed = sum(one.solutions for one in found), sum(one.failed for one in found)
-    good = [i for i, one in enumerate(found) if not one.why]
-    if not good:
+    reasons = {point.name: answer.why for point, answer in zip(points, answers, strict=True) if answer.why}
+    solved = [point for point, answer in zip(points, answers, strict=True) if not answer.why]
+    solutions, failed = sum(answer.solutions for answer in answers), sum(answer.failed for answer in answers)
+    if not solved:
         why = f"none of the points has a solution: {next(iter(reasons.values()))}"
         return Diagnosis(fit, "failed", why, before, reasons=reasons, solutions=solutions, failed=failed)
-    asked = replace(asked, points=tuple(points[i] for i in good))
-    residuals = np.concatenate([found[i].residuals for i in good])
-    slopes = np.vstack([found[i].slopes for i in good])
-    white = whitener(np.vstack([found[i].inputs for i in good]))
-    start = places_of(asked, before)
-    here_, columns = white @ residuals, (white @ slopes).T
-    by_slopes = [linear_likelihood(u, here_, column) for u, column in zip(start, columns, strict=True)]
-    none = float(here_ @ here_)
-    likely = _likely_changes(none, by_slopes, unchanged)
-    odds, count = pairs if len(by_slopes) > 1 else 0.0, len(residuals)
-    solved: dict[int, ProfileLikelihood | None] = {}
-    while True:
-        call = partial(solved_likelihood, asked, white, simulate, likely, start, columns)
-        solved |= dict(zip(likely, parallel_map(call, len(likely), died=lambda number: None, jobs=jobs), strict=True))
-        singles = [solved.get(i) or one for i, one in enumerate(by_slopes)]
-        prior = PriorOdds(unchanged, odds, none, tuple(one.log_evidence for one in singles))
-        curves, misfits = curves_of(here_, start, columns, singles), [none, *(one.misfit for one in singles)]
-        doubles = _pair_likelihoods(asked, white, simulate, curves, prior, misfits, jobs)
-        rows, left = _hypotheses(asked, before, singles, doubles, set(solved), prior, count)
-        first = max(rows, key=lambda one: one.probability)
-        likely = [i for i in range(len(by_slopes)) if i not in solved]
-        if not likely or chance_of_misfit(first.misfit, first.freedom) >= LEAST_CHANCE:
-            break  # else a hypothesis that fits may have been dismissed by its slopes
-        solutions += sum(one.solutions for one in doubles.values())
-        failed += sum(one.failed for one in doubles.values())
-    every = [*(one for one in solved.values() if one), *doubles.values()]
-    solutions += sum(one.solutions for one in every)
-    failed += sum(one.failed for one in every)
-    for i, one in enumerate(singles):
-        by_slope = here_ + columns[i] * (one.estimate - start[i])
-        left[(i,)] = one.residuals if isinstance(one, ProfileLikelihood) else by_slope
-    ranked = tuple(sorted(rows, key=lambda each: -each.probability))
-    by_path = {tuple(asked.parameters[i].path for i in which): each for which, each in left.items()}
-    message = f"{len(reasons)} of {len(points)} points have no solution" if reasons else ""
-    status, inputs = "failed" if reasons else "ok", tuple(" + ".join(group) for group in (*names, *priors))
-    alike, chance = indistinguishable_pairs(ranked, by_path), chance_of_misfit(ranked[0].misfit, ranked[0].freedom)
-    head = fit, status, message, before, ranked
-    return Diagnosis(*head, alike, chance, inputs, reasons, solutions, failed, odds)
+    known = [answer for answer in answers if not answer.why]
+    linear = _linearised(replace(asked, points=tuple(solved)), before, known, simulate)
+    odds = pairs if len(fit.parameters) > 1 else 0.0
+    judged = _judged(linear, unchanged, odds, jobs)
+    ranked = tuple(sorted(judged.hypotheses, key=lambda hypothesis: -hypothesis.probability))
+    return Diagnosis(
+        fit,
+        "failed" if reasons else "ok",
+        f"{len(reasons)} of {len(points)} points have no solution" if reasons else "",
+        before,
+        ranked,
+        alike=indistinguishable_pairs(ranked, judged.residuals),
+        chance=chance_of_misfit(ranked[0].misfit, ranked[0].freedom),
+        inputs=tuple(" + ".join(group) for group in (*groups, *priors)),
+        reasons=reasons,
+        solutions=solutions + judged.solutions,
+        failed=failed + judged.failed,
+        odds=odds,
+    )
 
 
 def _check(unchanged: float, pairs: float) -> None:
@@ -215,10 +252,9 @@ def unchanged_point(
     outcome = asked.outcome(places)
     count = len(point.measured)
     empty = np.zeros((count, len(groups) + len(priors)))
-    why = outcome.reasons.get(point.name, "")
-    if why:
-        nothing = np.zeros(count), np.zeros((count, len(places))), empty, Figures()
-        return UnchangedPoint(*nothing, why, asked.solutions, asked.failed)
+    if why := outcome.reasons.get(point.name, ""):
+        nothing = np.zeros(count), np.zeros((count, len(places)))
+        return UnchangedPoint(*nothing, empty, why, asked.solutions, asked.failed)
     slopes = asked.slopes(places)
     own = residual_shifts(fit.at(point, values), point, groups)
     paths = [parameter.path for parameter in fit.parameters]
@@ -226,85 +262,104 @@ def unchanged_point(
         i = paths.index(path)
         own.append(slopes[:, i] * deviation / fit.parameters[i].slope(values[path]))
     inputs = np.column_stack(own) if own else empty
-    return UnchangedPoint(outcome.residuals, slopes, inputs, outcome.figures[0], "", asked.solutions, asked.failed)
+    return UnchangedPoint(outcome.residuals, slopes, inputs, "", asked.solutions, asked.failed)
+
+
+def _linearised(
+    fit: Fit, before: Mapping[str, float], points: Sequence[UnchangedPoint], simulate: Simulate | None
+) -> LinearMachine:
+    """Return the unchanged machine by the residuals and slopes of its points."""
+    white = whitener(np.vstack([point.inputs for point in points]))
+    residuals = white @ np.concatenate([point.residuals for point in points])
+    slopes = (white @ np.vstack([point.slopes for point in points])).T
+    return LinearMachine(fit, simulate, before, places_of(fit, before), white, residuals, slopes)
+
+
+def _judged(machine: LinearMachine, unchanged: float, odds: float, jobs: int | None) -> Judgement:
+    """Return all hypotheses, judged by slopes, the likely ones solved again; see `diagnose`."""
+    by_slopes = machine.likelihoods()
+    solved: dict[int, ProfileLikelihood | None] = {}
+    spent: list[PairLikelihood | ProfileLikelihood] = []
+    likely = _likely_changes(machine.misfit, by_slopes, unchanged)
+    while True:
+        call = partial(solved_likelihood, machine, likely)
+        solved |= dict(zip(likely, parallel_map(call, len(likely), died=lambda number: None, jobs=jobs), strict=True))
+        singles = [solved.get(i) or linear for i, linear in enumerate(by_slopes)]
+        prior = PriorOdds(unchanged, odds, machine.misfit, tuple(single.log_evidence for single in singles))
+        doubles = _pair_likelihoods(machine, singles, prior, jobs)
+        spent += doubles.values()
+        hypotheses = _hypotheses(machine, singles, doubles, set(solved), prior)
+        best = max(hypotheses, key=lambda hypothesis: hypothesis.probability)
+        likely = [i for i in range(len(by_slopes)) if i not in solved]
+        if not likely or chance_of_misfit(best.misfit, best.freedom) >= LEAST_CHANCE:
+            break  # else a hypothesis that fits may have been dismissed by its slopes
+    spent += filter(None, solved.values())
+    paths = [parameter.path for parameter in machine.fit.parameters]
+    left = {(paths[i], paths[j]): double.residuals for (i, j), double in doubles.items()}
+    left |= {(paths[i],): machine.residuals_of(i, single) for i, single in enumerate(singles)}
+    return Judgement(hypotheses, left, sum(one.solutions for one in spent), sum(one.failed for one in spent))
 
 
 def _likely_changes(none: float, by_slopes: Sequence[LinearLikelihood], unchanged: float) -> list[int]:
     """Return the indices of the hypotheses worth solving again."""
-    chances = probabilities(none, [one.log_evidence for one in by_slopes], unchanged)[1:]
+    chances = probabilities(none, [linear.log_evidence for linear in by_slopes], unchanged)[1:]
     ranked = sorted(range(len(by_slopes)), key=lambda i: -chances[i])
     return [i for rank, i in enumerate(ranked) if rank < LEAST_SINGLES or chances[i] > LIKELY_PROBABILITY]
 
 
-def solved_likelihood(
-    fit: Fit, white: Array, simulate: Simulate | None, likely: Sequence[int], start: Array, columns: Array, number: int
-) -> ProfileLikelihood | None:
+def solved_likelihood(machine: LinearMachine, likely: Sequence[int], number: int) -> ProfileLikelihood | None:
     """Return the likelihood over one of the likely parameters; None where only slopes give one."""
-    index = likely[number]
-    asked = Objective(replace(fit, parameters=(fit.parameters[index],)), simulate)
-    return profile_likelihood(asked, white, float(start[index]), columns[index])
+    i = likely[number]
+    asked = Objective(replace(machine.fit, parameters=(machine.fit.parameters[i],)), machine.simulate)
+    return profile_likelihood(asked, machine.white, float(machine.start[i]), machine.slopes[i])
 
 
 def _pair_likelihoods(
-    fit: Fit,
-    white: Array,
-    simulate: Simulate | None,
-    curves: ResidualCurves,
-    prior: PriorOdds,
-    misfits: Sequence[float],
-    jobs: int | None,
-) -> dict[tuple[int, ...], PairLikelihood]:
+    machine: LinearMachine, singles: Sequence[Single], prior: PriorOdds, jobs: int | None
+) -> dict[tuple[int, int], PairLikelihood]:
     """Return the likelihoods of all pairs, the likely ones solved; none where the odds of pairs are zero."""
     if not prior.odds > 0.0:
         return {}
-    found = {
-        pair: additive_likelihood(curves, pair, INTERVAL_LEVEL) for pair in combinations(range(len(curves.start)), 2)
-    }
+    curves = curves_of(machine.residuals, machine.start, machine.slopes, singles)
+    pairs = list(combinations(range(len(singles)), 2))
+    found = {pair: additive_likelihood(curves, pair, INTERVAL_LEVEL) for pair in pairs}
+    best_of_others = min([machine.misfit, *(single.misfit for single in singles)])
     tried: set[tuple[int, int]] = set()
     while len(tried) < MOST_PAIRS:
-        order = list(found)
-        chances = prior.probabilities([found[pair].log_evidence for pair in order])[1 + len(prior.singles) :]
-        least = min([*misfits, *(one.misfit for one in found.values() if one.solved)])
-        first = FIRST_PAIRS if chance_of_misfit(least, len(white) - 1) < LEAST_CHANCE else 0
-        ranked = sorted(range(len(order)), key=lambda i: -chances[i])
-        wanted = [order[i] for rank, i in enumerate(ranked) if rank < first or chances[i] > LIKELY_PAIR]
+        chances = prior.probabilities([found[pair].log_evidence for pair in pairs])[1 + len(singles) :]
+        least = min([best_of_others, *(double.misfit for double in found.values() if double.solved)])
+        first = FIRST_PAIRS if chance_of_misfit(least, len(machine.residuals) - 1) < LEAST_CHANCE else 0
+        ranked = sorted(range(len(pairs)), key=lambda i: -chances[i])
+        wanted = [pairs[i] for rank, i in enumerate(ranked) if rank < first or chances[i] > LIKELY_PAIR]
         guesses = [(pair, found[pair]) for pair in wanted if pair not in tried][: MOST_PAIRS - len(tried)]
         if not guesses:
             break
-        call = partial(pair_likelihood.solved_pair, fit, white, simulate, guesses, INTERVAL_LEVEL)
+        call = partial(solved_pair, machine.fit, machine.white, machine.simulate, guesses, INTERVAL_LEVEL)
         answers = parallel_map(call, len(guesses), died=lambda number: None, jobs=jobs)
-        found |= {pair: one for (pair, _), one in zip(guesses, answers, strict=True) if one}
+        found |= {pair: double for (pair, _), double in zip(guesses, answers, strict=True) if double}
         tried |= {pair for pair, _ in guesses}
-    return {**found}
+    return found
 
 
 def _hypotheses(
-    fit: Fit,
-    before: Mapping[str, float],
-    singles: Sequence[LinearLikelihood | ProfileLikelihood],
-    doubles: Mapping[tuple[int, ...], PairLikelihood],
-    likely: Set[int],
+    machine: LinearMachine,
+    singles: Sequence[Single],
+    doubles: Mapping[tuple[int, int], PairLikelihood],
+    tried: Set[int],
     prior: PriorOdds,
-    count: int,
-) -> tuple[list[Hypothesis], dict[tuple[int, ...], Array]]:
-    """Return all hypotheses, and the residuals at the best values of pairs."""
-    chances = prior.probabilities([one.log_evidence for one in doubles.values()])
-    rows = [Hypothesis((), float(chances[0]), -0.5 * prior.none, prior.none, count)]
-    for i, (one, chance) in enumerate(zip(singles, chances[1:], strict=False)):
-        parameter = fit.parameters[i]
-        also = tuple(map(parameter.value, one.others())) if isinstance(one, ProfileLikelihood) else ()
-        why = "" if isinstance(one, ProfileLikelihood) else UNSOLVED if i in likely else UNLIKELY
-        changes = (_change(parameter, before, one.estimate, one.interval(INTERVAL_LEVEL)),)
-        rows.append(Hypothesis(changes, float(chance), one.log_evidence, float(one.misfit), count - 1, why, also))
-    for (pair, one), chance in zip(doubles.items(), chances[1 + len(singles) :], strict=True):
-        ends = zip(pair, one.places, one.intervals, strict=True)
-        changes = tuple(_change(fit.parameters[i], before, place, interval) for i, place, interval in ends)
-        why = "" if one.solved else UNLIKELY
-        rows.append(Hypothesis(changes, float(chance), one.log_evidence, float(one.misfit), count - 2, why))
-    return rows, {pair: one.residuals for pair, one in doubles.items()}
-
-
-def _change(parameter: Parameter, before: Mapping[str, float], place: float, ends: tuple[float, float]) -> Change:
-    was, value = before[parameter.path], parameter.value(place)
-    low, high = (parameter.value(end) - was for end in ends)
-    return Change(parameter.path, value, value - was, low, high)
+) -> list[Hypothesis]:
+    """Return all hypotheses: no change, each single change, each pair."""
+    none, *chances = map(float, prior.probabilities([double.log_evidence for double in doubles.values()]))
+    count = len(machine.residuals)
+    rows = [Hypothesis((), none, -0.5 * prior.none, prior.none, count)]
+    for i, (single, chance) in enumerate(zip(singles, chances, strict=False)):
+        why, also = UNSOLVED if i in tried else UNLIKELY, ()
+        if isinstance(single, ProfileLikelihood):
+            why, also = "", tuple(map(machine.fit.parameters[i].value, single.others()))
+        changes = (machine.change(i, single.estimate, single.interval(INTERVAL_LEVEL)),)
+        rows.append(Hypothesis(changes, chance, single.log_evidence, float(single.misfit), count - 1, why, also))
+    for (pair, double), chance in zip(doubles.items(), chances[len(singles) :], strict=True):
+        changes = tuple(map(machine.change, pair, double.places, double.intervals))
+        why = "" if double.solved else UNLIKELY
+        rows.append(Hypothesis(changes, chance, double.log_evidence, float(double.misfit), count - 2, why))
+    return rows

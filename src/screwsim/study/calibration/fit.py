@@ -126,7 +126,7 @@ def correlated_groups(scene: Scene, parameters: Sequence[Parameter]) -> tuple[tu
     """Return the groups of parameters, by index, whose priors are correlated tolerances of the scene."""
     found = []
     for group in scene.correlated:
-        own = [i for i, each in enumerate(parameters) if each.path in group]
+        own = [i for i, parameter in enumerate(parameters) if parameter.path in group]
         held = [prior_of(scene, parameters[i]) for i in own]
         found.append(tuple(i for i, prior in zip(own, held, strict=True) if prior is not None and prior.of_scene))
     return tuple(group for group in found if len(group) > 1)
@@ -163,7 +163,7 @@ class Fit:
     @property
     def held(self) -> tuple[int, ...]:
         """Indices of the parameters that have a prior."""
-        return tuple(i for i, each in enumerate(self.parameters) if each.prior is not None)
+        return tuple(i for i, parameter in enumerate(self.parameters) if parameter.prior is not None)
 
     @cached_property
     def whitener(self) -> NDArray[np.float64]:
@@ -195,13 +195,13 @@ class Fit:
 
     def with_priors(self) -> Fit:
         """Return the fit with the scene's tolerances as priors of parameters that have none."""
-        held = (replace(each, prior=prior_of(self.scene, each)) for each in self.parameters)
+        held = (replace(parameter, prior=prior_of(self.scene, parameter)) for parameter in self.parameters)
         together = correlated_groups(self.scene, self.parameters)
         return replace(self, parameters=tuple(held), together=together)
 
     def short_names(self) -> dict[str, str]:
         """Return short names of the parameters by path: the last words that tell them apart."""
-        paths = {each.path: each.path.split(".") for each in self.parameters}
+        paths = {parameter.path: parameter.path.split(".") for parameter in self.parameters}
         ends = [path[-1] for path in paths.values()]
         return {name: ".".join(path[-2:]) if ends.count(path[-1]) > 1 else path[-1] for name, path in paths.items()}
 

@@ -49,7 +49,7 @@ class Hypothesis:
 
     @property
     def paths(self) -> tuple[str, ...]:
-        return tuple(each.path for each in self.changes)
+        return tuple(change.path for change in self.changes)
 
     def _only(self, name: str) -> float | None:
         return getattr(self.changes[0], name) if len(self.changes) == 1 else None

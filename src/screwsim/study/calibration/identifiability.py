@@ -153,7 +153,7 @@ def _correlated_pairs(
 def _combination(
     parameters: Sequence[Parameter], moves: Array, strength: float, span: float
 ) -> UndeterminedCombination:
-    paths = tuple(each.path for each in parameters)
+    paths = tuple(parameter.path for parameter in parameters)
     return UndeterminedCombination(
         paths, tuple(map(float, moves)), strength, span, _combination_in_words(parameters, moves)
     )
@@ -161,12 +161,12 @@ def _combination(
 
 def _combination_in_words(parameters: Sequence[Parameter], moves: Array) -> str:
     """Return in words the meaning of a move that keeps the figures."""
-    names = [each.path for each in parameters]
+    names = [parameter.path for parameter in parameters]
     if len(parameters) == 1:
         return f"the data hardly constrain {names[0]}"
-    middles = [each.value(0.5) for each in parameters]
+    middles = [parameter.value(0.5) for parameter in parameters]
     growth = [float(move) * each.slope(at) / at for each, move, at in zip(parameters, moves, middles, strict=True)]
-    if len(parameters) == 2 and all(each.logarithmic for each in parameters):
+    if len(parameters) == 2 and all(parameter.logarithmic for parameter in parameters):
         ratio = growth[1] / growth[0] if growth[0] else 0.0
         if abs(ratio - 1.0) < 0.05:
             return f"{names[0]} and {names[1]} are indistinguishable: the data fix only their quotient"

@@ -70,7 +70,7 @@ def curves_of(
         return lambda place: column * (place - begin)
 
     of = tuple(curve(one, float(begin), column) for one, begin, column in zip(singles, start, columns, strict=True))
-    return ResidualCurves(here, start, of, np.array([one.estimate for one in singles]))
+    return ResidualCurves(here, start, of, np.array([single.estimate for single in singles]))
 
 
 def additive_likelihood(curves: ResidualCurves, pair: tuple[int, int], level: float) -> PairLikelihood:

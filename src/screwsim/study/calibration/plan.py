@@ -104,6 +104,11 @@ class PointInformation(NamedTuple):
     idle: bool = False  # nothing is delivered there
     odd: str = ""  # fault of an uncertainty that the point states
 
+    @property
+    def information(self) -> Array:
+        """Information on parameters and inputs (unknowns, unknowns)."""
+        return self.rows.T @ self.rows
+
 
 def candidates_of(
     fit: Fit, file: str | os.PathLike[str] | None = None, paths: Sequence[str] = (), levels: int = LEVELS
@@ -166,42 +171,62 @@ def plan(
     groups = tuple(rest for group in groups if (rest := tuple(path for path in group if path not in own)))
     asked = fit_of_unchanged(fit, machine, simulate)
     prepare(asked, simulate)
-    there = [point for point in fit.points if point.fitted and point.measured]
-    points = [*there, *candidates]
-    call = partial(point_information, asked, points, typical_uncertainties(fit), groups, values, simulate)
-    dead = PointInformation(np.zeros((0, 0)), {}, WORKER_DIED)
-    found = parallel_map(
-        call, len(points), died=lambda number: dead, jobs=jobs, failed=lambda one: bool(one.why), progress=progress
+    measured = [point for point in fit.points if point.fitted and point.measured]
+    points = [*measured, *candidates]
+    answers = parallel_map(
+        partial(point_information, asked, points, typical_uncertainties(fit), groups, values, simulate),
+        len(points),
+        died=lambda number: PointInformation(np.zeros((0, 0)), {}, WORKER_DIED),
+        jobs=jobs,
+        failed=lambda answer: bool(answer.why),
+        progress=progress,
     )
-    for point, one in zip(points, found, strict=True):
-        if one.odd:
-            raise UsageError(f"{point.name}: {one.odd}")
-    reasons = {point.name: one.why for point, one in zip(points, found, strict=True) if one.why}
-    counts = sum(one.solutions for one in found), sum(one.failed for one in found)
+    pairs = list(zip(points, answers, strict=True))
+    if fault := next((f"{point.name}: {answer.odd}" for point, answer in pairs if answer.odd), ""):
+        raise UsageError(fault)
     known, even = _prior_information(fit, machine, values, len(groups))
-    size = len(fit.parameters)
-    pieces = [one.rows.T @ one.rows for one in found]
-    known += sum((piece for piece, one in zip(pieces, found[: len(there)], strict=False) if not one.why), 0.0 * known)
-    solved = [i for i in range(len(there), len(points)) if not found[i].why]
-    good = [i for i in solved if not found[i].idle]
-    if not good:
-        why = f"none of the candidates has a solution: {next(iter(reasons.values()))}" if not solved else NONE_DELIVERS
-        return Plan(fit, "failed", why, values, len(candidates), reasons=reasons, solutions=counts[0], failed=counts[1])
-    picked = [good[i] for i in optimal_choice(known, [pieces[i] for i in good], size, count)]
-    scales = np.array([one.slope(values[one.path]) for one in fit.parameters])
-    before = tuple((scales * np.sqrt(np.diag(covariance(known, size)))).tolist())
-    steps, information = [], known
-    for i in picked:
-        more = information + pieces[i]
-        gain = 0.5 * (log_determinant(information, size) - log_determinant(more, size))
-        deviations = tuple((scales * np.sqrt(np.diag(covariance(more, size)))).tolist())
-        steps.append(PlannedPoint(replace(points[i], measured=found[i].measured), gain, deviations))
-        information = more
+    measured_too = (answer.information for answer in answers[: len(measured)] if not answer.why)
+    known += sum(measured_too, 0.0 * known)
+    solved = [(point, answer) for point, answer in pairs[len(measured) :] if not answer.why]
+    delivering = [(point, answer) for point, answer in solved if not answer.idle]
+    reasons = {point.name: answer.why for point, answer in pairs if answer.why}
     message = f"{len(reasons)} of {len(points)} points have no solution" if reasons else ""
-    names = tuple(" + ".join(group) for group in groups)
-    idle = tuple(points[i].name for i in solved if found[i].idle)
-    rest = (len(candidates), before, tuple(steps), even, names, reasons, *counts, idle)
-    return Plan(fit, "failed" if reasons else "ok", message, values, *rest)
+    found = Plan(
+        fit,
+        "failed" if reasons else "ok",
+        message,
+        values,
+        len(candidates),
+        reasons=reasons,
+        solutions=sum(answer.solutions for answer in answers),
+        failed=sum(answer.failed for answer in answers),
+    )
+    if not delivering:
+        why = NONE_DELIVERS if solved else f"none of the candidates has a solution: {next(iter(reasons.values()))}"
+        return replace(found, status="failed", message=why)
+    order = optimal_choice(known, [answer.information for _, answer in delivering], len(fit.parameters), count)
+    before, steps = _planned(fit, values, known, [delivering[i] for i in order])
+    inputs, idle = (" + ".join(group) for group in groups), (point.name for point, answer in solved if answer.idle)
+    return replace(found, before=before, steps=steps, even=even, inputs=tuple(inputs), idle=tuple(idle))
+
+
+def _planned(
+    fit: Fit, values: Mapping[str, float], known: Array, picked: Sequence[tuple[Point, PointInformation]]
+) -> tuple[tuple[float, ...], tuple[PlannedPoint, ...]]:
+    """Return the deviations [SI] of the parameters by what is known, and the picked points with those after each."""
+    size = len(fit.parameters)
+    scales = np.array([parameter.slope(values[parameter.path]) for parameter in fit.parameters])
+
+    def deviations(information: Array) -> tuple[float, ...]:
+        return tuple((scales * np.sqrt(np.diag(covariance(information, size)))).tolist())
+
+    before, steps = deviations(known), []
+    for point, answer in picked:
+        more = known + answer.information
+        gain = 0.5 * (log_determinant(known, size) - log_determinant(more, size))
+        steps.append(PlannedPoint(replace(point, measured=answer.measured), gain, deviations(more)))
+        known = more
+    return before, tuple(steps)
 
 
 def _prior_information(

@@ -145,7 +145,7 @@ def posterior(
     if not found.values:
         return Posterior(found.fit, "failed", f"there is no fit to start from: {found.message}")
     reach = np.maximum(REGION_WIDTH * _errors(found), LEAST_REGION)
-    places = np.array([each.place(found.values[each.path]) for each in found.fit.parameters])
+    places = np.array([parameter.place(found.values[parameter.path]) for parameter in found.fit.parameters])
     low, high = np.maximum(0.0, places - reach), np.minimum(1.0, places + reach)
     solutions = failed = widened = 0
     while True:
@@ -212,7 +212,7 @@ class _Chain:
 def _sampled_chain(emcee: Any, problem: _LogPosterior, found: Calibration, most: int) -> _Chain:
     """Return states of the posterior, after as many steps as convergence takes, or the most allowed."""
     generator = np.random.default_rng(found.fit.seed)
-    places = np.array([each.place(found.values[each.path]) for each in found.fit.parameters])
+    places = np.array([parameter.place(found.values[parameter.path]) for parameter in found.fit.parameters])
     width = problem.emulator.high - problem.emulator.low
     walkers = WALKERS * problem.size
     spread = np.minimum(0.05 * width, _errors(found))

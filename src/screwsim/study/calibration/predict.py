@@ -76,35 +76,37 @@ def predict(
     if found.samples is None or found.widths is None or found.region is None:
         return Predictions("failed", f"there is no posterior to predict from: {found.message}", tuple(points))
     fit, usual = found.fit, typical_uncertainties(found.fit)
-    asked = [
-        replace(fit, points=(replace(point, measured=dict.fromkeys(figures, _NO_MEASUREMENT)),)) for point in points
-    ]
+    measured = dict.fromkeys(figures, _NO_MEASUREMENT)
+    asked = [replace(fit, points=(replace(point, measured=measured),)) for point in points]
     low, high = found.region
     samples = (zip(fit.parameters, row, strict=True) for row in found.samples.tolist())
-    draws = np.array([[each.place(value) for each, value in sample] for sample in samples])
+    draws = np.array([[parameter.place(value) for parameter, value in sample] for sample in samples])
     spreads = [spread.name for spread in found.discrepancies]
+    widths = found.widths[:, [spreads.index(name) for name in figures]]
     places = np.vstack([places_within(fit, low, high), draws[:CHECKED_DRAWS]])
-    call = partial(_solved_row, asked, places, simulate)
     rows = parallel_map(
-        call, len(asked) * len(places), died=lambda number: FigureRow((), WORKER_DIED), jobs=jobs, progress=progress
+        partial(_solved_row, asked, places, simulate),
+        len(asked) * len(places),
+        died=lambda number: FigureRow((), WORKER_DIED),
+        jobs=jobs,
+        progress=progress,
     )
     generator = np.random.default_rng([fit.seed, 1])
     told: list[Prediction] = []
     reasons: dict[str, str] = {}
     far: dict[str, float] = {}
-    for number, (point, one) in enumerate(zip(points, asked, strict=True)):
+    for number, (point, fit_of_point) in enumerate(zip(points, asked, strict=True)):
         own = rows[number * len(places) : (number + 1) * len(places)]
-        ours = fitted(one, low, high, places[:-CHECKED_DRAWS], own[:-CHECKED_DRAWS])
-        if ours is None:
+        polynomials = fitted(fit_of_point, low, high, places[:-CHECKED_DRAWS], own[:-CHECKED_DRAWS])
+        if polynomials is None:
             reasons[point.name] = next((row.why for row in own if row.why), "a figure has no value")
             continue
-        uncertainty = _uncertainties(point, figures, usual, np.median(ours(draws), axis=0))
-        widths = found.widths[:, [spreads.index(name) for name in figures]]
-        told += _point_predictions(point, figures, (ours(draws), widths, uncertainty, ours.off), generator)
-        checked = [
-            (at, row) for at, row in zip(draws, own[-CHECKED_DRAWS:], strict=False) if np.isfinite(row.figures).all()
-        ]
-        off = [np.max(np.abs(ours(at) - row.figures) / uncertainty) for at, row in checked if row.figures]
+        drawn = polynomials(draws)
+        uncertainty = _uncertainties(point, figures, usual, np.median(drawn, axis=0))
+        told += _point_predictions(point, figures, (drawn, widths, uncertainty, polynomials.off), generator)
+        solved = [(at, row) for at, row in zip(draws, own[-CHECKED_DRAWS:], strict=False) if row.figures]
+        solved = [(at, row) for at, row in solved if np.isfinite(row.figures).all()]
+        off = [np.max(np.abs(polynomials(at) - row.figures) / uncertainty) for at, row in solved]
         far[point.name] = float(max(off, default=np.inf))
     failed = sum(bool(row.why) for row in rows)
     worst = max(far.values(), default=None)
@@ -133,19 +135,16 @@ def _point_predictions(
     point: Point, figures: Sequence[str], parts: tuple[Array, Array, Array, Array], generator: np.random.Generator
 ) -> list[Prediction]:
     """Return a point's predictions from figures and widths at draws, measurement uncertainties, polynomial errors."""
-    ours, widths, uncertainty, off = parts
+    computed, widths, uncertainty, off = parts
     variance = widths**2 + uncertainty**2 + off**2
-    drawn = ours + np.sqrt(variance) * generator.standard_normal(ours.shape)
+    drawn = computed + np.sqrt(variance) * generator.standard_normal(computed.shape)
     ends = np.quantile(drawn, QUANTILES, axis=0)
-    spread, left = ours.std(axis=0), np.sqrt(np.mean(widths**2, axis=0))
+    sizes = np.array([computed.std(axis=0), np.sqrt(np.mean(widths**2, axis=0)), uncertainty, off])
     found = []
     for i, name in enumerate(figures):
-        low, median, high = (float(end) for end in ends[:, i])
         value = point.measured[name].value if name in point.measured else np.nan
-        parameters, rest, measuring, polynomials = (float(part[i]) for part in (spread, left, uncertainty, off))
         known = None if np.isnan(value) else float(value)
-        sizes = parameters, rest, measuring, polynomials, known
-        found.append(Prediction(point.name, name, low, median, high, *sizes))
+        found.append(Prediction(point.name, name, *ends[:, i].tolist(), *sizes[:, i].tolist(), measured=known))
     return found
 
 

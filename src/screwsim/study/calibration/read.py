@@ -93,7 +93,7 @@ def _typed(root: Node, name: str, other: Mapping[str, str], fixed: bool, problem
         return None
     data = other.get("data", os.path.join(root.place.folder, head["data"]))
     label = os.path.normpath(other.get("data", os.path.join(os.path.dirname(name), head["data"])))
-    taken = [path for each in parameters for path in each.values(each.low)]
+    taken = [path for parameter in parameters for path in parameter.values(parameter.low)]
     rows = read_points(data, label, scene, taken, problems)
     if problems:
         return None
@@ -263,7 +263,7 @@ def _check(fit: Fit, rows: list[tuple[Point, Position]], root: Node, fixed: bool
         for fault in cross_check(fit.at(point, start)):
             problems.add(place, fault.path, fault.what)
     data = sum(len(point.measured) for point in fit.points if point.fitted)
-    priors = sum(prior_of(fit.scene, each) is not None for each in fit.parameters)
+    priors = sum(prior_of(fit.scene, parameter) is not None for parameter in fit.parameters)
     if not data or (fixed and data + priors < len(fit.parameters)):
         what = f"{data} measured figures and {priors} priors cannot determine {len(fit.parameters)} parameters"
         problems.add(root.value["parameters"].heading, "parameters", f"{what} (fit fewer, or add data)")

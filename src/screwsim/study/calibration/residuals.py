@@ -151,11 +151,11 @@ class Objective:
             return np.zeros((len(names), len(places)))
         exact = self._exact(point, values) if self.fit.slopes == EXACT else SceneDerivatives({}, {}, EXACT_OPTION)
         columns = []
-        for index, each in enumerate(self.fit.parameters):
-            column, why = exact_column(each, values[each.path], point, exact)
+        for index, parameter in enumerate(self.fit.parameters):
+            column, why = exact_column(parameter, values[parameter.path], point, exact)
             if column is None:
                 column = self._differences(point, places, index, figures, sides)
-            self.methods[each.path] = why or self.methods.get(each.path, "")
+            self.methods[parameter.path] = why or self.methods.get(parameter.path, "")
             columns.append(np.where(solved, column, 0.0))
         return np.column_stack(columns) if columns else np.zeros((len(names), 0))
 

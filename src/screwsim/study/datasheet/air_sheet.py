@@ -196,5 +196,5 @@ def _document(scene: Scene, rated: Rating) -> dict[str, Any]:
             "met": regulation.met,
             "message": regulation.why,
         },
-        "warnings": list(dict.fromkeys(each for point in rated.points for each in point.result.warnings)),
+        "warnings": list(dict.fromkeys(warning for point in rated.points for warning in point.result.warnings)),
     }

@@ -111,9 +111,9 @@ def _share(points: Sequence[Point], curve: Pchip | None, idle: float, demand: De
 def year_table(rated: Rating, shares: Sequence[DemandShare]) -> Table:
     """Return the table of a profile, with totals in its last row."""
     rows = [
-        [*(f"{MINUTE * each.demand.flow:.2f}", f"{each.demand.hours:g}", f"{100.0 * each.loaded:.0f}"),
-         *(f"{1e-3 * each.power:.1f}", f"{each.energy / KWH:.0f}", _specific(each.energy, each.volume))]
-        for each in shares
+        [*(f"{MINUTE * share.demand.flow:.2f}", f"{share.demand.hours:g}", f"{100.0 * share.loaded:.0f}"),
+         *(f"{1e-3 * share.power:.1f}", f"{share.energy / KWH:.0f}", _specific(share.energy, share.volume))]
+        for share in shares
     ]  # fmt: skip
     hours, energy, volume = (sum(column) for column in zip(*map(_sums, shares), strict=True))
     mean = 1e-3 * energy / (hours * HOUR)
@@ -132,11 +132,11 @@ def _specific(energy: float, volume: float) -> str:
 
 def _notes(rated: Rating, shares: Sequence[DemandShare]) -> Iterator[str]:
     full = rated.full.flow
-    missing = [each for each in shares if each.demand.flow > (1.0 + DEMAND_TOLERANCE) * full]
+    missing = [share for share in shares if share.demand.flow > (1.0 + DEMAND_TOLERANCE) * full]
     if missing:
         hours = sum(each.demand.hours for each in missing)
         yield f"during {hours:g} h it delivers less than demanded, {MINUTE * full:.2f} m³/min"
-    if any(each.loaded < 1.0 for each in shares):
+    if any(share.loaded < 1.0 for share in shares):
         if rated.unloaded is None:
             yield "below its lowest flow it starts and stops, drawing no power while stopped (it has no unloaded point)"
         else:
@@ -147,8 +147,8 @@ def year_document(shares: Sequence[DemandShare]) -> dict[str, Any]:
     """Return a profile for `--json`, in SI units; hours stay hours."""
     hours, energy, volume = (sum(column) for column in zip(*map(_sums, shares), strict=True))
     rows = [
-        {"flow": each.demand.flow, "hours": each.demand.hours, "given_flow": each.given, "power": each.power,
-         "loaded": each.loaded, "energy": each.energy}
-        for each in shares
+        {"flow": share.demand.flow, "hours": share.demand.hours, "given_flow": share.given, "power": share.power,
+         "loaded": share.loaded, "energy": share.energy}
+        for share in shares
     ]  # fmt: skip
     return {"demands": rows, "hours": hours, "energy": energy, "volume": volume}

@@ -70,21 +70,22 @@ def tables_of(rated: Rating, columns: Sequence[Column], side: str) -> Iterator[T
     across = (shown_at(asked.across, value) for value in asked.across.values)
     heads = [side, *(value.replace(" ", BLANK) for value in across)]
     for column in columns:
-        rows, marked = [], False
-        for j, value in enumerate(asked.down.values):
-            cells = []
-            for i in range(len(asked.across.values)):
-                result = rated.points.get((i, j))
-                if result is None or result.status != "ok":
-                    cells.append("" if result is None else NONE)
-                    continue
-                out = bool(exceeded_bounds(result.performance, asked.bounds))
-                marked = marked or out
-                cells.append(column.cell(result.performance) + (MARK if out else BLANK))
-            rows.append([shown_at(asked.down, value), *cells])
-        if not marked:
-            rows = [[cell.rstrip(BLANK) for cell in row] for row in rows]
+        cells = [
+            [_cell(rated, column, i, j) for i in range(len(asked.across.values))] for j in range(len(asked.down.values))
+        ]
+        marked = any(beyond for row in cells for _, beyond in row)
+        texts = [[text if marked else text.rstrip(BLANK) for text, _ in row] for row in cells]
+        rows = [[shown_at(asked.down, value), *row] for value, row in zip(asked.down.values, texts, strict=True)]
         yield Table(column.title, heads, rows, f"{MARK} beyond a limit" if marked else "")
+
+
+def _cell(rated: Rating, column: Column, i: int, j: int) -> tuple[str, bool]:
+    """Return the text at one point of a table, and whether the point lies beyond a limit."""
+    result = rated.points.get((i, j))
+    if result is None or result.status != "ok":
+        return "" if result is None else NONE, False
+    beyond = bool(exceeded_bounds(result.performance, rated.asked.bounds))
+    return column.cell(result.performance) + (MARK if beyond else BLANK), beyond
 
 
 def part_load_table(
@@ -95,14 +96,14 @@ def part_load_table(
     heads = ["control", "load %", "setting", *(head for head, _ in columns)]
     heads += ["best Vi", best[0]] if rated.asked.ratios else []
     rows = []
-    for each in rated.loads:
-        for k, step in enumerate(each.steps):
-            setting = shown_value(scene, each.control.path, step.setting, 4)
+    for load in rated.loads:
+        for k, step in enumerate(load.steps):
+            setting = shown_value(scene, load.control.path, step.setting, 4)
             cells = [column.cell(step.result.performance) for _, column in columns]
             if rated.asked.ratios:
                 better = step.best.performance if step.best is not None else {}
                 cells += [NONE if step.ratio is None else f"{step.ratio:.2f}", best[1].cell(better)]
-            rows.append([each.control.name if k == 0 else "", f"{100.0 * step.load:.0f}", setting, *cells])
+            rows.append([load.control.name if k == 0 else "", f"{100.0 * step.load:.0f}", setting, *cells])
     if rows:
         yield Table("Part load at equal loads", heads, rows, note, left=1, across=True)
 
@@ -130,7 +131,7 @@ def part_load_note(rated: Rating, load: str, best: str) -> str:
 
 def _missed_ratios(rated: Rating) -> str:
     """Return at which built-in volume ratios no best one was sought, and why; empty where there are none."""
-    missed = {ratio: why for each in rated.loads for step in each.steps for ratio, why in step.missed.items()}
+    missed = {ratio: why for load in rated.loads for step in load.steps for ratio, why in step.missed.items()}
     if not missed:
         return ""
     named = ", ".join(f"{ratio:.3g}" for ratio in sorted(missed))
@@ -158,9 +159,9 @@ def drawing(
 
 def part_load_drawing(rated: Rating, column: Column, title: str) -> Iterator[Drawing]:
     """Yield a drawing over the load, with one curve per control; nothing where none has two points."""
-    parts = [each for each in rated.loads if len(each.curve) > 1]
+    parts = [load for load in rated.loads if len(load.curve) > 1]
     if parts:
-        yield Drawing(title, "load [%]", title, [_load_curve(each, column) for each in parts])
+        yield Drawing(title, "load [%]", title, [_load_curve(part, column) for part in parts])
 
 
 def _load_curve(each: PartLoad, column: Column) -> Curve:
@@ -190,7 +191,7 @@ def document_of(rated: Rating, names: Sequence[str]) -> dict[str, Any]:
         out = exceeded_bounds(result.performance, asked.bounds) if result.status == "ok" else []
         at = {first: asked.across.values[i], second: asked.down.values[j]}
         points.append({**at, **document_figures(result, names), "beyond": [bound.figure for bound in out]})
-    every = (rated.own, *rated.points.values(), *(step.result for each in rated.loads for step in each.steps))
+    every = (rated.own, *rated.points.values(), *(step.result for load in rated.loads for step in load.steps))
     return {
         "own_point": document_figures(rated.own, names),
         "points": points,
@@ -201,7 +202,7 @@ def document_of(rated: Rating, names: Sequence[str]) -> dict[str, Any]:
         "envelope": [
             {first: each.at, second: [each.low, each.high], "ends": [each.below, each.above]} for each in rated.reach
         ],
-        "part_load": [_control(each, names) for each in rated.loads],
+        "part_load": [_control(load, names) for load in rated.loads],
         "warnings": list(dict.fromkeys(text for result in every for text in result.warnings)),
     }
 

@@ -273,6 +273,6 @@ def _with_beyond(found: Optimum, path: str, reach: EquallyGoodRange, simulate: S
 
     def solved() -> Result:
         points = simulated(asked, {**found.values, path: value}, simulate)
-        return next((each.result for each in points if each.result.status != "ok"), points[0].result)
+        return next((point.result for point in points if point.result.status != "ok"), points[0].result)
 
     return replace(reach, beyond=refusal_beyond(asked.scene, path, value, solved))

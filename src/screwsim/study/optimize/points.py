@@ -79,18 +79,27 @@ def energy_shares(name: str) -> tuple[float, ...]:
     Hours times load at each outdoor temperature, divided linearly between the two neighbouring points; beyond the outer
     points these take all.
     """
-    at, loads = _OUTDOOR[name][::-1], _LOADS[name][::-1]  # ascending
+    at = _OUTDOOR[name][::-1]  # ascending
     shares = [0.0] * len(at)
     for T, hours in BIN_HOURS[name].items():
         upper = next((i for i, each in enumerate(at) if each >= T), len(at) - 1)
         lower = max(upper - 1, 0)
         part = 1.0 if upper == lower else min(max((T - at[lower]) / (at[upper] - at[lower]), 0.0), 1.0)
-        load = loads[lower] + part * (loads[upper] - loads[lower])
-        if name == "SEER" and T < at[0]:  # this load falls to zero at 16 °C; that of process cooling does not
-            load = (T - 16.0) / (35.0 - 16.0)
-        shares[upper] += part * hours * load
-        shares[lower] += (1.0 - part) * hours * load
+        cooling = hours * load_at(name, T)
+        shares[upper] += part * cooling
+        shares[lower] += (1.0 - part) * cooling
     return tuple(share / sum(shares) for share in shares[::-1])
+
+
+def load_at(name: str, T: float) -> float:
+    """Return the part load ratio at an outdoor temperature [°C].
+
+    Space cooling is in proportion to T − 16 °C, beyond 35 °C too; process cooling goes from 0.8 at 5 °C to 1 at 35 °C.
+    The loads of the rating points are these, rounded to whole percents.
+    """
+    if name == "SEER":
+        return (T - 16.0) / (35.0 - 16.0)
+    return 0.8 + 0.2 * min(max((T - 5.0) / (35.0 - 5.0), 0.0), 1.0)
 
 
 def standards() -> dict[str, SeasonalStandard]:
@@ -194,9 +203,9 @@ def as_csv(points: OperatingPoints) -> str:
     lines = [f"# {line}" for line in points.told]
     weight, load = "energy" if points.energy else "weight", "load" if points.by == SPEED else f"load by {points.by}"
     lines.append(", ".join(["name", weight, load, *(f"{path} [degC]" for path in paths)]))
-    for each in points.points:
-        temperatures = (f"{round(value - ZERO_CELSIUS, 6):g}" for value in each.values.values())
-        lines.append(", ".join([each.name, f"{each.weight:.6g}", f"{each.load:g}", *temperatures]))
+    for point in points.points:
+        temperatures = (f"{round(value - ZERO_CELSIUS, 6):g}" for value in point.values.values())
+        lines.append(", ".join([point.name, f"{point.weight:.6g}", f"{point.load:g}", *temperatures]))
     return "\n".join(lines) + "\n"
 
 

@@ -69,14 +69,29 @@ def question(
     `vary` are texts 'PATH=LOW..HIGH', or 'PATH' of an axis of the sweep, or {path: (low, high) [SI]}. The default aim
     is to maximise the usual efficiency.
     """
+    aims = _aims(scene, maximize, minimize)
+    spans = _spans(scene, vary) if isinstance(vary, Mapping) else read_spans(scene, _listed(vary), ranged=True)
+    bounds = [each if isinstance(each, Bound) else read_bounds(scene, [each])[0] for each in _listed(subject_to)]
+    points = _operating_points(scene, over, spans)
+    count = EVALUATIONS_PER_PATH * len(spans) if evaluations is None else evaluations
+    what = "is not a number of evaluations (write 1 or more)" if count < 1 else too_many(count)
+    if what:
+        raise UsageError(f"--evaluations {count}: {what}")
+    return Question(scene, spans, aims or (Aim(usual_efficiency(scene)),), tuple(bounds), points, count, seed)
+
+
+def _aims(scene: Scene, maximize: Iterable[str], minimize: Iterable[str]) -> tuple[Aim, ...]:
+    """Return the aims; raise UsageError where a figure is given twice."""
     aims = [Aim(figure_of(scene, name, "--maximize")) for name in _listed(maximize)]
     aims += [Aim(figure_of(scene, name, "--minimize"), True) for name in _listed(minimize)]
     named = [aim.figure for aim in aims]
-    for name in named:
-        if named.count(name) > 1:
-            raise UsageError(f"--maximize, --minimize: {name} is given twice as an aim (remove one)")
-    spans = _spans(scene, vary) if isinstance(vary, Mapping) else read_spans(scene, _listed(vary), ranged=True)
-    bounds = [each if isinstance(each, Bound) else read_bounds(scene, [each])[0] for each in _listed(subject_to)]
+    if twice := next((name for name in named if named.count(name) > 1), ""):
+        raise UsageError(f"--maximize, --minimize: {twice} is given twice as an aim (remove one)")
+    return tuple(aims)
+
+
+def _operating_points(scene: Scene, over: str | OperatingPoints | None, spans: Sequence[Span]) -> OperatingPoints:
+    """Return the operating points; raise UsageError where they set what varies, or need loads that there are not."""
     if not isinstance(over, OperatingPoints | str | None):
         raise UsageError(f"over: {shown(over)} is not a text (pass one as for --over)")
     points = over if isinstance(over, OperatingPoints) else read_points(scene, over)
@@ -88,12 +103,7 @@ def question(
     if any(point.load is not None for point in points.points):
         check_continuous(scene, points.by)
         figure_of(scene, "cooling_capacity", "--over")
-    count = EVALUATIONS_PER_PATH * len(spans) if evaluations is None else evaluations
-    what = "is not a number of evaluations (write 1 or more)" if count < 1 else too_many(count)
-    if what:
-        raise UsageError(f"--evaluations {count}: {what}")
-    found = tuple(aims) or (Aim(usual_efficiency(scene)),)
-    return Question(scene, spans, found, tuple(bounds), points, count, seed)
+    return points
 
 
 def _listed(given: Iterable[Any]) -> list[Any]:

@@ -47,7 +47,7 @@ def _score(asked: Question, evaluation: Evaluation, penalty: float) -> float:
 
 
 def _penalty(evaluations: Sequence[Evaluation]) -> float:
-    known = [abs(each.aims[0]) for each in evaluations if not each.failed]
+    known = [abs(evaluation.aims[0]) for evaluation in evaluations if not evaluation.failed]
     return VIOLATION_COST * max(known, default=1.0) or VIOLATION_COST
 
 

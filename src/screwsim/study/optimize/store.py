@@ -38,8 +38,8 @@ def question_text(asked: Question) -> str:
             "energy_weights": asked.points.energy,
             "loads_by": asked.points.by,
             "points": [
-                {"name": each.name, "weight": each.weight, "load": each.load, "values": dict(each.values)}
-                for each in asked.points.points
+                {"name": point.name, "weight": point.weight, "load": point.load, "values": dict(point.values)}
+                for point in asked.points.points
             ],
             "evaluations": asked.evaluations,
             "seed": asked.seed,

@@ -168,21 +168,28 @@ def _jump_in_words(trials: Trials) -> str:
     if ends is None:
         return ""
     (span,), (goal,) = trials.spans, trials.goals
-    low, high = (shown_value(trials.scene, span.path, span.value(each.places[0]), 7) for each in ends)
-    a, b = (figure_text(goal.figure, (each.off or (math.nan,))[0] + goal.value) for each in ends)
+    low, high = (shown_value(trials.scene, span.path, span.value(end.places[0]), 7) for end in ends)
+    a, b = (figure_text(goal.figure, (end.off or (math.nan,))[0] + goal.value) for end in ends)
     why = f", where solutions fail: {trials.reasons[-1]}" if trials.reasons else ""
     return f"it jumps from {a} at {low} to {b} at {high}{why}"
 
 
 def _flat_in_words(trials: Trials) -> str:
     """Return the message that the one figure does not change; empty where it does."""
-    if len(trials.spans) > 1 or len(trials.closed) < 2:
+    if len(trials.spans) > 1 or not _is_flat(trials):
         return ""
-    off = [(trial.off or (math.nan,))[0] for trial in trials.closed]
-    if max(off) - min(off) > CLEAR_ERRORS * max(trial.errors[0] for trial in trials.closed):
-        return ""
-    name, value = trials.goals[0].figure, min(off) + trials.goals[0].value
+    name, value = trials.goals[0].figure, min(_off(trials)) + trials.goals[0].value
     return f"it is {figure_text(name, value)} throughout (vary something it depends on)"
+
+
+def _is_flat(trials: Trials) -> bool:
+    """Tell whether the one figure differs between no two solutions by more than their errors."""
+    off = _off(trials)
+    return len(off) > 1 and max(off) - min(off) <= CLEAR_ERRORS * max(trial.errors[0] for trial in trials.closed)
+
+
+def _off(trials: Trials) -> list[float]:
+    return [(trial.off or (math.nan,))[0] for trial in trials.closed]
 
 
 def read_catalogue(scene: Scene, path: str, text: str) -> tuple[float, ...]:
@@ -203,9 +210,11 @@ def read_catalogue(scene: Scene, path: str, text: str) -> tuple[float, ...]:
 def next_size(trials: Trials, met: Trial | None, sizes: Iterable[float]) -> Size | None:
     """Return the smallest size, from the value found on, that is at the goal or beyond it; None where none is.
 
-    Beyond is the side towards which the figure moves as the size grows. Where no value meets the goal because every
-    size is beyond it, that is the smallest size.
+    Beyond is the side towards which the figure moves as the size grows; of a figure that does not move, no size is.
+    Where no value meets the goal because every size is beyond it, that is the smallest size.
     """
+    if met is None and _is_flat(trials):
+        return None
     sizes = list(sizes)
     row = sorted(trials.closed, key=lambda trial: trial.places)
     ends: Sequence[float] = [(trial.off or (0.0,))[0] for trial in row]

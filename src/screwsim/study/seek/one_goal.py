@@ -168,5 +168,5 @@ def _inverse_interpolation(points: list[tuple[float, float]]) -> float | None:
     total = 0.0
     for off, place in points:
         others = [each for each, _ in points if each != off]
-        total += place * math.prod(-each / (off - each) for each in others)
+        total += place * math.prod(-other / (off - other) for other in others)
     return total

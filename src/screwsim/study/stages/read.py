@@ -18,7 +18,7 @@ from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.lines import condensate_enthalpy, lines
 from screwsim.scene.schema import DRAFT, leaf_schema, mapping
 from screwsim.scene.sections import read_section
-from screwsim.scene.units import readable_quantity
+from screwsim.scene.units import readable_quantity, to_customary
 from screwsim.scene.values import shown
 from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
 
@@ -213,7 +213,7 @@ def stages_schema() -> dict[str, Any]:
 def explain_stages(chain: StageChain) -> str:
     """Return the explanation as text. Raises UsageError for a fluid that is not available."""
     p_s, p_d = lines(chain.first).p_s, lines(chain.second).p_d
-    ends = " to ".join(readable_quantity(KINDS["pressure"], p) for p in (p_s, p_d))
+    ends = " to ".join(f"{to_customary(KINDS['pressure'], p):.4g} bar" for p in (p_s, p_d))
     between = chain.intercooler
     words = INTERCOOLER_KINDS[between.kind]
     if between.outlet_temperature is not None:

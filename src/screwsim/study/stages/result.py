@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from screwsim.evaluate.performance import NO_POWER, heating, parted
-from screwsim.figures.errors import error_in_unit, error_scale
+from screwsim.figures.errors import error_in_unit, error_scale, zeros_for_none
 from screwsim.outputs import STAGES, Figures, Result
 from screwsim.outputs.display import picked
 from screwsim.scene import Scene
@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 
 PRESSURE_STEP = 1.02  # factor of the pressure between the stages, for the slopes by that pressure
 TEMPERATURE_STEP = 1.0  # K, warming of the first stage's gas, for the slopes by its temperature
-STAGE_FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "separator_temperature", "oil_cooler_duty")
+STAGE_FIGURES = (
+    *("gas_mass_flow", "shaft_power", "electrical_power"),
+    *("discharge_temperature", "separator_temperature", "oil_cooler_duty"),
+)
 
 
 @dataclass(frozen=True)
@@ -57,6 +60,17 @@ def capacities(
     return {"cooling_capacity": cooling, "cop": cop, **warming}, notes
 
 
+def electrical_figures(results: tuple[Result, Result], found: Mapping[str, float | None]) -> dict[str, float]:
+    """Return the electrical power [W] of both stages, if both have a motor, and the COP of the capacities found."""
+    powers = [each.performance.get("electrical_power") for each in results]
+    power = sum(each for each in powers if each is not None)
+    if None in powers or not power > 0.0:
+        return {}
+    names = (("electrical_cop", "cooling_capacity"), ("electrical_heating_cop", "heating_capacity"))
+    known = ((name, found.get(capacity)) for name, capacity in names)
+    return {"electrical_power": power} | {name: capacity / power for name, capacity in known if capacity is not None}
+
+
 def chain_errors(
     pair: StagePair,
     figures: Callable[[StagePair], Mapping[str, Any]],
@@ -81,7 +95,7 @@ def chain_errors(
     other = beside(pair.p * PRESSURE_STEP)
     shift = left / max(abs(other.excess - pair.excess), 1e-300)  # fraction of the step to that other pressure
     by_pressure = _figure_changes(found, figures(other))
-    known = {name: 0.0 if value is None else value for name, value in found.items()}
+    known = zeros_for_none(found)
     scales = {name: STAGES[name].scale for name, value in found.items() if value is not None}
     sizes = {name: error_scale(name, scale, known) for name, scale in scales.items() if not scale.unasked}
     return Figures(

@@ -29,6 +29,7 @@ from screwsim.study.stages.result import (
     capacities,
     chain_errors,
     delivery_temperature_figure,
+    electrical_figures,
 )
 
 BRACKET_GROWTH = 1.25  # factor between successive pressures while the solution is being bracketed
@@ -320,6 +321,7 @@ class _ChainSolver:
             discharge_temperature=second.discharge_temperature,
             **etas,
             **cooled,
+            **electrical_figures(pair.results, cooled),
             flow_mismatch=abs(comes - taken) / max(comes, taken),
         )
         notes |= {f"{STAGE_NAMES[1]}_{name}": pair.unparted for name in SEPARATOR_FIGURES if pair.unparted}
@@ -332,6 +334,14 @@ class _ChainSolver:
             return chain_errors(pair, lambda each: self.figures(each)[0], beside, partial(self.warmer, pair)), ()
         except (_Stop, UsageError) as stop:
             return Figures(), (f"the errors of the two-stage figures could not be estimated: {stop}",)
+
+    def idle(self, pair: StagePair) -> tuple[str, ...]:
+        """Return a warning where the gas reaches the cooler colder than it is to leave it (M201)."""
+        wanted = self.chain.intercooler.outlet_temperature
+        if wanted is None or pair.T >= wanted:
+            return ()
+        what = f"the intercooler cools nothing: the gas arrives at {in_celsius(pair.T)}, below its outlet_temperature"
+        return (f"{what} of {in_celsius(wanted)} (choose a lower intercooler.outlet_temperature, or kind: none)",)
 
     def _capacities(self, pair: StagePair, flow: float, power: float, h_s: float) -> FiguresAndReasons:
         """Return the result of `capacities` for a flow of the first stage [kg/s] and its inlet enthalpy h_s [J/kg]."""
@@ -366,6 +376,5 @@ def run_stages(chain: StageChain) -> ChainResult:
     if found.flow_mismatch > bound:
         status, message = "not_closed", f"the flows of the two stages differ by {found.flow_mismatch:.2g} (relative)"
     error, warnings = solving.errors(pair)
-    return ChainResult(
-        status, message, pair.results, pair.scenes, found, notes, error, warnings or inaccurate(bound, error)
-    )
+    warnings = (*solving.idle(pair), *(warnings or inaccurate(bound, error)))
+    return ChainResult(status, message, pair.results, pair.scenes, found, notes, error, warnings)

@@ -13,11 +13,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
+from traceback import extract_tb
 from types import ModuleType
 from typing import Any
 
 import screwsim
-from screwsim.inputs.faults import Interrupted, UsageError
+from screwsim.inputs.faults import Interrupted, SceneError, UsageError, in_one_line
 from screwsim.inputs.sheets import BadSheet, read_sheet
 from screwsim.inputs.suggestions import nearest
 from screwsim.inputs.textfiles import Unreadable, read_text
@@ -145,10 +146,21 @@ def run_sources(
 def _run_source(folders: tuple[Path, ...], number: int) -> SourceOutcome:
     folder, began, comparison, reason = folders[number], time.perf_counter(), None, ""
     try:
-        comparison = sibling(folder / MODULE).compare(folder)
-    except NotRun as error:
+        found = sibling(folder / MODULE).compare(folder)
+        if not isinstance(found, Comparison):
+            raise NotRun(f"{folder / MODULE}: compare returns a {type(found).__name__} (return a Comparison)")
+        comparison = found
+    except (NotRun, SceneError, UsageError) as error:
         reason = " ".join(str(error).split())
+    except Exception as error:  # noqa: BLE001 - a source is a program of somebody's, which may raise anything
+        reason = f"{_place_in(folder, error)}: fails ({in_one_line(error)}); fix that program"
     return SourceOutcome(folder.name, comparison, reason, time.perf_counter() - began)
+
+
+def _place_in(folder: Path, error: Exception) -> str:
+    """Return FILE:LINE of the program in a folder that raised an error, or that called what did."""
+    lines = [f"{file}:{line}" for file, line, *_ in extract_tb(error.__traceback__) if Path(file).parent == folder]
+    return lines[-1] if lines else str(folder / MODULE)
 
 
 def document(outcomes: Sequence[SourceOutcome]) -> dict[str, Any]:

@@ -184,9 +184,9 @@ def source_text(name: str, source: Mapping[str, Any]) -> str:
 def errors_report(errors: Mapping[str, Any]) -> str:
     """Return the model error by machine and figure, as ASME V&V 20 states it."""
     lines = ["error of the model: E = ours - theirs; at all points it lies between the ends (E ± 2 u_val, ASME V&V 20)"]
-    for name, each in errors.items():
-        lines += textwrap.wrap(f"{name}: {range_text(each['range'])}", WIDTH)
-        for figure, told in each["figures"].items():
+    for name, error in errors.items():
+        lines += textwrap.wrap(f"{name}: {range_text(error['range'])}", WIDTH)
+        for figure, told in error["figures"].items():
             lines += _error_lines(figure, told)
     lines.append("a scene that resembles one of them refers to it by name: uncertainty: {model: NAME}")
     return "\n".join(lines)

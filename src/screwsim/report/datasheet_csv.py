@@ -1,0 +1,62 @@
+"""The points of a data sheet as a table: a row a point, its operating state and all its figures in customary units."""
+
+import csv
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from screwsim.figures import declared
+from screwsim.figures.engineering import reading_unit
+from screwsim.inputs.faults import UsageError
+from screwsim.report.quantities import RPM
+from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, write_csv
+
+STATUS, BEYOND, WARNINGS = "status", "beyond", "warnings"  # of a point, beside its numbers
+PLAIN = {"°C": "degC", "²": "^2", "³": "^3"}  # in heads, as in all tables of the program
+DIGITS = 6  # significant digits of a number
+SEPARATOR = "; "  # between limits, and between warnings
+
+
+def check_table(output: Path) -> None:
+    """Raise UsageError where a file at `output` is not such a table."""
+    check_target_kind(output)
+    if not output.is_file() or not output.stat().st_size:
+        return
+    with output.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
+        heads = next(csv.reader(stream), [])
+    if not {STATUS, WARNINGS} <= set(heads):
+        raise UsageError(FOREIGN_FILE.format(output))
+
+
+def write_table(document: Mapping[str, Any], output: Path) -> str:
+    """Write the points of a sheet's document; return the path."""
+    points: Sequence[Mapping[str, Any]] = document["points"]
+    names = list(dict.fromkeys(name for each in points for name in each if name not in (STATUS, "message", WARNINGS)))
+    columns = [_column(name, [each.get(name) for each in points]) for name in names]
+    heads = [*(head for head, _ in columns), STATUS, WARNINGS]
+    ends = [[_status(each), SEPARATOR.join(each[WARNINGS])] for each in points]
+    cells = zip(*(values for _, values in columns), strict=True)
+    return write_csv(output, heads, [[*row, *end] for row, end in zip(cells, ends, strict=True)])
+
+
+def _status(point: Mapping[str, Any]) -> str:
+    return f"{point[STATUS]}: {point['message']}" if point["message"] else str(point[STATUS])
+
+
+def _column(name: str, values: Sequence[Any]) -> tuple[str, list[str]]:
+    """Return the head of a column with its unit, and its cells."""
+    if name == BEYOND:
+        return "beyond_limits", [SEPARATOR.join(each or ()) for each in values]
+    factor, unit, offset = _unit(name, [abs(each) for each in values if each is not None])
+    head = f"{name} [{unit}]" if unit else name
+    return head, ["" if each is None else f"{factor * each - offset:.{DIGITS}g}" for each in values]
+
+
+def _unit(name: str, sizes: Sequence[float]) -> tuple[float, str, float]:
+    """Return factor from SI, unit and the offset that is taken off, for all values of a column."""
+    if name == "speed":
+        return RPM, "rpm", 0.0
+    factor, unit, offset = reading_unit(declared(name), max(sizes, default=0.0))
+    for sign, plain in PLAIN.items():
+        unit = unit.replace(sign, plain)
+    return factor, unit, offset

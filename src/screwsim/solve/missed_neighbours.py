@@ -1,0 +1,134 @@
+"""Least errors of figures by what a chamber misses of its neighbours within its steps, while it is closed.
+
+A chamber meets its neighbours at the stages of its own steps. What happens to a neighbour within a few degrees, as at
+the end of its life, where its last gas is squeezed and let go, may lie between two stages of one step. No error of the
+states shows it, and a finer life may step over it as well. The neighbour sums the same flow with its many steps. Where
+the two sums differ, the step is read again, with the nodes that the steps of all call for, and the departure δ of
+ln m that it leaves is followed: it decays as the flows let it.
+Source: ours; docs/explanation/errors.md.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.cycle.problem import Problem
+from screwsim.evaluate.evaluation import Evaluation
+from screwsim.figures.errors import relative_errors
+from screwsim.model import slots
+from screwsim.model.trace import SAMPLED
+from screwsim.model.trajectory import Trajectory
+from screwsim.numerics.quadrature import gauss
+from screwsim.outputs import Figures
+
+Array = np.ndarray
+MANY = 4  # steps of a neighbour that end within a step, from which on their sums are compared
+SOME = 0.15  # wanted accuracies: departure of ln m that is left alone
+DOUBTFUL = 0.2  # share of that by which the two sums of a step may differ
+GAIN = 1.5  # change of ln p over that of ln m, as the gas comes from a hotter chamber: 0.8 to 1.7 in eight scenes
+DENSER = 1e-7  # relative change of the density by which slopes of flows are found
+NODES, WEIGHTS = gauss(2)  # between two ends of steps: four change what is missed by a fiftieth at most
+EQUAL = 1e-9  # rad, within which angles are the same
+PEAK = "peak_pressure"
+VOLUME, RHO = SAMPLED.index("volume"), len(SAMPLED) + slots.S_RHO
+
+
+class Departures(NamedTuple):
+    """Departure of ln p of a life at the ends of its steps, with their angles [rad] and pressures [Pa]."""
+
+    angles: Array
+    pressure: Array
+    of_pressure: Array
+
+
+def missed_neighbour_errors(of: Evaluation, finer: Trajectory) -> Figures:
+    """Return the errors of the peak pressure and of the figures of the work that a finer life still has; empty if few.
+
+    It is the life, finer than the evaluated one, by which the errors of the figures are known.
+    """
+    found = departures(of.problem, finer)
+    if found is None:
+        return Figures()
+    excess, q = found.pressure * found.of_pressure, of.q.copy()
+    q[slots.Q_WORK] -= float(0.5 * (excess[1:] + excess[:-1]) @ np.diff(finer.volumes(found.angles)))
+    errors = relative_errors(of.figures, Evaluation(of.problem, of.life, q).figures, *of.least)
+    if of.figures.get(PEAK) is not None:
+        errors[PEAK] = abs(float(found.of_pressure[found.pressure.argmax()]))
+    return errors
+
+
+def departures(problem: Problem, life: Trajectory) -> Departures | None:
+    """Return how a life departs from one that meets all of its neighbours; None where that is less than `SOME`."""
+    geometry, ends = problem.parts.geometry, life.times[: life.steps + 1]
+    left, opens = problem.parted or geometry.injection_angle, geometry.discharge_opens or geometry.life
+    closed = np.flatnonzero((ends[:-1] > left - EQUAL) & (ends[1:] < opens + EQUAL))
+    steps, differ = _sums_differ(problem, life, closed)
+    last = life.dense[: life.steps, 1]
+    rho, ratio = last[steps, slots.S_RHO], last[steps, slots.S_X_OIL] if problem.composition.carried else 0.0
+    gas = rho * problem.gas_share(rho, ratio) * life.volumes(ends[steps + 1])
+    some = SOME * problem.scene.numerics.accuracy
+    differ = np.abs(differ) / gas
+    doubtful = differ > DOUBTFUL * some
+    if not differ[doubtful].sum() > some:
+        return None
+    steps, gas = steps[doubtful], gas[doubtful]
+    first, shares = int(steps[0]), np.zeros(life.steps)
+    shares[steps] = _missed_gas(problem, life, steps) / gas
+    if np.abs(shares).sum() <= some:
+        return None
+    passed = np.maximum(_decay(problem, life, first) * np.diff(ends)[first:], 1e-12)
+    added = shares[first:] * (-np.expm1(-passed) / passed)  # missed evenly over the step
+    departure, of_mass = 0.0, np.empty(len(passed))
+    for i, (more, left) in enumerate(zip(added.tolist(), np.exp(-passed).tolist(), strict=True)):
+        of_mass[i] = departure = departure * left + more
+    if np.abs(of_mass).max() <= some:
+        return None
+    return Departures(ends[first + 1 :], last[first:, len(life.composition.states)], GAIN * of_mass)
+
+
+def _sums_differ(problem: Problem, life: Trajectory, steps: Array) -> tuple[Array, Array]:
+    """Return those of the steps in which a neighbour takes many, and the gas [kg] by which their sums differ."""
+    c, pitch, ends = problem.composition, problem.parts.geometry.pitch, life.times[: life.steps + 1]
+    found = np.zeros(life.steps)
+    for i, offset in enumerate(c.offsets):
+        ahead, behind = c.first_met + 2 * i, c.first_met + 2 * i + 1
+        for own, other, shift in ((ahead, behind, offset * pitch), (behind, ahead, -offset * pitch)):
+            low, high = ends[steps] + shift, ends[steps + 1] + shift
+            many = ends.searchsorted(high - EQUAL) - ends.searchsorted(low + EQUAL) >= MANY
+            among = np.flatnonzero(many & (high < ends[-1] + EQUAL) & (low > -EQUAL))
+            if len(among):
+                mine, theirs = (np.append(0.0, life.quads[: life.steps, column]) for column in (own, other))
+                met = np.interp(high[among], ends, theirs) - np.interp(low[among], ends, theirs)
+                found[steps[among]] += mine[steps[among] + 1] - mine[steps[among]] + met
+    differ = np.flatnonzero(found)
+    return differ, found[differ]
+
+
+def _missed_gas(problem: Problem, life: Trajectory, steps: Array) -> Array:
+    """Return the gas [kg] that steps sum through gaps beyond what flows by the dense output of all chambers."""
+    c, geometry, ends = problem.composition, problem.parts.geometry, life.times[: life.steps + 1]
+    every = np.unique(np.concatenate([ends + k * offset * geometry.pitch for offset in c.offsets for k in (0, 1, -1)]))
+    low, high = every.searchsorted(ends[steps]), every.searchsorted(ends[steps + 1])
+    parts = np.concatenate([np.arange(a, b) for a, b in zip(low.tolist(), high.tolist(), strict=True)])
+    widths = (every[parts + 1] - every[parts])[:, None]
+    angles = every[parts, None] + widths * NODES
+    _, flows = life.sample(angles.ravel())
+    first, found = len(c.plenum_paths), np.zeros(angles.size)
+    for i, (_, offset) in enumerate(c.gap_paths):
+        among = angles.ravel() < geometry.life - offset * geometry.pitch  # beyond, gas comes from the line
+        found += np.where(among, flows[:, first + 2 * i], 0.0) + flows[:, first + 2 * i + 1]
+    flowed = (found.reshape(angles.shape) * widths) @ WEIGHTS / problem.parts.omega
+    sums = np.diff(life.quads[: life.steps, c.first_met : c.first_met + 2 * len(c.offsets)].sum(axis=1), prepend=0.0)
+    return sums[steps] - np.bincount(np.repeat(np.arange(len(steps)), high - low), flowed, len(steps))
+
+
+def _decay(problem: Problem, life: Trajectory, first: int) -> Array:
+    """Return the rate [1/rad] at which flows let a departure of ln m decay in the steps from `first` on."""
+    ends = life.times[first : life.steps + 1]
+    angles = 0.5 * (ends[:-1] + ends[1:])
+    sampled, flows = life.sample(angles)
+    dense = life.dense[: life.steps].copy()
+    dense[:, :, slots.S_RHO] *= 1.0 + DENSER
+    _, more = life.with_dense(dense).sample(angles)
+    slope = (more - flows).sum(axis=1) / DENSER
+    return -slope / (problem.parts.omega * sampled[:, VOLUME] * sampled[:, RHO])

@@ -1,0 +1,27 @@
+"""What changes with the net gas flow errs with it."""
+
+import effects_space
+import pytest
+from scenes import closed
+
+from screwsim.evaluate.evaluation import Evaluation, evaluate
+from screwsim.figures.errors import flow_errors, relative_errors
+from screwsim.model.slots import SUCTION_IN
+
+MORE = 1e-5  # of the net flow, through the suction port
+FOLLOWS = 0.5  # share of that from which on a figure follows the flow
+SCENES = {"expander": 6, "plenums, carried": 0, "solubility": 0, "economizer and liquid": 2, "air package": 2}
+
+
+@pytest.mark.parametrize("structure", SCENES)
+def test_figures_that_follow_the_net_flow_err_as_it_does(structure):
+    problem, _, cycle = closed(effects_space.scene_of(structure, 703, SCENES[structure]))
+    of, c, q = evaluate(problem, cycle), problem.composition, cycle.q.copy()
+    assert of.figures.gas_mass_flow > 0.0
+    q[c.first_stream + SUCTION_IN * c.width] += MORE * of.figures.gas_mass_flow / problem.rate
+    moved = relative_errors(of.figures, Evaluation(problem, of.life, q).figures, *of.least)
+    told = flow_errors(of.figures, moved["gas_mass_flow"])
+    assert moved["gas_mass_flow"] == pytest.approx(MORE, rel=1e-3)
+    for name, size in moved.items():
+        if size is not None and size > FOLLOWS * MORE:
+            assert told.get(name, 0.0) > 0.9 * size, name
