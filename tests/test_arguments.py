@@ -176,3 +176,20 @@ def test_a_goal_may_be_written_as_on_the_command_line():
     scene = screwsim.load(POINT)
     asked = [question(scene, VARY, {"discharge_temperature": value}) for value in (343.15, "70 degC")]
     assert asked[0].goals[0].value == pytest.approx(asked[1].goals[0].value, rel=1e-12)
+
+
+def test_what_numpy_does_on_rounding_is_not_the_callers_choice():
+    @checked_arguments()
+    def smallest():
+        return float(np.exp(np.array([-1e4]))[0]), np.geterr()["under"]
+
+    with np.errstate(all="raise"):
+        assert smallest() == (0.0, "ignore")
+        assert np.geterr()["under"] == "raise"
+
+
+def test_a_diagnosis_is_the_same_where_the_caller_lets_numpy_raise():
+    fault = str(CONFIGS / "calibration" / "fault.fit.yaml")
+    with np.errstate(all="raise"):
+        found = screwsim.diagnose(fault, pairs=0.0)
+    assert sum(each.probability for each in found.hypotheses) == pytest.approx(1.0, abs=1e-9)

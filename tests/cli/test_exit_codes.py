@@ -1,5 +1,7 @@
 """What a misuse of the command answers: its exit code, and one line with the remedy on stderr."""
 
+import errno
+
 import pytest
 
 from screwsim import cli
@@ -137,6 +139,18 @@ def test_internal_error_is_told_without_traceback(folder, command, monkeypatch):
     first, second = answer.err.splitlines()
     assert first == "internal error: ZeroDivisionError: float division by zero"
     assert "please report it" in second
+
+
+@pytest.mark.parametrize("error", [MemoryError(), OSError(errno.ENOMEM, "Cannot allocate memory")])
+def test_a_lack_of_memory_is_told_with_what_to_do(folder, command, monkeypatch, error):
+    def refused(*_: object, **__: object) -> None:
+        raise error
+
+    monkeypatch.setattr(cli.options, "loaded_scene", refused)
+    answer = command("explain", "small.yaml")
+    assert (answer.code, answer.out) == (2, "")
+    (line,) = answer.err.splitlines()
+    assert line.startswith("the system gives this process no more memory (end other programs, ")
 
 
 def test_debugging_shows_the_traceback(folder, command, monkeypatch):

@@ -127,6 +127,7 @@ SWALLOWED = {
     "nothing": "    try: press()\n    except KeyboardInterrupt: raise SystemError('a result with an exception set')\n",
     "an end": "    try: press()\n    except KeyboardInterrupt: raise cli.UsageError('the scheduler was lost')\n",
     "a call back": "    class A:\n        def __del__(self): press()\n    A()\n    raise KeyError('no object')\n",
+    "a call back amid work": "    class A:\n        def __del__(self): press()\n    A()\n    time.sleep(60)\n",
     "itself": "    press()\n",
     "a second one, at once": "    try: press()\n    finally: press()\n",
     "a second one, insisting": "    try: press()\n    finally:\n        time.sleep(0.6); press(); time.sleep(60)\n",

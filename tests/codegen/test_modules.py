@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from screwsim.codegen import modules
+from screwsim.codegen import emit, modules
 
 TEXT = "def twice(x):\\n    return 2.0 * x\\n"
 RUN = f"""
@@ -161,3 +161,28 @@ def test_who_measures_times_beside_another_leaves_nothing_behind():
     assert not is_soon()
     other.__exit__(None, None, None)
     assert is_soon()
+
+
+CALLING = """def half(x):
+    return 0.5 * x
+
+
+def quarter(x):
+    return half(half(x))
+"""
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_what_was_interrupted_while_it_was_written_is_written_anew(number, monkeypatch):
+    module, written, calls = modules.Module("interrupted", CALLING, checks=True), emit.Emitter.written, []
+
+    def interrupted(self, symbol):
+        calls.append(symbol)
+        if len(calls) == number:  # 1: on beginning `quarter`; 2: within it, on beginning `half`
+            raise KeyboardInterrupt
+        return written(self, symbol)
+
+    monkeypatch.setattr(emit.Emitter, "written", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        module.quarter(8.0)
+    assert (module.quarter(8.0), module.half(8.0)) == (2.0, 4.0)

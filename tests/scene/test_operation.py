@@ -342,3 +342,19 @@ def test_a_sweep_over_temperatures_has_no_meaning_beside_pressures(example):
 def test_what_both_ways_have_is_swept_in_either(rated):
     scene = loads(rated, overrides=["sweep.operation.discharge.temperature=[320 K, 330 K]"])
     assert case(scene, 1).operation.discharge.temperature == 330.0
+
+
+@pytest.mark.parametrize("T", ["1 K", "10 K", "30 K"])
+def test_an_exponent_is_found_only_where_the_heat_capacity_is_known(example, T):
+    at = f"operation.suction.temperature={T}"
+    remedy = "(raise it, or state gas.isentropic_exponent)"
+    for fluid in ("R134a", "Air") if T != "30 K" else ("R134a",):
+        what = f"operation.suction.temperature: CoolProp's heat capacity of {fluid} as an ideal gas does not reach {T}"
+        assert f"{what} {remedy}" in faults_of(example, f"gas.fluid={fluid}", at)[0]
+    assert loads(example, overrides=["gas.isentropic_exponent=1.1", at]).gas.isentropic_exponent == 1.1
+
+
+def test_every_gas_has_at_least_the_heat_capacity_of_atoms():
+    assert constants.has_ideal_heat_capacity("Helium", 3.0) and constants.has_ideal_heat_capacity("CO2", 200.0)
+    assert not constants.has_ideal_heat_capacity("R134a", 5.0)  # k would be -0.7
+    assert not constants.has_ideal_heat_capacity("Air", 5.0)  # CoolProp raises ValueError

@@ -138,6 +138,9 @@ def _print_fault(error: Exception, arguments: Sequence[str]) -> int:
     if isinstance(error, OSError) and error.filename and error.errno in PATH_ERRORS:
         remedy = "name another place, or change its permissions"
         return print_error(f"{error.filename}: cannot be reached: {os.strerror(error.errno)} ({remedy})", USAGE)
+    if isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno == errno.ENOMEM):
+        remedy = "end other programs, raise the limit, as of ulimit -v or of a batch job, or use fewer --jobs"
+        return print_error(f"the system gives this process no more memory ({remedy})", USAGE)
     return _internal_error(error)
 
 

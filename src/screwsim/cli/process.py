@@ -21,6 +21,7 @@ from typing import Any, NoReturn, TextIO
 GARBAGE_THRESHOLD = 200_000  # objects created between two searches for garbage; Python's default is 700
 INTERRUPTED = 130
 DOUBLE_PRESS = 0.5  # [s] within which a second Ctrl-C counts as the first: a key held down, or a signal sent twice
+MOMENT = 0.02  # [s] after which a lost interruption is raised again
 STDOUT, STDERR = "standard output", "standard error"
 
 _interrupt_time: float | None = None  # when Ctrl-C was first pressed
@@ -101,9 +102,18 @@ def _exit_at_once() -> NoReturn:
 
 
 def _show_unraisable(what: Any, shown: Any = sys.unraisablehook) -> None:
-    """Show an exception that cannot be raised, except for an interruption, which `interrupted` reports."""
+    """Show an exception that cannot be raised, except for an interruption, which is raised again a moment later."""
     if not interrupted():
         shown(what)
+    elif what.exc_type is KeyboardInterrupt and not _is_ending and hasattr(signal, "setitimer"):
+        signal.signal(signal.SIGALRM, _raise_again)
+        signal.setitimer(signal.ITIMER_REAL, MOMENT)
+
+
+def _raise_again(number: int, frame: Any) -> None:
+    """Raise the KeyboardInterrupt that was lost where nothing can be raised, as while a module is imported."""
+    if not _is_ending:
+        raise KeyboardInterrupt
 
 
 # ---- beginning and end ---------------------------------------------------------------------------------------

@@ -162,10 +162,11 @@ class Module(ModuleType):
             found = _libraries.pop(id(self), None)
             if found is None or found[0] is not self:
                 found = self, library.Library(program.read(self.text), self._outside, self._checks)
+            entry = found[1].entry(name, kinds, symbol)  # interrupted, as by Ctrl-C, the library is written anew
             if len(_libraries) >= MOST_LIBRARIES:
                 _libraries.pop(next(iter(_libraries)))
             _libraries[id(self)] = found  # now the most recent
-            return found[1].entry(name, kinds, symbol)
+            return entry
 
 
 class Function:

@@ -28,6 +28,8 @@ from screwsim.outputs.customary import in_bar, in_celsius
 _FULL = 1_000_000  # [byte] largest size of the file, some 10 000 answers; it is read at every start, in 10 ms
 _MOST = 5000  # most answers in memory
 _LEFT = 1000  # most answers of a process that go into the file: those that its scenes need at their start
+LEAST_HEAT_CAPACITY = 2.5  # [R] cp0 of any gas: that of the motion of whole molecules,
+ROUNDING = 1e-6  # a share of which CoolProp's may miss
 _alone = threading.RLock()  # setting a CoolProp state and reading it must not interleave
 
 
@@ -141,10 +143,11 @@ def ideal_heat_capacity(fluid: str, T: float) -> float:
     def question() -> float:
         state, coolprop = _abstract_state(fluid)
         state.specify_phase(coolprop.iphase_gas)
-        state.update(coolprop.DmassT_INPUTS, 1e-6, T)
-        value = state.cp0mass()
-        state.unspecify_phase()
-        return value
+        try:
+            state.update(coolprop.DmassT_INPUTS, 1e-6, T)
+            return state.cp0mass()
+        finally:
+            state.unspecify_phase()
 
     return ask(f"{fluid} cp0 {T!r}", question)
 
@@ -153,6 +156,17 @@ def isentropic_exponent(fluid: str, T: float) -> float:
     """Return k = cp0/(cp0 − R) at temperature T [K] (docs/model.md M6)."""
     c_p, R = ideal_heat_capacity(fluid, T), gas_constant(fluid)
     return c_p / (c_p - R)
+
+
+def has_ideal_heat_capacity(fluid: str, T: float) -> bool:
+    """Tell whether CoolProp has a heat capacity of the ideal gas at temperature T [K] that a gas can have.
+
+    Far below the triple point some of its fits end, and others fall below 5/2 R or below zero.
+    """
+    try:
+        return ideal_heat_capacity(fluid, T) >= LEAST_HEAT_CAPACITY * (1.0 - ROUNDING) * gas_constant(fluid)
+    except ValueError:
+        return False
 
 
 def saturation_temperature(fluid: str, p: float) -> float:
@@ -350,11 +364,14 @@ def transport(fluid: str, p: float, T: float) -> tuple[float, float, float]:
 
     def question() -> list[float]:
         state, coolprop = _abstract_state(fluid)
-        for phase in (coolprop.iphase_not_imposed, coolprop.iphase_gas):  # at saturation p and T do not determine it
-            state.specify_phase(phase)
-            with suppress(ValueError):
-                state.update(coolprop.PT_INPUTS, p, T)
-                return [state.conductivity(), state.viscosity(), state.Prandtl()]
+        try:
+            for phase in (coolprop.iphase_not_imposed, coolprop.iphase_gas):  # the latter at saturation
+                state.specify_phase(phase)
+                with suppress(ValueError):
+                    state.update(coolprop.PT_INPUTS, p, T)
+                    return [state.conductivity(), state.viscosity(), state.Prandtl()]
+        finally:
+            state.unspecify_phase()
         raise UsageError(f"CoolProp has no transport properties of {fluid} at {in_bar(p)}, {in_celsius(T)}")
 
     conductivity, viscosity, prandtl = ask(f"{fluid} transport {p!r} {T!r}", question)

@@ -34,15 +34,17 @@ class GasModel:
 
     `condenses`: it condenses where CoolProp's fluid of that name saturates, so a line's gas must lie above that.
     `blind`: it treats as gas even what would be a liquid of that fluid. `finds_exponent`: k follows from its equation
-    and cannot be stated. `phases`: it can compute both phases. `by_coolprop`: CoolProp can take its place. `back_end`
-    is its name among the back ends of studies. `told` returns the property of the lines on which the gas depends beside
-    its settings, or None where there is no such dependence; without `told` the gas is made anew for every scene.
+    and cannot be stated. `asks_exponent`: a k that is not stated is CoolProp's at suction temperature. `phases`: it can
+    compute both phases. `by_coolprop`: CoolProp can take its place. `back_end` is its name among the back ends of
+    studies. `told` returns the property of the lines on which the gas depends beside its settings, or None where there
+    is no such dependence; without `told` the gas is made anew for every scene.
     """
 
     make: Callable[[GasRequest], Gas]
     condenses: bool = False
     blind: bool = False
     finds_exponent: bool = False
+    asks_exponent: bool = False
     phases: bool = False
     by_coolprop: bool = False
     back_end: str = "own"
@@ -63,7 +65,7 @@ def _of_line(request: GasRequest) -> float | None:
 
 
 MODELS: dict[str, GasModel] = {
-    "ideal": GasModel(_ideal, blind=True, back_end="ideal", told=_of_line),
+    "ideal": GasModel(_ideal, blind=True, asks_exponent=True, back_end="ideal", told=_of_line),
     "real": GasModel(
         lambda request: RealGas(request.fluid, request.two_phase),
         condenses=True,

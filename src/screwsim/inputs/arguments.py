@@ -5,6 +5,7 @@ import inspect
 import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager
 from numbers import Integral, Real
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
@@ -26,7 +27,7 @@ def checked_arguments(**own: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]
     """Return a decorator that checks the kinds of arguments and raises UsageError; None passes where it is the default.
 
     Arguments not stated here have the kind of their name in `KIND_BY_NAME`. Of a mapping only the type is checked: the
-    function checks its values itself.
+    function checks its values itself. The function runs with numpy's default treatment of rounding errors.
     """
 
     def around(function: Callable[P, R]) -> Callable[P, R]:
@@ -42,11 +43,19 @@ def checked_arguments(**own: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]
                 kind = kinds.get(name)
                 if kind is not None and not (value is None and name in open_to_none) and not kind.holds(value):
                     raise UsageError(f"{name}: {shown(value)} is {kind.words}")
-            return function(*args, **kwargs)
+            with _usual_rounding():
+                return function(*args, **kwargs)
 
         return checked
 
     return around
+
+
+def _usual_rounding() -> AbstractContextManager[Any]:
+    """Return numpy's default treatment of overflow and underflow, whatever a caller has set by `np.seterr`."""
+    import numpy as np  # here because the command's help does without it
+
+    return np.errstate(divide="warn", over="warn", under="ignore", invalid="warn")
 
 
 def shown(value: Any) -> str:

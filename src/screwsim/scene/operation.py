@@ -168,9 +168,20 @@ def _pressures(scene: Scene, limits: Limits) -> Iterator[Fault]:
         shown, path = readable_quantity(KINDS["pressure"], p_s), QUALITY if suction.superheat is None else SUPERHEAT_S
         what = f"{scene.gas.name} has no saturation at the suction pressure {shown}: its {name} pressure is "
         yield Fault(path, f"{what}{in_bar(limit)} (give operation.suction.temperature, or another pressure)")
+    yield from _no_exponent(scene, suction.temperature)
     if condenses(scene.gas):
         yield from _liquid(scene, T_S, p_s, suction.temperature)
         yield from _liquid(scene, T_D, p_d, scene.operation.discharge.temperature)
+
+
+def _no_exponent(scene: Scene, T: float | None) -> Iterator[Fault]:
+    """Yield a fault where the isentropic exponent is to be found at a temperature at which it is unknown."""
+    gas = scene.gas
+    if T is None or gas.isentropic_exponent is not None or not find_gas_model(gas.model).asks_exponent:
+        return
+    if not constants.has_ideal_heat_capacity(gas.name, T):
+        what = f"CoolProp's heat capacity of {gas.name} as an ideal gas does not reach {T:.4g} K"
+        yield Fault(T_S, f"{what} (raise it, or state gas.isentropic_exponent)")
 
 
 def _liquid(scene: Scene, path: str, p: float, T: float | None) -> Iterator[Fault]:
