@@ -88,17 +88,23 @@ def departures(problem: Problem, life: Trajectory) -> Departures | None:
 
 def _sums_differ(problem: Problem, life: Trajectory, steps: Array) -> tuple[Array, Array]:
     """Return those of the steps in which a neighbour takes many, and the gas [kg] by which their sums differ."""
-    c, ends, found = problem.composition, life.times[: life.steps + 1], np.zeros(life.steps)
+    c, ends = problem.composition, life.times[: life.steps + 1]
     shifts = problem.parts.geometry.pitch * np.array([way * offset for offset in c.offsets for way in (1, -1)])
     low, high = ends[steps] + shifts[:, None], ends[steps + 1] + shifts[:, None]
     many = ends.searchsorted(high - EQUAL) - ends.searchsorted(low + EQUAL) >= MANY
-    for i, k in np.argwhere(many & (high < ends[-1] + EQUAL) & (low > -EQUAL)).tolist():
-        own, step = c.first_met + i, steps[k]  # even columns: the chamber ahead; odd ones: the one behind
-        mine, theirs = (np.append(0.0, life.quads[: life.steps, n]) for n in (own, own + 1 - 2 * (i % 2)))
-        met = np.interp((low[i, k], high[i, k]), ends, theirs)
-        found[step] += mine[step + 1] - mine[step] + met[1] - met[0]
-    differ = np.flatnonzero(found)
-    return differ, found[differ]
+    own, at = np.nonzero(many & (high < ends[-1] + EQUAL) & (low > -EQUAL))
+    sums = np.zeros((life.steps + 1, len(shifts)))  # even columns: of the chamber ahead; odd ones: of the one behind
+    sums[1:] = life.quads[: life.steps, c.first_met : c.first_met + len(shifts)]
+
+    def met(angles: Array) -> Array:
+        """Return the sums of neighbours up to angles of their lives."""
+        i = (ends.searchsorted(angles, "right") - 1).clip(0, life.steps - 1)
+        share = (angles - ends[i]) / (ends[i + 1] - ends[i])
+        return (1.0 - share) * sums[i, own ^ 1] + share * sums[i + 1, own ^ 1]
+
+    step = steps[at]
+    differ = sums[step + 1, own] - sums[step, own] + met(high[own, at]) - met(low[own, at])
+    return np.unique(step), np.bincount(step, differ, life.steps)[np.unique(step)]
 
 
 def _missed_gas(problem: Problem, life: Trajectory, steps: Array) -> Array:
