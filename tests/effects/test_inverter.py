@@ -53,7 +53,7 @@ def test_copper_follows_the_torque_and_iron_the_speed():
     assert losses(RATED, SPEED, drive)[0] == pytest.approx(1.15 * rated, rel=1e-12)
 
 
-@pytest.mark.parametrize(("rated", "more"), [(15e3, 0.15), (90e3, 0.15), (90.1e3, 0.25), (400e3, 0.25)])
+@pytest.mark.parametrize(("rated", "more"), [(15e3, 0.15), (90e3, 0.15), (110e3, 0.25), (400e3, 0.25)])
 def test_what_an_inverter_adds_to_a_motors_loss_goes_by_its_size(rated, more):
     drive = inverter.Inverter(rated_speed=SPEED, loss=LOSS)
     own = motor.losses_of(motor.Parameters(rated_power=rated, efficiency=0.95, inverter=drive))(rated, SPEED)[0]
@@ -72,6 +72,14 @@ def test_the_added_loss_follows_a_rated_power_that_is_changed():
     assert (harmonic(small), harmonic(large)) == (0.15, 0.25)
     assert "harmonic_loss" not in scene_text(large)
     assert harmonic(with_values(small, {"effects.motor.rated_power": 132e3})) == 0.25
+
+
+def test_a_motor_of_a_standard_size_has_no_step_in_its_derivatives():
+    """Differences over a rated power of 90 kW met the step to the larger ones: 35 kW of power per watt."""
+    stated = "{rated_power: 90 kW, efficiency: 0.95, inverter: {rated_speed: 3000 rpm, loss: 2 kW}}"
+    path, figure = "effects.motor.rated_power", "electrical_power"
+    found = screwsim.sensitivities(screwsim.load(POINT, [f"effects.motor={stated}"]), [path], [figure])
+    assert abs(found.relative(figure, path)) < 0.1
 
 
 def harmonic(scene):

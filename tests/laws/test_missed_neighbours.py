@@ -3,7 +3,9 @@
 import numpy as np
 from scenes import closed, make
 
-from screwsim.solve.missed_neighbours import departures
+from screwsim.evaluate.evaluation import evaluate
+from screwsim.outputs import Figures
+from screwsim.solve.missed_neighbours import PEAK, departures, missed_neighbour_errors
 
 NARROW = {
     "machine.discharge_port.area": "20 cm^2",  # the last gas of each chamber is squeezed to 8 times the line's pressure
@@ -35,3 +37,10 @@ def test_a_step_that_misses_the_end_of_a_neighbours_life_leaves_its_pressure_as_
 
 def test_short_steps_miss_nothing():
     assert departures(*life_of(TRUE)) is None
+
+
+def test_a_figure_of_unknown_error_keeps_it():
+    problem, _, cycle = closed(make(NARROW | {"numerics": {"accuracy": ACCURACY}}))
+    of, known = evaluate(problem, cycle), {"indicated_power": 1e-5, PEAK: 1e-5}
+    unknown = Figures(dict.fromkeys(of.figures)) | known
+    assert missed_neighbour_errors(of, cycle.trajectory, unknown).keys() == known.keys()

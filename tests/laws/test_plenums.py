@@ -337,7 +337,7 @@ def test_a_plenum_longer_than_half_a_wave_is_told():
     short, long = (run(plenums(suction_volume=volume)) for volume in ("8 l", "1 m^3"))
     assert not short.warnings
     (warning,) = long.warnings
-    assert warning.startswith("the suction plenum is a cube of 1 m or longer, and half a wave")
+    assert warning.startswith("the suction plenum is at least 1 m long, as a cube of its volume, and half a wave")
     line = turn_of_run(plenums(suction_volume="1 m^3"))
     assert PlenumWithLine("suction", Parameters(suction_volume=0.99 * half_wave(line) ** 3)).spread(line) == ""
     assert PlenumWithLine("suction", Parameters(suction_volume=1.01 * half_wave(line) ** 3)).spread(line) != ""

@@ -248,7 +248,7 @@ LENGTHS, SHARES = st.floats(1e-6, 10.0), st.floats(1e-6, 1.0)
     diameter=LENGTHS,
     gap=SHARES,
     tips=st.floats(1e-3, 999.0),
-    temperature=st.floats(1.0, 2500.0),
+    temperature=st.floats(40.0, 2500.0),
     ratio=st.floats(0.0, 1e20),
     title=st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0")),
     axis=st.lists(st.floats(1e-3, 1e3), min_size=1, max_size=5, unique=True),

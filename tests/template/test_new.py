@@ -499,7 +499,7 @@ def test_a_sheets_power_is_met_within_what_packages_differ_by():
 
 
 def test_a_size_that_was_sought_is_round_and_the_heat_of_an_oil_cooler_is_told():
-    asked = request_of("Ammonia", *[None] * 4, "30/80 degC", capacity="1 MW")
+    asked = request_of(fluid="Ammonia", condition="30/80 degC", capacity="1 MW")
     found = sized_machine("heat_pump", asked)
     flow = 3600.0 * found.scene.machine.displacement.flow
     assert flow == pytest.approx(float(f"{flow:.4g}"), rel=1e-12)

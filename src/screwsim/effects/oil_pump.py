@@ -22,10 +22,8 @@ from screwsim.outputs import Figure, power_figure
 
 LOSS = "oil_line_pressure_loss"
 LAMINAR, TURBULENT, FITTED = 2000.0, 4000.0, 1e5  # Reynolds numbers; the last one ends Blasius's law
-
-
 BEYOND = (
-    "the Reynolds number of effects.oil_pump.line is {Re:.3g}, and the law of its friction holds up to 100 000: its "
+    "the Reynolds number of effects.oil_pump.line is {Re:.0f}, and the law of its friction holds up to 100000: its "
     "loss comes out too small (choose a larger effects.oil_pump.line.diameter)"
 )
 

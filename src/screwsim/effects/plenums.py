@@ -52,8 +52,8 @@ SWINGS = (
     "holds (choose a larger effects.plenums.{to}_volume, or a higher speed)"
 )
 SPREADS = (
-    "the {to} plenum is a cube of {edge:.2g} m or longer, and half a wave of the lobe frequency is {half:.2g} m there: "
-    "it has no single pressure, as M184 gives it (state the volume next to the port alone as "
+    "the {to} plenum is at least {edge:.2g} m long, as a cube of its volume, and half a wave of the lobe frequency is "
+    "{half:.2g} m there: it has no single pressure, as M184 gives it (state the volume next to the port alone as "
     "effects.plenums.{to}_volume, or take its pulsation for an order of magnitude)"
 )
 SHUT = "the {to} line takes up the whole pressure (choose a wider effects.plenums.{to}_area or a smaller {to}_loss)"
@@ -288,7 +288,7 @@ class PlenumWithLine:
 
         From its middle to an end is then more than a quarter of a wave, over which the pressure changes its sign.
         """
-        half, edge = pi * turn.line(self.to).sound * turn.pitch / (2.0 * pi * turn.omega), self.volume ** (1.0 / 3.0)
+        half, edge = 0.5 * turn.line(self.to).sound * turn.pitch / turn.omega, self.volume ** (1.0 / 3.0)
         return SPREADS.format(to=self.to, edge=edge, half=half) if edge > half else ""
 
     def figures(self, turn: Turn) -> dict[str, float | None]:

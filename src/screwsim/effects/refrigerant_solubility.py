@@ -70,6 +70,7 @@ HIGHEST = 370.0  # [K] highest temperature, below the critical one
 STEP = 1.0  # [K] between the temperatures at which CoolProp is evaluated
 LEAST, MOST = 1e-6, 20.0  # [kg/kg] range of a solution's tables; beyond them the equilibrium is held constant
 ROWS = 401  # rows of those tables
+OTHERWISE = "state another one, or remove flash_time"
 FLAT = 1e-4  # distance from saturation, over its pressure, from which on a solution's tables end
 APART = 5.0  # [K] least distance of the two temperatures that the heat of solution is derived from
 
@@ -242,7 +243,10 @@ def check(parameters: Parameters, facts) -> list[Fault]:
         what = f"is {facts.oil.name}, and effects.{NAME} knows what polyol esters dissolve"
         faults.append(Fault("oil.name", f"{what} (choose a POE, or remove the effect)"))
     if facts.gas.name != solubility.FLUID:
-        return [Fault(path, f"covers {solubility.FLUID} in POE oil only, not {facts.gas.name} (remove the effect)")]
+        faults.append(
+            Fault(path, f"covers {solubility.FLUID} in POE oil only, not {facts.gas.name} (remove the effect)")
+        )
+        return faults
     if parameters.absorption_time is not None and parameters.flash_time is None:
         what = "has no meaning where the oil flashes at once in the port"
         faults.append(Fault(f"{path}.absorption_time", f"{what} (state flash_time, or remove it)"))
@@ -271,7 +275,8 @@ def check(parameters: Parameters, facts) -> list[Fault]:
             what = (
                 f"oil from there holds {held:.3g} kg of gas per kg, and the rate is known from {LEAST:g} to {most:.3g}"
             )
-            faults.append(Fault(f"{path}.separator_temperature", f"{what} (state another one, or remove flash_time)"))
+            remedy = "state another one, or warmer oil_supply, or remove flash_time" if most < MOST else OTHERWISE
+            faults.append(Fault(f"{path}.separator_temperature", f"{what} ({remedy})"))
     return faults
 
 

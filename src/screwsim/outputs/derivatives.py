@@ -153,7 +153,7 @@ class Derivatives(Mapping[tuple[str, str], float]):
             raise KeyError("no derivatives: the point has no figures (result.status, result.message say why)")
         if figure not in found.derivatives:
             raise KeyError(_unknown_key(f"no derivatives of {figure!r}", figure, list(found.derivatives)))
-        same = [value for value in found.values if value == path or value.endswith(f".{path}")]
+        same = [known for known in found.values if known == path or known.endswith(f".{path}")]
         whole = path if path in same else same[0] if len(same) == 1 else None
         if whole is None and same:
             raise KeyError(f"{path!r} may be {', '.join(same)} (write the whole path)")

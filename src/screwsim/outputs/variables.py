@@ -94,7 +94,7 @@ def ledger_variable(name: str) -> Variable:
         return LEDGER[name]
     quantity = next(quantity for quantity in LEDGER_ENTRY if name.startswith(f"{quantity}_"))
     units, meaning = LEDGER_ENTRY[quantity]
-    return Variable(units, f"{meaning}, {name.removeprefix(f'{quantity}_').replace('_', ' ')}")
+    return Variable(units, f"{meaning}, {effect_words(name.removeprefix(f'{quantity}_'))}")
 
 
 def ledger_entries(ledger: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

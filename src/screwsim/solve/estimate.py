@@ -79,7 +79,7 @@ def estimated_errors(
         lost_flow["by_flow"] = max(lost_flow.get("by_flow", 0.0), cycle.change / abs(request.filling))
     lost_now = [flow_errors(found, lost, by) for by, lost in lost_flow.items()]
     apart = c.offsets and not way_of(cycle).whole and not request.hidden  # the finer life met others at its own steps
-    missed = missed_neighbour_errors(of, finer_life) if apart else Figures()
+    missed = missed_neighbour_errors(of, finer_life, errors) if apart else Figures()
     for each in (*lost_now, *open_balance_errors(of, cycle), missed):
         for name, size in each.items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)

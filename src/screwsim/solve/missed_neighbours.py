@@ -41,10 +41,11 @@ class Departures(NamedTuple):
     of_pressure: Array
 
 
-def missed_neighbour_errors(of: Evaluation, finer: Trajectory) -> Figures:
+def missed_neighbour_errors(of: Evaluation, finer: Trajectory, known: Figures) -> Figures:
     """Return the errors of the peak pressure and of the figures of the work that a finer life still has; empty if few.
 
-    It is the life, finer than the evaluated one, by which the errors of the figures are known.
+    It is the life, finer than the evaluated one, by which the errors of the figures are `known`; where these are None,
+    there is none.
     """
     found = departures(of.problem, finer)
     if found is None:
@@ -52,9 +53,8 @@ def missed_neighbour_errors(of: Evaluation, finer: Trajectory) -> Figures:
     excess, q = found.pressure * found.of_pressure, of.q.copy()
     q[slots.Q_WORK] -= float(0.5 * (excess[1:] + excess[:-1]) @ np.diff(finer.volumes(found.angles)))
     errors = relative_errors(of.figures, Evaluation(of.problem, of.life, q).figures, *of.least)
-    if of.figures.get(PEAK) is not None:
-        errors[PEAK] = abs(float(found.of_pressure[found.pressure.argmax()]))
-    return errors
+    errors[PEAK] = abs(float(found.of_pressure[found.pressure.argmax()]))
+    return Figures({name: size for name, size in errors.items() if size is not None and known.get(name) is not None})
 
 
 def departures(problem: Problem, life: Trajectory) -> Departures | None:
@@ -79,8 +79,8 @@ def departures(problem: Problem, life: Trajectory) -> Departures | None:
     passed = np.maximum(_decay(problem, life, first) * np.diff(ends)[first:], 1e-12)
     added = shares[first:] * (-np.expm1(-passed) / passed)  # missed evenly over the step
     departure, of_mass = 0.0, np.empty(len(passed))
-    for i, (more, left) in enumerate(zip(added.tolist(), np.exp(-passed).tolist(), strict=True)):
-        of_mass[i] = departure = departure * left + more
+    for i, (more, remains) in enumerate(zip(added.tolist(), np.exp(-passed).tolist(), strict=True)):
+        of_mass[i] = departure = departure * remains + more
     if np.abs(of_mass).max() <= some:
         return None
     return Departures(ends[first + 1 :], last[first:, len(life.composition.states)], GAIN * of_mass)

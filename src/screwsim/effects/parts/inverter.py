@@ -30,7 +30,7 @@ FREQUENCY = 0.9  # relative frequency of the point at which the loss is stated
 IRON = 1.5
 COLUMNS = "speed", "current", "loss"
 FEWEST, POOR = 5, 0.1  # fewest rows of a file; largest deviation of its fit, over the largest loss
-SMALL, SMALL_R, LARGE_R = 90e3, 0.15, 0.25  # [W] rated power up to which r is the former, above it the latter
+SMALL, SMALL_R, LARGE_R = 100e3, 0.15, 0.25  # [W] between the standard sizes 90 and 110 kW: r below it, and above
 WEAK = 1.02  # speed over the rated one above which the field would be weakened
 
 
@@ -58,7 +58,7 @@ class Inverter:
     )
     harmonic_loss: float = number(
         "r: additional loss of the motor on the inverter, over its loss on the mains (default: 0.15, of a rated_power "
-        "above 90 kW 0.25)",
+        "above 100 kW 0.25)",
         _Usual(SMALL_R),
         ge=0.0,
         le=2.0,

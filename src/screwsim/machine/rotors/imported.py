@@ -68,7 +68,8 @@ def _curve(x: Array, y: Array, smoothing: float) -> Segment:
     worst = int(np.argmax(turn))
     if turn[worst] > CORNER:
         raise UsageError(
-            f"machine.profile.file: the curve turns by {math.degrees(turn[worst]):.0f} deg at its point {worst + 2} "
+            f"machine.profile.file: the curve turns by {math.degrees(turn[worst]):.0f} deg at x = "
+            f"{x[worst + 1] * 1e3:.3f} mm, y = {y[worst + 1] * 1e3:.3f} mm "
             "(give more points there, round the corner, or set machine.profile.tolerance)"
         )
     angle = tangents(step, chord)
@@ -115,7 +116,9 @@ def from_rack(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
     x, y, angle = _curve(x, y, smoothing)
     tx, ty = np.cos(angle), np.sin(angle)
     if np.min(ty) <= 0.0:
-        raise UsageError("machine.profile.file: the rack runs back along its pitch line (y must grow from row to row)")
+        raise UsageError(
+            "machine.profile.file: the rack runs back along its pitch line (y must grow, or fall, from row to row)"
+        )
     Y = -x * tx / ty
     return closed(pair, ((y - Y) / pair.r1, pair.r1 + x, Y))
 
