@@ -145,7 +145,7 @@ def test_results_are_a_row_a_case(tmp_path):
     frame = results.to_pandas()
     assert list(frame["shaft_power"]) == pytest.approx(list(10.0 * frame["operation.speed"]))
     assert list(frame["status"]) == ["ok", "ok"]
-    assert frame.attrs["units"]["shaft_power"] == "W" and frame.attrs["units"]["operation.speed"] == "rad/s"
+    assert frame.attrs["units"]["shaft_power"] == "W" and frame.attrs["units"]["operation.speed"] == "rad s-1"
     assert set(frame.columns) == set(frame.attrs["meanings"])
     assert "operation.speed (2); 2 ok" in repr(results)
 

@@ -141,6 +141,16 @@ def test_a_file_of_a_sweep_is_a_map(tmp_path):
     assert 0.0 < table.error < 0.05
 
 
+def test_an_input_of_a_file_is_explained_as_one_of_a_scene(tmp_path):
+    axes = {"sweep.operation.evaporating_temperature": [f"{t} degC" for t in range(5)]}
+    scene = load(Path(__file__).parents[1] / "plain" / "r134a.yaml").with_(axes)
+    figures = Figures(gas_mass_flow=1.0, shaft_power=1e4)
+    done = Result("ok", performance=figures, error=Figures(dict.fromkeys(figures, 1e-6)))
+    run_sweep(scene, tmp_path / "x.h5", jobs=1, simulate=lambda scene: done)
+    (one,) = table_of(open_results(tmp_path / "x.h5")).inputs
+    assert one.long_name == "evaporating temperature: dew point at p_s"
+
+
 @pytest.mark.parametrize(
     ("over", "says"),
     [

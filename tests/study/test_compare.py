@@ -1,5 +1,6 @@
 """Two results files: which points are common, what differs beyond numerical error, and what of the scenes."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,7 +10,7 @@ from result_fakes import GRID, SCENE, fake_simulate
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
-from screwsim.printing.compare import _shown_pair, comparison_document, print_comparison
+from screwsim.printing.compare import _rounded, _shown_pair, comparison_document, print_comparison
 from screwsim.results import open_results, save
 from screwsim.scene import load, loads
 from screwsim.simulate import simulate
@@ -138,6 +139,59 @@ def test_a_change_is_as_uncertain_as_inputs_that_are_not_off_alike(tmp_path, cap
     assert figure(compare(exact, exact), "shaft_power").inputs is None
     print_comparison(toleranced, exact, compare(toleranced, exact))
     assert "error inputs differ" in " ".join(capsys.readouterr().out.split())
+
+
+GAPS = ("effects.tip_leakage.gap", "oil_supply.temperature")
+TIP, BOTH = {GAPS[:1]: 30.0}, {GAPS: 50.0}
+
+
+def toleranced(path, changes, left_out=(), gap="50 um ± 5 um"):
+    """Return a file whose shaft power has these changes [W] by one standard uncertainty of groups of inputs."""
+    told = [{"paths": list(paths), "share": 0.0, "change": 2.0 * change} for paths, change in changes.items()]
+    groups = [*map(list, changes), *([name] for name in left_out)]
+    about = {"coverage_factor": 2.0, "groups": groups, "left_out": dict.fromkeys(left_out, "no derivative")}
+    uncertainty = about | {"figures": {"shaft_power": {"standard": 1.0, "contributors": told}}} if changes else {}
+    overrides = [f"effects.tip_leakage.gap={gap}"]
+    return run(path, overrides, lambda scene: replace(fake_simulate(scene), uncertainty=uncertainty))
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "half"),
+    [
+        (BOTH, TIP, 2.0 * 20.0),  # alike: the tip's part cancels, that of the temperature remains
+        (TIP, BOTH, 2.0 * 20.0),
+        (BOTH, TIP | {GAPS[1:]: 15.0}, 2.0 * 5.0),
+        (TIP | {("oil_supply.ratio",): 40.0}, TIP, 2.0 * 40.0),
+        (TIP | {("oil_supply.ratio",): 40.0}, {GAPS[1:]: 40.0}, 2.0 * math.hypot(30.0, 40.0, 40.0)),
+    ],
+)
+def test_inputs_that_err_together_in_one_file_alone_are_off_alike(tmp_path, one, other, half):
+    a, b = toleranced(tmp_path / "a.h5", one), toleranced(tmp_path / "b.h5", other)
+    assert figure(compare(a, b), "shaft_power").inputs == pytest.approx(half, rel=1e-12)
+
+
+def test_a_change_by_an_unknown_part_of_the_inputs_has_no_interval(tmp_path):
+    """A lost derivative, or figures without uncertainty in a scene with tolerances, are not certain: unknown."""
+    known, lost = toleranced(tmp_path / "a.h5", TIP), toleranced(tmp_path / "b.h5", TIP, ["oil_supply.ratio"])
+    none, exact = toleranced(tmp_path / "c.h5", {}), toleranced(tmp_path / "d.h5", {}, gap="50 um")
+    for other in (lost, none):
+        for pair in ((known, other), (other, known), (other, exact)):
+            assert figure(compare(*pair), "shaft_power").inputs is None
+    assert figure(compare(known, exact), "shaft_power").inputs == pytest.approx(2.0 * 30.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("size", "shown"), [(9.6, "10"), (9.4, "9"), (12.3, "12"), (0.96, "1"), (0.0123, "0.01"), (73.0, "73")]
+)
+def test_a_size_of_two_digits_has_no_exponent(size, shown):
+    assert _rounded(size) == shown
+
+
+def test_changes_of_a_hundred_percent_have_no_exponent(tmp_path, capsys):
+    a, b = run(tmp_path / "a.h5"), run(tmp_path / "b.h5", simulate=other_power(1.998))
+    print_comparison(a, b, compare(a, b))
+    (line,) = (line for line in capsys.readouterr().out.splitlines() if line.startswith("shaft power"))
+    assert "+100 %" in line
 
 
 def test_points_are_matched_by_their_values(grid, tmp_path):

@@ -24,6 +24,14 @@ from screwsim.study.agreement import FileWatch, requirements_of, what_differs
 from screwsim.study.cases import run_packed
 from screwsim.study.sweep import run_sweep
 
+
+def test_values_of_a_scene_are_texts_wherever_they_stand_in_it():
+    text = "uncertainty: {correlated: [[a.gap, b.gap], [c]]}\nsteps: [1, {to: 2, over: [3]}]\n"
+    values = {"uncertainty.correlated": "[[a.gap, b.gap], [c]]", "steps": "[1, {to: 2, over: [3]}]"}
+    for name in ("a.h5", "b.h5"):
+        assert identity.scene_values(text, name) == values
+
+
 EFFECT = """\
 from dataclasses import dataclass
 from screwsim.inputs.declare import quantity

@@ -84,6 +84,11 @@ def input_name(path: str) -> str:
     return last if path.startswith("operation.") else "_".join(path.split(".")[-2:])
 
 
+def input_meaning(doc: str) -> str:
+    """Return what an input means, without what it stands instead of, which concerns the author of a scene."""
+    return doc.partition(" (instead of ")[0]
+
+
 def read_inputs(scene: Scene, over: Sequence[str]) -> tuple[Input, ...]:
     """Return the inputs named by `PATH=LOW..HIGH`, else those of the scene's sweep; raise UsageError."""
     if over:
@@ -121,8 +126,7 @@ def _input(scene: Scene, path: str, low: float, high: float) -> Input:
     own = value_at(scene, path)
     value = float(own) if isinstance(own, int | float) and low <= own <= high else 0.5 * (low + high)
     log = units == "Pa" and low > 0.0 and high / low >= LOGARITHMIC_FROM
-    meaning = leaf.doc.partition(" (instead of ")[0]  # which concerns the author of a scene
-    return Input(path, input_name(path), units, meaning, float(low), float(high), value, log)
+    return Input(path, input_name(path), units, input_meaning(leaf.doc), float(low), float(high), value, log)
 
 
 def read_outputs(scene: Scene, figures: Sequence[str] = ()) -> tuple[Output, ...]:

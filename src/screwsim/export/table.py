@@ -25,6 +25,7 @@ from screwsim.export.inputs import (
     Output,
     check_names,
     evenly_spaced_nodes,
+    input_meaning,
     input_name,
     output_of,
     plain,
@@ -192,7 +193,8 @@ def _input_of(axis: Axis) -> Input:
     values = np.asarray(axis.values, float)
     low, high = float(values.min()), float(values.max())
     log = axis.units == "Pa" and high >= 2.0 * low > 0.0
-    return Input(axis.path, input_name(axis.path), axis.units, axis.long_name, low, high, float(values[0]), log)
+    meaning = input_meaning(axis.long_name)
+    return Input(axis.path, input_name(axis.path), axis.units, meaning, low, high, float(values[0]), log)
 
 
 def _table(

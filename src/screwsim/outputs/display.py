@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Any, NamedTuple
@@ -14,6 +15,7 @@ from screwsim.outputs.customary import digits, printed_celsius, scale
 ANGLE = "angle"
 MOST_CHARACTERS = 100  # largest number of characters of a meaning or a cell, in text
 MOST_ROWS, MOST_HTML_ROWS = 10, 60  # largest number of rows of a table, in text and in HTML
+_UNIT_PART = re.compile(r"([A-Za-z]+)([0-9]*)")
 MOST_COLUMNS, MOST_HTML_COLUMNS = 5, 12
 
 
@@ -121,6 +123,13 @@ def si_unit(units: str) -> str:
         return units
     under = " ".join(below)
     return f"{' '.join(above) or '1'}/{f'({under})' if len(below) > 1 else under}"
+
+
+def cf_unit(units: str) -> str:
+    """Return a unit in CF style, also one as scenes have it: 'W/(m^2 K)' gives 'W m-2 K-1', 'kg s-1' itself."""
+    above, _, below = units.replace("^", "").partition("/")
+    under = [f"{name}-{power or 1}" for name, power in _UNIT_PART.findall(below)]
+    return " ".join([*(above.split() if above != "1" or not under else []), *under])
 
 
 def customary(figure: ShownFigure) -> str:

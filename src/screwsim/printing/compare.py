@@ -23,6 +23,7 @@ TABLE, TITLE = "comparison.csv", "comparison"
 OWN_COLUMNS = "status_a", "status_b"  # columns that identify such a table
 DIGITS = 15  # of numbers in a scene, all of which a float holds
 _LONG_NUMBER = re.compile(r"(?<![\w.])[0-9]*\.[0-9]{12,}(?:e[-+]?[0-9]+)?")
+_ONE_DIGIT_BELOW, _TWO_DIGITS_BELOW = 9.5, 99.5  # what rounds to 10, to 100: beyond, these digits need an exponent
 MOST_NAMES = 3  # most figures named for one point of largest change
 
 
@@ -113,9 +114,14 @@ def _cells(a: Results, b: Results, change: FigureChange) -> list[str]:
 def _changes(of: FigureChange, factor: float, unit: str) -> list[str]:
     """Return the change, error of both and uncertainty by the inputs, in a unit by its factor from SI."""
     change = factor * (of.change or 0.0)
-    shown = f"{change:+.0f}" if abs(change) >= 100.0 else f"{change:+.2g}"
-    inputs = f"± {factor * of.inputs:.1g}" if of.inputs else ""
-    return [f"{shown} {unit}" if change else "0", f"{factor * (of.error or 0.0):.1g}", inputs]
+    shown = f"{change:+.0f}" if abs(change) >= _TWO_DIGITS_BELOW else f"{change:+.2g}"
+    inputs = f"± {_rounded(factor * of.inputs)}" if of.inputs else ""
+    return [f"{shown} {unit}" if change else "0", _rounded(factor * (of.error or 0.0)), inputs]
+
+
+def _rounded(size: float) -> str:
+    """Return a size with one digit, in whole numbers (no exponent) where it has more before the point."""
+    return f"{size:.0f}" if size >= _ONE_DIGIT_BELOW else f"{size:.1g}"
 
 
 def _shown_pair(one: str, other: str) -> tuple[str, str]:

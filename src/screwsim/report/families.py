@@ -9,6 +9,7 @@ import numpy as np
 from screwsim.report.quantities import EFFICIENCIES, choice_words, is_numeric, short, shown_axis, shown_figure, value_of
 from screwsim.results import Results
 from screwsim.results.schema import Axis
+from screwsim.results.table import TOGETHER
 from screwsim.results.warning_kinds import cases_with_warnings
 from screwsim.scene.types import COVERAGE
 
@@ -171,7 +172,7 @@ def band_words(results: Results, curves: list[Curve]) -> str:
     """Return the explanation of the bands around curves; empty without any."""
     if not any(curve.banded for curve in curves):
         return ""
-    count = sum(len(label.split(" + ")) for label in results.contributions["contributor"])
+    count = sum(len(label.split(TOGETHER)) for label in results.contributions["contributor"])
     whose = f"tolerances of {count} inputs" if count > 1 else "tolerance of one input"
     return f"band: 95 % interval by the {whose} alone"
 

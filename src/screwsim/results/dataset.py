@@ -6,7 +6,7 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import KNOCK_OUT_STATUSES, STATUSES
-from screwsim.outputs.display import library
+from screwsim.outputs.display import cf_unit, library
 from screwsim.results.group import OWN, Group
 from screwsim.results.read import Results
 from screwsim.results.schema import Axis
@@ -43,7 +43,7 @@ def dataset(results: Results, group: str | None) -> Any:
 def frame(results: Results, group: str) -> Any:
     """Return a group of results as a pandas.DataFrame, one row per case; raise UsageError if it has its own axis.
 
-    Its attrs have `units` and `meanings` by column.
+    Its attrs have `units` (SI, CF style: "kg s-1", "rad s-1") and `meanings` by column.
     """
     part: Group = getattr(results, group)
     if OWN.get(group) is not None:
@@ -63,8 +63,9 @@ def frame(results: Results, group: str) -> Any:
         spread = results.uncertainty.about
         about |= {name + _UNCERTAIN: (each.units, each.long_name) for name, each in spread.items()}
     made = library("pandas").DataFrame({name: np.atleast_1d(column) for name, column in columns.items()})
-    for place, key in enumerate(("units", "meanings")):
-        made.attrs[key] = {name: about[name][place] for name in columns if name in about}
+    there = {name: about[name] for name in columns if name in about}
+    made.attrs["units"] = {name: cf_unit(units) for name, (units, _) in there.items()}
+    made.attrs["meanings"] = {name: meaning for name, (_, meaning) in there.items()}
     return made
 
 

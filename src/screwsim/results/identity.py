@@ -89,7 +89,7 @@ def scene_values(text: str, file: str, left_out: tuple[str, ...] = ()) -> dict[s
 
 def _leaves(node: Node, path: str, left_out: tuple[str, ...]) -> Iterator[tuple[str, str]]:
     if isinstance(node.value, list):
-        yield path, f"[{', '.join(str(each.value) for each in node.value)}]"
+        yield path, _in_a_list(node)
         return
     if not isinstance(node.value, dict):
         yield path, str(node.value)
@@ -99,6 +99,15 @@ def _leaves(node: Node, path: str, left_out: tuple[str, ...]) -> Iterator[tuple[
     for name, child in node.value.items():
         if path or name not in left_out:
             yield from _leaves(child, f"{path}.{name}" if path else name, left_out)
+
+
+def _in_a_list(node: Node) -> str:
+    """Return the text of a value in a list, or of a list: its values alone, without their places in the file."""
+    if isinstance(node.value, list):
+        return f"[{', '.join(map(_in_a_list, node.value))}]"
+    if isinstance(node.value, dict):
+        return f"{{{', '.join(f'{name}: {_in_a_list(child)}' for name, child in node.value.items())}}}"
+    return str(node.value)
 
 
 def _first_few(told: list[str]) -> str:

@@ -20,6 +20,7 @@ TEXT_NAMES = ("message", "warnings", "notes", *NUMERICS_TEXT)
 NOT_COMPUTED = -1  # status of a case without a result
 MAPPING_FIELDS = ("traces", "ledger", "changes", "slopes")  # mappings of a table from names to arrays, one row per case
 VALUE, EXACT = "number_value", "number_exact"  # variables beside the derivatives: the number, its method
+TOGETHER = " + "  # between the paths of inputs that err together, in the name that they share
 
 
 @lru_cache(maxsize=64)
@@ -232,7 +233,7 @@ def _uncertainties(results: Sequence[Result]) -> dict[str, Any]:
     told = {row: result.uncertainty for row, result in enumerate(results) if "figures" in result.uncertainty}
     if not told:
         return {}
-    inputs = tuple(" + ".join(group) for group in next(iter(told.values()))["groups"])
+    inputs = tuple(TOGETHER.join(group) for group in next(iter(told.values()))["groups"])
     changes: dict[str, np.ndarray] = {}
     for row, each in told.items():
         places = {tuple(group): place for place, group in enumerate(each["groups"])}

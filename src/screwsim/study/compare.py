@@ -12,6 +12,7 @@ from screwsim.outputs.display import About, Brief
 from screwsim.results import Results
 from screwsim.results.identity import scene_values
 from screwsim.results.schema import variable_name
+from screwsim.results.table import TOGETHER
 from screwsim.scene.types import COVERAGE
 
 Array = np.ndarray
@@ -19,6 +20,7 @@ Array = np.ndarray
 SAME_VALUE = 1e-9  # relative distance below which values of an axis are the same
 ERROR_MULTIPLE = 2.0  # multiple of both estimated errors together that counts as numerical error
 ROUNDING = 1e-12  # relative rounding of figures
+TOLERANCE_SIGNS = ("±", "×/÷")  # as a scene's canonical text has them
 MOST_CHANGES = 20  # changed statuses that are listed
 
 
@@ -29,7 +31,7 @@ class FigureChange:
     `a`, `b`, `error` (both estimated errors together, absolute) and `at` are those of the point whose change is largest
     relative to the allowed one; `beyond` counts the points that exceed it; `only_a`, `only_b` those where only one file
     has the figure. `inputs` is half of the 95 % interval of the change there by the tolerances of both scenes, whose
-    inputs are off alike; None where no tolerance is stated.
+    inputs are off alike; None where no tolerance is stated, or the part of one is unknown.
     """
 
     figure: str
@@ -114,7 +116,7 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
 
     changed = np.flatnonzero(status_a != status_b)
     first = (StatusChange(point(i), str(status_a[i]), str(status_b[i])) for i in changed[:MOST_CHANGES])
-    sides = _FileAtCommonPoints(a, in_a), _FileAtCommonPoints(b, in_b)
+    sides = _FileAtCommonPoints(a, in_a, flat_a), _FileAtCommonPoints(b, in_b, flat_b)
     names = dict.fromkeys((*a.error, *b.error))
     figures = (_change(name, sides, ok, point, tolerance) for name in names)
     sides_of = {path: (flat_a.get(path), flat_b.get(path)) for path in (*flat_a, *flat_b)}
@@ -144,8 +146,9 @@ class CommonPoints(NamedTuple):
 def common_points(a: Results, b: Results) -> CommonPoints:
     """Return all figures at the points that both files have; raise UsageError when there are none."""
     paths = list(dict.fromkeys([*a.varied, *b.varied]))
-    in_a, in_b, at = _common_cases(a, b, paths, _scene_values(a), _scene_values(b))
-    sides = _FileAtCommonPoints(a, in_a), _FileAtCommonPoints(b, in_b)
+    flat_a, flat_b = (_scene_values(each) for each in (a, b))
+    in_a, in_b, at = _common_cases(a, b, paths, flat_a, flat_b)
+    sides = _FileAtCommonPoints(a, in_a, flat_a), _FileAtCommonPoints(b, in_b, flat_b)
     figures = {}
     for name in dict.fromkeys((*a.error, *b.error)):
         one, other = (side.values(name) for side in sides)
@@ -232,9 +235,10 @@ def _coded(a: Array, b: Array) -> tuple[Array, Array]:
 class _FileAtCommonPoints:
     """Figures of one file at the common points."""
 
-    def __init__(self, results: Results, cases: Array) -> None:
+    def __init__(self, results: Results, cases: Array, scene: Mapping[str, str]) -> None:
         self._results, self._cases = results, cases
         self._accuracy = np.nan_to_num(results.stated("numerics.accuracy"))
+        self._toleranced = any(sign in text for text in scene.values() for sign in TOLERANCE_SIGNS)
 
     def values(self, name: str) -> Array:
         """Return a figure [SI], NaN where it is missing; an axis of the same name in the file has its values."""
@@ -251,13 +255,20 @@ class _FileAtCommonPoints:
             return np.zeros(len(self._cases))
         return self._results.absolute_error(name, self._accuracy).ravel()[self._cases]
 
-    def contributions(self, name: str, number: int) -> dict[str, float]:
-        """Return the change [SI] of a figure at a common point by one standard uncertainty of each input."""
+    def contributions(self, name: str, number: int) -> dict[frozenset[str], float] | None:
+        """Return the change [SI] of a figure at a common point by one standard uncertainty of each input.
+
+        The inputs are sets of paths that err together; none where no tolerance is stated. Return None where tolerances
+        are stated and the change by one of them is unknown.
+        """
         group = self._results.contributions
         if name not in group:
-            return {}
+            return None if self._toleranced else {}
         row = group[name].reshape(-1, group[name].shape[-1])[self._cases[number]]
-        return dict(zip(group["contributor"].tolist(), np.nan_to_num(row).tolist(), strict=True))
+        if np.isnan(row).any():
+            return None
+        inputs = (frozenset(label.split(TOGETHER)) for label in group["contributor"].tolist())
+        return dict(zip(inputs, row.tolist(), strict=True))
 
 
 def _change(
@@ -282,10 +293,23 @@ def _change(
     value_a, value_b = float(a[both[worst]]), float(b[both[worst]])
     relative = (value_b - value_a) / abs(value_a) if value_a else None
     changes = (value_a, value_b, value_b - value_a, relative, float(error[worst]), point(both[worst]))
-    by_input = [side.contributions(name, both[worst]) for side in sides]
-    inputs = None
-    if any(by_input):
-        paths = by_input[0] | by_input[1]
-        inputs = COVERAGE * math.dist(*([each.get(path, 0.0) for path in paths] for each in by_input))
+    inputs = _uncertainty_of_change(*(side.contributions(name, both[worst]) for side in sides))
     beyond = int(np.count_nonzero(over > 1.0))
     return FigureChange(name, len(both), beyond, only_a, only_b, *changes, inputs)
+
+
+def _uncertainty_of_change(
+    a: Mapping[frozenset[str], float] | None, b: Mapping[frozenset[str], float] | None
+) -> float | None:
+    """Return half of the 95 % interval of a change by the inputs of both sides; None without any, or if unknown.
+
+    Inputs that err together in one file are taken together in the other, too, and are off alike in both.
+    """
+    if a is None or b is None or not (a or b):
+        return None
+    groups: list[frozenset[str]] = []
+    for paths in (*a, *b):
+        joined = [each for each in groups if each & paths]
+        groups = [each for each in groups if not each & paths] + [paths.union(*joined)]
+    sums = ([sum(by for paths, by in side.items() if paths <= group) for group in groups] for side in (a, b))
+    return COVERAGE * math.dist(*sums)
