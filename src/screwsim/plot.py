@@ -36,7 +36,8 @@ CycleLike = Result | Results | str | os.PathLike[str]
 def pressure_volume(result: CycleLike, ax: Any = None, **line: Any) -> Any:
     """Draw the pressure–volume loop with the pressures of both lines and marks; return the axes.
 
-    `line` are properties of the loop's line (color, linestyle, label, …), to tell several in the same axes apart.
+    `line` are properties of the loop's line (color, linestyle, label, …), to tell several in the same axes apart. A
+    label gives the axes a legend.
     """
     return _drawn(cycle.draw_loop, result, ax, line)
 
@@ -107,10 +108,16 @@ def contours(results: Results | str | os.PathLike[str], figure: str | None = Non
 
 def _drawn(draw: Callable[[Any, Trace], None], result: CycleLike, ax: Any, line: Mapping[str, Any] = NONE) -> Any:
     trace = _trace(result)
+    if line:
+        from matplotlib.lines import Line2D
+
+        Line2D([], []).set(**line)  # raises AttributeError before anything is drawn
     axes = _axes(ax)
     before = len(axes.get_lines())
     draw(axes, trace)
     axes.get_lines()[before].set(**line)
+    if not str(line.get("label") or "_").startswith("_"):  # such labels matplotlib leaves out
+        axes.legend()
     return axes
 
 

@@ -52,6 +52,7 @@ def printed(result: Result, capsys) -> list[str]:
 
 def test_effects_are_named_without_their_package():
     assert [effect_words(each) for each in ("blow_hole", "my_effects.slot_leak")] == ["blow hole", "slot leak"]
+    assert effect_words("tip_leakage+my_effects.slot_leak+your.seal") == "tip leakage+slot leak+seal"
 
 
 def test_the_essentials_of_a_heat_pump_have_both_coefficients(capsys):

@@ -6,8 +6,10 @@ import pytest
 from screwsim.inputs.faults import UsageError
 from screwsim.report.indicated import (
     Indicated,
+    IndicatedVolumes,
     at_angles,
     check_angles,
+    check_volumes,
     deviation_in_words,
     draw_over_angle,
     draw_over_volume,
@@ -36,8 +38,9 @@ def test_pressures_are_read_in_the_unit_of_their_column_with_the_mark_of_excel(t
     ("text", "what"),
     [
         ("angle_deg;pressure_bar\n1;1,5\n", "is separated by semicolons"),
-        ("angle_deg,p\n1,2\n", r"needs the columns angle_deg and one pressure \(found: angle_deg, p; write"),
-        ("angle_deg,pressure_bar,pressure_Pa\n1,2,3\n", "needs the columns angle_deg and one pressure"),
+        ("angle_deg,p\n1,2\n", r"needs angle_deg or one volume, and one pressure \(found: angle_deg, p; write"),
+        ("angle_deg,pressure_bar,pressure_Pa\n1,2,3\n", "needs angle_deg or one volume, and one pressure"),
+        ("volume_cm3,volume_l,pressure_bar\n1,2,3\n", "needs angle_deg or one volume, and one pressure"),
         ("angle_deg,pressure_bar\n", "has no points"),
         ("angle_deg,pressure_bar\n1,x\n", "line 2: 1, x are not two numbers"),
         ("angle_deg,pressure_bar\n1,-0.1\n", "line 2: -0.1 bar is not an absolute pressure"),
@@ -48,6 +51,11 @@ def test_pressures_are_read_in_the_unit_of_their_column_with_the_mark_of_excel(t
 def test_what_cannot_be_read_is_told_in_one_line(tmp_path, text, what):
     with pytest.raises(UsageError, match=what):
         read_indicated(written(tmp_path, text))
+
+
+def test_angles_are_taken_where_volumes_stand_beside_them(tmp_path):
+    found = read_indicated(written(tmp_path, "angle_deg,volume_cm3,pressure_bar\n100,5,1\n200,9,2\n"))
+    assert isinstance(found, Indicated) and found.angle.tolist() == [100.0, 200.0]
 
 
 def test_what_is_said_is_the_difference_at_the_points():
@@ -70,10 +78,28 @@ def test_points_over_the_volume_stand_on_the_side_on_which_it_grows_or_falls(tmp
     rows = "100,1\n300,1\n360,1.2\n300,1.5\n100,4\n"
     read = read_indicated(written(tmp_path, f"volume_cm3,pressure_bar\n{rows}"))
     assert at_angles(read, trace).angle == pytest.approx([100.0, 300.0, 360.0, 420.0, 620.0], rel=1e-12)
-    with pytest.raises(UsageError, match="1 of the measured volumes, as 400 cm3, are not between 0 and"):
+    with pytest.raises(UsageError, match="as 400 cm3, are not of the chamber: above its largest, 360 cm3"):
         at_angles(read._replace(volume=np.array([400e-6, 1e-6, 2e-6, 3e-6, 4e-6])), trace)
     with pytest.raises(UsageError, match="are all the same"):
         at_angles(read_indicated(written(tmp_path, "volume_l,pressure_kPa\n0.1,200\n")), trace)
+
+
+def test_a_diagram_over_the_swept_volume_alone_is_refused():
+    """Of a cylinder with 10 cm³ of dead volume; to within 2 %, volumes of its own are taken."""
+    volume = 1e-6 * (10.0 + np.minimum(ANGLE, 720.0 - ANGLE))
+    trace = TRACE._replace(values={"pressure": TRACE.values["pressure"], "volume": volume})
+    own = IndicatedVolumes(np.array([9.9e-6, 200e-6, 370e-6]), np.full(3, 1e5))
+    assert at_angles(own, trace).angle == pytest.approx([0.0, 190.0, 360.0], abs=1e-9)
+    with pytest.raises(UsageError, match=r"^2 of .*, as 0 cm3, .*below its least, 10 cm3 \(add its dead volume\)$"):
+        at_angles(own._replace(volume=np.array([0.0, 5e-6, 360e-6])), trace)
+
+
+def test_grooves_are_named_of_a_screw_alone():
+    points = IndicatedVolumes(np.array([1e-6, 2e-3]), np.full(2, 1e5))
+    with pytest.raises(UsageError, match=r"\(give those of one\)$"):
+        check_volumes(points, TRACE)
+    with pytest.raises(UsageError, match="male and female groove together"):
+        check_volumes(points, TRACE._replace(male_lobes=5.0))
 
 
 def test_points_stand_at_their_pressure_angle_and_computed_volume_and_none_is_cut_off():

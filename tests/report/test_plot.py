@@ -60,8 +60,13 @@ def test_two_loops_in_the_same_axes_are_told_apart(closed, axes):
         named = {line.get_label(): line for line in axes.get_lines()}
         assert (named["B"].get_color(), named["B"].get_linestyle()) == ("red", "--") != (named["A"].get_color(), "-")
         np.testing.assert_allclose(named["B"].get_ydata(), closed.cycle["pressure"] * 1e-5)
+        assert [text.get_text() for text in legend(axes)[0]] == ["A", "B"]
+
+
+def test_a_property_that_lines_do_not_have_is_refused_before_anything_is_drawn(closed, axes):
     with pytest.raises(AttributeError, match="colour"):
         plot.pv(closed, ax=axes, colour="red")
+    assert not axes.get_lines()
 
 
 def test_the_port_of_rotors_is_marked_where_it_opens(tmp_path):

@@ -84,8 +84,11 @@ KNOCK_OUT |= {
 
 
 def effect_words(name: str) -> str:
-    """Return the name of an effect, or of another entry, as people write it; of one's own without its package."""
-    return name.rpartition(".")[2].replace("_", " ")
+    """Return the name of an effect, or of another entry, as people write it; of one's own without its package.
+
+    Effects that a name joins by `+` stay joined.
+    """
+    return "+".join(each.rpartition(".")[2] for each in name.split("+")).replace("_", " ")
 
 
 def ledger_variable(name: str) -> Variable:

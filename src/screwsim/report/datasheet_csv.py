@@ -2,18 +2,21 @@
 
 import csv
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-from screwsim.figures import declared
+from screwsim.figures import declaration, declared
 from screwsim.figures.engineering import reading_unit
 from screwsim.inputs.faults import UsageError
-from screwsim.report.quantities import RPM
 from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, write_csv
+from screwsim.scene.fields import Leaf, leaf_paths
+from screwsim.scene.units import customary_unit, to_customary
 
 STATUS, BEYOND, WARNINGS = "status", "beyond", "warnings"  # of a point, beside its numbers
 PLAIN = {"°C": "degC", "²": "^2", "³": "^3"}  # in heads, as in all tables of the program
 DIGITS = 6  # significant digits of a number
+OPERATION = "operation."  # before the path of an axis
 SEPARATOR = "; "  # between limits, and between warnings
 
 
@@ -54,9 +57,17 @@ def _column(name: str, values: Sequence[Any]) -> tuple[str, list[str]]:
 
 def _unit(name: str, sizes: Sequence[float]) -> tuple[float, str, float]:
     """Return factor from SI, unit and the offset that is taken off, for all values of a column."""
-    if name == "speed":
-        return RPM, "rpm", 0.0
+    leaf = None if declaration(name) else _axes().get(name)
+    if leaf is not None and leaf.dimension is not None:
+        return to_customary(leaf.dimension, 1.0), customary_unit(leaf.dimension), 0.0
     factor, unit, offset = reading_unit(declared(name), max(sizes, default=0.0))
     for sign, plain in PLAIN.items():
         unit = unit.replace(sign, plain)
     return factor, unit, offset
+
+
+@cache
+def _axes() -> dict[str, Leaf]:
+    """Return the inputs of an operating state by their names in a sheet's document: `gas_cooler_pressure`."""
+    leaves = leaf_paths({}).items()
+    return {path.removeprefix(OPERATION).replace(".", "_"): leaf for path, leaf in leaves if path.startswith(OPERATION)}

@@ -14,11 +14,12 @@ from screwsim.report.style import COLOURS
 from screwsim.report.trace import Trace
 from screwsim.scene.units import Refused, parse_quantity
 
+ANGLE_COLUMN = "angle_deg"
 PRESSURE_COLUMN = re.compile(r"pressure_(bar|mbar|kPa|MPa|Pa)")
 VOLUME_COLUMN = re.compile(r"volume_(cm3|mm3|l|m3)")
 CUBIC_METRES = {"cm3": 1e-6, "mm3": 1e-9, "l": 1e-3, "m3": 1.0}
 _EXAMPLE = "write angle_deg,pressure_bar or volume_cm3,pressure_bar; absolute pressures, also _kPa, _MPa or _Pa"
-VOLUME_SLACK = 0.02  # of the largest volume, by which a point may exceed it
+VOLUME_SLACK = 0.02  # of the largest or smallest volume, by which a point may lie beyond it
 ANGLE_SLACK = 5.0  # [degree] by which a point may exceed the ends of the cycle
 
 
@@ -37,15 +38,19 @@ class IndicatedVolumes(NamedTuple):
 
 
 def read_indicated(path: str | os.PathLike[str]) -> Indicated | IndicatedVolumes:
-    """Return the measured points of a CSV file with angle_deg or volume_UNIT, and pressure_UNIT; raise UsageError."""
+    """Return the measured points of a CSV file with angle_deg or volume_UNIT, and pressure_UNIT; raise UsageError.
+
+    Where a file has both, its angles are taken.
+    """
     where = os.fspath(path)
     with sheet_or_usage_error("name a CSV file of measured pressures", where):
         sheet = read_sheet(path)
     named = [name for name in sheet.names if PRESSURE_COLUMN.fullmatch(name)]
-    places = [name for name in sheet.names if name == "angle_deg" or VOLUME_COLUMN.fullmatch(name)]
+    volumes = [name for name in sheet.names if VOLUME_COLUMN.fullmatch(name)]
+    places = [ANGLE_COLUMN] if ANGLE_COLUMN in sheet.names else volumes
     if len(places) != 1 or len(named) != 1:
         found = ", ".join(name for name in sheet.names if name) or "none"
-        raise UsageError(f"{where}: needs the columns angle_deg and one pressure (found: {found}; {_EXAMPLE})")
+        raise UsageError(f"{where}: needs angle_deg or one volume, and one pressure (found: {found}; {_EXAMPLE})")
     unit = named[0].removeprefix("pressure_")
     rows = sheet.columns(places[0], named[0])
     if not rows:
@@ -64,13 +69,10 @@ def at_angles(points: Indicated | IndicatedVolumes, trace: Trace) -> Indicated:
     if isinstance(points, Indicated):
         check_angles(points, trace)
         return points
-    volume, largest = trace.values["volume"], float(np.max(trace.values["volume"]))
+    volume = trace.values["volume"]
     if len(points.volume) < 2 or not np.ptp(points.volume) > 0.0:
         raise UsageError("the measured volumes are all the same (write the rows in the order of the cycle)")
-    odd = points.volume[(points.volume > (1.0 + VOLUME_SLACK) * largest) | (points.volume < 0.0)]
-    if len(odd):
-        what = f"{len(odd)} of the measured volumes, as {odd[0] * VOLUME.factor:.4g} cm3, are not between 0 and"
-        raise UsageError(f"{what} the chamber's {largest * VOLUME.factor:.4g} cm3 (male and female groove together)")
+    check_volumes(points, trace)
     grows, top = np.gradient(points.volume) > 0.0, int(np.argmax(volume))
     filling = np.interp(points.volume, volume[: top + 1], trace.angle[: top + 1])
     closing = np.interp(points.volume, volume[top:][::-1], trace.angle[top:][::-1])
@@ -87,6 +89,21 @@ def _point(where: str, line: int, cells: tuple[str, ...], unit: str) -> tuple[fl
             f"{where}: line {line}: {cells[1]} {unit} is not an absolute pressure (add the ambient pressure)"
         )
     return angle, pressure
+
+
+def check_volumes(points: IndicatedVolumes, trace: Trace) -> None:
+    """Raise UsageError for volumes that the chamber does not have."""
+    least, largest = (float(end(trace.values["volume"])) for end in (np.min, np.max))
+    grooves = ", male and female groove together" if np.isfinite(trace.male_lobes) else ""
+    ends = (
+        (points.volume < (1.0 - VOLUME_SLACK) * least, "below its least", least, "add its dead volume"),
+        (points.volume > (1.0 + VOLUME_SLACK) * largest, "above its largest", largest, f"give those of one{grooves}"),
+    )
+    for out, where, end, remedy in ends:
+        if out.any():
+            first, bound = (f"{of * VOLUME.factor:.4g} cm3" for of in (points.volume[out][0], end))
+            what = f"{out.sum()} of the measured volumes, as {first}, are not of the chamber: {where}, {bound}"
+            raise UsageError(f"{what} ({remedy})")
 
 
 def check_angles(points: Indicated, trace: Trace) -> None:

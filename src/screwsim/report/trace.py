@@ -1,5 +1,6 @@
 """One cycle from a results file: its traces, the pressures of the lines, and angles to be marked."""
 
+from collections import Counter
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -156,13 +157,18 @@ def pressure_limit(trace: Trace) -> tuple[float, float, float]:
 
 
 def flow_paths(values: Mapping[str, np.ndarray]) -> dict[str, dict[str, str]]:
-    """Return {path in words: {side: name of the trace}}; ports have one side, '', gaps two. Ports come first."""
+    """Return {path in words: {side: name of the trace}}; ports have one side, '', gaps two. Ports come first.
+
+    Paths that have the same words, as one's own `my.blow_hole` and `blow_hole`, have the names of their effects.
+    """
     paths: dict[str, dict[str, str]] = {}
     for name in values:
         if not name.startswith("mass_flow_") or not np.isfinite(values[name]).any():
             continue
         effect = name.removeprefix("mass_flow_")
         side = next((side for side in _SIDES if effect.endswith(f"_{side}")), "")
-        words = effect.removesuffix(f"_{side}") if side else effect
-        paths.setdefault(effect_words(words), {})[side] = name
-    return dict(sorted(paths.items(), key=lambda path: (len(path[1]), path[0] == "discharge port")))
+        effect = effect.removesuffix(f"_{side}") if side else effect
+        paths.setdefault(effect, {})[side] = name
+    count = Counter(map(effect_words, paths))
+    ordered = sorted(paths.items(), key=lambda path: (len(path[1]), path[0] == "discharge_port"))
+    return {effect if count[words := effect_words(effect)] > 1 else words: sides for effect, sides in ordered}
