@@ -141,16 +141,31 @@ def test_internal_error_is_told_without_traceback(folder, command, monkeypatch):
     assert "please report it" in second
 
 
-@pytest.mark.parametrize("error", [MemoryError(), OSError(errno.ENOMEM, "Cannot allocate memory")])
-def test_a_lack_of_memory_is_told_with_what_to_do(folder, command, monkeypatch, error):
+MUCH = "Unable to allocate 3.73 TiB for an array with shape (512, 1000000000) and data type float64"
+
+
+@pytest.mark.parametrize(
+    ("error", "told", "more"),
+    [
+        (MemoryError(), "", ""),
+        (OSError(errno.ENOMEM, "Cannot allocate memory"), "", ""),
+        (MemoryError(MUCH), f": {MUCH}", "; where it is more than the machine has, ask for less"),
+    ],
+)
+def test_a_lack_of_memory_is_told_with_what_to_do(folder, command, monkeypatch, error, told, more):
     def refused(*_: object, **__: object) -> None:
         raise error
 
     monkeypatch.setattr(cli.options, "loaded_scene", refused)
+    monkeypatch.delenv("SCREWSIM_DEBUG", raising=False)
     answer = command("explain", "small.yaml")
     assert (answer.code, answer.out) == (2, "")
     (line,) = answer.err.splitlines()
-    assert line.startswith("the system gives this process no more memory (end other programs, ")
+    assert line.startswith(f"the system gives this process no more memory{told} (end other programs, ")
+    assert line.endswith(f"or use fewer --jobs{more})")
+    monkeypatch.setenv("SCREWSIM_DEBUG", "1")
+    shown = command("explain", "small.yaml").err.splitlines()
+    assert shown[0] == "Traceback (most recent call last):" and shown[-1] == line
 
 
 def test_debugging_shows_the_traceback(folder, command, monkeypatch):

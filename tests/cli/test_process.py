@@ -142,6 +142,15 @@ def test_ctrl_c_is_an_interruption_whatever_became_of_it(became):
     assert (found.returncode, found.stdout, found.stderr) == (130, "", "interrupted\n")
 
 
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timer raises a lost interruption again")
+def test_a_lost_ctrl_c_is_not_raised_again_while_the_interruption_is_told():
+    slow = "def tell(*_):\n    print('told'); time.sleep(0.3); return 130\n"
+    slow += "cli.print_error = tell\n"
+    text = PRESS + "def loaded(*_):\n" + SWALLOWED["a call back"] + COMMAND.replace("cli; ", f"cli\n{slow}", 1)
+    found = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, timeout=50)
+    assert (found.returncode, found.stdout, found.stderr) == (130, "told\n", "")
+
+
 def test_ctrl_c_while_the_command_is_imported_is_one_line():
     text = "import sys\nclass Finder:\n    def find_spec(self, name, *_):\n        if name == 'screwsim.cli': press()\n"
     text += "sys.meta_path.insert(0, Finder())\nfrom screwsim.__main__ import main; main()"

@@ -185,6 +185,8 @@ def test_a_worker_that_dies_costs_its_row_only():
         ({"path": "machine.male_lobes"}, "machine.male_lobes: is a whole number, not a continuous quantity"),
         ({"path": "operation.speed", "first": "10", "last": "20 rpm"}, "operation.speed: '10' has no unit"),
         ({"first": "3", "last": "2"}, "oil_supply.ratio: the range 3 … 2 is empty (--from must be below --to)"),
+        ({"path": "oil_supply.ratio=4..0.5"}, "oil_supply.ratio: the range 4 … 0.5 is empty (LOW must be below HIGH)"),
+        ({"path": "oil_supply.ratio=1..2..4"}, "oil_supply.ratio=1..2..4: is not PATH=LOW..HIGH (write e.g. "),
         ({"first": "many"}, "oil_supply.ratio: 'many' is not a plain number"),
     ],
 )

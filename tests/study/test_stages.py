@@ -15,10 +15,11 @@ from screwsim.cli import exit_code
 from screwsim.figures.errors import error_scale
 from screwsim.fluid import constants
 from screwsim.inputs.faults import SceneError, UsageError
-from screwsim.outputs import STAGES, Figures
+from screwsim.outputs import STAGES, Figures, Result
 from screwsim.scene import lines, loads
 from screwsim.simulate import simulate
 from screwsim.study.stages import is_stages, read_stages, run_stages
+from screwsim.study.stages.result import capacities, electrical_figures
 from screwsim.study.stages.solve import ChainResult
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
@@ -79,6 +80,18 @@ def test_electrical_figures_are_those_of_both_motors_if_both_stages_have_one(cha
     motor = {"effects.motor": {"rated_power": "30 kW", "efficiency": 0.9}}
     one = run_stages(read_stages(chain(low=motor)))
     assert one.status == "ok" and "electrical_power" not in one.performance
+
+
+def test_an_electrical_cop_without_a_capacity_is_null_for_the_reason_of_the_capacity():
+    results = tuple(Result("ok", performance=Figures(electrical_power=power)) for power in (20e3, 30e3))
+    found, reasons = capacities(150e3, 45e3, {"gas_mass_flow": 1.0}, None, "the oil stays mixed")
+    figures, why = electrical_figures(results, found, reasons)
+    assert figures == {"electrical_power": 50e3, "electrical_cop": 3.0, "electrical_heating_cop": None}
+    assert (
+        why == {"electrical_heating_cop": "the oil stays mixed"}
+        and reasons["heating_capacity"] == "the oil stays mixed"
+    )
+    assert electrical_figures(results, {}, {}) == ({"electrical_power": 50e3}, {})  # none is called for
 
 
 def test_stages_are_the_scenes_alone_at_that_pressure(chain):

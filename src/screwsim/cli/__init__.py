@@ -100,6 +100,7 @@ def exit_code(arguments: Sequence[str]) -> int:
         outcome = INTERRUPTED
     except Exception as error:  # noqa: BLE001 - whatever it is, the user gets one line
         outcome = INTERRUPTED if process.interrupted() else _print_fault(error, arguments)
+    process.settle()
     if process.interrupted() or outcome == INTERRUPTED:  # other code may have swallowed the exception
         return print_error(f"interrupted{_how_to_resume(arguments)}", INTERRUPTED)
     return outcome if isinstance(outcome, int) else OK
@@ -139,8 +140,12 @@ def _print_fault(error: Exception, arguments: Sequence[str]) -> int:
         remedy = "name another place, or change its permissions"
         return print_error(f"{error.filename}: cannot be reached: {os.strerror(error.errno)} ({remedy})", USAGE)
     if isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno == errno.ENOMEM):
+        _show_traceback()
+        told = " ".join(str(error).split()) if isinstance(error, MemoryError) else ""  # of numpy: how much it is
+        what = f"the system gives this process no more memory{told and ': '}{told}"
         remedy = "end other programs, raise the limit, as of ulimit -v or of a batch job, or use fewer --jobs"
-        return print_error(f"the system gives this process no more memory ({remedy})", USAGE)
+        remedy += "; where it is more than the machine has, ask for less" if told else ""
+        return print_error(f"{what} ({remedy})", USAGE)
     return _internal_error(error)
 
 
@@ -152,9 +157,14 @@ def _command_arguments(arguments: Sequence[str]) -> tuple[Sequence[str], Any]:
     return (arguments[1:], below) if below else (arguments, group.commands)
 
 
-def _internal_error(error: Exception) -> int:
+def _show_traceback() -> None:
+    """Print the traceback of the error that is being handled, for those who debug."""
     if os.environ.get("SCREWSIM_DEBUG") == "1":
         traceback.print_exc()
+
+
+def _internal_error(error: Exception) -> int:
+    _show_traceback()
     remedy = "this is a bug in screwsim; please report it with the scene (SCREWSIM_DEBUG=1 prints the traceback)"
     return print_error(f"internal error: {in_one_line(error)}\n{remedy}", INTERNAL)
 
@@ -164,7 +174,8 @@ def main() -> None:
     process.begin()
     try:
         code = exit_code(sys.argv[1:])
-    except KeyboardInterrupt:  # pressed between the two lines above
+    except KeyboardInterrupt:  # pressed, or raised again, outside what `exit_code` catches
+        process.settle()
         code = print_error("interrupted", INTERRUPTED)
     process.end(code)
 

@@ -116,6 +116,12 @@ def _raise_again(number: int, frame: Any) -> None:
         raise KeyboardInterrupt
 
 
+def settle() -> None:
+    """Raise no lost interruption any more: the command has ended, and what it prints now is printed once."""
+    if interrupted() and hasattr(signal, "setitimer"):
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+
 # ---- beginning and end ---------------------------------------------------------------------------------------
 
 

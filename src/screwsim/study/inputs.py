@@ -51,7 +51,7 @@ def read_text(scene: Scene, path: str, text: str) -> float:
 def ends_of(text: str) -> tuple[str, str] | None:
     """Return both ends of LOW..HIGH; a bare LOW has the unit of HIGH. None for a text that is not a range."""
     low, dots, high = (part.strip() for part in text.partition(".."))
-    if not (dots and low and high) or "..." in text:  # 0...5 is not taken for 0 to 0.5
+    if not (dots and low and high) or "..." in text or ".." in high:  # 0...5 is not taken for 0 to 0.5
         return None
     unit = re.fullmatch(rf"{NUMBER}\s*(.*)", high)
     return f"{low} {unit[1]}".strip() if unit and re.fullmatch(NUMBER, low) else low, high

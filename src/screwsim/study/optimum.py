@@ -93,6 +93,7 @@ def question(
 
     The range may follow the path: `oil_supply.ratio=0.5..4`. The default figure is `usual_efficiency`.
     """
+    lower = "LOW must be below HIGH" if "=" in path else "--from must be below --to"
     path, first, last = _with_range(path, first, last)
     if path == OIL_RATIO and scene.oil_supply is not None and not scene.oil_supply.pumped:
         other = "--path 'oil_supply.orifice_diameter=2 mm..10 mm'"
@@ -106,7 +107,7 @@ def question(
     ends = [choose(axis) if text is None else read_text(scene, path, text) for text, choose in texts]
     if not ends[0] < ends[1]:
         shown = " … ".join(shown_value(scene, path, end) for end in ends)
-        raise UsageError(f"{path}: the range {shown} is empty (--from must be below --to)")
+        raise UsageError(f"{path}: the range {shown} is empty ({lower})")
     return Question(path, figure, ends[0], ends[1], minimum)
 
 

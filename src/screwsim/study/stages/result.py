@@ -62,15 +62,25 @@ def capacities(
     return {"cooling_capacity": cooling, "cop": cop, **warming}, notes
 
 
-def electrical_figures(results: tuple[Result, Result], found: Mapping[str, float | None]) -> dict[str, float]:
-    """Return the electrical power [W] of both stages, if both have a motor, and the COP of the capacities found."""
+def electrical_figures(
+    results: tuple[Result, Result], found: Mapping[str, float | None], reasons: Mapping[str, str]
+) -> FiguresAndReasons:
+    """Return the electrical power [W] of both stages, if both have a motor, and the COP of the capacities found.
+
+    A COP whose capacity has no value has none either, for the same one of the `reasons`.
+    """
     powers = [each.performance.get("electrical_power") for each in results]
     power = sum(each for each in powers if each is not None)
     if None in powers or not power > 0.0:
-        return {}
+        return {}, {}
     names = (("electrical_cop", "cooling_capacity"), ("electrical_heating_cop", "heating_capacity"))
-    known = ((name, found.get(capacity)) for name, capacity in names)
-    return {"electrical_power": power} | {name: capacity / power for name, capacity in known if capacity is not None}
+    cops: dict[str, float | str | None] = {}
+    for name, capacity in names:
+        if capacity in found:
+            value = found[capacity]
+            cops[name] = reasons[capacity] if value is None else value / power
+    figures, why = parted(cops)
+    return {"electrical_power": power, **figures}, why
 
 
 def chain_errors(

@@ -306,7 +306,8 @@ class _ChainSolver:
         etas, notes = parted(efficiencies(self.gas, ends, Inlet(port_state[1], port_state[2]), flow, power, drawn))
         comes, taken = pair.flows
         cooled, reasons = self._capacities(pair, flow, power, port_state[2])
-        notes = {**notes, **reasons}
+        electrical, unknown = electrical_figures(pair.results, cooled, reasons)
+        notes = {**notes, **reasons, **unknown}
         found = Figures(
             intermediate_pressure=p,
             second_suction_temperature=pair.T,
@@ -322,7 +323,7 @@ class _ChainSolver:
             discharge_temperature=second.discharge_temperature,
             **etas,
             **cooled,
-            **electrical_figures(pair.results, cooled),
+            **electrical,
             flow_mismatch=abs(comes - taken) / max(comes, taken),
         )
         notes |= {f"{STAGE_NAMES[1]}_{name}": pair.unparted for name in SEPARATOR_FIGURES if pair.unparted}
