@@ -159,7 +159,7 @@ def pressure_limit(trace: Trace) -> tuple[float, float, float]:
 def flow_paths(values: Mapping[str, np.ndarray]) -> dict[str, dict[str, str]]:
     """Return {path in words: {side: name of the trace}}; ports have one side, '', gaps two. Ports come first.
 
-    Paths that have the same words, as one's own `my.blow_hole` and `blow_hole`, have the names of their effects.
+    Paths that have the same words, as those of two packages of one's own, have the names of their effects.
     """
     paths: dict[str, dict[str, str]] = {}
     for name in values:
@@ -170,5 +170,5 @@ def flow_paths(values: Mapping[str, np.ndarray]) -> dict[str, dict[str, str]]:
         effect = effect.removesuffix(f"_{side}") if side else effect
         paths.setdefault(effect, {})[side] = name
     count = Counter(map(effect_words, paths))
-    ordered = sorted(paths.items(), key=lambda path: (len(path[1]), path[0] == "discharge_port"))
+    ordered = sorted(paths.items(), key=lambda path: (len(path[1]), effect_words(path[0]) == "discharge port"))
     return {effect if count[words := effect_words(effect)] > 1 else words: sides for effect, sides in ordered}
