@@ -11,8 +11,9 @@ from screwsim import cli
 from screwsim.build import build_parts
 from screwsim.effects.parts.rating import STANDARDS
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figures, Result
 from screwsim.scene.plausible import leaks_in_words
-from screwsim.study.sizing import NEAR, sized_machine, with_steady_port
+from screwsim.study.sizing import NEAR, SizedMachine, sized_machine, with_steady_port
 from screwsim.study.sizing import performance_lines as sized_told
 from screwsim.study.validation import sibling
 from screwsim.template import KINDS, new_scene, refrigeration, request_of, sizes
@@ -507,6 +508,16 @@ def test_a_size_that_was_sought_is_round_and_the_heat_of_an_oil_cooler_is_told()
     duty = figures.heating_capacity - figures.cooling_capacity - figures.shaft_power
     assert figures.oil_cooler_duty == pytest.approx(-duty, rel=1e-3)
     assert f"(without the {figures.oil_cooler_duty * 1e-3:.5g} kW of its oil cooler)" in next(sized_told(asked, found))
+
+
+def test_a_first_size_that_fits_is_round_as_well(monkeypatch):
+    met = Result("ok", performance=Figures(free_air_delivered=7.654321 / 60.0))
+    monkeypatch.setattr(
+        "screwsim.study.sizing.solved_machine", lambda text: SizedMachine(text, screwsim.loads(text), met)
+    )
+    found = sized_machine("air", request_of(free_air="7.654321 m^3/min", motor="45 kW"))
+    flow = 3600.0 * found.scene.machine.displacement.flow
+    assert found.result is met and flow == pytest.approx(float(f"{flow:.4g}"), rel=1e-12)
 
 
 def test_a_motor_alone_is_loaded_in_full_and_what_hardly_fits_it_is_told(capsys):

@@ -1,6 +1,7 @@
 """`screwsim validate`: a small source of its own in a folder, what it shows, and how it ends."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -139,6 +140,28 @@ def test_a_source_whose_program_is_wrong_says_where_and_leaves_the_others(checko
     code, out, err = run(capsys, "--jobs", "1")
     assert (code, err) == (4, "")
     assert "wrong: not run: " in out and told in out and "A small source" in out
+
+
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [
+        (
+            "record.row_text(None)",
+            r"compare\.py:5: fails \(TypeError: .*\); it is a fault of screwsim, raised at "
+            r"screwsim/study/validation/record\.py:\d+: please report it with that program",
+        ),
+        ("screwsim.simulatee", r"compare\.py:5: fails \(AttributeError: .*\); fix that program"),
+        ("Figures(cop=4.0).cpo", r"compare\.py:5: fails \(AttributeError: .*\); fix that program"),
+        ("Figures(cop=4.0)['cpo']", r"compare\.py:5: fails \(KeyError: .*\); fix that program"),
+    ],
+)
+def test_a_fault_of_screwsim_is_not_laid_on_the_program_that_met_it(tmp_path, body, told):
+    (tmp_path / "wrong").mkdir()
+    imports = "import screwsim\nfrom screwsim.outputs import Figures\nfrom screwsim.study.validation import record"
+    (tmp_path / "wrong" / "compare.py").write_text(f"{imports}\ndef compare(here):\n    {body}\n", encoding="utf-8")
+    (outcome,) = run_sources(tmp_path)
+    assert outcome.comparison is None
+    assert re.fullmatch(rf"{re.escape(str(tmp_path / 'wrong'))}.{told}", outcome.reason), outcome.reason
 
 
 def test_an_unknown_name_is_one_line_with_the_nearest(checkout, capsys):

@@ -51,7 +51,7 @@ def sized_machine(kind: str, asked: SceneRequest) -> SizedMachine:
         ("--motor", TAKEN, asked.motor),
     )
     option, figure, wanted = next((*names, wanted) for *names, wanted in goals if wanted is not None)
-    flow = about.first(asked)
+    flow = rounded_flow(about.first(asked))
     for count in range(TRIES):
         found = solved_machine(_text(kind, replace(asked, flow=flow, sought=option), option))
         result = found.result

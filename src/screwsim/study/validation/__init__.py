@@ -153,7 +153,7 @@ def _run_source(folders: tuple[Path, ...], number: int) -> SourceOutcome:
     except (NotRun, SceneError, UsageError) as error:
         reason = " ".join(str(error).split())
     except Exception as error:  # noqa: BLE001 - a source is a program of somebody's, which may raise anything
-        reason = f"{_place_in(folder, error)}: fails ({in_one_line(error)}); fix that program"
+        reason = f"{_place_in(folder, error)}: fails ({in_one_line(error)}); {_remedy(folder, error)}"
     return SourceOutcome(folder.name, comparison, reason, time.perf_counter() - began)
 
 
@@ -161,6 +161,18 @@ def _place_in(folder: Path, error: Exception) -> str:
     """Return FILE:LINE of the program in a folder that raised an error, or that called what did."""
     lines = [f"{file}:{line}" for file, line, *_ in extract_tb(error.__traceback__) if Path(file).parent == folder]
     return lines[-1] if lines else str(folder / MODULE)
+
+
+def _remedy(folder: Path, error: Exception) -> str:
+    """Return what to do about an error of the program in a folder, which may come from screwsim itself."""
+    frames = list(extract_tb(error.__traceback__))
+    while len(frames) > 1 and frames[-1].name in ("__getattr__", "__getitem__"):
+        frames.pop()  # a name that there is not is the fault of who asks for it
+    place = Path(frames[-1].filename).resolve()
+    if place.is_relative_to(folder.resolve().parent) or not place.is_relative_to(PACKAGE_FOLDER):
+        return "fix that program"
+    where = f"{place.relative_to(PACKAGE_FOLDER.parent).as_posix()}:{frames[-1].lineno}"
+    return f"it is a fault of screwsim, raised at {where}: please report it with that program"
 
 
 def document(outcomes: Sequence[SourceOutcome]) -> dict[str, Any]:
