@@ -36,9 +36,7 @@ def missed_pressure(life: Trajectory, angles: Array) -> Array:
     nodes = begun + SHARES * (np.asarray(angles)[:, None] - begun)
     order = np.argsort(nodes, axis=None)
     found, flow = _read(life, nodes, order)
-    by_more = life.dense[: life.steps].copy()
-    by_more[:, :, S_RHO] *= 1.0 + DENSER
-    changed, more = _read(life.with_dense(by_more), nodes, order)
+    changed, more = _read(life.denser(DENSER), nodes, order)
     slope = (more - flow) / DENSER  # of the net inflow over ln ρ [kg/s]
     omega = float(life.composition.P[P_OMEGA])
     decay = -slope / (omega * found[..., VOLUME] * found[..., RHO])

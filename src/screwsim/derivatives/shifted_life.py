@@ -123,9 +123,9 @@ class ShiftedLife(Trajectory):
         """The context for kernels that read a life."""
         return self._there.context
 
-    def with_dense(self, dense: Array) -> Trajectory:
-        """Return the installed history with other polynomials of its steps."""
-        return self._there.with_dense(dense)
+    def denser(self, share: float) -> Trajectory:
+        """Return the installed history with a density that is larger by a share of itself."""
+        return self._there.denser(share)
 
     def sum_until(self, angle: float, quadrature: int) -> float:
         """Return 0: partial quadratures of this life are not known."""

@@ -16,6 +16,7 @@ from screwsim.codegen.calls import Context, copied
 from screwsim.model import compiled, ledger
 from screwsim.model.composition import Composition
 from screwsim.model.contexts import ChamberContext
+from screwsim.model.slots import S_RHO
 from screwsim.model.trace import SAMPLED
 
 Array = np.ndarray
@@ -47,8 +48,10 @@ class Trajectory(NamedTuple):
     alone: Lock  # held while writing to the context's scratch arrays
     line_flows: dict[tuple[Any, ...], tuple[Array, Array]]  # by the life that they were read from, see `into_lines`
 
-    def with_dense(self, dense: Array) -> Trajectory:
-        """Return the same life with another dense output of its steps."""
+    def denser(self, share: float) -> Trajectory:
+        """Return the same life with a density that is larger by a share of itself, for slopes of flows."""
+        dense = self.dense[: self.steps].copy()
+        dense[:, :, S_RHO] *= 1.0 + share
         return self._replace(dense=dense)
 
     def copy(self) -> Trajectory:

@@ -104,7 +104,8 @@ def _sums_differ(problem: Problem, life: Trajectory, steps: Array) -> tuple[Arra
 
     step = steps[at]
     differ = sums[step + 1, own] - sums[step, own] + met(high[own, at]) - met(low[own, at])
-    return np.unique(step), np.bincount(step, differ, life.steps)[np.unique(step)]
+    found = np.unique(step)
+    return found, np.bincount(step, differ, life.steps)[found]
 
 
 def _missed_gas(problem: Problem, life: Trajectory, steps: Array) -> Array:
@@ -130,8 +131,6 @@ def _decay(problem: Problem, life: Trajectory, first: int) -> Array:
     ends = life.times[first : life.steps + 1]
     angles = 0.5 * (ends[:-1] + ends[1:])
     sampled, flows = life.sample(angles)
-    dense = life.dense[: life.steps].copy()
-    dense[:, :, slots.S_RHO] *= 1.0 + DENSER
-    _, more = life.with_dense(dense).sample(angles)
+    _, more = life.denser(DENSER).sample(angles)
     slope = (more - flows).sum(axis=1) / DENSER
     return -slope / (problem.parts.omega * sampled[:, VOLUME] * sampled[:, RHO])
