@@ -6,13 +6,13 @@ import sys
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without
+from screwsim.cli.options import AS_JSON, JOBS, NOT_ALL_OK, OK, OVERRIDES, SCENE_FILE, WITHOUT
 from screwsim.inputs.faults import Interrupted, UsageError
 from screwsim.screen import say
 
@@ -21,19 +21,17 @@ if TYPE_CHECKING:
 
 
 def optimum(
-    scene_file: SceneFile,
-    path: Annotated[str, option("PATH[=LOW..HIGH]", "Path to vary, and its range.")] = "oil_supply.ratio",
-    figure: Annotated[
-        Text, option("NAME", "Figure to maximize (default: an efficiency that suits the gas).", "--figure")
-    ] = None,
-    minimum: Annotated[bool, switch("--minimize", "Minimize it instead.", "--minimum")] = False,
-    first: Annotated[Text, option("VALUE", "Lower end of the range.", "--from")] = None,
-    last: Annotated[Text, option("VALUE", "Upper end of the range.", "--to")] = None,
-    output: Annotated[File, option("OUT.csv|.h5", "Write the table.", "-o")] = None,
-    overrides: Overrides = None,
-    without: Without = None,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    scene_file: str = SCENE_FILE,
+    path: str = option("PATH[=LOW..HIGH]", "Path to vary, and its range.", default="oil_supply.ratio"),
+    figure: Text = option("NAME", "Figure to maximize (default: an efficiency that suits the gas).", "--figure"),
+    minimum: bool = switch("--minimize", "Minimize it instead.", "--minimum"),
+    first: Text = option("VALUE", "Lower end of the range.", "--from"),
+    last: Text = option("VALUE", "Upper end of the range.", "--to"),
+    output: File = option("OUT.csv|.h5", "Write the table.", "-o"),
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Find the best value of one path at each point of the sweep's other axes."""
     scene = options.loaded_scene(scene_file, overrides, without)
@@ -57,21 +55,17 @@ def optimum(
 
 
 def performance_map(
-    results_file: Annotated[str, argument("OUT.h5", "Results file of a sweep.")],
-    figures: Annotated[
-        Texts,
-        option("NAME", "Figure to fit (default: electrical or shaft power, mass flow, cooling capacity).", "--figure"),
-    ] = None,
-    points: Annotated[
-        Texts,
-        option(
-            "NAME=VALUE,…",
-            "Evaluate the map at e.g. 'evaporating_temperature=0 degC, condensing_temperature=40 degC'; repeatable.",
-            "--at",
-        ),
-    ] = None,
-    output: Annotated[File, option("OUT.csv|.json", "Write the map.", "-o")] = None,
-    as_json: AsJson = False,
+    results_file: str = argument("OUT.h5", "Results file of a sweep."),
+    figures: Texts = option(
+        "NAME", "Figure to fit (default: electrical or shaft power, mass flow, cooling capacity).", "--figure"
+    ),
+    points: Texts = option(
+        "NAME=VALUE,…",
+        "Evaluate the map at e.g. 'evaporating_temperature=0 degC, condensing_temperature=40 degC'; repeatable.",
+        "--at",
+    ),
+    output: File = option("OUT.csv|.json", "Write the map.", "-o"),
+    as_json: bool = AS_JSON,
 ) -> int:
     """Fit the ten AHRI 540 / EN 12900 coefficients to a sweep over both temperatures, or evaluate them."""
     from screwsim.printing.performance_map import (
@@ -103,29 +97,25 @@ def performance_map(
 
 
 def sensitivity(
-    scene_file: SceneFile,
-    places: Annotated[Texts, argument("[PATH]…", "With --local: inputs to differentiate by (default: all).")] = None,
-    local: Annotated[bool, switch("--local", "Derivatives at the point itself, instead of indices.")] = False,
-    check_sobol: Annotated[
-        int | None, option("N", "Check the linear uncertainty from the scene's tolerances against N samples.")
-    ] = None,
-    paths: Annotated[
-        Texts,
-        option("PATH=LOW..HIGH", "Path to vary and its range, e.g. oil_supply.ratio=0.5..2; repeatable.", "--path"),
-    ] = None,
-    figures: Annotated[
-        Texts, option("NAME", "Figure to study (default: efficiency and mass flow; --local: all).", "--figure")
-    ] = None,
-    samples: Annotated[
-        int | None,
-        option("N", "Base samples, a power of two (default: 256; 32 for one path); takes N (paths + 2) solutions."),
-    ] = None,
-    seed: Annotated[int, option("N", "Random seed of the samples and confidence intervals.", min=0)] = 1,
-    output: Annotated[File, option("OUT.csv|.h5", "Write the indices.", "-o")] = None,
-    overrides: Overrides = None,
-    without: Without = None,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    scene_file: str = SCENE_FILE,
+    places: Texts = argument("[PATH]…", "With --local: inputs to differentiate by (default: all).", None),
+    local: bool = switch("--local", "Derivatives at the point itself, instead of indices."),
+    check_sobol: int | None = option(
+        "N", "Check the linear uncertainty from the scene's tolerances against N samples."
+    ),
+    paths: Texts = option(
+        "PATH=LOW..HIGH", "Path to vary and its range, e.g. oil_supply.ratio=0.5..2; repeatable.", "--path"
+    ),
+    figures: Texts = option("NAME", "Figure to study (default: efficiency and mass flow; --local: all).", "--figure"),
+    samples: int | None = option(
+        "N", "Base samples, a power of two (default: 256; 32 for one path); takes N (paths + 2) solutions."
+    ),
+    seed: int = option("N", "Random seed of the samples and confidence intervals.", min=0, default=1),
+    output: File = option("OUT.csv|.h5", "Write the indices.", "-o"),
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Rank the inputs that a figure depends on: Sobol indices over ranges, or derivatives at the point (--local)."""
     scene = options.loaded_point(scene_file, overrides, without)
@@ -206,15 +196,11 @@ def _local_sensitivity(
 
 
 def compare(
-    first: Annotated[str, argument("A.h5", "Results of run or sweep.")],
-    second: Annotated[str, argument("B.h5", "Results file to compare it with.")],
-    tolerance: Annotated[
-        float, option("T", "Relative difference to ignore, in addition to the numerical error.")
-    ] = 0.0,
-    folder: Annotated[
-        File, option("DIR", "Folder for a table of all common points and figures of both files.", "-o")
-    ] = None,
-    as_json: AsJson = False,
+    first: str = argument("A.h5", "Results of run or sweep."),
+    second: str = argument("B.h5", "Results file to compare it with."),
+    tolerance: float = option("T", "Relative difference to ignore, in addition to the numerical error.", default=0.0),
+    folder: File = option("DIR", "Folder for a table of all common points and figures of both files.", "-o"),
+    as_json: bool = AS_JSON,
 ) -> int:
     """Compare two results files. A difference still exits with 0."""
     options.check_folder(folder)
@@ -231,17 +217,12 @@ def compare(
 
 
 def calibrate(
-    fit_file: Annotated[str, argument("FIT", "Fit file (YAML): scene, measured points and parameters.")],
-    folder: Annotated[File, option("DIR", "Folder for scene.yaml, fit.json and the residual figure.", "-o")] = None,
-    posterior: Annotated[
-        bool, switch("--posterior", "Also sample the posterior of the parameters (extra `posterior`).")
-    ] = False,
-    predict: Annotated[
-        File,
-        option("POINTS.csv", "Predict other points, with intervals (implies --posterior)."),
-    ] = None,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    fit_file: str = argument("FIT", "Fit file (YAML): scene, measured points and parameters."),
+    folder: File = option("DIR", "Folder for scene.yaml, fit.json and the residual figure.", "-o"),
+    posterior: bool = switch("--posterior", "Also sample the posterior of the parameters (extra `posterior`)."),
+    predict: File = option("POINTS.csv", "Predict other points, with intervals (implies --posterior)."),
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Fit parameters of a scene to measured points, and report how well the data fix them."""
     options.check_folder(folder)
@@ -289,19 +270,19 @@ def calibrate(
 
 
 def tolerance(
-    scene_file: SceneFile,
-    grade: Annotated[int, option("N", "ISO 286 tolerance grade of crank, rod and offset, e.g. 7 for IT7.")] = 10,
-    crank_grade: Annotated[int | None, option("N", "Grade of the crank alone.")] = None,
-    rod_grade: Annotated[int | None, option("N", "Grade of the rod alone.")] = None,
-    offset_grade: Annotated[int | None, option("N", "Grade of the offset alone.")] = None,
-    bore_grade: Annotated[int | None, option("N", "Grade of the bore (default: exact).")] = None,
-    count: Annotated[int, option("N", "Number of machines to draw.")] = 64,
-    seed: Annotated[int, option("N", "Random seed.", min=0)] = 1,
-    folder: Annotated[File, option("DIR", "Write the figures.", "-o")] = None,
-    overrides: Overrides = None,
-    without: Without = None,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    scene_file: str = SCENE_FILE,
+    grade: int = option("N", "ISO 286 tolerance grade of crank, rod and offset, e.g. 7 for IT7.", default=10),
+    crank_grade: int | None = option("N", "Grade of the crank alone."),
+    rod_grade: int | None = option("N", "Grade of the rod alone."),
+    offset_grade: int | None = option("N", "Grade of the offset alone."),
+    bore_grade: int | None = option("N", "Grade of the bore (default: exact)."),
+    count: int = option("N", "Number of machines to draw.", default=64),
+    seed: int = option("N", "Random seed.", min=0, default=1),
+    folder: File = option("DIR", "Write the figures.", "-o"),
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Find how length errors of a slider-crank change its motion and, by Monte Carlo, the compressor."""
     options.check_folder(folder)
