@@ -98,7 +98,8 @@ def open_base(file: str, overrides: Iterable[str] = (), without: Iterable[str] =
     overrides, without = tuple(overrides), tuple(without)
     own = Watch(files_of(file))
     scene = load(file, [*overrides, "sweep=null"], without)
-    watches = (own, Watch([*named_files(scene).values(), *modules_of(scene.own)]))
+    modules = [path for name in scene.own if (path := getattr(sys.modules.get(name), "__file__", None))]
+    watches = (own, Watch([*named_files(scene).values(), *modules]))
     return SceneArguments(file, (*overrides, *(f"effects.{name}=off" for name in without)), scene, watches)
 
 
@@ -110,11 +111,6 @@ def files_of(file: str) -> list[str]:
         found.append(path)
         path = _base_of(path)
     return found
-
-
-def modules_of(names: Iterable[str]) -> list[str]:
-    """Return the paths of imported modules."""
-    return [path for name in names if (path := getattr(sys.modules.get(name), "__file__", None))]
 
 
 def _base_of(path: str) -> str | None:

@@ -1,6 +1,5 @@
 """Inputs and outputs of a map: paths with ranges, and figures; with names and units as other tools need them."""
 
-import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -170,11 +169,6 @@ def evenly_spaced_nodes(one: Input, count: int) -> np.ndarray:
     """Return `count` evenly spaced nodes on the axis of an input."""
     low, high = one.coordinate(one.low), one.coordinate(one.high)
     return np.linspace(float(low), float(high), count)
-
-
-def finite(values: Sequence[float]) -> bool:
-    """Tell whether all values are finite."""
-    return all(math.isfinite(value) for value in values)
 
 
 class Display(NamedTuple):

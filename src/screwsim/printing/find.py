@@ -42,8 +42,7 @@ def _row_document(row: GoalSeekAnswer) -> dict[str, Any]:
         **picked(row, "at", "status", "message", "values", "uncertainties", "figures", "errors", "borders"),
         "size": None if row.size is None else picked(row.size, "value", "figure"),
         **(none if row.result is None else picked(row.result, "performance", "warnings")),
-        "solutions": row.solutions,
-        "failed_solutions": row.failed,
+        **picked(row, "solutions", failed_solutions="failed"),
     }
 
 
