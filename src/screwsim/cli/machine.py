@@ -1,7 +1,5 @@
 """Commands on a machine as it is sold: its data sheet, and its start by its drive."""
 
-from __future__ import annotations
-
 import math
 import re
 import sys
@@ -117,11 +115,10 @@ def datasheet(
         from screwsim.report.datasheet import check_sheet
 
         check_sheet(output)
-    from screwsim.cli.interruption import counted_progress
     from screwsim.printing.machine import print_sheet
     from screwsim.study.datasheet import sheet_of
 
-    with counted_progress("datasheet", "parts") as shown:
+    with options.counted_progress("datasheet", "parts") as shown:
         sheet = sheet_of(
             scene,
             evaporating=evaporating,

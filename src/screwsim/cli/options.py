@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -62,6 +62,22 @@ def progress_bar(title: str = "sweep", names: Sequence[str] = ()) -> Progress:
     from screwsim.study.progress import for_terminal
 
     return for_terminal(title, names)
+
+
+@contextlib.contextmanager
+def counted_progress(title: str, what: str) -> Iterator[Progress]:
+    """Give a progress display; after Ctrl-C, say on stderr how much was done, in a word for the points (`machines`)."""
+    from screwsim.study.progress import TolerantProgress
+
+    counted = TolerantProgress(progress_bar(title))
+    try:
+        yield counted
+    except KeyboardInterrupt:
+        done, there_are = counted.counts
+        if done:
+            kept = "none is kept, and the same command begins anew"
+            print_error(f"{title}: {done} of {there_are} {what} were done; {kept}", INTERRUPTED)
+        raise
 
 
 def print_document_or_text(

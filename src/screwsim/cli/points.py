@@ -238,7 +238,6 @@ def accuracy(
         raise UsageError(f"{scene_file}: describes two stages, and accuracy needs one scene (name that of one stage)")
     scene = options.loaded_point(scene_file, overrides, without)
     options.check_folder(folder)
-    from screwsim.cli.interruption import counted_progress
     from screwsim.report.accuracy import draw
     from screwsim.results.atomic import make_folder
     from screwsim.study.accuracy import QUICK_SCOPE, NoReference, Scope, files, study, words
@@ -247,7 +246,7 @@ def accuracy(
         make_folder(folder)
         files.protect_other_studies(folder)
     try:
-        with counted_progress("accuracy", "measurements") as shown:
+        with options.counted_progress("accuracy", "measurements") as shown:
             found = study(scene, QUICK_SCOPE if quick else Scope(), shown)
     except NoReference as error:
         return options.print_error(f"{scene_file}: {error}", NOT_ALL_OK)

@@ -24,7 +24,6 @@ def find(
 ) -> int:
     """Find values of paths that give wanted figures: a speed for a capacity, a size for a duty."""
     scene = options.loaded_scene(scene_file, overrides, without)
-    from screwsim.cli.interruption import counted_progress
     from screwsim.printing.find import find_document, print_find, write_find
     from screwsim.scene import case_count
     from screwsim.scene.grid import with_sweep_over
@@ -41,7 +40,7 @@ def find(
         if several:
             raise UsageError(f"-o {output}: the sweep gives one answer per row (write -o FOUND.csv or .h5)")
         check_scene_file(output)
-    with counted_progress("find", "rows") as shown:
+    with options.counted_progress("find", "rows") as shown:
         rows = find_each(scene, asked, jobs=jobs, progress=shown)
     options.print_document_or_text(as_json, find_document, print_find, scene, asked, rows)
     found = rows[0]

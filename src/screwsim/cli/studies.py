@@ -35,7 +35,6 @@ def optimum(
 ) -> int:
     """Find the best value of one path at each point of the sweep's other axes."""
     scene = options.loaded_scene(scene_file, overrides, without)
-    from screwsim.cli.interruption import counted_progress
     from screwsim.printing.optimum import optimum_document, print_optimum, write_optimum
     from screwsim.study.inputs import efficiency_note
     from screwsim.study.optimum import optimum as found
@@ -45,7 +44,7 @@ def optimum(
     options.check_columns(output, "optimum of", "accuracy", "solutions", "failed_solutions", "place")
     if figure is None and (told := efficiency_note(scene)):
         typer.echo(f"optimum: {told}", err=True)
-    with counted_progress("optimum", "rows") as shown:
+    with options.counted_progress("optimum", "rows") as shown:
         rows = found(scene, asked, jobs=jobs, progress=shown)
     options.print_document_or_text(as_json, optimum_document, print_optimum, scene, asked, rows)
     if output is not None:
@@ -125,7 +124,6 @@ def sensitivity(
         return _local_sensitivity(scene, (places or (), paths or ()), figures or (), output, jobs, as_json)
     if places:
         raise UsageError(f"{places[0]}: has no range (write --path PATH=LOW..HIGH, or add --local)")
-    from screwsim.cli.interruption import counted_progress
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
     from screwsim.printing.tables import wrapped
     from screwsim.study.inputs import efficiency_note
@@ -142,7 +140,7 @@ def sensitivity(
         typer.echo(f"sensitivity: {told}", err=True)
     if sys.stderr.isatty():
         say(wrapped(f"sensitivity: {cost_in_words(len(ranges), samples)}"), err=True)
-    with counted_progress("sensitivity", "solutions") as shown:
+    with options.counted_progress("sensitivity", "solutions") as shown:
         found = studied(scene, ranges, names, samples=samples, seed=seed, jobs=jobs, progress=shown)
     options.print_document_or_text(as_json, sensitivity_document, print_sensitivity, scene, found)
     if output is not None and not found.message:
@@ -173,7 +171,6 @@ def _local_sensitivity(
     as_json: bool,
 ) -> int:
     """Print and write the derivatives of a scene's figures by its numbers."""
-    from screwsim.cli.interruption import counted_progress
     from screwsim.printing.sensitivity import local_document, print_local, write_local
     from screwsim.study.figures import figure_of
     from screwsim.study.local import sensitivities
@@ -186,7 +183,7 @@ def _local_sensitivity(
     else:
         options.check_columns(output, "local sensitivities", "figure", "path", "number", "derivative")
     names = [figure_of(scene, name) for name in figures]
-    with counted_progress("sensitivity", "solutions") as shown:
+    with options.counted_progress("sensitivity", "solutions") as shown:
         found = sensitivities(scene, places, names, jobs=jobs, progress=shown)
     options.print_document_or_text(as_json, local_document, partial(print_local, chosen=names), scene, found)
     if output is not None and found.derivatives:
@@ -287,14 +284,13 @@ def tolerance(
     """Find how length errors of a slider-crank change its motion and, by Monte Carlo, the compressor."""
     options.check_folder(folder)
     scene = options.loaded_point(scene_file, overrides, without)
-    from screwsim.cli.interruption import counted_progress
     from screwsim.printing.machine import print_tolerance, tolerance_document
     from screwsim.study.tolerance import tolerances
 
     grades = {"crank_radius": crank_grade, "rod_length": rod_grade, "offset": offset_grade}
     asked = {name: grade if own is None else own for name, own in grades.items()}
     asked |= {} if bore_grade is None else {"bore": bore_grade}
-    with counted_progress("tolerance", "machines") as shown:
+    with options.counted_progress("tolerance", "machines") as shown:
         found = tolerances(scene, asked, count=count, seed=seed, jobs=jobs, progress=shown)
     options.print_document_or_text(as_json, tolerance_document, print_tolerance, scene, found)
     if folder is not None:

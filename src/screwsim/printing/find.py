@@ -105,8 +105,7 @@ def _print_one(scene: Scene, asked: Question, row: GoalSeekAnswer) -> None:
         say()
     print_wrapped(_notes(scene, (), row))
     if row.status == "ok" and row.result is not None:
-        for warning in row.result.warnings:
-            say(wrapped(f"warning: {warning}"))
+        print_wrapped(f"warning: {warning}" for warning in row.result.warnings)
     failed = f", {row.failed} of them without the figures" if row.failed else ""
     say(f"{row.solutions} point{'s' * (row.solutions != 1)} simulated{failed}")
 
