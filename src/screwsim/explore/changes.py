@@ -208,15 +208,6 @@ def yaml_text(base: SceneArguments, overrides: Iterable[str]) -> str:
     tree: dict[str, Any] = {}
     for override in _all_overrides(base, overrides):
         path, _, value = override.partition("=")
-        put(tree, _keys(path.strip(), base), {} if value.strip() == "{}" else value)
+        put(tree, path.strip(), {} if value.strip() == "{}" else value, base.scene.effects)
     lines = [f"base: {quoted(str(Path(base.file).resolve()))}", *lines_of(tree)]
     return "\n".join(lines) + "\n"
-
-
-def _keys(path: str, base: SceneArguments) -> list[str]:
-    """Return the keys of a path; names of user-defined effects have dots."""
-    for name in base.scene.effects:
-        if "." in name and (path == f"effects.{name}" or path.startswith(f"effects.{name}.")):
-            rest = path.removeprefix(f"effects.{name}").removeprefix(".")
-            return ["effects", name, *filter(None, rest.split("."))]
-    return path.split(".")
