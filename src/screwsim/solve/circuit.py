@@ -40,6 +40,7 @@ Array = np.ndarray
 MOST_CYCLES = 20  # cycles of one search
 MOST_REPETITIONS = 8  # repetitions of the final cycle
 OPEN = 0.2  # of the wanted accuracy: admissible residual of the circuit over the shaft power, or of a pressure
+LEARN_FROM = 0.02  # [K, kPa], shortest step that the Jacobian is learnt from: shorter ones show noise
 LEAST_DECAY = 0.05  # smallest −(real part of an eigenvalue) of a Jacobian that is accepted
 KPA = 1e3  # [Pa], the unit of lost pressures that weighs as much as 1 K
 LONGEST_STEP = 40.0  # [K, kPa], longest step
@@ -95,7 +96,7 @@ class SurroundingsSearch:
             self.jacobian[1, 0] = asked.share
         elif self.last is not None:
             dx = x - self.last[0]
-            if dx @ dx > 0.0:
+            if float(np.max(np.abs(dx))) > LEARN_FROM:
                 learnt = self.jacobian + np.outer(off - self.last[1] - self.jacobian @ dx, dx) / (dx @ dx)
                 if np.all(np.linalg.eigvals(learnt).real < -LEAST_DECAY):
                     self.jacobian = learnt
