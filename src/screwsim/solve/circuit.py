@@ -25,6 +25,7 @@ from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import ClosingTask, Problem, Series, problem_of
 from screwsim.cycle.solution import ClosingCriteria, CycleSolution
+from screwsim.cycle.surroundings import KnownSurroundings
 from screwsim.effects.base import InSeparator, PressureLosses
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.evaluate.separator import Circuit
@@ -39,6 +40,7 @@ Array = np.ndarray
 MOST_CYCLES = 20  # cycles of one search
 MOST_REPETITIONS = 8  # repetitions of the final cycle
 OPEN = 0.2  # of the wanted accuracy: admissible residual of the circuit over the shaft power, or of a pressure
+LEARN_FROM = 0.02  # [K, kPa], shortest step that the Jacobian is learnt from: shorter ones show noise
 LEAST_DECAY = 0.05  # smallest −(real part of an eigenvalue) of a Jacobian that is accepted
 KPA = 1e3  # [Pa], the unit of lost pressures that weighs as much as 1 K
 LONGEST_STEP = 40.0  # [K, kPa], longest step
@@ -94,7 +96,7 @@ class SurroundingsSearch:
             self.jacobian[1, 0] = asked.share
         elif self.last is not None:
             dx = x - self.last[0]
-            if dx @ dx > 0.0:
+            if float(np.max(np.abs(dx))) > LEARN_FROM:
                 learnt = self.jacobian + np.outer(off - self.last[1] - self.jacobian @ dx, dx) / (dx @ dx)
                 if np.all(np.linalg.eigvals(learnt).real < -LEAST_DECAY):
                     self.jacobian = learnt
@@ -109,9 +111,19 @@ class SurroundingsSearch:
             apart = float(np.max(np.abs(x - other)))
             if apart > LEAST_DISTANCE:
                 changes = relative_errors(of.figures, figures, *of.least)
-                self.series.per_step = {name: size / apart for name, size in changes.items() if size is not None}
+                self.known.per_step = {name: size / apart for name, size in changes.items() if size is not None}
                 break
         self.seen.append((x, of.figures))
+
+    @property
+    def known(self) -> KnownSurroundings:
+        """What the series knows of its surroundings."""
+        return self.series.surroundings
+
+    def figures_agree(self, of: Evaluation, asked: ImpliedSurroundings) -> bool:
+        """Return whether the unknowns are off by little enough for every figure, as far as sensitivities are known."""
+        off = float(np.max(np.abs(asked.off)))
+        return off * max(self.known.per_step.values(), default=0.0) <= AIM * of.problem.scene.numerics.accuracy
 
     def closed(self, problem: Problem, course: Course) -> Evaluation | None:
         """Return a problem's closed cycle, started from a course; None where it does not close."""
@@ -135,15 +147,15 @@ class SurroundingsSearch:
         """Return the problem at unknowns x; None, with the reason in `why`, where oil or effects rule it out."""
         scene = problem.scene
         if any(open_temperatures(scene)):
-            self.series.temperatures = Temperatures(*x[:2].tolist())
-            scene = with_temperatures(scene, self.series.temperatures)
+            self.known.temperatures = Temperatures(*x[:2].tolist())
+            scene = with_temperatures(scene, self.known.temperatures)
             faults = temperature_faults(scene)
             if faults:
                 self.why = f"the oil circuit leads to an impossible state: {faults[0]}"
                 return None
         lost, others = (2 if scene.losses is not None else 0), x[2:].tolist()
         if len(others) > lost:
-            self.series.sought = open_numbers = others[lost:]
+            self.known.sought = open_numbers = others[lost:]
             scene = open_values.with_coordinates(scene, open_numbers)
         if lost:
             before, behind = (KPA * each for each in others[:lost])
@@ -152,8 +164,8 @@ class SurroundingsSearch:
                     "the pressure losses before the machine use up the whole suction pressure (choose smaller losses)"
                 )
                 return None
-            self.series.losses = PressureLosses(max(before, 0.0), behind)
-            scene = replace(scene, losses=self.series.losses)
+            self.known.losses = PressureLosses(max(before, 0.0), behind)
+            scene = replace(scene, losses=self.known.losses)
         part = problem.parts.shaft
         held = part is None or part.train(self.stated).holds_mean
         return at_motor_speed(problem_of(scene, self.series, None if held else self.stated), self.series)
@@ -240,8 +252,12 @@ def steady_state(problem: Problem, series: Series) -> tuple[Problem, Surrounding
     search = SurroundingsSearch(series, problem.scene.operation.speed)
     search.course.tightness = series.course.tightness
     problem = at_motor_speed(problem, series)
-    search.jacobian, search.expected = series.around
+    known, stated = search.known, problem.parameters
+    search.jacobian, search.expected = known.around
     search.contracts = CONTRACTION if search.jacobian is None else LEARNT_CONTRACTION
+    expected = known.expected(stated)
+    if expected is not None:
+        problem = search.posed(problem, expected) or problem
     of, guess = search.closed(problem, series.course), unknowns_of(problem)
     for warmer in WARMER_STARTS if any(open_temperatures(problem.scene)) else ():
         if of is not None:
@@ -250,21 +266,24 @@ def steady_state(problem: Problem, series: Series) -> tuple[Problem, Surrounding
         of = None if other is None else search.closed(other, series.course)
     if of is None:
         return problem, search
-    first = implied_surroundings(of)
+    first, last_step = implied_surroundings(of), False
     for _ in range(MOST_CYCLES):
         asked = implied_surroundings(of)
         if asked is None:
             break
         enough = asked.open <= OPEN * of.problem.scene.numerics.accuracy
         if enough and search.cycle is not None:
-            break
+            if last_step or search.figures_agree(of, asked):
+                break
+            last_step = True
         search.expected = 0.0 if enough else search.contracts * asked.open
         after = search.next(of, asked)
         if after is None:
             break
         of = after
     if first is not None:
-        series.around = search.jacobian, first.open
+        known.around = search.jacobian, first.open
+        known.add(stated, of.problem.parameters, unknowns_of(of.problem))
     return of.problem, search
 
 
@@ -326,13 +345,13 @@ def _with_unknowns(accurate: Accurate, search: SurroundingsSearch) -> Figures:
     errors, asked = Figures(accurate.errors), implied_surroundings(accurate.evaluation)
     if asked is None or search.why or not errors:
         return errors
-    if not search.series.per_step:
+    if not search.known.per_step:
         search.learn(accurate.evaluation, unknowns_of(accurate.evaluation.problem))
     others = abs(asked.off[2 + 2 * (accurate.evaluation.problem.scene.losses is not None) :]).tolist()
     off = max(_of_circuit(accurate, errors), _of_package(accurate, asked, errors), *others)
     for name, size in errors.items():
         if size is not None:
-            errors[name] = size + off * search.series.per_step.get(name, 0.0)
+            errors[name] = size + off * search.known.per_step.get(name, 0.0)
     circuit = accurate.evaluation.circuit
     if isinstance(circuit, Circuit) and errors.get(DUTY):  # not stated in the scene
         watts = ENERGY_ERROR_SHARE * circuit.unclosed * circuit.outflow.oil_capacity
