@@ -3,6 +3,7 @@
 import os
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
@@ -41,10 +42,8 @@ def _own_name() -> str:
     """Return the address of a dask worker, else the process number."""
     dask = sys.modules.get("distributed")
     if dask is not None:
-        try:
+        with suppress(ValueError):  # this process is not a dask worker
             return dask.get_worker().address
-        except ValueError:  # this process is not a dask worker
-            pass
     return str(os.getpid())
 
 
