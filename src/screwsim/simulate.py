@@ -155,6 +155,7 @@ def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
         course.forget()
         series.temperatures = series.losses = series.sought = None
         series.around = None, 1.0
+        series.slopes = {}
     return result
 
 

@@ -191,7 +191,7 @@ class Series:
         self.temperatures: Temperatures | None = None  # last solution of effects.separator
         self.losses: PressureLosses | None = None  # last solution for a package's losses
         self.sought: list[float] | None = None  # last solution for other open numbers (`screwsim.build.open_values`)
-        self.per_step: dict[str, float] = {}  # relative change of the figures with these, per kelvin or kPa
+        self.slopes: dict[str, Array] = {}  # slopes of the figures with these [SI/K, SI/kPa]
         self.around: tuple[Array | None, float] = None, 1.0  # Jacobian of these, and the residual of their first guess
 
 
