@@ -147,6 +147,12 @@ def test_with_fugacities_warm_oil_holds_more():
     assert more(343.15) > 0.15 > more(273.15) > 0.0
 
 
+def test_pressure_by_fugacity_is_the_inverse_of_the_content():
+    for T in (283.15, 343.15):
+        p = 0.5 * effect.pair(T).p_sat
+        assert measured.pressure_by_fugacity(measured.by_fugacity(p, T), T) == pytest.approx(p, rel=1e-9)
+
+
 def test_rows_judge_the_sources_of_ester_oils_that_m195_was_not_fitted_to(compare, tmp_path, monkeypatch):
     text = plain_file(tmp_path, by_m195()).read_text(encoding="utf-8")
     martz = "".join(line.replace(SOURCE, "Martz, W. L. (1994)") + "\n" for line in text.splitlines()[1:])

@@ -80,7 +80,11 @@ def pressure_row(oil: Any, found: Any, stored: Sequence[Any]) -> Row:
     """Return the mean deviation of the pressure over all measured contents of an oil like M195's."""
     scatter = rms(measured.misses(oil.pressure, stored, "mole", oil.molar_mass[0]))
     quantity = f"pressure, {oil.words}: mean of {len(found.pressure)} points"
-    mean, note = 100.0 * float(found.pressure.mean()), f"{percent(found.pressure)} at single points"
+    mean, by_fugacity = 100.0 * float(found.pressure.mean()), found.fugacity_pressure
+    note = (
+        f"{percent(found.pressure)} at single points, mean size {100.0 * np.abs(found.pressure).mean():.1f} %; with "
+        f"fugacities mean {100.0 * by_fugacity.mean():+.1f} %, mean size {100.0 * np.abs(by_fugacity).mean():.1f} %"
+    )
     basis = "scatter about its own equation"
     return equal(quantity, mean, 0.0, scatter, oil.kind, unit="%", basis=basis, note=note)
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from screwsim.effects.refrigerant_solubility import content, equilibrium_pressure, pair
 from screwsim.fluid.solubility import M_REFRIGERANT
@@ -24,9 +25,10 @@ class Deviations(NamedTuple):
     """Relative deviations at the points of an oil that are no slips.
 
     `content` of M195, `fugacity` of M195 with fugacities in place of pressures, and `scatter` of the source's own
-    equation, from the contents measured below `MOST` at the temperatures `T` [K]; `pressure` of M195 from the pressures
-    measured over all contents. `mole` and `mass` are the mean deviations of the own equation's pressures with the
-    stored loadings as mole fractions, and as the likeliest of masses; `slips` a number of points.
+    equation, from the contents measured below `MOST` at the temperatures `T` [K]; `pressure` of M195, and
+    `fugacity_pressure` with fugacities, from the pressures measured over all contents. `mole` and `mass` are the mean
+    deviations of the own equation's pressures with the stored loadings as mole fractions, and as the likeliest of
+    masses; `slips` a number of points.
     """
 
     T: Array
@@ -34,6 +36,7 @@ class Deviations(NamedTuple):
     fugacity: Array
     scatter: Array
     pressure: Array
+    fugacity_pressure: Array
     mole: float
     mass: float
     slips: int
@@ -53,6 +56,14 @@ def by_fugacity(p: float, T: float) -> float:
     """Return the content [kg/kg] by M195, with the fugacity of the vapour over that at saturation for p/p_sat."""
     p_sat = pair(T).p_sat
     return content(p_sat * own.fugacity(T, p) / own.fugacity(T, own.BELOW * p_sat), T)
+
+
+def pressure_by_fugacity(ratio: float, T: float) -> float:
+    """Return the pressure [Pa] over oil that holds `ratio` [kg/kg], the inverse of `by_fugacity`; p_sat at most."""
+    p_sat = pair(T).p_sat
+    most = own.BELOW * p_sat
+    wanted = equilibrium_pressure(ratio, T) / p_sat * own.fugacity(T, most)
+    return most if wanted >= own.fugacity(T, most) else float(brentq(lambda p: own.fugacity(T, p) - wanted, 1.0, most))
 
 
 def own_fraction(pressure: Any, T: float, p: float) -> float:
@@ -88,13 +99,17 @@ def deviations(pressure: Any, stored: Sequence[Any], molar_mass: float) -> Devia
     held = [each for each in kept if each.p < MOST * pair(each.T).p_sat]
     measured = np.array([ratio(each.loading, molar_mass) for each in held])
     by_own = np.array([ratio(own_fraction(pressure, each.T, each.p), molar_mass) for each in held])
-    over = [equilibrium_pressure(ratio(each.loading, molar_mass), each.T) / each.p - 1.0 for each in kept]
+
+    def over(law: Callable[[float, float], float]) -> Array:
+        return np.array([law(ratio(each.loading, molar_mass), each.T) / each.p - 1.0 for each in kept])
+
     return Deviations(
         np.array([each.T for each in held]),
         np.array([content(each.p, each.T) for each in held]) / measured - 1.0,
         np.array([by_fugacity(each.p, each.T) for each in held]) / measured - 1.0,
         by_own / measured - 1.0,
-        np.array(over),
+        over(equilibrium_pressure),
+        over(pressure_by_fugacity),
         float(np.mean(np.abs(mole[np.abs(mole) < SLIP]))),
         float(min(masses)),
         len(stored) - len(kept),
