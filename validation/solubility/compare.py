@@ -24,15 +24,15 @@ ABOUT = (
     "M195 was fitted to Grebner's points. Those of Martz and Jacobi are of another ester oil of the same molar mass, "
     "and the only ones that judge it. Other oils show what it means to take M195 for them. A content is kilograms per "
     "kilogram of oil at the measured temperature and pressure, up to 0.8 of the saturation pressure: above, a percent "
-    "of pressure is several percent of content. ± is how far the source's own equation lies from its points (root "
-    "mean square): a mean inside it cannot be told from their scatter. That equation also settles in which unit "
-    "loadings are stored: they are mole fractions. M195 has pressures where the vapour's fugacities belong; the notes "
-    "say what it would have with these, and the same constants. The measured points are no part of this checkout: "
-    f"the environment variable {points.FILE} names their file (validation/solubility/points.py says where they are "
-    "and in which form)."
+    "of pressure is several percent of content. ± is how far the source's own equation (first picture) lies from its "
+    "points (root mean square): a mean inside it cannot be told from their scatter. That equation also settles in "
+    "which unit loadings are stored: they are mole fractions. M195 has pressures where the vapour's fugacities belong; "
+    "the notes say what it would have with these, and the same constants. The measured points are no part of this "
+    f"checkout: the environment variable {points.FILE} names their file (validation/solubility/points.py says where "
+    "they are and in which form)."
 )
 WARM = 333.0  # [K] from where on oil is as warm as in a separator
-DRAWN = (333.15, 343.15)  # [K] isotherms of the picture
+SEPARATOR = 338.15  # [K] of the picture
 Found = Sequence[tuple[Any, Any]]  # oils with their deviations
 
 
@@ -101,31 +101,36 @@ def warm_row(found: Found) -> Row:
     return Row(quantity, percent(np.array(means)), None, "estimate", "no verdict", note=note)
 
 
-def panels(stored: Any, found: Found) -> tuple[Panel, Panel]:
-    """Return contents over pressure in a warm separator, and deviations over temperature."""
-    shares = np.linspace(0.03, 0.95, 60)
-    series, deviating = [], []
-    for T in DRAWN:
-        contents = [content(float(share) * pair(T).p_sat, T) for share in shares]
-        series.append(Series(f"M195, {T - 273.15:.0f} °C", [float(share) for share in shares], contents))
+def laws() -> Panel:
+    """Return contents of a warm separator by M195 and by the own equations of the ester oils' sources."""
+    T, fractions = SEPARATOR, np.linspace(0.05, 0.9, 60)
+    p_sat = pair(T).p_sat
+    shares = [float(share) for share in np.linspace(0.03, 0.9, 60)]
+    series = [
+        Series("M195", shares, [content(share * p_sat, T) for share in shares]),
+        Series("M195, fugacities", shares, [measured.by_fugacity(share * p_sat, T) for share in shares]),
+    ]
+    for oil in oils.OILS:
+        if oil.ester and oil.kind != "calibrated":  # that one's own equation is M195
+            molar_mass = oil.molar_mass[0]
+            at = [(oil.pressure(T, float(x)) / p_sat, measured.ratio(float(x), molar_mass)) for x in fractions]
+            at = [(share, held) for share, held in at if shares[0] < share < shares[-1]]
+            series.append(Series(f"{oil.source} {oil.oil}", *map(list, zip(*at, strict=True))))
+    return Panel(f"pressure over saturation pressure, {T - 273.15:.0f} °C", "R134a per oil / kg/kg", series, log_y=True)
+
+
+def by_temperature(found: Found) -> Panel:
+    """Return the mean deviations of isotherms."""
+    series = []
     for oil, each in found:
-        name, molar_mass = f"{oil.source} {oil.oil}", oil.molar_mass[0]
-        warm = [point for point in stored[oil.source, oil.oil] if DRAWN[0] - 0.5 < point.T < DRAWN[1] + 0.5]
-        at = [(point.p / pair(point.T).p_sat, measured.ratio(point.loading, molar_mass)) for point in warm]
-        at = [(share, ratio) for share, ratio in at if share < shares[-1]]
-        if at and oil.ester:
-            series.append(Series(name, *map(list, zip(*at, strict=True)), theirs=True))
         temperatures = sorted({float(T) for T in each.T})
         means = [100.0 * float(each.content[each.T == T].mean()) for T in temperatures]
-        deviating.append(Series(name, [T - 273.15 for T in temperatures], means, points=True))
-    return (
-        Panel("pressure over saturation pressure, 60 and 70 °C", "R134a per oil / kg/kg", series, log_y=True),
-        Panel("temperature / °C", "deviation of M195's content / %", deviating),
-    )
+        series.append(Series(f"{oil.source} {oil.oil}", [T - 273.15 for T in temperatures], means, points=True))
+    return Panel("temperature / °C", "M195 less measured, content / %", series)
 
 
-def measured_rows(stored: Any) -> tuple[list[Row], tuple[Panel, ...]]:
-    """Return the rows of all oils of a file, and the pictures of those whose molar mass is known."""
+def measured_rows(stored: Any) -> tuple[list[Row], Panel]:
+    """Return the rows of all oils of a file, and the picture of those whose molar mass is known."""
     rows, known = [], []
     for oil in oils.OILS:
         of_oil = stored.get((oil.source, oil.oil))
@@ -145,15 +150,16 @@ def measured_rows(stored: Any) -> tuple[list[Row], tuple[Panel, ...]]:
             "no form of the source's equation was found that its points follow with either"
         )
         rows.append(Row("content, Yokozeki 2001, n-hexadecane", None, None, "published", "no verdict", note=note))
-    return [*rows, warm_row(known)], panels(stored, known)
+    return [*rows, warm_row(known)], by_temperature(known)
 
 
 def compare(here: Path) -> Comparison:
     """Return the deviations from all measured points, where their file is named, and what they do to a machine."""
-    file, drawn = points.named(), ()
+    file, panels = points.named(), [laws()]
     if file is None:
         note = f"not compared: {points.FILE} names no file of the measured points ({points.REMEDY})"
         rows = [Row("content and pressure at measured points", None, None, "published", "no verdict", note=note)]
     else:
         rows, drawn = measured_rows(points.read(file))
-    return Comparison(TITLE, CITATION, ABOUT, [*rows, *machine.machine_rows(here.parents[1])], drawn)
+        panels.append(drawn)
+    return Comparison(TITLE, CITATION, ABOUT, [*rows, *machine.machine_rows(here.parents[1])], panels)
