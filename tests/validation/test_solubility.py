@@ -49,7 +49,7 @@ def by_m195():
 
 
 def test_both_forms_of_a_file_hold_the_same_points(tmp_path):
-    rows = [(283.15, 160900.0, 0.41), (283.15, 288630.0, 0.65)]
+    rows = [(280.0, 1.5e5, 0.4), (280.0, 3e5, 0.7)]
     plain, collected = points.read(plain_file(tmp_path, rows)), points.read(collected_file(tmp_path, rows))
     assert plain == collected == {("Grebner", "POE"): [points.Point(*row) for row in rows]}
 
