@@ -13,7 +13,7 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, engineering_temperature, scale, shown_name, small_number_text
 from screwsim.outputs import STATUSES, Result, sorted_entries, words_of_effects
 from screwsim.outputs.customary import with_printed_units
-from screwsim.printing.tables import WIDTH, plain_table, wrapped
+from screwsim.printing.tables import WIDTH, absent_figures, plain_table, wrapped
 from screwsim.printing.uncertain import ranges_text, uncertainty_ranges
 from screwsim.results.atomic import write_text
 from screwsim.scene import Scene
@@ -182,12 +182,7 @@ def _knock_out(costs: Iterable[Mapping[str, Any]]) -> list[str]:
 
 def _remarks(result: Result) -> Iterable[str]:
     """Yield the lines below the figures, one subject each."""
-    absent = [name for name, value in result.performance.items() if value is None]
-    reasons: dict[str, list[str]] = {}
-    for name in absent:
-        if name in result.notes:
-            reasons.setdefault(result.notes[name], []).append(shown_name(name))
-    for reason, names in reasons.items():
+    for reason, names in absent_figures(result.performance, result.notes).items():
         yield f"no {', '.join(names)}: {reason}"
     for cost in result.knock_out:
         if cost["message"]:
