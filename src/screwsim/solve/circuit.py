@@ -290,7 +290,6 @@ def solve_with_surroundings(
         record_in_course(
             search.course, accurate.evaluation, accurate.cycle, accurate.criteria, max(tightness, TIGHTEST)
         )
-        search.learn(accurate.evaluation, x)
         other = search.posed(accurate.evaluation.problem, x + search.step(x, asked))
         if other is None:
             break
@@ -320,14 +319,13 @@ def _finality_and_error(accurate: Accurate, asked: ImpliedSurroundings | None, e
 def _with_unknowns(accurate: Accurate, search: SurroundingsSearch) -> Figures:
     """Return the errors of the figures including those due to errors of the unknowns.
 
-    After a search of a single step the sensitivities are still to be learnt; with little oil flow, temperatures
-    that leave next to no residual of the shaft power may be far off.
+    Sensitivities are learnt over the last step of the search, too: within an earlier one figures may turn or begin (gas
+    that flashes). With little oil flow, temperatures that leave next to no residual of the shaft power may be far off.
     """
     errors, asked = Figures(accurate.errors), implied_surroundings(accurate.evaluation)
     if asked is None or search.why or not errors:
         return errors
-    if not search.series.per_step:
-        search.learn(accurate.evaluation, unknowns_of(accurate.evaluation.problem))
+    search.learn(accurate.evaluation, unknowns_of(accurate.evaluation.problem))
     others = abs(asked.off[2 + 2 * (accurate.evaluation.problem.scene.losses is not None) :]).tolist()
     off = max(_of_circuit(accurate, errors), _of_package(accurate, asked, errors), *others)
     for name, size in errors.items():
