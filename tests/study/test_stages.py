@@ -80,7 +80,7 @@ def test_electrical_figures_are_those_of_both_motors_if_both_stages_have_one(cha
     assert 0.0 < both.error.electrical_power < ACCURACY
     motor = {"effects.motor": {"rated_power": "30 kW", "efficiency": 0.9}}
     one = run_stages(read_stages(chain(low=motor)))
-    why = "the second stage has no motor (give it effects.motor)"
+    why = "the second stage has no motor (give it one as well)"
     assert one.status == "ok" and one.performance.electrical_power is None
     assert one.notes["electrical_power"] == why and one.error.electrical_power is None
     print_stages("a title", one)
@@ -107,7 +107,7 @@ def test_electrical_figures_without_a_value_say_why():
     bare, giving = Result("ok", performance=Figures()), Result("ok", performance=Figures(electrical_power=-30e3))
     for results, why in (
         ((motor, none), "second stage: it stands still"),
-        ((bare, motor), "the first stage has no motor (give it effects.motor)"),
+        ((bare, motor), "the first stage has no motor (give it one as well)"),
     ):
         names = ("electrical_power", "electrical_cop")
         assert electrical_figures(results, cooled, {}) == (dict.fromkeys(names), dict.fromkeys(names, why))

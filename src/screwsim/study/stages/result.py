@@ -90,7 +90,7 @@ def _why_no_power(results: tuple[Result, Result]) -> Iterator[str]:
     """Yield the reason of each stage without electrical power."""
     for which, each in zip(STAGE_NAMES, results, strict=True):
         if ELECTRICAL not in each.performance:
-            yield f"the {which} stage has no motor (give it effects.motor)"
+            yield f"the {which} stage has no motor (give it one as well)"
         elif each.performance[ELECTRICAL] is None:
             yield f"{which} stage: {each.notes.get(ELECTRICAL, 'its motor has no electrical power')}"
 
