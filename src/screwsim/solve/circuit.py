@@ -314,7 +314,6 @@ def solve_with_surroundings(
         record_in_course(
             search.course, accurate.evaluation, accurate.cycle, accurate.criteria, max(tightness, TIGHTEST)
         )
-        search.learn(accurate.evaluation, x)
         other = search.posed(accurate.evaluation.problem, x + search.step(x, asked))
         if other is None:
             break
@@ -344,15 +343,14 @@ def _finality_and_error(accurate: Accurate, asked: ImpliedSurroundings | None, e
 def _with_unknowns(accurate: Accurate, search: SurroundingsSearch) -> Figures:
     """Return the errors of the figures including those due to errors of the unknowns.
 
-    After a search of a single step the sensitivities are still to be learnt; with little oil flow, temperatures
-    that leave next to no residual of the shaft power may be far off.
+    Sensitivities are learnt over the last step of the search, too: within an earlier one figures may turn or begin (gas
+    that flashes). With little oil flow, temperatures that leave next to no residual of the shaft power may be far off.
     """
     of, errors = accurate.evaluation, Figures(accurate.errors)
     asked = implied_surroundings(of)
     if asked is None or search.why or not errors:
         return errors
-    if not search.known.slopes:
-        search.learn(of, unknowns_of(of.problem))
+    search.learn(of, unknowns_of(of.problem))
     response = started_jacobian(asked) if search.response is None else search.response
     return errors_with_unknowns(of, errors, asked.off, response, search.known.slopes)
 
