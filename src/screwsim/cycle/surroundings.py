@@ -24,7 +24,7 @@ class KnownSurroundings:
     temperatures: Temperatures | None = None  # of the oil
     losses: PressureLosses | None = None  # of a package
     sought: list[float] | None = None  # other open numbers (`screwsim.build.open_values`)
-    per_step: Mapping[str, float] = field(default_factory=dict)  # relative change of the figures, per kelvin or kPa
+    slopes: Mapping[str, Array] = field(default_factory=dict)  # of the figures with these [SI/K, SI/kPa]
     around: tuple[Array | None, float] = NOTHING_LEARNT  # Jacobian of the unknowns, and the residual of their guess
     _points: list[tuple[Array, Array]] = field(default_factory=list)  # parameters, unknowns
     _stated: Array | bool = True  # which parameters do not depend on the unknowns
