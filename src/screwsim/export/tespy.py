@@ -148,5 +148,5 @@ def _refuse_other_machine(
     name = max(off, key=lambda each: off[each])
     if off[name] > OTHER_MACHINE:
         what = f"TESPy's compressor, which takes real gas from one inlet, would be up to {off[name]:.2g} off in {name}"
-        remedy = "write gas.model: real, leave out effects.economizer and liquid_injection, or use export en12900"
+        remedy = "write gas.model: real, leave out vapour or liquid that enters elsewhere, or use export en12900"
         raise UsageError(f"{results.path}: {what} ({remedy})")
