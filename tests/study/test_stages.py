@@ -208,8 +208,8 @@ def test_a_pressure_drop_is_paid_by_the_second_stage(chain):
 
 
 def test_heat_of_both_stages_closes_the_balance_with_the_vapour_of_a_tank(chain):
-    """An ideal gas has one heat capacity in both stages here; the vapour has the real fluid's enthalpy, as in M202."""
-    ideal = {"gas.isentropic_exponent": 1.12, "oil.transport": "carried", "effects.suction_line": {}}
+    """The vapour has the real fluid's enthalpy, as in M202, and the ideal gas of each stage its own heat capacity."""
+    ideal = {"oil.transport": "carried", "effects.suction_line": {}}
     ends = (("low", "3000 rpm", -20, 10), ("high", "1300 rpm", 10, 45))
     stages = {
         which: {**ideal, "operation": {"speed": speed, "superheat": "5 K", "evaporating_temperature": f"{low} degC",
@@ -239,12 +239,14 @@ def test_a_flash_tank_gives_the_vapour_of_the_liquid_that_goes_through_it(chain)
     assert p.second_suction_temperature < first.discharge_temperature
     assert p.cop == pytest.approx(p.cooling_capacity / p.shaft_power)
     assert p.heating_cop == pytest.approx(p.heating_capacity / p.shaft_power)
-    # both give off what the real fluid has above the liquid, and what warmed them as an ideal gas
-    c_p, T_e = build_gas(found.scenes[0]).c_p, constants.saturation_temperature("R134a", pressure)
-    h_s = constants.vapour_enthalpy("R134a", 1.5e5, 283.0)
-    from_suction, from_tank = (
-        h - h_c + c_p * (second.separator_temperature - T) for h, T in ((h_s, 283.0), (h_g, T_e))
+    # both give off what the real fluid has above the liquid, and what warmed them as the ideal gas of each stage
+    (c_p, own), T_e = (
+        (build_gas(each).c_p for each in found.scenes),
+        constants.saturation_temperature("R134a", pressure),
     )
+    T_2, h_s = p.second_suction_temperature, constants.vapour_enthalpy("R134a", 1.5e5, 283.0)
+    warmed = own * (second.separator_temperature - T_2)
+    from_suction, from_tank = (h - h_c + c_p * (T_2 - T) + warmed for h, T in ((h_s, 283.0), (h_g, T_e)))
     rejected = (second.gas_mass_flow - p.vapour_mass_flow) * from_suction + p.vapour_mass_flow * from_tank
     assert p.heating_capacity == pytest.approx(rejected, rel=1e-9)
 

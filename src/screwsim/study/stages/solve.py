@@ -347,7 +347,9 @@ class _ChainSolver:
         sucked, liquid, second = suction_enthalpy(self.chain.first), self.liquid(), pair.results[1].performance
         evaporated = liquid if pair.vapour == 0.0 else constants.wet_enthalpy(self.chain.first.gas.name, pair.p, 0.0)
         T = second.get(SEPARATOR_FIGURES[0]) or second.discharge_temperature
-        rejected = None if pair.unparted else sucked - liquid + self.gas.enthalpy(self.high.p_d, T) - h_s
+        p, own = pair.p - self.chain.intercooler.pressure_drop, build_gas(pair.scenes[1])
+        rise = self.gas.enthalpy(p, pair.T) - h_s + own.enthalpy(self.high.p_d, T) - own.enthalpy(p, pair.T)
+        rejected = None if pair.unparted else sucked - liquid + rise
         beyond = beyond_suction_gas(self.chain.first, h_s, drawn)
         return capacities(flow * (sucked - evaporated), power, second, rejected, pair.unparted, beyond)
 
