@@ -76,3 +76,18 @@ def test_what_would_be_another_machine_there_is_refused(change, figure, tmp_path
     run_sweep(load(SCENE, changes), tmp_path / "map.h5", jobs=1)
     with pytest.raises(UsageError, match=f"from one inlet, would be up to 0[.][0-9]+ off in {figure}"):
         tespy_document(open_results(tmp_path / "map.h5"))
+
+
+def test_gas_that_leaves_wet_is_refused_in_one_line(tmp_path):
+    changes = [
+        "effects.liquid_injection={opens: 420 deg, closes: 600 deg, area: 60 mm^2}",
+        "gas.two_phase=equilibrium",
+        "effects.separator=off",
+        "oil_supply.temperature=40 degC",
+        "numerics.error=none",
+        "sweep.operation.evaporating_temperature=[-5 degC, 0 degC, 5 degC, 10 degC]",
+        "sweep.operation.condensing_temperature=[35 degC, 38 degC, 42 degC, 45 degC]",
+    ]
+    run_sweep(load(SCENE, changes), tmp_path / "map.h5", jobs=1)
+    with pytest.raises(UsageError, match="gas leaves wet, at 35 degC"):
+        tespy_document(open_results(tmp_path / "map.h5"))

@@ -11,6 +11,7 @@ import numpy as np
 
 from screwsim.export.polynomials import Polynomials, document, polynomials
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs.customary import in_celsius
 from screwsim.results import Results
 from screwsim.scene.operation import EVAPORATING, SUBCOOLING
 
@@ -108,7 +109,13 @@ def dissipated_share(results: Results, fluid: str, superheat: float, cases: np.n
     leaves = results.performance[leaving_temperature_figure(results)].ravel()[cases]
     shares = []
     for i, (h1, _, _) in enumerate(_sucked(results, fluid, superheat, cases)):
-        h2 = _property("H", "P", figures["discharge_pressure"][i], "T", leaves[i], fluid)
+        try:
+            h2 = _property("H", "P", figures["discharge_pressure"][i], "T", leaves[i], fluid)
+        except ValueError:  # a temperature of saturation says not how wet it is
+            what = (
+                f"gas leaves wet, at {in_celsius(leaves[i])}, and its temperature alone tells no enthalpy"
+            )
+            raise UsageError(f"{results.path}: {what} (use warmer oil or less liquid, or export en12900)") from None
         shares.append(1.0 - figures["gas_mass_flow"][i] * (h2 - h1) / figures["shaft_power"][i])
     return np.array(shares)
 
