@@ -112,9 +112,7 @@ def dissipated_share(results: Results, fluid: str, superheat: float, cases: np.n
         try:
             h2 = _property("H", "P", figures["discharge_pressure"][i], "T", leaves[i], fluid)
         except ValueError:  # a temperature of saturation says not how wet it is
-            what = (
-                f"gas leaves wet, at {in_celsius(leaves[i])}, and its temperature alone tells no enthalpy"
-            )
+            what = f"gas leaves wet, at {in_celsius(leaves[i])}, and its temperature alone tells no enthalpy"
             raise UsageError(f"{results.path}: {what} (use warmer oil or less liquid, or export en12900)") from None
         shares.append(1.0 - figures["gas_mass_flow"][i] * (h2 - h1) / figures["shaft_power"][i])
     return np.array(shares)
