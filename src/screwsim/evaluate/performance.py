@@ -15,12 +15,14 @@ from screwsim.cycle.problem import Inlet, Problem
 from screwsim.effects.base import Given, Plenum, Reading
 from screwsim.fluid import constants
 from screwsim.fluid.gas import Gas
+from screwsim.fluid.models import condenses
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.faults import UsageError, checked_own_number
 from screwsim.model.parts import Parts
 from screwsim.model.slots import OF_GAS
 from screwsim.numerics.frozen import with_changes
-from screwsim.scene.lines import Lines
+from screwsim.scene.lines import Lines, suction_enthalpy
+from screwsim.scene.types import Scene
 
 WET = "the intake is wet"
 Array = np.ndarray
@@ -101,16 +103,34 @@ def refrigeration(found: Mapping[str, Any], rho_s: float, effect: float | None) 
     return specific | dict(zip(names[1:], (flow * effect, cop, rho_s * effect), strict=True))
 
 
-def heating(found: Mapping[str, Any], condensed: float, rejected: float | str) -> Given:
+def beyond_suction_gas(scene: Scene, h_s: float, drawn: Sequence[tuple[float, Reservoir]]) -> float | str:
+    """Return the heat [W] that gas of own plenums gives off beyond as much suction gas (M410), or why it is unknown.
+
+    `h_s` is the enthalpy of the suction gas by the gas model [J/kg], `drawn` as in `efficiencies`. Nothing for a model
+    that has the real fluid's enthalpies.
+    """
+    if not drawn or condenses(scene.gas):
+        return 0.0
+    try:
+        sucked = suction_enthalpy(scene)
+        real = [constants.vapour_enthalpy(scene.gas.name, state.p, state.T) - sucked for _, state in drawn]
+    except UsageError as error:
+        return str(error)
+    return sum(net * (rise - (state.h - h_s)) for (net, state), rise in zip(drawn, real, strict=True))
+
+
+def heating(found: Mapping[str, Any], condensed: float, rejected: float | str, beyond: float | str = 0.0) -> Given:
     """Return the heat given off in the condenser [W] and its ratio to the shaft power (M410).
 
-    `condensed` [kg/s] is all gas that reaches the condenser, `rejected` the heat given off by a kilogram of it
-    [J/kg], or the reason why there is none.
+    `condensed` [kg/s] is all gas that reaches the condenser, `rejected` the heat given off by a kilogram of suction gas
+    [J/kg], `beyond` [W] what gas of own plenums gives off beyond that; each may be the reason why there is none.
     """
     power, names = found["shaft_power"], ("heating_capacity", "heating_cop")
-    if isinstance(rejected, str) or condensed <= 0.0:
-        return dict.fromkeys(names, rejected if isinstance(rejected, str) else NONE_DELIVERED)
-    capacity = condensed * rejected
+    if isinstance(rejected, str) or isinstance(beyond, str):
+        return dict.fromkeys(names, rejected if isinstance(rejected, str) else beyond)
+    if condensed <= 0.0:
+        return dict.fromkeys(names, NONE_DELIVERED)
+    capacity = condensed * rejected + beyond
     return dict(zip(names, (capacity, capacity / power if power > 0.0 else NO_POWER), strict=True))
 
 

@@ -50,15 +50,21 @@ FiguresAndReasons = tuple[dict[str, float | None], dict[str, str]]  # figures, a
 
 
 def capacities(
-    cooling: float, power: float, second: Mapping[str, Any], rejected: float | None, unparted: str = ""
+    cooling: float,
+    power: float,
+    second: Mapping[str, Any],
+    rejected: float | None,
+    unparted: str = "",
+    beyond: float | str = 0.0,
 ) -> FiguresAndReasons:
     """Return both capacities [W] and their COP relative to the power of both stages [W], or None with the reason.
 
-    `second` has the figures of the second stage, whose gas gives off `rejected` [J/kg] in the condenser; None where gas
-    and oil are not separated, with the reason `unparted`.
+    `second` has the figures of the second stage, whose gas gives off `rejected` [J/kg] in the condenser, and the vapour
+    of a tank `beyond` [W] besides; `rejected` is None where gas and oil are not separated, for the reason `unparted`.
     """
     cop = cooling / power if power > 0.0 else None
-    given = heating({"shaft_power": power}, second["gas_mass_flow"], unparted if rejected is None else rejected)
+    heat = unparted if rejected is None else rejected
+    given = heating({"shaft_power": power}, second["gas_mass_flow"], heat, beyond)
     warming, reasons = parted(given)
     notes = reasons if cop is not None else {"cop": NO_POWER, **reasons}
     return {"cooling_capacity": cooling, "cop": cop, **warming}, notes

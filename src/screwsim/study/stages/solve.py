@@ -1,6 +1,6 @@
 """Solve for the intermediate pressure of two stages, and compute the figures of the whole (docs/model.md M200–M203)."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -12,9 +12,10 @@ from screwsim.cycle.problem import Inlet
 from screwsim.effects import catalogue, stating
 from screwsim.effects.base import CoolsOil, InSeparator
 from screwsim.evaluate.cautions import inaccurate
-from screwsim.evaluate.performance import efficiencies, parted
+from screwsim.evaluate.performance import beyond_suction_gas, efficiencies, parted
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
+from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.outputs.customary import in_bar, in_celsius
@@ -305,7 +306,7 @@ class _ChainSolver:
         ends = replace(self.low, p_d=self.high.p_d)
         etas, notes = parted(efficiencies(self.gas, ends, Inlet(port_state[1], port_state[2]), flow, power, drawn))
         comes, taken = pair.flows
-        cooled, reasons = self._capacities(pair, flow, power, port_state[2])
+        cooled, reasons = self._capacities(pair, flow, power, port_state[2], drawn)
         electrical, unknown = electrical_figures(pair.results, cooled, reasons)
         notes = {**notes, **reasons, **unknown}
         found = Figures(
@@ -337,15 +338,20 @@ class _ChainSolver:
         except (_Stop, UsageError) as stop:
             return Figures(), (f"the errors of the two-stage figures could not be estimated: {stop}",)
 
-    def _capacities(self, pair: StagePair, flow: float, power: float, h_s: float) -> FiguresAndReasons:
+    def _capacities(
+        self, pair: StagePair, flow: float, power: float, h_s: float, drawn: Sequence[tuple[float, Reservoir]]
+    ) -> FiguresAndReasons:
         """Return the result of `capacities` for a flow of the first stage [kg/s] and its inlet enthalpy h_s [J/kg]."""
         if condensate_enthalpy(self.chain.second) is None:
             return {}, {}
         sucked, liquid, second = suction_enthalpy(self.chain.first), self.liquid(), pair.results[1].performance
         evaporated = liquid if pair.vapour == 0.0 else constants.wet_enthalpy(self.chain.first.gas.name, pair.p, 0.0)
         T = second.get(SEPARATOR_FIGURES[0]) or second.discharge_temperature
-        rejected = None if pair.unparted else sucked - liquid + self.gas.enthalpy(self.high.p_d, T) - h_s
-        return capacities(flow * (sucked - evaporated), power, second, rejected, pair.unparted)
+        p, own = pair.p - self.chain.intercooler.pressure_drop, build_gas(pair.scenes[1])
+        rise = self.gas.enthalpy(p, pair.T) - h_s + own.enthalpy(self.high.p_d, T) - own.enthalpy(p, pair.T)
+        rejected = None if pair.unparted else sucked - liquid + rise
+        beyond = beyond_suction_gas(self.chain.first, h_s, drawn)
+        return capacities(flow * (sucked - evaporated), power, second, rejected, pair.unparted, beyond)
 
 
 def _cooler_figures(pair: StagePair) -> dict[str, float | None]:
