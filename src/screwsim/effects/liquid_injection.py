@@ -14,6 +14,7 @@ Parameters: opens, closes, area, flow_coefficient, pressure_loss, discharge_temp
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Plenum, Site, Sought, Span
@@ -177,11 +178,6 @@ def _thermostat(parameters: Parameters, facts) -> Faults:
         yield Fault(path, f"{what} (remove one of the two)")
 
 
-def check_geometry(parameters: Parameters, geometry) -> Faults:
-    """Yield a fault where the window extends beyond the chamber's life."""
-    yield from check_within(NAME, parameters, geometry)
-
-
 EFFECT = Effect(
     name=NAME,
     title="condensate, through a bore into the closed chamber",
@@ -190,7 +186,7 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
-    check_geometry=check_geometry,
+    check_geometry=partial(check_within, NAME),
     needs=frozenset({HOLES}),
     figures=FIGURES,
     sizes=(Sized("area", SHELL, WIDEST, (0.0, 0.05)),),

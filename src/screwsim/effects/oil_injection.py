@@ -15,6 +15,7 @@ the oil: oil_supply.
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 from screwsim.effects.base import Effect, Faults, OilPort
 from screwsim.effects.parts.gap import ramp
@@ -191,11 +192,6 @@ def discharge_pressure(facts) -> float | None:
     return constants.condensing_pressure(facts.gas.name, T_c) if saturated else None
 
 
-def check_geometry(parameters: Parameters, geometry) -> Faults:
-    """Yield a fault where the window extends beyond the chamber's life."""
-    yield from check_within(NAME, parameters, geometry)
-
-
 EFFECT = Effect(
     name=NAME,
     title="oil enters through a bore while the chamber faces it",
@@ -206,6 +202,6 @@ EFFECT = Effect(
     needs_oil=True,
     states=("T_oil", "x_oil"),
     check=check,
-    check_geometry=check_geometry,
+    check_geometry=partial(check_within, NAME),
     needs=frozenset({OIL}),
 )

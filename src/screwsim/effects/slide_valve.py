@@ -57,17 +57,6 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
     if parameters.area_file is not None:
         angles, areas = read_curve(parameters.area_file, "area_m2")
         return [_slot(parameters, (angles, areas), (angles[0], *features(angles, areas), angles[-1]))]
-    return _stated(parameters, machine)
-
-
-def _slot(parameters: Parameters, curve, own: tuple[float, ...]) -> FlowPath:
-    """Return the path to suction through a slot whose area by angle is given as a curve."""
-    coefficient, tables = parameters.flow_coefficient, {"curve": curve}
-    return FlowPath(SUCTION, table_area, {}, own, flow_coefficient=coefficient, tables=tables, beside=True)
-
-
-def _stated(parameters: Parameters, machine) -> list[FlowPath]:
-    """Return the paths of slot and radial port of a slide whose angles are stated."""
     x, begins = parameters.position, machine.injection_angle
     assert x is not None and parameters.slot_area is not None and parameters.closes is not None  # checked
     closes = begins + x * (parameters.closes - begins)
@@ -80,6 +69,12 @@ def _stated(parameters: Parameters, machine) -> list[FlowPath]:
             FlowPath(DISCHARGE, area, sized, tuple(angles.values()), flow_coefficient=coefficient, beside=True)
         )
     return found
+
+
+def _slot(parameters: Parameters, curve, own: tuple[float, ...]) -> FlowPath:
+    """Return the path to suction through a slot whose area by angle is given as a curve."""
+    coefficient, tables = parameters.flow_coefficient, {"curve": curve}
+    return FlowPath(SUCTION, table_area, {}, own, flow_coefficient=coefficient, tables=tables, beside=True)
 
 
 def check(parameters: Parameters, facts) -> Faults:
