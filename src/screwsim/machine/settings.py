@@ -10,7 +10,7 @@ from screwsim.inputs.faults import Fault
 from screwsim.machine.laws import LAWS, ByLaw
 from screwsim.machine.paper_law import LIFE, TURN
 from screwsim.machine.protocol import COMPRESSOR, EXPANDER, MachineSettings
-from screwsim.machine.rotors.settings import Profile, SlideValve
+from screwsim.machine.rotors.settings import FAMILIES, Family, Profile, SlideValve
 
 
 def _law_of(equation: str) -> Any:
@@ -130,6 +130,11 @@ class TwinScrew(MachineSettings):
     def pitch(self) -> float:
         """Angle between neighbouring chambers, 2π/z1 [rad]."""
         return TURN / self.male_lobes
+
+    @property
+    def family(self) -> Family | None:
+        """The named rotors of its profile; None where that states its own lengths, or there is none."""
+        return None if self.profile is None or self.profile.family is None else FAMILIES[self.profile.family]
 
     def symbols(self) -> dict[str, float]:
         """Return the numbers [SI] that a kernel can take by name (docs/reference/nomenclature.md)."""

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import Any, Generic, NoReturn, TypeVar
 
 from screwsim.effects.base import Effect, PressureLosses
 from screwsim.fluid.settings import GasSettings, OilLine, OilSettings, oil_temperature
@@ -15,6 +15,8 @@ from screwsim.inputs.declare import FoundWithCycle, choice, number, quantity, wo
 from screwsim.numerics.settings import NumericsSettings
 from screwsim.outputs.display import About, Brief
 
+K = TypeVar("K")
+V = TypeVar("V")
 NO_SUPERHEAT = (
     "0 K is saturated vapour; for wet gas state operation.suction.quality instead, with gas.model: real and "
     "gas.two_phase: equilibrium"
@@ -24,6 +26,19 @@ COVERAGE = 2.0  # standard uncertainties in a tolerance: 95 % of a normal distri
 _superheat = partial(
     quantity, "temperature_difference", default=None, ge=0.0, hardly=(None, 150.0), remedy=NO_SUPERHEAT
 )
+
+
+class FixedDict(dict[K, V], Generic[K, V]):
+    """A dict of a scene that agrees with its text: any attempt to change it raises TypeError with the remedy."""
+
+    def _refuse(self, *_: Any, **__: Any) -> NoReturn:
+        raise TypeError("a scene cannot be changed: with_ and without return a new one")
+
+    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = _refuse
+    setdefault = update = _refuse  # pyright: ignore[reportAssignmentType] - of more forms than one
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return FixedDict, (dict(self),)
 
 
 @dataclass(frozen=True)
