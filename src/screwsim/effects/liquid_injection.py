@@ -25,7 +25,7 @@ from screwsim.effects.parts.usual import Sized
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.inputs.declare import FoundWithCycle, number, quantity
+from screwsim.inputs.declare import FoundWithCycle, number, optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import HOLES, SHELL, WIDEST
 from screwsim.outputs import BESIDE, BESIDE_RATIO, Figure
@@ -63,8 +63,8 @@ class Parameters(WindowParameters, Sought):
         ge=0.0,
         hardly=(None, 5e6),
     )
-    discharge_temperature: float | None = quantity(
-        "temperature", "discharge temperature kept by a thermostatic valve, in place of opening (M391)", None, gt=0.0
+    discharge_temperature: float | None = optional(
+        "temperature", "discharge temperature kept by a thermostatic valve, in place of opening (M391)"
     )
     opening: float | None = number("share of area that the valve leaves open", None, gt=0.0, le=1.0)
 

@@ -23,7 +23,7 @@ from screwsim.effects.parts.port_window import RAMP, WindowParameters, check_win
 from screwsim.fluid import constants
 from screwsim.fluid.orifice import smooth_orifice_flow
 from screwsim.fluid.settings import OilLine
-from screwsim.inputs.declare import quantity
+from screwsim.inputs.declare import optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL
 from screwsim.numerics.kernel import kernel
@@ -42,11 +42,8 @@ class Parameters(WindowParameters):
         ge=0.0,
         hardly=(None, 5e6),
     )
-    pressure: float | None = quantity(
-        "pressure",
-        "pressure of the oil before the bore, in place of separator pressure less pressure_loss",
-        None,
-        gt=0.0,
+    pressure: float | None = optional(
+        "pressure", "pressure of the oil before the bore, in place of separator pressure less pressure_loss"
     )
     line: OilLine | None = None
 

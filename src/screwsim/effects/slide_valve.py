@@ -18,7 +18,7 @@ from screwsim.effects.bypass import RAMP, area, window
 from screwsim.effects.parts.gap import flow_coefficient, table_area
 from screwsim.effects.parts.roles import SLIDES
 from screwsim.effects.parts.usual import Sized
-from screwsim.inputs.declare import AREA, file, number, quantity
+from screwsim.inputs.declare import AREA, file, number, optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import ROTORS, SHELL, WIDEST
 from screwsim.numerics.spline import features, read_curve
@@ -36,15 +36,11 @@ class Parameters:
 
     position: float | None = number(f"x: 0 is full load, 1 the end of the travel {_OWN}", None, ge=0.0, le=1.0)
     slot_area: float | None = quantity("area", f"S_slot: area to suction at the end of the travel {_OWN}", None, ge=0.0)
-    closes: float | None = quantity(
-        "angle", f"phi_1: angle at which the slot closes at the end of the travel {_OWN}", None, gt=0.0
-    )
+    closes: float | None = optional("angle", f"phi_1: angle at which the slot closes at the end of the travel {_OWN}")
     flow_coefficient: float = flow_coefficient("slot and radial port", 1.0)
     radial_area: float | None = quantity("area", "S_r: area of the radial discharge port", None, ge=0.0)
-    radial_opens: float | None = quantity("angle", "phi_a: angle at which it opens at full load", None, gt=0.0)
-    radial_opens_moved: float | None = quantity(
-        "angle", "phi_b: angle at which it opens at the end of the travel", None, gt=0.0
-    )
+    radial_opens: float | None = optional("angle", "phi_a: angle at which it opens at full load")
+    radial_opens_moved: float | None = optional("angle", "phi_b: angle at which it opens at the end of the travel")
     area_file: str | None = file(
         "CSV with columns angle_deg, area_m2: the slot, in place of position, slot_area and closes", curve=AREA
     )

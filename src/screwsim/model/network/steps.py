@@ -122,7 +122,7 @@ def stiff_test(network: Network, own: str) -> str:
 # ---- jumps and borders -----------------------------------------------------------------------------------------------
 
 
-@writes("chamber__inject(y, at, P, TAB, R)")
+@writes("chamber__inject(y, at, P, TAB, R)")  # M9, M30, M104, M110
 def _inject(to: Statements, network: Network) -> None:
     """Let the oil in at the injection angle, and note trapped gas, its pressure, and the oil."""
     before = "0.0"
@@ -199,7 +199,7 @@ def _jump(to: Statements, network: Network) -> None:
 # ---- the mass balance ------------------------------------------------------------------------------------------------
 
 
-@writes("chamber__into(sums, at, m, source, s)")
+@writes("chamber__into(sums, at, m, source, s)")  # M1–M13
 def _into(to: Statements, network: Network) -> None:
     """Add a stream of m [kg] of the port state at source[s] to sums, from sums[at] on (M10)."""
     terms = stream_terms(to, network, "m", PortState(*(f"source[s + {at}]" for at in NUMBERS.values())))
