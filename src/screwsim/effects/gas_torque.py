@@ -155,7 +155,6 @@ def build(parameters: Parameters, machine) -> list[Reading]:
         return dict(zip(names_of(FIGURES), values, strict=True))
 
     def traces(figures) -> dict[str, Any]:
-        """Return torque and forces over a pitch."""
         pitch = figures.pitch()
         found = {"gas_torque": torque(pitch)}
         if (rotors := rotor_torques(parameters, pitch, ratio)) is not None:

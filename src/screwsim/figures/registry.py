@@ -135,7 +135,6 @@ def _with_effects(need: str) -> str:
 
 
 def _has(scene: Scene, role: str) -> bool:
-    """Tell whether an effect of a scene has a role in it."""
     every = ((active, active.effect.roles.get(role)) for active in scene.effects.values())
     return any(key is not None and (not key or _states(scene, active.parameters, key)) for active, key in every)
 

@@ -26,7 +26,6 @@ def line_flow_texts(network: Network) -> list[str]:
 
 
 def _to_lines(network: Network) -> list[Port]:
-    """Return the ports to the suction and the discharge line."""
     return [port for port in network.ports if port.number < FIRST_OWN]
 
 
@@ -128,6 +127,5 @@ def _add_outflow(to: Statements, network: Network) -> None:
 
 
 def _leaving(to: Statements, flow: str, test: str) -> None:
-    """Add an outflow where a test holds."""
     with to.within(test):
         to.add(f"heat += weight * {flow} * T_oil", f"mass += weight * {flow}")

@@ -88,7 +88,6 @@ def _error(to: Statements, network: Network) -> None:
 
 
 def _above_zero(name: str, positive: dict[str, bool]) -> bool:
-    """Return whether a state must be positive."""
     return positive.get(name, name in ("T", "rho", "T_oil"))
 
 
