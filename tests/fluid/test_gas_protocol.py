@@ -10,12 +10,11 @@ import pytest
 from own_gases.covolume import CovolumeGas
 from own_gases.other_zero import OtherZero
 
-from screwsim.evaluate.verdict import REMEDIES
 from screwsim.explain import explain
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.ideal_gas import IdealGas
-from screwsim.fluid.limits import Outside
+from screwsim.fluid.limits import Limit, Outside
 from screwsim.fluid.moist_air import MoistAir
 from screwsim.fluid.nozzle import choking
 from screwsim.fluid.real_gas import RealGas
@@ -136,7 +135,7 @@ def test_the_first_state_outside_is_one_that_it_says_why_of(gas):
     first = gas.first_outside(T, rho)
     assert (first is None) == (not any(found))
     if first is not None:
-        assert isinstance(found[first], Outside) and found[first].limit in REMEDIES
+        assert isinstance(found[first], Outside) and found[first].limit in Limit
 
 
 @every_gas

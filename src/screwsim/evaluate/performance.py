@@ -44,33 +44,29 @@ def efficiencies(
     names = ("isothermal_efficiency", "ideal_isothermal_efficiency", "isentropic_efficiency")
     if flow <= 0.0 or shaft_power <= 0.0:
         return dict.fromkeys(names, NONE_DELIVERED if flow <= 0.0 else NO_POWER)
-    works, obstacle = _ideal_works(gas, lines, inlet)
+    wet = None if lines.quality is None else inlet.enthalpy
+    works, obstacle = _ideal_works(gas, lines.p_s, lines.p_d, lines.T_s, wet, wet is not None)
     powers = [None if work is None else flow * work for work in works]
     for net, state in drawn:
-        others, reason = _plenum_works(gas, lines.p_d, state)
+        others, reason = _ideal_works(gas, state.p, lines.p_d, state.T, state.h)
         powers = [None if a is None or b is None else a + net * b for a, b in zip(powers, others, strict=True)]
         obstacle = obstacle or reason
     return {name: obstacle if power is None else power / shaft_power for name, power in zip(names, powers, strict=True)}
 
 
-@lru_cache(maxsize=64)
-def _ideal_works(gas: Gas, lines: Lines, inlet: Inlet) -> tuple[tuple[float | None, float, float], str | None]:
-    """Return isothermal, ideal isothermal and isentropic work [J/kg] (M49), and why there is no isothermal one."""
-    ends = lines.p_s, lines.p_d, lines.T_s
-    ideal = gas.ideal_isothermal_work(*ends)
-    if lines.quality is not None:
-        isentropic = gas.isentropic_work_of_enthalpy(lines.p_s, lines.p_d, inlet.enthalpy)
+@lru_cache(maxsize=128)
+def _ideal_works(
+    gas: Gas, p: float, p_d: float, T: float, h: float | None = None, wet: bool = False
+) -> tuple[tuple[float | None, float, float], str | None]:
+    """Return isothermal, ideal isothermal and isentropic work [J/kg] (M49), and why there is no isothermal one.
+
+    They are those from p [Pa] and T [K] to p_d; the isentropic one starts from the enthalpy h [J/kg] where it is given.
+    """
+    ideal = gas.ideal_isothermal_work(p, p_d, T)
+    isentropic = gas.isentropic_work(p, p_d, T) if h is None else gas.isentropic_work_of_enthalpy(p, p_d, h)
+    if wet:
         return (None, ideal, isentropic), WET
-    return (gas.isothermal_work(*ends), ideal, gas.isentropic_work(*ends)), gas.isothermal_obstacle(*ends)
-
-
-@lru_cache(maxsize=64)
-def _plenum_works(gas: Gas, p_d: float, state: Reservoir) -> tuple[tuple[float | None, float, float], str | None]:
-    """Return the same as `_ideal_works`, for the fluid of a plenum."""
-    isentropic = gas.isentropic_work_of_enthalpy(state.p, p_d, state.h)
-    obstacle = gas.isothermal_obstacle(state.p, p_d, state.T)
-    isothermal = None if obstacle else gas.isothermal_work(state.p, p_d, state.T)
-    return (isothermal, gas.ideal_isothermal_work(state.p, p_d, state.T), isentropic), obstacle
+    return (gas.isothermal_work(p, p_d, T), ideal, isentropic), gas.isothermal_obstacle(p, p_d, T)
 
 
 def parted(given: Given) -> tuple[dict[str, Any], dict[str, str]]:

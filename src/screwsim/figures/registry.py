@@ -29,14 +29,13 @@ from screwsim.outputs import (
     TIMES,
     WALLED,
     Figure,
-    Figures,
     Scale,
     Variable,
     cycle_variable,
-    shown,
     shown_of,
 )
-from screwsim.outputs.display import ShownFigure, table_html, table_text
+from screwsim.outputs.display import ShownFigure
+from screwsim.outputs.figures import ListedFigures
 from screwsim.scene.lines import saturates
 from screwsim.scene.types import ActiveEffect, Scene
 
@@ -51,7 +50,7 @@ _ROLES: Mapping[str, Callable[[Scene, Parts], bool]] = {  # conditions on a scen
 }
 
 
-class Performance(Figures):
+class Performance(ListedFigures):
     """Performance figures with their declarations; the error for a missing one says what would call for it.
 
     `about` holds the figures that the scene calls for, also of a case that failed.
@@ -74,12 +73,6 @@ class Performance(Figures):
         """Return unit and meaning of a figure; None where it is not declared."""
         about = self.about.get(name) or PERFORMANCE.get(name)
         return None if about is None else shown_of(about, self.get(name))
-
-    def __repr__(self) -> str:
-        return table_text(shown(self))
-
-    def _repr_html_(self) -> str:
-        return table_html("performance", (), shown(self))
 
     def copy(self) -> Performance:
         """Return a copy of the figures that may be changed."""
@@ -142,7 +135,6 @@ def _with_effects(need: str) -> str:
 
 
 def _has(scene: Scene, role: str) -> bool:
-    """Tell whether an effect of a scene has a role in it."""
     every = ((active, active.effect.roles.get(role)) for active in scene.effects.values())
     return any(key is not None and (not key or _states(scene, active.parameters, key)) for active, key in every)
 

@@ -97,7 +97,6 @@ def schema() -> dict[str, Any]:
 
 
 def _machine() -> dict[str, Any]:
-    """Return the schema of a machine of any kind."""
     kinds = {kind: _section(_machine_section(kind)) for kind in MACHINES}
     for kind, part in kinds.items():
         part["properties"]["kind"] = {**part["properties"]["kind"], "enum": [kind, None], "default": kind}
