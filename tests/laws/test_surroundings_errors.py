@@ -30,7 +30,7 @@ def test_figures_that_state_an_unknown_go_with_it_alone_whatever_steps_were_made
     _, search = steady_state(problem_of(load(PACKAGE), series), series)
     assert len(search.seen) > 2
     for name, unknown, unit in (("discharge_pressure", BEHIND, KPA), ("oil_supply_temperature", SUPPLY, 1.0)):
-        slope = series.slopes[name]
+        slope = series.surroundings.slopes[name]
         assert slope == pytest.approx(unit * np.eye(len(slope))[unknown], abs=1e-6 * unit), name
 
 

@@ -25,6 +25,7 @@ from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import ClosingTask, Problem, Series, problem_of
 from screwsim.cycle.solution import ClosingCriteria, CycleSolution
+from screwsim.cycle.surroundings import KnownSurroundings
 from screwsim.effects.base import InSeparator, PressureLosses
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.figures.errors import worst
@@ -39,6 +40,7 @@ Array = np.ndarray
 MOST_CYCLES = 20  # cycles of one search
 MOST_REPETITIONS = 8  # repetitions of the final cycle
 OPEN = 0.2  # of the wanted accuracy: admissible residual of the circuit over the shaft power, or of a pressure
+LEARN_FROM = 0.02  # [K, kPa], shortest step that the Jacobian is learnt from: shorter ones show noise
 LEAST_DECAY = 0.05  # smallest −(real part of an eigenvalue) of a Jacobian that is accepted
 LONGEST_STEP = 40.0  # [K, kPa], longest step
 HALVINGS = 6  # of a step to impossible oil or effects, or to where no cycle closes
@@ -91,7 +93,7 @@ class SurroundingsSearch:
             self.jacobian = started_jacobian(asked)
         elif self.last is not None:
             dx = x - self.last[0]
-            if dx @ dx > 0.0:
+            if float(np.max(np.abs(dx))) > LEARN_FROM:
                 self.jacobian = _learnt(self.jacobian, off - self.last[1], dx)
         self.last = x, off
         found = -np.linalg.solve(self.jacobian, off)
@@ -106,11 +108,16 @@ class SurroundingsSearch:
             self.response = started_jacobian(asked) if self.jacobian is None else self.jacobian
         for other, figures, off_there in reversed(self.seen):
             if float(np.max(np.abs(x - other))) > LEAST_DISTANCE:
-                self.series.slopes = learnt_slopes(self.series.slopes, of, figures, x - other)
+                self.known.slopes = learnt_slopes(self.known.slopes, of, figures, x - other)
                 if self.response is not None and off is not None and off_there is not None:
                     self.response = _learnt(self.response, off - off_there, x - other)
                 break
         self.seen.append((x, of.figures, off))
+
+    @property
+    def known(self) -> KnownSurroundings:
+        """What the series knows of its surroundings."""
+        return self.series.surroundings
 
     def closed(self, problem: Problem, course: Course) -> Evaluation | None:
         """Return a problem's closed cycle, started from a course; None where it does not close."""
@@ -134,15 +141,15 @@ class SurroundingsSearch:
         """Return the problem at unknowns x; None, with the reason in `why`, where oil or effects rule it out."""
         scene = problem.scene
         if any(open_temperatures(scene)):
-            self.series.temperatures = Temperatures(*x[:2].tolist())
-            scene = with_temperatures(scene, self.series.temperatures)
+            self.known.temperatures = Temperatures(*x[:2].tolist())
+            scene = with_temperatures(scene, self.known.temperatures)
             faults = temperature_faults(scene)
             if faults:
                 self.why = f"the oil circuit leads to an impossible state: {faults[0]}"
                 return None
         lost, others = (2 if scene.losses is not None else 0), x[2:].tolist()
         if len(others) > lost:
-            self.series.sought = open_numbers = others[lost:]
+            self.known.sought = open_numbers = others[lost:]
             scene = open_values.with_coordinates(scene, open_numbers)
         if lost:
             before, behind = (KPA * each for each in others[:lost])
@@ -151,8 +158,8 @@ class SurroundingsSearch:
                     "the pressure losses before the machine use up the whole suction pressure (choose smaller losses)"
                 )
                 return None
-            self.series.losses = PressureLosses(max(before, 0.0), behind)
-            scene = replace(scene, losses=self.series.losses)
+            self.known.losses = PressureLosses(max(before, 0.0), behind)
+            scene = replace(scene, losses=self.known.losses)
         part = problem.parts.shaft
         held = part is None or part.train(self.stated).holds_mean
         return at_motor_speed(problem_of(scene, self.series, None if held else self.stated), self.series)
@@ -252,8 +259,12 @@ def steady_state(problem: Problem, series: Series) -> tuple[Problem, Surrounding
     search = SurroundingsSearch(series, problem.scene.operation.speed)
     search.course.tightness = series.course.tightness
     problem = at_motor_speed(problem, series)
-    search.jacobian, search.expected = series.around
+    known, stated = search.known, problem.parameters
+    search.jacobian, search.expected = known.around
     search.contracts = CONTRACTION if search.jacobian is None else LEARNT_CONTRACTION
+    expected = known.expected(stated)
+    if expected is not None:
+        problem = search.posed(problem, expected) or problem
     of, guess = search.closed(problem, series.course), unknowns_of(problem)
     for warmer in WARMER_STARTS if any(open_temperatures(problem.scene)) else ():
         if of is not None:
@@ -276,7 +287,8 @@ def steady_state(problem: Problem, series: Series) -> tuple[Problem, Surrounding
             break
         of = after
     if first is not None:
-        series.around = search.jacobian, first.open
+        known.around = search.jacobian, first.open
+        known.add(stated, of.problem.parameters, unknowns_of(of.problem))
     return of.problem, search
 
 
@@ -302,7 +314,6 @@ def solve_with_surroundings(
         record_in_course(
             search.course, accurate.evaluation, accurate.cycle, accurate.criteria, max(tightness, TIGHTEST)
         )
-        search.learn(accurate.evaluation, x)
         other = search.posed(accurate.evaluation.problem, x + search.step(x, asked))
         if other is None:
             break
@@ -332,17 +343,16 @@ def _finality_and_error(accurate: Accurate, asked: ImpliedSurroundings | None, e
 def _with_unknowns(accurate: Accurate, search: SurroundingsSearch) -> Figures:
     """Return the errors of the figures including those due to errors of the unknowns.
 
-    After a search of a single step the sensitivities are still to be learnt; with little oil flow, temperatures
-    that leave next to no residual of the shaft power may be far off.
+    Sensitivities are learnt over the last step of the search, too: within an earlier one figures may turn or begin (gas
+    that flashes). With little oil flow, temperatures that leave next to no residual of the shaft power may be far off.
     """
     of, errors = accurate.evaluation, Figures(accurate.errors)
     asked = implied_surroundings(of)
     if asked is None or search.why or not errors:
         return errors
-    if not search.series.slopes:
-        search.learn(of, unknowns_of(of.problem))
+    search.learn(of, unknowns_of(of.problem))
     response = started_jacobian(asked) if search.response is None else search.response
-    return errors_with_unknowns(of, errors, asked.off, response, search.series.slopes)
+    return errors_with_unknowns(of, errors, asked.off, response, search.known.slopes)
 
 
 def _sum(counts: Array | None, more: Array) -> Array:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.figures.engineering import SCALES, figure_scales, shown_name
-from screwsim.outputs import LEDGER_ENTRY, STATUSES, ledger_entries
+from screwsim.outputs import LEDGER_ENTRY, STATUSES, ledger_entries, words_of_effects
 from screwsim.report import quantities
 from screwsim.report.families import efficiency_name, is_log, layout_of, outcome_layout
 from screwsim.report.front import objective_names
@@ -203,15 +203,15 @@ def _ledger(results: Results, shown: Selection) -> dict[str, Any] | None:
     """Return the ledger of each case: totals, and what each effect destroys, generates and transfers [SI]."""
     if "shaft_power" not in results.ledger:
         return None
-    entries = ledger_entries(dict.fromkeys(results.ledger))
+    entries = words_of_effects(ledger_entries(dict.fromkeys(results.ledger)))
     values = {name: floats(shown.of(results.ledger[name])) for name in results.ledger}
     totals = ("shaft_power", "gas_exergy_rise", "oil_exergy_rise", "residue", "ambient_temperature")
     return {
         "totals": {name: values[name] for name in totals if name in values},
         "entries": [
-            {"words": name.replace("_", " ")}
+            {"words": words}
             | {quantity: values[f"{quantity}_{name}"] for quantity in LEDGER_ENTRY if f"{quantity}_{name}" in values}
-            for name in entries
+            for name, words in entries.items()
         ],
     }
 
