@@ -14,13 +14,13 @@ from screwsim.outputs.display import picked
 from screwsim.scene import Scene
 
 if TYPE_CHECKING:
+    from screwsim.study.stages.figures import StagePair
     from screwsim.study.stages.read import Intercooler
-    from screwsim.study.stages.solve import StagePair
 
 PRESSURE_STEP = 1.02  # factor of the pressure between the stages, for the slopes by that pressure
 TEMPERATURE_STEP = 1.0  # K, warming of the first stage's gas, for the slopes by its temperature
 STAGE_FIGURES = (
-    *("gas_mass_flow", "shaft_power", "electrical_power"),
+    *("gas_mass_flow", "shaft_power", "electrical_power", "fan_power"),
     *("discharge_temperature", "separator_temperature", "oil_cooler_duty"),
 )
 
