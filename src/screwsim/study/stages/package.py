@@ -24,11 +24,10 @@ def air_figures(pair: StagePair, density: float, ends: tuple[float, float]) -> F
     `density` [kg/m³] is that of the air at the inlet, `ends` are the pressures [Pa] at inlet and outlet.
     """
     figures = [result.performance for result in pair.results]
-    motors = [each.get("electrical_power") for each in figures]
-    if pair.scenes[0].gas.name.lower() != AIR or None in motors:
+    if pair.scenes[0].gas.name.lower() != AIR or any(each.get("electrical_power") is None for each in figures):
         return {}, {}
     flow = figures[0].gas_mass_flow / density
-    power = sum(motors) + sum(each.get("fan_power") or 0.0 for each in figures)
+    power = sum(each.electrical_power + (each.get("fan_power") or 0.0) for each in figures)
     own = {FREE_AIR: flow, "package_input_power": power}
     names = ("package_specific_power", "package_isentropic_efficiency")
     if not power > 0.0:
