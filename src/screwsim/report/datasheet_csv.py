@@ -1,6 +1,7 @@
 """The points of a data sheet as a table: a row a point, its operating state and all its figures in customary units."""
 
 import csv
+import re
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -16,6 +17,7 @@ from screwsim.scene.units import customary_unit, to_customary
 STATUS, BEYOND, WARNINGS = "status", "beyond", "warnings"  # of a point, beside its numbers
 PLAIN = {"°C": "degC", "²": "^2", "³": "^3"}  # in heads, as in all tables of the program
 DIGITS = 6  # significant digits of a number
+STAGE = re.compile("^(first|second)_")  # before the operating state of one of two stages
 OPERATION = "operation."  # before the path of an axis
 SEPARATOR = "; "  # between limits, and between warnings
 
@@ -34,7 +36,8 @@ def check_table(output: Path) -> None:
 def write_table(document: Mapping[str, Any], output: Path) -> str:
     """Write the points of a sheet's document; return the path."""
     points: Sequence[Mapping[str, Any]] = document["points"]
-    names = list(dict.fromkeys(name for each in points for name in each if name not in (STATUS, "message", WARNINGS)))
+    apart = (STATUS, "message", WARNINGS, "error")
+    names = list(dict.fromkeys(name for each in points for name in each if name not in apart))
     columns = [_column(name, [each.get(name) for each in points]) for name in names]
     heads = [*(head for head, _ in columns), STATUS, WARNINGS]
     ends = [[_status(each), SEPARATOR.join(each[WARNINGS])] for each in points]
@@ -57,7 +60,7 @@ def _column(name: str, values: Sequence[Any]) -> tuple[str, list[str]]:
 
 def _unit(name: str, sizes: Sequence[float]) -> tuple[float, str, float]:
     """Return factor from SI, unit and the offset that is taken off, for all values of a column."""
-    leaf = None if declaration(name) else _axes().get(name)
+    leaf = None if declaration(name) else _axes().get(STAGE.sub("", name))
     if leaf is not None and leaf.dimension is not None:
         return to_customary(leaf.dimension, 1.0), customary_unit(leaf.dimension), 0.0
     factor, unit, offset = reading_unit(declared(name), max(sizes, default=0.0))
