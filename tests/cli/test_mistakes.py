@@ -62,7 +62,7 @@ def test_a_name_of_another_kind_of_file_is_refused(files, command, arguments, to
 
 
 TWO = (
-    "describes two stages, which only screwsim run and screwsim explain accept (run those on x.stages.yaml, or name "
+    "describes two stages, which only run, sweep, datasheet and explain accept (run those on x.stages.yaml, or name "
     "the "
 )
 

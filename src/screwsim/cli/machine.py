@@ -132,7 +132,9 @@ def datasheet(
         from screwsim.study.stages import read_stages
 
         options.refuse_for_stages(scene_file, "rate", {"--without": without})
-        made = partial(sheet_of_stages, read_stages(scene_file, overrides or ()))
+        chain = read_stages(scene_file, overrides or ())
+        options.report_sweeps_of_stages(chain, scene_file)
+        made = partial(sheet_of_stages, chain)
     else:
         from screwsim.study.datasheet import sheet_of
 

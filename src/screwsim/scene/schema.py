@@ -92,9 +92,14 @@ def schema() -> dict[str, Any]:
         "anyOf": [{"required": ["base"]}, {"$ref": "#/$defs/complete"}],
         "$defs": {
             "complete": _complete(effects),
-            **{f"axis_{kind}": _axis(_example(kind)) for kind in sorted(SWEEPABLE - {"choice", "fluid"})},
+            **axis_definitions(),
         },
     }
+
+
+def axis_definitions() -> dict[str, Any]:
+    """Return the definitions (`$defs`) to which the axes of `sweep_schema` refer."""
+    return {f"axis_{kind}": _axis(_example(kind)) for kind in sorted(SWEEPABLE - {"choice", "fluid"})}
 
 
 def _machine() -> dict[str, Any]:

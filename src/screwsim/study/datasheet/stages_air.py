@@ -23,7 +23,6 @@ from screwsim.study.datasheet.air_year import Demand, year, year_document, year_
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.rated import celsius
 from screwsim.study.datasheet.sheet import Sheet, Table, warning_lines
-from screwsim.study.datasheet.stages_rating import solved_with
 from screwsim.study.datasheet.stages_sheet import DOCUMENT_FIGURES
 from screwsim.study.datasheet.stages_table import (
     BAR,
@@ -42,6 +41,7 @@ from screwsim.study.part_load import SPEED_PATH
 from screwsim.study.progress import Progress
 from screwsim.study.stages import ChainResult
 from screwsim.study.stages.axes import STAGE_NAMES
+from screwsim.study.stages.points import solved_with
 from screwsim.study.stages.read import StageChain
 from screwsim.study.workers import WORKER_DIED
 

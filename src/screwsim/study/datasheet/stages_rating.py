@@ -45,7 +45,8 @@ from screwsim.study.part_load import (
 )
 from screwsim.study.progress import Progress
 from screwsim.study.stages import ChainResult, run_stages
-from screwsim.study.stages.axes import STAGE_NAMES, chain_with
+from screwsim.study.stages.axes import STAGE_NAMES
+from screwsim.study.stages.points import solved_with
 from screwsim.study.stages.read import StageChain
 from screwsim.study.workers import WORKER_DIED
 
@@ -169,6 +170,10 @@ def rating(asked: ChainRequest, jobs: int | None = None, progress: Progress | No
         )
     both = run_stages(asked.chain)
     own = both.as_result()
+    strange = [bound.figure for bound in asked.bounds if own.performance and bound.figure not in own.performance]
+    if strange:
+        known = ", ".join(own.performance)
+        raise UsageError(f"--limit {strange[0]}: is not a figure of these two stages (use one of {known})")
     full = own.performance.get(asked.aim.load) if own.status == "ok" else None
     columns = len(asked.across.values)
     more = len(asked.controls) + 1 if full else 0
@@ -213,14 +218,6 @@ def _at_share(chain: StageChain, stages: Sequence[str], share: float) -> Result:
     """Return the result at a share of the speeds of stages."""
     speeds = {name: getattr(chain, name).operation.speed for name in stages}
     return solved_with(chain, {f"{name}.{SPEED_PATH}": share * speed for name, speed in speeds.items()}).as_result()
-
-
-def solved_with(chain: StageChain, values: Mapping[str, Any]) -> ChainResult:
-    """Return the result of both stages with other values [SI] at their paths; a failed one where these do not fit."""
-    try:
-        return run_stages(chain_with(chain, values))
-    except UsageError as error:
-        return ChainResult("failed", str(error))
 
 
 def _part_of_dead_worker(asked: ChainRequest, number: int) -> Any:

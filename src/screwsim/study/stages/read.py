@@ -17,7 +17,7 @@ from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_
 from screwsim.scene import Scene, load
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.lines import condensate_enthalpy, lines
-from screwsim.scene.schema import DRAFT, OWN_PARAMETER, leaf_schema, mapping, sweep_schema
+from screwsim.scene.schema import DRAFT, OWN_PARAMETER, axis_definitions, leaf_schema, mapping, sweep_schema
 from screwsim.scene.sections import read_section
 from screwsim.scene.sweep import read_sweep_of
 from screwsim.scene.types import Joint
@@ -226,7 +226,8 @@ def stages_schema() -> dict[str, Any]:
         "intercooler": between,
         "sweep": _sweep_schema(leaves),
     }
-    return {"$schema": DRAFT, "title": "screwsim stages"} | mapping(properties, [STAGES_KEY])
+    schema = {"$schema": DRAFT, "title": "screwsim stages"} | mapping(properties, [STAGES_KEY])
+    return schema | {"$defs": axis_definitions()}
 
 
 def _sweep_schema(between: Mapping[str, Leaf]) -> dict[str, Any]:
