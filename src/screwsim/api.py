@@ -104,8 +104,10 @@ def datasheet(
     if output is not None:
         check_sheet(Path(output))
     bar = progress_of("datasheet", progress)
-    staged = isinstance(scene, str | os.PathLike) and "\n" not in os.fspath(scene) and is_stages(scene)
-    made = partial(sheet_of_stages, read_stages(scene)) if staged else partial(sheet_of, scene_of(scene))
+    if isinstance(scene, str | os.PathLike) and "\n" not in os.fspath(scene) and is_stages(scene):
+        made = partial(sheet_of_stages, read_stages(scene))
+    else:
+        made = partial(sheet_of, scene_of(scene))
     found = made(
         evaporating=evaporating,
         condensing=condensing,

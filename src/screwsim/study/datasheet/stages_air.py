@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from screwsim.build import package_of
 from screwsim.effects.air_package import AIR
 from screwsim.effects.parts.rating import PSI
 from screwsim.figures.engineering import quantity
@@ -144,17 +145,13 @@ def _lines(chain: StageChain, rated: Rating, own: ChainResult) -> Iterator[tuple
     yield from swept_line(own)
     yield from between_line(chain, rated.full.result)
     yield from motor_lines(chain, own)
-    fans = [scene.effects["air_package"].parameters.fan for scene in _packages(chain)]
+    fans = [getattr(package_of(scene), "fan", None) for scene in (chain.first, chain.second)]
     parts = ", ".join(quantity("W", fan.power) for fan in fans if fan is not None)
-    yield "fan", f"{parts} at its rated flow" if parts else "none (effects.air_package.fan of one of the scenes)"
+    yield "fan", f"{parts} at its rated flow" if parts else "none stated by one of the scenes"
     if own.status == "ok":
         losses = [_loss(each) for each in own.stages]
         told = [f"{name} stage {loss}" for name, loss in zip(STAGE_NAMES, losses, strict=True) if loss]
-        yield "losses", f"{', '.join(told)}, at full flow" if told else "none stated (effects.air_package)"
-
-
-def _packages(chain: StageChain) -> Iterator[Any]:
-    return (scene for scene in (chain.first, chain.second) if "air_package" in scene.effects)
+        yield "losses", f"{', '.join(told)}, at full flow" if told else "none stated by the scenes"
 
 
 def _loss(found: Result) -> str:

@@ -45,7 +45,6 @@ DOCUMENT_FIGURES = (
     "package_specific_power", "package_isentropic_efficiency",
 )  # fmt: skip
 PEAK_FIGURES = (*DISCHARGES, "first_shaft_power", "second_shaft_power")
-COP_TITLE, EFFICIENCY_TITLE = "COP", "Isentropic efficiency [%]"
 
 
 def stages_sheet(rated: ChainRating, heating: bool = False) -> Sheet:

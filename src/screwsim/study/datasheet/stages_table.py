@@ -14,7 +14,7 @@ from screwsim.study.datasheet.sheet import Table
 from screwsim.study.datasheet.tables import BLANK, DUTY, HOUR, KW, NONE, PERCENT, Column, Lines, document_figures
 from screwsim.study.stages import ChainResult
 from screwsim.study.stages.axes import STAGE_NAMES
-from screwsim.study.stages.read import StageChain
+from screwsim.study.stages.read import COOLS, FLASHES, NOTHING, StageChain
 
 BAR, MINUTE, RPM = 1e-5, 6e4, 9.549296585513721  # from Pa, m³/s to L/min, rad/s
 EACH_STAGE = (  # figures of a stage, a row each
@@ -34,7 +34,7 @@ EACH_STAGE = (  # figures of a stage, a row each
     Column("oil_supply_temperature", "oil temperature [°C]", 1.0, 1, celsius=True),
     Column(DUTY, "oil cooler duty [kW]", KW, 2),
 )
-BETWEEN = {"none": "no cooler", "cooler": "a cooler", "economizer": "a flash tank, whose vapour mixes in"}
+BETWEEN = {NOTHING: "no cooler", COOLS: "a cooler", FLASHES: "a flash tank, whose vapour mixes in"}
 DOCUMENT_FIGURES = tuple(column.figure for column in EACH_STAGE)
 
 

@@ -31,9 +31,9 @@ KEYS = ("title", STAGES_KEY, "intercooler", "sweep")
 _REMEDY = "write stages: [first.yaml, second.yaml]"
 
 
-COOLS, FLASHES = "cooler", "economizer"
+NOTHING, COOLS, FLASHES = "none", "cooler", "economizer"
 INTERCOOLER_KINDS = {  # what lies between both stages, in words
-    "none": "The second stage draws in the gas as the first one delivers it (M201).",
+    NOTHING: "The second stage draws in the gas as the first one delivers it (M201).",
     COOLS: "A cooler cools the gas to {T} if it is warmer (M201).",
     FLASHES: "Vapour from a flash tank between condenser and evaporator mixes with the gas (M202).",
 }
