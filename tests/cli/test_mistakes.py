@@ -72,7 +72,7 @@ TWO = (
     [
         (("run", "x.fit.yaml"), "x.fit.yaml:1:1: is a fit, not a scene (run screwsim calibrate x.fit.yaml)"),
         (("sweep", "x.fit.yaml"), "x.fit.yaml:1:1: is a fit, not a scene (run screwsim calibrate x.fit.yaml)"),
-        (("sweep", "x.stages.yaml"), f"x.stages.yaml:1:1: {TWO}scene of one stage here)"),
+        (("optimum", "x.stages.yaml"), f"x.stages.yaml:1:1: {TWO}scene of one stage here)"),
         (("optimum", "x.stages.yaml"), f"x.stages.yaml:1:1: {TWO}scene of one stage here)"),
         (("calibrate", "x.stages.yaml"), f"x.stages.yaml:1:1: {TWO}scene of one stage here)"),
         (

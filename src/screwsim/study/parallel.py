@@ -51,7 +51,7 @@ def parallel_map(
     those found so far; `kept` is called in this process with those of each finished chunk. Numbers are counted as they
     are computed, before their chunk is finished.
     """
-    jobs = max(min(jobs or cores(), count), 1)
+    jobs = min(jobs or cores(), count)
     answers = {} if answers is None else answers
 
     chunks = Chunks([range(count)], count, lambda: jobs)
