@@ -10,6 +10,7 @@ import pytest
 from screwsim.cli import exit_code
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Figures, Result
+from screwsim.study.datasheet.stages_points import points_sheet
 from screwsim.study.stages import points, read_stages, run_stages
 from screwsim.study.stages.points import KeptPoints, sweep_stages
 
@@ -89,7 +90,10 @@ def test_an_interrupted_sweep_goes_on_where_it_was(plant, solved, tmp_path):
     lines = kept.path.read_text().splitlines()
     kept.path.write_text("\n".join(lines[:3]) + "\n" + lines[3][:20])  # two points, and one cut off
     solved.clear()
-    again = sweep_stages(chain, KeptPoints(chain, tmp_path / "out.csv"), jobs=1)
+    resumed = KeptPoints(chain, tmp_path / "out.csv")
+    again = sweep_stages(chain, resumed, jobs=1)
+    assert resumed.reused == 2
+    assert points_sheet(chain, again, resumed.reused).lines[0][1].endswith("(2 from an earlier run)")
     assert solved == [dict(each.values) for each in whole[2:]]
     assert [each.result.performance for each in again] == [each.result.performance for each in whole]
     assert len(kept.path.read_text().splitlines()) == 1 + len(whole)

@@ -233,7 +233,7 @@ def _sweep_stages(
     check_sheet(place)
     kept = KeptPoints(chain, place)
     points = sweep_stages(chain, kept, jobs=jobs, restart=restart, progress=options.progress_bar())
-    sheet = points_sheet(chain, points)
+    sheet = points_sheet(chain, points, kept.reused)
     options.print_document_or_text(as_json, lambda found: found.document, print_sheet, sheet)
     options.print_files([write_sheet(sheet, place)], as_json)
     kept.discard()

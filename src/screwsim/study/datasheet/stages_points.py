@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from screwsim.figures.engineering import shown_name
 from screwsim.outputs.customary import with_printed_units
 from screwsim.scene import grid
 from screwsim.scene.units import ZERO_CELSIUS, customary_unit, to_customary
@@ -22,9 +23,10 @@ AIR_COLUMNS = (
 )
 
 
-def points_sheet(chain: StageChain, points: Sequence[ChainPoint]) -> Sheet:
-    """Return the points of a chain's sweep, in the order of its cases, as a sheet."""
+def points_sheet(chain: StageChain, points: Sequence[ChainPoint], reused: int = 0) -> Sheet:
+    """Return the points of a chain's sweep as a sheet; `reused` of them are from an earlier run."""
     names, ok = list(chain.sweep), [point.result.status == "ok" for point in points]
+    earlier = f" ({reused} from an earlier run)" if reused else ""
     columns = _columns(chain, points)
     heads = [*(_head(chain, name) for name in names), "status", *(column.title for column in columns)]
     rows = [
@@ -38,7 +40,7 @@ def points_sheet(chain: StageChain, points: Sequence[ChainPoint]) -> Sheet:
     return Sheet(
         heading=f"Two stages, {len(points)} points over {', '.join(names)}",
         title=with_printed_units(chain.title),
-        lines=[("points", f"{len(points)}: {sum(ok)} ok, {len(points) - sum(ok)} without a result")],
+        lines=[("points", f"{len(points)}: {sum(ok)} ok, {len(points) - sum(ok)} without a result{earlier}")],
         tables=[Table("Points", heads, rows, across=True)],
         verdict=None,
         notes=list(_notes(chain, points)),
@@ -117,8 +119,15 @@ def _drawings(chain: StageChain, points: Sequence[ChainPoint], columns: Sequence
         found = [_curve(chain, path, column, beside, each) for beside, each in [*curves.items()][:MOST_CURVES]]
         drawn = [curve for curve in found if len(curve.x) > 1]
         if drawn:
-            title = f"{column.figure.replace('_', ' ').replace('cop', 'COP').capitalize()}, {column.title}"
+            title = _title(column)
             yield Drawing(title, _head(chain, path), title, drawn)
+
+
+def _title(column: Column) -> str:
+    """Return the name of a column's figure with its unit, the last word of its head."""
+    unit, name = column.title.replace("/ (", "/(").split(" ")[-1], shown_name(column.figure)
+    name = f"{name[0].upper()}{name[1:]}"
+    return name if unit == "COP" else f"{name} [{unit}]"
 
 
 def _is_number(value: Any) -> bool:

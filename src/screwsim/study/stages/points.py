@@ -50,10 +50,12 @@ class KeptPoints:
 
     def __init__(self, chain: StageChain, output: Path) -> None:
         self.path = output.with_name(f"{output.name}.part")
+        self.reused = 0  # points that the last `read` has found
         self._identity = _identity(chain)
 
     def read(self, restart: bool = False) -> dict[int, Result]:
         """Return the finished points by their numbers; raise UsageError where they belong to something else."""
+        self.reused = 0
         if restart:
             self.discard()
         if not self.path.exists():
@@ -64,7 +66,9 @@ class KeptPoints:
                 f"{self.path}: holds points of other scenes, of another sweep or of another version of the program "
                 f"(start over with --restart, or choose another -o)"
             )
-        return {line["case"]: _result(line) for line in lines[1:]}
+        found = {line["case"]: _result(line) for line in lines[1:]}
+        self.reused = len(found)
+        return found
 
     def add(self, found: Mapping[int, Result]) -> None:
         """Append finished points; raise UsageError when the system refuses."""
