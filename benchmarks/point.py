@@ -26,7 +26,8 @@ from screwsim.solve.accurately import solve
 from screwsim.study.coolprop_back_end import machinery_with_coolprop
 
 ROOT = Path(__file__).resolve().parent.parent
-POINT = ROOT / "configs" / "paper" / "point.yaml"
+CONFIGS = ROOT / "configs"
+POINT = CONFIGS / "paper" / "point.yaml"
 REAL = ROOT / "tests" / "plain" / "r134a.yaml"
 RPM = 2.0 * np.pi / 60.0
 FIGURES = ("isothermal_efficiency", "gas_mass_flow", "shaft_power", "discharge_temperature")
@@ -108,6 +109,20 @@ COURSES = (
         "operation.condensing_temperature",
         273.15 + np.linspace(40, 50, 32),
         3000,
+    ),
+    (
+        "the same, oil temperature found",
+        CONFIGS / "r134a" / "point.yaml",
+        "operation.condensing_temperature",
+        273.15 + np.linspace(40, 50, 11),
+        2950,
+    ),
+    (
+        "package, 1475 to 2950 rpm",
+        CONFIGS / "air" / "fixed_speed_7.yaml",
+        "operation.speed",
+        RPM * np.linspace(2950, 1475, 11),
+        2950,
     ),
 )
 

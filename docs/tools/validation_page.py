@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[2]
 KEPT, DOCS = ROOT / "validation" / "results.json", ROOT / "docs"
 PAGE, FIGURES = DOCS / "explanation" / "validation.md", DOCS / "figures"
 _MACHINES = ("paper", "bitzer", "giuffrida", "he2018", "cagi", "energyplus")
-ORDER = ("exact", "plain", "cross_code", *_MACHINES, "droplets", "limits")
+ORDER = ("exact", "plain", "cross_code", *_MACHINES, "droplets", "solubility", "limits")
 HEAD = """\
 # Validation: how far from real machines
 
@@ -50,7 +50,8 @@ listed first.
 
 **A failed verdict is a finding, not an error**: the command ends with exit code 0 when every comparison ran, with 4
 when one could not. The sources are in `validation/` of the checkout, and in built packages. `--folder` names another
-folder, whose programs are run; the working folder is not searched for one.
+folder, whose programs are run; the working folder is not searched for one. `solubility` has no verdict without its
+measured points, which are not part of the checkout: `SCREWSIM_SOLUBILITY_POINTS` names their file.
 
 ## Where it fails
 

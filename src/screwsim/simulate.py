@@ -12,6 +12,7 @@ from screwsim.cycle import feedback
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import Problem, Series, problem_of, release_series, series_of_one
+from screwsim.cycle.surroundings import KnownSurroundings
 from screwsim.evaluate import cautions, own_effects, performance, plausible, verdict
 from screwsim.evaluate.evaluation import balance as balance_of
 from screwsim.evaluate.ledger.total import Ledger, ledger
@@ -153,8 +154,7 @@ def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
         result = Result(FAILED, str(wrong), scene_warnings(scene), tuple(scene.effects))
     if course is not None and result.status != OK:
         course.forget()
-        series.temperatures = series.losses = series.sought = None
-        series.around = None, 1.0
+        series.surroundings = KnownSurroundings()
     return result
 
 

@@ -7,11 +7,12 @@ from each_row import each_row
 
 from screwsim.figures import known
 from screwsim.figures.engineering import SCALES, scale
-from screwsim.outputs import Figures, Result, effect_words
+from screwsim.outputs import KNOCK_OUT, Figures, Result, effect_words
 from screwsim.printing import _numerics, engineering, plain, print_result
 from screwsim.printing.short import print_short
 from screwsim.printing.stages import print_stages
 from screwsim.printing.tables import plain_table
+from screwsim.report.ledger import waterfall_bars
 from screwsim.study.stages import ChainResult
 
 
@@ -53,6 +54,20 @@ def printed(result: Result, capsys) -> list[str]:
 def test_effects_are_named_without_their_package():
     assert [effect_words(each) for each in ("blow_hole", "my_effects.slot_leak")] == ["blow hole", "slot leak"]
     assert effect_words("tip_leakage+my_effects.slot_leak+your.seal") == "tip leakage+slot leak+seal"
+
+
+def test_effects_with_the_same_words_are_told_apart_in_table_knock_out_and_waterfall(capsys):
+    mine, yours = "mine.slot_leak", "yours.slot_leak"
+    ledger = {"shaft_power": 1e3, "gas_exergy_rise": 7e2, "oil_exergy_rise": 50.0, "residue": 0.0}
+    ledger["ambient_temperature"] = 290.0
+    destroyed = {"tip_leakage": 100.0, mine: 90.0, yours: 60.0}
+    ledger |= {f"exergy_destroyed_{name}": power for name, power in destroyed.items()}
+    costs = [{"effect": name, "status": "ok", "message": "", **dict.fromkeys(KNOCK_OUT)} for name in destroyed]
+    result = Result("ok", performance=Figures(shaft_power=1e3), ledger=Figures(**ledger), knock_out=tuple(costs))
+    lines = printed(result, capsys)
+    for name in (mine, yours, "tip leakage"):
+        assert sum(line.startswith(f"{name} ") for line in lines) == 2  # of the ledger and of the knock-outs
+    assert [bar.words for bar in waterfall_bars(ledger)][1:4] == ["tip leakage", mine, yours]
 
 
 def test_the_essentials_of_a_heat_pump_have_both_coefficients(capsys):

@@ -93,11 +93,11 @@ class Tight:
 
     def _closed(self, scene, x):
         if any(open_temperatures(scene)):
-            self.series.temperatures = Temperatures(*x[:2].tolist())
-            scene = with_temperatures(scene, self.series.temperatures)
+            self.series.surroundings.temperatures = Temperatures(*x[:2].tolist())
+            scene = with_temperatures(scene, self.series.surroundings.temperatures)
         if self.loses:
-            self.series.losses = PressureLosses(*(KPA * x[2:4]).tolist())
-            scene = replace(scene, losses=self.series.losses)
+            self.series.surroundings.losses = PressureLosses(*(KPA * x[2:4]).tolist())
+            scene = replace(scene, losses=self.series.surroundings.losses)
         problem = problem_of(scene, self.series)
         widths = tuple(a * b for a, b in zip(self.tightened, problem.criteria.widths, strict=True))
         return closed_tightly(problem, self.machinery, self.begun, *self.how, widths)

@@ -8,13 +8,16 @@ import numpy as np
 import pytest
 from scenes import closed, make
 
-from screwsim.cycle.continuation import Course, _weights
+from screwsim.cycle.continuation import Course
+from screwsim.cycle.surroundings import KnownSurroundings
+from screwsim.cycle.trend import extrapolation_weights
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.scene import case, load, with_values
 from screwsim.simulate import simulate, simulate_many
 
-ENVELOPE = Path(__file__).parents[2] / "configs" / "r134a" / "envelope.yaml"
-PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
+CONFIGS = Path(__file__).parents[2] / "configs"
+ENVELOPE = CONFIGS / "r134a" / "envelope.yaml"
+PAPER = CONFIGS / "paper" / "point.yaml"
 ALONG = {
     "oil_supply.ratio": [float(d) for d in np.linspace(1.0, 4.0, 9)],
     "operation.discharge.pressure": [f"{p} bar" for p in np.linspace(8.0, 12.0, 9)],
@@ -89,7 +92,7 @@ def test_a_scene_begins_afresh_after_one_that_is_no_neighbour(between):
 def test_parameters_on_a_line_are_extrapolated_by_their_polynomial():
     line = np.array([2.0, 30.0, -1.0])
     points = [np.array([1.0, 400.0, 5.0]) + s * line for s in (0.0, 0.1, 0.3, 0.4)]
-    weights = _weights(points[:3], points[3])[0]
+    weights = extrapolation_weights(points[:3], points[3])[0]
     assert len(weights) == 3
     for power in range(3):  # exact for every polynomial of degree 2
         assert weights @ np.array([0.0, 0.1, 0.3]) ** power == pytest.approx(0.4**power, abs=1e-12)
@@ -97,15 +100,54 @@ def test_parameters_on_a_line_are_extrapolated_by_their_polynomial():
 
 def test_parameters_off_the_line_take_the_last_cycle_alone():
     points = [np.array([1.0, 1.0]), np.array([1.1, 1.0]), np.array([1.1, 1.2])]
-    assert [list(weights) for weights in _weights(points[:2], points[2])] == [[1.0]]
+    assert [list(weights) for weights in extrapolation_weights(points[:2], points[2])] == [[1.0]]
 
 
 @pytest.mark.parametrize(("far", "followed"), [(7.9, True), (8.1, False)])
 def test_a_trend_is_not_followed_to_a_scene_far_along_its_line(far, followed):
     """Through two cycles a step apart a line weighs that of the last by how many steps it goes on."""
-    ways = _weights([np.array([1.0, 10.0]), np.array([1.0, 11.0])], np.array([1.0, 10.0 + far]))
+    ways = extrapolation_weights([np.array([1.0, 10.0]), np.array([1.0, 11.0])], np.array([1.0, 10.0 + far]))
     assert [list(weights) for weights in ways[:-1]] == ([pytest.approx([1.0 - far, far])] if followed else [])
     assert list(ways[-1]) == [1.0]
+
+
+def speeds(machine, steps):
+    """Return a machine's scenes at speeds that differ by steps relative to its own."""
+    scene = load(str(CONFIGS / machine))
+    return [with_values(scene, {"operation.speed": scene.operation.speed * (1.0 + step)}) for step in steps]
+
+
+def evaluations(course):
+    results = list(simulate_many(course, trace=False))
+    assert [result.status for result in results] == ["ok"] * len(course)
+    return results, [result.numerics.rhs_evaluations for result in results]
+
+
+@pytest.mark.parametrize("machine", ["air/fixed_speed_7.yaml", "r134a/te5_tc35.yaml"])
+def test_oil_temperatures_and_pressure_losses_are_extrapolated_like_the_cycle(machine, monkeypatch):
+    course = speeds(machine, [-0.02 * i for i in range(8)])
+    results, counts = evaluations(course)
+    with monkeypatch.context() as without:
+        without.setattr(KnownSurroundings, "expected", lambda self, parameters: None)
+        others, from_the_last = evaluations(course)
+    assert sum(counts[2:]) <= 0.7 * sum(from_the_last[2:])
+    for one, other, scene in zip(results, others, course, strict=True):
+        assert worst(relative_errors(one.performance, other.performance))[1] <= scene.numerics.accuracy
+
+
+def test_points_closer_than_the_surroundings_are_found_take_no_finer_steps():
+    """Losses of 0.02 kPa too much are a step of the search; as an error they asked for steps ever finer."""
+    _, counts = evaluations(speeds("everything.yaml", [0.002 * i for i in range(7)]))
+    assert max(counts[1:]) < 0.5 * counts[0]
+
+
+def test_surroundings_are_expected_where_what_is_stated_leads():
+    known = KnownSurroundings()
+    for speed in (1.0, 1.1, 1.3):  # the second parameter follows from the surroundings
+        kelvin = 300.0 + 10.0 * speed**2
+        known.add(np.array([speed, 0.0]), np.array([speed, kelvin]), np.array([kelvin, 2.0 * speed]))
+    assert known.expected(np.array([1.4, 0.0])) == pytest.approx([319.6, 2.8])
+    assert known.expected(np.array([1.4, 0.0, 1.0])) is None  # another machine
 
 
 @pytest.fixture(scope="module")

@@ -5,13 +5,27 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from report_fakes import CYCLE, PUMP, RATIOS, SCENE, SPEED, design, expanding, file, some_fail, some_warn, with_ledger
+from report_fakes import (
+    CYCLE,
+    PUMP,
+    RATIOS,
+    SCENE,
+    SPEED,
+    design,
+    expanding,
+    file,
+    ok,
+    some_fail,
+    some_warn,
+    with_ledger,
+)
 from scipy.interpolate import CubicSpline
 
 from screwsim.outputs import Figures
 from screwsim.report import rotors_page
 from screwsim.report.families import curves_of_slice, layout_of, optimum
 from screwsim.report.page import data, report, tables
+from screwsim.report.page.uncertain import inputs_lines
 from screwsim.report.rotors_scene import curves_of
 from screwsim.results import open_results
 from screwsim.scene import load
@@ -158,6 +172,28 @@ def figures_shown(seen) -> list[tuple[str, ...]]:
         "Array.from(document.querySelectorAll('#figures tbody tr'), (r) => Array.from(r.cells, (c) => c.textContent))"
     )
     return [tuple(row) for row in seen.page.evaluate(script)]
+
+
+def tolerant(case):
+    """Return a case with the parts of two inputs in its uncertainties; above a ratio of 1 one of them is unknown."""
+    known = case.oil_supply.ratio < 1.0
+    parts = [{"paths": ["gap"], "share": 0.8 if known else 1.0, "change": 40.0}]
+    parts += [{"paths": ["speed"], "share": 0.2, "change": 20.0}] if known else []
+    told = {"coverage_factor": 2.0, "groups": [["gap"], ["speed"]], "left_out": {} if known else {"speed": "none"}}
+    return replace(ok(case), uncertainty=told | {"figures": {"shaft_power": {"contributors": parts}}})
+
+
+def test_a_case_whose_intervals_leave_out_an_input_says_so(window, tmp_path):
+    path = file(tmp_path / "x.h5", RATIO, tolerant)
+    results = open_results(path)
+    cases = results.axes["oil_supply.ratio"].size
+    with Seen(window, report(path, tmp_path / "x.html")) as seen:
+        for case in (cases - 1, 0):
+            seen.page.evaluate(f"pick({case})")
+            lines = seen.page.locator("#contributors li").all_inner_texts()
+            assert lines == inputs_lines(results, (case,))
+            assert any("without speed" in line for line in lines) == (case > 0)
+        assert seen.complaints == []
 
 
 def test_the_script_writes_numbers_as_the_tables_do(window, pages):

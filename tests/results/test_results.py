@@ -210,7 +210,33 @@ def test_each_axis_is_a_coordinate_of_every_group(swept):
         assert list(data.sizes)[:2] == ["operation_speed", "oil_supply_ratio"], group
         np.testing.assert_allclose(data.oil_supply_ratio, np.arange(10.0), atol=1e-12)
         assert data.operation_speed.attrs["path"] == "operation.speed"
-        assert data.operation_speed.attrs["units"] == "rad/s"
+        assert data.operation_speed.attrs["units"] == "rad s-1"
+
+
+def test_every_unit_in_a_file_is_in_one_style(swept):
+    """CF, section 3.1: the units of axes and inputs are written as those of figures ("rad s-1", "m3", not "rad/s")."""
+    with h5py.File(swept) as file:
+        units = {name: item.attrs["units"].decode() for name, item in datasets(file).items() if "units" in item.attrs}
+    assert {"rad s-1", "m3", "J kg-1 K-1", "Pa"} <= set(units.values())
+    assert {name: text for name, text in units.items() if set("/^()") & set(text)} == {}
+
+
+def test_axes_of_older_files_that_name_their_units_as_scenes_do_read_the_same(swept, tmp_path):
+    older = tmp_path / "older.h5"
+    shutil.copy(swept, older)
+    spelled = {"rad s-1": "rad/s", "m3": "m^3", "J kg-1 K-1": "J/(kg K)", "kg m-3": "kg/m^3"}
+    with h5py.File(older, "r+") as file:
+        for item in datasets(file).values():
+            units = item.attrs.get("units", b"").decode()
+            if units in spelled:
+                item.attrs["units"] = spelled[units]
+    new, old = open_results(swept), open_results(older)
+    for new_axis, old_axis in zip(new.axis_list, old.axis_list, strict=True):
+        assert (new_axis.units, new_axis.long_name) == (old_axis.units, old_axis.long_name)
+    assert old.axis_list[0].units == "rad/s"  # as scenes and tables of people have it
+    assert old.inputs.about == new.inputs.about
+    assert old.to_xarray().operation_speed.attrs["units"] == "rad s-1"
+    xr.testing.assert_identical(old.to_xarray(), new.to_xarray())
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -9,8 +9,10 @@ from each_row import each_row
 
 from screwsim.figures.errors import error_in_unit
 from screwsim.inputs.faults import UsageError
+from screwsim.printing.measured import print_measured
 from screwsim.scene import cross_check, leaf_of, load, with_values
 from screwsim.simulate import simulate
+from screwsim.study import measured
 from screwsim.study.measured import LARGEST_CHANGE_KELVIN, compare_measured, read_measured
 from screwsim.study.uncertain import with_uncertainty
 from screwsim.study.validation.discrepancy import numerical_of
@@ -121,13 +123,40 @@ def test_the_number_that_is_off_is_found_from_what_it_does(scene, result, path, 
     best = min(found.explanations, key=lambda each: each.left)
     assert best.left < 0.02
     (own,) = (each for each in found.explanations if each.path == path)
-    assert own.left < best.left + 0.02
+    assert own.left < best.left + 0.02 and own.solved < 0.02
     assert own.wanted == pytest.approx(wanted, rel=0.1 * abs(factor - 1.0))
     tolerance = scene.uncertain.get(path)
     assert (own.tolerances is None) == (tolerance is None)
     if tolerance is not None:
         there = (own.wanted - own.value) / (2.0 * tolerance.standard_at(own.value))
         assert own.tolerances == pytest.approx(there)
+
+
+def test_a_number_beyond_which_a_figure_turns_explains_nothing(monkeypatch, capsys):
+    """The efficiency is highest at an oil ratio of about 1: less oil does not raise it as far as slopes promise."""
+    ratio = "oil_supply.ratio"
+    scene = load("configs/paper/point.yaml", [f"{ratio}=1.3", "numerics.error=none"])
+    result = simulate(scene, trace=False)
+    of_all = measured.sensitivities
+
+    def by_ratio(scene, paths, *given, **more):
+        return of_all(scene, [ratio], *given, **more)
+
+    monkeypatch.setattr(measured, "sensitivities", by_ratio)
+    for share, holds in ((0.999, True), (1.003, False)):
+        wanted = 100.0 * share * result.performance.isothermal_efficiency
+        found = compare_measured(scene, result, read_measured(scene, [f"isothermal_efficiency={wanted!r} % ± 0.01 %"]))
+        assert [each.path for each in found.explanations] == [ratio] * holds
+        assert list(found.dismissed) == [ratio] * (not holds)
+        if holds:
+            (own,) = found.explanations
+            there = simulate(with_values(scene, {ratio: own.wanted}), trace=False).performance.isothermal_efficiency
+            off = (there - 0.01 * wanted) / (result.performance.isothermal_efficiency - 0.01 * wanted)
+            assert own.left < 1e-12 < own.solved == pytest.approx(off**2, rel=0.05)
+        else:
+            assert "% when solved, 0 % by derivatives" in found.dismissed[ratio]
+            print_measured(scene, result, found)
+            assert f"no explanation: {ratio} leaves" in capsys.readouterr().out
 
 
 def test_no_number_is_offered_that_no_scene_could_have(scene, result):
@@ -193,7 +222,7 @@ def test_run_prints_it_in_80_columns_and_json_has_it(capsys, scene):
     figure = document["measured"]["figures"]["shaft_power"]
     assert figure["difference"] == pytest.approx(figure["value"] - 13200.0)
     assert figure["expanded"]["measured"] == pytest.approx(200.0) and figure["sigma"] < -2.0
-    assert {"path", "value", "wanted", "left", "tolerances"} == set(document["measured"]["explanations"][0])
+    assert {"path", "value", "wanted", "left", "tolerances", "solved"} == set(document["measured"]["explanations"][0])
 
 
 def test_a_figure_without_a_value_is_told_and_the_command_ends_with_4(capsys):

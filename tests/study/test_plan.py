@@ -17,7 +17,7 @@ from screwsim.printing.plan import print_plan
 from screwsim.study import local
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.fit import Measurement, Point, Prior
-from screwsim.study.calibration.machine import residual_shifts
+from screwsim.study.calibration.machine import inputs_of, residual_shifts
 from screwsim.study.calibration.plan import (
     candidates_of,
     covariance,
@@ -139,6 +139,29 @@ def test_deviations_are_the_standard_errors_of_the_fit_with_the_points_measured(
         errors = calibrate(with_them, jobs=1, simulate=plane).certainty.errors
         assert deviations == pytest.approx(errors, rel=1e-3)
     assert found.even == () and found.steps[0].gain > found.steps[1].gain > 0.0
+
+
+def test_what_follows_a_parameter_has_no_tolerance_of_its_own(tmp_path, monkeypatch):
+    """Of three gaps with tolerances one is sought, one follows it, and one remains an input that nobody knows well."""
+    lengths = {"tip": "", "interlobe": ", length: 130 mm", "end_face": ", length: 100 mm"}
+    effects = "\n".join(f"  {name}_leakage: {{gap: 50 um ± 10 um{length}}}" for name, length in lengths.items())
+    scene = SCENE.replace("  tip_leakage: {gap: 50 um}", effects)
+    follower = "also: {effects.interlobe_leakage.gap: {factor: 1}}"
+    text = FIT.replace("to: 100 um}", f"to: 100 um, {follower}}}")
+    asked = []
+
+    def shifts(of, point, groups, result):
+        asked.append(groups)
+        return [np.zeros(len(point.measured)) for _ in groups]
+
+    monkeypatch.setattr("screwsim.study.calibration.plan.residual_shifts", shifts)
+    fit = read_fit(write_fit(tmp_path, text, POINTS, scene), fixed=False)
+    found = plan(fit, candidates_of(fit, paths=[SPEEDS]), count=1, jobs=1, simulate=plane)
+    assert found.inputs == ("effects.end_face_leakage.gap",)
+    assert set(asked) == {(("effects.end_face_leakage.gap",),)}
+    prior = Prior(50e-6, 5e-6)
+    held = replace(fit, parameters=(replace(fit.parameters[0], prior=prior), fit.parameters[1]))
+    assert inputs_of(held, held.scene)[0] == (("effects.end_face_leakage.gap",),)
 
 
 def test_candidates_are_measured_as_the_points_are(tmp_path):

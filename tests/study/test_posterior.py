@@ -233,7 +233,7 @@ def test_the_command_predicts_other_points(tmp_path, capsys, monkeypatch):
     told = " ".join(capsys.readouterr().out.split())
     assert "shaft power [kW] x 13." in told and "9 outside" in told and "0 of 1 measured inside" in told
     with h5py.File(out / "predicted.h5") as data:
-        assert [data[name].attrs["units"] for name in ("shaft_power_median", "operation_speed")] == [b"W", b"rad/s"]
+        assert [data[name].attrs["units"] for name in ("shaft_power_median", "operation_speed")] == [b"W", b"rad s-1"]
         assert data["shaft_power_measuring"][...].tolist() == [400.0, 100.0]
         ends = data["shaft_power_low"][0], data["shaft_power_median"][0], data["shaft_power_high"][0]
     assert ends[0] < 14e3 < ends[2] and ends[0] < ends[1] < ends[2]

@@ -16,6 +16,7 @@ from screwsim.figures.errors import error_scale
 from screwsim.fluid import constants
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import STAGES, Figures, Result
+from screwsim.printing.stages import print_stages
 from screwsim.scene import lines, loads
 from screwsim.simulate import simulate
 from screwsim.study.stages import is_stages, read_stages, run_stages
@@ -70,7 +71,7 @@ def test_flows_match_between_the_pressures_of_both_ends(chain):
     assert p.isothermal_efficiency == pytest.approx(ideal / p.shaft_power, rel=1e-6)
 
 
-def test_electrical_figures_are_those_of_both_motors_if_both_stages_have_one(chain):
+def test_electrical_figures_are_those_of_both_motors_if_both_stages_have_one(chain, capsys):
     both = run_stages(read_stages(CONFIGS / "two_stage" / "plant.stages.yaml"))
     p, parts = both.performance, [each.performance.electrical_power for each in both.stages]
     assert p.electrical_power == sum(parts) > p.shaft_power
@@ -79,7 +80,12 @@ def test_electrical_figures_are_those_of_both_motors_if_both_stages_have_one(cha
     assert 0.0 < both.error.electrical_power < ACCURACY
     motor = {"effects.motor": {"rated_power": "30 kW", "efficiency": 0.9}}
     one = run_stages(read_stages(chain(low=motor)))
-    assert one.status == "ok" and "electrical_power" not in one.performance
+    why = "the second stage has no motor (give it one as well)"
+    assert one.status == "ok" and one.performance.electrical_power is None
+    assert one.notes["electrical_power"] == why and one.error.electrical_power is None
+    print_stages("a title", one)
+    assert f"no electrical power: {why}" in " ".join(capsys.readouterr().out.split())
+    assert "electrical_power" not in run_stages(read_stages(chain())).performance  # is not called for
 
 
 def test_an_electrical_cop_without_a_capacity_is_null_for_the_reason_of_the_capacity():
@@ -92,6 +98,22 @@ def test_an_electrical_cop_without_a_capacity_is_null_for_the_reason_of_the_capa
         and reasons["heating_capacity"] == "the oil stays mixed"
     )
     assert electrical_figures(results, {}, {}) == ({"electrical_power": 50e3}, {})  # none is called for
+
+
+def test_electrical_figures_without_a_value_say_why():
+    cooled = {"cooling_capacity": 150e3}
+    motor = Result("ok", performance=Figures(electrical_power=20e3))
+    none = Result("ok", performance=Figures(electrical_power=None), notes={"electrical_power": "it stands still"})
+    bare, giving = Result("ok", performance=Figures()), Result("ok", performance=Figures(electrical_power=-30e3))
+    for results, why in (
+        ((motor, none), "second stage: it stands still"),
+        ((bare, motor), "the first stage has no motor (give it one as well)"),
+    ):
+        names = ("electrical_power", "electrical_cop")
+        assert electrical_figures(results, cooled, {}) == (dict.fromkeys(names), dict.fromkeys(names, why))
+    why = {"electrical_cop": "the electrical power is not positive"}
+    assert electrical_figures((motor, giving), cooled, {}) == ({"electrical_power": -10e3, "electrical_cop": None}, why)
+    assert electrical_figures((bare, bare), cooled, {}) == ({}, {})
 
 
 def test_stages_are_the_scenes_alone_at_that_pressure(chain):

@@ -6,8 +6,11 @@ import pytest
 import screwsim
 from screwsim.outputs import Result
 from screwsim.printing import print_sweep, sweep_document
+from screwsim.printing.uncertain import print_uncertainty, ranges_text, uncertainty_ranges
 from screwsim.report.page import page_of
-from screwsim.results import open_results
+from screwsim.report.page.uncertain import inputs_lines
+from screwsim.results import open_results, save
+from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.table import join, table_of
 from screwsim.scene import case
 from screwsim.study.datasheet import Sheet, sheet_of
@@ -115,6 +118,45 @@ def test_a_case_without_a_result_has_no_uncertainty_among_others(tmp_path):
     again = read_part(path)
     assert again.inputs == ("a", "b")
     assert again.changes["gas_mass_flow"] == pytest.approx(np.array([[np.nan] * 2, [-0.25, np.nan]]), nan_ok=True)
+
+
+def partly_known(ratio: float) -> Result:
+    """Return a power with the part of one of two inputs; that of the other is known at the first ratio alone."""
+    known = ratio < 1.0
+    parts = [{"paths": [GAP], "share": 0.8 if known else 1.0, "change": 40.0}]
+    parts += [{"paths": [RATIO], "share": 0.2, "change": 20.0}] if known else []
+    told = {
+        "coverage_factor": 2.0,
+        "groups": [[GAP], [RATIO]],
+        "left_out": {} if known else {RATIO: "no derivative"},
+        "figures": {"shaft_power": {"expanded": 40.0, "contributors": parts}},
+    }
+    return Result("ok", performance=screwsim.outputs.Figures(shaft_power=12e3), uncertainty=told)
+
+
+def test_a_sum_that_leaves_out_an_input_says_so_in_table_document_curve_and_page(tmp_path, paper_point, capsys):
+    scene = screwsim.load(paper_point, [*TOLERANT[:3], *SWEEP])
+    save(tmp_path / "x.h5", scene, [partly_known(0.5), partly_known(1.0), partly_known(2.0)], "sweep")
+    results = open_results(tmp_path / "x.h5")
+    assert parts_left_out(results).tolist() == [[False, False], [False, True], [False, True]]
+    document = uncertainty_ranges(results)
+    assert document["left_out"] == {RATIO: 2}
+    words = "without oil_supply.ratio, whose part is unknown"
+    assert ranges_text(document).endswith(f"; {words} in up to 2 cases, so too small there")
+    assert "without" not in ranges_text({**document, "left_out": {}})
+    assert words in screwsim.plot.curves(tmp_path / "x.h5", "shaft_power").get_title()
+    lost = f"All {words}: the intervals are too small."
+    assert lost in inputs_lines(results, (2,)) and lost not in inputs_lines(results, (0,))
+    print_uncertainty(partly_known(2.0))
+    assert f"the sums of inputs are {words}, so they are too small" in " ".join(capsys.readouterr().out.split())
+    print_uncertainty(partly_known(0.5))
+    assert "too small" not in capsys.readouterr().out
+
+
+def test_many_inputs_left_out_are_counted():
+    assert left_out_words([]) == ""
+    assert left_out_words(["effects.a.gap", "b"]) == "without a.gap, b, whose part is unknown"
+    assert left_out_words(list("abcd")) == "without 4 inputs, whose part is unknown"
 
 
 def test_an_input_without_a_derivative_is_told_and_in_no_figure(paper_point, monkeypatch):

@@ -14,13 +14,14 @@ from screwsim.simulate import simulate
 from screwsim.study.validation import Comparison, NotRun, Panel, Row, Series, equal, read_table, sibling, trend
 from screwsim.template import new_scene, request_of
 
-ratings = sibling(Path(__file__).parent / "ratings.py")
+ratings, slides = (sibling(Path(__file__).parent / f"{name}.py") for name in ("ratings", "slides"))
 
 TITLE = "New scenes: volumetric and isentropic efficiencies beside those of real machines"
 CITATION = (
     "Screws: mean curves of validation/bitzer. Reciprocating: ratings of validation/energyplus. Air: 10 CFR 431.345 "
     "and the sheet of validation/cagi. Expanders: Hsu et al., Energies 7 (2014) 6172; Ziviani et al. in the library "
-    "ORCmKit; Dumont et al., ORC 2017 (expanders.csv says what of each was at hand)"
+    "ORCmKit; Dumont et al., ORC 2017 (expanders.csv says what of each was at hand). Slide valves: 24 screw chillers "
+    "of EnergyPlus (chillers.csv)"
 )
 ABOUT = (
     "Machines as `screwsim new KIND` writes them, nothing adjusted to what they are compared with, but that gaps, "
@@ -164,7 +165,7 @@ def _unmeasured() -> Iterator[Row]:
 def compare(here: Path) -> Comparison:
     """Return the rows of all kinds, and the figure of refrigeration machines over their size."""
     screws = {flow: figures("refrigeration", displacement=f"{flow} m^3/h") for flow in SIZES}
-    rows = [*_screws(here, screws), *_air(), *_reciprocating(), *_expanders(here), *_unmeasured()]
+    rows = [*_screws(here, screws), *slides.slides(here), *_air(), *_reciprocating(), *_expanders(here), *_unmeasured()]
     mean, flows = mean_curve(here), [float(flow) for flow in SIZES]
     own = [
         [100.0 * getattr(each, name) for each in screws.values()]

@@ -9,10 +9,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.build import PartsCache, Temperatures, completed, parts_of
+from screwsim.build import PartsCache, completed, parts_of
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.solution import ClosingCriteria, closing_criteria
-from screwsim.effects.base import SUCTION, FlowPath, Made, PressureLosses, SuctionChange
+from screwsim.cycle.surroundings import KnownSurroundings
+from screwsim.effects.base import SUCTION, FlowPath, Made, SuctionChange
 from screwsim.figures import called_for
 from screwsim.fluid.gas import Gas
 from screwsim.machine.protocol import MachineGeometry
@@ -188,11 +189,7 @@ class Series:
     def __init__(self, built: BuiltParts | None = None) -> None:
         self.parts_cache, self.composer = built or shared.get() or (PartsCache(), Composer())
         self.course = Course()
-        self.temperatures: Temperatures | None = None  # last solution of effects.separator
-        self.losses: PressureLosses | None = None  # last solution for a package's losses
-        self.sought: list[float] | None = None  # last solution for other open numbers (`screwsim.build.open_values`)
-        self.per_step: dict[str, float] = {}  # relative change of the figures with these, per kelvin or kPa
-        self.around: tuple[Array | None, float] = None, 1.0  # Jacobian of these, and the residual of their first guess
+        self.surroundings = KnownSurroundings()
 
 
 _free: list[BuiltParts] = []
@@ -231,7 +228,8 @@ def sharing() -> Iterator[None]:
 def problem_of(scene: Scene, series: Series | None = None, set_speed: float | None = None) -> Problem:
     """Return a scene's problem; `set_speed` [rad/s] is the stated one where the scene's speed was derived from it."""
     series = series or Series()
-    scene = completed(scene, series.temperatures, series.losses, series.sought)
+    known = series.surroundings
+    scene = completed(scene, known.temperatures, known.losses, known.sought)
     reach_station()
     parts, at = parts_of(scene, series.parts_cache, set_speed), lines(scene)
     reach_station()

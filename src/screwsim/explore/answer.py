@@ -13,7 +13,7 @@ import numpy as np
 
 from screwsim.figures import known, trace_variable
 from screwsim.figures.engineering import figure_scales, shown_name
-from screwsim.outputs import Figure, Result, sorted_entries
+from screwsim.outputs import Figure, Result, sorted_entries, words_of_effects
 
 CURVE = "curve"  # a point of a small sweep
 SOLVED = "solved"
@@ -95,7 +95,9 @@ def _ledger(result: Result) -> dict[str, Any] | None:
     if ledger.get("shaft_power") is None:
         return None
     totals = ("shaft_power", "gas_exergy_rise", "oil_exergy_rise", "residue", "ambient_temperature")
-    entries = [{"words": name.replace("_", " "), **_finite(values)} for name, values in sorted_entries(ledger)]
+    found = sorted_entries(ledger)
+    words = words_of_effects(name for name, _ in found)
+    entries = [{"words": words[name], **_finite(values)} for name, values in found]
     return {**_finite({name: ledger[name] for name in totals if name in ledger}), "entries": entries}
 
 

@@ -55,6 +55,7 @@ from screwsim.outputs.variables import (
     ledger_entries,
     ledger_variable,
     sorted_entries,
+    words_of_effects,
 )
 
 # names for authors of effects

@@ -1,6 +1,7 @@
 """Units and meanings of a result's other numbers: balances, numerics, curves, ledger, knock-outs."""
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from screwsim.outputs.declared import Variable
@@ -89,6 +90,13 @@ def effect_words(name: str) -> str:
     Effects that a name joins by `+` stay joined.
     """
     return "+".join(each.rpartition(".")[2] for each in name.split("+")).replace("_", " ")
+
+
+def words_of_effects(names: Iterable[str]) -> dict[str, str]:
+    """Return the words of each effect or entry; those with the same words alike have their whole names instead."""
+    words = {name: effect_words(name) for name in names}
+    count = Counter(words.values())
+    return {name: name if count[told] > 1 else told for name, told in words.items()}
 
 
 def ledger_variable(name: str) -> Variable:

@@ -1,7 +1,5 @@
 """Output of the commands: results as JSON documents, and as text in engineering units."""
 
-from __future__ import annotations
-
 import json
 import math
 import sys
@@ -11,9 +9,9 @@ from typing import Any
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, engineering_temperature, scale, shown_name, small_number_text
-from screwsim.outputs import STATUSES, Result, effect_words, sorted_entries
+from screwsim.outputs import STATUSES, Result, sorted_entries, words_of_effects
 from screwsim.outputs.customary import with_printed_units
-from screwsim.printing.tables import WIDTH, plain_table, wrapped
+from screwsim.printing.tables import WIDTH, absent_figures, plain_table, wrapped
 from screwsim.printing.uncertain import ranges_text, uncertainty_ranges
 from screwsim.results.atomic import write_text
 from screwsim.scene import Scene
@@ -122,6 +120,7 @@ def _ledger(ledger: Mapping[str, Any]) -> Any:
     whole = -gas if given else shaft
     factor, unit = scale("W", abs(whole))
     heads = (unit, "%", "W/K", f"moved {unit}", "kg/s")
+    words = words_of_effects(name for name, _ in sorted_entries(ledger))
     table = _right_table("where the shaft power goes", *heads)
 
     def row(name: str, exergy: float | None, entry: Mapping[str, Any]) -> None:
@@ -132,7 +131,7 @@ def _ledger(ledger: Mapping[str, Any]) -> Any:
         shown = (factor * exergy, None, entropy, None if energy is None else factor * energy, gas)
         cells = ["" if value is None else f"{value:.3g}" for value in shown]
         cells[0], cells[1] = f"{factor * exergy:.4g}", share
-        table.add_row(effect_words(name), *cells)
+        table.add_row(words.get(name, name), *cells)
 
     row("total given by the gas" if given else "total at the shaft", whole, {})
     row(*(("power at the shaft", -shaft) if given else ("exergy rise of the gas", gas)), {})
@@ -165,9 +164,9 @@ def _knock_out(costs: Iterable[Mapping[str, Any]]) -> list[str]:
     factor, unit = scale("W", max((abs(cost["shaft_power"] or 0.0) for cost in costs), default=0.0))
     columns = [("shaft_power", f"shaft power {unit}", factor), ("specific_work", "specific work kJ/kg", 1e-3)]
     columns += [("cop", "COP", 1.0)] * cooled
-    rows = []
+    rows, words = [], words_of_effects(cost["effect"] for cost in costs)
     for cost in costs:
-        cells = [effect_words(cost["effect"])]
+        cells = [words[cost["effect"]]]
         for name, _, factor in columns:
             value, change = cost[name], cost[f"change_of_{name}"]
             cells += ["" if value is None else f"{factor * value:.4g}"]
@@ -181,12 +180,7 @@ def _knock_out(costs: Iterable[Mapping[str, Any]]) -> list[str]:
 
 def _remarks(result: Result) -> Iterable[str]:
     """Yield the lines below the figures, one subject each."""
-    absent = [name for name, value in result.performance.items() if value is None]
-    reasons: dict[str, list[str]] = {}
-    for name in absent:
-        if name in result.notes:
-            reasons.setdefault(result.notes[name], []).append(shown_name(name))
-    for reason, names in reasons.items():
+    for reason, names in absent_figures(result.performance, result.notes).items():
         yield f"no {', '.join(names)}: {reason}"
     for cost in result.knock_out:
         if cost["message"]:

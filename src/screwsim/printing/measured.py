@@ -12,8 +12,6 @@ from screwsim.screen import printable, say
 from screwsim.study.inputs import shown_number, shown_value, unit_of_change
 from screwsim.study.measured import AGREEMENT_LIMIT, ComparedFigure, Comparison, Explanation
 
-MOST_EXPLANATIONS = 8  # most explanations printed; all are in --json
-
 
 def print_measured(scene: Scene, result: Result, found: Comparison) -> None:
     """Print figures, measured values and differences, with the uncertainties of ours below each; then explanations."""
@@ -31,9 +29,10 @@ def print_measured(scene: Scene, result: Result, found: Comparison) -> None:
         print_wrapped(_verdict(scene, found))
     if found.why and found.why != "nothing to explain":
         say(wrapped(printable(found.why)))
-    if found.explanations:
+    if any(each.solved is not None for each in found.explanations):
         say()
         _print_explanations(scene, found)
+    print_wrapped(f"no explanation: {path} {why}" for path, why in found.dismissed.items())
 
 
 def _row(result: Result, row: ComparedFigure) -> list[str]:
@@ -88,23 +87,21 @@ def _verdict(scene: Scene, found: Comparison) -> Iterator[str]:
 
 
 def _print_explanations(scene: Scene, found: Comparison) -> None:
-    several, tolerant = len(found.rows) > 1, any(each.tolerances is not None for each in found.explanations)
-    heads = ["alone would explain it", "is", "would be", "change"]
-    heads += ["of tolerance"] * tolerant + ["leaves"] * several
+    shown = {each.path: each.solved for each in found.explanations if each.solved is not None}
+    tolerant = any(each.tolerances is not None for each in found.explanations)
+    heads = ["alone would explain it", "is", "would be", "change", *["of tolerance"] * tolerant, "leaves"]
     rows = []
-    for each in found.explanations[:MOST_EXPLANATIONS]:
+    for each in found.explanations[: len(shown)]:
         now = shown_number(scene, each.path, each.value)
         cells = [each.path, now, shown_value(scene, each.path, each.wanted, 4), _change(scene, each)]
         if tolerant:
             cells.append("" if each.tolerances is None else f"{each.tolerances:+.2g}")
-        rows.append([*cells, *([f"{100.0 * each.left:.0f} %"] if several else [])])
+        rows.append([*cells, f"{100.0 * shown[each.path]:.0f} %"])
     print_table(heads, rows, 1)
-    more = len(found.explanations) - MOST_EXPLANATIONS
-    lines = [f"and {more} more number{'s' if more > 1 else ''} (--json)"] if more > 0 else []
-    lines.append("estimated from derivatives; check one with --set PATH=VALUE")
-    if several:
-        by = "their standard uncertainties" if found.weighted else "what was measured"
-        lines.append(f"leaves: share of the squared differences over {by} that remains")
+    more = len(found.explanations) - len(shown)
+    lines = [f"and {more} more by derivatives alone (--json)"] if more > 0 else []
+    by = "their standard uncertainties" if found.weighted else "what was measured"
+    lines.append(f"leaves: share of the squared differences over {by} that remains when the scene is solved there")
     say(wrapped("; ".join(lines)))
 
 

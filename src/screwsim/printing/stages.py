@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from screwsim.figures.engineering import engineering, engineering_temperature, quantity, shown_name, small_number_text
 from screwsim.outputs import EFFICIENCY, STAGES
-from screwsim.printing.tables import print_scene_title
+from screwsim.printing.tables import absent_figures, print_scene_title
 from screwsim.screen import say
 
 if TYPE_CHECKING:
@@ -39,6 +39,8 @@ def print_stages(title: str, found: ChainResult) -> None:
         if value is not None:
             error = small_number_text(found.error.get(name)) if found.error else ""
             say(f"{shown_name(name):<32}{_figure_cell(name, value):<22}{error}".rstrip())
+    for reason, names in absent_figures(found.performance, found.notes).items():
+        say(textwrap.fill(f"no {', '.join(names)}: {reason}", WIDTH - 1, subsequent_indent="  "))
     for which, result in zip(STAGE_NAMES, found.stages, strict=False):
         if result.performance:
             figures = ((name, result.performance[name]) for name in STAGE_FIGURES)

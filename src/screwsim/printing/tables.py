@@ -2,7 +2,9 @@
 
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
+from screwsim.figures.engineering import shown_name
 from screwsim.outputs.customary import with_printed_units
 from screwsim.screen import say
 
@@ -64,6 +66,15 @@ def print_wrapped(texts: Iterable[str]) -> None:
     """Print texts in lines that fit, each starting on a new line."""
     for text in texts:
         say(wrapped(text))
+
+
+def absent_figures(figures: Mapping[str, Any], notes: Mapping[str, str]) -> dict[str, list[str]]:
+    """Return the names that people read of figures without a value, by the reason that the notes give."""
+    reasons: dict[str, list[str]] = {}
+    for name, value in figures.items():
+        if value is None and name in notes:
+            reasons.setdefault(notes[name], []).append(shown_name(name))
+    return reasons
 
 
 def print_left_out(reasons: Mapping[str, str]) -> None:

@@ -14,6 +14,7 @@ from screwsim.outputs import Result
 from screwsim.outputs.derivatives import PACKAGE_FIGURES, usual_figures
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.read import Results
 from screwsim.scene import Scene
 from screwsim.screen import say
@@ -48,9 +49,9 @@ def print_uncertainty(result: Result) -> None:
     if rows:
         heads = ["uncertain by", "value", "unit", "numerical", "inputs", "model"]
         kept = [True, True, True, True, bool(found), bool(by_model)]
-        head, *lines = plain_table([*compress(heads, kept)], [[*compress(row, kept)] for row in rows], 1)
-        say(head)
-        for line, text in zip(lines, causes, strict=True):
+        table = plain_table([*compress(heads, kept)], [[*compress(row, kept)] for row in rows], 1)
+        say("\n".join(table[: -len(rows)]))  # heads take two lines above short names
+        for line, text in zip(table[-len(rows) :], causes, strict=True):
             say(line)
             if text:
                 say(textwrap.indent(wrapped(f"  {text}"), "  "))
@@ -58,6 +59,8 @@ def print_uncertainty(result: Result) -> None:
         told = f"inputs: half of the 95 % interval (coverage factor {COVERAGE:g}), linear, by their tolerances alone"
         other = "" if model else "; the model's own error comes on top (screwsim validate)"
         say(wrapped(f"{told}; shares are those of the variance{other}"))
+        lost = left_out_words(list(result.uncertainty["left_out"]))
+        print_wrapped([f"warning: the sums of inputs are {lost}, so they are too small"] if lost else [])
     print_wrapped(model_lines(model))
 
 
@@ -139,7 +142,8 @@ def check_document(scene: Scene, found: Uncertainty) -> dict[str, Any]:
 def uncertainty_ranges(results: Results) -> dict[str, Any]:
     """Return the part of `sweep --json` on uncertainty: each figure's least and largest half of a 95 % interval [SI].
 
-    It includes the share of each input in the variance, as the mean over the cases.
+    It includes the share of each input in the variance, as the mean over the cases. `left_out` has the inputs without
+    a derivative in some cases and the number of these, in which all intervals are too small.
     """
     figures = {}
     for name in results.uncertainty:
@@ -153,12 +157,21 @@ def uncertainty_ranges(results: Results) -> dict[str, Any]:
         by_input = dict(zip(results.contributions["contributor"].tolist(), shares.tolist(), strict=True))
         least, largest = float(np.nanmin(expanded)), float(np.nanmax(expanded))
         figures[name] = {"least": least, "largest": largest, "shares": by_input}
-    return {"coverage_factor": COVERAGE, "figures": figures}
+    lost = parts_left_out(results)
+    cases = lost.reshape(-1, lost.shape[-1]).sum(axis=0).tolist()
+    left_out = {label: count for label, count in zip(_labels(results), cases, strict=True) if count}
+    return {"coverage_factor": COVERAGE, "figures": figures, "left_out": left_out}
+
+
+def _labels(results: Results) -> list[str]:
+    return results.contributions["contributor"].tolist() if "contributor" in results.contributions else []
 
 
 def ranges_text(found: Mapping[str, Any]) -> str:
     """Return in words the uncertainty of the first figures, and the input that contributes most."""
-    parts = []
+    parts, lost = [], found["left_out"]
+    cases = f" in up to {max(lost.values())} case{'s' if max(lost.values()) > 1 else ''}" if lost else ""
+    without = f"; {left_out_words(list(lost))}{cases}, so too small there" if lost else ""
     names = usual_figures(found["figures"])[:MOST_FIGURES]
     for name in names:
         each = found["figures"][name]
@@ -168,8 +181,8 @@ def ranges_text(found: Mapping[str, Any]) -> str:
         reach = f"± {low}" if low == high else f"± {low} to {high}"
         parts.append(f"{shown_name(name)} {reach} {unit}".strip())
     if not parts:
-        return "none of the usual figures (all are in group uncertainty of the file)"
+        return f"none of the usual figures (all are in group uncertainty of the file){without}"
     shares = found["figures"][names[0]]["shares"]
     path, share = max(shares.items(), key=lambda item: item[1])
     most = f"{path.replace('effects.', '')} causes {share:.0%} of the first one's variance"
-    return f"{'; '.join(parts)} (95 %, linear; {most}; all in the file)"
+    return f"{'; '.join(parts)} (95 %, linear; {most}; all in the file){without}"

@@ -43,13 +43,10 @@ def write_table(document: Mapping[str, Any], output: Path) -> str:
     names = list(dict.fromkeys(name for each in points for name in each if name not in apart))
     columns = [_column(name, [each.get(name) for each in points], axes) for name in names]
     heads = [*(head for head, _ in columns), STATUS, WARNINGS]
-    ends = [[_status(each), SEPARATOR.join(each[WARNINGS])] for each in points]
+    told = (": ".join(filter(None, (each[STATUS], each["message"]))) for each in points)
+    ends = [[status, SEPARATOR.join(each[WARNINGS])] for status, each in zip(told, points, strict=True)]
     cells = zip(*(values for _, values in columns), strict=True)
     return write_csv(output, heads, [[*row, *end] for row, end in zip(cells, ends, strict=True)])
-
-
-def _status(point: Mapping[str, Any]) -> str:
-    return f"{point[STATUS]}: {point['message']}" if point["message"] else str(point[STATUS])
 
 
 def _column(name: str, values: Sequence[Any], axes: Mapping[str, str | None]) -> tuple[str, list[str]]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from screwsim.report.quantities import EFFICIENCIES, choice_words, is_numeric, short, shown_axis, shown_figure, value_of
 from screwsim.results import Results
+from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.schema import Axis
 from screwsim.results.table import TOGETHER
 from screwsim.results.warning_kinds import cases_with_warnings
@@ -104,10 +105,8 @@ def _layout(axes: tuple[Axis, ...], x: int, by_fluid: bool = True) -> Layout:
 
 def _preferred(axes: tuple[Axis, ...], lengths: list[int], path: str) -> int:
     """Return the index of the axis with that path if it is long enough, else of the longest axis."""
-    for i, axis in enumerate(axes):
-        if axis.path == path and lengths[i] >= FEWEST:
-            return i
-    return int(np.argmax(lengths))
+    long_enough = (i for i, axis in enumerate(axes) if axis.path == path and lengths[i] >= FEWEST)
+    return next(long_enough, int(np.argmax(lengths)))
 
 
 def slices(results: Results, layout: Layout) -> Iterator[tuple[str, str, dict[int, int]]]:
@@ -172,9 +171,12 @@ def band_words(results: Results, curves: list[Curve]) -> str:
     """Return the explanation of the bands around curves; empty without any."""
     if not any(curve.banded for curve in curves):
         return ""
-    count = sum(len(label.split(TOGETHER)) for label in results.contributions["contributor"])
+    labels = results.contributions["contributor"].tolist()
+    count = sum(len(label.split(TOGETHER)) for label in labels)
     whose = f"tolerances of {count} inputs" if count > 1 else "tolerance of one input"
-    return f"band: 95 % interval by the {whose} alone"
+    places = np.flatnonzero(parts_left_out(results).reshape(-1, len(labels)).any(axis=0))
+    lost = left_out_words([labels[place] for place in places])
+    return f"band: 95 % interval by the {whose} alone{f', in some cases {lost}' if lost else ''}"
 
 
 def with_warnings(curves: list[Curve]) -> int:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.outputs import effect_words, ledger_entries
+from screwsim.outputs import ledger_entries, words_of_effects
 from screwsim.report.quantities import TEMPERATURE
 from screwsim.report.style import COLOURS, DOUBLE, GREY, SMALL, note, plain_ticks, subplots
 from screwsim.report.trace import best_case, case_title
@@ -55,8 +55,8 @@ def waterfall_bars(ledger: Mapping[str, float]) -> list[WaterfallBar]:
     losses = {name: power for name, power in losses.items() if np.isfinite(power)}
     large = {name: power for name, power in losses.items() if abs(power) >= _LEAST * whole}
     small = [power for name, power in losses.items() if name not in large]
-    found = [ends[0]]
-    found += [_loss(effect_words(name), large[name]) for name in sorted(large, key=lambda name: -large[name])]
+    found, words = [ends[0]], words_of_effects(losses)
+    found += [_loss(words[name], large[name]) for name in sorted(large, key=lambda name: -large[name])]
     if abs(sum(small)) >= _LEAST * whole:
         found.append(_loss(f"others ({len(small)})", sum(small)))
     oil = ledger.get("oil_exergy_rise", np.nan)

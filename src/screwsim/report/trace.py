@@ -1,12 +1,11 @@
 """One cycle from a results file: its traces, the pressures of the lines, and angles to be marked."""
 
-from collections import Counter
 from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.outputs import Result, effect_words
+from screwsim.outputs import Result, effect_words, words_of_effects
 from screwsim.report.families import efficiency_name
 from screwsim.report.quantities import ANGLE, CRANK_ANGLE, DEGREE, Display, value_of
 from screwsim.results import Results
@@ -169,6 +168,6 @@ def flow_paths(values: Mapping[str, np.ndarray]) -> dict[str, dict[str, str]]:
         side = next((side for side in _SIDES if effect.endswith(f"_{side}")), "")
         effect = effect.removesuffix(f"_{side}") if side else effect
         paths.setdefault(effect, {})[side] = name
-    count = Counter(map(effect_words, paths))
+    words = words_of_effects(paths)
     ordered = sorted(paths.items(), key=lambda path: (len(path[1]), effect_words(path[0]) == "discharge port"))
-    return {effect if count[words := effect_words(effect)] > 1 else words: sides for effect, sides in ordered}
+    return {words[effect]: sides for effect, sides in ordered}

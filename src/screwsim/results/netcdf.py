@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.outputs import Variable
+from screwsim.outputs.display import cf_unit
 
 _COMPRESS_FROM = 4096  # [byte] below this a chunk's index costs more than compression saves
 _CHUNK = 262144  # [byte]
@@ -178,8 +179,8 @@ class Selection:
 
 
 def number_attributes(variable: Variable) -> dict[str, Any]:
-    """Return the attributes of a numeric variable; NaN marks missing values."""
-    return {"units": variable.units, "long_name": variable.long_name, "_FillValue": np.float64(np.nan)}
+    """Return the attributes of a numeric variable, its unit in CF style; NaN marks missing values."""
+    return {"units": cf_unit(variable.units), "long_name": variable.long_name, "_FillValue": np.float64(np.nan)}
 
 
 def flag_type(count: int) -> type[np.signedinteger[Any]]:

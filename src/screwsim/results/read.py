@@ -17,10 +17,10 @@ from screwsim.figures.errors import error_scale, figures_for_scale
 from screwsim.inputs.arguments import FILE, checked_arguments, one_of
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import ITSELF, STATUSES, Figure, Variable, shown_of
-from screwsim.outputs.display import About, Brief, value_text
+from screwsim.outputs.display import About, Brief, cf_unit, value_text
 from screwsim.results import stored
 from screwsim.results.group import OWN, Group, labels_of, values_of
-from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis, variable_name
+from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis, scene_unit, variable_name
 from screwsim.results.stored import REMEDY, MalformedFile, opened
 
 # the first two come with traces, the next two with their studies, two with tolerances, the last on request
@@ -106,7 +106,7 @@ class Results(Brief):
         units, long_name = self.performance.about[name]
         here = declaration(name)
         scale = unpacked(self.error.scales.get(name, "")) or getattr(here, "scale", ITSELF)
-        return Figure(name, units, long_name, scale, shown=here.shown if here and here.units == units else "")
+        return Figure(name, units, long_name, scale, shown=here.shown if here and cf_unit(here.units) == units else "")
 
     def absolute_error(self, name: str, unknown: float | np.ndarray = np.nan) -> np.ndarray:
         """Return the estimated numerical error of a figure in each case, in its own unit [SI].
@@ -280,7 +280,8 @@ def _about_all(group: Any, axes: tuple[str, ...], shapes: _Shapes) -> dict[str, 
 
 
 def _about(data: Any) -> Variable:
-    return Variable(stored.text_attribute(data, "units"), stored.text_attribute(data, "long_name"))
+    """Return unit (in CF style, which older files did not have everywhere) and meaning of a variable."""
+    return Variable(cf_unit(stored.text_attribute(data, "units")), stored.text_attribute(data, "long_name"))
 
 
 def _axis(data: Any) -> Axis:
@@ -289,7 +290,8 @@ def _axis(data: Any) -> Axis:
     values = labels_of(data) if stored.has_attribute(data, "labels") else stored.values(data)
     if not len(values) or (values.dtype.kind == "f" and not np.all(np.abs(values) < _LARGEST)):
         raise MalformedFile(f"is not a results file: {data.name} has values that no coordinate has")
-    axis = Axis(stored.text_attribute(data, "path"), values, *_about(data))
+    about = _about(data)
+    axis = Axis(stored.text_attribute(data, "path"), values, scene_unit(about.units), about.long_name)
     if axis.name != data.name.rpartition("/")[2]:
         raise MalformedFile(f"is not a results file: {data.name} is the coordinate of another path")
     return axis

@@ -19,6 +19,7 @@ import numpy as np
 
 from screwsim.inputs.declare import KINDS, FoundWithCycle, files_in, inputs_of
 from screwsim.outputs import Variable
+from screwsim.outputs.display import cf_unit
 from screwsim.results import identity
 from screwsim.results.identity import version
 from screwsim.scene.model_errors import stored_model_errors
@@ -30,6 +31,7 @@ MODEL_ERROR = "model_error"  # attribute: the model error from the validation th
 SCHEMA = 1  # to be raised when a reader of older files would misread a newer one
 _LIBRARIES = ("numpy", "scipy", "llvmlite", "CoolProp")
 _NUMERIC = {"number": "1", "count": "1", **{name: kind.si for name, kind in KINDS.items()}}
+_SCENE_UNITS = {cf_unit(kind.si): kind.si for kind in KINDS.values()}
 
 
 class Axis(NamedTuple):
@@ -41,7 +43,7 @@ class Axis(NamedTuple):
 
     path: str
     values: np.ndarray
-    units: str
+    units: str  # as scenes have it ("rad/s"); files have it in CF style
     long_name: str
     joined: tuple[Axis, ...] = ()
 
@@ -54,6 +56,11 @@ class Axis(NamedTuple):
 def variable_name(path: str) -> str:
     """Return the HDF5 name of a dotted path."""
     return path.replace(".", "_")
+
+
+def scene_unit(units: str) -> str:
+    """Return a unit of a file (CF style) as scenes and axes have it: 'rad s-1' gives 'rad/s', others themselves."""
+    return _SCENE_UNITS.get(units, units)
 
 
 def axis_of(path: str, values: Sequence[Any], units: str, long_name: str) -> Axis:

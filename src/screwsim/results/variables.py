@@ -10,6 +10,7 @@ from screwsim import outputs
 from screwsim.figures import merged, packed, trace_variable
 from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, Figure, Figures, Variable, shown
 from screwsim.outputs.derivatives import METHOD_CODES, ComputedDerivatives
+from screwsim.outputs.display import cf_unit
 from screwsim.results import table as tables
 from screwsim.results.netcdf import Layout, flag_attributes, flag_type, number_attributes, set_attributes, text_lines
 from screwsim.results.schema import RELATIVE_TO, Axis, numeric_inputs, root_attributes, variable_name
@@ -203,7 +204,7 @@ def _coordinates_attribute(axes: Sequence[Axis]) -> dict[str, str]:
 
 def _coordinate(axis: Axis) -> tuple[np.ndarray, dict[str, Any]]:
     """Return the coordinate of an axis; texts are stored as indices, with their words in the attributes."""
-    about: dict[str, Any] = {"units": axis.units, "long_name": axis.long_name, "path": axis.path}
+    about: dict[str, Any] = {"units": cf_unit(axis.units), "long_name": axis.long_name, "path": axis.path}
     if axis.values.dtype.kind != "U":
         return axis.values, about
     words = [str(word) for word in axis.values]

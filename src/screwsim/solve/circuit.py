@@ -25,22 +25,23 @@ from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import ClosingTask, Problem, Series, problem_of
 from screwsim.cycle.solution import ClosingCriteria, CycleSolution
+from screwsim.cycle.surroundings import KnownSurroundings
 from screwsim.effects.base import InSeparator, PressureLosses
 from screwsim.evaluate.evaluation import Evaluation, evaluate
-from screwsim.evaluate.separator import Circuit
-from screwsim.figures.errors import error_of, relative_errors, worst
+from screwsim.figures.errors import worst
 from screwsim.model import leases
 from screwsim.model.run import Machinery
 from screwsim.outputs import Figures
 from screwsim.solve.accurately import AIM, TIGHTEST, Accurate, CostMeter, criteria_of, record_in_course, solve
 from screwsim.solve.drive import at_motor_speed, close_with_drive
+from screwsim.solve.surroundings_errors import KPA, errors_with_unknowns, learnt_slopes, secant_updated
 
 Array = np.ndarray
 MOST_CYCLES = 20  # cycles of one search
 MOST_REPETITIONS = 8  # repetitions of the final cycle
 OPEN = 0.2  # of the wanted accuracy: admissible residual of the circuit over the shaft power, or of a pressure
+LEARN_FROM = 0.02  # [K, kPa], shortest step that the Jacobian is learnt from: shorter ones show noise
 LEAST_DECAY = 0.05  # smallest −(real part of an eigenvalue) of a Jacobian that is accepted
-KPA = 1e3  # [Pa], the unit of lost pressures that weighs as much as 1 K
 LONGEST_STEP = 40.0  # [K, kPa], longest step
 HALVINGS = 6  # of a step to impossible oil or effects, or to where no cycle closes
 WARMER_STARTS = (15.0, 30.0, 50.0)  # [K] above the first guess, tried where no cycle closes with that
@@ -48,9 +49,7 @@ CONTRACTION = 0.1  # expected ratio of the residual after a step to that before 
 LEARNT_CONTRACTION = 0.01  # ... the same with the Jacobian of the point before ...
 ROUGH_TOLERANCE = 0.05  # ... and tolerance on changes, over the expected residual, with which the next cycle is closed
 ROUGHEST_RTOL = 1e-3  # largest tolerance of a step in such a cycle; looser ones may diverge
-ENERGY_ERROR_SHARE = 0.6  # share of the mixture's temperature change by the cycle's energy residual, taken as an error
 LEAST_DISTANCE = 0.05  # [K, kPa], smallest distance of two cycles from which sensitivities are taken
-DUTY = "oil_cooler_duty"  # figure: heat flow to the oil cooler
 LARGEST_LOSS = 0.98  # largest pressure loss before the machine, over the suction pressure
 
 
@@ -78,7 +77,8 @@ class SurroundingsSearch:
     why: str = ""  # why it ended without a solution
     jacobian: Array | None = None
     last: tuple[Array, Array] | None = None
-    seen: list[tuple[Array, Figures]] = field(default_factory=list)  # unknowns and figures of the cycles so far
+    response: Array | None = None  # the Jacobian as steps of at least `LEAST_DISTANCE` alone have it, for errors
+    seen: list[tuple[Array, Figures, Array | None]] = field(default_factory=list)  # unknowns, figures, off of cycles
     expected: float = 1.0  # expected residual of the next cycle
     contracts: float = CONTRACTION  # expected ratio of residuals over a step
     cycle: CycleSolution | None = None  # the last cycle; None where it was closed less tightly than the scene asks
@@ -90,28 +90,34 @@ class SurroundingsSearch:
         """
         off = asked.off
         if self.jacobian is None:
-            self.jacobian = -np.eye(len(off))
-            self.jacobian[1, 0] = asked.share
+            self.jacobian = started_jacobian(asked)
         elif self.last is not None:
             dx = x - self.last[0]
-            if dx @ dx > 0.0:
-                learnt = self.jacobian + np.outer(off - self.last[1] - self.jacobian @ dx, dx) / (dx @ dx)
-                if np.all(np.linalg.eigvals(learnt).real < -LEAST_DECAY):
-                    self.jacobian = learnt
+            if float(np.max(np.abs(dx))) > LEARN_FROM:
+                self.jacobian = _learnt(self.jacobian, off - self.last[1], dx)
         self.last = x, off
         found = -np.linalg.solve(self.jacobian, off)
         largest = float(np.max(np.abs(found)))
         return found * min(1.0, LONGEST_STEP / largest) if largest > 0.0 else found
 
     def learn(self, of: Evaluation, x: Array) -> None:
-        """Record a cycle, and the sensitivities of the figures by the last cycle at least `LEAST_DISTANCE` from it."""
-        for other, figures in reversed(self.seen):
-            apart = float(np.max(np.abs(x - other)))
-            if apart > LEAST_DISTANCE:
-                changes = relative_errors(of.figures, figures, *of.least)
-                self.series.per_step = {name: size / apart for name, size in changes.items() if size is not None}
+        """Record a cycle, and the slopes of figures and residuals by the last one at least `LEAST_DISTANCE` from it."""
+        asked = implied_surroundings(of)
+        off = None if asked is None else asked.off
+        if self.response is None and asked is not None:
+            self.response = started_jacobian(asked) if self.jacobian is None else self.jacobian
+        for other, figures, off_there in reversed(self.seen):
+            if float(np.max(np.abs(x - other))) > LEAST_DISTANCE:
+                self.known.slopes = learnt_slopes(self.known.slopes, of, figures, x - other)
+                if self.response is not None and off is not None and off_there is not None:
+                    self.response = _learnt(self.response, off - off_there, x - other)
                 break
-        self.seen.append((x, of.figures))
+        self.seen.append((x, of.figures, off))
+
+    @property
+    def known(self) -> KnownSurroundings:
+        """What the series knows of its surroundings."""
+        return self.series.surroundings
 
     def closed(self, problem: Problem, course: Course) -> Evaluation | None:
         """Return a problem's closed cycle, started from a course; None where it does not close."""
@@ -135,15 +141,15 @@ class SurroundingsSearch:
         """Return the problem at unknowns x; None, with the reason in `why`, where oil or effects rule it out."""
         scene = problem.scene
         if any(open_temperatures(scene)):
-            self.series.temperatures = Temperatures(*x[:2].tolist())
-            scene = with_temperatures(scene, self.series.temperatures)
+            self.known.temperatures = Temperatures(*x[:2].tolist())
+            scene = with_temperatures(scene, self.known.temperatures)
             faults = temperature_faults(scene)
             if faults:
                 self.why = f"the oil circuit leads to an impossible state: {faults[0]}"
                 return None
         lost, others = (2 if scene.losses is not None else 0), x[2:].tolist()
         if len(others) > lost:
-            self.series.sought = open_numbers = others[lost:]
+            self.known.sought = open_numbers = others[lost:]
             scene = open_values.with_coordinates(scene, open_numbers)
         if lost:
             before, behind = (KPA * each for each in others[:lost])
@@ -152,8 +158,8 @@ class SurroundingsSearch:
                     "the pressure losses before the machine use up the whole suction pressure (choose smaller losses)"
                 )
                 return None
-            self.series.losses = PressureLosses(max(before, 0.0), behind)
-            scene = replace(scene, losses=self.series.losses)
+            self.known.losses = PressureLosses(max(before, 0.0), behind)
+            scene = replace(scene, losses=self.known.losses)
         part = problem.parts.shaft
         held = part is None or part.train(self.stated).holds_mean
         return at_motor_speed(problem_of(scene, self.series, None if held else self.stated), self.series)
@@ -171,6 +177,19 @@ class SurroundingsSearch:
                 return found
             step = 0.5 * step
         return None
+
+
+def started_jacobian(asked: ImpliedSurroundings) -> Array:
+    """Return the Jacobian with which a search begins: what a cycle asks for is what it then has."""
+    found = -np.eye(len(asked.off))
+    found[1, 0] = asked.share
+    return found
+
+
+def _learnt(jacobian: Array, change: Array, moved: Array) -> Array:
+    """Return a Jacobian by Broyden's update, or the old one where that would reverse the circuit's response."""
+    learnt = secant_updated(jacobian, change, moved)
+    return learnt if np.all(np.linalg.eigvals(learnt).real < -LEAST_DECAY) else jacobian
 
 
 def _rough_criteria(criteria: ClosingCriteria, open_: float) -> ClosingCriteria:
@@ -240,8 +259,12 @@ def steady_state(problem: Problem, series: Series) -> tuple[Problem, Surrounding
     search = SurroundingsSearch(series, problem.scene.operation.speed)
     search.course.tightness = series.course.tightness
     problem = at_motor_speed(problem, series)
-    search.jacobian, search.expected = series.around
+    known, stated = search.known, problem.parameters
+    search.jacobian, search.expected = known.around
     search.contracts = CONTRACTION if search.jacobian is None else LEARNT_CONTRACTION
+    expected = known.expected(stated)
+    if expected is not None:
+        problem = search.posed(problem, expected) or problem
     of, guess = search.closed(problem, series.course), unknowns_of(problem)
     for warmer in WARMER_STARTS if any(open_temperatures(problem.scene)) else ():
         if of is not None:
@@ -264,7 +287,8 @@ def steady_state(problem: Problem, series: Series) -> tuple[Problem, Surrounding
             break
         of = after
     if first is not None:
-        series.around = search.jacobian, first.open
+        known.around = search.jacobian, first.open
+        known.add(stated, of.problem.parameters, unknowns_of(of.problem))
     return of.problem, search
 
 
@@ -290,7 +314,6 @@ def solve_with_surroundings(
         record_in_course(
             search.course, accurate.evaluation, accurate.cycle, accurate.criteria, max(tightness, TIGHTEST)
         )
-        search.learn(accurate.evaluation, x)
         other = search.posed(accurate.evaluation.problem, x + search.step(x, asked))
         if other is None:
             break
@@ -320,42 +343,16 @@ def _finality_and_error(accurate: Accurate, asked: ImpliedSurroundings | None, e
 def _with_unknowns(accurate: Accurate, search: SurroundingsSearch) -> Figures:
     """Return the errors of the figures including those due to errors of the unknowns.
 
-    After a search of a single step the sensitivities are still to be learnt; with little oil flow, temperatures
-    that leave next to no residual of the shaft power may be far off.
+    Sensitivities are learnt over the last step of the search, too: within an earlier one figures may turn or begin (gas
+    that flashes). With little oil flow, temperatures that leave next to no residual of the shaft power may be far off.
     """
-    errors, asked = Figures(accurate.errors), implied_surroundings(accurate.evaluation)
+    of, errors = accurate.evaluation, Figures(accurate.errors)
+    asked = implied_surroundings(of)
     if asked is None or search.why or not errors:
         return errors
-    if not search.series.per_step:
-        search.learn(accurate.evaluation, unknowns_of(accurate.evaluation.problem))
-    others = abs(asked.off[2 + 2 * (accurate.evaluation.problem.scene.losses is not None) :]).tolist()
-    off = max(_of_circuit(accurate, errors), _of_package(accurate, asked, errors), *others)
-    for name, size in errors.items():
-        if size is not None:
-            errors[name] = size + off * search.series.per_step.get(name, 0.0)
-    circuit = accurate.evaluation.circuit
-    if isinstance(circuit, Circuit) and errors.get(DUTY):  # not stated in the scene
-        watts = ENERGY_ERROR_SHARE * circuit.unclosed * circuit.outflow.oil_capacity
-        errors[DUTY] = (errors[DUTY] or 0.0) + error_of(DUTY, watts, accurate.evaluation.figures)
-    return errors
-
-
-def _of_circuit(accurate: Accurate, errors: Figures) -> float:
-    """Return the estimated error [K] of the circuit's temperatures."""
-    circuit, of_separator = accurate.evaluation.circuit, errors.get("separator_temperature")
-    if not isinstance(circuit, Circuit) or of_separator is None:
-        return 0.0
-    off = of_separator * circuit.parted.T_separator + ENERGY_ERROR_SHARE * circuit.unclosed
-    return max(abs(circuit.supply) + circuit.parted.gain * off, abs(circuit.separator) + off)
-
-
-def _of_package(accurate: Accurate, asked: ImpliedSurroundings, errors: Figures) -> float:
-    """Return the estimated error [kPa] of the lost pressures, which go with the square of the flow."""
-    losses, of_flow = accurate.evaluation.problem.scene.losses, errors.get("gas_mass_flow") or 0.0
-    if losses is None:
-        return 0.0
-    offs = asked.off[2 : 2 + len(losses)].tolist()
-    return max(abs(off) + 2.0 * of_flow * lost / KPA for off, lost in zip(offs, losses, strict=True))
+    search.learn(of, unknowns_of(of.problem))
+    response = started_jacobian(asked) if search.response is None else search.response
+    return errors_with_unknowns(of, errors, asked.off, response, search.known.slopes)
 
 
 def _sum(counts: Array | None, more: Array) -> Array:

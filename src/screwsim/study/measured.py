@@ -2,7 +2,8 @@
 
 The difference is expressed in standard uncertainties: those of the measurement, of the scene's input tolerances and of
 the numerics, combined as the root of the sum of squares. The model error is separate and stated beside them.
-Explanations come from derivatives, with one number changed at a time.
+Explanations come from derivatives, with one number changed at a time; the scene is solved at the first of them, because
+a figure that turns with a number (power over the oil ratio) may not follow its derivative that far.
 
 Source: JCGM 100:2008 (GUM), section 5; ASME V&V 20-2009: comparison error and validation uncertainty.
 """
@@ -10,7 +11,7 @@ Source: JCGM 100:2008 (GUM), section 5; ASME V&V 20-2009: comparison error and v
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from screwsim.figures import declared
@@ -25,12 +26,14 @@ from screwsim.scene.values import within
 from screwsim.study.figures import figure_of
 from screwsim.study.goals import read_figure, refuse_twice
 from screwsim.study.local import Sensitivities, sensitivities
+from screwsim.study.optimum import results_at
 
 OPTION, EXAMPLE = "--measured", "shaft_power=132 kW ± 2 kW"
 AGREEMENT_LIMIT = 2.0  # standard uncertainties within which both agree
 LARGEST_CHANGE = 0.5  # of a number: a derivative does not hold for a larger change
 LARGEST_CHANGE_KELVIN = 30.0  # likewise for a temperature, half of which would be meaningless: a tenth of it
 LARGEST_REMAINDER = 0.9  # a number that leaves a larger part of the differences, in squares, explains nothing
+MOST_SOLVED = 8  # explanations at whose values the scene is solved
 _SIGN = re.compile(r"\s*(?:±|\+/-|\+-)\s*")
 
 
@@ -72,8 +75,9 @@ class ComparedFigure(NamedTuple):
 class Explanation(NamedTuple):
     """A number of the scene [SI] and the value it would need to explain the differences alone.
 
-    `left` is the part of the differences, in squares, that then remains. `tolerances` is the change over the tolerance
-    that the scene states for the number, None where it states none.
+    `left` is the part of the differences, in squares, that then remains by derivatives, `solved` that of the scene
+    solved at that value, None where it was not. `tolerances` is the change over the tolerance that the scene states for
+    the number, None where it states none.
     """
 
     path: str
@@ -81,12 +85,14 @@ class Explanation(NamedTuple):
     wanted: float
     left: float
     tolerances: float | None
+    solved: float | None = None
 
 
 @dataclass(frozen=True)
 class Comparison:
     """Measured figures beside computed ones; `none` says why figures have no value, `why` why nothing is explained.
 
+    `dismissed` are numbers that explain by derivatives but not when the scene is solved, and what is found there.
     `weighted` says whether the differences were weighted by uncertainties; else they were by the measured values.
     """
 
@@ -95,6 +101,7 @@ class Comparison:
     explanations: tuple[Explanation, ...] = ()
     weighted: bool = True
     why: str = ""
+    dismissed: Mapping[str, str] = field(default_factory=dict)
 
     def as_json(self) -> dict[str, Any]:
         """Return what `run --json` prints under `measured`, SI units; `expanded` is half of a 95 % interval."""
@@ -114,7 +121,13 @@ class Comparison:
             for row in self.rows
         }
         explained = [explanation._asdict() for explanation in self.explanations]
-        return {"figures": figures, "none": dict(self.none), "explanations": explained, "message": self.why}
+        return {
+            "figures": figures,
+            "none": dict(self.none),
+            "explanations": explained,
+            "dismissed": dict(self.dismissed),
+            "message": self.why,
+        }
 
 
 def read_measured(scene: Scene, texts: Iterable[str]) -> tuple[MeasuredFigure, ...]:
@@ -191,7 +204,9 @@ def compare_measured(scene: Scene, result: Result, measured: Sequence[MeasuredFi
         found = sensitivities(scene, None, [row.figure for row in rows], result=result, fine=False, progress=False)
     except UsageError as error:
         return Comparison(rows, none, weighted=weighted, why=f"no explanation can be computed: {error}")
-    return Comparison(rows, none, explanations(scene, found, rows, weighted), weighted)
+    linear = explanations(scene, found, rows, weighted)
+    solved, dismissed = _solved(scene, rows, weighted, linear[:MOST_SOLVED])
+    return Comparison(rows, none, (*solved, *linear[MOST_SOLVED:]), weighted, dismissed=dismissed)
 
 
 def _compared(result: Result, measured: MeasuredFigure) -> ComparedFigure:
@@ -213,7 +228,7 @@ def explanations(
 
     By least squares, each difference over its standard uncertainty, or over the measured value where one has none.
     """
-    scales = [abs(row.off / row.sigma) if weighted and row.sigma else abs(row.measured.value) for row in rows]
+    scales = _scales(rows, weighted)
     off = [row.off / scale if scale else 0.0 for row, scale in zip(rows, scales, strict=True)]
     whole = sum(each * each for each in off)
     kept = []
@@ -226,8 +241,44 @@ def explanations(
         change = -sum(slope * each for slope, each in zip(slopes, off, strict=True)) / square
         left = sum((each + slope * change) ** 2 for slope, each in zip(slopes, off, strict=True)) / whole
         if left <= LARGEST_REMAINDER and _is_possible_change(scene, path, value, change):
-            kept.append(Explanation(path, value, value + change, left, _tolerances(scene, path, value, change)))
+            stated = scene.uncertain.get(path)
+            share = None if stated is None else change / (COVERAGE * stated.standard_at(value))
+            kept.append(Explanation(path, value, value + change, left, share))
     return tuple(sorted(kept, key=lambda each: (round(each.left, 1), abs(each.wanted / each.value - 1.0))))
+
+
+def _scales(rows: Sequence[ComparedFigure], weighted: bool) -> list[float]:
+    """Return what each difference counts over: its standard uncertainty, or the measured value."""
+    return [abs(row.off / row.sigma) if weighted and row.sigma else abs(row.measured.value) for row in rows]
+
+
+def _solved(
+    scene: Scene, rows: Sequence[ComparedFigure], weighted: bool, linear: Sequence[Explanation]
+) -> tuple[list[Explanation], dict[str, str]]:
+    """Return the explanations that hold when the scene is solved at their values, and why the others do not."""
+    if not linear:
+        return [], {}
+    quick = replace(scene, numerics=replace(scene.numerics, error="none"))
+    results = results_at(quick, [{each.path: each.wanted} for each in linear])
+    pairs = list(zip(rows, _scales(rows, weighted), strict=True))
+    whole = sum((row.off / scale) ** 2 for row, scale in pairs if scale)
+    kept, dismissed = [], {}
+    for each, result in zip(linear, results, strict=True):
+        values = [result.performance.get(row.figure) for row in rows]
+        if result.status != "ok" or None in values:
+            dismissed[each.path] = f"has no solution there: {result.told or 'a figure has no value'}"
+            continue
+        off = (
+            (value - row.measured.value) / scale
+            for (row, scale), value in zip(pairs, values, strict=True)
+            if value is not None and scale
+        )
+        left = sum(one * one for one in off) / whole
+        if left > LARGEST_REMAINDER:
+            dismissed[each.path] = f"leaves {100.0 * left:.0f} % when solved, {100.0 * each.left:.0f} % by derivatives"
+        else:
+            kept.append(each._replace(solved=left))
+    return sorted(kept, key=lambda each: (round(each.solved or 0.0, 1), abs(each.wanted / each.value - 1.0))), dismissed
 
 
 def _is_possible_change(scene: Scene, path: str, value: float, change: float) -> bool:
@@ -237,9 +288,3 @@ def _is_possible_change(scene: Scene, path: str, value: float, change: float) ->
     if abs(change) > farthest or not within(leaf, value + change):
         return False
     return not cross_check(with_values(scene, {path: value + change}))
-
-
-def _tolerances(scene: Scene, path: str, value: float, change: float) -> float | None:
-    """Return a change [SI] over the tolerance of a number, None where it has none."""
-    tolerance = scene.uncertain.get(path)
-    return None if tolerance is None else change / (COVERAGE * tolerance.standard_at(value))

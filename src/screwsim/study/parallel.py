@@ -30,7 +30,6 @@ from screwsim.study.workers import (
 )
 
 Answer = TypeVar("Answer")
-OnFinished = Callable[[range, tuple[list[Any], float]], None]
 
 
 def parallel_map(
@@ -73,27 +72,19 @@ def parallel_map(
             for number in range(count):
                 finish(range(number, number + 1), ([function(number)], 0.0))
         else:
-            work = pickled_work(partial(_counted, function, tally.mark))
-            _map_on_workers(work, chunks, jobs, finish, died, tally.tick)
+            task = partial(_answers, pickled_work(partial(_counted, function, tally.mark)))
+            work = ChunkWork(LocalPool(jobs), task, lambda numbers: numbers, finish, tally.tick)
+            while lost := drain(chunks, work):
+                _run_alone(lost, work, lambda number: ([died(number)], 0.0))
     finally:
         tally.stop()
     return [answers[number] for number in range(count)]
 
 
 def _counted(function: Callable[[int], Answer], mark: Callable[[], None], number: int) -> Answer:
-    """Return the answer for a number, and count it."""
     answer = function(number)
     mark()
     return answer
-
-
-def _map_on_workers(
-    function: bytes, chunks: Chunks, jobs: int, finish: OnFinished, died: Callable[[int], Any], tick: Callable[[], None]
-) -> None:
-    """Run chunks on workers; numbers lost when a worker died are run again, each on a worker of its own."""
-    work = ChunkWork(LocalPool(jobs), partial(_answers, function), lambda numbers: numbers, finish, tick)
-    while lost := drain(chunks, work):
-        _run_alone(lost, work, lambda number: ([died(number)], 0.0))
 
 
 def _run_alone(lost: Sequence[LostChunk], work: ChunkWork, died: Callable[[int], Any]) -> None:

@@ -61,14 +61,22 @@ function fillFigures() {
 
 // Which inputs make the most of some figures of the picked case.
 function fillContributors() {
-  const { names, figures } = data.inputs;
+  const { names, figures, lost } = data.inputs;
   const lines = figures.flatMap((figure) => {
     const own = names.map((name, i) => ({ name, share: figure.shares[picked * names.length + i] }));
     const most = own.filter(({ share }) => share >= 0.01).sort((a, b) => b.share - a.share).slice(0, 3);
     const shares = most.map(({ name, share }) => `${name} ${Math.round(100 * share)}%`).join(", ");
     return most.length ? [made("li", {}, `${figure.words}: ${shares}`)] : [];
   });
+  const without = names.filter((name, i) => lost && lost[picked * names.length + i]);
+  if (without.length) lines.push(made("li", {}, lostWords(without)));
   document.getElementById("contributors").replaceChildren(...lines);
+}
+
+// Inputs without a derivative in this case; named as in the report's own text.
+function lostWords(names) {
+  const told = names.length <= 3 ? names.join(", ") : `${names.length} inputs`;
+  return `All without ${told}, whose part is unknown: the intervals are too small.`;
 }
 
 function balanceWords() {

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.figures.engineering import SCALES, figure_scales, shown_name
-from screwsim.outputs import LEDGER_ENTRY, STATUSES, ledger_entries
+from screwsim.outputs import LEDGER_ENTRY, STATUSES, ledger_entries, words_of_effects
 from screwsim.report import quantities
 from screwsim.report.families import efficiency_name, is_log, layout_of, outcome_layout
 from screwsim.report.front import objective_names
@@ -173,20 +173,15 @@ def _traces_with_values(results: Results, shown: Selection, names: list[str], ca
 def _packed(angle: np.ndarray, traces: dict[str, np.ndarray], wanted: float) -> dict[str, Any]:
     """Return traces on a reduced set of angles, with the deviation of the straight segments between these."""
     thinned = reduce_angles(angle, traces, wanted)
+    displays = {name: _STATES.get(name, quantities.MASS_FLOW) for name in traces}
     return {
         "angle": floats(angle[thinned.kept]),
-        "traces": {name: _trace(name, trace[:, thinned.kept]) for name, trace in traces.items()},
-        "off": {name: _trace_display(name).factor * thinned.deviation[name] for name in traces},
+        "traces": {
+            name: {"label": plain_label(how), "unit": how.unit} | quantised(how.of(traces[name][:, thinned.kept]))
+            for name, how in displays.items()
+        },
+        "off": {name: how.factor * thinned.deviation[name] for name, how in displays.items()},
     }
-
-
-def _trace_display(name: str) -> Display:
-    return _STATES.get(name, quantities.MASS_FLOW)
-
-
-def _trace(name: str, values: np.ndarray) -> dict[str, Any]:
-    how = _trace_display(name)
-    return {"label": plain_label(how), "unit": how.unit} | quantised(how.of(values))
 
 
 def _all_marks(results: Results, shown: Selection, angle: np.ndarray, traces: Any) -> list[dict[str, float]]:
@@ -203,15 +198,15 @@ def _ledger(results: Results, shown: Selection) -> dict[str, Any] | None:
     """Return the ledger of each case: totals, and what each effect destroys, generates and transfers [SI]."""
     if "shaft_power" not in results.ledger:
         return None
-    entries = ledger_entries(dict.fromkeys(results.ledger))
+    entries = words_of_effects(ledger_entries(dict.fromkeys(results.ledger)))
     values = {name: floats(shown.of(results.ledger[name])) for name in results.ledger}
     totals = ("shaft_power", "gas_exergy_rise", "oil_exergy_rise", "residue", "ambient_temperature")
     return {
         "totals": {name: values[name] for name in totals if name in values},
         "entries": [
-            {"words": name.replace("_", " ")}
+            {"words": words}
             | {quantity: values[f"{quantity}_{name}"] for quantity in LEDGER_ENTRY if f"{quantity}_{name}" in values}
-            for name in entries
+            for name, words in entries.items()
         ],
     }
 

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures.engineering import shown_name
-from screwsim.report.page.pack import floats
+from screwsim.report.page.pack import bytes_of, floats
 from screwsim.results import Results
+from screwsim.results.left_out import left_out_words, parts_left_out, short_label
 from screwsim.results.schema import MODEL_ERROR
 from screwsim.scene.model_errors import range_text
 from screwsim.scene.types import COVERAGE
@@ -36,40 +37,44 @@ def half_text(half: float, value: float, written: tuple[str, str]) -> str:
 
 
 def _shares(results: Results, name: str) -> np.ndarray:
-    """Return the share of each input in a figure's variance (cases, inputs)."""
-    changes = np.nan_to_num(results.contributions[name])
-    square = np.square(changes)
+    """Return the share of each input in a figure's variance (cases, inputs); 0 for an input whose part is unknown."""
+    square = np.square(np.nan_to_num(results.contributions[name]))
     total = square.sum(axis=-1, keepdims=True)
     return np.divide(square, total, out=np.zeros_like(square), where=total > 0.0)
 
 
 def inputs_document(results: Results, part: tuple[slice, ...]) -> dict[str, Any] | None:
-    """Return the names of the inputs, and their shares in some figures of the shown cases; None without any."""
+    """Return the names of the inputs, and their shares in some figures of the shown cases; None without any.
+
+    `lost` says which inputs (cases, inputs) the sums of these cases leave out.
+    """
     if "contributor" not in results.contributions:
         return None
     names = [name for name in FIGURES_WITH_INPUTS if name in results.contributions]
-    labels = [label.replace("effects.", "") for label in results.contributions["contributor"].tolist()]
+    labels = [short_label(label) for label in results.contributions["contributor"].tolist()]
     shares = [
         {"words": shown_name(name), "name": name, "shares": floats(_shares(results, name)[part].reshape(-1))}
         for name in names
         if np.isfinite(half_of(results, name)).any()
     ]
-    return {"names": labels, "figures": shares}
+    lost = parts_left_out(results)[part].reshape(-1)
+    return {"names": labels, "figures": shares, "lost": bytes_of(lost) if lost.any() else None}
 
 
 def inputs_lines(results: Results, index: tuple[int, ...]) -> list[str]:
-    """Return for one case which inputs contribute most to some figures, one line per figure."""
+    """Return for one case which inputs contribute most to some figures, one line per figure; then those left out."""
     lines = []
     if "contributor" not in results.contributions:
         return lines
-    labels = [label.replace("effects.", "") for label in results.contributions["contributor"].tolist()]
+    labels = [short_label(label) for label in results.contributions["contributor"].tolist()]
     for name in FIGURES_WITH_INPUTS:
         if name not in results.contributions or not np.isfinite(half_of(results, name)[index]):
             continue
         shares = _shares(results, name)[index]
         ranked = [place for place in np.argsort(-shares, kind="stable")[:MOST] if shares[place] >= LEAST]
         lines.append(f"{shown_name(name)}: {', '.join(f'{labels[i]} {shares[i]:.0%}' for i in ranked)}")
-    return lines
+    lost = left_out_words([labels[i] for i in np.flatnonzero(parts_left_out(results)[index])])
+    return [*lines, f"All {lost}: the intervals are too small."] if lost else lines
 
 
 def model_lines(results: Results) -> list[str]:

@@ -94,6 +94,7 @@ function unpack(text) {
   }
   const read = (holder) => Object.keys(holder).forEach((name) => { if (name !== "words") holder[name] = floats(holder[name]); });
   for (const figure of found.inputs ? found.inputs.figures : []) figure.shares = floats(figure.shares);
+  if (found.inputs && found.inputs.lost) found.inputs.lost = new Int8Array(bytes(found.inputs.lost));
   read(found.balance);
   for (const part of found.cycle ? [found.cycle, found.cycle.flows] : []) {
     if (part) part.angle = Array.from(floats(part.angle));

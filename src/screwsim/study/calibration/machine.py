@@ -54,10 +54,11 @@ def prepare(fit: Fit, simulate: Simulate | None) -> None:
 def inputs_of(fit: Fit, machine: Scene) -> tuple[tuple[Group, ...], dict[Group, float]]:
     """Return the groups of the scene's inputs with a tolerance, and deviations [SI] of parameters by their priors.
 
-    A parameter's prior replaces the tolerance of its path.
+    A parameter's prior replaces the tolerances of its path and of those that follow it.
     """
-    priors = {(each.path,): each.prior.deviation for each in fit.parameters if each.prior is not None}
-    known = {path for group in priors for path in group}
+    held = [each for each in fit.parameters if each.prior is not None]
+    priors = {(each.path,): each.prior.deviation for each in held if each.prior is not None}
+    known = {path for each in held for path in each.values(0.0)}
     groups = (tuple(path for path in group if path not in known) for group in groups_of(machine))
     return tuple(group for group in groups if group), priors
 

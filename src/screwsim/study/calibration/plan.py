@@ -167,7 +167,7 @@ def plan(
         raise UsageError(f"--count {count}: of {len(candidates)} candidates 1 to {len(candidates)} can be chosen")
     machine, values = unchanged_machine(fit)
     groups, _ = inputs_of(fit, machine)
-    own = {path for path in values if path in machine.uncertain}
+    own = fit.changes(values)  # a parameter's tolerance is its prior, and what follows it has none of its own
     groups = tuple(rest for group in groups if (rest := tuple(path for path in group if path not in own)))
     asked = fit_of_unchanged(fit, machine, simulate)
     prepare(asked, simulate)

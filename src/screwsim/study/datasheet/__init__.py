@@ -9,6 +9,7 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import shown_name
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import EFFICIENCY, Result
+from screwsim.results.left_out import left_out_words
 from screwsim.scene import Scene
 from screwsim.study.datasheet.sheet import Sheet
 from screwsim.study.progress import Progress
@@ -105,16 +106,18 @@ def _sheet_with_uncertainty(scene: Scene, sheet: Sheet) -> Sheet:
     if result.status != "ok":
         return replace(sheet, lines=[*sheet.lines, ("uncertain", f"not known: {result.told}")])
     told, model = result.uncertainty, result.uncertainty.get("model", {})
-    lines = [("uncertain", _input_uncertainties(result, told["figures"]))] if "figures" in told else []
+    lines = [("uncertain", _input_uncertainties(result, told))] if "figures" in told else []
     lines += [("model", _model_uncertainty(result, model))] if model else []
     return replace(sheet, lines=[*sheet.lines, *lines], document={**sheet.document, "uncertainty": told})
 
 
-def _input_uncertainties(result: Result, figures: Mapping[str, Any]) -> str:
+def _input_uncertainties(result: Result, uncertainty: Mapping[str, Any]) -> str:
+    figures, lost = uncertainty["figures"], left_out_words(list(uncertainty["left_out"]))
     known = [name for name in FIGURES if name in figures and result.performance[name]]
     shares = (100.0 * figures[name]["expanded"] / abs(result.performance[name]) for name in known)
     parts = [f"{shown_name(name)} ± {share:.2g} %" for name, share in zip(known, shares, strict=True)]
     told = "at the scene's point, 95 %, by the tolerances of the inputs alone"
+    told += f"; {lost}, so too small" if lost else ""
     return f"{', '.join(parts)} {told}" if parts else "nothing is known for these figures"
 
 

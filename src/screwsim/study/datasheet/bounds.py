@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import groupby
 from typing import Any, NamedTuple
 
 from screwsim.figures import declared
@@ -122,13 +123,10 @@ def exceeded_bounds(found: Mapping[str, Any], bounds: Sequence[Bound]) -> list[B
 
 
 def _runs(inside: Sequence[bool]) -> Iterator[tuple[int, int]]:
-    first = None
-    for j, good in enumerate([*inside, False]):
-        if good and first is None:
-            first = j
-        elif not good and first is not None:
-            yield first, j - 1
-            first = None
+    for good, run in groupby(range(len(inside)), key=lambda j: inside[j]):
+        places = list(run)
+        if good:
+            yield places[0], places[-1]
 
 
 def _run_end(

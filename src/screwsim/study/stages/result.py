@@ -20,8 +20,9 @@ if TYPE_CHECKING:
 
 PRESSURE_STEP = 1.02  # factor of the pressure between the stages, for the slopes by that pressure
 TEMPERATURE_STEP = 1.0  # K, warming of the first stage's gas, for the slopes by its temperature
+ELECTRICAL, NO_ELECTRICAL = "electrical_power", "the electrical power is not positive"
 STAGE_FIGURES = (
-    *("gas_mass_flow", "shaft_power", "electrical_power", "fan_power"),
+    *("gas_mass_flow", "shaft_power", ELECTRICAL, "fan_power"),
     *("discharge_temperature", "separator_temperature", "oil_cooler_duty"),
 )
 
@@ -78,22 +79,32 @@ def capacities(
 def electrical_figures(
     results: tuple[Result, Result], found: Mapping[str, float | None], reasons: Mapping[str, str]
 ) -> FiguresAndReasons:
-    """Return the electrical power [W] of both stages, if both have a motor, and the COP of the capacities found.
+    """Return the electrical power [W] of both stages and the COP of the capacities found; none without any motor.
 
-    A COP whose capacity has no value has none either, for the same one of the `reasons`.
+    With one motor alone they have no value, and this reason. A COP whose capacity has no value has none either, for
+    the same one of the `reasons`.
     """
-    powers = [each.performance.get("electrical_power") for each in results]
-    power = sum(each for each in powers if each is not None)
-    if None in powers or not power > 0.0:
+    if not any(ELECTRICAL in each.performance for each in results):
         return {}, {}
-    names = (("electrical_cop", "cooling_capacity"), ("electrical_heating_cop", "heating_capacity"))
-    cops: dict[str, float | str | None] = {}
-    for name, capacity in names:
+    powers = [each.performance.get(ELECTRICAL) for each in results]
+    power = None if None in powers else sum(each for each in powers if each is not None)
+    unknown = NO_ELECTRICAL if power is not None else next(_why_no_power(results))
+    given: dict[str, float | str | None] = {ELECTRICAL: unknown if power is None else power}
+    for name, capacity in (("electrical_cop", "cooling_capacity"), ("electrical_heating_cop", "heating_capacity")):
         if capacity in found:
             value = found[capacity]
-            cops[name] = reasons[capacity] if value is None else value / power
-    figures, why = parted(cops)
-    return {"electrical_power": power, **figures}, why
+            of_power = value / power if value is not None and power is not None and power > 0.0 else unknown
+            given[name] = reasons[capacity] if value is None else of_power
+    return parted(given)
+
+
+def _why_no_power(results: tuple[Result, Result]) -> Iterator[str]:
+    """Yield the reason of each stage without electrical power."""
+    for which, each in zip(STAGE_NAMES, results, strict=True):
+        if ELECTRICAL not in each.performance:
+            yield f"the {which} stage has no motor (give it one as well)"
+        elif each.performance[ELECTRICAL] is None:
+            yield f"{which} stage: {each.notes.get(ELECTRICAL, 'its motor has no electrical power')}"
 
 
 def chain_errors(

@@ -1,0 +1,95 @@
+"""Errors of the figures because the surroundings found with a cycle are not exact (`solve.circuit`).
+
+What a cycle leaves of its surroundings' balances, and what the errors of its figures make of them, leads to errors of
+the unknowns by the response of these balances, and these to errors of figures by their slopes. Both are learnt from the
+cycles of the search; the slopes of figures that state an unknown are known.
+Source: ours; docs/explanation/errors.md, errors of an oil circuit.
+"""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from screwsim.evaluate.evaluation import Evaluation
+from screwsim.evaluate.separator import Circuit
+from screwsim.figures.errors import error_of, relative_errors
+from screwsim.outputs import Figures
+
+Array = np.ndarray
+Slopes = Mapping[str, Array]  # of figures [SI] with each unknown [1/K, 1/kPa]
+ENERGY_ERROR_SHARE = 0.6  # share of the mixture's temperature change by the cycle's energy residual, taken as an error
+DUTY = "oil_cooler_duty"  # figure: heat flow to the oil cooler
+KPA = 1e3  # [Pa], the unit of lost pressures that weighs as much as 1 K
+SUPPLY, SEPARATOR, BEFORE, BEHIND = range(4)  # unknowns: temperatures [K], lost pressures [kPa]; then others [K]
+STATED = {  # figures that state an unknown: which, and its unit
+    "oil_supply_temperature": (SUPPLY, 1.0),
+    "intake_pressure_loss": (BEFORE, KPA),
+    "discharge_pressure": (BEHIND, KPA),
+    "package_pressure_loss": (BEHIND, KPA),
+}
+
+
+def secant_updated(slope: Array, change: float | Array, moved: Array) -> Array:
+    """Return slopes that give a change over a move of the unknowns, by the smallest update that does (Broyden)."""
+    return slope + np.multiply.outer(np.asarray(change) - slope @ moved, moved) / float(moved @ moved)
+
+
+def learnt_slopes(known: Slopes, of: Evaluation, before: Figures, moved: Array) -> dict[str, Array]:
+    """Return the slopes of figures that also give their change to an evaluation, over a move of the unknowns."""
+    unknowns, slopes, found = len(moved), {}, of.figures
+    for name, value in found.items():
+        old = before.get(name)
+        if value is None or old is None:
+            continue
+        slope = known.get(name)
+        if slope is None or len(slope) != unknowns:
+            slope = _stated_slope(of, name, unknowns)
+        slopes[name] = secant_updated(slope, value - old, moved)
+    return slopes
+
+
+def _stated_slope(of: Evaluation, name: str, unknowns: int) -> Array:
+    """Return the slope of a figure that states an unknown; zero for others."""
+    number, unit = STATED.get(name, (SUPPLY, 0.0))
+    slope = np.zeros(unknowns)
+    if number < BEFORE or of.problem.scene.losses is not None:
+        slope[number] = unit
+    return slope
+
+
+def errors_with_unknowns(of: Evaluation, errors: Figures, off: Array, response: Array, slopes: Slopes) -> Figures:
+    """Return the errors of the figures, with those due to the errors of the unknowns.
+
+    `off` [K, kPa] is what the cycle asks to change of the unknowns, `response` how that changes with them. A figure
+    of exactly zero, as a flow that does not come about, stays zero.
+    """
+    grown, inverse, found = Figures(errors), np.linalg.inv(response), of.figures
+    for asked in (off, *_errors_of_balances(of, len(off), errors)):
+        u = inverse @ asked
+        moved = {name: value + float(slopes[name] @ u) for name, value in found.items() if value and name in slopes}
+        for name, size in relative_errors(found, Figures(moved), *of.least).items():
+            if size is not None and grown.get(name) is not None:
+                grown[name] += size
+    circuit = of.circuit
+    if isinstance(circuit, Circuit) and grown.get(DUTY):  # not stated in the scene
+        watts = ENERGY_ERROR_SHARE * circuit.unclosed * circuit.outflow.oil_capacity
+        grown[DUTY] = (grown[DUTY] or 0.0) + error_of(DUTY, watts, found)
+    return grown
+
+
+def _errors_of_balances(of: Evaluation, unknowns: int, errors: Figures) -> Iterator[Array]:
+    """Yield the errors [K, kPa] of what a cycle's balances ask to change of the unknowns, one for each cause.
+
+    Causes are the errors of the separator's temperature, and of the flow, with the square of which pressures are lost.
+    """
+    losses, circuit, of_separator = of.problem.scene.losses, of.circuit, errors.get("separator_temperature")
+    if isinstance(circuit, Circuit) and of_separator is not None:
+        found = np.zeros(unknowns)
+        found[SEPARATOR] = of_separator * circuit.parted.T_separator + ENERGY_ERROR_SHARE * circuit.unclosed
+        found[SUPPLY] = circuit.parted.gain * found[SEPARATOR]
+        yield found
+    of_flow = errors.get("gas_mass_flow")
+    if losses is not None and of_flow:
+        found = np.zeros(unknowns)
+        found[BEFORE : BEHIND + 1] = [2.0 * of_flow * lost / KPA for lost in losses]
+        yield found

@@ -1,0 +1,42 @@
+"""Figures err with the surroundings that were found: by their slopes, and by what these unknowns err."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from screwsim.cycle.problem import Series, problem_of
+from screwsim.figures.errors import relative_errors
+from screwsim.scene import load
+from screwsim.simulate import simulate
+from screwsim.solve.circuit import steady_state
+from screwsim.solve.surroundings_errors import BEHIND, KPA, SUPPLY, secant_updated
+
+PACKAGE = Path(__file__).parents[2] / "configs" / "air" / "fixed_speed_10.yaml"
+SLOWER = "operation.speed=2398.5 rpm"
+
+
+def test_an_update_gives_the_change_it_learns_and_keeps_slopes_across_it():
+    slopes, moved, across = np.array([[1.0, 2.0], [0.0, -3.0]]), np.array([0.5, 0.5]), np.array([1.0, -1.0])
+    change = np.array([4.0, 7.0])
+    learnt = secant_updated(slopes, change, moved)
+    assert learnt @ moved == pytest.approx(change)
+    assert learnt @ across == pytest.approx(slopes @ across)
+
+
+def test_figures_that_state_an_unknown_go_with_it_alone_whatever_steps_were_made():
+    series = Series()
+    _, search = steady_state(problem_of(load(PACKAGE), series), series)
+    assert len(search.seen) > 2
+    for name, unknown, unit in (("discharge_pressure", BEHIND, KPA), ("oil_supply_temperature", SUPPLY, 1.0)):
+        slope = series.surroundings.slopes[name]
+        assert slope == pytest.approx(unit * np.eye(len(slope))[unknown], abs=1e-6 * unit), name
+
+
+def test_a_supply_temperature_that_is_not_exact_is_told():
+    scene = load(PACKAGE, [SLOWER])
+    found = simulate(scene, trace=False)
+    finer = replace(scene.numerics, accuracy=scene.numerics.accuracy / 300.0, error="none")
+    true = relative_errors(found.performance, simulate(replace(scene, numerics=finer), trace=False).performance)
+    assert 0.0 < true["oil_supply_temperature"] <= found.error["oil_supply_temperature"]

@@ -1,0 +1,165 @@
+"""What oils dissolve of R134a by M195, beside measured points; and what an error of it does to a machine."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from screwsim.effects.refrigerant_solubility import content, pair
+from screwsim.study.validation import Comparison, Panel, Row, Series, equal, sibling
+
+_HERE = Path(__file__).parent
+points, oils, measured = (sibling(_HERE / f"{name}.py") for name in ("points", "oils", "deviations"))
+machine = sibling(_HERE / "machine.py")
+
+TITLE = "R134a dissolved in oils"
+CITATION = (
+    "Grebner 1992; Martz & Jacobi 1994; Yokozeki 2001 (Int. J. Thermophys. 22, 1057); Wahlström & Vamling 2000 (J. "
+    "Chem. Eng. Data 45, 97); Takigawa, Sandler, Yokozeki 2002 (Int. J. Refrig. 25, 1014); points as in SorpPropLib"
+)
+ABOUT = (
+    "M195 was fitted to Grebner's points. Those of Martz and Jacobi are of another ester oil of the same molar mass, "
+    "and the only ones that judge it. Other oils show what it means to take M195 for them. A content is kilograms per "
+    "kilogram of oil at the measured temperature and pressure, up to 0.8 of the saturation pressure: above, a percent "
+    "of pressure is several percent of content. ± is how far the source's own equation (first picture) lies from its "
+    "points (root mean square): a mean inside it cannot be told from their scatter. That equation also settles in "
+    "which unit loadings are stored: they are mole fractions. M195 has pressures where the vapour's fugacities belong; "
+    "the notes say what it would have with these, and the same constants. The measured points are no part of this "
+    f"checkout: the environment variable {points.FILE} names their file (validation/solubility/points.py says where "
+    "they are and in which form)."
+)
+WARM = 333.0  # [K] from where on oil is as warm as in a separator
+SEPARATOR = 338.15  # [K] of the picture
+Found = Sequence[tuple[Any, Any]]  # oils with their deviations
+
+
+def percent(values: np.ndarray) -> str:
+    """Return the ends of deviations."""
+    return f"{100.0 * values.min():+.0f} to {100.0 * values.max():+.0f} %"
+
+
+def rms(values: np.ndarray) -> float:
+    """Return the root mean square [%] of those that are known."""
+    return 100.0 * float(np.sqrt(np.nanmean(values**2)))
+
+
+def noted(found: Any, least: float) -> str:
+    """Return what else is known of an oil's contents; `least`: by what its own equation misses them as masses."""
+    told = [f"{percent(found.content)} at single points"]
+    warm = found.content[found.T > WARM]
+    if len(warm):
+        told.append(f"{100.0 * warm.mean():+.0f} % from 60 °C on")
+    told.append(f"with fugacities {percent(found.fugacity)}, mean {100.0 * found.fugacity.mean():+.0f} %")
+    over = f"pressure at all {len(found.pressure)} contents: mean {100.0 * found.pressure.mean():+.1f} %"
+    own = f"its own equation misses these by {100.0 * found.mole:.1f} % with mole fractions"
+    told += [over, f"{own}, by {100.0 * least:.0f} % or more with masses"]
+    if found.slips:
+        told.append(f"{found.slips} left out, off that equation more than twofold")
+    return "; ".join(told)
+
+
+def content_row(oil: Any, each: Sequence[Any]) -> Row:
+    """Return the mean deviation of the content; of an oil of unknown molar mass between its bounds, without verdict."""
+    means = [100.0 * float(found.content.mean()) for found in each]
+    quantity = f"content, {oil.words}: mean of {len(each[0].content)} points"
+    spread, note = rms(each[0].scatter), noted(each[-1], min(found.mass for found in each))
+    if len(means) > 1:
+        low, high = (1e3 * molar_mass for molar_mass in oil.molar_mass)
+        note = f"molar mass not stated, taken as {low:.0f} to {high:.0f} g/mol; with the larger: {note}"
+        ours = " to ".join(f"{mean:+.0f}" for mean in means) + " %"
+        return Row(quantity, ours, None, oil.kind, "no verdict", "%", spread, note=note)
+    basis = "scatter about its own equation"
+    judged = oil.kind != "estimate"
+    return equal(quantity, means[0], 0.0, spread, oil.kind, unit="%", basis=basis, note=note, comparable=judged)
+
+
+def pressure_row(oil: Any, found: Any, stored: Sequence[Any]) -> Row:
+    """Return the mean deviation of the pressure over all measured contents of an oil like M195's."""
+    scatter = rms(measured.misses(oil.pressure, stored, "mole", oil.molar_mass[0]))
+    quantity = f"pressure, {oil.words}: mean of {len(found.pressure)} points"
+    mean, by_fugacity = 100.0 * float(found.pressure.mean()), found.fugacity_pressure
+    note = (
+        f"{percent(found.pressure)} at single points, mean size {100.0 * np.abs(found.pressure).mean():.1f} %; with "
+        f"fugacities mean {100.0 * by_fugacity.mean():+.1f} %, mean size {100.0 * np.abs(by_fugacity).mean():.1f} %"
+    )
+    basis = "scatter about its own equation"
+    return equal(quantity, mean, 0.0, scatter, oil.kind, unit="%", basis=basis, note=note)
+
+
+def warm_row(found: Found) -> Row:
+    """Return how far the contents of ester oils lie off where separators work."""
+    means, others = [], []
+    for oil, each in found:
+        if oil.ester and (each.T > WARM).any():
+            means.append(each.content[each.T > WARM].mean())
+            others.append(each.fugacity[each.T > WARM].mean())
+    quantity = "content at 60 to 90 °C, as in separators: means of ester oils"
+    note = f"{len(means)} oils of known molar mass; with fugacities {percent(np.array(others))}"
+    return Row(quantity, percent(np.array(means)), None, "estimate", "no verdict", note=note)
+
+
+def laws() -> Panel:
+    """Return contents of a warm separator by M195 and by the own equations of the ester oils' sources."""
+    T, fractions = SEPARATOR, np.linspace(0.05, 0.9, 60)
+    p_sat = pair(T).p_sat
+    shares = [float(share) for share in np.linspace(0.03, 0.9, 60)]
+    series = [
+        Series("M195", shares, [content(share * p_sat, T) for share in shares]),
+        Series("M195, fugacities", shares, [measured.by_fugacity(share * p_sat, T) for share in shares]),
+    ]
+    for oil in oils.OILS:
+        if oil.ester and oil.kind != "calibrated":  # that one's own equation is M195
+            molar_mass = oil.molar_mass[0]
+            at = [(oil.pressure(T, float(x)) / p_sat, measured.ratio(float(x), molar_mass)) for x in fractions]
+            at = [(share, held) for share, held in at if shares[0] < share < shares[-1]]
+            series.append(Series(f"{oil.source} {oil.oil}", *map(list, zip(*at, strict=True))))
+    return Panel(f"pressure over saturation pressure, {T - 273.15:.0f} °C", "R134a per oil / kg/kg", series, log_y=True)
+
+
+def by_temperature(found: Found) -> Panel:
+    """Return the mean deviations of isotherms."""
+    series = []
+    for oil, each in found:
+        temperatures = sorted({float(T) for T in each.T})
+        means = [100.0 * float(each.content[each.T == T].mean()) for T in temperatures]
+        series.append(Series(f"{oil.source} {oil.oil}", [T - 273.15 for T in temperatures], means, points=True))
+    return Panel("temperature / °C", "M195 less measured, content / %", series)
+
+
+def measured_rows(stored: Any) -> tuple[list[Row], Panel]:
+    """Return the rows of all oils of a file, and the picture of those whose molar mass is known."""
+    rows, known = [], []
+    for oil in oils.OILS:
+        of_oil = stored.get((oil.source, oil.oil))
+        if not of_oil:
+            continue
+        each = [measured.deviations(oil.pressure, of_oil, molar_mass) for molar_mass in oil.molar_mass]
+        rows.append(content_row(oil, each))
+        if len(each) == 1:
+            known.append((oil, each[0]))
+            if oil.kind != "estimate":
+                rows.append(pressure_row(oil, each[0], of_oil))
+    if not known:
+        raise points.NotRun(f"{points.FILE}={points.named()}: holds none of the oils ({points.REMEDY})")
+    if oils.OPEN in stored:
+        note = (
+            f"{len(stored[oils.OPEN])} points left out: whether loadings are mole or mass fractions is not settled, as "
+            "no form of the source's equation was found that its points follow with either"
+        )
+        rows.append(Row("content, Yokozeki 2001, n-hexadecane", None, None, "published", "no verdict", note=note))
+    return [*rows, warm_row(known)], by_temperature(known)
+
+
+def compare(here: Path) -> Comparison:
+    """Return the deviations from all measured points, where their file is named, and what they do to a machine."""
+    file, panels = points.named(), [laws()]
+    if file is None:
+        note = f"not compared: {points.FILE} names no file of the measured points ({points.REMEDY})"
+        rows = [Row("content and pressure at measured points", None, None, "published", "no verdict", note=note)]
+    else:
+        rows, drawn = measured_rows(points.read(file))
+        panels.append(drawn)
+    return Comparison(TITLE, CITATION, ABOUT, [*rows, *machine.machine_rows(here.parents[1])], panels)
