@@ -426,6 +426,12 @@ def test_the_schema_takes_what_is_read_and_nothing_else(chain, capsys):
     for between in (None, {"kind": "none"}, COOLER, {"kind": "economizer", "pressure_drop": "0.1 bar"}):
         assert takes(json.loads(chain(between).read_text())), between
     files = ["low.yaml", "high.yaml"]
+    swept = schema["properties"]["sweep"]
+    axis = swept["properties"]["first.operation.speed"]["$ref"]
+    assert axis.removeprefix("#/$defs/") in schema["$defs"]
+    assert "second.operation.discharge.pressure" in swept["properties"]
+    assert not {"operation.speed", "first.operation.discharge.pressure"} & set(swept["properties"])
+    assert swept["additionalProperties"] is False
     for other in (
         {"stages": files[:1]},
         {"stages": files, "cooler": {}},
@@ -443,8 +449,8 @@ def test_a_sweep_of_a_stage_is_said_to_be_left_aside(chain, capsys, monkeypatch)
     path = str(chain(low={"sweep": {"operation.speed": ["1000 rpm", "2000 rpm"]}}))
     assert exit_code(["run", path]) == 4
     assert capsys.readouterr().err == (
-        f"{path}: the first scene's sweep of 2 cases is ignored, and the scene's own point is used (a two-stage file "
-        f"is not swept: run it once per value, with --set)\n"
+        f"{path}: the first scene's sweep of 2 cases is ignored, and the scene's own point is used (a sweep of "
+        f"two stages stands in the two-stage file)\n"
     )
 
 

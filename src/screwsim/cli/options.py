@@ -17,7 +17,9 @@ from screwsim.screen import say
 
 if TYPE_CHECKING:
     from screwsim.scene import Scene
+    from screwsim.scene.grid import Swept
     from screwsim.study.progress import Progress
+    from screwsim.study.stages.read import StageChain
 
 OK, INTERNAL, USAGE, BAD_SCENE, NOT_ALL_OK, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
@@ -182,7 +184,13 @@ def base_point(scene: Scene, file: str) -> Scene:
     return replace(base, text=scene_text(base))
 
 
-def report_ignored_sweep(scene: Scene, whose: str, remedy: str) -> None:
+def report_sweeps_of_stages(chain: StageChain, file: str) -> None:
+    """Report on stderr that the sweeps of the scenes of a two-stage file are ignored, if there are some."""
+    for name, scene in (("first", chain.first), ("second", chain.second)):
+        report_ignored_sweep(scene, f"{file}: the {name} scene's", "a sweep of two stages stands in the two-stage file")
+
+
+def report_ignored_sweep(scene: Swept, whose: str, remedy: str) -> None:
     """Report on stderr that a command ignores the sweep of a scene, if there is one."""
     from screwsim.scene import case_count
 

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from screwsim.study.measured import MeasuredFigure
 
 
+SHEETS = (".csv", ".html", ".pdf")  # endings of the points of two stages
+
+
 def run(
     scene_file: str = SCENE_FILE,
     output: File = option("OUT.h5", "Write the result, including traces.", "-o"),
@@ -141,10 +144,9 @@ def _run_stages(file: str, output: Path | None, overrides: Texts, as_json: bool)
     places = [] if output is None else [output.with_stem(f"{output.stem}_{name}") for name in ("first", "second")]
     for place in places:
         options.check_place(place)
+    options.report_ignored_sweep(chain, f"{file}: its", f"screwsim sweep {file} simulates the sweep")
+    options.report_sweeps_of_stages(chain, file)
     for name, scene in (("first", chain.first), ("second", chain.second)):
-        options.report_ignored_sweep(
-            scene, f"{file}: the {name} scene's", "a two-stage file is not swept: run it once per value, with --set"
-        )
         if scene.uncertain or scene.model_error:
             told = "tolerances are ignored (screwsim run of that scene shows their effect)"
             say(f"{file}: the {name} scene's {told}", err=True)
@@ -170,7 +172,13 @@ def sweep(
     gpu: bool = switch("--gpu", "The same on an NVIDIA GPU shared by all workers, for thousands of points."),
     as_json: bool = AS_JSON,
 ) -> int:
-    """Simulate all cases of a scene's sweep, or resume it."""
+    """Simulate all cases of a sweep, or resume it; two stages give a table, a page or a PDF (OUT.csv, .html, .pdf)."""
+    from screwsim.study.stages import is_stages
+
+    if is_stages(scene_file):
+        named = {"--without": without, "--scheduler": scheduler, "--case-limit": case_limit}
+        options.refuse_for_stages(scene_file, "sweep", named | {"--batch": batch, "--gpu": gpu})
+        return _sweep_stages(scene_file, output, overrides, jobs, restart, as_json)
     if scheduler is not None and jobs is not None:
         raise UsageError("--jobs counts workers on this machine; a --scheduler has its own (remove one of the two)")
     scene = options.loaded_scene(scene_file, overrides, without)
@@ -190,6 +198,34 @@ def sweep(
     document = sweep_document(scene, summary)
     print_json(document) if as_json else print_sweep(document, scene)
     return OK if summary.ok == summary.cases else NOT_ALL_OK
+
+
+def _sweep_stages(
+    file: str, output: Path | None, overrides: Texts, jobs: int | None, restart: bool, as_json: bool
+) -> int:
+    from screwsim.printing.machine import print_sheet
+    from screwsim.report.datasheet import check_sheet, write_sheet
+    from screwsim.study.datasheet.stages_points import points_sheet
+    from screwsim.study.stages import read_stages
+    from screwsim.study.stages.points import KeptPoints, sweep_stages
+
+    chain = read_stages(file, overrides or ())
+    if not chain.sweep:
+        example = "first.operation.speed: [2000 rpm, 3000 rpm]"
+        raise UsageError(f"{file}: has no sweep (add sweep: {{{example}}}; one point is simulated by screwsim run)")
+    options.report_sweeps_of_stages(chain, file)
+    place = output or Path("results") / f"{Path(file).stem}.csv"
+    if place.suffix.lower() not in SHEETS:
+        good = ", ".join(str(place.with_suffix(ending)) for ending in SHEETS)
+        raise UsageError(f"-o {place}: points of two stages are a table, a page or a PDF (write one of {good})")
+    check_sheet(place)
+    kept = KeptPoints(chain, place)
+    points = sweep_stages(chain, kept, jobs=jobs, restart=restart, progress=options.progress_bar())
+    sheet = points_sheet(chain, points, kept.reused)
+    options.print_document_or_text(as_json, lambda found: found.document, print_sheet, sheet)
+    options.print_files([write_sheet(sheet, place)], as_json)
+    kept.discard()
+    return OK if sheet.ok else NOT_ALL_OK
 
 
 def explain(

@@ -25,6 +25,7 @@ from screwsim.outputs import (
     HELD,
     ITSELF,
     PERFORMANCE,
+    STAGES,
     SUBCRITICAL,
     TIMES,
     WALLED,
@@ -86,9 +87,12 @@ def known() -> dict[str, Figure]:
 
 
 def declaration(name: str, figures: Any = None) -> Figure | None:
-    """Return the declaration of a figure: of the results `figures`, of this program, or of an imported user effect."""
+    """Return the declaration of a figure: of the results `figures`, of this program, or of an imported user effect.
+
+    Those of this program include the figures that only two stages have.
+    """
     about: Mapping[str, Figure] = getattr(figures, "about", {})
-    found = about.get(name) or known().get(name)
+    found = about.get(name) or known().get(name) or STAGES.get(name)
     if found is None:
         found = next((each for effect in imported().values() for each in effect.figures if each.name == name), None)
     return found

@@ -41,12 +41,14 @@ def parallel_map(
     failed: Callable[[Answer], bool] = lambda answer: getattr(answer, "status", "ok") != "ok",
     progress: Progress | None = None,
     answers: dict[int, Answer] | None = None,
+    kept: Callable[[dict[int, Answer]], None] | None = None,
 ) -> list[Answer]:
     """Return [function(0), …, function(count - 1)], computed by `jobs` workers (default: all cores; 1: this process).
 
     The function is pickled once. `died` gives the answer for a number whose worker died; `failed` decides which answers
     the progress counts as failed, by default those with a status other than ok. After an interruption `answers` holds
-    those found so far. Numbers are counted as they are computed, before their chunk is finished.
+    those found so far; `kept` is called in this process with those of each finished chunk. Numbers are counted as they
+    are computed, before their chunk is finished.
     """
     jobs = min(jobs or cores(), count)
     answers = {} if answers is None else answers
@@ -56,7 +58,10 @@ def parallel_map(
     def finish(numbers: range, outcome: tuple[list[Answer], float]) -> None:
         found, seconds = outcome
         chunks.learn(len(numbers), seconds)
-        answers.update(zip(numbers, found, strict=True))
+        new = dict(zip(numbers, found, strict=True))
+        answers.update(new)
+        if kept is not None:
+            kept(new)
         tally.advance(len(found), sum(map(failed, found)))
 
     # alone, this process finishes each number by itself

@@ -12,17 +12,17 @@ from screwsim.outputs import STAGES, Figures, Result
 from screwsim.outputs.customary import in_celsius
 from screwsim.outputs.display import picked
 from screwsim.scene import Scene
-from screwsim.study.stages.read import STAGE_NAMES
+from screwsim.study.stages.axes import STAGE_NAMES
 
 if TYPE_CHECKING:
+    from screwsim.study.stages.figures import StagePair
     from screwsim.study.stages.read import Intercooler
-    from screwsim.study.stages.solve import StagePair
 
 PRESSURE_STEP = 1.02  # factor of the pressure between the stages, for the slopes by that pressure
 TEMPERATURE_STEP = 1.0  # K, warming of the first stage's gas, for the slopes by its temperature
 ELECTRICAL, NO_ELECTRICAL = "electrical_power", "the electrical power is not positive"
 STAGE_FIGURES = (
-    *("gas_mass_flow", "shaft_power", ELECTRICAL),
+    *("gas_mass_flow", "shaft_power", ELECTRICAL, "fan_power"),
     *("discharge_temperature", "separator_temperature", "oil_cooler_duty"),
 )
 
@@ -39,6 +39,18 @@ class ChainResult:
     notes: Mapping[str, str] = field(default_factory=dict)  # why a figure is None
     error: Figures = field(default_factory=Figures)  # estimated, of each figure over its scale (M395)
     warnings: tuple[str, ...] = ()  # of the whole; those of a stage are in its result
+
+    def as_result(self) -> Result:
+        """Return the figures of the whole as the result of one machine, with the warnings of both stages."""
+        own = [
+            f"{which} stage: {text}"
+            for which, each in zip(STAGE_NAMES, self.stages, strict=False)
+            for text in each.warnings
+        ]
+        warnings = (*self.warnings, *own)
+        return Result(
+            self.status, self.message, warnings, performance=self.performance, error=self.error, notes=self.notes
+        )
 
     def as_json(self) -> dict[str, Any]:
         """Return what `run --json` prints for two stages."""
