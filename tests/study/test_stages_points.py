@@ -184,3 +184,11 @@ def test_a_run_tells_that_it_leaves_the_sweep_aside(plant, capsys):
     path = str(plant())
     assert exit_code(["run", path]) == 0
     assert capsys.readouterr().err.startswith(f"{path}: its sweep of 4 cases is ignored, and the scene's own point")
+
+
+def test_a_sweep_tells_that_it_leaves_tolerances_aside(plant, solved, tmp_path, capsys):
+    path = plant()
+    low = scene_dict({"effects.tip_leakage.gap": "30 um +- 5 um"})
+    (tmp_path / "low.yaml").write_text(json.dumps(low))
+    assert exit_code(["sweep", str(path), "-o", str(tmp_path / "out.csv"), "--jobs", "1"]) == 0
+    assert "the first scene's tolerances are ignored" in " ".join(capsys.readouterr().err.split())

@@ -146,10 +146,7 @@ def _run_stages(file: str, output: Path | None, overrides: Texts, as_json: bool)
         options.check_place(place)
     options.report_ignored_sweep(chain, f"{file}: its", f"screwsim sweep {file} simulates the sweep")
     options.report_sweeps_of_stages(chain, file)
-    for name, scene in (("first", chain.first), ("second", chain.second)):
-        if scene.uncertain or scene.model_error:
-            told = "tolerances are ignored (screwsim run of that scene shows their effect)"
-            say(f"{file}: the {name} scene's {told}", err=True)
+    _report_ignored_tolerances(file, chain)
     found = run_stages(chain)
     written = places if found.scenes else []
     for place, scene, result in zip(written, found.scenes, found.stages, strict=False):
@@ -157,6 +154,13 @@ def _run_stages(file: str, output: Path | None, overrides: Texts, as_json: bool)
     options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_stages, chain.title, found)
     options.print_files(written, as_json)
     return OK if found.status == "ok" else NOT_ALL_OK
+
+
+def _report_ignored_tolerances(file: str, chain: Any) -> None:
+    for name, scene in (("first", chain.first), ("second", chain.second)):
+        if scene.uncertain or scene.model_error:
+            told = "tolerances are ignored (screwsim run of that scene shows their effect)"
+            say(f"{file}: the {name} scene's {told}", err=True)
 
 
 def sweep(
@@ -214,6 +218,7 @@ def _sweep_stages(
         example = "first.operation.speed: [2000 rpm, 3000 rpm]"
         raise UsageError(f"{file}: has no sweep (add sweep: {{{example}}}; one point is simulated by screwsim run)")
     options.report_sweeps_of_stages(chain, file)
+    _report_ignored_tolerances(file, chain)
     place = output or Path("results") / f"{Path(file).stem}.csv"
     if place.suffix.lower() not in SHEETS:
         good = ", ".join(str(place.with_suffix(ending)) for ending in SHEETS)
