@@ -34,6 +34,7 @@ from screwsim.scene.types import Scene
 from screwsim.solve import circuit, drive, second_cycle, stability
 from screwsim.solve.accurately import TRIES, Accurate, record_in_course, solve_tighter
 from screwsim.solve.circuit import SurroundingsSearch, solve_with_surroundings
+from screwsim.solve.surroundings import open_values_residual
 
 Trace = bool | Literal["ledger"]  # what a result keeps over the angle
 
@@ -258,7 +259,7 @@ def _status_of(accurate: Accurate, balance: Figures, forbidden: str, why: str) -
         status, left = NOT_CLOSED, f"{_shown(residuals)} against the bound {bound:.2g}"
         message = f"{left}, last change {cycle.change:.2g}; {verdict.unclosed(of, cycle)}"
     else:
-        tighter, found_open = "try a tighter numerics.accuracy", circuit.open_values_residual(of)
+        tighter, found_open = "try a tighter numerics.accuracy", open_values_residual(of)
         parts = (
             (circuit_open, "the oil's circuit leaves {:.2g} of the shaft power open", tighter),
             (found_open, "what is found with the cycle leaves {:.2g} of a flow open", why or f"state it, or {tighter}"),

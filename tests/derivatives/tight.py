@@ -11,7 +11,7 @@ from screwsim.cycle.problem import ClosingTask, Series, problem_of
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.effects.base import PressureLosses
 from screwsim.evaluate.evaluation import Evaluation
-from screwsim.solve.circuit import KPA, implied_surroundings, unknowns_of
+from screwsim.solve.surroundings import KPA, implied_surroundings, unknowns_of
 
 RTOL, TOLERANCE = 1e-8, 1e-10  # of a step, of a change: differences over 1e-4 are good to 1e-5
 BOUND = 1e-4  # on the balances, which such steps keep anyway

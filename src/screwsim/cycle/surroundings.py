@@ -26,14 +26,24 @@ class KnownSurroundings:
     sought: list[float] | None = None  # other open numbers (`screwsim.build.open_values`)
     slopes: Mapping[str, Array] = field(default_factory=dict)  # of the figures with these [SI/K, SI/kPa]
     around: tuple[Array | None, float] = NOTHING_LEARNT  # Jacobian of the unknowns, and the residual of their guess
+    _unknowns: int = 0
     _points: list[tuple[Array, Array]] = field(default_factory=list)  # parameters, unknowns
     _stated: Array | bool = True  # which parameters do not depend on the unknowns
     _degrees: DegreeRecord = field(default_factory=DegreeRecord)
 
+    def begin(self, unknowns: int) -> None:
+        """Forget what was learnt with another number of unknowns."""
+        if unknowns != self._unknowns:
+            self.slopes, self.around, self._unknowns = {}, NOTHING_LEARNT, unknowns
+            self._forget_points()
+
+    def _forget_points(self) -> None:
+        self._points, self._stated, self._degrees = [], True, DegreeRecord()
+
     def add(self, guess: Array, found: Array, unknowns: Array) -> None:
         """Record a solution: the parameters of its first guess and its own, and the unknowns [K, kPa]."""
-        if self._points and (len(self._points[0][0]), len(self._points[0][1])) != (len(found), len(unknowns)):
-            self._points, self._stated, self._degrees = [], True, DegreeRecord()
+        if self._points and len(self._points[0][0]) != len(found):
+            self._forget_points()
         told = self._degrees.told
         if told:
             self._degrees.compare([float(np.max(np.abs(each - unknowns))) for each in told.values()])

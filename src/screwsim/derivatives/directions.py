@@ -5,6 +5,7 @@ one-sided, against the cycle's own numbers, which are shared by all directions: 
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -70,7 +71,10 @@ class Directions:
             problem, by = shifted(-step), -step
         if problem.composition.text != self.cycle.pitch.machinery.composition.text:
             raise Structural("decides the structure of the model")
-        problem.__dict__["called"] = self.cycle.pitch.problem.called  # the same structure, so the same figures
+        unmoved = self.cycle.pitch.problem
+        if problem.entries is not unmoved.entries:  # the zero of enthalpies may move with the suction gas
+            problem = replace(problem, entries=unmoved.entries)
+        problem.__dict__["called"] = unmoved.called  # the same structure, so the same figures
         own, own_given = self.own  # compute first: the spare machinery is overwritten below
         side, given = self.numbers(problem, self.cycle.unknowns_in)
         if side.TAB.shape != self.cycle.at.TAB.shape:

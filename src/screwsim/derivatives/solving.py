@@ -32,7 +32,8 @@ from screwsim.model import leases
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.garbage import no_search
 from screwsim.scene import Scene, with_values
-from screwsim.solve.circuit import KPA, implied_surroundings, solve_with_surroundings, steady_state, unknowns_of
+from screwsim.solve.circuit import solve_with_surroundings, steady_state
+from screwsim.solve.surroundings import KPA, implied_surroundings, unknowns_of
 
 Array = np.ndarray
 STEP = 2e-7  # relative shift of a number, for differences

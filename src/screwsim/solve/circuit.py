@@ -7,8 +7,8 @@ cycle starts from the one before and is closed only as accurately as the next st
 accurately as the scene asks, with its errors estimated; it is repeated where the surroundings do not agree so well.
 """
 
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from screwsim.build import (
     Temperatures,
     open_temperatures,
     open_values,
-    package_of,
     temperature_faults,
     with_temperatures,
 )
@@ -26,15 +25,24 @@ from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import ClosingTask, Problem, Series, problem_of
 from screwsim.cycle.solution import ClosingCriteria, CycleSolution
 from screwsim.cycle.surroundings import KnownSurroundings
-from screwsim.effects.base import InSeparator, PressureLosses
+from screwsim.effects.base import PressureLosses
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.figures.errors import worst
+from screwsim.inputs.faults import UsageError
 from screwsim.model import leases
 from screwsim.model.run import Machinery
 from screwsim.outputs import Figures
 from screwsim.solve.accurately import AIM, TIGHTEST, Accurate, CostMeter, criteria_of, record_in_course, solve
 from screwsim.solve.drive import at_motor_speed, close_with_drive
-from screwsim.solve.surroundings_errors import KPA, errors_with_unknowns, learnt_slopes, secant_updated
+from screwsim.solve.surroundings import (
+    KPA,
+    ImpliedSurroundings,
+    implied_surroundings,
+    stated_numbers,
+    surroundings_follow,
+    unknowns_of,
+)
+from screwsim.solve.surroundings_errors import errors_with_unknowns, learnt_slopes, secant_updated
 
 Array = np.ndarray
 MOST_CYCLES = 20  # cycles of one search
@@ -51,18 +59,6 @@ ROUGH_TOLERANCE = 0.05  # ... and tolerance on changes, over the expected residu
 ROUGHEST_RTOL = 1e-3  # largest tolerance of a step in such a cycle; looser ones may diverge
 LEAST_DISTANCE = 0.05  # [K, kPa], smallest distance of two cycles from which sensitivities are taken
 LARGEST_LOSS = 0.98  # largest pressure loss before the machine, over the suction pressure
-
-
-class ImpliedSurroundings(NamedTuple):
-    """The surroundings that a cycle implies, relative to those it was closed with.
-
-    `off` [K, kPa] are the differences of the unknowns, `share` is the response of the separator temperature to the
-    supply's, `open` the residual over the shaft power or over a pressure.
-    """
-
-    off: Array
-    share: float
-    open: float
 
 
 @dataclass
@@ -158,7 +154,7 @@ class SurroundingsSearch:
                     "the pressure losses before the machine use up the whole suction pressure (choose smaller losses)"
                 )
                 return None
-            self.known.losses = PressureLosses(max(before, 0.0), behind)
+            self.known.losses = PressureLosses(max(before, 0.0), max(behind, 0.0))
             scene = replace(scene, losses=self.known.losses)
         part = problem.parts.shaft
         held = part is None or part.train(self.stated).holds_mean
@@ -201,55 +197,23 @@ def _rough_criteria(criteria: ClosingCriteria, open_: float) -> ClosingCriteria:
     return replace(criteria, rtol=rtol, tolerance=tolerance, bound=max(bound, criteria.bound), histories_factor=1.0)
 
 
-def unknowns_of(problem: Problem) -> Array:
-    """Return where a problem stands: supply and separator [K], lost pressures [kPa], other open numbers."""
-    T = _oil_temperature(problem)
-    every = (one.parameters for one in problem.scene.effects.values())
-    asked = (one.separator_temperature for one in every if isinstance(one, InSeparator))
-    lost = () if problem.scene.losses is None else (each / KPA for each in problem.scene.losses)
-    stands = (each for each in open_values.current_coordinates(problem.scene) if each is not None)
-    return np.array([T, next((at for at in asked if at is not None), T), *lost, *stands], float)
-
-
-def implied_surroundings(of: Evaluation) -> ImpliedSurroundings | None:
-    """Return the surroundings that a cycle implies; None where gas and oil do not separate."""
-    circuit, package, both = of.circuit, of.package, all(open_temperatures(of.problem.scene))
-    if isinstance(circuit, str):
-        return None
-    off, share, open_ = [0.0, 0.0], 0.0, 0.0
-    if circuit is not None:
-        off, share, open_ = [circuit.supply, circuit.separator], circuit.parted.share if both else 0.0, circuit.open
-    if package is not None:
-        off, open_ = [*off, package.before / KPA, package.behind / KPA], max(open_, package.open)
-    if open_values.has_open_values(of.problem.scene):
-        others = _implied_open_values(of)
-        if others is None:
-            return None
-        off, open_ = [*off, *(each.off for each in others)], max(open_, *(each.open for each in others))
-    return ImpliedSurroundings(np.array(off), share, open_)
-
-
-def _implied_open_values(of: Evaluation) -> list[open_values.CoordinateChange] | None:
-    """Return what a cycle implies for the scene's other open numbers; None where that is undefined."""
-    scene = of.problem.scene
-    return open_values.required_changes(scene, of.figures, _oil_temperature(of.problem), open_temperatures(scene)[0])
-
-
-def _oil_temperature(problem: Problem) -> float:
-    """Return the oil's supply temperature [K], 0 without oil."""
-    return 0.0 if problem.parts.oil is None else problem.parts.oil.temperature
-
-
-def open_values_residual(of: Evaluation) -> float:
-    """Return the relative residual of a scene's other open numbers; 0 where it has none."""
-    asked = _implied_open_values(of) if open_values.has_open_values(of.problem.scene) else None
-    return max((each.open for each in asked or ()), default=0.0)
-
-
-def surroundings_follow(problem: Problem) -> bool:
-    """Return whether anything around the machine follows from its cycle."""
-    scene = problem.scene
-    return any(open_temperatures(scene)) or package_of(scene) is not None or open_values.has_open_values(scene)
+def _first_cycle(search: SurroundingsSearch, problem: Problem, expected: Array | None) -> Evaluation | None:
+    """Return a first closed cycle: with expected unknowns, those of the problem, or warmer oil; None if none closes."""
+    course = search.series.course
+    if expected is not None:
+        with suppress(UsageError):  # the trend may lead to no state of the gas
+            posed = search.posed(problem, expected)
+            of = None if posed is None else search.closed(posed, course)
+            if of is not None:
+                return of
+        search.why = ""
+    of, guess = search.closed(problem, course), unknowns_of(problem)
+    for warmer in WARMER_STARTS if any(open_temperatures(problem.scene)) else ():
+        if of is not None:
+            break
+        other = search.posed(problem, guess + warmer * (np.arange(len(guess)) < 2))
+        of = None if other is None else search.closed(other, course)
+    return of
 
 
 def steady_state(problem: Problem, series: Series) -> tuple[Problem, SurroundingsSearch | None]:
@@ -259,18 +223,11 @@ def steady_state(problem: Problem, series: Series) -> tuple[Problem, Surrounding
     search = SurroundingsSearch(series, problem.scene.operation.speed)
     search.course.tightness = series.course.tightness
     problem = at_motor_speed(problem, series)
-    known, stated = search.known, problem.parameters
+    known, stated = search.known, stated_numbers(problem)
+    known.begin(len(unknowns_of(problem)))
     search.jacobian, search.expected = known.around
     search.contracts = CONTRACTION if search.jacobian is None else LEARNT_CONTRACTION
-    expected = known.expected(stated)
-    if expected is not None:
-        problem = search.posed(problem, expected) or problem
-    of, guess = search.closed(problem, series.course), unknowns_of(problem)
-    for warmer in WARMER_STARTS if any(open_temperatures(problem.scene)) else ():
-        if of is not None:
-            break
-        other = search.posed(problem, guess + warmer * (np.arange(len(guess)) < 2))
-        of = None if other is None else search.closed(other, series.course)
+    of = _first_cycle(search, problem, known.expected(stated))
     if of is None:
         return problem, search
     first = implied_surroundings(of)
@@ -288,7 +245,7 @@ def steady_state(problem: Problem, series: Series) -> tuple[Problem, Surrounding
         of = after
     if first is not None:
         known.around = search.jacobian, first.open
-        known.add(stated, of.problem.parameters, unknowns_of(of.problem))
+        known.add(stated, stated_numbers(of.problem), unknowns_of(of.problem))
     return of.problem, search
 
 

@@ -14,12 +14,12 @@ from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures.errors import error_of, relative_errors
 from screwsim.outputs import Figures
+from screwsim.solve.surroundings import KPA
 
 Array = np.ndarray
 Slopes = Mapping[str, Array]  # of figures [SI] with each unknown [1/K, 1/kPa]
 ENERGY_ERROR_SHARE = 0.6  # share of the mixture's temperature change by the cycle's energy residual, taken as an error
 DUTY = "oil_cooler_duty"  # figure: heat flow to the oil cooler
-KPA = 1e3  # [Pa], the unit of lost pressures that weighs as much as 1 K
 SUPPLY, SEPARATOR, BEFORE, BEHIND = range(4)  # unknowns: temperatures [K], lost pressures [kPa]; then others [K]
 STATED = {  # figures that state an unknown: which, and its unit
     "oil_supply_temperature": (SUPPLY, 1.0),
@@ -36,13 +36,14 @@ def secant_updated(slope: Array, change: float | Array, moved: Array) -> Array:
 
 def learnt_slopes(known: Slopes, of: Evaluation, before: Figures, moved: Array) -> dict[str, Array]:
     """Return the slopes of figures that also give their change to an evaluation, over a move of the unknowns."""
-    unknowns, slopes, found = len(moved), {}, of.figures
+    unknowns, found = len(moved), of.figures
+    slopes = {name: slope for name, slope in known.items() if len(slope) == unknowns}
     for name, value in found.items():
         old = before.get(name)
         if value is None or old is None:
             continue
-        slope = known.get(name)
-        if slope is None or len(slope) != unknowns:
+        slope = slopes.get(name)
+        if slope is None:
             slope = _stated_slope(of, name, unknowns)
         slopes[name] = secant_updated(slope, value - old, moved)
     return slopes

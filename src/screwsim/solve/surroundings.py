@@ -1,0 +1,89 @@
+"""What surrounds a machine and follows from its cycle: the unknowns, what a cycle implies of them, what a scene states.
+
+Unknowns are the temperatures of the oil's circuit (M284), a package's losses (M343) and other open numbers of a scene
+(`build.open_values`), in kelvin and kilopascal.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.build import open_temperatures, open_values, package_of
+from screwsim.cycle.problem import Problem
+from screwsim.effects.base import InSeparator
+from screwsim.evaluate.evaluation import Evaluation
+from screwsim.scene.lines import lines
+
+Array = np.ndarray
+KPA = 1e3  # [Pa], the unit of lost pressures that weighs as much as 1 K
+
+
+class ImpliedSurroundings(NamedTuple):
+    """The surroundings that a cycle implies, relative to those it was closed with.
+
+    `off` [K, kPa] are the differences of the unknowns, `share` is the response of the separator temperature to the
+    supply's, `open` the residual over the shaft power or over a pressure.
+    """
+
+    off: Array
+    share: float
+    open: float
+
+
+def unknowns_of(problem: Problem) -> Array:
+    """Return where a problem stands: supply and separator [K], lost pressures [kPa], other open numbers."""
+    T = _oil_temperature(problem)
+    every = (one.parameters for one in problem.scene.effects.values())
+    asked = (one.separator_temperature for one in every if isinstance(one, InSeparator))
+    lost = () if problem.scene.losses is None else (each / KPA for each in problem.scene.losses)
+    stands = (each for each in open_values.current_coordinates(problem.scene) if each is not None)
+    return np.array([T, next((at for at in asked if at is not None), T), *lost, *stands], float)
+
+
+def implied_surroundings(of: Evaluation) -> ImpliedSurroundings | None:
+    """Return the surroundings that a cycle implies; None where gas and oil do not separate."""
+    circuit, package, both = of.circuit, of.package, all(open_temperatures(of.problem.scene))
+    if isinstance(circuit, str):
+        return None
+    off, share, open_ = [0.0, 0.0], 0.0, 0.0
+    if circuit is not None:
+        off, share, open_ = [circuit.supply, circuit.separator], circuit.parted.share if both else 0.0, circuit.open
+    if package is not None:
+        off, open_ = [*off, package.before / KPA, package.behind / KPA], max(open_, package.open)
+    if open_values.has_open_values(of.problem.scene):
+        others = _implied_open_values(of)
+        if others is None:
+            return None
+        off, open_ = [*off, *(each.off for each in others)], max(open_, *(each.open for each in others))
+    return ImpliedSurroundings(np.array(off), share, open_)
+
+
+def _implied_open_values(of: Evaluation) -> list[open_values.CoordinateChange] | None:
+    """Return what a cycle implies for the scene's other open numbers; None where that is undefined."""
+    scene = of.problem.scene
+    return open_values.required_changes(scene, of.figures, _oil_temperature(of.problem), open_temperatures(scene)[0])
+
+
+def _oil_temperature(problem: Problem) -> float:
+    """Return the oil's supply temperature [K], 0 without oil."""
+    return 0.0 if problem.parts.oil is None else problem.parts.oil.temperature
+
+
+def open_values_residual(of: Evaluation) -> float:
+    """Return the relative residual of a scene's other open numbers; 0 where it has none."""
+    asked = _implied_open_values(of) if open_values.has_open_values(of.problem.scene) else None
+    return max((each.open for each in asked or ()), default=0.0)
+
+
+def surroundings_follow(problem: Problem) -> bool:
+    """Return whether anything around the machine follows from its cycle."""
+    scene = problem.scene
+    return any(open_temperatures(scene)) or package_of(scene) is not None or open_values.has_open_values(scene)
+
+
+def stated_numbers(problem: Problem) -> Array:
+    """Return the parameters of a problem, and the pressures of the lines as its scene states them, without losses."""
+    scene = problem.scene
+    at = problem.lines if scene.losses is None else lines(replace(scene, losses=None))
+    return np.append(problem.parameters, (at.p_s, at.p_d))
