@@ -9,7 +9,7 @@ import pytest
 from each_row import each_row
 
 from screwsim.cycle.problem import Problem, problem_of
-from screwsim.evaluate.verdict import REMEDIES, failure, outside_gas_range
+from screwsim.evaluate.verdict import failure, outside_gas_range, remedy_for
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.scene import load
 from screwsim.simulate import simulate
@@ -29,7 +29,7 @@ def test_each_limit_has_its_remedy_even_where_the_words_name_another(limit):
     words = "the highest and the lowest of it"
     life = SimpleNamespace(times=np.radians([0.0, 90.0]), ends=(np.ones(1), np.ones(1)))
     problem = outside("paper/point.yaml", limit, words)
-    assert outside_gas_range(problem, life) == f"at 90.00 deg {words}; {REMEDIES[limit](problem)}"
+    assert outside_gas_range(problem, life) == f"at 90.00 deg {words}; {remedy_for(limit, problem)}"
 
 
 @pytest.mark.parametrize(
@@ -47,7 +47,7 @@ def test_each_limit_has_its_remedy_even_where_the_words_name_another(limit):
     ],
 )
 def test_what_cools_is_of_what_the_machine_has(scene, remedy):
-    assert {REMEDIES[limit](outside(scene, limit, "")) for limit in (Limit.HOT, Limit.PRESSED)} == {remedy}
+    assert {remedy_for(limit, outside(scene, limit, "")) for limit in (Limit.HOT, Limit.PRESSED)} == {remedy}
 
 
 def test_gas_that_an_expander_does_not_let_out_is_told_from_gas_that_comes_hot():
@@ -56,7 +56,7 @@ def test_gas_that_an_expander_does_not_let_out_is_told_from_gas_that_comes_hot()
     for end in (0.9, 1.1):
         ends = np.full(2, end * problem.lines.T_s), np.ones(2)
         told[end] = outside_gas_range(problem, SimpleNamespace(times=np.radians([0.0, 9.0, 720.0]), ends=ends))
-    assert told[0.9] == f"at 9.00 deg hot; {REMEDIES[Limit.HOT](problem)}"
+    assert told[0.9] == f"at 9.00 deg hot; {remedy_for(Limit.HOT, problem)}"
     assert "use a wider machine.suction_port" in told[1.1] and "cooler" not in told[1.1]
 
 
@@ -83,7 +83,7 @@ def test_a_guess_that_went_astray_is_no_state_of_the_gas():
     ],
 )
 def test_what_keeps_from_the_critical_point_is_of_what_the_machine_has(scene, remedy):
-    assert REMEDIES[Limit.CRITICAL](outside(scene, Limit.CRITICAL, "")) == remedy
+    assert remedy_for(Limit.CRITICAL, outside(scene, Limit.CRITICAL, "")) == remedy
 
 
 @pytest.mark.parametrize(
@@ -94,7 +94,7 @@ def test_what_keeps_from_the_critical_point_is_of_what_the_machine_has(scene, re
     ],
 )
 def test_what_keeps_from_condensing_and_cold_is_of_what_the_machine_has(scene, wet, cold):
-    told = {limit: REMEDIES[limit](outside(scene, limit, "")) for limit in (Limit.WET, Limit.GLIDING, Limit.COLD)}
+    told = {limit: remedy_for(limit, outside(scene, limit, "")) for limit in (Limit.WET, Limit.GLIDING, Limit.COLD)}
     assert told[Limit.WET] == f"use {wet}, or gas.two_phase: equilibrium"
     assert told[Limit.GLIDING] == f"use {wet}" and told[Limit.COLD] == f"use {cold}, or a wider suction port"
 

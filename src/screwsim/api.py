@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Collection, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -40,8 +41,9 @@ from screwsim.study.calibration.plan import plan as _plan
 from screwsim.study.calibration.predict import points_to_predict
 from screwsim.study.calibration.predict import posterior_with_predictions as _sampled
 from screwsim.study.calibration.solve import Calibration
-from screwsim.study.datasheet import Sheet, sheet_of
+from screwsim.study.datasheet import Sheet, sheet_of, sheet_of_stages
 from screwsim.study.progress import Progress, progress_of
+from screwsim.study.stages import is_stages, read_stages
 from screwsim.study.sweep import run_sweep
 
 SceneLike = Scene | str | os.PathLike[str] | Mapping[str, Any]
@@ -90,19 +92,23 @@ def datasheet(
     jobs: int | None = None,
     progress: Progress | bool | None = None,
 ) -> Sheet:
-    """Return the data sheet of a compressor, an expander or an air package (`screwsim datasheet`).
+    """Return the data sheet of a compressor, an expander, an air package or two stages (`screwsim datasheet`).
 
         sheet = screwsim.datasheet("point.yaml", limits=["discharge_temperature<110 degC"], output="sheet.pdf")
 
     `sheet.document` is the sheet in SI units, as `--json` prints it; `output` is the page to write (.html, .pdf), or
     the table of its points (.csv). With `heating` it also gives the heating capacity and COP of a heat pump; with a
-    `profile` (a CSV file of flows and hours) the energy that an air package uses over that profile.
+    `profile` (a CSV file of flows and hours) the energy that an air package uses over that profile. Two stages are
+    given by the path of their file (`plant.stages.yaml`).
     """
     if output is not None:
         check_sheet(Path(output))
     bar = progress_of("datasheet", progress)
-    found = sheet_of(
-        scene_of(scene),
+    if isinstance(scene, str | os.PathLike) and "\n" not in os.fspath(scene) and is_stages(scene):
+        made = partial(sheet_of_stages, read_stages(scene))
+    else:
+        made = partial(sheet_of, scene_of(scene))
+    found = made(
         evaporating=evaporating,
         condensing=condensing,
         suction=suction,

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from each_row import each_row
 from scenes import DROP, refusal, run
@@ -138,3 +139,29 @@ def test_huge_droplets_exchange_nothing():
 )
 def test_a_fault_is_found_with_its_remedy(changes, words):
     assert words in refusal(changes)
+
+
+@pytest.mark.parametrize(
+    ("fluid", "p", "T", "rho", "diameter", "slip", "least", "most"),
+    [
+        ("R134a", 6e5, 310.0, 30.0, 1e-4, 2.5, 0.20, 0.22),
+        ("Air", 4e5, 340.0, 4.0, 5e-5, 2.5, 0.13, 0.15),
+        ("Air", 4e5, 340.0, 4.0, 5e-5, 0.0, 0.05, 0.07),
+    ],
+)
+def test_what_conduction_inside_the_drop_would_take(fluid, p, T, rho, diameter, slip, least, most):
+    """As docs/model.md says of what M154 leaves out, with 0.13 W/(m K) of the oil."""
+    alpha = droplets.heat_transfer_coefficient(rho, slip, diameter, *transport(fluid, p, T))
+    assert least < alpha / (alpha + math.pi**2 * 0.13 / (1.5 * diameter)) < most
+
+
+def test_the_coefficient_inside_a_drop_is_that_of_its_slowest_mode():
+    """α_i = π² λ/(1.5 d): r T of a sphere, cold at its surface, conducts as in a wall; r = λ = ρ c = 1 here."""
+    r = np.linspace(0.0, 1.0, 101)
+    profile, step, means = r * (1.0 - r**2), 0.4 * (r[1] - r[0]) ** 2, []
+    for i in range(10_000):
+        profile[1:-1] += 0.4 * (profile[2:] - 2.0 * profile[1:-1] + profile[:-2])
+        if i in (7999, 9999):
+            means.append(float(np.trapezoid(3.0 * profile * r, r)))
+    coefficient = math.log(means[0] / means[1]) / (2000 * step) / 3.0  # surface over volume: 3
+    assert coefficient == pytest.approx(math.pi**2 / (1.5 * 2.0), rel=1e-3)  # the grid's error is (π/100)²/12 and less

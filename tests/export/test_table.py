@@ -193,5 +193,7 @@ def test_two_inputs_of_one_external_name_are_refused(monkeypatch):
     """An exported map would hold two variables of that name, as of two effects of one's own."""
     for path in ("operation.speed", "operation.discharge.pressure"):
         monkeypatch.setitem(inputs._NAMES, path, "drive")
-    with pytest.raises(UsageError, match=r"operation\.speed and operation\.discharge\.pressure have the same name"):
+    with pytest.raises(
+        UsageError, match=r"operation\.speed and operation\.discharge\.pressure would both be called drive"
+    ):
         read_inputs(POINT, [SPEED, PRESSURE])

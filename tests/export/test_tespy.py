@@ -7,8 +7,11 @@ from pathlib import Path
 import pytest
 
 from screwsim.export.tespy import tespy_document
+from screwsim.inputs.faults import UsageError
+from screwsim.results import open_results
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate
+from screwsim.study.sweep import run_sweep
 
 pytestmark = pytest.mark.around
 SCENE = Path(__file__).parents[2] / "configs" / "r134a" / "point.yaml"
@@ -52,3 +55,39 @@ def test_a_heat_pump_is_at_our_point(exported, swept_map):
     assert one["leaves_at"] == "separator_temperature"
     assert lines[1].T.val_SI == pytest.approx(ours.separator_temperature, abs=0.5)  # of a constant share of heat
     assert max(one["largest_error"].values()) < 0.005
+
+
+@pytest.mark.parametrize(
+    ("change", "figure"),
+    [
+        ("effects.economizer={temperature: 18 degC, opens: 420 deg, closes: 520 deg, area: 1 cm^2}", "the condenser"),
+        ("effects.liquid_injection={opens: 500 deg, closes: 600 deg, area: 4 mm^2}", "the condenser"),
+        ("gas.model=ideal", "power"),
+    ],
+)
+def test_what_would_be_another_machine_there_is_refused(change, figure, tmp_path):
+    """TESPy has ṁ w/η_s for the power and η_v ρ V n for the flow of one inlet, with the real fluid's w and ρ."""
+    changes = [
+        change,
+        "numerics.error=none",
+        "sweep.operation.evaporating_temperature=[-10 degC, -5 degC, 0 degC, 5 degC]",
+        "sweep.operation.condensing_temperature=[35 degC, 40 degC, 45 degC, 50 degC]",
+    ]
+    run_sweep(load(SCENE, changes), tmp_path / "map.h5", jobs=1)
+    with pytest.raises(UsageError, match=f"from one inlet, would be up to 0[.][0-9]+ off in {figure}"):
+        tespy_document(open_results(tmp_path / "map.h5"))
+
+
+def test_gas_that_leaves_wet_is_refused_in_one_line(tmp_path):
+    changes = [
+        "effects.liquid_injection={opens: 420 deg, closes: 600 deg, area: 60 mm^2}",
+        "gas.two_phase=equilibrium",
+        "effects.separator=off",
+        "oil_supply.temperature=40 degC",
+        "numerics.error=none",
+        "sweep.operation.evaporating_temperature=[-5 degC, 0 degC, 5 degC, 10 degC]",
+        "sweep.operation.condensing_temperature=[35 degC, 38 degC, 42 degC, 45 degC]",
+    ]
+    run_sweep(load(SCENE, changes), tmp_path / "map.h5", jobs=1)
+    with pytest.raises(UsageError, match="gas leaves wet, at 35 degC"):
+        tespy_document(open_results(tmp_path / "map.h5"))

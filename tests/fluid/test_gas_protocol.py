@@ -8,13 +8,13 @@ import json
 import numpy as np
 import pytest
 from own_gases.covolume import CovolumeGas
+from own_gases.other_zero import OtherZero
 
-from screwsim.evaluate.verdict import REMEDIES
 from screwsim.explain import explain
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.ideal_gas import IdealGas
-from screwsim.fluid.limits import Outside
+from screwsim.fluid.limits import Limit, Outside
 from screwsim.fluid.moist_air import MoistAir
 from screwsim.fluid.nozzle import choking
 from screwsim.fluid.real_gas import RealGas
@@ -35,6 +35,7 @@ GASES = {
     "real, moist": MoistAir(RealGas("Air"), 0.005),
     "real, wet": MoistAir(RealGas("Air"), 0.06),
     "covolume": CovolumeGas(81.49, 1.12, 1e-3),
+    "other zero": OtherZero(81.49, 1.12),
 }
 STATES = ((1.2e5, 290.0), (6e5, 330.0), (12e5, 360.0))  # Pa, K: vapour of each of them
 STEP = 1e-4  # of a central difference: its error is of the square, rounding over it 1e-11
@@ -134,7 +135,7 @@ def test_the_first_state_outside_is_one_that_it_says_why_of(gas):
     first = gas.first_outside(T, rho)
     assert (first is None) == (not any(found))
     if first is not None:
-        assert isinstance(found[first], Outside) and found[first].limit in REMEDIES
+        assert isinstance(found[first], Outside) and found[first].limit in Limit
 
 
 @every_gas
@@ -178,6 +179,33 @@ def test_a_gas_of_another_back_end_is_solved_and_is_the_ideal_one_where_it_shoul
         assert abs(some.balance[name]) < some.balance.bound
     # less gas has room at the same pressure and temperature
     assert some.performance.gas_mass_flow < none.performance.gas_mass_flow
+
+
+LINES = {  # both have an enthalpy that follows from the cycle
+    "suction_line": {},
+    "shaft_leakage": {"area": "17 mm^2"},
+    "bypass": {"share": 0.1},
+    "suction_throttle": {"pressure_ratio": 0.9},
+}
+
+
+def test_the_zero_of_enthalpy_is_arbitrary():
+    """Gas flows back from both lines; its enthalpy is negative there with another zero."""
+    oil = {"oil": {"density": "980 kg/m^3", "heat_capacity": "2 kJ/(kg K)"}, "oil_supply": {"kind": "pump", "ratio": 1}}
+    oil["oil_supply"] |= {"temperature": "320 K", "source": "separator"}
+    effects = {
+        **SCENE["effects"],
+        **LINES,
+        "oil_heat": {"droplet_radius": "50 um", "heat_transfer_coefficient": "500 W/(m^2 K)"},
+    }
+    scenes = [
+        loads(json.dumps({**SCENE, **oil, "effects": effects, "gas": {**SCENE["gas"], "model": model}}))
+        for model in ("ideal", "own_gases.other_zero")
+    ]
+    usual, other = map(simulate, scenes)
+    assert (usual.status, other.status) == ("ok", "ok")
+    assert usual.performance.returned_gas_flow > 0.0
+    assert worst(relative_errors(usual.performance, other.performance))[1] < scenes[0].numerics.accuracy
 
 
 def test_the_scene_reads_back_and_results_know_the_module():

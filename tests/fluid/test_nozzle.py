@@ -311,6 +311,24 @@ def test_the_local_exponent_errs_more_where_the_throat_is_wet(fluid, p_1, superh
     assert abs(error(fluid, p_1, superheat, 0.2)) < 3e-2
 
 
+@pytest.mark.parametrize(
+    ("T_1", "part", "choked"),
+    [
+        (400.0, 6e-3, (0.004, 0.016)),
+        (345.0, 6e-3, (0.008, 0.05)),
+        (325.0, 8e-3, (0.02, 0.19)),
+        (315.0, 0.025, (0.1, 0.4)),
+    ],
+)
+def test_above_the_critical_pressure_the_local_exponent_lets_too_much_through(T_1, part, choked):
+    """CO2 near its critical temperature expands into the dome, where equilibrium lets less pass."""
+    gas = RealGas("CarbonDioxide", "equilibrium")
+    for p_1 in (80e5, 90e5, 100e5, 120e5):
+        errors = [local_flux(gas, p_1, T_1, r * p_1) / exact_flux(gas, p_1, T_1, r * p_1) - 1.0 for r in (0.8, 0.2)]
+        assert 0.0 < errors[0] < part
+        assert choked[0] < errors[1] < choked[1]
+
+
 def test_the_error_of_the_local_exponent_vanishes_with_the_square_of_the_drop():
     errors = [abs(error("R134a", 12e5, 20.0, 1.0 - x)) for x in (0.05, 0.1, 0.2)]
     orders = np.diff(np.log(errors)) / math.log(2.0)

@@ -277,6 +277,13 @@ def test_a_start_takes_in_oil_that_the_suction_gas_brings():
     assert found.figures.end_speed > 2.0 * CREEP
 
 
+def test_a_start_says_that_it_does_not_follow_plenums():
+    plenums = {"effects.plenums": {"discharge_volume": "3 l", "discharge_area": "15 cm^2"}}
+    with_plenums, without = (start_up(make({**DRIVEN, **more}), CREEP, longest=0.05) for more in (plenums, {}))
+    told = [any("a start does not follow plenums" in each for each in one.warnings) for one in (with_plenums, without)]
+    assert told == [True, False]
+
+
 def test_a_pitch_of_a_start_is_that_of_chambers_and_drive_in_one_system():
     """The fifth pitch, at about 88 rad/s: Radau from the same state, under the same constant torque of the losses."""
     changes = {**DRIVEN, "numerics": {"accuracy": 1e-5}, "operation.speed": "900 rpm"}

@@ -55,6 +55,17 @@ def test_heat_that_is_pushed_back_into_an_economizer_leaves_or_evaporates_liquid
     assert [f"loses {heat:.3g} W" in " ".join(one.warnings) for one in (away, kept)] == [True, False]
 
 
+@pytest.mark.parametrize("kind", ["heat_exchanger", "flash_tank"])
+def test_the_balance_closes_with_an_economizer_of_an_ideal_gas(kind):
+    """Its vapour has the real fluid's enthalpy above the liquid, as the suction gas has, and not the ideal gas's."""
+    port = "effects.economizer={temperature: 18 degC, opens: 420 deg, closes: 520 deg, area: 1 cm^2, %s, kind: %s}"
+    changes = ["gas.model=ideal", port % ("backflow: evaporates", kind), "numerics.error=none"]
+    p = simulate(load(CONFIGS / "r134a" / "separator.yaml", changes), trace=False).performance
+    assert p.economizer_mass_flow > 0.02 * p.gas_mass_flow and 0.0 < p.economizer_draw_ratio < 1.0
+    brought = p.cooling_capacity + p.shaft_power + p.motor_loss
+    assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=3e-5 * p.shaft_power)
+
+
 def test_heat_that_is_pushed_back_beyond_what_the_vapour_takes_leaves_and_is_told():
     """A port that draws next to nothing: its liquid cannot take all of that heat, and the balance says what is left."""
     port = "effects.economizer={temperature: 18 degC, opens: 470 deg, closes: 560 deg, area: 2 cm^2}"

@@ -2,14 +2,19 @@
 
 import numpy as np
 import pytest
-from scenes import closed, make
+from scenes import SOLUBLE_RATE, closed, make
 
 from screwsim.cycle.balances import streams_of
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.model import slots
-from screwsim.solve.outflow_heat import misread_of_oil as misread
+from screwsim.solve.outflow_heat import misread_of_oil
 
 CARRIED = {"oil.transport": "carried"}
+
+
+def misread(problem, life):
+    """Return the error of the temperature [K] of the oil that flows out."""
+    return misread_of_oil(problem, life).temperature
 
 
 @pytest.fixture(scope="module")
@@ -44,3 +49,23 @@ def test_the_states_within_steps_give_the_heat_that_a_far_finer_life_sums():
     coarse, fine = (misread(problem, cycle.trajectory) for problem, _, cycle in at)
     assert fine < 0.3 * coarse
     assert np.isfinite(coarse)
+
+
+def test_dissolved_gas_that_is_put_into_the_sums_is_found_likewise():
+    problem, _, cycle = closed(make(SOLUBLE_RATE))
+    c, told, more = problem.composition, cycle.trajectory, 0.01
+    quads = told.quads[: told.steps].copy()
+    column = c.first_stream + slots.DISCHARGE_OUT * c.width
+    quads[:, column + slots.OF_HELD] += more * quads[:, column + slots.OF_OIL]
+    oil = streams_of(c, cycle.q)[:, slots.OF_OIL]
+    out, back = -oil[slots.DISCHARGE_OUT], oil[slots.DISCHARGE_IN]
+    right = misread_of_oil(problem, told).held
+    assert 0.0 < right < 0.01 * more
+    assert misread_of_oil(problem, told._replace(quads=quads)).held == pytest.approx(
+        more * out / (out - back), abs=2.0 * right
+    )
+
+
+def test_oil_that_holds_no_gas_misreads_none(life):
+    problem, cycle = life
+    assert misread_of_oil(problem, cycle.trajectory).held == 0.0

@@ -355,7 +355,7 @@ NEWCOMERS = [
     (
         "title: example",
         "stages: [a.yaml, b.yaml]",
-        "x.yaml:1:1: describes two stages, which only screwsim run and screwsim explain accept (run those on x.yaml, "
+        "x.yaml:1:1: describes two stages, which only run, sweep, datasheet and explain accept (run those on x.yaml, "
         "or name the scene of one stage here)",
     ),
 ]

@@ -29,6 +29,12 @@ SHIPPED = {  # what is asked of each: the scene, changes, options
     "humid air": ("air/humid_package", (), {}),
     "gas": ("paper/point", (), {}),
     "expander": ("expander/point", (), {}),
+    "two stages of air": ("two_stage/air.stages", (), {}),
+    "two stages": (
+        "two_stage/plant.stages",
+        (),
+        {"evaporating": "-35 degC..-30 degC", "condensing": "35 degC..40 degC", "heating": True},
+    ),
 }
 DPI = 300.0  # letters are set to whole pixels where their width is measured, not in the PDF
 NEAR = 1.2  # [pixel], 0.1 mm: letters touch
@@ -42,7 +48,9 @@ def shipped():
     def made(name):
         if name not in sheets:
             scene, changes, options = SHIPPED[name]
-            sheets[name] = screwsim.datasheet(screwsim.load(CONFIGS / f"{scene}.yaml", changes), jobs=1, **options)
+            file = CONFIGS / f"{scene}.yaml"
+            given = file if scene.endswith(".stages") else screwsim.load(file, changes)
+            sheets[name] = screwsim.datasheet(given, jobs=1, **options)
         return sheets[name]
 
     return made

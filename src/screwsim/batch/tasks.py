@@ -83,7 +83,6 @@ def simulate_courses(courses: Iterable[Iterable[Scene]], trace: bool = False, gp
 
 
 def _course(scenes: Sequence[Scene], trace: bool) -> list[Result]:
-    """Return the results of one course."""
     return list(simulate_many(scenes, trace))
 
 
@@ -254,7 +253,6 @@ def _end_task(*_asked: object) -> Any:
 
 
 def _same_structure(one: side_by_side.TurnRequest | None, other: side_by_side.TurnRequest) -> bool:
-    """Return whether both turns are of the same structure."""
     return one is not None and one.machinery.module is other.machinery.module
 
 
@@ -276,7 +274,6 @@ def _turns(asked: Sequence[side_by_side.TurnRequest]) -> list[Any]:
 
 
 def _one_by_one(asked: Sequence[side_by_side.TurnRequest]) -> list[Any]:
-    """Return turns, each integrated alone."""
     return [each.machinery.own_turn(each.y, each.rtol, each.h) for each in asked]
 
 

@@ -13,19 +13,19 @@ Texts = list[str] | None
 File = Path | None
 
 
-def option(value: str, says: str, *names: str, **more: Any) -> Any:
-    """Return an option with a value: its placeholder, its help and its names."""
-    return typer.Option(*names, metavar=value, help=says, **more)
+def option(value: str, says: str, *names: str, default: Any = None, **more: Any) -> Any:
+    """Return an option with a value: its placeholder, its help and its names; a default of `...` for a required one."""
+    return typer.Option(default, *names, metavar=value, help=says, **more)
 
 
-def switch(name: str, says: str, *others: str) -> Any:
+def switch(name: str, says: str, *others: str, default: bool = False) -> Any:
     """Return an option without a value: its name, its help and other names of it."""
-    return typer.Option(name, *others, help=says)
+    return typer.Option(default, name, *others, help=says)
 
 
-def argument(value: str, says: str) -> Any:
-    """Return an argument: its placeholder and its help."""
-    return typer.Argument(metavar=value, help=says, show_default=False)
+def argument(value: str, says: str, default: Any = ...) -> Any:
+    """Return an argument: its placeholder and its help; without a default it is required."""
+    return typer.Argument(default, metavar=value, help=says, show_default=False)
 
 
 def summary(command: Callable[..., Any] | None) -> str:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Literal
 
 import typer
 
 from screwsim.cli import options
 from screwsim.cli.declare import Text, Texts, argument, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, Without, print_document_or_text, progress_bar
+from screwsim.cli.options import AS_JSON, JOBS, NOT_ALL_OK, OK, OVERRIDES, WITHOUT, print_document_or_text, progress_bar
 from screwsim.screen import say
 
 if TYPE_CHECKING:
@@ -28,20 +28,15 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-Source = Annotated[str, argument("SCENE|OUT.h5", "A scene to simulate, or the results file of a sweep.")]
-RangeOptions = Annotated[
-    Texts,
-    option("PATH=LOW..HIGH", "An input of the map and its range (default: the scene's sweep); repeatable.", "--over"),
-]
-FigureOptions = Annotated[
-    Texts, option("NAME", "An output of the map (default: flow, powers, discharge temperature, capacity).", "--figure")
-]
-ErrorOption = Annotated[
-    float | None, option("E", "Largest relative error allowed in the map (default: 0.005).", "--error")
-]
-MostCasesOption = Annotated[
-    int | None, option("N", "Largest number of grid points to simulate (default: 5000).", "--most-cases", min=2)
-]
+SOURCE = argument("SCENE|OUT.h5", "A scene to simulate, or the results file of a sweep.")
+RANGES = option(
+    "PATH=LOW..HIGH", "An input of the map and its range (default: the scene's sweep); repeatable.", "--over"
+)
+FIGURE_NAMES = option(
+    "NAME", "An output of the map (default: flow, powers, discharge temperature, capacity).", "--figure"
+)
+LARGEST_ERROR = option("E", "Largest relative error allowed in the map (default: 0.005).", "--error")
+MOST_CASES = option("N", "Largest number of grid points to simulate (default: 5000).", "--most-cases", min=2)
 RANGES_REMEDY = "narrow the ranges, or allow more --most-cases"
 
 
@@ -75,24 +70,24 @@ def print_map_and_files(table: MapTable, files: list[str], as_json: bool) -> int
 
 @app.command()
 def fmu(
-    source: Source,
-    output: Annotated[Path, option("OUT.fmu", "File to write the FMU to.", "-o", show_default=False)],
-    over: RangeOptions = None,
-    figures: FigureOptions = None,
-    wanted: ErrorOption = None,
-    most: MostCasesOption = None,
-    version: Annotated[Literal["2", "3"], option("2|3", "FMI version.", "--fmi")] = "2",
-    sources_only: Annotated[
-        bool, switch("--sources-only", "Do not compile; ship C sources for the importing tool.")
-    ] = False,
-    kind: Annotated[
-        Literal["table", "polynomial"],
-        option("table|polynomial", "C1 table, or AHRI 540 polynomials of both saturation temperatures.", "--map"),
-    ] = "table",
-    overrides: Overrides = None,
-    without: Without = None,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    source: str = SOURCE,
+    output: Path = option("OUT.fmu", "File to write the FMU to.", "-o", default=..., show_default=False),
+    over: Texts = RANGES,
+    figures: Texts = FIGURE_NAMES,
+    wanted: float | None = LARGEST_ERROR,
+    most: int | None = MOST_CASES,
+    version: Literal["2", "3"] = option("2|3", "FMI version.", "--fmi", default="2"),
+    sources_only: bool = switch("--sources-only", "Do not compile; ship C sources for the importing tool."),
+    kind: Literal["table", "polynomial"] = option(
+        "table|polynomial",
+        "C1 table, or AHRI 540 polynomials of both saturation temperatures.",
+        "--map",
+        default="table",
+    ),
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Write a functional mock-up unit for co-simulation: C, without Python where it runs."""
     options.check_target(output, ".fmu")
@@ -116,16 +111,16 @@ def fmu(
 
 @app.command()
 def modelica(
-    source: Source,
-    output: Annotated[Path, option("OUT.mo", "File to write the package to.", "-o", show_default=False)],
-    over: RangeOptions = None,
-    figures: FigureOptions = None,
-    wanted: ErrorOption = None,
-    most: MostCasesOption = None,
-    overrides: Overrides = None,
-    without: Without = None,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    source: str = SOURCE,
+    output: Path = option("OUT.mo", "File to write the package to.", "-o", default=..., show_default=False),
+    over: Texts = RANGES,
+    figures: Texts = FIGURE_NAMES,
+    wanted: float | None = LARGEST_ERROR,
+    most: int | None = MOST_CASES,
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Write a Modelica package of a map with two inputs: standard-library tables, and polynomials."""
     options.check_target(output, ".mo")
@@ -144,16 +139,16 @@ def modelica(
 
 @app.command("csv")
 def comma_separated(
-    source: Source,
-    output: Annotated[Path, option("OUT.csv", "File to write the table to.", "-o", show_default=False)],
-    over: RangeOptions = None,
-    figures: FigureOptions = None,
-    wanted: ErrorOption = None,
-    most: MostCasesOption = None,
-    overrides: Overrides = None,
-    without: Without = None,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    source: str = SOURCE,
+    output: Path = option("OUT.csv", "File to write the table to.", "-o", default=..., show_default=False),
+    over: Texts = RANGES,
+    figures: Texts = FIGURE_NAMES,
+    wanted: float | None = LARGEST_ERROR,
+    most: int | None = MOST_CASES,
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Write the nodes of a map as a table in SI units."""
     options.check_target(output, ".csv")
@@ -168,13 +163,13 @@ def comma_separated(
 
 @app.command()
 def tespy(
-    source: Source,
-    output: Annotated[Path, option("OUT.json", "File to write the attributes to.", "-o", show_default=False)],
-    over: RangeOptions = None,
-    overrides: Overrides = None,
-    without: Without = None,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    source: str = SOURCE,
+    output: Path = option("OUT.json", "File to write the attributes to.", "-o", default=..., show_default=False),
+    over: Texts = RANGES,
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Write the attributes of TESPy's PolynomialCompressor: efficiency polynomials, one per speed."""
     options.check_target(output, ".json")
@@ -194,13 +189,13 @@ def tespy(
 
 @app.command()
 def energyplus(
-    source: Source,
-    output: Annotated[Path, option("OUT.idf|.epJSON", "File to write the objects to.", "-o", show_default=False)],
-    over: RangeOptions = None,
-    overrides: Overrides = None,
-    without: Without = None,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    source: str = SOURCE,
+    output: Path = option("OUT.idf|.epJSON", "File to write the objects to.", "-o", default=..., show_default=False),
+    over: Texts = RANGES,
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Write EnergyPlus curves: bicubic ones with their Refrigeration:Compressor, and biquadratic ones."""
     options.check_target(output, ".idf", ".epjson")
@@ -225,16 +220,16 @@ def energyplus(
 
 @app.command()
 def en12900(
-    source: Source,
-    output: Annotated[
-        Path, option("OUT.csv|.json", "File to write coefficients and tables to.", "-o", show_default=False)
-    ],
-    over: RangeOptions = None,
-    ip: Annotated[bool, switch("--ip", "AHRI 540 in inch-pound units: degF, Btu/h, lb/h.")] = False,
-    overrides: Overrides = None,
-    without: Without = None,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    source: str = SOURCE,
+    output: Path = option(
+        "OUT.csv|.json", "File to write coefficients and tables to.", "-o", default=..., show_default=False
+    ),
+    over: Texts = RANGES,
+    ip: bool = switch("--ip", "AHRI 540 in inch-pound units: degF, Btu/h, lb/h."),
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Write the coefficients of EN 12900 and AHRI 540 with rating tables."""
     options.check_target(output, ".csv", ".json")
@@ -257,18 +252,16 @@ def en12900(
 
 @app.command()
 def loads(
-    source: Annotated[str, argument("SCENE|OUT.h5", "A scene, or the results file of a run.")],
-    output: Annotated[Path, option("DIR", "Folder for curves, spectra and surfaces.", "-o", show_default=False)],
-    steps: Annotated[int, option("N", "Time steps per revolution on the surfaces.", min=1)] = 48,
-    bearings: Annotated[
-        Text, option("A,B", "Distances of the bearings beyond the rotor ends, suction side first, e.g. '40 mm,60 mm'.")
-    ] = None,
-    shafts: Annotated[
-        Text, option("A,B", "Shaft diameters at the end faces, male rotor first, e.g. '60 mm,50 mm'.")
-    ] = None,
-    overrides: Overrides = None,
-    without: Without = None,
-    as_json: AsJson = False,
+    source: str = argument("SCENE|OUT.h5", "A scene, or the results file of a run."),
+    output: Path = option("DIR", "Folder for curves, spectra and surfaces.", "-o", default=..., show_default=False),
+    steps: int = option("N", "Time steps per revolution on the surfaces.", min=1, default=48),
+    bearings: Text = option(
+        "A,B", "Distances of the bearings beyond the rotor ends, suction side first, e.g. '40 mm,60 mm'."
+    ),
+    shafts: Text = option("A,B", "Shaft diameters at the end faces, male rotor first, e.g. '60 mm,50 mm'."),
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Write loads and noise sources: forces on rotors and bearings, flows in both lines, spectra, rotor surfaces."""
     options.check_folder(output)

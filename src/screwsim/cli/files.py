@@ -1,22 +1,21 @@
 """The commands that show: rotors, results as figures and as a page, comparisons with sources, schemas."""
 
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, ResultsFile, SceneFile, Without, progress_bar
+from screwsim.cli.options import AS_JSON, JOBS, NOT_ALL_OK, OK, OVERRIDES, RESULTS_FILE, SCENE_FILE, WITHOUT
 from screwsim.inputs.faults import Interrupted, UsageError
 from screwsim.screen import say
 
 
 def rotors(
-    scene_file: SceneFile,
-    folder: Annotated[File, option("DIR", "Folder for figures, page, profiles and tables.", "-o")] = None,
-    overrides: Overrides = None,
-    as_json: AsJson = False,
+    scene_file: str = SCENE_FILE,
+    folder: File = option("DIR", "Folder for figures, page, profiles and tables.", "-o"),
+    overrides: Texts = OVERRIDES,
+    as_json: bool = AS_JSON,
 ) -> None:
     """Print and draw the rotor geometry that follows from a scene's profile."""
     options.check_folder(folder)
@@ -37,15 +36,11 @@ def rotors(
 
 
 def plot(
-    results_file: ResultsFile,
-    folder: Annotated[Text, option("DIR", "Folder for the figures.", "-o")] = None,
-    measured: Annotated[
-        File,
-        option(
-            "POINTS.csv",
-            "Measured chamber pressures to draw, too (columns angle_deg or volume_cm3, and pressure_bar).",
-        ),
-    ] = None,
+    results_file: str = RESULTS_FILE,
+    folder: Text = option("DIR", "Folder for the figures.", "-o"),
+    measured: File = option(
+        "POINTS.csv", "Measured chamber pressures to draw, too (columns angle_deg or volume_cm3, and pressure_bar)."
+    ),
 ) -> None:
     """Draw the figures of a results file."""
     options.check_folder(Path(folder) if folder is not None else None)
@@ -71,8 +66,8 @@ def plot(
 
 
 def scene(
-    results_file: ResultsFile,
-    output: Annotated[File, option("SCENE.yaml", "File to write it to (default: the screen).", "-o")] = None,
+    results_file: str = RESULTS_FILE,
+    output: File = option("SCENE.yaml", "File to write it to (default: the screen).", "-o"),
 ) -> None:
     """Write the scene stored in a results file, to simulate it again."""
     options.check_target(output, ".yaml", ".yml")
@@ -90,9 +85,9 @@ def scene(
 
 
 def report(
-    results_file: ResultsFile,
-    output: Annotated[Text, option("OUT.html", "File to write the page to (default: next to OUT.h5).", "-o")] = None,
-    other: Annotated[Text, option("OTHER.h5", "The paper's other sweep; its claims need both.", "--with")] = None,
+    results_file: str = RESULTS_FILE,
+    output: Text = option("OUT.html", "File to write the page to (default: next to OUT.h5).", "-o"),
+    other: Text = option("OTHER.h5", "The paper's other sweep; its claims need both.", "--with"),
 ) -> None:
     """Make one HTML page of a results file: figures, cycles, checks, scene; it opens offline in any browser."""
     from screwsim.report.page import report as made
@@ -106,14 +101,11 @@ def report(
 
 
 def validate(
-    names: Annotated[Texts, argument("[NAME]...", "Sources (default: all).")] = None,
-    folder: Annotated[
-        File,
-        option("DIR", "Folder of the reference programs to run (default: those of this package)."),
-    ] = None,
-    output: Annotated[File, option("DIR", "Folder for validation.json and a figure per source.", "-o")] = None,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    names: Texts = argument("[NAME]...", "Sources (default: all).", None),
+    folder: File = option("DIR", "Folder of the reference programs to run (default: those of this package)."),
+    output: File = option("DIR", "Folder for validation.json and a figure per source.", "-o"),
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Compare computed results with published references. A failed comparison still exits with 0."""
     options.check_folder(output)
@@ -127,7 +119,7 @@ def validate(
     if output is not None:
         protect_other_json(output / "validation.json", "version", "verdicts", "sources")
     try:
-        outcomes = run_sources(folder_of(folder), names or (), progress_bar("validate"), jobs)
+        outcomes = run_sources(folder_of(folder), names or (), options.progress_bar("validate"), jobs)
     except Interrupted as pressed:
         outcomes = pressed.found
     found, errors = document(outcomes), errors_of(outcomes)
@@ -152,8 +144,8 @@ def validate(
 
 
 def schema(
-    fit: Annotated[bool, switch("--fit", "Schema of a fit (screwsim calibrate) instead.")] = False,
-    stages: Annotated[bool, switch("--stages", "Schema of a two-stage file instead.")] = False,
+    fit: bool = switch("--fit", "Schema of a fit (screwsim calibrate) instead."),
+    stages: bool = switch("--stages", "Schema of a two-stage file instead."),
 ) -> None:
     """Print the JSON Schema of a scene."""
     from screwsim.printing import print_json
@@ -169,18 +161,15 @@ def schema(
     print_json(wanted())
 
 
-Port = Annotated[int | None, option("N", "Port (default: 8421, or any that is free).", "--port", min=0, max=65535)]
-
-
 def explore(
-    scene_file: SceneFile,
-    overrides: Overrides = None,
-    without: Without = None,
-    port: Port = None,
-    host: Annotated[
-        str, option("ADDRESS", "Address to listen on; any but loopback requires a token.", "--host")
-    ] = "127.0.0.1",
-    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")] = True,
+    scene_file: str = SCENE_FILE,
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    port: int | None = option("N", "Port (default: 8421, or any that is free).", "--port", min=0, max=65535),
+    host: str = option(
+        "ADDRESS", "Address to listen on; any but loopback requires a token.", "--host", default="127.0.0.1"
+    ),
+    browser: bool = switch("--browser/--no-browser", "Open the page in a browser.", default=True),
 ) -> None:
     """Open a scene as a live page in the browser: sliders, turning rotors, p–V diagram; Ctrl-C ends it."""
     from screwsim.explore import check_extra

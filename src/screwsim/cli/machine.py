@@ -1,17 +1,15 @@
 """Commands on a machine as it is sold: its data sheet, and its start by its drive."""
 
-from __future__ import annotations
-
 import math
 import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Annotated
+from functools import partial
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without
+from screwsim.cli.options import AS_JSON, JOBS, NOT_ALL_OK, OK, OVERRIDES, SCENE_FILE, WITHOUT
 from screwsim.inputs.faults import Interrupted, UsageError
 
 RPM = math.pi / 30.0
@@ -58,13 +56,13 @@ def _shown_speed() -> Iterator[Callable[[float], None]]:
 
 
 def startup(
-    scene_file: SceneFile,
-    folder: Annotated[File, option("DIR", "Folder for traces and figure.", "-o")] = None,
-    creep: Annotated[str, option("SPEED", "Speed at the start; a bare number is in rpm.")] = "30 rpm",
-    longest: Annotated[float, option("SECONDS", "Simulated time after which to give up.", min=0.01)] = 10.0,
-    overrides: Overrides = None,
-    without: Without = None,
-    as_json: AsJson = False,
+    scene_file: str = SCENE_FILE,
+    folder: File = option("DIR", "Folder for traces and figure.", "-o"),
+    creep: str = option("SPEED", "Speed at the start; a bare number is in rpm.", default="30 rpm"),
+    longest: float = option("SECONDS", "Simulated time after which to give up.", min=0.01, default=10.0),
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Start a machine that has a drive, against the discharge pressure."""
     options.check_folder(folder)
@@ -94,48 +92,47 @@ def startup(
 
 
 def datasheet(
-    scene_file: SceneFile,
-    output: Annotated[
-        File, option("OUT.html|.pdf|.csv", "Write the sheet as a page, or its points as a table.", "-o")
-    ] = None,
-    evaporating: Annotated[
-        Text, option("LOW..HIGH", "Evaporating temperatures of the table (refrigeration machine).")
-    ] = None,
-    condensing: Annotated[Text, option("LOW..HIGH", "Its condensing temperatures, or gas-cooler pressures.")] = None,
-    suction: Annotated[
-        Text, option("LOW..HIGH", "Suction pressures of the table (gas compressor), or inlet pressures of an expander.")
-    ] = None,
-    discharge: Annotated[
-        Text, option("LOW..HIGH", "Its discharge pressures, or outlet pressures of an expander.")
-    ] = None,
-    limits: Annotated[
-        Texts, option("FIGURE<VALUE", "A limit, e.g. 'discharge_temperature<110 degC'; repeatable.", "--limit")
-    ] = None,
-    heating: Annotated[
-        bool, switch("--heating", "Add tables of heating capacity and heating COP (heat pump).")
-    ] = False,
-    profile: Annotated[
-        str | None,
-        option("LOADS.csv", "Flows and hours of an air package; adds its energy use over them.", "--profile"),
-    ] = None,
-    overrides: Overrides = None,
-    without: Without = None,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    scene_file: str = SCENE_FILE,
+    output: File = option("OUT.html|.pdf|.csv", "Write the sheet as a page, or its points as a table.", "-o"),
+    evaporating: Text = option("LOW..HIGH", "Evaporating temperatures of the table (refrigeration machine)."),
+    condensing: Text = option("LOW..HIGH", "Its condensing temperatures, or gas-cooler pressures."),
+    suction: Text = option(
+        "LOW..HIGH", "Suction pressures of the table (gas compressor), or inlet pressures of an expander."
+    ),
+    discharge: Text = option("LOW..HIGH", "Its discharge pressures, or outlet pressures of an expander."),
+    limits: Texts = option("FIGURE<VALUE", "A limit, e.g. 'discharge_temperature<110 degC'; repeatable.", "--limit"),
+    heating: bool = switch("--heating", "Add tables of heating capacity and heating COP (heat pump)."),
+    profile: str | None = option(
+        "LOADS.csv", "Flows and hours of an air package; adds its energy use over them.", "--profile"
+    ),
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
-    """Rate a machine over its operating states, at part load and within limits; an air package by ISO 1217."""
-    scene = options.loaded_scene(scene_file, overrides, without)
+    """Rate a machine, or two stages, over operating states, at part load and within limits; air by ISO 1217."""
+    from screwsim.study.stages import is_stages
+
+    if is_stages(scene_file):
+        from screwsim.study.datasheet import sheet_of_stages
+        from screwsim.study.stages import read_stages
+
+        options.refuse_for_stages(scene_file, "rate", {"--without": without})
+        chain = read_stages(scene_file, overrides or ())
+        options.report_sweeps_of_stages(chain, scene_file)
+        made = partial(sheet_of_stages, chain)
+    else:
+        from screwsim.study.datasheet import sheet_of
+
+        made = partial(sheet_of, options.loaded_scene(scene_file, overrides, without))
     if output is not None:
         from screwsim.report.datasheet import check_sheet
 
         check_sheet(output)
-    from screwsim.cli.interruption import counted_progress
     from screwsim.printing.machine import print_sheet
-    from screwsim.study.datasheet import sheet_of
 
-    with counted_progress("datasheet", "parts") as shown:
-        sheet = sheet_of(
-            scene,
+    with options.counted_progress("datasheet", "parts") as shown:
+        sheet = made(
             evaporating=evaporating,
             condensing=condensing,
             suction=suction,

@@ -1,13 +1,11 @@
 """The commands on measured points of a machine: what has changed since, and which points to measure next."""
 
-from typing import Annotated
-
 from screwsim.cli.declare import File, Texts, argument, option
 from screwsim.cli.options import (
+    AS_JSON,
+    JOBS,
     NOT_ALL_OK,
     OK,
-    AsJson,
-    Jobs,
     check_target,
     print_document_or_text,
     print_files,
@@ -15,21 +13,19 @@ from screwsim.cli.options import (
 )
 from screwsim.inputs.faults import UsageError
 
-FitFile = Annotated[str, argument("FIT", "Machine, parameters and points: a fit's YAML file.")]
-OtherScene = Annotated[
-    File, option("SCENE", "Machine to use instead of the fit's own, e.g. scene.yaml of a calibration.", "--scene")
-]
-OtherData = Annotated[File, option("POINTS.csv", "Measured points to use instead of the fit's own.", "--data")]
+FIT_FILE = argument("FIT", "Machine, parameters and points: a fit's YAML file.")
+OTHER_SCENE = option("SCENE", "Machine to use instead of the fit's own, e.g. scene.yaml of a calibration.", "--scene")
+OTHER_DATA = option("POINTS.csv", "Measured points to use instead of the fit's own.", "--data")
 
 
 def diagnose(
-    fit_file: FitFile,
-    scene: OtherScene = None,
-    data: OtherData = None,
-    unchanged: Annotated[float, option("P", "Prior probability that nothing has changed.")] = 0.5,
-    pairs: Annotated[float, option("ODDS", "Prior odds of two changes against one; 0: single changes only.")] = 0.1,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    fit_file: str = FIT_FILE,
+    scene: File = OTHER_SCENE,
+    data: File = OTHER_DATA,
+    unchanged: float = option("P", "Prior probability that nothing has changed.", default=0.5),
+    pairs: float = option("ODDS", "Prior odds of two changes against one; 0: single changes only.", default=0.1),
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Find from new measurements which one or two parameters of a machine have changed, with probabilities."""
     from screwsim.printing.diagnosis import diagnosis_document, print_diagnosis
@@ -43,23 +39,20 @@ def diagnose(
 
 
 def plan(
-    fit_file: FitFile,
-    candidates: Annotated[File, option("GRID.csv", "Operating points that could be measured.", "--candidates")] = None,
-    paths: Annotated[
-        Texts,
-        option(
-            "PATH=LOW..HIGH",
-            "Or a range of a condition; all combinations of the ranges are candidates; repeatable.",
-            "--path",
-        ),
-    ] = None,
-    levels: Annotated[int | None, option("N", "Values per range (default 4).")] = None,
-    count: Annotated[int, option("N", "Number of points to choose.")] = 3,
-    output: Annotated[File, option("NEXT.csv", "Write them as a data file for a fit, to be filled in.", "-o")] = None,
-    scene: OtherScene = None,
-    data: OtherData = None,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    fit_file: str = FIT_FILE,
+    candidates: File = option("GRID.csv", "Operating points that could be measured.", "--candidates"),
+    paths: Texts = option(
+        "PATH=LOW..HIGH",
+        "Or a range of a condition; all combinations of the ranges are candidates; repeatable.",
+        "--path",
+    ),
+    levels: int | None = option("N", "Values per range (default 4)."),
+    count: int = option("N", "Number of points to choose.", default=3),
+    output: File = option("NEXT.csv", "Write them as a data file for a fit, to be filled in.", "-o"),
+    scene: File = OTHER_SCENE,
+    data: File = OTHER_DATA,
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Choose further operating points whose measurement would fix the parameters of a fit best."""
     check_target(output, ".csv")

@@ -1,7 +1,6 @@
 """The command for a new scene: complete, commented and realistic, to be edited by hand."""
 
 from pathlib import Path
-from typing import Annotated
 
 from screwsim.cli.declare import File, Text, argument, option, switch
 from screwsim.inputs.faults import UsageError
@@ -9,47 +8,35 @@ from screwsim.screen import say
 
 
 def new(
-    kind: Annotated[
-        Text,
-        argument("KIND", "refrigeration, heat_pump, air, booster (suction above ambient), expander or reciprocating."),
-    ] = None,
-    fluid: Annotated[Text, option("NAME", "Working fluid (default: that of the kind).")] = None,
-    displacement: Annotated[
-        Text, option("FLOW", "Swept volume flow at the speed, e.g. '600 m^3/h' (default: that of the kind).")
-    ] = None,
-    diameter: Annotated[
-        Text, option("LENGTH", "Male rotor diameter, instead of --displacement, e.g. '204 mm'.")
-    ] = None,
-    vi: Annotated[float | None, option("RATIO", "Built-in volume ratio (default: by the pressure ratio).")] = None,
-    speed: Annotated[Text, option("SPEED", "Speed of the male rotor or crank (default: 2950 rpm).")] = None,
-    oil: Annotated[Text, option("NAME", "A stored oil, e.g. POE_68, mineral_46 (default: the fluid's).")] = None,
-    condition: Annotated[
-        Text,
-        option(
-            "LOW/HIGH",
-            "Operating condition, e.g. '0/40 degC, 10 K' (superheat), '1 bar/7.5 bar(g)', '20/7 bar, 100 degC' "
-            "(inlet).",
-        ),
-    ] = None,
-    motor: Annotated[
-        Text, option("POWER", "Rated motor power; if no other size is given, one is sought that loads it fully.")
-    ] = None,
-    capacity: Annotated[
-        Text,
-        option("POWER", "Cooling capacity, or heating capacity of a heat pump, e.g. '300 kW'; the size is sought."),
-    ] = None,
-    flow: Annotated[
-        Text, option("FLOW", "Free air delivery of an air package, e.g. '7.5 m^3/min'; the size is sought.")
-    ] = None,
-    pressure: Annotated[
-        Text, option("PRESSURE", "Outlet pressure of an air package, instead of --condition, e.g. '7.5 bar(g)'.")
-    ] = None,
-    economizer: Annotated[bool, switch("--economizer", "Add an economizer port (refrigeration, heat_pump).")] = False,
-    slide: Annotated[bool, switch("--slide", "Add a slide valve for part load (refrigeration, heat_pump).")] = False,
-    variable_speed: Annotated[
-        bool, switch("--variable-speed", "Air package with an inverter, swept over the speeds of its sheet.")
-    ] = False,
-    output: Annotated[File, option("SCENE.yaml", "File to write it to (default: the screen).", "-o")] = None,
+    kind: Text = argument(
+        "KIND", "refrigeration, heat_pump, air, booster (suction above ambient), expander or reciprocating.", None
+    ),
+    fluid: Text = option("NAME", "Working fluid (default: that of the kind)."),
+    displacement: Text = option(
+        "FLOW", "Swept volume flow at the speed, e.g. '600 m^3/h' (default: that of the kind)."
+    ),
+    diameter: Text = option("LENGTH", "Male rotor diameter, instead of --displacement, e.g. '204 mm'."),
+    vi: float | None = option("RATIO", "Built-in volume ratio (default: by the pressure ratio)."),
+    speed: Text = option("SPEED", "Speed of the male rotor or crank (default: 2950 rpm)."),
+    oil: Text = option("NAME", "A stored oil, e.g. POE_68, mineral_46 (default: the fluid's)."),
+    condition: Text = option(
+        "LOW/HIGH",
+        "Operating condition, e.g. '0/40 degC, 10 K' (superheat), '1 bar/7.5 bar(g)', '20/7 bar, 100 degC' (inlet).",
+    ),
+    motor: Text = option("POWER", "Rated motor power; if no other size is given, one is sought that loads it fully."),
+    capacity: Text = option(
+        "POWER", "Cooling capacity, or heating capacity of a heat pump, e.g. '300 kW'; the size is sought."
+    ),
+    flow: Text = option("FLOW", "Free air delivery of an air package, e.g. '7.5 m^3/min'; the size is sought."),
+    pressure: Text = option(
+        "PRESSURE", "Outlet pressure of an air package, instead of --condition, e.g. '7.5 bar(g)'."
+    ),
+    economizer: bool = switch("--economizer", "Add an economizer port (refrigeration, heat_pump)."),
+    slide: bool = switch("--slide", "Add a slide valve for part load (refrigeration, heat_pump)."),
+    variable_speed: bool = switch(
+        "--variable-speed", "Air package with an inverter, swept over the speeds of its sheet."
+    ),
+    output: File = option("SCENE.yaml", "File to write it to (default: the screen).", "-o"),
 ) -> None:
     """Write a complete, commented scene of a realistic machine, with leaks, oil and losses scaled to its size."""
     if output is not None:

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import contextlib
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from screwsim.cli.declare import Texts, argument, option, switch
+from screwsim.cli.declare import argument, option, switch
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
 if TYPE_CHECKING:
     from screwsim.scene import Scene
+    from screwsim.scene.grid import Swept
     from screwsim.study.progress import Progress
+    from screwsim.study.stages.read import StageChain
 
 OK, INTERNAL, USAGE, BAD_SCENE, NOT_ALL_OK, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
@@ -26,12 +28,12 @@ PAGES = (".html", ".htm")
 FILES = {*RESULTS, *PAGES, ".csv", ".json", ".yaml", ".yml", ".png", ".pdf", ".svg", ".txt", ".md", ".xlsx", ".dxf"}
 
 
-SceneFile = Annotated[str, argument("SCENE", "The scene, a YAML file.")]
-ResultsFile = Annotated[str, argument("OUT.h5", "Results of run or sweep.")]
-Overrides = Annotated[Texts, option("PATH=VALUE", "Change one path, e.g. operation.speed='1000 rpm'.", "--set")]
-Without = Annotated[Texts, option("EFFECT", "Leave an effect out.")]
-AsJson = Annotated[bool, switch("--json", "Print one JSON document on stdout, nothing else.")]
-Jobs = Annotated[int | None, option("N", "Worker processes (default: all cores).", min=1)]
+SCENE_FILE = argument("SCENE", "The scene, a YAML file.")
+RESULTS_FILE = argument("OUT.h5", "Results of run or sweep.")
+OVERRIDES = option("PATH=VALUE", "Change one path, e.g. operation.speed='1000 rpm'.", "--set")
+WITHOUT = option("EFFECT", "Leave an effect out.")
+AS_JSON = switch("--json", "Print one JSON document on stdout, nothing else.")
+JOBS = option("N", "Worker processes (default: all cores).", min=1)
 
 
 def loaded_scene(scene_file: str, overrides: Sequence[str] | None, without: Sequence[str] | None) -> Scene:
@@ -62,6 +64,22 @@ def progress_bar(title: str = "sweep", names: Sequence[str] = ()) -> Progress:
     from screwsim.study.progress import for_terminal
 
     return for_terminal(title, names)
+
+
+@contextlib.contextmanager
+def counted_progress(title: str, what: str) -> Iterator[Progress]:
+    """Give a progress display; after Ctrl-C, say on stderr how much was done, in a word for the points (`machines`)."""
+    from screwsim.study.progress import TolerantProgress
+
+    counted = TolerantProgress(progress_bar(title))
+    try:
+        yield counted
+    except KeyboardInterrupt:
+        done, there_are = counted.counts
+        if done:
+            kept = "none is kept, and the same command begins anew"
+            print_error(f"{title}: {done} of {there_are} {what} were done; {kept}", INTERRUPTED)
+        raise
 
 
 def print_document_or_text(
@@ -166,7 +184,13 @@ def base_point(scene: Scene, file: str) -> Scene:
     return replace(base, text=scene_text(base))
 
 
-def report_ignored_sweep(scene: Scene, whose: str, remedy: str) -> None:
+def report_sweeps_of_stages(chain: StageChain, file: str) -> None:
+    """Report on stderr that the sweeps of the scenes of a two-stage file are ignored, if there are some."""
+    for name, scene in (("first", chain.first), ("second", chain.second)):
+        report_ignored_sweep(scene, f"{file}: the {name} scene's", "a sweep of two stages stands in the two-stage file")
+
+
+def report_ignored_sweep(scene: Swept, whose: str, remedy: str) -> None:
     """Report on stderr that a command ignores the sweep of a scene, if there is one."""
     from screwsim.scene import case_count
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without
+from screwsim.cli.options import AS_JSON, JOBS, NOT_ALL_OK, OK, OVERRIDES, SCENE_FILE, WITHOUT
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -19,27 +19,23 @@ if TYPE_CHECKING:
     from screwsim.study.measured import MeasuredFigure
 
 
+SHEETS = (".csv", ".html", ".pdf")  # endings of the points of two stages
+
+
 def run(
-    scene_file: SceneFile,
-    output: Annotated[File, option("OUT.h5", "Write the result, including traces.", "-o")] = None,
-    overrides: Overrides = None,
-    without: Without = None,
-    knock_out: Annotated[bool, switch("--knock-out", "Leave out each effect in turn and report what changes.")] = False,
-    together: Annotated[
-        Texts,
-        option(
-            "GROUP",
-            "Leave out together: leaks, oil, friction, walls, or a comma-separated list of effects; repeatable.",
-        ),
-    ] = None,
-    measured: Annotated[
-        Texts,
-        option(
-            "FIGURE=VALUE", "Compare with a measured value, e.g. 'shaft_power=132 kW ± 2 kW'; repeatable.", "--measured"
-        ),
-    ] = None,
-    short: Annotated[bool, switch("--short", "Print only the ten main figures, on one screen.")] = False,
-    as_json: AsJson = False,
+    scene_file: str = SCENE_FILE,
+    output: File = option("OUT.h5", "Write the result, including traces.", "-o"),
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    knock_out: bool = switch("--knock-out", "Leave out each effect in turn and report what changes."),
+    together: Texts = option(
+        "GROUP", "Leave out together: leaks, oil, friction, walls, or a comma-separated list of effects; repeatable."
+    ),
+    measured: Texts = option(
+        "FIGURE=VALUE", "Compare with a measured value, e.g. 'shaft_power=132 kW ± 2 kW'; repeatable.", "--measured"
+    ),
+    short: bool = switch("--short", "Print only the ten main figures, on one screen."),
+    as_json: bool = AS_JSON,
 ) -> int:
     """Simulate one operating point, or two stages in series (a file with stages: [first.yaml, second.yaml])."""
     from screwsim.study.stages import is_stages
@@ -139,7 +135,7 @@ def _knock_out_groups(scene: Scene, each: bool, together: Sequence[str] | None) 
     return (*read_groups(scene, together or ()), *(each_alone(scene) if each else ()))
 
 
-def _run_stages(file: str, output: Path | None, overrides: Overrides, as_json: bool) -> int:
+def _run_stages(file: str, output: Path | None, overrides: Texts, as_json: bool) -> int:
     from screwsim.printing.stages import print_stages
     from screwsim.study.point import save_point
     from screwsim.study.stages import read_stages, run_stages
@@ -148,13 +144,9 @@ def _run_stages(file: str, output: Path | None, overrides: Overrides, as_json: b
     places = [] if output is None else [output.with_stem(f"{output.stem}_{name}") for name in ("first", "second")]
     for place in places:
         options.check_place(place)
-    for name, scene in (("first", chain.first), ("second", chain.second)):
-        options.report_ignored_sweep(
-            scene, f"{file}: the {name} scene's", "a two-stage file is not swept: run it once per value, with --set"
-        )
-        if scene.uncertain or scene.model_error:
-            told = "tolerances are ignored (screwsim run of that scene shows their effect)"
-            say(f"{file}: the {name} scene's {told}", err=True)
+    options.report_ignored_sweep(chain, f"{file}: its", f"screwsim sweep {file} simulates the sweep")
+    options.report_sweeps_of_stages(chain, file)
+    _report_ignored_tolerances(file, chain)
     found = run_stages(chain)
     written = places if found.scenes else []
     for place, scene, result in zip(written, found.scenes, found.stages, strict=False):
@@ -164,25 +156,33 @@ def _run_stages(file: str, output: Path | None, overrides: Overrides, as_json: b
     return OK if found.status == "ok" else NOT_ALL_OK
 
 
+def _report_ignored_tolerances(file: str, chain: Any) -> None:
+    for name, scene in (("first", chain.first), ("second", chain.second)):
+        if scene.uncertain or scene.model_error:
+            told = "tolerances are ignored (screwsim run of that scene shows their effect)"
+            say(f"{file}: the {name} scene's {told}", err=True)
+
+
 def sweep(
-    scene_file: SceneFile,
-    output: Annotated[File, option("OUT.h5", "File to write the results to (default: results/SCENE.h5).", "-o")] = None,
-    overrides: Overrides = None,
-    without: Without = None,
-    jobs: Jobs = None,
-    scheduler: Annotated[Text, option("ADDRESS|FILE", "Compute on a dask scheduler's workers instead.")] = None,
-    case_limit: Annotated[
-        float | None,
-        option("SECONDS", "Time limit per case (default: 300; with --jobs 1: none).", min=0.001),
-    ] = None,
-    restart: Annotated[bool, switch("--restart", "Discard stored results and start over.")] = False,
-    batch: Annotated[bool, switch("--batch", "Solve many points at once in the SIMD lanes of each core.")] = False,
-    gpu: Annotated[
-        bool, switch("--gpu", "The same on an NVIDIA GPU shared by all workers, for thousands of points.")
-    ] = False,
-    as_json: AsJson = False,
+    scene_file: str = SCENE_FILE,
+    output: File = option("OUT.h5", "File to write the results to (default: results/SCENE.h5).", "-o"),
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    jobs: int | None = JOBS,
+    scheduler: Text = option("ADDRESS|FILE", "Compute on a dask scheduler's workers instead."),
+    case_limit: float | None = option("SECONDS", "Time limit per case (default: 300; with --jobs 1: none).", min=0.001),
+    restart: bool = switch("--restart", "Discard stored results and start over."),
+    batch: bool = switch("--batch", "Solve many points at once in the SIMD lanes of each core."),
+    gpu: bool = switch("--gpu", "The same on an NVIDIA GPU shared by all workers, for thousands of points."),
+    as_json: bool = AS_JSON,
 ) -> int:
-    """Simulate all cases of a scene's sweep, or resume it."""
+    """Simulate all cases of a sweep, or resume it; two stages give a table, a page or a PDF (OUT.csv, .html, .pdf)."""
+    from screwsim.study.stages import is_stages
+
+    if is_stages(scene_file):
+        named = {"--without": without, "--scheduler": scheduler, "--case-limit": case_limit}
+        options.refuse_for_stages(scene_file, "sweep", named | {"--batch": batch, "--gpu": gpu})
+        return _sweep_stages(scene_file, output, overrides, jobs, restart, as_json)
     if scheduler is not None and jobs is not None:
         raise UsageError("--jobs counts workers on this machine; a --scheduler has its own (remove one of the two)")
     scene = options.loaded_scene(scene_file, overrides, without)
@@ -204,15 +204,42 @@ def sweep(
     return OK if summary.ok == summary.cases else NOT_ALL_OK
 
 
+def _sweep_stages(
+    file: str, output: Path | None, overrides: Texts, jobs: int | None, restart: bool, as_json: bool
+) -> int:
+    from screwsim.printing.machine import print_sheet
+    from screwsim.report.datasheet import check_sheet, write_sheet
+    from screwsim.study.datasheet.stages_points import points_sheet
+    from screwsim.study.stages import read_stages
+    from screwsim.study.stages.points import KeptPoints, sweep_stages
+
+    chain = read_stages(file, overrides or ())
+    if not chain.sweep:
+        example = "first.operation.speed: [2000 rpm, 3000 rpm]"
+        raise UsageError(f"{file}: has no sweep (add sweep: {{{example}}}; one point is simulated by screwsim run)")
+    options.report_sweeps_of_stages(chain, file)
+    _report_ignored_tolerances(file, chain)
+    place = output or Path("results") / f"{Path(file).stem}.csv"
+    if place.suffix.lower() not in SHEETS:
+        good = ", ".join(str(place.with_suffix(ending)) for ending in SHEETS)
+        raise UsageError(f"-o {place}: points of two stages are a table, a page or a PDF (write one of {good})")
+    check_sheet(place)
+    kept = KeptPoints(chain, place)
+    points = sweep_stages(chain, kept, jobs=jobs, restart=restart, progress=options.progress_bar())
+    sheet = points_sheet(chain, points, kept.reused)
+    options.print_document_or_text(as_json, lambda found: found.document, print_sheet, sheet)
+    options.print_files([write_sheet(sheet, place)], as_json)
+    kept.discard()
+    return OK if sheet.ok else NOT_ALL_OK
+
+
 def explain(
-    scene_file: SceneFile,
-    names: Annotated[Texts, argument("[EFFECT]...", "With --parameters: effects or sections to list.")] = None,
-    overrides: Overrides = None,
-    without: Without = None,
-    code: Annotated[bool, switch("--code", "Print the code that is compiled for the scene.")] = False,
-    parameters: Annotated[
-        bool, switch("--parameters", "List every key with its unit, default, range and meaning.")
-    ] = False,
+    scene_file: str = SCENE_FILE,
+    names: Texts = argument("[EFFECT]...", "With --parameters: effects or sections to list.", None),
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    code: bool = switch("--code", "Print the code that is compiled for the scene."),
+    parameters: bool = switch("--parameters", "List every key with its unit, default, range and meaning."),
 ) -> None:
     """List what is simulated and what is left out, for a scene or two stages in series."""
     from screwsim.study.stages import explain_stages, is_stages, read_stages
@@ -239,11 +266,11 @@ def explain(
 
 
 def accuracy(
-    scene_file: SceneFile,
-    folder: Annotated[File, option("DIR", "Folder for table, data and figure (default: not written).", "-o")] = None,
-    overrides: Overrides = None,
-    without: Without = None,
-    quick: Annotated[bool, switch("--quick", "A shorter study: seconds instead of minutes.")] = False,
+    scene_file: str = SCENE_FILE,
+    folder: File = option("DIR", "Folder for table, data and figure (default: not written).", "-o"),
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    quick: bool = switch("--quick", "A shorter study: seconds instead of minutes."),
 ) -> int:
     """Measure how computing time grows with accuracy: integrators, gases, numerical choices, effects, size."""
     from screwsim.study.stages import is_stages
@@ -252,7 +279,6 @@ def accuracy(
         raise UsageError(f"{scene_file}: describes two stages, and accuracy needs one scene (name that of one stage)")
     scene = options.loaded_point(scene_file, overrides, without)
     options.check_folder(folder)
-    from screwsim.cli.interruption import counted_progress
     from screwsim.report.accuracy import draw
     from screwsim.results.atomic import make_folder
     from screwsim.study.accuracy import QUICK_SCOPE, NoReference, Scope, files, study, words
@@ -261,7 +287,7 @@ def accuracy(
         make_folder(folder)
         files.protect_other_studies(folder)
     try:
-        with counted_progress("accuracy", "measurements") as shown:
+        with options.counted_progress("accuracy", "measurements") as shown:
             found = study(scene, QUICK_SCOPE if quick else Scope(), shown)
     except NoReference as error:
         return options.print_error(f"{scene_file}: {error}", NOT_ALL_OK)

@@ -1,37 +1,29 @@
 """The search commands: values for given figures, and best values of paths."""
 
 from pathlib import Path
-from typing import Annotated
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without
+from screwsim.cli.options import AS_JSON, JOBS, NOT_ALL_OK, OK, OVERRIDES, SCENE_FILE, WITHOUT
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
 
 def find(
-    scene_file: SceneFile,
-    vary: Annotated[
-        Texts, option("PATH[=LOW..HIGH]", "Path to vary, e.g. operation.speed; repeatable.", "--vary")
-    ] = None,
-    goals: Annotated[
-        Texts, option("FIGURE=VALUE", "Target, e.g. 'cooling_capacity=500 kW'; repeatable.", "--for")
-    ] = None,
-    catalogue: Annotated[
-        Text, option("SIZES", "Available sizes, e.g. '140,163,204 mm'; the next larger one is chosen.", "--catalogue")
-    ] = None,
-    output: Annotated[
-        File, option("FOUND.yaml", "Write the scene found (for a sweep, its rows as .csv or .h5).", "-o")
-    ] = None,
-    overrides: Overrides = None,
-    without: Without = None,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    scene_file: str = SCENE_FILE,
+    vary: Texts = option("PATH[=LOW..HIGH]", "Path to vary, e.g. operation.speed; repeatable.", "--vary"),
+    goals: Texts = option("FIGURE=VALUE", "Target, e.g. 'cooling_capacity=500 kW'; repeatable.", "--for"),
+    catalogue: Text = option(
+        "SIZES", "Available sizes, e.g. '140,163,204 mm'; the next larger one is chosen.", "--catalogue"
+    ),
+    output: File = option("FOUND.yaml", "Write the scene found (for a sweep, its rows as .csv or .h5).", "-o"),
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Find values of paths that give wanted figures: a speed for a capacity, a size for a duty."""
     scene = options.loaded_scene(scene_file, overrides, without)
-    from screwsim.cli.interruption import counted_progress
     from screwsim.printing.find import find_document, print_find, write_find
     from screwsim.scene import case_count
     from screwsim.scene.grid import with_sweep_over
@@ -48,7 +40,7 @@ def find(
         if several:
             raise UsageError(f"-o {output}: the sweep gives one answer per row (write -o FOUND.csv or .h5)")
         check_scene_file(output)
-    with counted_progress("find", "rows") as shown:
+    with options.counted_progress("find", "rows") as shown:
         rows = find_each(scene, asked, jobs=jobs, progress=shown)
     options.print_document_or_text(as_json, find_document, print_find, scene, asked, rows)
     found = rows[0]
@@ -65,37 +57,28 @@ def find(
 
 
 def optimize(
-    scene_file: SceneFile,
-    vary: Annotated[
-        Texts,
-        option("PATH=LOW..HIGH", "Path to vary and its range, e.g. oil_supply.ratio=0.3..3; repeatable.", "--vary"),
-    ] = None,
-    maximize: Annotated[Texts, option("FIGURE", "Figure to maximize; repeatable.", "--maximize")] = None,
-    minimize: Annotated[Texts, option("FIGURE", "Figure to minimize; repeatable.", "--minimize")] = None,
-    subject_to: Annotated[
-        Texts,
-        option("FIGURE<VALUE", "Bound on a figure, e.g. 'discharge_temperature<90 degC'; repeatable.", "--subject-to"),
-    ] = None,
-    over: Annotated[
-        Text,
-        option("POINTS.csv|NAME", "Weighted operating points: a file, IPLV, ESEER, SEER, SEPR, or …-water.", "--over"),
-    ] = None,
-    print_points: Annotated[
-        bool, switch("--print-points", "Print the points of --over as editable CSV, and exit.")
-    ] = False,
-    output: Annotated[
-        File, option("OUT.h5", "Store all evaluations, so that an interrupted run can resume.", "-o")
-    ] = None,
-    best: Annotated[File, option("BEST.yaml", "Write the best scene (single aim only).", "--best")] = None,
-    evaluations: Annotated[
-        int | None, option("N", "Largest number of evaluations (default: 100 per path).", min=1)
-    ] = None,
-    seed: Annotated[int, option("N", "Random seed of the search.", min=0)] = 1,
-    overrides: Overrides = None,
-    without: Without = None,
-    jobs: Jobs = None,
-    restart: Annotated[bool, switch("--restart", "Discard stored results and start over.")] = False,
-    as_json: AsJson = False,
+    scene_file: str = SCENE_FILE,
+    vary: Texts = option(
+        "PATH=LOW..HIGH", "Path to vary and its range, e.g. oil_supply.ratio=0.3..3; repeatable.", "--vary"
+    ),
+    maximize: Texts = option("FIGURE", "Figure to maximize; repeatable.", "--maximize"),
+    minimize: Texts = option("FIGURE", "Figure to minimize; repeatable.", "--minimize"),
+    subject_to: Texts = option(
+        "FIGURE<VALUE", "Bound on a figure, e.g. 'discharge_temperature<90 degC'; repeatable.", "--subject-to"
+    ),
+    over: Text = option(
+        "POINTS.csv|NAME", "Weighted operating points: a file, IPLV, ESEER, SEER, SEPR, or …-water.", "--over"
+    ),
+    print_points: bool = switch("--print-points", "Print the points of --over as editable CSV, and exit."),
+    output: File = option("OUT.h5", "Store all evaluations, so that an interrupted run can resume.", "-o"),
+    best: File = option("BEST.yaml", "Write the best scene (single aim only).", "--best"),
+    evaluations: int | None = option("N", "Largest number of evaluations (default: 100 per path).", min=1),
+    seed: int = option("N", "Random seed of the search.", min=0, default=1),
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    jobs: int | None = JOBS,
+    restart: bool = switch("--restart", "Discard stored results and start over."),
+    as_json: bool = AS_JSON,
 ) -> int:
     """Find values of paths that make figures best: one or several aims, within bounds, over operating points."""
     scene = options.loaded_scene(scene_file, overrides, without)

@@ -6,13 +6,13 @@ import sys
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without
+from screwsim.cli.options import AS_JSON, JOBS, NOT_ALL_OK, OK, OVERRIDES, SCENE_FILE, WITHOUT
 from screwsim.inputs.faults import Interrupted, UsageError
 from screwsim.screen import say
 
@@ -21,23 +21,20 @@ if TYPE_CHECKING:
 
 
 def optimum(
-    scene_file: SceneFile,
-    path: Annotated[str, option("PATH[=LOW..HIGH]", "Path to vary, and its range.")] = "oil_supply.ratio",
-    figure: Annotated[
-        Text, option("NAME", "Figure to maximize (default: an efficiency that suits the gas).", "--figure")
-    ] = None,
-    minimum: Annotated[bool, switch("--minimize", "Minimize it instead.", "--minimum")] = False,
-    first: Annotated[Text, option("VALUE", "Lower end of the range.", "--from")] = None,
-    last: Annotated[Text, option("VALUE", "Upper end of the range.", "--to")] = None,
-    output: Annotated[File, option("OUT.csv|.h5", "Write the table.", "-o")] = None,
-    overrides: Overrides = None,
-    without: Without = None,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    scene_file: str = SCENE_FILE,
+    path: str = option("PATH[=LOW..HIGH]", "Path to vary, and its range.", default="oil_supply.ratio"),
+    figure: Text = option("NAME", "Figure to maximize (default: an efficiency that suits the gas).", "--figure"),
+    minimum: bool = switch("--minimize", "Minimize it instead.", "--minimum"),
+    first: Text = option("VALUE", "Lower end of the range.", "--from"),
+    last: Text = option("VALUE", "Upper end of the range.", "--to"),
+    output: File = option("OUT.csv|.h5", "Write the table.", "-o"),
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Find the best value of one path at each point of the sweep's other axes."""
     scene = options.loaded_scene(scene_file, overrides, without)
-    from screwsim.cli.interruption import counted_progress
     from screwsim.printing.optimum import optimum_document, print_optimum, write_optimum
     from screwsim.study.inputs import efficiency_note
     from screwsim.study.optimum import optimum as found
@@ -47,7 +44,7 @@ def optimum(
     options.check_columns(output, "optimum of", "accuracy", "solutions", "failed_solutions", "place")
     if figure is None and (told := efficiency_note(scene)):
         typer.echo(f"optimum: {told}", err=True)
-    with counted_progress("optimum", "rows") as shown:
+    with options.counted_progress("optimum", "rows") as shown:
         rows = found(scene, asked, jobs=jobs, progress=shown)
     options.print_document_or_text(as_json, optimum_document, print_optimum, scene, asked, rows)
     if output is not None:
@@ -57,21 +54,17 @@ def optimum(
 
 
 def performance_map(
-    results_file: Annotated[str, argument("OUT.h5", "Results file of a sweep.")],
-    figures: Annotated[
-        Texts,
-        option("NAME", "Figure to fit (default: electrical or shaft power, mass flow, cooling capacity).", "--figure"),
-    ] = None,
-    points: Annotated[
-        Texts,
-        option(
-            "NAME=VALUE,…",
-            "Evaluate the map at e.g. 'evaporating_temperature=0 degC, condensing_temperature=40 degC'; repeatable.",
-            "--at",
-        ),
-    ] = None,
-    output: Annotated[File, option("OUT.csv|.json", "Write the map.", "-o")] = None,
-    as_json: AsJson = False,
+    results_file: str = argument("OUT.h5", "Results file of a sweep."),
+    figures: Texts = option(
+        "NAME", "Figure to fit (default: electrical or shaft power, mass flow, cooling capacity).", "--figure"
+    ),
+    points: Texts = option(
+        "NAME=VALUE,…",
+        "Evaluate the map at e.g. 'evaporating_temperature=0 degC, condensing_temperature=40 degC'; repeatable.",
+        "--at",
+    ),
+    output: File = option("OUT.csv|.json", "Write the map.", "-o"),
+    as_json: bool = AS_JSON,
 ) -> int:
     """Fit the ten AHRI 540 / EN 12900 coefficients to a sweep over both temperatures, or evaluate them."""
     from screwsim.printing.performance_map import (
@@ -103,29 +96,25 @@ def performance_map(
 
 
 def sensitivity(
-    scene_file: SceneFile,
-    places: Annotated[Texts, argument("[PATH]…", "With --local: inputs to differentiate by (default: all).")] = None,
-    local: Annotated[bool, switch("--local", "Derivatives at the point itself, instead of indices.")] = False,
-    check_sobol: Annotated[
-        int | None, option("N", "Check the linear uncertainty from the scene's tolerances against N samples.")
-    ] = None,
-    paths: Annotated[
-        Texts,
-        option("PATH=LOW..HIGH", "Path to vary and its range, e.g. oil_supply.ratio=0.5..2; repeatable.", "--path"),
-    ] = None,
-    figures: Annotated[
-        Texts, option("NAME", "Figure to study (default: efficiency and mass flow; --local: all).", "--figure")
-    ] = None,
-    samples: Annotated[
-        int | None,
-        option("N", "Base samples, a power of two (default: 256; 32 for one path); takes N (paths + 2) solutions."),
-    ] = None,
-    seed: Annotated[int, option("N", "Random seed of the samples and confidence intervals.", min=0)] = 1,
-    output: Annotated[File, option("OUT.csv|.h5", "Write the indices.", "-o")] = None,
-    overrides: Overrides = None,
-    without: Without = None,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    scene_file: str = SCENE_FILE,
+    places: Texts = argument("[PATH]…", "With --local: inputs to differentiate by (default: all).", None),
+    local: bool = switch("--local", "Derivatives at the point itself, instead of indices."),
+    check_sobol: int | None = option(
+        "N", "Check the linear uncertainty from the scene's tolerances against N samples."
+    ),
+    paths: Texts = option(
+        "PATH=LOW..HIGH", "Path to vary and its range, e.g. oil_supply.ratio=0.5..2; repeatable.", "--path"
+    ),
+    figures: Texts = option("NAME", "Figure to study (default: efficiency and mass flow; --local: all).", "--figure"),
+    samples: int | None = option(
+        "N", "Base samples, a power of two (default: 256; 32 for one path); takes N (paths + 2) solutions."
+    ),
+    seed: int = option("N", "Random seed of the samples and confidence intervals.", min=0, default=1),
+    output: File = option("OUT.csv|.h5", "Write the indices.", "-o"),
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Rank the inputs that a figure depends on: Sobol indices over ranges, or derivatives at the point (--local)."""
     scene = options.loaded_point(scene_file, overrides, without)
@@ -135,7 +124,6 @@ def sensitivity(
         return _local_sensitivity(scene, (places or (), paths or ()), figures or (), output, jobs, as_json)
     if places:
         raise UsageError(f"{places[0]}: has no range (write --path PATH=LOW..HIGH, or add --local)")
-    from screwsim.cli.interruption import counted_progress
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
     from screwsim.printing.tables import wrapped
     from screwsim.study.inputs import efficiency_note
@@ -152,7 +140,7 @@ def sensitivity(
         typer.echo(f"sensitivity: {told}", err=True)
     if sys.stderr.isatty():
         say(wrapped(f"sensitivity: {cost_in_words(len(ranges), samples)}"), err=True)
-    with counted_progress("sensitivity", "solutions") as shown:
+    with options.counted_progress("sensitivity", "solutions") as shown:
         found = studied(scene, ranges, names, samples=samples, seed=seed, jobs=jobs, progress=shown)
     options.print_document_or_text(as_json, sensitivity_document, print_sensitivity, scene, found)
     if output is not None and not found.message:
@@ -183,7 +171,6 @@ def _local_sensitivity(
     as_json: bool,
 ) -> int:
     """Print and write the derivatives of a scene's figures by its numbers."""
-    from screwsim.cli.interruption import counted_progress
     from screwsim.printing.sensitivity import local_document, print_local, write_local
     from screwsim.study.figures import figure_of
     from screwsim.study.local import sensitivities
@@ -196,7 +183,7 @@ def _local_sensitivity(
     else:
         options.check_columns(output, "local sensitivities", "figure", "path", "number", "derivative")
     names = [figure_of(scene, name) for name in figures]
-    with counted_progress("sensitivity", "solutions") as shown:
+    with options.counted_progress("sensitivity", "solutions") as shown:
         found = sensitivities(scene, places, names, jobs=jobs, progress=shown)
     options.print_document_or_text(as_json, local_document, partial(print_local, chosen=names), scene, found)
     if output is not None and found.derivatives:
@@ -206,15 +193,11 @@ def _local_sensitivity(
 
 
 def compare(
-    first: Annotated[str, argument("A.h5", "Results of run or sweep.")],
-    second: Annotated[str, argument("B.h5", "Results file to compare it with.")],
-    tolerance: Annotated[
-        float, option("T", "Relative difference to ignore, in addition to the numerical error.")
-    ] = 0.0,
-    folder: Annotated[
-        File, option("DIR", "Folder for a table of all common points and figures of both files.", "-o")
-    ] = None,
-    as_json: AsJson = False,
+    first: str = argument("A.h5", "Results of run or sweep."),
+    second: str = argument("B.h5", "Results file to compare it with."),
+    tolerance: float = option("T", "Relative difference to ignore, in addition to the numerical error.", default=0.0),
+    folder: File = option("DIR", "Folder for a table of all common points and figures of both files.", "-o"),
+    as_json: bool = AS_JSON,
 ) -> int:
     """Compare two results files. A difference still exits with 0."""
     options.check_folder(folder)
@@ -231,17 +214,12 @@ def compare(
 
 
 def calibrate(
-    fit_file: Annotated[str, argument("FIT", "Fit file (YAML): scene, measured points and parameters.")],
-    folder: Annotated[File, option("DIR", "Folder for scene.yaml, fit.json and the residual figure.", "-o")] = None,
-    posterior: Annotated[
-        bool, switch("--posterior", "Also sample the posterior of the parameters (extra `posterior`).")
-    ] = False,
-    predict: Annotated[
-        File,
-        option("POINTS.csv", "Predict other points, with intervals (implies --posterior)."),
-    ] = None,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    fit_file: str = argument("FIT", "Fit file (YAML): scene, measured points and parameters."),
+    folder: File = option("DIR", "Folder for scene.yaml, fit.json and the residual figure.", "-o"),
+    posterior: bool = switch("--posterior", "Also sample the posterior of the parameters (extra `posterior`)."),
+    predict: File = option("POINTS.csv", "Predict other points, with intervals (implies --posterior)."),
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Fit parameters of a scene to measured points, and report how well the data fix them."""
     options.check_folder(folder)
@@ -289,31 +267,30 @@ def calibrate(
 
 
 def tolerance(
-    scene_file: SceneFile,
-    grade: Annotated[int, option("N", "ISO 286 tolerance grade of crank, rod and offset, e.g. 7 for IT7.")] = 10,
-    crank_grade: Annotated[int | None, option("N", "Grade of the crank alone.")] = None,
-    rod_grade: Annotated[int | None, option("N", "Grade of the rod alone.")] = None,
-    offset_grade: Annotated[int | None, option("N", "Grade of the offset alone.")] = None,
-    bore_grade: Annotated[int | None, option("N", "Grade of the bore (default: exact).")] = None,
-    count: Annotated[int, option("N", "Number of machines to draw.")] = 64,
-    seed: Annotated[int, option("N", "Random seed.", min=0)] = 1,
-    folder: Annotated[File, option("DIR", "Write the figures.", "-o")] = None,
-    overrides: Overrides = None,
-    without: Without = None,
-    jobs: Jobs = None,
-    as_json: AsJson = False,
+    scene_file: str = SCENE_FILE,
+    grade: int = option("N", "ISO 286 tolerance grade of crank, rod and offset, e.g. 7 for IT7.", default=10),
+    crank_grade: int | None = option("N", "Grade of the crank alone."),
+    rod_grade: int | None = option("N", "Grade of the rod alone."),
+    offset_grade: int | None = option("N", "Grade of the offset alone."),
+    bore_grade: int | None = option("N", "Grade of the bore (default: exact)."),
+    count: int = option("N", "Number of machines to draw.", default=64),
+    seed: int = option("N", "Random seed.", min=0, default=1),
+    folder: File = option("DIR", "Write the figures.", "-o"),
+    overrides: Texts = OVERRIDES,
+    without: Texts = WITHOUT,
+    jobs: int | None = JOBS,
+    as_json: bool = AS_JSON,
 ) -> int:
     """Find how length errors of a slider-crank change its motion and, by Monte Carlo, the compressor."""
     options.check_folder(folder)
     scene = options.loaded_point(scene_file, overrides, without)
-    from screwsim.cli.interruption import counted_progress
     from screwsim.printing.machine import print_tolerance, tolerance_document
     from screwsim.study.tolerance import tolerances
 
     grades = {"crank_radius": crank_grade, "rod_length": rod_grade, "offset": offset_grade}
     asked = {name: grade if own is None else own for name, own in grades.items()}
     asked |= {} if bore_grade is None else {"bore": bore_grade}
-    with counted_progress("tolerance", "machines") as shown:
+    with options.counted_progress("tolerance", "machines") as shown:
         found = tolerances(scene, asked, count=count, seed=seed, jobs=jobs, progress=shown)
     options.print_document_or_text(as_json, tolerance_document, print_tolerance, scene, found)
     if folder is not None:

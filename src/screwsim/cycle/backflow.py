@@ -60,8 +60,7 @@ def backflow_feedback(problem: Problem, q: Array, unknowns_in: Array, unknowns_o
     change = unknowns_out - unknowns_in
     warmer = float(back[0] * change[AT_ENTHALPY] + back[1] * oil * change[AT_TEMPERATURE]) / comes
     later = share / (1.0 - share) * warmer
-    believed = (
-        abs(later) < LARGEST_CHANGE * unknowns_out[AT_TEMPERATURE]
-        and abs(gas * later) < LARGEST_CHANGE * unknowns_out[AT_ENTHALPY]
+    believed = abs(later) < LARGEST_CHANGE * unknowns_out[AT_TEMPERATURE] and abs(gas * later) < LARGEST_CHANGE * (
+        unknowns_out[AT_ENTHALPY] + problem.enthalpy_shift
     )
     return BackflowFeedback(share, gas * later, later) if believed else BackflowFeedback(share)

@@ -205,8 +205,9 @@ def _line_unknowns(problem: Problem, R: Array) -> Array:
     They are its enthalpy [J/kg], with carried oil its oil ratio and oil temperature [K], and dissolved gas if a
     state.
     """
-    port_state = R[R_DISCHARGE : R_DISCHARGE + PORT_STATE].tolist()
-    return np.array([max(port_state[cell], 1e-9) for cell in _unknown_indices(problem)])
+    port_state, cells = R[R_DISCHARGE : R_DISCHARGE + PORT_STATE].tolist(), _unknown_indices(problem)
+    pairs = zip(cells, problem.entries.shifts.tolist(), strict=False)  # the line's entries come first
+    return np.array([max(port_state[cell] + shift, 1e-9) - shift for cell, shift in pairs])
 
 
 def _unknown_indices(problem: Problem) -> tuple[int, ...]:
@@ -233,7 +234,7 @@ def _outflow(problem: Problem, R: Array, q: Array) -> Array:
     all_own = back <= max(out, 0.0) or parts.held_back
     own = 1.0 if all_own else out / back  # share of what flows back that had flowed out before
     if not given:
-        plenum[AT_ENTHALPY] = mean.enthalpy if mean is not None else 0.0
+        plenum[AT_ENTHALPY] = mean.enthalpy if mean is not None else 0.0 - problem.enthalpy_shift
         if mean is None or own < 1.0:
             plenum[AT_ENTHALPY] = own * plenum[AT_ENTHALPY] + (1.0 - own) * problem.h_isentropic
     if problem.composition.carried:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
-from functools import cache, lru_cache
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -94,6 +94,7 @@ def suction_of(parts: Parts, line: PortState, lost: float = 0.0) -> SuctionState
 Array = np.ndarray
 EQUAL_WITHIN = 1e-6  # rad, angles closer than this count as equal
 LEAST_OIL = 1e-4  # oil per gas below which a relative change of it is ignored
+LEAST_ENTHALPY = 0.5  # of c_p T_s: enthalpy of the suction gas below which its zero is in the way of logarithms
 
 
 class Inlet(NamedTuple):
@@ -145,6 +146,11 @@ class Problem:
     def h_isentropic(self) -> float:
         """Enthalpy [J/kg] of the suction gas compressed to the discharge pressure at its entropy."""
         return _h_isentropic(self.parts, self.lines, self.inlet)
+
+    @property
+    def enthalpy_shift(self) -> float:
+        """What is added to enthalpies [J/kg] where they count as positive numbers (`enthalpy_shift`)."""
+        return float(self.entries.shifts[0])
 
     @once
     def leaked(self) -> dict[bytes, Any]:
@@ -246,8 +252,8 @@ def problem_of(scene: Scene, series: Series | None = None, set_speed: float | No
     inlet, suction = Inlet(line[DENSITY], line[ENTHALPY]), suction_of(parts, line, lost)
     begins = suction.port_state(_h_isentropic(parts, at, inlet)) if suction.changed else line
     parameters = np.concatenate([composition.P, [*begins, at.p_d, *parts.geometry.outcomes]])
-    of_oil = composition.carried, composition.dissolves
-    lines_of = (*_discharge_line(*of_oil), *(_suction_line(*of_oil) if parts.suction_line else ()))
+    about = composition.carried, composition.dissolves, enthalpy_shift(parts.gas.c_p * at.T_s, inlet.enthalpy)
+    lines_of = (*_discharge_line(*about), *(_suction_line(*about) if parts.suction_line else ()))
     entries = _entries((*lines_of, *(part.entry for _, part in parts.all(Made))))
     criteria = closing_criteria(scene.numerics, tuple(composition.P[composition.widths].tolist()))
     return Problem(scene, parts, composition, at, inlet, suction, entries, parameters, criteria)
@@ -282,8 +288,17 @@ def _with_integrator(integrator: str, composition: Composition) -> Composition:
     return replace(composition, text=text, together=lambda: found.into(together()))
 
 
-@cache
-def _discharge_line(carried: bool, dissolves: bool) -> tuple[FeedbackUnknown, ...]:
+def enthalpy_shift(usual: float, h_s: float) -> float:
+    """Return what is added to enthalpies [J/kg] so that they count as positive numbers: 0 for most fluids.
+
+    Where the zero of enthalpy, which is arbitrary, leaves that of the suction gas h_s small or negative, the sum is
+    `usual`, c_p T_s of an ideal gas.
+    """
+    return 0.0 if h_s > LEAST_ENTHALPY * usual else usual - h_s
+
+
+@lru_cache(maxsize=8)
+def _discharge_line(carried: bool, dissolves: bool, shift: float) -> tuple[FeedbackUnknown, ...]:
     """Return the unknowns of the discharge line (M27): its enthalpy; with carried oil its oil ratio and temperature.
 
     Where oil dissolves gas, also the dissolved gas (M230).
@@ -292,17 +307,17 @@ def _discharge_line(carried: bool, dissolves: bool) -> tuple[FeedbackUnknown, ..
     oil = (ratio, FeedbackUnknown("discharge_oil_temperature", of=ratio.name)) if carried else ()
     if dissolves:
         oil = (*oil, FeedbackUnknown("discharge_held_gas", of=ratio.name, scale=1.0))
-    return FeedbackUnknown("discharge_enthalpy"), *oil
+    return FeedbackUnknown("discharge_enthalpy", shift=shift), *oil
 
 
-@cache
-def _suction_line(carried: bool, dissolves: bool) -> tuple[FeedbackUnknown, ...]:
+@lru_cache(maxsize=8)
+def _suction_line(carried: bool, dissolves: bool, shift: float) -> tuple[FeedbackUnknown, ...]:
     """Return the unknowns of a suction line that mixes in backflow (M270): its enthalpy, oil, gas dissolved in the oil.
 
     The amounts are per kilogram of gas, and their changes count as they are, not relative to the amount.
     """
     amounts = ("suction_oil", "suction_held_gas")[: carried + dissolves]
-    return FeedbackUnknown("suction_enthalpy"), *(FeedbackUnknown(name, scale=1.0) for name in amounts)
+    return FeedbackUnknown("suction_enthalpy", shift=shift), *(FeedbackUnknown(name, scale=1.0) for name in amounts)
 
 
 _entries = lru_cache(maxsize=8)(FeedbackUnknowns)

@@ -196,7 +196,8 @@ def imbalance(problem: Problem, R: Array, streams: Array, h_d: float, heat: floa
         problem.parts.gas.port_state_of_enthalpy(problem.suction.pressure, found.enthalpy)
     except UsageError as wrong:
         return f"gas and oil that flow back would make an impossible mixture in the suction line: {wrong}"
-    off = abs(found.enthalpy / float(R[R_SUCTION + ENTHALPY]) - 1.0)
+    shift = problem.enthalpy_shift
+    off = abs((found.enthalpy + shift) / (float(R[R_SUCTION + ENTHALPY]) + shift) - 1.0)
     return (
         ""
         if off <= IMBALANCE
@@ -233,7 +234,7 @@ def mixed(problem: Problem, total: Stream, guess: float) -> Mixture:
         dissolved = solution.enthalpy * held if solution else 0.0
         return (total.fluid - held) * h + total.oil * oil.heat_capacity * (T + pressed) + dissolved - wanted
 
-    h = _root(excess, guess)
+    h = _root(excess, guess, problem.enthalpy_shift)
     held = held_at(gas.temperature(p, h)) * total.oil
     left = max(total.fluid - held, 1e-12 * total.oil)
     return Mixture(h, total.oil / left, held / left)
@@ -244,14 +245,15 @@ def held_of(solution: OilSolution, entropy: float) -> float:
     return exp(float(np.interp(-entropy, -np.asarray(solution.entropy), np.asarray(solution.log_held))))
 
 
-def _root(excess: Callable[[float], float], guess: float) -> float:
-    """Return the zero of an increasing function, bracketed outwards from a guess."""
+def _root(excess: Callable[[float], float], guess: float, shift: float) -> float:
+    """Return the zero of an increasing function, bracketed outwards from a guess; guess + shift is positive."""
     low = high = guess
-    at, reach = excess(guess), REACH * guess
+    size = guess + shift
+    at, reach = excess(guess), REACH * size
     grows = at < 0.0
     while (at < 0.0) == grows and at != 0.0:
-        if reach > guess:
+        if reach > size:
             raise UsageError("no mixture of gas and oil is possible in the suction line")
-        low, high = (high, guess + reach) if grows else (max(guess - reach, CLOSE * guess), low)
+        low, high = (high, guess + reach) if grows else (max(guess - reach, CLOSE * size - shift), low)
         at, reach = excess(high if grows else low), 2.0 * reach
-    return brentq(excess, low, high, CLOSE * guess, CLOSE) if low < high else guess
+    return brentq(excess, low, high, CLOSE * size, CLOSE) if low < high else guess

@@ -15,7 +15,7 @@ from math import hypot, pi
 from screwsim.effects.base import Effect, Faults, PowerLoss
 from screwsim.effects.oil_drag import declared_film_temperature, film_temperature
 from screwsim.effects.parts.usual import FRICTION, Sized
-from screwsim.inputs.declare import choice, count, number, quantity
+from screwsim.inputs.declare import choice, count, number, optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import DIAMETER, ROTORS
 from screwsim.outputs import power_figure
@@ -46,8 +46,8 @@ class Parameters:
     friction_coefficient: float | None = number(
         "mu_f, on the bore (friction: simple)", None, ge=0.0, le=10.0, hardly=(None, 0.1)
     )
-    bore: float | None = quantity("length", "d: bore of the bearings (friction: simple)", None, gt=0.0)
-    mean_diameter: float | None = quantity("length", "d_m: mean diameter (friction: two_term)", None, gt=0.0)
+    bore: float | None = optional("length", "d: bore of the bearings (friction: simple)")
+    mean_diameter: float | None = optional("length", "d_m: mean diameter (friction: two_term)")
     f_0: float | None = number(
         "f_0, of the bearing and its lubrication (friction: two_term)", None, ge=0.0, le=1e3, hardly=(None, 20.0)
     )

@@ -28,7 +28,7 @@ from screwsim.effects.parts.gap import (
     ramp,
 )
 from screwsim.effects.parts.usual import LEAK, Sized
-from screwsim.inputs.declare import quantity
+from screwsim.inputs.declare import optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import BLOW_HOLE, ROTORS, SQUARE
 from screwsim.numerics.kernel import kernel
@@ -43,17 +43,15 @@ SHUTTING = 40.0 * DEGREE  # angle over which the lobe closes the blow-hole at th
 class Parameters(GapParameters):
     """Area of one blow-hole and the angles of the leading chamber between which it exists."""
 
-    area: float | None = quantity(
-        "area", "area of one blow-hole (default with a profile: from the profile)", None, gt=0.0
-    )
+    area: float | None = optional("area", "area of one blow-hole (default with a profile: from the profile)")
     opens: float = quantity(
         "angle", "angle of the leading chamber at which it opens (no profile)", 373.0 * DEGREE, ge=0.0
     )
     closes: float = quantity(
         "angle", "angle of the leading chamber at which it closes (no profile)", 693.0 * DEGREE, le=4 * pi
     )
-    suction_area: float | None = quantity(
-        "area", "area of the blow-hole at the suction cusp (M263; default: none) (no profile)", None, gt=0.0
+    suction_area: float | None = optional(
+        "area", "area of the blow-hole at the suction cusp (M263; default: none) (no profile)"
     )
     suction_closes: float = quantity(
         "angle",

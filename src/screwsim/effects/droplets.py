@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from screwsim.effects.base import Around, Effect, Faults, HeatRate, Reading
 from screwsim.effects.parts.gas_transport import gas_faults, gas_numbers
 from screwsim.effects.parts.usual import OIL_HEAT, Sized
-from screwsim.inputs.declare import choice, number, quantity
+from screwsim.inputs.declare import choice, number, optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import DIAMETER, LOBE, OIL, ROTORS
 from screwsim.numerics.kernel import kernel
@@ -42,7 +42,7 @@ class Parameters:
     diameter: float | None = quantity(
         "length", "d: Sauter diameter of the droplets (size: fixed)", None, gt=0.0, hardly=(1e-7, 1e-2)
     )
-    orifice_diameter: float | None = quantity("length", "D: diameter of the bore that the oil jet leaves", None, gt=0.0)
+    orifice_diameter: float | None = optional("length", "D: diameter of the bore that the oil jet leaves")
     jet_pressure: float | None = quantity(
         "pressure_difference", "pressure drop across that bore: u = sqrt(2 dp/rho_o)", None, gt=0.0, hardly=(None, 1e7)
     )
@@ -52,12 +52,8 @@ class Parameters:
     slip: float = number(
         "slip speed between droplet and gas, over the male tip speed", 0.0, ge=0.0, le=1e3, hardly=(None, 2.0)
     )
-    reference_pressure: float | None = quantity(
-        "pressure", "pressure at which lambda, mu, Pr of the gas are evaluated", None, gt=0.0
-    )
-    reference_temperature: float | None = quantity(
-        "temperature", "temperature at which they are evaluated", None, gt=0.0
-    )
+    reference_pressure: float | None = optional("pressure", "pressure at which lambda, mu, Pr of the gas are evaluated")
+    reference_temperature: float | None = optional("temperature", "temperature at which they are evaluated")
     gas_conductivity: float | None = quantity(
         "thermal_conductivity", "lambda of the gas (default: from CoolProp)", None, gt=0.0, le=10.0, hardly=(1e-3, 1.0)
     )

@@ -180,10 +180,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
         p = parameters.pressure or constants.dew_pressure(site.fluid, T)
         return site.gas.vapour(p, T + parameters.superheat)
 
-    def figures(drawn: Drawn) -> Given:
-        return economizer_figures(parameters, drawn)
-
-    return [window_path(NAME, parameters), Plenum(NAME, state, figures, GAIN)]
+    return [window_path(NAME, parameters), Plenum(NAME, state, partial(economizer_figures, parameters), GAIN)]
 
 
 def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
@@ -212,7 +209,7 @@ def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
 
 
 def warnings(found: Mapping[str, Any]) -> Iterator[str]:
-    """Yield a warning where the net flow is from the chambers back, or the port draws more vapour than there is."""
+    """Yield warnings of a net flow back from the chambers, of more vapour drawn than there is, and of lost heat."""
     flow = found.get("economizer_mass_flow") or 0.0
     if flow < 0.0:
         what = f"{-flow:.3g} kg/s flow from the chambers back into the economizer, whose vapour is held at its pressure"
@@ -221,11 +218,6 @@ def warnings(found: Mapping[str, Any]) -> Iterator[str]:
     if ratio > 1.0 + DRAWN_TOO_MUCH:
         what = f"the economizer's port draws {ratio:.3g} times the vapour that the liquid gives off"
         yield f"{what}: its pressure would fall (lower effects.economizer.temperature, or make the port smaller)"
-    yield from _of_heat(found)
-
-
-def _of_heat(found: Mapping[str, Any]) -> Iterator[str]:
-    """Yield a warning where gas that is pushed back carries much heat out of the machine."""
     loss, power = found.get(HEAT_LOSS) or 0.0, abs(found.get("shaft_power") or 0.0)
     if loss > GIVEN_TOO_MUCH * power > 0.0:
         what = f"gas that chambers push back into the economizer loses {loss:.3g} W there, {100.0 * loss / power:.2g} %"
@@ -326,11 +318,6 @@ def _between(parameters: Parameters, T: float, facts, stated: str) -> Faults:
         yield Fault(f"effects.{NAME}.{stated}", f"{what} (choose a value between)")
 
 
-def check_geometry(parameters: Parameters, geometry) -> Faults:
-    """Yield a fault where the window extends beyond the chamber's life."""
-    yield from check_within(NAME, parameters, geometry)
-
-
 EFFECT = Effect(
     name=NAME,
     title="vapour from an economizer, through a port into a closed chamber",
@@ -339,7 +326,7 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
-    check_geometry=check_geometry,
+    check_geometry=partial(check_within, NAME),
     needs=frozenset({HOLES}),
     figures=FIGURES,
     warnings=warnings,

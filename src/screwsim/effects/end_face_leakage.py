@@ -18,7 +18,7 @@ from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.parts.gap import ClearanceParameters, check_defaults, check_gap, gap_path, profile_paths, ramp
 from screwsim.effects.parts.gap_flow import numbers
 from screwsim.effects.parts.usual import LEAK, Sized
-from screwsim.inputs.declare import number, quantity
+from screwsim.inputs.declare import number, optional
 from screwsim.machine.protocol import END_GAP, LOBE, ROTORS, SPAN
 from screwsim.numerics.kernel import kernel
 
@@ -30,8 +30,8 @@ RAMP = 20.0 * pi / 180.0
 class Parameters(ClearanceParameters):
     """Clearance, total length and how it is shared."""
 
-    length: float | None = quantity(
-        "length", "length of the end-face gap of one chamber, both paths together (no profile)", None, gt=0.0
+    length: float | None = optional(
+        "length", "length of the end-face gap of one chamber, both paths together (no profile)"
     )
     suction_share: float = number("share of the length towards the filling chamber (no profile)", 0.25, ge=0.0, le=1.0)
 

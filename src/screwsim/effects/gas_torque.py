@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.effects.base import Effect, Faults, Reading
-from screwsim.inputs.declare import number, quantity
+from screwsim.inputs.declare import number, optional
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import ROTORS
 from screwsim.outputs import Figure, Trace, names_of, over
@@ -62,8 +62,8 @@ class Parameters:
     male_share: float | None = number(
         "share of the male rotor in the work of the torque (known for rotors with a profile)", None, ge=0.0, le=1.0
     )
-    axial_area: float | None = quantity("area", "projected axial area of one chamber", None, gt=0.0)
-    radial_area: float | None = quantity("area", "projected radial area of one chamber", None, gt=0.0)
+    axial_area: float | None = optional("area", "projected axial area of one chamber")
+    radial_area: float | None = optional("area", "projected radial area of one chamber")
 
 
 def torque(pitch) -> np.ndarray:
@@ -155,7 +155,6 @@ def build(parameters: Parameters, machine) -> list[Reading]:
         return dict(zip(names_of(FIGURES), values, strict=True))
 
     def traces(figures) -> dict[str, Any]:
-        """Return torque and forces over a pitch."""
         pitch = figures.pitch()
         found = {"gas_torque": torque(pitch)}
         if (rotors := rotor_torques(parameters, pitch, ratio)) is not None:

@@ -29,7 +29,7 @@ from screwsim.effects.parts.gap import (
 )
 from screwsim.effects.parts.gap_flow import numbers
 from screwsim.effects.parts.usual import LEAK, Sized
-from screwsim.inputs.declare import quantity
+from screwsim.inputs.declare import optional
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import CONTACT_GAP, LOBE, ROTORS, SPAN
 from screwsim.numerics.kernel import kernel
@@ -46,9 +46,9 @@ TIP_FALL = 690.0 / 360.0 * TURN  # the leading chamber's angle beyond which the 
 class Parameters(ClearanceParameters):
     """Clearance and length of the full sealing line."""
 
-    length: float | None = quantity("length", "length of the full sealing line (no profile)", None, gt=0.0)
-    tip_length: float | None = quantity(
-        "length", "part of length that lies over the male tip (M261, M262; default: M20) (no profile)", None, gt=0.0
+    length: float | None = optional("length", "length of the full sealing line (no profile)")
+    tip_length: float | None = optional(
+        "length", "part of length that lies over the male tip (M261, M262; default: M20) (no profile)"
     )
 
 

@@ -14,6 +14,7 @@ Parameters: opens, closes, area, flow_coefficient, pressure_loss, discharge_temp
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Plenum, Site, Sought, Span
@@ -24,7 +25,7 @@ from screwsim.effects.parts.usual import Sized
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.inputs.declare import FoundWithCycle, number, quantity
+from screwsim.inputs.declare import FoundWithCycle, number, optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import HOLES, SHELL, WIDEST
 from screwsim.outputs import BESIDE, BESIDE_RATIO, Figure
@@ -62,8 +63,8 @@ class Parameters(WindowParameters, Sought):
         ge=0.0,
         hardly=(None, 5e6),
     )
-    discharge_temperature: float | None = quantity(
-        "temperature", "discharge temperature kept by a thermostatic valve, in place of opening (M391)", None, gt=0.0
+    discharge_temperature: float | None = optional(
+        "temperature", "discharge temperature kept by a thermostatic valve, in place of opening (M391)"
     )
     opening: float | None = number("share of area that the valve leaves open", None, gt=0.0, le=1.0)
 
@@ -177,11 +178,6 @@ def _thermostat(parameters: Parameters, facts) -> Faults:
         yield Fault(path, f"{what} (remove one of the two)")
 
 
-def check_geometry(parameters: Parameters, geometry) -> Faults:
-    """Yield a fault where the window extends beyond the chamber's life."""
-    yield from check_within(NAME, parameters, geometry)
-
-
 EFFECT = Effect(
     name=NAME,
     title="condensate, through a bore into the closed chamber",
@@ -190,7 +186,7 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
-    check_geometry=check_geometry,
+    check_geometry=partial(check_within, NAME),
     needs=frozenset({HOLES}),
     figures=FIGURES,
     sizes=(Sized("area", SHELL, WIDEST, (0.0, 0.05)),),

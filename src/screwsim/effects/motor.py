@@ -55,10 +55,6 @@ SUCTION, STATED = "suction_gas", "stated"
 ON_ELECTRICAL = ("isothermal_efficiency", "isentropic_efficiency", "cop", "heating_cop")
 
 
-class _Usual(float):
-    """The default efficiency, for a motor whose scene states none."""
-
-
 @dataclass(frozen=True)
 class Parameters:
     """Rated point and loss curve of the motor, and the efficiency of its inverter."""
@@ -66,7 +62,7 @@ class Parameters:
     rated_power: float = quantity("power", "P_r: rated power at the shaft", gt=0.0)
     efficiency: float = number(
         "eta_r: efficiency at rated power (default: IE3, 75 kW, four poles)",
-        _Usual(0.95),
+        inverter.Usual(0.95),
         gt=0.0,
         le=1.0,
         hardly=(0.3, 0.995),
@@ -95,7 +91,7 @@ class Parameters:
     def __post_init__(self) -> None:
         """Set what follows from the rated power and is not stated: a class's efficiency, the loss by an inverter."""
         poles = self.poles or 4
-        if self.is_of_class and poles in motor_classes.POLES and isinstance(self.efficiency, _Usual | Derived):
+        if self.is_of_class and poles in motor_classes.POLES and isinstance(self.efficiency, inverter.Usual | Derived):
             efficiency = motor_classes.class_efficiency(self.efficiency_class, poles, self.rated_power)
             object.__setattr__(self, "efficiency", Derived(efficiency))
         if self.inverter is not None:

@@ -15,7 +15,7 @@ from typing import Any
 
 from screwsim.effects.base import Effect, Faults, PowerLoss
 from screwsim.effects.parts.usual import Sized
-from screwsim.inputs.declare import number, quantity
+from screwsim.inputs.declare import number, optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import DIAMETER, LOBE, ROTORS
 from screwsim.outputs import power_figure
@@ -38,8 +38,8 @@ class Parameters:
     end_solidity: float | None = number(
         "share of the rotors' outer circles that is metal on the end face (with end_gap)", None, gt=0.0, le=1.0
     )
-    female_diameter: float | None = quantity(
-        "length", "outer diameter of the female rotor (default: machine.profile's, else the male rotor's)", None, gt=0.0
+    female_diameter: float | None = optional(
+        "length", "outer diameter of the female rotor (default: machine.profile's, else the male rotor's)"
     )
     film_temperature: float | None = declared_film_temperature(
         "T_f: temperature of the films (default: mean of injected and discharged oil)"

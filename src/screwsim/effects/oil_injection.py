@@ -15,6 +15,7 @@ the oil: oil_supply.
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 from screwsim.effects.base import Effect, Faults, OilPort
 from screwsim.effects.parts.gap import ramp
@@ -22,7 +23,7 @@ from screwsim.effects.parts.port_window import RAMP, WindowParameters, check_win
 from screwsim.fluid import constants
 from screwsim.fluid.orifice import smooth_orifice_flow
 from screwsim.fluid.settings import OilLine
-from screwsim.inputs.declare import quantity
+from screwsim.inputs.declare import optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL
 from screwsim.numerics.kernel import kernel
@@ -41,11 +42,8 @@ class Parameters(WindowParameters):
         ge=0.0,
         hardly=(None, 5e6),
     )
-    pressure: float | None = quantity(
-        "pressure",
-        "pressure of the oil before the bore, in place of separator pressure less pressure_loss",
-        None,
-        gt=0.0,
+    pressure: float | None = optional(
+        "pressure", "pressure of the oil before the bore, in place of separator pressure less pressure_loss"
     )
     line: OilLine | None = None
 
@@ -191,11 +189,6 @@ def discharge_pressure(facts) -> float | None:
     return constants.condensing_pressure(facts.gas.name, T_c) if saturated else None
 
 
-def check_geometry(parameters: Parameters, geometry) -> Faults:
-    """Yield a fault where the window extends beyond the chamber's life."""
-    yield from check_within(NAME, parameters, geometry)
-
-
 EFFECT = Effect(
     name=NAME,
     title="oil enters through a bore while the chamber faces it",
@@ -206,6 +199,6 @@ EFFECT = Effect(
     needs_oil=True,
     states=("T_oil", "x_oil"),
     check=check,
-    check_geometry=check_geometry,
+    check_geometry=partial(check_within, NAME),
     needs=frozenset({OIL}),
 )

@@ -25,7 +25,7 @@ import numpy as np
 from screwsim.effects.base import DISCHARGE, LINES, Effect, Faults, LineFlow, Made, Pulsation, Reading, Site, Turn
 from screwsim.effects.parts import line_valve
 from screwsim.effects.parts.line_valve import Valve
-from screwsim.inputs.declare import count, number, quantity
+from screwsim.inputs.declare import count, number, optional
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import PORTS
 from screwsim.numerics.feedback_unknowns import FeedbackUnknown
@@ -88,12 +88,12 @@ FIGURES = (
 class Parameters:
     """Volumes, what lies behind them, and how finely the pressure is resolved."""
 
-    discharge_volume: float | None = quantity("volume", "volume of the discharge plenum (absent: none)", None, gt=0.0)
-    suction_volume: float | None = quantity("volume", "volume of the suction plenum (absent: none)", None, gt=0.0)
-    discharge_area: float | None = quantity(
-        "area", "cross-section of the discharge line, which reflects nothing (absent: its flow is steady)", None, gt=0.0
+    discharge_volume: float | None = optional("volume", "volume of the discharge plenum (absent: none)")
+    suction_volume: float | None = optional("volume", "volume of the suction plenum (absent: none)")
+    discharge_area: float | None = optional(
+        "area", "cross-section of the discharge line, which reflects nothing (absent: its flow is steady)"
     )
-    suction_area: float | None = quantity("area", "cross-section of the suction line, likewise", None, gt=0.0)
+    suction_area: float | None = optional("area", "cross-section of the suction line, likewise")
     discharge_loss: float = number(
         "loss coefficient of port and line, with discharge_area", 0.0, ge=0.0, le=1e6, hardly=(None, 100.0)
     )

@@ -31,7 +31,7 @@ from screwsim.fluid import constants, solubility
 from screwsim.fluid.oils import is_ester
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.vapour_fugacity import Fugacity, fugacity_table
-from screwsim.inputs.declare import quantity
+from screwsim.inputs.declare import optional
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL
 from screwsim.numerics import cubic
@@ -80,14 +80,11 @@ APART = 5.0  # [K] least distance of the two temperatures that the heat of solut
 class Parameters(InSeparator):
     """Where the oil was in equilibrium with gas, and how fast it comes to equilibrium in the chamber."""
 
-    flash_time: float | None = quantity(
-        "time",
-        "time in which oil in a chamber gives off gas beyond equilibrium (absent: at once, in the port)",
-        None,
-        gt=0.0,
+    flash_time: float | None = optional(
+        "time", "time in which oil in a chamber gives off gas beyond equilibrium (absent: at once, in the port)"
     )
-    absorption_time: float | None = quantity(
-        "time", "time in which it absorbs gas (absent: it does not; needs flash_time)", None, gt=0.0
+    absorption_time: float | None = optional(
+        "time", "time in which it absorbs gas (absent: it does not; needs flash_time)"
     )
 
 

@@ -14,7 +14,7 @@ from screwsim.effects.base import SUCTION, Effect, Faults, FlowPath
 from screwsim.effects.parts.gap import GAP_FLOW_COEFFICIENT, flow_coefficient
 from screwsim.effects.parts.usual import LEAK, Sized
 from screwsim.effects.parts.valves import port_area
-from screwsim.inputs.declare import quantity
+from screwsim.inputs.declare import optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import BORE, CYLINDER, PISTON
 
@@ -24,7 +24,7 @@ class Parameters:
     """The equivalent gap of the ring pack."""
 
     gap: float | None = quantity("length", "equivalent radial gap around the bore", None, gt=0.0, hardly=(None, 5e-4))
-    area: float | None = quantity("area", "equivalent area, instead of gap", None, gt=0.0)
+    area: float | None = optional("area", "equivalent area, instead of gap")
     flow_coefficient: float = flow_coefficient("the gap", GAP_FLOW_COEFFICIENT)
 
 

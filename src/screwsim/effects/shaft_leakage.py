@@ -20,7 +20,7 @@ from screwsim.effects.base import Effect, Faults, LineLeak
 from screwsim.effects.parts import gap_flow
 from screwsim.effects.parts.gap import flow_coefficient
 from screwsim.effects.parts.usual import LEAK
-from screwsim.inputs.declare import choice, number, quantity
+from screwsim.inputs.declare import choice, number, optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import ROTORS
 from screwsim.outputs import HEATED, Figure, over
@@ -41,9 +41,7 @@ class Parameters:
     area: float | None = quantity(
         "area", "area of all paths together, in place of the annulus of each shaft", None, ge=0.0
     )
-    shaft_diameter: float | None = quantity(
-        "length", "diameter of a shaft where it passes the discharge end", None, gt=0.0
-    )
+    shaft_diameter: float | None = optional("length", "diameter of a shaft where it passes the discharge end")
     clearance: float | None = quantity("length", "radial clearance between shaft and bore", None, ge=0.0)
     shafts: int = number("number of shafts of that diameter and clearance", _SHAFTS, ge=1, le=4)
     flow_coefficient: float = flow_coefficient("the leak", 0.7)

@@ -18,7 +18,7 @@ from screwsim.effects.bypass import RAMP, area, window
 from screwsim.effects.parts.gap import flow_coefficient, table_area
 from screwsim.effects.parts.roles import SLIDES
 from screwsim.effects.parts.usual import Sized
-from screwsim.inputs.declare import AREA, file, number, quantity
+from screwsim.inputs.declare import AREA, file, number, optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import ROTORS, SHELL, WIDEST
 from screwsim.numerics.spline import features, read_curve
@@ -36,15 +36,11 @@ class Parameters:
 
     position: float | None = number(f"x: 0 is full load, 1 the end of the travel {_OWN}", None, ge=0.0, le=1.0)
     slot_area: float | None = quantity("area", f"S_slot: area to suction at the end of the travel {_OWN}", None, ge=0.0)
-    closes: float | None = quantity(
-        "angle", f"phi_1: angle at which the slot closes at the end of the travel {_OWN}", None, gt=0.0
-    )
+    closes: float | None = optional("angle", f"phi_1: angle at which the slot closes at the end of the travel {_OWN}")
     flow_coefficient: float = flow_coefficient("slot and radial port", 1.0)
     radial_area: float | None = quantity("area", "S_r: area of the radial discharge port", None, ge=0.0)
-    radial_opens: float | None = quantity("angle", "phi_a: angle at which it opens at full load", None, gt=0.0)
-    radial_opens_moved: float | None = quantity(
-        "angle", "phi_b: angle at which it opens at the end of the travel", None, gt=0.0
-    )
+    radial_opens: float | None = optional("angle", "phi_a: angle at which it opens at full load")
+    radial_opens_moved: float | None = optional("angle", "phi_b: angle at which it opens at the end of the travel")
     area_file: str | None = file(
         "CSV with columns angle_deg, area_m2: the slot, in place of position, slot_area and closes", curve=AREA
     )
@@ -57,17 +53,6 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
     if parameters.area_file is not None:
         angles, areas = read_curve(parameters.area_file, "area_m2")
         return [_slot(parameters, (angles, areas), (angles[0], *features(angles, areas), angles[-1]))]
-    return _stated(parameters, machine)
-
-
-def _slot(parameters: Parameters, curve, own: tuple[float, ...]) -> FlowPath:
-    """Return the path to suction through a slot whose area by angle is given as a curve."""
-    coefficient, tables = parameters.flow_coefficient, {"curve": curve}
-    return FlowPath(SUCTION, table_area, {}, own, flow_coefficient=coefficient, tables=tables, beside=True)
-
-
-def _stated(parameters: Parameters, machine) -> list[FlowPath]:
-    """Return the paths of slot and radial port of a slide whose angles are stated."""
     x, begins = parameters.position, machine.injection_angle
     assert x is not None and parameters.slot_area is not None and parameters.closes is not None  # checked
     closes = begins + x * (parameters.closes - begins)
@@ -80,6 +65,12 @@ def _stated(parameters: Parameters, machine) -> list[FlowPath]:
             FlowPath(DISCHARGE, area, sized, tuple(angles.values()), flow_coefficient=coefficient, beside=True)
         )
     return found
+
+
+def _slot(parameters: Parameters, curve, own: tuple[float, ...]) -> FlowPath:
+    """Return the path to suction through a slot whose area by angle is given as a curve."""
+    coefficient, tables = parameters.flow_coefficient, {"curve": curve}
+    return FlowPath(SUCTION, table_area, {}, own, flow_coefficient=coefficient, tables=tables, beside=True)
 
 
 def check(parameters: Parameters, facts) -> Faults:

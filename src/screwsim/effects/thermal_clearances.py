@@ -19,7 +19,7 @@ from screwsim.effects.base import Effect, Faults, Made, Reading, Scaled, Site, T
 from screwsim.effects.parts.usual import Sized
 from screwsim.effects.wall_heat import LUMPS, fixed_temperature
 from screwsim.effects.wall_heat import NAME as WALLS
-from screwsim.inputs.declare import quantity
+from screwsim.inputs.declare import optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import DIAMETER, ROTORS, SPAN
 from screwsim.numerics.feedback_unknowns import FeedbackUnknown
@@ -58,11 +58,8 @@ class Parameters:
         le=1e-3,
         hardly=(None, 5e-5),
     )
-    axis_distance: float | None = quantity(
-        "length",
-        "distance of the rotors' axes (with interlobe_leakage; default: machine.profile.centre_distance)",
-        None,
-        gt=0.0,
+    axis_distance: float | None = optional(
+        "length", "distance of the rotors' axes (with interlobe_leakage; default: machine.profile.centre_distance)"
     )
     bearing_distance: float = quantity(
         "length", "distance from the thrust bearing to the discharge end face", 0.0, ge=0.0

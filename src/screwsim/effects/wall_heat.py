@@ -19,7 +19,7 @@ from typing import Any
 from screwsim.effects.base import Around, Effect, Faults, Made, Reading, Site, Turn, Wall
 from screwsim.effects.parts.gas_transport import gas_faults, gas_numbers
 from screwsim.effects.parts.usual import Sized
-from screwsim.inputs.declare import number, quantity
+from screwsim.inputs.declare import number, optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import DIAMETER, ROTORS, SHELL
 from screwsim.numerics.feedback_unknowns import FeedbackUnknown
@@ -64,12 +64,8 @@ class Parameters:
     housing_cooling: float = quantity("power", "heat removed from the housing at its outside", 0.0, ge=0.0)
     rotor_temperature: float | None = fixed_temperature("found from its heat balance")
     housing_temperature: float | None = fixed_temperature("found from its heat balance")
-    reference_pressure: float | None = quantity(
-        "pressure", "pressure at which lambda, mu of the gas are evaluated", None, gt=0.0
-    )
-    reference_temperature: float | None = quantity(
-        "temperature", "temperature at which they are evaluated", None, gt=0.0
-    )
+    reference_pressure: float | None = optional("pressure", "pressure at which lambda, mu of the gas are evaluated")
+    reference_temperature: float | None = optional("temperature", "temperature at which they are evaluated")
     gas_conductivity: float | None = quantity(
         "thermal_conductivity", "lambda of the gas (default: from CoolProp)", None, gt=0.0, le=10.0, hardly=(1e-3, 1.0)
     )

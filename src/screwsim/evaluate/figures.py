@@ -77,8 +77,9 @@ def figures_of(
     take(humidity.figures(problem, life, streams, found, circuit))
     take(performance.refrigeration(found, problem.inlet.density, _refrigerating_effect(problem, found)))
     if problem.refrigerating_effect is not None:
-        condensed = flow + sum(net for net, _ in drawn)
-        take(performance.heating(found, condensed, _condenser_heat(problem, circuit, leaving)))
+        condensed, rejected = flow + sum(net for net, _ in drawn), _condenser_heat(problem, circuit, leaving)
+        beyond = performance.beyond_suction_gas(problem.scene, problem.inlet.enthalpy, drawn)
+        take(performance.heating(found, condensed, rejected, beyond))
     take(performance.saturation_figures(problem, found))
     if "intake_pressure" in problem.called:
         found["intake_pressure"] = problem.suction.pressure

@@ -87,7 +87,6 @@ def _first_message(asked: KernelCheck, points: Sequence[ChamberPoint]) -> str:
 
 
 def _message(effect: str, what: str, unit: str, point: ChamberPoint, value: float) -> str:
-    """Return the message on an impossible value."""
     states = f", T = {in_celsius(point.y[S_T])}, p = {in_bar(point.p)}" if point.m else ""
     shown = f"{value:.6g} {unit}".rstrip()
     where = f"at {math.degrees(point.phi):.2f} deg{states}"

@@ -15,12 +15,14 @@ from screwsim.cycle.problem import Inlet, Problem
 from screwsim.effects.base import Given, Plenum, Reading
 from screwsim.fluid import constants
 from screwsim.fluid.gas import Gas
+from screwsim.fluid.models import condenses
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.faults import UsageError, checked_own_number
 from screwsim.model.parts import Parts
 from screwsim.model.slots import OF_GAS
 from screwsim.numerics.frozen import with_changes
-from screwsim.scene.lines import Lines
+from screwsim.scene.lines import Lines, suction_enthalpy
+from screwsim.scene.types import Scene
 
 WET = "the intake is wet"
 Array = np.ndarray
@@ -42,33 +44,29 @@ def efficiencies(
     names = ("isothermal_efficiency", "ideal_isothermal_efficiency", "isentropic_efficiency")
     if flow <= 0.0 or shaft_power <= 0.0:
         return dict.fromkeys(names, NONE_DELIVERED if flow <= 0.0 else NO_POWER)
-    works, obstacle = _ideal_works(gas, lines, inlet)
+    wet = None if lines.quality is None else inlet.enthalpy
+    works, obstacle = _ideal_works(gas, lines.p_s, lines.p_d, lines.T_s, wet, wet is not None)
     powers = [None if work is None else flow * work for work in works]
     for net, state in drawn:
-        others, reason = _plenum_works(gas, lines.p_d, state)
+        others, reason = _ideal_works(gas, state.p, lines.p_d, state.T, state.h)
         powers = [None if a is None or b is None else a + net * b for a, b in zip(powers, others, strict=True)]
         obstacle = obstacle or reason
     return {name: obstacle if power is None else power / shaft_power for name, power in zip(names, powers, strict=True)}
 
 
-@lru_cache(maxsize=64)
-def _ideal_works(gas: Gas, lines: Lines, inlet: Inlet) -> tuple[tuple[float | None, float, float], str | None]:
-    """Return isothermal, ideal isothermal and isentropic work [J/kg] (M49), and why there is no isothermal one."""
-    ends = lines.p_s, lines.p_d, lines.T_s
-    ideal = gas.ideal_isothermal_work(*ends)
-    if lines.quality is not None:
-        isentropic = gas.isentropic_work_of_enthalpy(lines.p_s, lines.p_d, inlet.enthalpy)
+@lru_cache(maxsize=128)
+def _ideal_works(
+    gas: Gas, p: float, p_d: float, T: float, h: float | None = None, wet: bool = False
+) -> tuple[tuple[float | None, float, float], str | None]:
+    """Return isothermal, ideal isothermal and isentropic work [J/kg] (M49), and why there is no isothermal one.
+
+    They are those from p [Pa] and T [K] to p_d; the isentropic one starts from the enthalpy h [J/kg] where it is given.
+    """
+    ideal = gas.ideal_isothermal_work(p, p_d, T)
+    isentropic = gas.isentropic_work(p, p_d, T) if h is None else gas.isentropic_work_of_enthalpy(p, p_d, h)
+    if wet:
         return (None, ideal, isentropic), WET
-    return (gas.isothermal_work(*ends), ideal, gas.isentropic_work(*ends)), gas.isothermal_obstacle(*ends)
-
-
-@lru_cache(maxsize=64)
-def _plenum_works(gas: Gas, p_d: float, state: Reservoir) -> tuple[tuple[float | None, float, float], str | None]:
-    """Return the same as `_ideal_works`, for the fluid of a plenum."""
-    isentropic = gas.isentropic_work_of_enthalpy(state.p, p_d, state.h)
-    obstacle = gas.isothermal_obstacle(state.p, p_d, state.T)
-    isothermal = None if obstacle else gas.isothermal_work(state.p, p_d, state.T)
-    return (isothermal, gas.ideal_isothermal_work(state.p, p_d, state.T), isentropic), obstacle
+    return (gas.isothermal_work(p, p_d, T), ideal, isentropic), gas.isothermal_obstacle(p, p_d, T)
 
 
 def parted(given: Given) -> tuple[dict[str, Any], dict[str, str]]:
@@ -101,16 +99,34 @@ def refrigeration(found: Mapping[str, Any], rho_s: float, effect: float | None) 
     return specific | dict(zip(names[1:], (flow * effect, cop, rho_s * effect), strict=True))
 
 
-def heating(found: Mapping[str, Any], condensed: float, rejected: float | str) -> Given:
+def beyond_suction_gas(scene: Scene, h_s: float, drawn: Sequence[tuple[float, Reservoir]]) -> float | str:
+    """Return the heat [W] that gas of own plenums gives off beyond as much suction gas (M410), or why it is unknown.
+
+    `h_s` is the enthalpy of the suction gas by the gas model [J/kg], `drawn` as in `efficiencies`. Nothing for a model
+    that has the real fluid's enthalpies.
+    """
+    if not drawn or condenses(scene.gas):
+        return 0.0
+    try:
+        sucked = suction_enthalpy(scene)
+        real = [constants.vapour_enthalpy(scene.gas.name, state.p, state.T) - sucked for _, state in drawn]
+    except UsageError as error:
+        return str(error)
+    return sum(net * (rise - (state.h - h_s)) for (net, state), rise in zip(drawn, real, strict=True))
+
+
+def heating(found: Mapping[str, Any], condensed: float, rejected: float | str, beyond: float | str = 0.0) -> Given:
     """Return the heat given off in the condenser [W] and its ratio to the shaft power (M410).
 
-    `condensed` [kg/s] is all gas that reaches the condenser, `rejected` the heat given off by a kilogram of it
-    [J/kg], or the reason why there is none.
+    `condensed` [kg/s] is all gas that reaches the condenser, `rejected` the heat given off by a kilogram of suction gas
+    [J/kg], `beyond` [W] what gas of own plenums gives off beyond that; each may be the reason why there is none.
     """
     power, names = found["shaft_power"], ("heating_capacity", "heating_cop")
-    if isinstance(rejected, str) or condensed <= 0.0:
-        return dict.fromkeys(names, rejected if isinstance(rejected, str) else NONE_DELIVERED)
-    capacity = condensed * rejected
+    if isinstance(rejected, str) or isinstance(beyond, str):
+        return dict.fromkeys(names, rejected if isinstance(rejected, str) else beyond)
+    if condensed <= 0.0:
+        return dict.fromkeys(names, NONE_DELIVERED)
+    capacity = condensed * rejected + beyond
     return dict(zip(names, (capacity, capacity / power if power > 0.0 else NO_POWER), strict=True))
 
 

@@ -57,7 +57,6 @@ class CheckedCycle:
 
 
 def _isothermal(checked: CheckedCycle) -> Iterator[Doubt]:
-    """Yield a doubt about an isothermal efficiency above 1."""
     eta = checked.above("isothermal_efficiency", 1.0)
     if eta is None or checked.expands:
         return
@@ -79,7 +78,6 @@ def _isothermal(checked: CheckedCycle) -> Iterator[Doubt]:
 
 
 def _isentropic(checked: CheckedCycle) -> Iterator[Doubt]:
-    """Yield a doubt about an isentropic efficiency above 1."""
     eta = checked.above("isentropic_efficiency", 1.0)
     if eta is None:
         return
@@ -96,7 +94,6 @@ def _isentropic(checked: CheckedCycle) -> Iterator[Doubt]:
 
 
 def _volumetric(checked: CheckedCycle) -> Iterator[Doubt]:
-    """Yield a doubt about a volumetric efficiency that is too large, or too far below zero."""
     filled, found = (
         checked.above("volumetric_efficiency", 1.0 + RAM_FILLING),
         checked.found.get("volumetric_efficiency"),
@@ -117,7 +114,6 @@ def _volumetric(checked: CheckedCycle) -> Iterator[Doubt]:
 
 
 def _driven(checked: CheckedCycle) -> Iterator[Doubt]:
-    """Yield a doubt about a compressor that delivers gas and gives power."""
     power, filled = checked.found.get("shaft_power"), checked.found.get("volumetric_efficiency")
     if not (checked.expands or power is None or filled is None or power > 0.0 or filled < DELIVERED):
         what = f"the shaft power is {power:.4g} W: no compressor that delivers gas produces power (check its effects)"
@@ -125,7 +121,6 @@ def _driven(checked: CheckedCycle) -> Iterator[Doubt]:
 
 
 def _carnot(checked: CheckedCycle) -> Iterator[Doubt]:
-    """Yield a doubt about a COP above Carnot's."""
     operation, cop = checked.scene.operation, checked.found.get("cop")
     T_e, T_c = operation.evaporating_temperature, operation.condensing_temperature
     if not (cop is None or T_e is None or T_c is None or T_c <= T_e or cop <= T_e / (T_c - T_e)):
@@ -137,7 +132,6 @@ def _carnot(checked: CheckedCycle) -> Iterator[Doubt]:
 
 
 def _hot(checked: CheckedCycle) -> Iterator[Doubt]:
-    """Yield a doubt about a discharge temperature that no machine endures."""
     T = checked.found.get("discharge_temperature")
     if not (T is None or T <= HOTTEST or checked.expands):
         words = f"the gas leaves at {in_celsius(T)}, and no machine withstands {in_celsius(HOTTEST)}"
@@ -145,7 +139,6 @@ def _hot(checked: CheckedCycle) -> Iterator[Doubt]:
 
 
 def _burst(checked: CheckedCycle) -> Iterator[Doubt]:
-    """Yield a doubt about a peak pressure that no housing endures."""
     peak, line = checked.found.get("peak_pressure"), max(checked.lines.p_s, checked.lines.p_d)
     if not (peak is None or peak <= LARGEST_PRESSURE * line):
         what = f"the chamber reaches {in_bar(peak)}, {peak / line:.3g} times the higher line's pressure"

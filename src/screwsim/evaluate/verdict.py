@@ -1,7 +1,6 @@
 """The verdict on a cycle: why it failed or did not close, and what may help."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
@@ -22,16 +21,6 @@ from screwsim.numerics.integrators import check_of
 from screwsim.outputs.variables import NOT_CLOSED
 
 ALL_BUT_LOCKED = 0.9  # share of oil in a chamber's volume above which a stopped integration is a hydraulic lock
-REMEDIES: dict[Limit, Callable[[Problem], str]] = {  # of the limits of an equation of state
-    Limit.HOT: lambda problem: _cooling_remedy(problem),
-    Limit.PRESSED: lambda problem: _cooling_remedy(problem),
-    Limit.COLD: lambda problem: f"use warmer suction gas{_or_oil(problem)}, or a wider suction port",
-    Limit.WET: lambda problem: f"use {_warming_remedy(problem)}, or gas.two_phase: equilibrium",
-    Limit.GLIDING: lambda problem: f"use {_warming_remedy(problem)}",
-    Limit.CRITICAL: lambda problem: (
-        f"use a wider discharge port{_dead_volume(problem)}, a lower discharge pressure or warmer {_warmed_by(problem)}"
-    ),
-}
 
 LARGEST_DENSITY = 3e4  # [kg/m³], denser than any fluid: a diverged iterate, not a state of the gas
 HOT = 1000.0  # [K], more than a machine endures
@@ -62,36 +51,28 @@ def _violated_limit(problem: Problem, found: Outside, life: Trajectory) -> str:
             f"{found.what}: gas that does not get out through the outlet is recompressed; use a wider "
             f"machine.suction_port, through which an expander's gas leaves{_dead_volume(problem)}, or a lower speed"
         )
-    return f"{found.what}; {REMEDIES[found.limit](problem)}"
+    return f"{found.what}; {remedy_for(found.limit, problem)}"
 
 
-def _cooling_remedy(problem: Problem) -> str:
-    """Return the remedy, for this machine, for gas that gets too hot or its pressure too high."""
-    oil = "more or cooler oil" if problem.parts.oil is not None else "cooler gas in the suction line"
-    if problem.parts.geometry.expands:
-        return f"use {oil}, or a lower pressure there"
-    return f"use {oil}, a wider discharge port{_dead_volume(problem)} or smaller leaks"
+def remedy_for(limit: Limit, problem: Problem) -> str:
+    """Return the remedy, for this machine, for a violated limit of its gas's equation of state."""
+    oiled, expands = problem.parts.oil is not None, problem.parts.geometry.expands
+    cooler = "more or cooler oil" if oiled else "cooler gas in the suction line"
+    warmer = "warmer oil or gas" if oiled else "warmer gas in the suction line"
+    wider = f"a wider discharge port{_dead_volume(problem)}"
+    if limit in (Limit.HOT, Limit.PRESSED):
+        return f"use {cooler}, or a lower pressure there" if expands else f"use {cooler}, {wider} or smaller leaks"
+    if limit is Limit.COLD:
+        return f"use warmer suction gas{' or oil' if oiled else ''}, or a wider suction port"
+    if limit is Limit.CRITICAL:
+        return f"use {wider}, a lower discharge pressure or warmer {'oil' if oiled else 'suction gas'}"
+    return f"use {warmer}, or gas.two_phase: equilibrium" if limit is Limit.WET else f"use {warmer}"
 
 
 def _dead_volume(problem: Problem) -> str:
     """Return the scene's path of the dead volume as a further remedy; empty where a table sets it."""
     dead, _ = find_machine(problem.scene.machine.kind).dead_volume(problem.scene.machine)
     return f", a larger {dead}" if dead else ""
-
-
-def _warmed_by(problem: Problem) -> str:
-    """Return what warms the gas of this machine."""
-    return "oil" if problem.parts.oil is not None else "suction gas"
-
-
-def _warming_remedy(problem: Problem) -> str:
-    """Return what keeps the gas of this machine from condensing."""
-    return "warmer oil or gas" if problem.parts.oil is not None else "warmer gas in the suction line"
-
-
-def _or_oil(problem: Problem) -> str:
-    """Return ' or oil' for a machine that has oil."""
-    return " or oil" if problem.parts.oil is not None else ""
 
 
 def beyond_its_mean(problem: Problem, life: Trajectory) -> str:

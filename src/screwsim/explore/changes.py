@@ -16,9 +16,8 @@ from typing import Any
 from screwsim.effects import catalogue
 from screwsim.effects.base import Effect
 from screwsim.inputs.declare import KINDS
-from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name, stamp
+from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
 from screwsim.machine.kinds import find_machine
-from screwsim.results.identity import file_identity
 from screwsim.results.schema import named_files
 from screwsim.scene import Scene, load
 from screwsim.scene.fields import FIXED, Leaf, leaf_paths
@@ -27,31 +26,13 @@ from screwsim.scene.units import Refused
 from screwsim.scene.values import convert, shown, text_of
 from screwsim.scene.write import quoted
 from screwsim.scene.yaml_tree import LocatedFaults, Position, compose
+from screwsim.study.agreement import FileWatch
 from screwsim.study.scene_files import lines_of, put
 
 # kinds of fields; only the command may state a fluid, a file or a word
 CHANGEABLE_KINDS = {*KINDS, "number", "count", "choice"}
 LONGEST_VALUE = 60  # characters of a value
 MOST_CHANGES = 400  # most changes at once
-
-
-class Watch:
-    """The contents of files at its making, which comes before they are read: no answer may come from later ones."""
-
-    def __init__(self, paths: Iterable[str]) -> None:
-        self._stamps = {path: stamp(path) for path in paths}
-        self._began = {path: _content(path) for path in self._stamps}
-
-    def changed(self) -> str:
-        """Return in words which file has another content now, and the remedy; '' where none has."""
-        for path, known in self._stamps.items():
-            now = stamp(path)
-            if now == known:
-                continue
-            if _content(path) != self._began[path]:
-                return f"{path} has changed since this page was made (end screwsim explore and start it again)"
-            self._stamps[path] = now
-        return ""
 
 
 @dataclass(frozen=True)
@@ -64,11 +45,13 @@ class SceneArguments:
     file: str
     overrides: tuple[str, ...]
     scene: Scene
-    watches: tuple[Watch, ...] = field(default=(), compare=False)
+    watches: tuple[FileWatch, ...] = field(default=(), compare=False)
 
     def changed(self) -> str:
-        """Return in words which file has changed since the scene was opened; '' where none has."""
-        return next(filter(None, (watch.changed() for watch in self.watches)), "")
+        """Return in words which file has changed since the scene was opened, and the remedy; '' where none has."""
+        path = next((path for watch in self.watches for path in watch.changed()), "")
+        remedy = "end screwsim explore and start it again"
+        return f"{path} has changed since this page was made ({remedy})" if path else ""
 
 
 @dataclass(frozen=True)
@@ -96,9 +79,10 @@ def read_changes(raw: Any) -> Changes:
 def open_base(file: str, overrides: Iterable[str] = (), without: Iterable[str] = ()) -> SceneArguments:
     """Return the scene that a command names, without its sweep; raise SceneError and UsageError as `load` does."""
     overrides, without = tuple(overrides), tuple(without)
-    own = Watch(files_of(file))
+    own = _watched(files_of(file))  # before they are read: no answer may come from later contents
     scene = load(file, [*overrides, "sweep=null"], without)
-    watches = (own, Watch([*named_files(scene).values(), *modules_of(scene.own)]))
+    modules = [path for name in scene.own if (path := getattr(sys.modules.get(name), "__file__", None))]
+    watches = (own, _watched([*named_files(scene).values(), *modules]))
     return SceneArguments(file, (*overrides, *(f"effects.{name}=off" for name in without)), scene, watches)
 
 
@@ -110,11 +94,6 @@ def files_of(file: str) -> list[str]:
         found.append(path)
         path = _base_of(path)
     return found
-
-
-def modules_of(names: Iterable[str]) -> list[str]:
-    """Return the paths of imported modules."""
-    return [path for name in names if (path := getattr(sys.modules.get(name), "__file__", None))]
 
 
 def _base_of(path: str) -> str | None:
@@ -129,8 +108,8 @@ def _base_of(path: str) -> str | None:
     return os.path.normpath(os.path.join(os.path.dirname(path), base.value))
 
 
-def _content(path: str) -> str:
-    return file_identity({path: path}).popitem()[1]
+def _watched(paths: Iterable[str]) -> FileWatch:
+    return FileWatch({path: path for path in paths})
 
 
 def possible_effects(scene: Scene) -> dict[str, Effect]:
@@ -229,15 +208,6 @@ def yaml_text(base: SceneArguments, overrides: Iterable[str]) -> str:
     tree: dict[str, Any] = {}
     for override in _all_overrides(base, overrides):
         path, _, value = override.partition("=")
-        put(tree, _keys(path.strip(), base), {} if value.strip() == "{}" else value)
+        put(tree, path.strip(), {} if value.strip() == "{}" else value, base.scene.effects)
     lines = [f"base: {quoted(str(Path(base.file).resolve()))}", *lines_of(tree)]
     return "\n".join(lines) + "\n"
-
-
-def _keys(path: str, base: SceneArguments) -> list[str]:
-    """Return the keys of a path; names of user-defined effects have dots."""
-    for name in base.scene.effects:
-        if "." in name and (path == f"effects.{name}" or path.startswith(f"effects.{name}.")):
-            rest = path.removeprefix(f"effects.{name}").removeprefix(".")
-            return ["effects", name, *filter(None, rest.split("."))]
-    return path.split(".")

@@ -30,11 +30,10 @@ class AccessRules:
     def refuses(self, scope: Scope) -> tuple[int, str]:
         """Return the status and the reason for refusing a request; (0, '') if it is accepted."""
         # a header that occurs twice becomes a text that equals nothing
-        found: dict[str, str] = {}
+        headers: dict[str, str] = {}
         for raw_name, raw in scope["headers"]:
-            name = raw_name.decode("latin-1").lower()
-            found[name] = f"{found[name]}, {raw.decode('latin-1')}" if name in found else raw.decode("latin-1")
-        headers = found
+            name, value = raw_name.decode("latin-1").lower(), raw.decode("latin-1")
+            headers[name] = f"{headers[name]}, {value}" if name in headers else value
         host, origin = headers.get("host", ""), headers.get("origin")
         if self.names and host not in self.names:
             return 403, "called under another host name (open the address that screwsim explore printed)"
@@ -44,7 +43,8 @@ class AccessRules:
             return 403, "asked by another page"
         if scope["type"] == "websocket" and origin is None and "sec-fetch-site" in headers:
             return 403, "requested by a page without an origin"
-        if self.token and not hmac.compare_digest(_token(scope).encode(), self.token.encode()):
+        token = parse_qs(scope.get("query_string", b"").decode("latin-1")).get("token", [""])[0]
+        if self.token and not hmac.compare_digest(token.encode(), self.token.encode()):
             return 403, "the token is missing or wrong (open the full address that screwsim explore printed)"
         length = headers.get("content-length", "0")
         if not length.isdigit() or int(length) > LARGEST_BODY:
@@ -55,10 +55,6 @@ class AccessRules:
 def _is_navigation(scope: Scope, headers: dict[str, str]) -> bool:
     """Tell whether a user is following a link to the page."""
     return scope.get("method") == "GET" and headers.get("sec-fetch-mode") == "navigate"
-
-
-def _token(scope: Scope) -> str:
-    return parse_qs(scope.get("query_string", b"").decode("latin-1")).get("token", [""])[0]
 
 
 class Guard:

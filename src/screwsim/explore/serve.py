@@ -3,8 +3,6 @@
 The server delivers the page, keeps its connection for settings and answers, and makes requested files.
 """
 
-from __future__ import annotations
-
 import asyncio
 import ipaddress
 import json

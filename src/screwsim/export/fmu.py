@@ -46,7 +46,7 @@ def write_fmu(table: MapTable, path: Path, version: str = "2", *, compiled: bool
     """Write the unit of a map; return the files in it. Raise UsageError if no C compiler is found, or if it fails."""
     name = identifier(path)
     sources = source_files(table, version)
-    token = token_of(sources["map_data.h"])
+    token = sources[DATA].split('"')[1]  # that of its header
     held: dict[str, bytes] = {f"sources/{file}": text.encode() for file, text in sources.items()}
     if version == "3":
         held["sources/buildDescription.xml"] = build_description(name).encode()
@@ -332,11 +332,6 @@ def data_header(table: MapTable, version: str = "2") -> str:
     return (
         f'/* Made by screwsim: values and derivatives at the nodes of a grid. */\n#define MAP_TOKEN "{token}"\n{body}\n'
     )
-
-
-def token_of(header: str) -> str:
-    """Return the token in a header."""
-    return header.split('"')[1]
 
 
 def source(name: str) -> str:

@@ -1,8 +1,7 @@
 """Inputs and outputs of a map: paths with ranges, and figures; with names and units as other tools need them."""
 
-import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -93,7 +92,7 @@ def read_inputs(scene: Scene, over: Sequence[str]) -> tuple[Input, ...]:
     """Return the inputs named by `PATH=LOW..HIGH`, else those of the scene's sweep; raise UsageError."""
     if over:
         ranges = read_ranges(scene, over, "--over", "operation.speed=1500 rpm..4500 rpm")
-        return _with_own_names(_input(scene, each.path, each.low, each.high) for each in ranges)
+        return _inputs(scene, {each.path: (each.low, each.high) for each in ranges})
     axes = {
         path: values
         for path, values in scene.sweep.items()
@@ -106,17 +105,13 @@ def read_inputs(scene: Scene, over: Sequence[str]) -> tuple[Input, ...]:
         )
     for path in axes:
         check_continuous(scene, path)
-    return _with_own_names(_input(scene, path, min(values), max(values)) for path, values in axes.items())
+    return _inputs(scene, {path: (min(values), max(values)) for path, values in axes.items()})
 
 
-def _with_own_names(inputs: Iterable[Input]) -> tuple[Input, ...]:
-    """Return inputs whose external names differ; raise UsageError where two have the same."""
-    found: dict[str, Input] = {}
-    for each in inputs:
-        if each.name in found:
-            raise UsageError(f"{found[each.name].path} and {each.path} have the same name, {each.name} (leave out one)")
-        found[each.name] = each
-    return tuple(found.values())
+def _inputs(scene: Scene, ends: Mapping[str, tuple[float, float]]) -> tuple[Input, ...]:
+    found = tuple(_input(scene, path, *both) for path, both in ends.items())
+    check_names(found)
+    return found
 
 
 def _input(scene: Scene, path: str, low: float, high: float) -> Input:
@@ -136,7 +131,7 @@ def read_outputs(scene: Scene, figures: Sequence[str] = ()) -> tuple[Output, ...
     return tuple(output_of(name, here) for name in dict.fromkeys(names))
 
 
-def check_names(inputs: Sequence[Input], outputs: Sequence[Output]) -> None:
+def check_names(inputs: Sequence[Input], outputs: Sequence[Output] = ()) -> None:
     """Raise UsageError where two variables of a map share an external name, as readers could not distinguish them."""
     paths: dict[str, str] = {}
     for one in inputs:
@@ -170,11 +165,6 @@ def evenly_spaced_nodes(one: Input, count: int) -> np.ndarray:
     """Return `count` evenly spaced nodes on the axis of an input."""
     low, high = one.coordinate(one.low), one.coordinate(one.high)
     return np.linspace(float(low), float(high), count)
-
-
-def finite(values: Sequence[float]) -> bool:
-    """Tell whether all values are finite."""
-    return all(math.isfinite(value) for value in values)
 
 
 class Display(NamedTuple):

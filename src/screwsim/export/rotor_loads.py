@@ -225,17 +225,13 @@ def end_forces(
 
 def check_shafts(rotors: Rotors, shafts: tuple[float, float]) -> None:
     """Raise UsageError if a shaft's diameter [m], of male or female, is not less than that of its rotor's roots."""
-    for name, shaft, root in zip(("male", "female"), shafts, _roots(rotors), strict=True):
+    roots = rotors.chain.male_radii.min(), rotors.chain.female_radii(rotors.pair).min()
+    for name, shaft, root in zip(NAMES, shafts, roots, strict=True):
         if 0.5 * shaft >= root:
             raise UsageError(
                 f"--shafts: {1e3 * shaft:.4g} mm is not less than {2e3 * root:.4g} mm, the {name} rotor's diameter "
                 "at the roots (write the shaft diameter at the end face)"
             )
-
-
-def _roots(rotors: Rotors) -> tuple[float, float]:
-    """Return the smallest radii [m] of male and female rotor."""
-    return float(rotors.chain.male_radii.min()), float(rotors.chain.female_radii(rotors.pair).min())
 
 
 def slope_at_pitch(rotors: Rotors, leading: bool) -> float:

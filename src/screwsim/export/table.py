@@ -138,7 +138,8 @@ def tabulated_map(
         errors, checked, open_ = _errors(table, points, at_points, sound_points)
         if checked and max(errors) <= SAFETY_SHARE * wanted:
             break
-        axis = _coarsest(nodes, values, sound, outputs)
+        apart = [np.max(_axis_error(nodes, values, sound, outputs, axis)[0]) for axis in range(len(nodes))]
+        axis = int(np.argmax(apart))  # few nodes give large errors
         x = nodes[axis]
         finer = np.sort(np.concatenate([x, 0.5 * (x[1:] + x[:-1])]))
         if math.prod(len(x) if i != axis else len(finer) for i, x in enumerate(nodes)) > most:
@@ -266,11 +267,6 @@ def _axis_error(
     size = scales(outputs, np.where(sound[..., None], values, np.nan))
     scale = np.take(size, dropped, axis).reshape(-1, len(outputs))
     return np.max(np.abs(found - true)[there] / scale[there], axis=0), int(there.sum())
-
-
-def _coarsest(nodes: Sequence[Array], values: Array, sound: Array, outputs: Sequence[Output]) -> int:
-    """Return the axis along which leaving out nodes gives the largest error; few nodes give large errors."""
-    return int(np.argmax([np.max(_axis_error(nodes, values, sound, outputs, axis)[0]) for axis in range(len(nodes))]))
 
 
 def _inserted(

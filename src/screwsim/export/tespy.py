@@ -4,23 +4,28 @@ TESPy has P = ṁ (h_is − h_1)/η_s and ṁ = η_v V n/v_1, which are our defi
 as heat, on which only the discharge temperature depends: the mean over the map is used, and its spread stated.
 """
 
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
 
 from screwsim.export.polynomials import Polynomials, document, polynomials
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs.customary import in_celsius
 from screwsim.results import Results
 from screwsim.scene.operation import EVAPORATING, SUBCOOLING
 
 FIGURES = ("isentropic_efficiency", "volumetric_efficiency")
 SEPARATOR = "separator_temperature"
 SAME_VALUE = 1e-6  # relative difference up to which the values of one map are considered equal
+OTHER_MACHINE = 5e-3  # relative difference of its flow or power from ours above which an export is refused
 _NEEDED = (
     "displacement",
     "displacement_flow",
     "gas_mass_flow",
     "shaft_power",
+    "cooling_capacity",
+    "heating_capacity",
     "discharge_temperature",
     "suction_pressure",
     "discharge_pressure",
@@ -56,6 +61,7 @@ def _map(results: Results, found: Polynomials, number: int) -> dict[str, Any]:
     frequency = _common_value(displaced / swept, results, "operation.speed")
     superheat = found.superheat(one)
     shares = dissipated_share(results, found.fluid, superheat, cases)
+    _refuse_other_machine(results, _sucked(results, found.fluid, superheat, cases), shares, cases)
     eta_s, eta_v = (one.fits[name] for name in FIGURES)
     reference = {
         "T_sh": superheat,
@@ -99,18 +105,53 @@ def dissipated_share(results: Results, fluid: str, superheat: float, cases: np.n
 
     It is negative where other heat enters the gas, such as that of a motor in the suction gas.
     """
-    from CoolProp.CoolProp import PropsSI
-
     figures = {name: results.performance[name].ravel()[cases] for name in _NEEDED}
     leaves = results.performance[leaving_temperature_figure(results)].ravel()[cases]
-    evaporating = results.along(EVAPORATING).ravel()[cases]
     shares = []
-    for i in range(len(cases)):
-        p1, p2 = figures["suction_pressure"][i], figures["discharge_pressure"][i]
-        if superheat > 0.0:
-            h1 = PropsSI("H", "P", p1, "T", evaporating[i] + superheat, fluid)
-        else:
-            h1 = PropsSI("H", "P", p1, "Q", 1, fluid)
-        h2 = PropsSI("H", "P", p2, "T", leaves[i], fluid)
+    for i, (h1, _, _) in enumerate(_sucked(results, fluid, superheat, cases)):
+        try:
+            h2 = _property("H", "P", figures["discharge_pressure"][i], "T", leaves[i], fluid)
+        except ValueError:  # a temperature of saturation says not how wet it is
+            what = f"gas leaves wet, at {in_celsius(leaves[i])}, and its temperature alone tells no enthalpy"
+            raise UsageError(f"{results.path}: {what} (use warmer oil or less liquid, or export en12900)") from None
         shares.append(1.0 - figures["gas_mass_flow"][i] * (h2 - h1) / figures["shaft_power"][i])
     return np.array(shares)
+
+
+def _property(*asked: Any) -> float:
+    from CoolProp.CoolProp import PropsSI
+
+    return float(PropsSI(*asked))
+
+
+def _sucked(results: Results, fluid: str, superheat: float, cases: np.ndarray) -> Iterator[tuple[float, float, float]]:
+    """Yield enthalpy [J/kg], density [kg/m³] and isentropic work [J/kg] of the real fluid's suction gas, by case."""
+    low, high = (results.performance[f"{line}_pressure"].ravel()[cases] for line in ("suction", "discharge"))
+    evaporating = results.along(EVAPORATING).ravel()[cases]
+    for p_1, p_2, T in zip(low, high, evaporating, strict=True):
+        second = ("T", T + superheat) if superheat > 0.0 else ("Q", 1)
+        h, rho, s = (_property(wanted, "P", p_1, *second, fluid) for wanted in "HDS")
+        yield h, rho, _property("H", "P", p_2, "S", s, fluid) - h
+
+
+def _refuse_other_machine(
+    results: Results, sucked: Iterable[tuple[float, float, float]], shares: np.ndarray, cases: np.ndarray
+) -> None:
+    """Raise UsageError where TESPy would make another flow, power or condenser heat of what is exported.
+
+    It takes the real fluid's density and work (`sucked`), and all gas from one inlet; `shares` is that dissipated.
+    """
+    figures = {name: results.performance[name].ravel()[cases] for name in (*_NEEDED, *FIGURES)}
+    gas, (_, rho, work) = figures["gas_mass_flow"], np.array(list(sucked)).T
+    heat = figures["cooling_capacity"] + (1.0 - shares) * figures["shaft_power"]
+    ratios = {
+        "flow": figures["volumetric_efficiency"] * figures["displacement_flow"] * rho / gas,
+        "power": gas * work / figures["isentropic_efficiency"] / figures["shaft_power"],
+        "the condenser's heat": heat / figures["heating_capacity"],
+    }
+    off = {name: float(np.max(np.abs(np.nan_to_num(ratio, nan=1.0) - 1.0))) for name, ratio in ratios.items()}
+    name = max(off, key=lambda each: off[each])
+    if off[name] > OTHER_MACHINE:
+        what = f"TESPy's compressor, which takes real gas from one inlet, would be up to {off[name]:.2g} off in {name}"
+        remedy = "write gas.model: real, leave out vapour or liquid that enters elsewhere, or use export en12900"
+        raise UsageError(f"{results.path}: {what} ({remedy})")

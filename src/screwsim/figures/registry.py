@@ -25,18 +25,18 @@ from screwsim.outputs import (
     HELD,
     ITSELF,
     PERFORMANCE,
+    STAGES,
     SUBCRITICAL,
     TIMES,
     WALLED,
     Figure,
-    Figures,
     Scale,
     Variable,
     cycle_variable,
-    shown,
     shown_of,
 )
-from screwsim.outputs.display import ShownFigure, table_html, table_text
+from screwsim.outputs.display import ShownFigure
+from screwsim.outputs.figures import ListedFigures
 from screwsim.scene.lines import saturates
 from screwsim.scene.types import ActiveEffect, Scene
 
@@ -51,7 +51,7 @@ _ROLES: Mapping[str, Callable[[Scene, Parts], bool]] = {  # conditions on a scen
 }
 
 
-class Performance(Figures):
+class Performance(ListedFigures):
     """Performance figures with their declarations; the error for a missing one says what would call for it.
 
     `about` holds the figures that the scene calls for, also of a case that failed.
@@ -75,12 +75,6 @@ class Performance(Figures):
         about = self.about.get(name) or PERFORMANCE.get(name)
         return None if about is None else shown_of(about, self.get(name))
 
-    def __repr__(self) -> str:
-        return table_text(shown(self))
-
-    def _repr_html_(self) -> str:
-        return table_html("performance", (), shown(self))
-
     def copy(self) -> Performance:
         """Return a copy of the figures that may be changed."""
         return Performance(self, self.about)
@@ -93,9 +87,12 @@ def known() -> dict[str, Figure]:
 
 
 def declaration(name: str, figures: Any = None) -> Figure | None:
-    """Return the declaration of a figure: of the results `figures`, of this program, or of an imported user effect."""
+    """Return the declaration of a figure: of the results `figures`, of this program, or of an imported user effect.
+
+    Those of this program include the figures that only two stages have.
+    """
     about: Mapping[str, Figure] = getattr(figures, "about", {})
-    found = about.get(name) or known().get(name)
+    found = about.get(name) or known().get(name) or STAGES.get(name)
     if found is None:
         found = next((each for effect in imported().values() for each in effect.figures if each.name == name), None)
     return found
@@ -142,7 +139,6 @@ def _with_effects(need: str) -> str:
 
 
 def _has(scene: Scene, role: str) -> bool:
-    """Tell whether an effect of a scene has a role in it."""
     every = ((active, active.effect.roles.get(role)) for active in scene.effects.values())
     return any(key is not None and (not key or _states(scene, active.parameters, key)) for active, key in every)
 

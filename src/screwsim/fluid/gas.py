@@ -18,7 +18,7 @@ step can end at the border. Where 1/k and choking are the same everywhere `varie
 *Plain Python*, called a few times a run: properties by pressure and temperature, or enthalpy, and ideal works. A state
 that does not exist, such as a liquid where vapour is needed, raises UsageError in one line with the remedy.
 `first_outside` and `why_outside` say which states of a cycle the equation does not cover, by a code of `limits.Limit`;
-remedies follow from the code (`verdict.REMEDIES`).
+remedies follow from the code (`verdict.remedy_for`).
 
 The settings of a gas in a scene are in `fluid.settings`; `build.build_gas` makes the gas from them. Effects that need
 more than this, such as condensed liquid or saturation, check for `gas.model: real` themselves.
@@ -35,7 +35,45 @@ from screwsim.fluid.reservoir import Reservoir
 from screwsim.numerics.kernel import Kernel
 
 
-class Gas(Protocol):
+class CommonGas(Protocol):
+    """What follows from other members of `Gas`; a gas that differs overrides it."""
+
+    @property
+    def c_p(self: Any) -> float:
+        """Heat capacity at constant pressure [J/(kg K)] of the dilute gas."""
+        return self.c_v + self.R
+
+    def vapour(self: Any, p: float, T: float) -> Reservoir:
+        """Return a reservoir at p [Pa] and T [K]."""
+        p, rho, h, exponent, choke, choked = self.port_state(p, T)
+        return Reservoir(p, T, rho, h, self.entropy(p, T), exponent, choke, choked)
+
+    def nearest_vapour(self, p: float, T: float) -> float:
+        """Return T: there is gas at every temperature."""
+        return T
+
+    def isothermal_obstacle(self, p_1: float, p_2: float, T: float) -> str | None:
+        """Return None: there is no obstacle; liquid that condenses on the way is in equilibrium."""
+        return None
+
+    def isothermal_work(self: Any, p_1: float, p_2: float, T: float) -> float | None:
+        """Return the reversible isothermal work Δ(h − T s) [J/kg]; None where `isothermal_obstacle` says why."""
+        if self.isothermal_obstacle(p_1, p_2, T) is not None:
+            return None
+        g_1, g_2 = (self.enthalpy(p, T) - T * self.entropy(p, T) for p in (p_1, p_2))
+        return g_2 - g_1
+
+    def ideal_isothermal_work(self: Any, p_1: float, p_2: float, T: float) -> float:
+        """Return R T ln(p_2/p_1) [J/kg], the work of an ideal gas."""
+        return self.R * T * log(p_2 / p_1)
+
+    def first_outside(self: Any, T: np.ndarray, rho: np.ndarray) -> int | None:
+        """Return the index of an extreme state to which `why_outside` objects; None where there is none."""
+        extremes = sorted({int(T.argmin()), int(T.argmax()), int(rho.argmax()), int((rho * T).argmax())})
+        return next((i for i in extremes if self.why_outside(float(T[i]), float(rho[i])) is not None), None)
+
+
+class Gas(CommonGas, Protocol):
     """One gas; equal gases are equal objects, and none is mutable."""
 
     @property
@@ -82,11 +120,6 @@ class Gas(Protocol):
         """Heat capacity at constant volume [J/(kg K)] of the dilute gas, for first guesses."""
         ...
 
-    @property
-    def c_p(self) -> float:
-        """Heat capacity at constant pressure [J/(kg K)] of the dilute gas, for first guesses."""
-        ...
-
     # ---- states ----------------------------------------------------------------------------------------------
 
     def density(self, p: float, T: float) -> float:
@@ -113,14 +146,6 @@ class Gas(Protocol):
         """Return the same as `port_state`, at p [Pa] and specific enthalpy h [J/kg]."""
         ...
 
-    def vapour(self, p: float, T: float) -> Reservoir:
-        """Return a reservoir at p [Pa] and T [K]."""
-        ...
-
-    def nearest_vapour(self, p: float, T: float) -> float:
-        """Return T [K], or the nearest temperature at which there is gas at p [Pa], for first guesses."""
-        ...
-
     # ---- work ------------------------------------------------------------------------------------------------
 
     def isentropic_work(self, p_1: float, p_2: float, T: float) -> float:
@@ -131,62 +156,8 @@ class Gas(Protocol):
         """Return the isentropic enthalpy rise [J/kg] from p_1 and specific enthalpy h to p_2."""
         ...
 
-    def isothermal_obstacle(self, p_1: float, p_2: float, T: float) -> str | None:
-        """Return why there is no isothermal compression from p_1 to p_2 at T, or None."""
-        ...
-
-    def isothermal_work(self, p_1: float, p_2: float, T: float) -> float | None:
-        """Return the reversible isothermal work Δ(h − T s) [J/kg]; None where `isothermal_obstacle` says why."""
-        ...
-
-    def ideal_isothermal_work(self, p_1: float, p_2: float, T: float) -> float:
-        """Return R T ln(p_2/p_1) [J/kg]."""
-        ...
-
     # ---- limits ----------------------------------------------------------------------------------------------
-
-    def first_outside(self, T: Any, rho: Any) -> int | None:
-        """Return the index of one of the states (arrays) to which `why_outside` objects; None where there is none."""
-        ...
 
     def why_outside(self, T: float, rho: float) -> Outside | None:
         """Return which limit of its equation a state violates; None where it violates none."""
         ...
-
-
-class CommonGas:
-    """What gases have in common, from their own densities, enthalpies and entropies; one that differs overrides it."""
-
-    @property
-    def c_p(self: Gas) -> float:
-        """Heat capacity at constant pressure [J/(kg K)] of the dilute gas."""
-        return self.c_v + self.R
-
-    def vapour(self: Gas, p: float, T: float) -> Reservoir:
-        """Return a reservoir at p [Pa] and T [K]."""
-        p, rho, h, exponent, choke, choked = self.port_state(p, T)
-        return Reservoir(p, T, rho, h, self.entropy(p, T), exponent, choke, choked)
-
-    def nearest_vapour(self, p: float, T: float) -> float:
-        """Return T: there is gas at every temperature."""
-        return T
-
-    def isothermal_obstacle(self, p_1: float, p_2: float, T: float) -> str | None:
-        """Return None: there is no obstacle; liquid that condenses on the way is in equilibrium."""
-        return None
-
-    def isothermal_work(self: Gas, p_1: float, p_2: float, T: float) -> float | None:
-        """Return the reversible isothermal work Δ(h − T s) [J/kg]; None where `isothermal_obstacle` says why."""
-        if self.isothermal_obstacle(p_1, p_2, T) is not None:
-            return None
-        g_1, g_2 = (self.enthalpy(p, T) - T * self.entropy(p, T) for p in (p_1, p_2))
-        return g_2 - g_1
-
-    def ideal_isothermal_work(self: Gas, p_1: float, p_2: float, T: float) -> float:
-        """Return R T ln(p_2/p_1) [J/kg], the work of an ideal gas."""
-        return self.R * T * log(p_2 / p_1)
-
-    def first_outside(self: Gas, T: np.ndarray, rho: np.ndarray) -> int | None:
-        """Return the index of an extreme state to which `why_outside` objects; None where there is none."""
-        extremes = sorted({int(T.argmin()), int(T.argmax()), int(rho.argmax()), int((rho * T).argmax())})
-        return next((i for i in extremes if self.why_outside(float(T[i]), float(rho[i])) is not None), None)

@@ -12,7 +12,7 @@ margin: Any = Slot("margin")
 
 
 class Limit(Enum):
-    """A limit of a gas's equation that a state violates; remedies follow from it (`verdict.REMEDIES`)."""
+    """A limit of a gas's equation that a state violates; remedies follow from it (`verdict.remedy_for`)."""
 
     HOT = auto()
     COLD = auto()

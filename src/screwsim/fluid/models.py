@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from screwsim.fluid import constants
-from screwsim.fluid.gas import Gas
+from screwsim.fluid.gas import CommonGas, Gas
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.settings import GasSettings
@@ -90,4 +90,4 @@ def condenses(settings: GasSettings) -> bool:
 
 def lacking(gas: object) -> list[str]:
     """Return the names of the protocol that a gas lacks."""
-    return [name for name in vars(Gas) if not name.startswith("_") and not hasattr(gas, name)]
+    return [name for name in {**vars(Gas), **vars(CommonGas)} if not name.startswith("_") and not hasattr(gas, name)]

@@ -1,7 +1,7 @@
 """Declarations of inputs: what a field of a scene means, without parsing, units or files.
 
 The lower layers (machine, fluid, effects, numerics) describe their inputs as frozen dataclasses whose fields are made
-with `quantity`, `number`, `count`, `choice` and `file`. Values are in SI units; the layer `scene` reads the
+with `quantity`, `optional`, `number`, `count`, `choice` and `file`. Values are in SI units; the layer `scene` reads the
 descriptions and turns YAML text into these dataclasses.
 
 A value outside the limits `gt`, `ge`, `lt`, `le`, or beyond what the kind of a quantity admits, is refused. A value
@@ -159,6 +159,11 @@ def quantity(kind: str, doc: str, default: Any = REQUIRED, **limits: Unpack[Limi
     if kind not in KINDS:
         raise ValueError(f"unknown kind of quantity {kind!r}; known: {', '.join(KINDS)}")
     return _field(kind, default, doc, **limits)
+
+
+def optional(kind: str, doc: str) -> Any:
+    """Declare a dimensional input above zero that a scene may leave out."""
+    return quantity(kind, doc, None, gt=0.0)
 
 
 def number(doc: str, default: Any = REQUIRED, **limits: Unpack[Limits]) -> Any:

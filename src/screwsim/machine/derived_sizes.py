@@ -42,23 +42,22 @@ def _opened_by_ratio(machine: TwinScrew) -> bool:
 
 def with_derived_sizes(machine: TwinScrew) -> TwinScrew:
     """Return a machine with all derived values filled in; unchanged where `stated_faults` finds a fault."""
-    profile = machine.profile
-    otherwise = profile is not None and profile.family is not None
-    otherwise = otherwise or machine.displacement is not None or _opened_by_ratio(machine)
+    otherwise = machine.family is not None or machine.displacement is not None or _opened_by_ratio(machine)
     if not otherwise or any(stated_faults(machine)):
         return machine
     machine = _sized(_lobed(machine))
-    return _opened(_profiled(machine))
+    if machine.profile is not None and machine.family is not None:
+        machine = replace(machine, profile=_of_size(machine.profile, machine.rotor_diameter))
+    return _opened(machine)
 
 
 # ---- family and size -----------------------------------------------------------------------------------------
 
 
 def _lobed(machine: TwinScrew) -> TwinScrew:
-    profile = machine.profile
-    if profile is None or profile.family is None:
+    profile, family = machine.profile, machine.family
+    if profile is None or family is None:
         return machine
-    family = FAMILIES[profile.family]
     wrap = own_value(profile.wrap_angle) or Derived(family.wrap_angle)
     profile = replace(profile, kind=DerivedWord(family.kind), wrap_angle=wrap)
     lobes = DerivedCount(family.male_lobes), DerivedCount(family.female_lobes)
@@ -67,8 +66,7 @@ def _lobed(machine: TwinScrew) -> TwinScrew:
 
 def _sized(machine: TwinScrew) -> TwinScrew:
     """Return a machine whose diameter and length, or chamber volume, follow from a displacement."""
-    profile, stated = machine.profile, machine.displacement
-    family = None if profile is None or profile.family is None else FAMILIES[profile.family]
+    profile, family, stated = machine.profile, machine.family, machine.displacement
     if stated is not None and not machine.volume.from_rotors:
         return replace(machine, volume=replace(machine.volume, max=Derived(stated.volume / machine.male_lobes)))
     if profile is None or family is None:
@@ -79,13 +77,6 @@ def _sized(machine: TwinScrew) -> TwinScrew:
         diameter = Derived((volume / family.length) ** (1.0 / 3.0) if length is None else math.sqrt(volume / length))
     assert diameter is not None  # else a fault
     return replace(machine, rotor_diameter=diameter, rotor_length=length or Derived(family.length * diameter))
-
-
-def _profiled(machine: TwinScrew) -> TwinScrew:
-    profile = machine.profile
-    if profile is None or profile.family is None:
-        return machine
-    return replace(machine, profile=_of_size(profile, machine.rotor_diameter))
 
 
 def _of_size(profile: Profile, diameter: float) -> Profile:
@@ -145,7 +136,7 @@ def stated_faults(machine: TwinScrew) -> Iterator[Fault]:
     """Yield faults of quantities that are stated twice, or not at all."""
     yield from _of_family(machine)
     yield from _of_displacement(machine)
-    by_family = machine.profile is not None and machine.profile.family is not None and machine.volume.from_rotors
+    by_family = machine.family is not None and machine.volume.from_rotors
     if own_value(machine.rotor_diameter) is None and not (by_family and machine.displacement is not None):
         what = "is missing (write rotor_diameter: … mm; outer diameter of the male rotor"
         only = "; here displacement gives volume.max only)" if machine.displacement is not None else ")"
@@ -171,10 +162,9 @@ def _of_slide(machine: TwinScrew) -> Iterator[Fault]:
 
 
 def _of_family(machine: TwinScrew) -> Iterator[Fault]:
-    profile = machine.profile
-    if profile is None or profile.family is None:
+    profile, family, beside = machine.profile, machine.family, "is given as well as machine.profile.family"
+    if profile is None or family is None:
         return
-    family, beside = FAMILIES[profile.family], "is given as well as machine.profile.family"
     for name in LENGTHS:
         if own_value(getattr(profile, name)) is not None:
             what = f"{beside}, whose rotors follow from rotor_diameter"
@@ -194,7 +184,7 @@ def _of_displacement(machine: TwinScrew) -> Iterator[Fault]:
     if not machine.volume.from_rotors:
         if own_value(machine.volume.max) is not None:
             yield Fault("machine.volume.max", f"is given as well as {path}, which states it already ({remedy})")
-    elif machine.profile is None or machine.profile.family is None:
+    elif machine.family is None:
         what = "needs machine.profile.family: this profile states the size of its rotors by lengths"
         yield Fault(path, f"{what} (write family: b, or remove it)")
     elif own_value(machine.rotor_diameter) is not None:
@@ -215,13 +205,8 @@ def _of_ratio(machine: TwinScrew) -> Iterator[Fault]:
             yield Fault(f"machine.discharge_port.{name}", f"{what} (remove one of the two; null drops a base's value)")
     law, ratio = machine.volume, machine.built_in_volume_ratio or 0.0
     known = law.phi_A is not None and 0.0 < law.phi_A <= TURN if law.by_formula else law.file is not None
-    if known and (law.max or machine.displacement is not None):
-        yield from _late(machine, ratio)
-
-
-def _late(machine: TwinScrew, ratio: float) -> Iterator[Fault]:
-    """Yield a fault of a ratio that opens the paper's port too late."""
-    if opening_angle(_sized(machine), ratio) > LIFE - LAST:
+    known = known and bool(law.max or machine.displacement is not None)
+    if known and opening_angle(_sized(machine), ratio) > LIFE - LAST:
         what = f"{ratio:.4g} leaves the port less than 10 deg before the end of discharge"
         yield Fault(PATH, f"{what} (choose a smaller ratio)")
 

@@ -5,12 +5,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.inputs.declare import AREA, VOLUME, DerivedCount, choice, count, file, number, quantity
+from screwsim.inputs.declare import AREA, VOLUME, DerivedCount, choice, count, file, number, optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.laws import LAWS, ByLaw
 from screwsim.machine.paper_law import LIFE, TURN
 from screwsim.machine.protocol import COMPRESSOR, EXPANDER, MachineSettings
-from screwsim.machine.rotors.settings import Profile, SlideValve
+from screwsim.machine.rotors.settings import FAMILIES, Family, Profile, SlideValve
 
 
 def _law_of(equation: str) -> Any:
@@ -23,20 +23,17 @@ class VolumeLaw(ByLaw):
     """Chamber volume over the male-rotor angle."""
 
     law: str = _law_of("eq. (16), model.md M16")
-    max: float | None = quantity("volume", "swept volume of one chamber (law: profile finds it)", None, gt=0.0)
-    min: float | None = quantity("volume", "dead volume (default: 1e-4 of max)", None, gt=0.0)
+    max: float | None = optional("volume", "swept volume of one chamber (law: profile finds it)")
+    min: float | None = optional("volume", "dead volume (default: 1e-4 of max)")
     phi_A: float | None = quantity("angle", "end of the opening branch of (16), in (0, 360 deg]", None)
     file: str | None = file(
         "CSV with columns angle_deg, volume_m3 (swept part, scaled to max; law: table)", curve=VOLUME
     )
-    life: float | None = quantity(
-        "angle", "angle of a chamber's life, a multiple of the lobe pitch (law: table; default: 720 deg)", None, gt=0.0
+    life: float | None = optional(
+        "angle", "angle of a chamber's life, a multiple of the lobe pitch (law: table; default: 720 deg)"
     )
-    injection_angle: float | None = quantity(
-        "angle",
-        "angle at which oil is injected, a multiple of the lobe pitch (law: table; default: 360 deg)",
-        None,
-        gt=0.0,
+    injection_angle: float | None = optional(
+        "angle", "angle at which oil is injected, a multiple of the lobe pitch (law: table; default: 360 deg)"
     )
 
     @property
@@ -54,7 +51,7 @@ class SuctionPort(ByLaw):
     """Area of the suction port over the male-rotor angle."""
 
     law: str = _law_of("eq. (17), model.md M17")
-    area: float | None = quantity("area", "largest area (law: paper)", None, gt=0.0)
+    area: float | None = optional("area", "largest area (law: paper)")
     phi_B: float | None = quantity("angle", "end of the opening branch of (17), in (0, 180 deg]", None)
     file: str | None = file("CSV with columns angle_deg, area_m2 (law: table)", curve=AREA)
 
@@ -64,7 +61,7 @@ class DischargePort(ByLaw):
     """Area of the discharge port over the male-rotor angle."""
 
     law: str = _law_of("eq. (18), model.md M18")
-    area: float | None = quantity("area", "largest area (law: paper)", None, gt=0.0)
+    area: float | None = optional("area", "largest area (law: paper)")
     opens: float | None = quantity(
         "angle",
         "angle phi_dis at which the port opens, inside (360 deg, 720 deg) (found with machine.built_in_volume_ratio)",
@@ -130,6 +127,11 @@ class TwinScrew(MachineSettings):
     def pitch(self) -> float:
         """Angle between neighbouring chambers, 2π/z1 [rad]."""
         return TURN / self.male_lobes
+
+    @property
+    def family(self) -> Family | None:
+        """The named rotors of its profile; None where that states its own lengths, or there is none."""
+        return None if self.profile is None or self.profile.family is None else FAMILIES[self.profile.family]
 
     def symbols(self) -> dict[str, float]:
         """Return the numbers [SI] that a kernel can take by name (docs/reference/nomenclature.md)."""

@@ -154,7 +154,6 @@ def _same_tables(part: Any, other: Any) -> bool:
 
 
 def _same_arrays(curve: Sequence[Any], other: Sequence[Any]) -> bool:
-    """Return whether two curves are made of the identical arrays."""
     return len(curve) == len(other) and all(one is two for one, two in zip(curve, other, strict=True))
 
 

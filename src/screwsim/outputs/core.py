@@ -18,6 +18,7 @@ UNCHECKED_SCALE = Scale(unasked=True)
 
 _STAGES = (  # figures of two stages in series
     Figure("intermediate_pressure", "Pa", "pressure between the stages, in the first one's discharge line"),
+    Figure("intermediate_temperature", "K", "saturation temperature of a pure refrigerant between the stages"),
     Figure("second_suction_temperature", "K", "suction temperature of the second stage"),
     Figure("intercooler_heat", "W", "heat removed from the gas between the stages", over("shaft_power")),
     Figure("vapour_mass_flow", "kg s-1", "vapour from the flash tank that mixes in between the stages"),
@@ -42,6 +43,7 @@ _STAGES = (  # figures of two stages in series
     ),
     Figure("first_pressure_ratio", "1", "pressure ratio of the first stage"),
     Figure("second_pressure_ratio", "1", "pressure ratio of the second stage"),
+    Figure("first_discharge_temperature", "K", "flow-weighted mean gas temperature at discharge of the first stage"),
     Figure("discharge_temperature", "K", "flow-weighted mean gas temperature at discharge of the second stage"),
     efficiency("isothermal_efficiency", "isothermal efficiency of both stages together"),
     efficiency(
@@ -56,6 +58,15 @@ _STAGES = (  # figures of two stages in series
     Figure("heating_cop", "1", "heating coefficient of performance of both stages together"),
     Figure("electrical_cop", "1", "cooling capacity over the electrical power of both stages"),
     Figure("electrical_heating_cop", "1", "heating capacity over the electrical power of both stages"),
+    Figure(
+        "free_air_delivered",
+        "m3 s-1",
+        "flow delivered by two stages of air, as volume at the inlet of the first one",
+        shown="m3 min-1",
+    ),
+    Figure("package_input_power", "W", "electrical power of both stages' motors, inverters and fans"),
+    Figure("package_specific_power", "W s m-3", "input power of both stages over free air delivered"),
+    efficiency("package_isentropic_efficiency", "isentropic power of ISO 1217 over the input power of both stages"),
     Figure(
         "flow_mismatch",
         "1",

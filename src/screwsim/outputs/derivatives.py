@@ -61,9 +61,9 @@ class Derivatives(Mapping[tuple[str, str], float]):
         self._performance = Figures() if performance is None else performance
 
     @classmethod
-    def of(cls, found: ComputedDerivatives, performance: Figures) -> Derivatives:
+    def of(cls, found: ComputedDerivatives, performance: Figures, scene: Any = None) -> Derivatives:
         """Return derivatives that have already been computed."""
-        known = cls(lambda: found, performance)
+        known = cls(lambda: found, performance, scene)
         known.__dict__["found"] = found
         return known
 
@@ -130,8 +130,8 @@ class Derivatives(Mapping[tuple[str, str], float]):
         return "\n".join([f"Derivatives: {size}, SI units", *(line.rstrip() for line in lines)])
 
     def __reduce__(self) -> tuple[Any, ...]:
-        found = self.__dict__.get("found")
-        return Derivatives, (self._find if found is None else _StoredDerivatives(found), self._performance, self.scene)
+        own = self._performance, self.scene
+        return (Derivatives, (self._find, *own)) if self.known is None else (Derivatives.of, (self.known, *own))
 
     def _weight(self, figure: str, path: str) -> float:
         return abs(self.relative(figure, path) or 0.0) if path in self.found.derivatives[figure] else 0.0
@@ -162,16 +162,6 @@ class Derivatives(Mapping[tuple[str, str], float]):
             nothing = f"no derivative by {path!r}"
             raise KeyError(f"{nothing}: {why}" if why else _unknown_key(nothing, path, list(found.values)))
         return figure, whole
-
-
-class _StoredDerivatives:
-    """Return what was computed earlier: a picklable function for `Derivatives`."""
-
-    def __init__(self, found: ComputedDerivatives) -> None:
-        self._found = found
-
-    def __call__(self) -> ComputedDerivatives:
-        return self._found
 
 
 def unit_of_ratio(above: str, below: str) -> str:

@@ -91,9 +91,12 @@ class Brief:
         return _html(heading, [*notes, *more], columns[:MOST_HTML_COLUMNS], shown)
 
 
-def picked(record: object, *names: str) -> dict[str, Any]:
-    """Return attributes of a record by name, as JSON takes them: mappings as dicts, tuples as lists."""
-    plain = {name: getattr(record, name) for name in names}
+def picked(record: object, *names: str, **renamed: str) -> dict[str, Any]:
+    """Return attributes of a record by name, as JSON takes them: mappings as dicts, tuples as lists.
+
+    `renamed` are attributes under other keys.
+    """
+    plain = {key: getattr(record, name) for key, name in (dict(zip(names, names, strict=True)) | renamed).items()}
     plain |= {name: dict(value) for name, value in plain.items() if isinstance(value, Mapping)}
     return plain | {name: list(value) for name, value in plain.items() if type(value) is tuple}
 

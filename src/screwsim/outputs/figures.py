@@ -36,7 +36,7 @@ class Figures(dict[str, Any]):
         return sorted({*super().__dir__(), *self})
 
 
-class _Listed(Figures):
+class ListedFigures(Figures):
     """Figures that display as one line each, with unit and meaning."""
 
     def __repr__(self) -> str:
@@ -50,7 +50,7 @@ class _Listed(Figures):
         return [about._replace(value=self[name]) for name, about in rows]
 
 
-class Balance(_Listed):
+class Balance(ListedFigures):
     """Residuals of the balances, and their bound."""
 
     def described(self, name: str) -> ShownFigure | None:
@@ -58,7 +58,7 @@ class Balance(_Listed):
         return ShownFigure(name, None, *BALANCE[name]) if name in BALANCE else None
 
 
-class Error(_Listed):
+class Error(ListedFigures):
     """Estimated numerical errors of the figures, each relative to its scale."""
 
     def described(self, name: str) -> ShownFigure | None:
@@ -66,7 +66,7 @@ class Error(_Listed):
         return ShownFigure(name, None, "1", f"relative numerical error of {name.replace('_', ' ')}")
 
 
-class Numerics(_Listed):
+class Numerics(ListedFigures):
     """Effort of the solution: steps, evaluations, times."""
 
     def described(self, name: str) -> ShownFigure | None:
@@ -74,7 +74,7 @@ class Numerics(_Listed):
         return ShownFigure(name, None, *(NUMERICS.get(name) or Variable("1", NUMERICS_TEXT.get(name, ""))))
 
 
-class Ledger(_Listed):
+class Ledger(ListedFigures):
     """Ledger of the shaft power: totals, and `<quantity>_<effect>` of each effect."""
 
     def described(self, name: str) -> ShownFigure | None:

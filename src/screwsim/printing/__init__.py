@@ -1,7 +1,5 @@
 """Output of the commands: results as JSON documents, and as text in engineering units."""
 
-from __future__ import annotations
-
 import json
 import math
 import sys

@@ -8,6 +8,7 @@ from typing import Any
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import digits, reading_unit, shown_name
+from screwsim.outputs.display import picked
 from screwsim.printing import write_json
 from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.report.calibration import draw
@@ -34,26 +35,20 @@ def calibration_document(found: Calibration) -> dict[str, Any]:
     return {
         "title": found.fit.title,
         "scene": os.path.relpath(found.fit.scene_file),
-        "status": found.status,
-        "message": found.message,
+        **picked(found, "status", "message"),
         "accuracy": found.fit.scene.numerics.accuracy,
         "parameters": {each.path: _parameter(found, index, each) for index, each in enumerate(found.fit.parameters)},
         "correlation": None if known is None else known.correlation,
         "singular_values": None if known is None else known.singular,
         "not_told_apart": [] if known is None else [asdict(each) for each in known.open],
-        "chi_squared": found.chi_squared,
-        "degrees_of_freedom": found.freedom,
-        "scale_of_standard_errors": found.scale,
-        "as_good_within": found.margin,
-        "as_good_starts": found.as_good,
+        **picked(found, "chi_squared", degrees_of_freedom="freedom", scale_of_standard_errors="scale"),
+        **picked(found, as_good_within="margin", as_good_starts="as_good"),
         "starts": [asdict(each) | {"cost": each.cost if each.cost < float("inf") else None} for each in found.starts],
         "points": [_compared(each) for each in found.compared],
         "points_without_solution": found.reasons,
         "warnings": {name: list(texts) for name, texts in found.warnings.items()},
         "seed": found.fit.seed,
-        "solutions": found.solutions,
-        "failed_solutions": found.failed,
-        "jacobians": found.jacobians,
+        **picked(found, "solutions", failed_solutions="failed", jacobians="jacobians"),
         "slopes": {path: why or "exact" for path, why in found.methods.items()},
     }
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from screwsim.outputs.display import picked
 from screwsim.printing.tables import print_left_out, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.screen import say
 from screwsim.study.calibration.diagnosis import Diagnosis
@@ -28,27 +29,21 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
     """Return what `diagnose --json` prints, in SI units."""
     return {
         "title": found.fit.title,
-        "status": found.status,
-        "message": found.message,
+        **picked(found, "status", "message"),
         "level": INTERVAL_LEVEL,
-        "unchanged": dict(found.unchanged),
-        "odds_of_two_changes_against_one": found.odds,
+        **picked(found, "unchanged", odds_of_two_changes_against_one="odds"),
         "hypotheses": [_hypothesis(hypothesis) for hypothesis in found.hypotheses],
         "changed": found.changed,
         "not_told_apart": [each._asdict() for each in found.alike],
-        "told_next_to_nothing_of": list(found.untold),
-        "probability_of_a_misfit_as_large": found.chance,
-        "uncertain_inputs": list(found.inputs),
-        "points_without_solution": dict(found.reasons),
-        "solutions": found.solutions,
-        "failed_solutions": found.failed,
+        **picked(found, told_next_to_nothing_of="untold", probability_of_a_misfit_as_large="chance"),
+        **picked(found, uncertain_inputs="inputs", points_without_solution="reasons"),
+        **picked(found, "solutions", failed_solutions="failed"),
     }
 
 
 def _hypothesis(each: Hypothesis) -> dict[str, Any]:
-    own = ("probability", "log_evidence", "misfit", "freedom", "value", "change", "low", "high", "linear")
-    about = {name: getattr(each, name) for name in own}
-    return {"path": each.path or None, **about, "also": each.also, "changes": [one._asdict() for one in each.changes]}
+    own = ("probability", "log_evidence", "misfit", "freedom", "value", "change", "low", "high", "linear", "also")
+    return {"path": each.path or None, **picked(each, *own), "changes": [one._asdict() for one in each.changes]}
 
 
 def print_diagnosis(found: Diagnosis) -> None:

@@ -42,8 +42,7 @@ def _row_document(row: GoalSeekAnswer) -> dict[str, Any]:
         **picked(row, "at", "status", "message", "values", "uncertainties", "figures", "errors", "borders"),
         "size": None if row.size is None else picked(row.size, "value", "figure"),
         **(none if row.result is None else picked(row.result, "performance", "warnings")),
-        "solutions": row.solutions,
-        "failed_solutions": row.failed,
+        **picked(row, "solutions", failed_solutions="failed"),
     }
 
 
@@ -106,8 +105,7 @@ def _print_one(scene: Scene, asked: Question, row: GoalSeekAnswer) -> None:
         say()
     print_wrapped(_notes(scene, (), row))
     if row.status == "ok" and row.result is not None:
-        for warning in row.result.warnings:
-            say(wrapped(f"warning: {warning}"))
+        print_wrapped(f"warning: {warning}" for warning in row.result.warnings)
     failed = f", {row.failed} of them without the figures" if row.failed else ""
     say(f"{row.solutions} point{'s' * (row.solutions != 1)} simulated{failed}")
 

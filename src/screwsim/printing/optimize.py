@@ -6,16 +6,18 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures.engineering import error_text, figure_text, shown_name
+from screwsim.outputs.display import picked
 from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.warning_kinds import kinds_of
 from screwsim.screen import say
 from screwsim.study.beyond import LOWER, UPPER, border_note
 from screwsim.study.inputs import shown_number, shown_value
-from screwsim.study.optimize import EquallyGoodRange, Optimum, Question
+from screwsim.study.optimize import EquallyGoodRange, Optimum
 from screwsim.study.seek import VALUE_DIGITS
 
 MOST_FRONT_ROWS = 12  # most rows of a front printed; all are in the file
 MOST_REASONS = 3  # most reasons for failed evaluations
+POINT = ("name", "weight", "load", "values")  # of an operating point in the document
 # for operating points, beside objectives
 OTHER_FIGURES = (
     *("free_air_delivered", "package_specific_power"),
@@ -29,14 +31,13 @@ def optimize_document(found: Optimum) -> dict[str, Any]:
     names = [aim.figure for aim in asked.aims]
     return {
         "title": asked.scene.title,
-        "status": found.status,
-        "message": found.message,
+        **picked(found, "status", "message"),
         "vary": {span.path: [span.low, span.high] for span in asked.spans},
         "maximize": [aim.figure for aim in asked.aims if not aim.minimum],
         "minimize": [aim.figure for aim in asked.aims if aim.minimum],
         "subject_to": [bound._asdict() for bound in asked.bounds],
         "over": None if asked.points.single else asked.points.name,
-        "operating_points": [] if asked.points.single else [_point(asked, i) for i in range(len(asked.points.points))],
+        "operating_points": [] if asked.points.single else [picked(each, *POINT) for each in asked.points.points],
         "mapping": list(asked.points.told),
         "front": [
             {
@@ -56,17 +57,9 @@ def optimize_document(found: Optimum) -> dict[str, Any]:
             for point in found.points
         ],
         "evaluations": len(found.places),
-        "failed_evaluations": found.failed,
-        "outside_bounds": found.outside,
-        "reasons": dict(found.reasons),
-        "reused": found.reused,
+        **picked(found, failed_evaluations="failed", outside_bounds="outside", reasons="reasons", reused="reused"),
         "seed": asked.seed,
     }
-
-
-def _point(asked: Question, number: int) -> dict[str, Any]:
-    point = asked.points.points[number]
-    return {"name": point.name, "weight": point.weight, "load": point.load, "values": dict(point.values)}
 
 
 def print_optimize(found: Optimum) -> None:
@@ -75,7 +68,9 @@ def print_optimize(found: Optimum) -> None:
     print_scene_title(asked.scene.title)
     senses = (f"{'lowest' if aim.minimum else 'highest'} {shown_name(aim.figure)}" for aim in asked.aims)
     over = "" if asked.points.single else f" over {asked.points.name}"
-    ranges = ", ".join(_range(asked, i) for i in range(len(asked.spans)))
+    ends = {span.path: (span.low, span.high) for span in asked.spans}
+    shown = {path: [shown_value(asked.scene, path, end) for end in both] for path, both in ends.items()}
+    ranges = ", ".join(f"{path} {low} … {high}" for path, (low, high) in shown.items())
     say(wrapped(f"{' and '.join(senses)}{over}, varying {ranges}"))
     for bound in asked.bounds:
         say(wrapped(f"subject to {shown_name(bound.figure)} {bound.sign} {figure_text(bound.figure, bound.value)}"))
@@ -92,12 +87,6 @@ def print_optimize(found: Optimum) -> None:
         say(wrapped(f"warning{of_front}: {text}"))
     say()
     print_wrapped(_counts(found))
-
-
-def _range(asked: Question, number: int) -> str:
-    span = asked.spans[number]
-    low, high = (shown_value(asked.scene, span.path, end) for end in (span.low, span.high))
-    return f"{span.path} {low} … {high}"
 
 
 def _print_best(found: Optimum) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import figure_unit
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs.display import picked
 from screwsim.printing.tables import print_left_out, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, make_folder, write_csv
 from screwsim.scene import Scene
@@ -26,12 +27,8 @@ def plan_document(found: Plan) -> dict[str, Any]:
     paths = [parameter.path for parameter in found.fit.parameters]
     return {
         "title": found.fit.title,
-        "status": found.status,
-        "message": found.message,
-        "values": dict(found.values),
-        "candidates": found.candidates,
-        "known_by_bounds_alone": list(found.even),
-        "uncertain_inputs": list(found.inputs),
+        **picked(found, "status", "message", "values", "candidates"),
+        **picked(found, known_by_bounds_alone="even", uncertain_inputs="inputs"),
         "deviations": dict(zip(paths, found.before, strict=True)) if found.before else {},
         "points": [
             {
@@ -43,10 +40,8 @@ def plan_document(found: Plan) -> dict[str, Any]:
             }
             for step in found.steps
         ],
-        "without_solution": dict(found.reasons),
-        "nothing_delivered": list(found.idle),
-        "solutions": found.solutions,
-        "failed_solutions": found.failed,
+        **picked(found, without_solution="reasons", nothing_delivered="idle"),
+        **picked(found, "solutions", failed_solutions="failed"),
     }
 
 
@@ -125,7 +120,8 @@ def write_plan(path: Path, found: Plan) -> str:
     rows = []
     for step in found.steps:
         cells: list[Any] = [step.point.name]
-        cells += [_number(in_customary(scene, name, step.point.values[name])[0]) for name in conditions]
+        values = (in_customary(scene, name, step.point.values[name])[0] for name in conditions)
+        cells += [f"{value:.10g}" if isinstance(value, float) else str(value) for value in values]
         for name in figures:
             one = step.point.measured.get(name)
             cells += ["", "" if one is None else f"{one.uncertainty / units[name][2]:.3g}"]
@@ -136,10 +132,6 @@ def write_plan(path: Path, found: Plan) -> str:
 def _head(scene: Scene, path: str, found: Plan) -> str:
     value = next(step.point.values[path] for step in found.steps if path in step.point.values)
     return path + _in_brackets(in_customary(scene, path, value)[1].replace("°C", CELSIUS))
-
-
-def _number(value: Any) -> str:
-    return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
 def _in_brackets(unit: str) -> str:

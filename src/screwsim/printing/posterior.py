@@ -9,6 +9,7 @@ import numpy as np
 from screwsim.figures import declared
 from screwsim.figures.engineering import digits, reading_unit, shown_name
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs.display import picked
 from screwsim.printing.tables import print_left_out, print_table, print_wrapped, wrapped
 from screwsim.report.calibration import ParameterSample, draw_posterior
 from screwsim.results.atomic import FOREIGN_FILE, write_csv
@@ -23,6 +24,7 @@ from screwsim.study.inputs import in_customary, shown_number, shown_value
 
 PREDICTIONS, WIDTH = "predictions of a calibration's posterior", "discrepancy_"
 SAMPLES, PREDICTED, PAIRS = "posterior.csv", "predicted.h5", "posterior"
+QUALITY = {"largest_emulator_error_over_uncertainty": "off", "solutions": "solutions", "failed_solutions": "failed"}
 _PARTS = {
     "median": "median of what would be measured",
     "low": f"lower end of the {LEVEL:.0%} interval",
@@ -38,19 +40,13 @@ _PARTS = {
 def posterior_document(found: Posterior) -> dict[str, Any]:
     """Return the posterior as a part of the document of `calibrate --json`, in SI units."""
     return {
-        "status": found.status,
-        "message": found.message,
+        **picked(found, "status", "message"),
         "level": LEVEL,
         "parameters": {parameter.name: parameter.__dict__ for parameter in found.parameters},
         "discrepancies": {discrepancy.name: discrepancy.__dict__ for discrepancy in found.discrepancies},
         "predicted": [each.__dict__ | {"inside": each.inside} for each in found.predicted],
-        "r_hat": found.r_hat,
-        "autocorrelation_time": found.autocorrelation,
-        "steps": found.steps,
-        "effective_samples": found.effective,
-        "largest_emulator_error_over_uncertainty": found.off,
-        "solutions": found.solutions,
-        "failed_solutions": found.failed,
+        **picked(found, "r_hat", autocorrelation_time="autocorrelation"),
+        **picked(found, "steps", effective_samples="effective", **QUALITY),
         **({} if found.predictions is None else {"predictions": _predictions(found.predictions)}),
     }
 
@@ -58,15 +54,11 @@ def posterior_document(found: Posterior) -> dict[str, Any]:
 def _predictions(found: Predictions) -> dict[str, Any]:
     conditions = {point.name: dict(point.values) for point in found.points}
     return {
-        "status": found.status,
-        "message": found.message,
+        **picked(found, "status", "message"),
         "points": [
             each.__dict__ | {"inside": each.inside, "conditions": conditions[each.point]} for each in found.figures
         ],
-        "points_without_solution": dict(found.reasons),
-        "largest_emulator_error_over_uncertainty": found.off,
-        "solutions": found.solutions,
-        "failed_solutions": found.failed,
+        **picked(found, points_without_solution="reasons", **QUALITY),
     }
 
 

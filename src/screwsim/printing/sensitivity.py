@@ -10,7 +10,7 @@ from screwsim.outputs import EFFICIENCY
 from screwsim.outputs.derivatives import DIFFERENCES, PACKAGE_FIGURES
 from screwsim.outputs.display import picked
 from screwsim.printing import shown_name
-from screwsim.printing.tables import print_scene_title, print_table, wrapped
+from screwsim.printing.tables import print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.write import save
 from screwsim.scene import Scene, leaf_of
 from screwsim.screen import say
@@ -123,8 +123,7 @@ def print_local(scene: Scene, found: Sensitivities, chosen: Sequence[str] = ()) 
     print_scene_title(scene.title)
     if found.result.status != "ok":
         say(wrapped(f"status: {found.result.status}; {found.result.message}"))
-    for warning in found.result.warnings:
-        say(wrapped(f"warning: {warning}"))
+    print_wrapped(f"warning: {warning}" for warning in found.result.warnings)
     if found.result.status != "ok":
         return
     package = set(PACKAGE_FIGURES) <= set(found.derivatives)

@@ -53,7 +53,7 @@ def _figure_cell(name: str, value: float) -> str:
     if about.units == "K":
         return engineering_temperature(value)
     if about.units != "1":
-        return quantity(about.units, value)
+        return quantity(about.shown or about.units, value)
     return f"{100.0 * value:.4g} %" if about.scale == EFFICIENCY else f"{value:.4g}"
 
 

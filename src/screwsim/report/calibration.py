@@ -115,17 +115,13 @@ def _draw_distribution(axes: Any, one: ParameterSample) -> None:
 
 
 def _draw_pair(axes: Any, x: ParameterSample, y: ParameterSample) -> None:
+    from scipy.ndimage import gaussian_filter
+
     counts, *edges = np.histogram2d(x.samples, y.samples, bins=FINE, range=[_range(x), _range(y)])
-    counts = _smoothed(counts)
+    counts = gaussian_filter(counts, 1.0)
     middles = [0.5 * (edge[1:] + edge[:-1]) for edge in edges]
     axes.plot(x.samples[::4], y.samples[::4], ".", color=COLOURS[5], markersize=0.7, rasterized=True)
     ranked = np.sort(counts.ravel())[::-1]
     held = np.cumsum(ranked) / ranked.sum()
     levels = sorted({float(ranked[np.searchsorted(held, share)]) for share in CONTOUR_SHARES})
     axes.contour(*middles, counts.T, levels=levels, colors=[COLOURS[1]], linewidths=0.8)
-
-
-def _smoothed(counts: Any) -> Any:
-    from scipy.ndimage import gaussian_filter
-
-    return gaussian_filter(counts, 1.0)

@@ -1,6 +1,7 @@
 """The points of a data sheet as a table: a row a point, its operating state and all its figures in customary units."""
 
 import csv
+import re
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -8,14 +9,17 @@ from typing import Any
 
 from screwsim.figures import declaration, declared
 from screwsim.figures.engineering import reading_unit
+from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
 from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, write_csv
 from screwsim.scene.fields import Leaf, leaf_paths
-from screwsim.scene.units import customary_unit, to_customary
+from screwsim.scene.units import ZERO_CELSIUS, customary_unit, to_customary
 
+ERROR = "_error"  # behind the name of a figure: its estimated error, relative
 STATUS, BEYOND, WARNINGS = "status", "beyond", "warnings"  # of a point, beside its numbers
 PLAIN = {"°C": "degC", "²": "^2", "³": "^3"}  # in heads, as in all tables of the program
 DIGITS = 6  # significant digits of a number
+STAGE = re.compile("^(first|second)_")  # before the operating state of one of two stages
 OPERATION = "operation."  # before the path of an axis
 SEPARATOR = "; "  # between limits, and between warnings
 
@@ -34,30 +38,40 @@ def check_table(output: Path) -> None:
 def write_table(document: Mapping[str, Any], output: Path) -> str:
     """Write the points of a sheet's document; return the path."""
     points: Sequence[Mapping[str, Any]] = document["points"]
-    names = list(dict.fromkeys(name for each in points for name in each if name not in (STATUS, "message", WARNINGS)))
-    columns = [_column(name, [each.get(name) for each in points]) for name in names]
+    apart = (STATUS, "message", WARNINGS, "error", "notes")
+    axes = document.get("axes", {})
+    names = list(dict.fromkeys(name for each in points for name in each if name not in apart))
+    columns = [_column(name, [each.get(name) for each in points], axes) for name in names]
     heads = [*(head for head, _ in columns), STATUS, WARNINGS]
-    ends = [[_status(each), SEPARATOR.join(each[WARNINGS])] for each in points]
+    told = (": ".join(filter(None, (each[STATUS], each["message"]))) for each in points)
+    ends = [[status, SEPARATOR.join(each[WARNINGS])] for status, each in zip(told, points, strict=True)]
     cells = zip(*(values for _, values in columns), strict=True)
     return write_csv(output, heads, [[*row, *end] for row, end in zip(cells, ends, strict=True)])
 
 
-def _status(point: Mapping[str, Any]) -> str:
-    return f"{point[STATUS]}: {point['message']}" if point["message"] else str(point[STATUS])
-
-
-def _column(name: str, values: Sequence[Any]) -> tuple[str, list[str]]:
+def _column(name: str, values: Sequence[Any], axes: Mapping[str, str | None]) -> tuple[str, list[str]]:
     """Return the head of a column with its unit, and its cells."""
     if name == BEYOND:
         return "beyond_limits", [SEPARATOR.join(each or ()) for each in values]
-    factor, unit, offset = _unit(name, [abs(each) for each in values if each is not None])
+    if any(isinstance(each, str) for each in values):
+        return name, ["" if each is None else str(each) for each in values]
+    factor, unit, offset = _unit(name, [abs(each) for each in values if each is not None], axes)
     head = f"{name} [{unit}]" if unit else name
     return head, ["" if each is None else f"{factor * each - offset:.{DIGITS}g}" for each in values]
 
 
-def _unit(name: str, sizes: Sequence[float]) -> tuple[float, str, float]:
-    """Return factor from SI, unit and the offset that is taken off, for all values of a column."""
-    leaf = None if declaration(name) else _axes().get(name)
+def _unit(name: str, sizes: Sequence[float], axes: Mapping[str, str | None]) -> tuple[float, str, float]:
+    """Return factor from SI, unit and the offset that is taken off, for all values of a column.
+
+    `axes` names the kind of quantity of each axis that has a path for a name, None for numbers.
+    """
+    if name in axes or name.endswith(ERROR):
+        kind = KINDS.get(axes.get(name) or "")
+        if kind is None:
+            return 1.0, "", 0.0
+        celsius = kind.name == "temperature"
+        return (1.0, "degC", ZERO_CELSIUS) if celsius else (to_customary(kind, 1.0), customary_unit(kind), 0.0)
+    leaf = None if declaration(name) else _axes().get(STAGE.sub("", name))
     if leaf is not None and leaf.dimension is not None:
         return to_customary(leaf.dimension, 1.0), customary_unit(leaf.dimension), 0.0
     factor, unit, offset = reading_unit(declared(name), max(sizes, default=0.0))

@@ -105,10 +105,8 @@ def _layout(axes: tuple[Axis, ...], x: int, by_fluid: bool = True) -> Layout:
 
 def _preferred(axes: tuple[Axis, ...], lengths: list[int], path: str) -> int:
     """Return the index of the axis with that path if it is long enough, else of the longest axis."""
-    for i, axis in enumerate(axes):
-        if axis.path == path and lengths[i] >= FEWEST:
-            return i
-    return int(np.argmax(lengths))
+    long_enough = (i for i, axis in enumerate(axes) if axis.path == path and lengths[i] >= FEWEST)
+    return next(long_enough, int(np.argmax(lengths)))
 
 
 def slices(results: Results, layout: Layout) -> Iterator[tuple[str, str, dict[int, int]]]:

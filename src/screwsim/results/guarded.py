@@ -1,6 +1,6 @@
 """New HDF5 files on disks that may be full: the error that stopped the writing is raised, not HDF5's consequence."""
 
-import os
+import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -24,7 +24,7 @@ def new_hdf5(path: Path, **layout: Any) -> Iterator[Any]:
     target.check()
 
 
-class GuardedFile:
+class GuardedFile(io.FileIO):
     """A new file that keeps a failure to write in `error` instead of raising it.
 
     HDF5 1.14 can crash the process when its own writing fails. So it is told that every write succeeded, and the writer
@@ -32,7 +32,7 @@ class GuardedFile:
     """
 
     def __init__(self, path: Path) -> None:
-        self._file = path.open("w+b", buffering=0)
+        super().__init__(path, "w+b")
         self.error: OSError | None = None
 
     def check(self) -> None:
@@ -40,48 +40,28 @@ class GuardedFile:
         if self.error is not None:
             raise self.error
 
-    def write(self, data: memoryview) -> int:
+    def write(self, data: Any) -> int:
         """Write all bytes; on failure keep the error."""
-        left = memoryview(data).cast("B")
+        left = whole = memoryview(data).cast("B")
         try:
             while len(left) and self.error is None:
-                left = left[self._file.write(left) :]
+                left = left[super().write(left) :]
         except OSError as error:
             self.error = error
-        return len(data)
+        return len(whole)
 
-    def truncate(self, size: int) -> int:
+    def truncate(self, size: int | None = None) -> int:
         """Set the size of the file."""
         try:
             if self.error is None:
-                self._file.truncate(size)
+                super().truncate(size)
         except OSError as error:
             self.error = error
-        return size
+        return self.tell() if size is None else size
 
-    def read(self, size: int) -> bytes:
-        """Read; see `readinto`, which is what h5py calls."""
-        buffer = bytearray(size)
-        self.readinto(memoryview(buffer))
-        return bytes(buffer)
-
-    def readinto(self, buffer: memoryview) -> int:
-        """Read; after a failed write there may be fewer bytes than were written, and zeros replace the rest."""
-        size = self._file.readinto(buffer) or 0
-        buffer[size:] = bytes(len(buffer) - size)
-        return len(buffer)
-
-    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Move to an offset."""
-        return self._file.seek(offset, whence)
-
-    def tell(self) -> int:
-        """Return the offset."""
-        return self._file.tell()
-
-    def flush(self) -> None:
-        """Do nothing: the file is unbuffered."""
-
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
+    def readinto(self, buffer: Any) -> int:
+        """Read, as h5py does; after a failed write fewer bytes may be there, and zeros replace the rest."""
+        view = memoryview(buffer).cast("B")
+        size = super().readinto(view) or 0
+        view[size:] = bytes(len(view) - size)
+        return len(view)

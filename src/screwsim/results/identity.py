@@ -4,7 +4,6 @@ Only results of one identity may be in one file. It is a flat {what: digest or v
 that a refusal can name the differences.
 """
 
-import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
@@ -12,7 +11,6 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from screwsim.figures import known
 from screwsim.numerics import sources
 from screwsim.numerics.trial import import_own_module
 from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
@@ -47,11 +45,6 @@ def file_identity(files: Files) -> dict[str, str]:
 def files_of(identity: Identity) -> dict[str, str]:
     """Return the part of an identity that describes files."""
     return {name: text for name, text in identity.items() if name.startswith(_FILE)}
-
-
-def figures_identity() -> dict[str, str]:
-    """Return a digest of the figures that a results file holds."""
-    return {"figures": hashlib.sha256(repr(known()).encode()).hexdigest()[:16]}
 
 
 def packed(identity: Identity) -> str:

@@ -2,13 +2,14 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from screwsim import outputs
 from screwsim.figures import merged, packed, trace_variable
-from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, Figure, Figures, Variable, shown
+from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, Figures, Variable, shown
 from screwsim.outputs.derivatives import METHOD_CODES, ComputedDerivatives
 from screwsim.outputs.display import cf_unit
 from screwsim.results import table as tables
@@ -31,6 +32,7 @@ EXACT_ATTRIBUTES = {
     "long_name": "0: differences of closed cycles; 1: exact derivatives; 2: quick ones, mostly accurate to 1e-3",
 }
 
+Attributes = dict[str, Any]
 # in every file, even one of failed cases only
 _ALWAYS = tuple(each for each in outputs.PERFORMANCE.values() if not each.needs)
 
@@ -68,7 +70,9 @@ class Plan:
         self._axes = axes
         self._dimensions = [axis.name for axis in axes]
         self._along = {inner.name for axis in axes for inner in (axis, *axis.joined)}  # in every group
-        self._beside = _coordinates_attribute(axes)
+        # coordinates other than the dimensions' own (CF, section 5)
+        joined = " ".join(inner.name for axis in axes for inner in axis.joined)
+        self._beside = {"coordinates": joined} if joined else {}
         self._groups: dict[str, Any] = {}
         group, there = self._group("inputs"), set(self._along)
         for path, variable, value in numeric_inputs(scene):
@@ -109,22 +113,29 @@ class Plan:
                 self.layout.variable(group, inner.name, values, (axis.name,), about)
         return group
 
-    def _empty(self, group: Any, name: str, dtype: Any, about: dict[str, Any]) -> Any:
-        return self.layout.empty(group, name, self.shape, dtype, self._dimensions, about | self._beside)
+    def _created(
+        self, group: Any, told: Iterable[tuple[str, Attributes]], values: Callable[[Table, str], np.ndarray], **own: int
+    ) -> Iterator[Column]:
+        """Create variables with the attributes `told`, over the cases and over dimensions of the group's `own`.
+
+        A variable with the name of an axis is that axis, as oil_supply_temperature where oil_supply.temperature varies.
+        """
+        shape, dimensions = (*self.shape, *own.values()), (*self._dimensions, *own)
+        for name, about in told:
+            if name not in self._along:
+                data = self.layout.empty(group, name, shape, float, dimensions, about | self._beside)
+                yield Column(data, lambda table, name=name: values(table, name))
 
     def _figures(self, name: str) -> Iterator[Column]:
-        """Create the variables of a group of figures; a figure with the name of an axis is that axis."""
+        """Create the variables of a group of figures."""
         group = self._group(name)
         if name == "performance":
-            about = flag_attributes(STATUSES, "how the case ended", NOT_COMPUTED)
-            yield Column(self._empty(group, "status", np.int8, about), lambda table: table.status)
-        for figure, about in self._about(name):
-            if figure in self._along:  # oil_supply_temperature, where oil_supply.temperature varies
-                continue
-            data = self._empty(group, figure, float, about)
-            yield Column(data, lambda table, figure=figure: table.column(name, figure))
+            about = flag_attributes(STATUSES, "how the case ended", NOT_COMPUTED) | self._beside
+            data = self.layout.empty(group, "status", self.shape, np.int8, self._dimensions, about)
+            yield Column(data, lambda table: table.status)
+        yield from self._created(group, self._about(name), lambda table, figure: table.column(name, figure))
 
-    def _about(self, group: str) -> Iterator[tuple[str, dict[str, Any]]]:
+    def _about(self, group: str) -> Iterator[tuple[str, Attributes]]:
         """Yield the figures of a group with their attributes; for an error these include its scale."""
         if group == "error":
             for each in self.names.about:
@@ -140,66 +151,45 @@ class Plan:
         """Create the variables of the traces."""
         group, points = self._group("cycle"), len(self.names.angle)
         self.layout.coordinate(group, "angle", np.array(self.names.angle), CYCLE["angle"]._asdict())
-        shape, dimensions = (*self.shape, points), (*self._dimensions, "angle")
-        for name in self.names.traces:
-            about = number_attributes(trace_variable(name)) | self._beside
-            data = self.layout.empty(group, name, shape, float, dimensions, about)
-            yield Column(data, lambda table, name=name: table.part("traces", name, points))
+        told = ((name, number_attributes(trace_variable(name))) for name in self.names.traces)
+        return self._created(group, told, lambda table, name: table.part("traces", name, points), angle=points)
 
     def _ledger(self) -> Iterator[Column]:
-        group = self._group("ledger")
-        for name in self.names.ledger:
-            data = self._empty(group, name, float, number_attributes(outputs.ledger_variable(name)))
-            yield Column(data, lambda table, name=name: table.part("ledger", name))
+        told = ((name, number_attributes(outputs.ledger_variable(name))) for name in self.names.ledger)
+        return self._created(self._group("ledger"), told, lambda table, name: table.part("ledger", name))
 
     def _uncertainty(self) -> Iterator[Column]:
         """Create the standard uncertainty of each figure due to the tolerances of the inputs."""
-        group = self._group(UNCERTAINTY)
-        for figure in self._uncertain():
-            if figure.name in self._along:
-                continue
-            about = Variable(figure.units, f"standard uncertainty of {figure.name} by the tolerances of the inputs")
-            data = self._empty(group, figure.name, float, number_attributes(about))
-            yield Column(data, lambda table, name=figure.name: tables.standard_of(self._changed(table, name)))
+        told = self._uncertain("standard uncertainty of {} by the tolerances of the inputs")
+        return self._created(self._group(UNCERTAINTY), told, lambda *of: tables.standard_of(self._changed(*of)))
 
     def _changes(self) -> Iterator[Column]:
         """Create the change of these figures by each input, over the inputs."""
         group, labels = self._group(CONTRIBUTIONS), self.names.inputs
         self.layout.labelled(group, CONTRIBUTOR, labels, "input with a tolerance, or inputs that err together")
-        shape, dimensions = (*self.shape, len(labels)), (*self._dimensions, CONTRIBUTOR)
-        for figure in self._uncertain():
-            if figure.name in self._along:
-                continue
-            told = Variable(figure.units, f"change of {figure.name} by one standard uncertainty of the input")
-            attributes = number_attributes(told) | self._beside
-            data = self.layout.empty(group, figure.name, shape, float, dimensions, attributes)
-            yield Column(data, lambda table, name=figure.name: self._changed(table, name))
+        told = self._uncertain("change of {} by one standard uncertainty of the input")
+        return self._created(group, told, self._changed, **{CONTRIBUTOR: len(labels)})
 
     def _slopes(self) -> Iterator[Column]:
         """Create the derivatives of the figures over the numbers; values and methods may differ between cases."""
         group, units = self._group(DERIVATIVES), dict(self.names.numbers)
-        paths, shape, dimensions = list(units), (*self.shape, len(units)), (*self._dimensions, NUMBER)
-        data, numbers = _numbered(self.layout, group, units, shape, dimensions)
+        paths, along = list(units), (*self._dimensions, NUMBER)
+        data, numbers = _numbered(self.layout, group, units, (*self.shape, len(units)), along)
         yield Column(data, lambda table: np.tile(numbers, (len(table), 1)))
         units_of = {each.name: each.units for each in self.names.about}
         told = {tables.VALUE: VALUE_ATTRIBUTES, tables.EXACT: EXACT_ATTRIBUTES}
-        sloped = [name for name in self.names.slopes if name not in self._along]
-        told |= {name: _slope_attributes(name, units_of[name]) for name in sloped}
-        for name, attributes in told.items():
-            data = self.layout.empty(group, name, shape, float, dimensions, attributes | self._beside)
-            yield Column(data, lambda table, name=name: tables.slopes_of(table, name, paths))
+        told |= {name: _slope_attributes(name, units_of[name]) for name in self.names.slopes}
+        own = {NUMBER: len(units)}
+        yield from self._created(group, told.items(), partial(tables.slopes_of, numbers=paths), **own)
 
-    def _uncertain(self) -> Iterator[Figure]:
-        return (each for each in self.names.about if each.name in self.names.changes)
+    def _uncertain(self, meaning: str) -> Iterator[tuple[str, Attributes]]:
+        """Yield the figures that have an uncertainty, with the attributes of a variable of this `meaning` of them."""
+        for each in self.names.about:
+            if each.name in self.names.changes:
+                yield each.name, number_attributes(Variable(each.units, meaning.format(each.name)))
 
     def _changed(self, table: Table, name: str) -> np.ndarray:
         return table.part("changes", name, len(self.names.inputs))
-
-
-def _coordinates_attribute(axes: Sequence[Axis]) -> dict[str, str]:
-    """Return the attribute that names coordinates other than the dimensions' own (CF, section 5)."""
-    names = " ".join(inner.name for axis in axes for inner in axis.joined)
-    return {"coordinates": names} if names else {}
 
 
 def _coordinate(axis: Axis) -> tuple[np.ndarray, dict[str, Any]]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 from screwsim.effects import catalogue
 from screwsim.inputs.faults import UsageError
@@ -27,6 +27,20 @@ def too_many(cases: int) -> str:
     return f"has {shown} cases, more than the {MOST_CASES:,} that one study may have (use fewer values, or split it)"
 
 
+class Swept(Protocol):
+    """What has a sweep: a scene, or two of them in series."""
+
+    @property
+    def sweep(self) -> Mapping[str, tuple[Any, ...]]:
+        """The values [SI] of each path that varies."""
+        ...
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """The paths that vary together."""
+        ...
+
+
 class Dimension(NamedTuple):
     """One dimension of a grid; `name` is its path, or the name of the joint whose paths vary together."""
 
@@ -36,7 +50,7 @@ class Dimension(NamedTuple):
     joint: Joint | None = None
 
 
-def dimensions(scene: Scene) -> tuple[Dimension, ...]:
+def dimensions(scene: Swept) -> tuple[Dimension, ...]:
     """Return the dimensions of the grid in the order of the file."""
     joints = {joint.paths[0]: joint for joint in joints_of(scene)}
     inner = {path for joint in joints.values() for path in joint.paths[1:]}
@@ -50,7 +64,7 @@ def dimensions(scene: Scene) -> tuple[Dimension, ...]:
     return tuple(found)
 
 
-def joints_of(scene: Scene) -> tuple[Joint, ...]:
+def joints_of(scene: Swept) -> tuple[Joint, ...]:
     """Return the joints whose paths the sweep still varies; a joint that has lost a path becomes a zipped one."""
     found = []
     for joint in scene.joints:
@@ -68,12 +82,12 @@ def with_sweep_over(scene: Scene, paths: Iterable[str]) -> Scene:
     return with_changes(cut, joints=joints_of(cut))
 
 
-def case_count(scene: Scene) -> int:
+def case_count(scene: Swept) -> int:
     """Return the number of cases: the product of the dimensions, 1 without a sweep."""
     return math.prod(dimension.size for dimension in dimensions(scene))
 
 
-def case_values(scene: Scene, index: int) -> dict[str, Any]:
+def case_values(scene: Swept, index: int) -> dict[str, Any]:
     """Return {dotted path: value in SI} of one case."""
     found = dimensions(scene)
     if not 0 <= index < math.prod(dimension.size for dimension in found):
@@ -85,7 +99,7 @@ def case_values(scene: Scene, index: int) -> dict[str, Any]:
     return {path: values[places[path]] for path, values in scene.sweep.items()}
 
 
-def values_of(scene: Scene, cases: range) -> list[tuple[Any, ...]]:
+def values_of(scene: Swept, cases: range) -> list[tuple[Any, ...]]:
     """Return the values in SI of consecutive cases, each a tuple in the order of the sweep's paths."""
     columns: dict[str, list[Any]] = {}
     below = case_count(scene)

@@ -19,12 +19,11 @@ from screwsim.scene.checks import check_files, cross_check
 from screwsim.scene.derived_values import with_derived_values
 from screwsim.scene.fields import leaf_paths, scene_section
 from screwsim.scene.file_kinds import other_file
-from screwsim.scene.fixed_dict import FixedDict
 from screwsim.scene.model_errors import BLOCK, read_model_error
 from screwsim.scene.sections import find_kind, read_effects, read_section
 from screwsim.scene.sweep import read_sweep
 from screwsim.scene.tolerances import read_tolerances, split_tolerances
-from screwsim.scene.types import STANDARD_ATMOSPHERE, Scene
+from screwsim.scene.types import STANDARD_ATMOSPHERE, FixedDict, Scene
 from screwsim.scene.units import Refused, gauge_pressures_over, parse_quantity
 from screwsim.scene.values import shown
 from screwsim.scene.write import DICT_NAME, scene_text, yaml_text

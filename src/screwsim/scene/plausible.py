@@ -102,20 +102,8 @@ def _volume(scene: Scene) -> Iterator[tuple[str, str]]:
     law = getattr(scene.machine, "volume", None)  # a user-defined machine may have anything here
     if isinstance(law, VolumeLaw) and law.file is not None:
         angles, volumes = read_curve(str(law.file), VOLUME)
-        yield from _never_empty(volumes)
         yield from _of_table(angles, volumes)
         yield from _rescaled_volumes(law, float(np.max(volumes)))
-
-
-def _never_empty(volumes: np.ndarray) -> Iterator[tuple[str, str]]:
-    """Yield a warning where the swept volume of a table never reaches zero: its largest counts as displacement."""
-    share = float(np.min(volumes) / np.max(volumes))
-    if share > LEAST_VOLUME_SHARE:
-        what = (
-            f"the smallest volume of the table is {share:.2%} of its largest, which is the swept volume only if the "
-            "smallest is 0"
-        )
-        yield "machine.volume.file", f"{what} (subtract it from all rows, and write it as machine.volume.min)"
 
 
 def _rescaled_volumes(law: VolumeLaw, largest: float) -> Iterator[tuple[str, str]]:
@@ -131,11 +119,16 @@ def _rescaled_volumes(law: VolumeLaw, largest: float) -> Iterator[tuple[str, str
 
 @IdentityCache
 def _of_table(angles: np.ndarray, volumes: np.ndarray) -> tuple[tuple[str, str], ...]:
+    """Return warnings about swept volumes that never reach zero (the largest counts as displacement), or jump."""
+    told, least = [], float(np.min(volumes) / np.max(volumes))
+    if least > LEAST_VOLUME_SHARE:
+        what = f"the smallest volume of the table is {least:.2%} of its largest, which is the swept volume only if the"
+        told.append(f"{what} smallest is 0 (subtract it from all rows, and write it as machine.volume.min)")
     share, at = slope_oscillation(angles, volumes)
-    if share <= ROUGH_SLOPE:
-        return ()
-    what = f"the slope of the volume jumps back and forth from row to row, at {math.degrees(at):.4g} deg by {share:.0%}"
-    return (("machine.volume.file", f"{what} of the largest (use a smoother table, more digits, or fewer rows)"),)
+    if share > ROUGH_SLOPE:
+        what = f"the slope of the volume jumps back and forth from row to row, at {math.degrees(at):.4g} deg by"
+        told.append(f"{what} {share:.0%} of the largest (use a smoother table, more digits, or fewer rows)")
+    return tuple(("machine.volume.file", each) for each in told)
 
 
 def _profile(scene: Scene) -> Iterator[tuple[str, str]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -23,6 +23,7 @@ VALUE_WITH_TOLERANCE = rf"^\s*{NUMBER}\s*(±|\+/?-|[×x]/÷|\*/|x/)\s*[0-9.]+(e-
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 OWN_NAME = r"^[^.]+(\.[^.]+)+$"  # my_package.my_effect, my_package.my_machine
 OWN_PARAMETER = r"^effects\.[^.]+(\.[^.]+){2,}$"
+NO_LEAVES: Mapping[str, Leaf] = {}
 _SPACING = {"enum": ["linear", "log"], "default": "linear"}
 OFF_VALUES = {  # an effect may be left out: off, no, false, in upper or lower case
     "type": ["object", "null", "string", "boolean"],
@@ -73,7 +74,7 @@ def schema() -> dict[str, Any]:
         "patternProperties": {OWN_NAME: {"type": ["object", "null"]}},
         "additionalProperties": False,
     }
-    properties["sweep"] = _sweep()
+    properties["sweep"] = sweep_schema()
     groups = {"type": "array", "items": {"type": "array", "items": {"type": "string"}, "minItems": 2}}
     together = "groups of paths whose tolerances are fully correlated"
     named = {
@@ -91,13 +92,17 @@ def schema() -> dict[str, Any]:
         "anyOf": [{"required": ["base"]}, {"$ref": "#/$defs/complete"}],
         "$defs": {
             "complete": _complete(effects),
-            **{f"axis_{kind}": _axis(_example(kind)) for kind in sorted(SWEEPABLE - {"choice", "fluid"})},
+            **axis_definitions(),
         },
     }
 
 
+def axis_definitions() -> dict[str, Any]:
+    """Return the definitions (`$defs`) to which the axes of `sweep_schema` refer."""
+    return {f"axis_{kind}": _axis(_example(kind)) for kind in sorted(SWEEPABLE - {"choice", "fluid"})}
+
+
 def _machine() -> dict[str, Any]:
-    """Return the schema of a machine of any kind."""
     kinds = {kind: _section(_machine_section(kind)) for kind in MACHINES}
     for kind, part in kinds.items():
         part["properties"]["kind"] = {**part["properties"]["kind"], "enum": [kind, None], "default": kind}
@@ -195,34 +200,43 @@ def _either(section: Section) -> list[tuple[str, tuple[str, ...]]]:
     return [(name, item.otherwise) for name, item in leaves if item.otherwise]
 
 
-def _sweep() -> dict[str, Any]:
+def sweep_schema(
+    names: Callable[[str], Sequence[str]] = lambda path: (path,),
+    more: Mapping[str, Leaf] = NO_LEAVES,
+    own: str = OWN_PARAMETER,
+) -> dict[str, Any]:
+    """Return the schema of a sweep of inputs of scenes, whose paths have `names` there, and of `more` inputs.
+
+    `own` is the pattern of the names of own effects' inputs.
+    """
     parameters = {name: effect.parameters for name, effect in catalogue().items()}
     known = {path: leaf for kind in MACHINES for path, leaf in leaf_paths(parameters, kind).items()}
-    leaves = {path: leaf for path, leaf in known.items() if varies(path, leaf)}
+    leaves = {name: leaf for path, leaf in known.items() if varies(path, leaf) for name in names(path)}
+    leaves |= more
     axes = {path: _axis_of(leaf) for path, leaf in leaves.items()}
     over = {path: _span_of(leaf) for path, leaf in leaves.items()}
-    group = _paths(axes, "axes of equal length")
+    group = _paths(axes, "axes of equal length", own)
     zipped = {"description": "groups of axes whose values are combined one by one", "items": group, "minItems": 1}
     properties = {
         "kind": {"enum": list(SAMPLES)},
         "count": {"type": "integer", "minimum": 1, "maximum": LARGEST_SAMPLE},
         "seed": {"type": "integer", "minimum": 0, "default": 0},
-        "over": _paths(over, "paths that vary, and their ranges"),
+        "over": _paths(over, "paths that vary, and their ranges", own),
     }
     designs = {
         "zip": {"type": ["array", "null"], **zipped},
         "sample": mapping(properties, (), "points drawn at random; one dimension of the sweep", ["object", "null"]),
     }
     about = "the grid is the product of all axes; a key is a complete dotted path"
-    return {**_paths({**axes, **designs}, about), "type": ["object", "null"]}
+    return {**_paths({**axes, **designs}, about, own), "type": ["object", "null"]}
 
 
-def _paths(properties: dict[str, Any], about: str) -> dict[str, Any]:
+def _paths(properties: dict[str, Any], about: str, own: str) -> dict[str, Any]:
     return {
         "type": "object",
         "description": about,
         "properties": properties,
-        "patternProperties": {OWN_PARAMETER: {}},
+        "patternProperties": {own: {}},
         "additionalProperties": False,
     }
 

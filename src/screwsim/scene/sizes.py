@@ -118,7 +118,6 @@ def _by_section(sizes: tuple[Size, ...]) -> tuple[tuple[str, tuple[Size, ...]], 
 
 
 def _beyond(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[Fault]:
-    """Yield faults of the sizes that do not fit into the machine."""
     for size, share in _size_ratios(scene, sizes):
         if share > size.most:
             what = f"{_shown(scene, size.path)} is {_times(share, size.what)}, which is impossible"
@@ -126,7 +125,6 @@ def _beyond(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[Fault]:
 
 
 def _unusual(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[tuple[str, str]]:
-    """Yield (path, what) of unusual sizes."""
     for size, share in _size_ratios(scene, sizes):
         low, high = size.usual
         if not low <= share <= high:

@@ -37,13 +37,6 @@ def read_sweep(
     node: Node | None, root: Node, active: Mapping[str, ActiveEffect], kind: str, problems: LocatedFaults
 ) -> tuple[Axes, tuple[Joint, ...]]:
     """Return {path: values in SI} in the order of the file, and which paths vary together; `kind` is the machine's."""
-    if node is None or node.value is None:
-        return {}, ()
-    if not isinstance(node.value, dict):
-        remedy = "null to leave it out, or e.g." if is_off(node.value) else "e.g."
-        what = f"{shown(node.value)} is not a mapping (write {remedy} operation.speed: [1000 rpm, 2000 rpm])"
-        problems.add(node.place, "sweep", what)
-        return {}, ()
     parameters = {name: effect.effect.parameters for name, effect in active.items()}
 
     def leaf_of(path: str) -> Leaf:
@@ -51,6 +44,20 @@ def read_sweep(
         _refuse_absent_section(path, root)
         return leaf
 
+    return read_sweep_of(node, leaf_of, problems)
+
+
+def read_sweep_of(
+    node: Node | None, leaf_of: LeafOf, problems: LocatedFaults, first: str = "operation.speed"
+) -> tuple[Axes, tuple[Joint, ...]]:
+    """Return the same as `read_sweep` for the inputs that `leaf_of` knows; `first` is an example of a path."""
+    if node is None or node.value is None:
+        return {}, ()
+    if not isinstance(node.value, dict):
+        remedy = "null to leave it out, or e.g." if is_off(node.value) else "e.g."
+        what = f"{shown(node.value)} is not a mapping (write {remedy} {first}: [1000 rpm, 2000 rpm])"
+        problems.add(node.place, "sweep", what)
+        return {}, ()
     sweep: Axes = {}
     joints: list[Joint] = []
     cases = 1

@@ -6,15 +6,17 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import Any, Generic, NoReturn, TypeVar
 
 from screwsim.effects.base import Effect, PressureLosses
 from screwsim.fluid.settings import GasSettings, OilLine, OilSettings, oil_temperature
 from screwsim.inputs.arguments import MAPPING, checked_arguments
-from screwsim.inputs.declare import FoundWithCycle, choice, number, quantity, word
+from screwsim.inputs.declare import FoundWithCycle, choice, number, optional, quantity, word
 from screwsim.numerics.settings import NumericsSettings
 from screwsim.outputs.display import About, Brief
 
+K = TypeVar("K")
+V = TypeVar("V")
 NO_SUPERHEAT = (
     "0 K is saturated vapour; for wet gas state operation.suction.quality instead, with gas.model: real and "
     "gas.two_phase: equilibrium"
@@ -24,6 +26,19 @@ COVERAGE = 2.0  # standard uncertainties in a tolerance: 95 % of a normal distri
 _superheat = partial(
     quantity, "temperature_difference", default=None, ge=0.0, hardly=(None, 150.0), remedy=NO_SUPERHEAT
 )
+
+
+class FixedDict(dict[K, V], Generic[K, V]):
+    """A dict of a scene that agrees with its text: any attempt to change it raises TypeError with the remedy."""
+
+    def _refuse(self, *_: Any, **__: Any) -> NoReturn:
+        raise TypeError("a scene cannot be changed: with_ and without return a new one")
+
+    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = _refuse
+    setdefault = update = _refuse  # pyright: ignore[reportAssignmentType] - of more forms than one
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return FixedDict, (dict(self),)
 
 
 @dataclass(frozen=True)
@@ -98,14 +113,12 @@ class Operation:
     )
     suction: SuctionState = SuctionState()
     discharge: DischargeState = DischargeState()
-    evaporating_temperature: float | None = quantity(
-        "temperature", "evaporating temperature: dew point at p_s (instead of suction.pressure)", None, gt=0.0
+    evaporating_temperature: float | None = optional(
+        "temperature", "evaporating temperature: dew point at p_s (instead of suction.pressure)"
     )
-    condensing_temperature: float | None = quantity(
+    condensing_temperature: float | None = optional(
         "temperature",
         "condensing temperature: bubble point, of a blend dew point, at p_d (instead of discharge.pressure)",
-        None,
-        gt=0.0,
     )
     superheat: float | None = _superheat(
         "superheat of the suction gas above evaporating_temperature, which needs it (or suction.quality, for wet "
@@ -147,15 +160,13 @@ class OilSupply:
     discharge_temperature: float | None = oil_temperature(
         "temperature of gas and oil after the discharge port, for which the oil flow is found (M370), in place of ratio"
     )
-    flow: float | None = quantity(
-        "volume_flow", "volume flow of the oil pump, e.g. 60 L/min, in place of ratio (M393)", None, gt=0.0
-    )
+    flow: float | None = optional("volume_flow", "volume flow of the oil pump, e.g. 60 L/min, in place of ratio (M393)")
     temperature: float | None = oil_temperature("temperature of the injected oil (absent: effects.separator finds it)")
     source: str = choice(
         "where the pump draws from: separator (p_d) or a sump at suction pressure", ("separator", SUMP), "separator"
     )
-    orifice_diameter: float | None = quantity("length", "bore of the injection orifice (displacement)", None, gt=0.0)
-    orifice_length: float | None = quantity("length", "length of that bore (default: 2 diameters)", None, gt=0.0)
+    orifice_diameter: float | None = optional("length", "bore of the injection orifice (displacement)")
+    orifice_length: float | None = optional("length", "length of that bore (default: 2 diameters)")
     orifice_count: float = number("number of such bores", 1.0, gt=0.0, le=1e6, hardly=(None, 100.0))
     line: OilLine | None = None
 

@@ -36,8 +36,8 @@ LAST_CHANGE = 0.05  # of the wanted accuracy: change of the last life below whic
 RELIABLE_CORRECTION = 0.15  # relative error of the corrections in closing, below which one replaces the second life
 LEAST_DELIVERY = 0.2  # volumetric efficiency above which it may do so: with less delivered, leaks hide larger errors
 TOGETHER_FACTOR = 0.05  # factor on the tolerance on changes when chambers are closed together beside a closed cycle
-SHIFT = 10.0  # wanted accuracies by which densities are moved before chambers of a leaky machine are closed again ...
-SHIFTED_BELOW = 0.1  # ... that delivers less than this volumetric efficiency: pitches change next to nothing there
+SHIFT = 10.0  # wanted accuracies by which gas and oil are moved before chambers of a leaky machine are closed again ...
+SHIFTED_BELOW = 0.3  # ... that delivers less than this volumetric efficiency: pitches change next to nothing there
 LINEARITY_ERROR = 0.1  # share of such a correction that is assumed to be wrong, at least
 
 
@@ -264,7 +264,7 @@ def closed_again(request: EstimateRequest) -> FinerSolutions:
     A cycle that needed a fallback attracts its neighbourhood slowly or not at all, so a single life shows much less
     than its error. It is closed by the way that closed it before, at the cost of a fallback at most.
 
-    Where simultaneous closing left a machine that delivers little, it starts from densities that are moved. What slow
+    Where simultaneous closing left a machine that delivers little, it starts from amounts that are moved. What slow
     pitches leave of that move is as much as they left of the first guess, which no closing from the cycle itself shows.
     """
     problem, cycle = request.problem, request.cycle
@@ -273,7 +273,7 @@ def closed_again(request: EstimateRequest) -> FinerSolutions:
     if cycle.needed:
         finer = close_again(task, cycle)
     else:
-        start = _with_moved_densities(request) if way_of(cycle).whole and request.filling < SHIFTED_BELOW else cycle
+        start = _with_moved_amounts(request) if way_of(cycle).whole and request.filling < SHIFTED_BELOW else cycle
         finer = way_of(cycle).finer(task, start, MOST_OF_A_TRY)
     if finer is None or not finer.closed:
         return NO_SOLUTIONS
@@ -282,9 +282,11 @@ def closed_again(request: EstimateRequest) -> FinerSolutions:
     return FinerSolutions([better.figures], cycle=searched, curves=[curves_of(better)])
 
 
-def _with_moved_densities(request: EstimateRequest) -> CycleSolution:
-    """Return the cycle with the densities of all chambers moved by `SHIFT` of the wanted accuracy."""
-    cycle = request.cycle
-    states = cycle.y.reshape(-1, len(request.problem.composition.states)).copy()
-    states[:, slots.S_RHO] *= 1.0 + SHIFT * request.problem.scene.numerics.accuracy
+def _with_moved_amounts(request: EstimateRequest) -> CycleSolution:
+    """Return the cycle with the densities of all chambers, and carried oil per gas, moved by `SHIFT` accuracies."""
+    cycle, c = request.cycle, request.problem.composition
+    states = cycle.y.reshape(-1, len(c.states)).copy()
+    states[:, [slots.S_RHO, *([slots.S_X_OIL] if c.carried else ())]] *= (
+        1.0 + SHIFT * request.problem.scene.numerics.accuracy
+    )
     return replace(cycle, y=states.ravel())

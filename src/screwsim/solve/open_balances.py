@@ -20,7 +20,7 @@ OIL_SHARE = 0.5  # share of carried oil left open beyond the bound by which its 
 FLASH_SHARE = 0.25  # share of a residual of dissolved gas by which flashed gas errs; measured: at most 0.2
 
 GAS_OUT, OVER_DEW = "discharge_temperature", "discharge_superheat"
-OIL_OUT = "oil_discharge_temperature"
+OIL_OUT, HELD_OUT = "oil_discharge_temperature", "discharge_dissolved_gas_ratio"
 
 
 def open_balance_errors(of: Evaluation, cycle: CycleSolution) -> Iterator[Figures]:
@@ -44,7 +44,9 @@ def open_balance_errors(of: Evaluation, cycle: CycleSolution) -> Iterator[Figure
     if held and flashes:
         yield flow_errors(found, FLASH_SHARE * held / abs(flashes), "by_held")
     if problem.composition.carried and found.get(OIL_OUT) is not None and not way_of(cycle).whole:
-        yield Figures({OIL_OUT: error_of(OIL_OUT, misread_of_oil(problem, cycle.trajectory), found)})
+        misread = misread_of_oil(problem, cycle.trajectory)
+        sizes = {OIL_OUT: misread.temperature, HELD_OUT: misread.held}
+        yield Figures({name: error_of(name, size, found) for name, size in sizes.items() if found.get(name)})
     yield _gas_heat_errors(of, cycle)
     yield _returned_errors(of, cycle)
     if balances.meets_line_at_angle(problem) and not way_of(cycle).whole:

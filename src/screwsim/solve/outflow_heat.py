@@ -1,11 +1,14 @@
-"""By how much a closed life misreads the heat of the oil and the gas that flow out, from the states within its steps.
+"""By how much a closed life misreads heat and dissolved gas that flow out, from the states within its steps.
 
 While a wide port holds the pressure, steps are long, and the stages that sum the flow through it have errors. The
-balance of a step sets the gas that leaves right, and its oil with it, but not the temperature at which it left. Stages
+balance of a step sets the gas that leaves right, and its oil with it, but not the temperature at which it left, nor
+what the oil held dissolved. Stages
 may also alternate between flowing out and flowing back: more gas seems to pass both ways than does, and counts in the
 mean of what flows out. Sums are no part of the error control, and finer lives take nearly the same steps there.
 Source: docs/model.md M41; docs/explanation/errors.md.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,12 +28,22 @@ NODES = np.array([0.25, 0.75])  # shares of a step at which flows of gas are rea
 PRESSURE, GAS_RATE, TEMPERATURE = SAMPLED.index("pressure"), SAMPLED.index("mass_rate"), len(SAMPLED) + slots.S_T
 
 
-def misread_of_oil(problem: Problem, life: Trajectory) -> float:
-    """Return the error of the temperature [K] of the oil that flows out over a life; 0 where none does.
+class OilMisread(NamedTuple):
+    """The errors of the temperature [K] of the oil that flows out over a life, and of what it holds dissolved [kg/kg].
+
+    The latter is 0 where that is no state.
+    """
+
+    temperature: float
+    held: float
+
+
+def misread_of_oil(problem: Problem, life: Trajectory) -> OilMisread:
+    """Return by how much the sums misread the oil that flows out over a life; zeros where none does.
 
     The life's steps have sums of their own (not those of all chambers together). What flows back brings oil that flowed
-    out before, misread as much: the heat counts over the oil that stays in the line. Where no gas is delivered, what
-    flows back is the line's own, too, and the heat counts over all that flows out.
+    out before, misread as much: both count over the oil that stays in the line. Where no gas is delivered, what flows
+    back is the line's own, too, and they count over all that flows out.
     """
     c, n = problem.composition, life.steps
     first, last = (c.first_stream + c.width * stream for stream in (slots.DISCHARGE_IN, slots.DISCHARGE_OUT + 1))
@@ -39,7 +52,7 @@ def misread_of_oil(problem: Problem, life: Trajectory) -> float:
     back, out = sums[:, : c.width], sums[:, c.width :]
     steps, flowed = np.flatnonzero(out[:, slots.OF_OIL] < 0.0), -float(out[:, slots.OF_OIL].sum())
     if not flowed > 0.0:
-        return 0.0
+        return OilMisread(0.0, 0.0)
     delivers = float(out[:, slots.OF_GAS].sum() + back[:, slots.OF_GAS].sum()) < 0.0
     stays = max(LEAST * flowed, flowed - float(back[:, slots.OF_OIL].sum())) if delivers else flowed
     begun, ended = life.times[steps, None], life.times[steps + 1, None]
@@ -53,9 +66,14 @@ def misread_of_oil(problem: Problem, life: Trajectory) -> float:
     others = (oil[:, -1] - oil[:, 0] - left) / PIECES  # oil that comes and goes on other ways, taken as even
     leaves = np.maximum(others[:, None] - (oil[:, 1:] - oil[:, :-1]), 0.0)
     amount = leaves.sum(axis=1)
-    mean = (leaves * (T[:, 1:] + T[:, :-1])).sum(axis=1) / np.maximum(2.0 * amount, 1e-300)
-    heat = np.where(amount > 0.0, left * mean - out[steps, slots.OF_OIL_HEAT], 0.0)
-    return abs(float(heat.sum())) / stays
+
+    def misread(values: np.ndarray, column: int) -> float:
+        """Return by how much what leaves at the values of a state differs from its sum, over the oil that stays."""
+        mean = (leaves * (values[:, 1:] + values[:, :-1])).sum(axis=1) / np.maximum(2.0 * amount, 1e-300)
+        return abs(float(np.where(amount > 0.0, left * mean - out[steps, column], 0.0).sum())) / stays
+
+    held = misread(states[:, slots.HELD].reshape(shape), slots.OF_HELD) if c.dissolves else 0.0
+    return OilMisread(misread(T, slots.OF_OIL_HEAT), held)
 
 
 def misread_of_gas(problem: Problem, life: Trajectory, q: np.ndarray) -> float:

@@ -5,7 +5,7 @@ integrated at the speed over time, and the drive under the torque of the chamber
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -270,12 +270,17 @@ class StartUpRun:
             return StartUp(status, message)
         traces = _traces(self.pitches, self.train.pitch)
         figures = self._figures(traces)
+        return StartUp(status, message, tuple(self._warnings(figures)), figures, traces)
+
+    def _warnings(self, figures: Figures) -> Iterator[str]:
+        """Yield warnings where the coupling hammers, and where plenums pulsate as at the steady speed."""
         lowest = figures["coupling_torque_lowest"]
-        warnings = ()
         if lowest < 0.0:
             hammering = "flanks and cords hammer (no play is modelled)"
-            warnings = (f"the coupling torque falls to {lowest:.4g} N m: {hammering}",)
-        return StartUp(status, message, warnings, figures, traces)
+            yield f"the coupling torque falls to {lowest:.4g} N m: {hammering}"
+        if self.problem.parts.pulsations:
+            what = "the pressures behind the ports pulsate from the first pitch on as they do at the steady speed"
+            yield f"{what}: a start does not follow plenums (leave them out to start against constant pressures)"
 
     def _figures(self, traces: dict[str, Array]) -> Figures:
         """Return the figures of a start [SI], with the residual of its energies."""

@@ -3,6 +3,7 @@
 import os
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
@@ -41,30 +42,37 @@ def _own_name() -> str:
     """Return the address of a dask worker, else the process number."""
     dask = sys.modules.get("distributed")
     if dask is not None:
-        try:
+        with suppress(ValueError):  # this process is not a dask worker
             return dask.get_worker().address
-        except ValueError:  # this process is not a dask worker
-            pass
     return str(os.getpid())
 
 
 class FileWatch:
-    """Watch over the files of a scene while its sweep runs: cases from before and after a change must not mix."""
+    """Watch over the contents of files: results from before and after a change must not mix.
 
-    def __init__(self, files: Files, identity: Identity) -> None:
+    They began as `identity` has them, by default as they are now.
+    """
+
+    def __init__(self, files: Files, identity: Identity | None = None) -> None:
         self._files = files
-        self._began = files_of(identity)
         self._stamps = {name: stamp(path) for name, path in files.items()}
+        self._began = file_identity(files) if identity is None else files_of(identity)
 
-    def look(self) -> None:
-        """Raise UsageError, in one line, when the content of a file has changed since the sweep began."""
+    def changed(self) -> list[str]:
+        """Return the names of the files that have another content than at the beginning."""
         stamps = {name: stamp(path) for name, path in self._files.items()}
         if stamps == self._stamps:
-            return
-        what = disagreement(file_identity(self._files), self._began)
-        if what:
+            return []
+        now = file_identity(self._files)
+        names = [name for name, key in zip(self._files, now, strict=True) if now[key] != self._began[key]]
+        self._stamps = self._stamps if names else stamps
+        return names
+
+    def look(self) -> None:
+        """Raise UsageError, in one line, when the content of a file has changed since a sweep began."""
+        if self.changed():
+            what = disagreement(file_identity(self._files), self._began)
             raise UsageError(
                 f"this machine {what}: it was changed during the sweep, whose cases must not mix (undo the change and "
                 f"start the sweep again to resume it, or start over with --restart)"
             )
-        self._stamps = stamps

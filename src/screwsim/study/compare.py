@@ -104,19 +104,16 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
     """
     if not 0.0 <= tolerance < math.inf:
         raise UsageError(f"--tolerance {tolerance:g}: is not a relative tolerance (write e.g. 1e-6)")
-    flat_a, flat_b = (_scene_values(each) for each in (a, b))
-    paths = list(dict.fromkeys([*a.varied, *b.varied]))
-    in_a, in_b, at = _common_cases(a, b, paths, flat_a, flat_b)
-    status_a, status_b = a.status.ravel()[in_a], b.status.ravel()[in_b]
+    sides, places = _joined(a, b)
+    (in_a, flat_a, status_a), (in_b, flat_b, status_b) = ((each.cases, each.scene, each.status) for each in sides)
     ok = (status_a == "ok") & (status_b == "ok")
 
     def point(number: int) -> dict[str, Any]:
         """Return the values [SI] of the varied paths at a common point."""
-        return {path: column[number].item() for path, column in zip(paths, at, strict=True)}
+        return {path: column[number].item() for path, column in places.items()}
 
     changed = np.flatnonzero(status_a != status_b)
     first = (StatusChange(point(i), str(status_a[i]), str(status_b[i])) for i in changed[:MOST_CHANGES])
-    sides = _FileAtCommonPoints(a, in_a, flat_a), _FileAtCommonPoints(b, in_b, flat_b)
     names = dict.fromkeys((*a.error, *b.error))
     figures = (_change(name, sides, ok, point, tolerance) for name in names)
     sides_of = {path: (flat_a.get(path), flat_b.get(path)) for path in (*flat_a, *flat_b)}
@@ -125,7 +122,7 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
         int(np.count_nonzero(ok)),
         math.prod(a.shape) - len(np.unique(in_a)),
         math.prod(b.shape) - len(np.unique(in_b)),
-        {path: both for path, both in sides_of.items() if path not in paths and both[0] != both[1]},
+        {path: both for path, both in sides_of.items() if path not in places and both[0] != both[1]},
         tuple(figure for figure in figures if figure is not None),
         len(changed),
         tuple(first),
@@ -145,34 +142,14 @@ class CommonPoints(NamedTuple):
 
 def common_points(a: Results, b: Results) -> CommonPoints:
     """Return all figures at the points that both files have; raise UsageError when there are none."""
-    paths = list(dict.fromkeys([*a.varied, *b.varied]))
-    flat_a, flat_b = (_scene_values(each) for each in (a, b))
-    in_a, in_b, at = _common_cases(a, b, paths, flat_a, flat_b)
-    sides = _FileAtCommonPoints(a, in_a, flat_a), _FileAtCommonPoints(b, in_b, flat_b)
+    sides, places = _joined(a, b)
     figures = {}
     for name in dict.fromkeys((*a.error, *b.error)):
         one, other = (side.values(name) for side in sides)
         if np.isfinite(one).any() or np.isfinite(other).any():
             there = all(name in each.error for each in (a, b))
             figures[name] = one, other, sum(side.errors(name) for side in sides) if there else np.full(len(one), np.nan)
-    return CommonPoints(dict(zip(paths, at, strict=True)), (a.status.ravel()[in_a], b.status.ravel()[in_b]), figures)
-
-
-def _scene_values(results: Results) -> dict[str, str]:
-    return scene_values(results.scene_yaml, str(results.path), ("sweep", "title"))
-
-
-def _common_cases(
-    a: Results, b: Results, paths: list[str], flat_a: Mapping[str, str], flat_b: Mapping[str, str]
-) -> tuple[Array, Array, list[Array]]:
-    """Return the indices of the common cases in both files, and the values of each path there."""
-    columns_a, columns_b = ([_column(each, path, flat) for path in paths] for each, flat in ((a, flat_a), (b, flat_b)))
-    in_a, in_b = matched(columns_a, columns_b, (math.prod(a.shape), math.prod(b.shape)))
-    if not len(in_a):
-        raise UsageError(
-            f"{a.path} and {b.path} have no point in common: {', '.join(paths)} differ (sweep over common values)"
-        )
-    return in_a, in_b, [column[in_a] for column in columns_a]
+    return CommonPoints(places, (sides[0].status, sides[1].status), figures)
 
 
 def matched(a: Sequence[Array], b: Sequence[Array], rows: tuple[int, int]) -> tuple[Array, Array]:
@@ -236,24 +213,25 @@ class _FileAtCommonPoints:
     """Figures of one file at the common points."""
 
     def __init__(self, results: Results, cases: Array, scene: Mapping[str, str]) -> None:
-        self._results, self._cases = results, cases
+        self._results, self.cases, self.scene = results, cases, scene
+        self.status = results.status.ravel()[cases]
         self._accuracy = np.nan_to_num(results.stated("numerics.accuracy"))
         self._toleranced = any(sign in text for text in scene.values() for sign in TOLERANCE_SIGNS)
 
     def values(self, name: str) -> Array:
         """Return a figure [SI], NaN where it is missing; an axis of the same name in the file has its values."""
         if name in self._results.performance:
-            return self._results.performance[name].ravel()[self._cases]
+            return self._results.performance[name].ravel()[self.cases]
         path = next((path for path in self._results.varied if variable_name(path) == name), None)
         if path is None:
-            return np.full(len(self._cases), np.nan)
-        return self._results.along(path).ravel()[self._cases].astype(float)
+            return np.full(len(self.cases), np.nan)
+        return self._results.along(path).ravel()[self.cases].astype(float)
 
     def errors(self, name: str) -> Array:
         """Return the estimated absolute error of a figure; from the wanted accuracy where nothing was estimated."""
         if name not in self._results.performance:  # an axis, or missing
-            return np.zeros(len(self._cases))
-        return self._results.absolute_error(name, self._accuracy).ravel()[self._cases]
+            return np.zeros(len(self.cases))
+        return self._results.absolute_error(name, self._accuracy).ravel()[self.cases]
 
     def contributions(self, name: str, number: int) -> dict[frozenset[str], float] | None:
         """Return the change [SI] of a figure at a common point by one standard uncertainty of each input.
@@ -264,16 +242,33 @@ class _FileAtCommonPoints:
         group = self._results.contributions
         if name not in group:
             return None if self._toleranced else {}
-        row = group[name].reshape(-1, group[name].shape[-1])[self._cases[number]]
+        row = group[name].reshape(-1, group[name].shape[-1])[self.cases[number]]
         if np.isnan(row).any():
             return None
         inputs = (frozenset(label.split(TOGETHER)) for label in group["contributor"].tolist())
         return dict(zip(inputs, row.tolist(), strict=True))
 
 
+Sides = tuple[_FileAtCommonPoints, _FileAtCommonPoints]
+
+
+def _joined(a: Results, b: Results) -> tuple[Sides, dict[str, Array]]:
+    """Return both files at their common points, and the values of each varied path there."""
+    paths = list(dict.fromkeys([*a.varied, *b.varied]))
+    flat_a, flat_b = (scene_values(each.scene_yaml, str(each.path), ("sweep", "title")) for each in (a, b))
+    columns_a, columns_b = ([_column(each, path, flat) for path in paths] for each, flat in ((a, flat_a), (b, flat_b)))
+    in_a, in_b = matched(columns_a, columns_b, (math.prod(a.shape), math.prod(b.shape)))
+    if not len(in_a):
+        raise UsageError(
+            f"{a.path} and {b.path} have no point in common: {', '.join(paths)} differ (sweep over common values)"
+        )
+    places = {path: column[in_a] for path, column in zip(paths, columns_a, strict=True)}
+    return (_FileAtCommonPoints(a, in_a, flat_a), _FileAtCommonPoints(b, in_b, flat_b)), places
+
+
 def _change(
     name: str,
-    sides: tuple[_FileAtCommonPoints, _FileAtCommonPoints],
+    sides: Sides,
     ok: Array,
     point: Callable[[int], dict[str, Any]],
     tolerance: float,

@@ -72,10 +72,8 @@ def shown_figure(name: str, value: float) -> str:
 
 def shown_value(scene: Scene, path: str, value: Any, digits: int = 5) -> str:
     """Return a value [SI] of a path with its customary unit; a temperature in °C, as precise as in K."""
-    number, unit = in_customary(scene, path, value)
-    if unit == CELSIUS:
-        return f"{celsius_digits(number, digits)} {CELSIUS}"
-    return f"{number:.{digits}g} {with_printed_units(unit)}".strip() if isinstance(number, float) else str(number)
+    unit = with_printed_units(in_customary(scene, path, value)[1])
+    return f"{shown_number(scene, path, value, digits)} {unit}".strip()
 
 
 def shown_number(scene: Scene, path: str, value: Any, digits: int = 4) -> str:

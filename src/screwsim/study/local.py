@@ -4,8 +4,6 @@ Derivatives are exact where the cycle can be linearised (`derivatives`), and dif
 result names the method used for each number.
 """
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """A compressor map evaluated at points: values of its polynomials at temperatures inside its envelope."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple

@@ -241,7 +241,9 @@ def explanations(
         change = -sum(slope * each for slope, each in zip(slopes, off, strict=True)) / square
         left = sum((each + slope * change) ** 2 for slope, each in zip(slopes, off, strict=True)) / whole
         if left <= LARGEST_REMAINDER and _is_possible_change(scene, path, value, change):
-            kept.append(Explanation(path, value, value + change, left, _tolerances(scene, path, value, change)))
+            stated = scene.uncertain.get(path)
+            share = None if stated is None else change / (COVERAGE * stated.standard_at(value))
+            kept.append(Explanation(path, value, value + change, left, share))
     return tuple(sorted(kept, key=lambda each: (round(each.left, 1), abs(each.wanted / each.value - 1.0))))
 
 
@@ -286,9 +288,3 @@ def _is_possible_change(scene: Scene, path: str, value: float, change: float) ->
     if abs(change) > farthest or not within(leaf, value + change):
         return False
     return not cross_check(with_values(scene, {path: value + change}))
-
-
-def _tolerances(scene: Scene, path: str, value: float, change: float) -> float | None:
-    """Return a change [SI] over the tolerance of a number, None where it has none."""
-    tolerance = scene.uncertain.get(path)
-    return None if tolerance is None else change / (COVERAGE * tolerance.standard_at(value))

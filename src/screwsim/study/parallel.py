@@ -30,7 +30,6 @@ from screwsim.study.workers import (
 )
 
 Answer = TypeVar("Answer")
-OnFinished = Callable[[range, tuple[list[Any], float]], None]
 
 
 def parallel_map(
@@ -42,12 +41,14 @@ def parallel_map(
     failed: Callable[[Answer], bool] = lambda answer: getattr(answer, "status", "ok") != "ok",
     progress: Progress | None = None,
     answers: dict[int, Answer] | None = None,
+    kept: Callable[[dict[int, Answer]], None] | None = None,
 ) -> list[Answer]:
     """Return [function(0), …, function(count - 1)], computed by `jobs` workers (default: all cores; 1: this process).
 
     The function is pickled once. `died` gives the answer for a number whose worker died; `failed` decides which answers
     the progress counts as failed, by default those with a status other than ok. After an interruption `answers` holds
-    those found so far. Numbers are counted as they are computed, before their chunk is finished.
+    those found so far; `kept` is called in this process with those of each finished chunk. Numbers are counted as they
+    are computed, before their chunk is finished.
     """
     jobs = min(jobs or cores(), count)
     answers = {} if answers is None else answers
@@ -57,7 +58,10 @@ def parallel_map(
     def finish(numbers: range, outcome: tuple[list[Answer], float]) -> None:
         found, seconds = outcome
         chunks.learn(len(numbers), seconds)
-        answers.update(zip(numbers, found, strict=True))
+        new = dict(zip(numbers, found, strict=True))
+        answers.update(new)
+        if kept is not None:
+            kept(new)
         tally.advance(len(found), sum(map(failed, found)))
 
     # alone, this process finishes each number by itself
@@ -68,27 +72,19 @@ def parallel_map(
             for number in range(count):
                 finish(range(number, number + 1), ([function(number)], 0.0))
         else:
-            work = pickled_work(partial(_counted, function, tally.mark))
-            _map_on_workers(work, chunks, jobs, finish, died, tally.tick)
+            task = partial(_answers, pickled_work(partial(_counted, function, tally.mark)))
+            work = ChunkWork(LocalPool(jobs), task, lambda numbers: numbers, finish, tally.tick)
+            while lost := drain(chunks, work):
+                _run_alone(lost, work, lambda number: ([died(number)], 0.0))
     finally:
         tally.stop()
     return [answers[number] for number in range(count)]
 
 
 def _counted(function: Callable[[int], Answer], mark: Callable[[], None], number: int) -> Answer:
-    """Return the answer for a number, and count it."""
     answer = function(number)
     mark()
     return answer
-
-
-def _map_on_workers(
-    function: bytes, chunks: Chunks, jobs: int, finish: OnFinished, died: Callable[[int], Any], tick: Callable[[], None]
-) -> None:
-    """Run chunks on workers; numbers lost when a worker died are run again, each on a worker of its own."""
-    work = ChunkWork(LocalPool(jobs), partial(_answers, function), lambda numbers: numbers, finish, tick)
-    while lost := drain(chunks, work):
-        _run_alone(lost, work, lambda number: ([died(number)], 0.0))
 
 
 def _run_alone(lost: Sequence[LostChunk], work: ChunkWork, died: Callable[[int], Any]) -> None:

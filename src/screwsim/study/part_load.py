@@ -143,7 +143,25 @@ def part_load(
     By default that is the capacity at the first setting. `among` are the built-in volume ratios from which the best is
     found at each load; `aim` defines load and best.
     """
-    curve, why, solve = [], "", _solver(scene, control)
+    found = curve_and_steps(_solver(scene, control), control, full, loads, aim)
+    falling = _falling_steps(found.curve)
+    if not among or len(falling) < 2:
+        return found
+    full = full or _capacity(falling[0], aim)
+    steps = [_step_at_best_ratio(scene, control, falling, step, full, among, aim) for step in found.steps]
+    return replace(found, steps=steps)
+
+
+def _capacity(step: LoadStep, aim: LoadFigures) -> float:
+    """Return the capacity [SI] of load 1, from a step of known load."""
+    return float(step.result.performance[aim.load]) / step.load
+
+
+def curve_and_steps(
+    solve: Solve, control: Control, full: float | None, loads: Sequence[float], aim: LoadFigures
+) -> PartLoad:
+    """Return the results of a control that `solve` returns at its settings; `full` as in `part_load`."""
+    curve, why = [], ""
     for setting in control.settings:
         result = solve(setting)
         capacity = result.performance.get(aim.load) if result.status == "ok" else None
@@ -154,8 +172,6 @@ def part_load(
         curve.append(LoadStep(setting, capacity / full, result))
     falling = _falling_steps(curve)
     steps = list(_steps_at_loads(solve, falling, full or 0.0, loads, aim)) if len(falling) > 1 else falling[:1]
-    if among and len(falling) > 1:
-        steps = [_step_at_best_ratio(scene, control, falling, step, full or 0.0, among, aim) for step in steps]
     return PartLoad(control, curve, steps, why)
 
 

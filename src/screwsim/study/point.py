@@ -1,7 +1,5 @@
 """One operating point for programs: simulated, with derivatives on demand or where the scene keeps them."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from dataclasses import replace

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -66,13 +66,13 @@ def _text_over_base(
     for override in overrides:
         path, _, value = override.partition("=")
         if not path.strip().startswith("sweep"):
-            _put_text(tree, path.strip(), _yaml(value))
+            put(tree, path.strip(), _yaml(value), found.effects)
     for name in without:
         tree.setdefault("effects", {})[name] = "off"
     for path, value in values.items():
-        _put_text(tree, path, text_of(leaf_of(found, path), value))
+        put(tree, path, text_of(leaf_of(found, path), value), found.effects)
     if not SIZE_PATHS.isdisjoint(values):
-        _put_text(tree, "title", quoted(found.title))
+        tree["title"] = quoted(found.title)
     lines = [f"base: {quoted(os.path.relpath(os.path.realpath(file), os.path.realpath(folder)))}", "sweep: null"]
     return "\n".join([*lines, *lines_of(tree)]) + "\n"
 
@@ -82,11 +82,6 @@ def _yaml(text: str) -> str:
     bare = text.strip()
     plain = bare[:1] in ("{", "[", '"', "'") or (": " not in bare and " #" not in bare and not bare.startswith("- "))
     return (bare or "null") if plain else quoted(bare)
-
-
-def _put_text(tree: dict[str, Any], path: str, text: str) -> None:
-    effect = path.removeprefix("effects.")
-    put(tree, ["effects", effect] if effect != path and effect in catalogue() else keys(path), text)
 
 
 def _is_same_scene(text: str, found: Scene, folder: Path) -> bool:
@@ -103,7 +98,8 @@ def fitted_text(found: Calibration, folder: Path) -> str:
     fit = found.fit
     tree: dict[str, Any] = {}
     for path, value in fit.changes(found.values).items():
-        put(tree, keys(path), shown_value(fit.scene, path, value, VALUE_DIGITS).replace("°C", "degC"))
+        text = shown_value(fit.scene, path, value, VALUE_DIGITS).replace("°C", "degC")
+        put(tree, path, text, fit.scene.effects)
     title = fit.title or fit.scene.title
     lines = [
         f"{FITTED_LINE} {os.path.basename(fit.name)}; {quality_in_words(found)}.",
@@ -121,17 +117,20 @@ def quality_in_words(found: Calibration) -> str:
     return text if found.status == "ok" else f"{text}; {found.status}"
 
 
-def keys(path: str) -> list[str]:
-    """Return the keys of a dotted path; names of a user's own effects contain dots."""
+def _keys(path: str, effects: Iterable[str]) -> list[str]:
     if not path.startswith("effects."):
         return path.split(".")
-    name, below = effect_keys(path, catalogue())
+    names, own = {*catalogue(), *effects}, path.removeprefix("effects.")
+    name, below = (own, []) if own in names else effect_keys(path, names)
     return ["effects", name, *below]
 
 
-def put(tree: dict[str, Any], where: Sequence[str], text: str | dict[str, Any]) -> None:
-    """Put a text into a tree under its keys; a text on the way there gives place to a mapping, {} keeps one."""
-    *above, last = where
+def put(tree: dict[str, Any], path: str, text: str | dict[str, Any], effects: Iterable[str]) -> None:
+    """Put a text into a tree under the keys of a dotted path.
+
+    Names of the scene's own `effects` may contain dots. A text on the way gives place to a mapping, {} keeps one.
+    """
+    *above, last = _keys(path, effects)
     for name in above:
         if not isinstance(tree.get(name), dict):
             tree[name] = {}

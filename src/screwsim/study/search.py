@@ -7,6 +7,7 @@ place is known: `Maximum` gives the interval in which the function is within its
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import NamedTuple
 
 COARSE_POINTS = 13  # points of the coarse search
@@ -60,20 +61,11 @@ def find_maximum(function: Function, first: float, last: float, count: int = COA
 def _brackets(tried: Sequence[SearchPoint]) -> Iterator[tuple[tuple[float, float], SearchPoint]]:
     """Yield each local maximum with its neighbours; one may lie at the edge of the points that have values."""
     last = len(tried) - 1
-    begins = [
-        number
-        for number in range(last + 1)
-        if _points_with_value(tried, number) and not _points_with_value(tried, number - 1)
-    ]
-    for begin in begins:
-        end = next(number for number in range(begin, last + 1) if not _points_with_value(tried, number + 1))
-        for peak in _peaks(tried[begin : end + 1]):
-            number = begin + peak
+    for have_values, run in groupby(range(last + 1), key=lambda number: math.isfinite(tried[number].y)):
+        numbers = list(run)
+        for peak in _peaks([tried[number] for number in numbers]) if have_values else ():
+            number = numbers[peak]
             yield (tried[max(number - 1, 0)].x, tried[min(number + 1, last)].x), tried[number]
-
-
-def _points_with_value(points: Sequence[SearchPoint], number: int) -> bool:
-    return 0 <= number < len(points) and math.isfinite(points[number].y)
 
 
 def _peaks(points: Sequence[SearchPoint]) -> list[int]:

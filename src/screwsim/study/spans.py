@@ -1,9 +1,10 @@
 """Paths that a study varies between two values: as given, or bounded by the scene and the schema."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from screwsim.inputs.arguments import ends_of as ordered_ends
 from screwsim.inputs.declare import UNBOUNDED
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import kind_of
@@ -80,6 +81,21 @@ def read_ranges(
 ) -> tuple[Span, ...]:
     """Return the spans of the texts PATH=LOW..HIGH of an option; raise UsageError in one line."""
     return _spans(scene, texts, option, example)
+
+
+def spans_between(scene: Scene, vary: Mapping[str, tuple[float, float] | None], *, ranged: bool) -> tuple[Span, ...]:
+    """Return the spans of paths between two values [SI] each; raise UsageError in one line.
+
+    None stands for the range of the schema, which does not count with `ranged`.
+    """
+    found = []
+    for path, ends in vary.items():
+        check_continuous(scene, path)
+        whole = schema_range(scene, path) if ends is None and not ranged else ends
+        if whole is None and not ranged:
+            raise UsageError(f"{path}: has no range (give two values [SI], the lower one first)")
+        found.append(span_of(scene, path, *ordered_ends(path, whole)))
+    return tuple(found)
 
 
 def _spans(

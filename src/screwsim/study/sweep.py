@@ -1,7 +1,5 @@
 """Sweeps: simulate every point of a scene's grid on all cores, resumable after any interruption."""
 
-from __future__ import annotations
-
 import os
 import tempfile
 import time

@@ -34,8 +34,8 @@ SMALL, SMALL_R, LARGE_R = 100e3, 0.15, 0.25  # [W] between the standard sizes 90
 WEAK = 1.02  # speed over the rated one above which the field would be weakened
 
 
-class _Usual(float):
-    """The additional loss of a motor where the scene states none."""
+class Usual(float):
+    """A default number of a motor, for a scene that states none: its rated power may determine another."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Inverter:
     harmonic_loss: float = number(
         "r: additional loss of the motor on the inverter, over its loss on the mains (default: 0.15, of a rated_power "
         "above 100 kW 0.25)",
-        _Usual(SMALL_R),
+        Usual(SMALL_R),
         ge=0.0,
         le=2.0,
         hardly=(None, 0.5),
@@ -68,7 +68,7 @@ class Inverter:
 
 def of_size(inverter: Inverter, rated: float) -> Inverter:
     """Return an inverter with the additional loss of a motor of a rated power [W], where none is stated (M433)."""
-    if not isinstance(inverter.harmonic_loss, _Usual | Derived):
+    if not isinstance(inverter.harmonic_loss, Usual | Derived):
         return inverter
     return replace(inverter, harmonic_loss=Derived(SMALL_R if rated <= SMALL else LARGE_R))
 

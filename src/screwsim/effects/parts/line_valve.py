@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.inputs.declare import quantity
+from screwsim.inputs.declare import optional, quantity
 from screwsim.machine.drive.collocation import differentiation, resampled
 
 Array = np.ndarray
@@ -38,9 +38,7 @@ LEAST_ACROSS = 0.002  # least pressure that counts as driving them, over the ple
 class Valve:
     """A check valve of a line."""
 
-    area: float | None = quantity(
-        "area", "free area of the fully open valve (absent: it does not restrict)", None, gt=0.0
-    )
+    area: float | None = optional("area", "free area of the fully open valve (absent: it does not restrict)")
     pressure: float = quantity(
         "pressure_difference", "pressure difference that opens it and holds it open", 0.0, ge=0.0
     )

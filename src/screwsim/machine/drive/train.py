@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.inputs.declare import choice, number, quantity
+from screwsim.inputs.declare import choice, number, optional, quantity
 from screwsim.inputs.faults import Fault
 
 LINE, INDUCTION = "line", "induction"
@@ -31,13 +31,9 @@ class Motor:
     """The torque law of the motor and its numbers."""
 
     law: str = choice("line: a slope and a limit; induction: Kloss's law", (LINE, INDUCTION))
-    slope: float | None = quantity(
-        "torsional_damping", "slope of torque over the drop of speed below no load", None, gt=0.0
-    )
-    torque_limit: float | None = quantity("torque", "largest torque of the motor (law: line)", None, gt=0.0)
-    breakdown_torque: float | None = quantity(
-        "torque", "M_k: largest torque of the motor (law: induction)", None, gt=0.0
-    )
+    slope: float | None = optional("torsional_damping", "slope of torque over the drop of speed below no load")
+    torque_limit: float | None = optional("torque", "largest torque of the motor (law: line)")
+    breakdown_torque: float | None = optional("torque", "M_k: largest torque of the motor (law: induction)")
     breakdown_slip: float | None = number("s_k: slip at that torque (law: induction)", None, gt=0.0, lt=1.0)
 
     @property
@@ -173,7 +169,7 @@ class LinearCoupling:
     """M = c Θ up to a twist at which the coupling fails."""
 
     spring: float = quantity("torsional_stiffness", "stiffness: torque over twist", gt=0.0)
-    largest_twist: float | None = quantity("angle", "twist at which the coupling fails", None, gt=0.0)
+    largest_twist: float | None = optional("angle", "twist at which the coupling fails")
 
     def torque(self, theta: float) -> float:
         """Return the torque at a twist [N m] (M211)."""

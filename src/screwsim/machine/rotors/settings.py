@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 
-from screwsim.inputs.declare import DerivedWord, choice, file, number, quantity
+from screwsim.inputs.declare import DerivedWord, choice, file, number, optional, quantity
 from screwsim.inputs.faults import Fault
 
 CIRCULAR, RACK, POINTS = "circular", "rack", "points"  # kinds of profiles
@@ -91,13 +91,13 @@ class Profile:
         gt=0.0,
         otherwise=("family",),
     )
-    male_tip_radius: float | None = quantity("length", "r3: tip of the male lobe (kind: rack)", None, gt=0.0)
-    female_tip_radius: float | None = quantity("length", "r4: tip of the female lobe (circular, rack)", None, gt=0.0)
-    flank_radius: float | None = quantity("length", "rho: arc of the rack at the male tip (kind: rack)", None, gt=0.0)
-    pressure_angle: float | None = quantity(
-        "angle", "alpha: between the rack's straight line and its height (kind: rack)", None, gt=0.0
+    male_tip_radius: float | None = optional("length", "r3: tip of the male lobe (kind: rack)")
+    female_tip_radius: float | None = optional("length", "r4: tip of the female lobe (circular, rack)")
+    flank_radius: float | None = optional("length", "rho: arc of the rack at the male tip (kind: rack)")
+    pressure_angle: float | None = optional(
+        "angle", "alpha: between the rack's straight line and its height (kind: rack)"
     )
-    root_radius: float | None = quantity("length", "r5: arc of the rack at its root (kind: rack)", None, gt=0.0)
+    root_radius: float | None = optional("length", "r5: arc of the rack at its root (kind: rack)")
     file: str | None = file("CSV with columns x_mm, y_mm of one lobe, from root to root (kind: points)")
     curve: str = choice("what the points describe: the male lobe, or the rack", ("male", "rack"), "male")
     tolerance: float = quantity(
@@ -120,12 +120,10 @@ class SlideValve:
 
     position: float = number("x: 0 is full load, 1 the end of the travel", 0.0, ge=0.0, le=1.0)
     travel: float = quantity("length", "travel of the slide from full load to its end", gt=0.0)
-    length: float | None = quantity(
+    length: float | None = optional(
         "length",
         "length from the end at the stop to the edge of the radial port at the cusp (default: starts at the rotors' "
         "inlet end)",
-        None,
-        gt=0.0,
     )
     male_span: float = quantity("angle", "angle of the male bore that the slide forms, counted from the cusp", gt=0.0)
     female_span: float = quantity(

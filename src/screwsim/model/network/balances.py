@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from screwsim.model.balance import held_slope, oil_temperature_slope, temperature_slope
 from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Network, line_pressures
-from screwsim.model.network.statements import Statements, function
+from screwsim.model.network.statements import Statements, writes
 from screwsim.model.oil_displacement import gas_mass, gas_mass_slope
 from screwsim.numerics.kernel import Kernel
 from screwsim.numerics.rodas import dense_slope
@@ -147,16 +147,17 @@ def between_texts(network: Network) -> list[str]:
     return [_gas(network), _mass_rate(network)]
 
 
-def _gas(network: Network) -> str:
-    """Return the text of the gas [kg] in a chamber of a given volume, whose states begin at y[at] (M106)."""
+@writes("chamber__gas(V, y, at, P)")
+def _gas(to: Statements, network: Network) -> None:
+    """Return the gas [kg] in a chamber of volume V [m³], whose states begin at y[at] (M1, M106)."""
     mass = f"{gas_mass.flat_name}(V, y[at + S_rho], y[at + S_x_oil], P)" if network.roomed else "y[at + S_rho] * V"
-    text = '"""Return the gas [kg] in a chamber of volume V [m³], whose states begin at y[at] (M1, M106)."""'
-    return function("chamber__gas(V, y, at, P)", [text, f"return {mass}"])
+    to.add(f"return {mass}")
 
 
-def _mass_rate(network: Network) -> str:
-    """Return the text of the rate of change of a chamber's gas, along the dense output of a step."""
-    to, slope = Statements(), dense_slope.flat_name
+@writes("chamber__mass_rate(theta, step, times, dense, E, y, P)")
+def _mass_rate(to: Statements, network: Network) -> None:
+    """Return dm/dphi [kg/rad] of the gas at the share theta of a step, where the state is y."""
+    slope = dense_slope.flat_name
     to.add("h = times[step + 1] - times[step]")
     for name, column in (("rho", "S_rho"), ("x", "S_x_oil")) if network.roomed else (("rho", "S_rho"),):
         pieces = ", ".join(f"dense[step, {k}, {column}]" for k in range(4))
@@ -165,8 +166,3 @@ def _mass_rate(network: Network) -> str:
         to.add(f"return {gas_mass_slope.flat_name}(E[E_VOLUME], E[E_SLOPE], y[S_rho], drho, y[S_x_oil], dx, P)")
     else:
         to.add("return E[E_VOLUME] * drho + E[E_SLOPE] * y[S_rho]")
-    return function(
-        "chamber__mass_rate(theta, step, times, dense, E, y, P)",
-        ['"""Return dm/dphi [kg/rad] of the gas at the share theta of a step, where the state is y."""'],
-        to.lines,
-    )

@@ -186,7 +186,6 @@ class Chambers(Cell):
         return found | {"phi": ANGLE}
 
     def _tangent(self, to: Statements, gap: Gap) -> Tangent:
-        """Return what a gap gives, with its derivatives."""
         pairs = [(name + of, seed + of) for name, seed in self.of_gas for of, _ in BOTH_SIDES]
         slopes = {pair: slope_name(*pair) for pair in pairs} | {("area", "phi"): "(next_area - area) * per_delta"}
         if self.network.slow and gap.drag:
@@ -198,7 +197,6 @@ class Chambers(Cell):
         return found
 
     def _give_slopes(self, to: Statements, tangent: Tangent) -> None:
-        """Add the derivatives of what a gap gives."""
         for seed, column in self._columns_by_seed.items():
             at = partial(self._given_slope, column=column)
             self._gives(to, at, lambda quantity, seed=seed: tangent.slope(f"{quantity}_given", seed))
@@ -259,7 +257,6 @@ class Chambers(Cell):
         return not name.endswith("_between")
 
     def _stored(self, to: Statements) -> None:
-        """Store rates and quadratures."""
         to.add(*(f"f[own + S_{name}] = f_{name}" for name in self.network.states))
         to.add(*(f"g[{self._sum(name)}] += {name}" for name in self._all if self._summed(name)))
 

@@ -9,7 +9,7 @@ lines, which receive flow at any pressure, the only port that is open to a line.
 from screwsim.model.network.cell import Cell
 from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Network, Port
-from screwsim.model.network.statements import Statements, function
+from screwsim.model.network.statements import Statements, writes
 from screwsim.model.slots import FIRST_OWN
 
 NEAR = 100.0  # widths ε of a port within which the mass balance gives its flow more accurately than its Δp
@@ -26,25 +26,20 @@ def line_flow_texts(network: Network) -> list[str]:
 
 
 def _to_lines(network: Network) -> list[Port]:
-    """Return the ports to the suction and the discharge line."""
     return [port for port in network.ports if port.number < FIRST_OWN]
 
 
-def _balanced_flow(network: Network) -> str:
-    """Return the text that computes the flow through a port from the mass balance."""
-    to = Statements()
+@writes("chamber__told(flows, port, mass_rate)")
+def _balanced_flow(to: Statements, network: Network) -> None:
+    """Let the mass balance tell the flow [kg/s] through a port (M3)."""
     to.add("flows[port] = 0.0", "others = 0.0", *(f"others += flows[{flow}]" for flow in Layout(network).flows))
     to.add("flows[port] = mass_rate - others")
-    return function(
-        "chamber__told(flows, port, mass_rate)",
-        ['"""Let the mass balance tell the flow [kg/s] through a port (M3)."""'],
-        to.lines,
-    )
 
 
-def _balanced(network: Network) -> str:
-    """Return the text that does so for the widest port to a line, near that line's pressure."""
-    to, cell, layout = Statements(), Cell(network), Layout(network)
+@writes("chamber__balanced(flows, mass_rate, E, own, R, P)")
+def _balanced(to: Statements, network: Network) -> None:
+    """Let the mass balance tell the flow [kg/s] through the widest port, at nearly equal pressures (M3)."""
+    cell, layout = Cell(network), Layout(network)
     wide = [port for port in network.ports if port.wide]
     if wide:
         to.add("widest = 0.0", "port = 0", "drop = 0.0", "width = 0.0")
@@ -57,27 +52,18 @@ def _balanced(network: Network) -> str:
                 to.add(f"drop = {array}[{at} + PRESSURE] - own[PRESSURE]")
         with to.within(f"if widest > 0.0 and abs(drop) < {NEAR!r} * width"):
             to.add("chamber__told(flows, port, mass_rate)")
-    return function(
-        "chamber__balanced(flows, mass_rate, E, own, R, P)",
-        ['"""Let the mass balance tell the flow [kg/s] through the widest port, at nearly equal pressures (M3)."""'],
-        to.lines,
-    )
 
 
-def _balanced_alone(network: Network) -> str:
-    """Return the text that does so for the only port that is open to a line."""
-    to, layout, ports = Statements(), Layout(network), _to_lines(network)
+@writes("chamber__balanced_alone(flows, mass_rate)")
+def _balanced_alone(to: Statements, network: Network) -> None:
+    """Let the mass balance tell the flow [kg/s] of a port, where no other is open to a line (M3)."""
+    layout, ports = Layout(network), _to_lines(network)
     to.add("opened = 0", "port = 0")
     for port in ports:
         with to.within(f"if flows[{layout.flow(port)}] != 0.0"):
             to.add("opened += 1", f"port = {layout.flow(port)}")
     with to.within("if opened == 1"):
         to.add("chamber__told(flows, port, mass_rate)")
-    return function(
-        "chamber__balanced_alone(flows, mass_rate)",
-        ['"""Let the mass balance tell the flow [kg/s] of a port, where no other is open to a line (M3)."""'],
-        to.lines,
-    )
 
 
 def _beyond(offset: int, phi: str = "phi") -> str:
@@ -85,23 +71,20 @@ def _beyond(offset: int, phi: str = "phi") -> str:
     return f"{phi} + {offset} * P[P_PITCH] > P[P_LIFE]"
 
 
-def _faces_line(network: Network) -> str:
-    """Return the text of whether a chamber is open to a line, by a port or by a gap beyond the last chamber."""
-    to, layout = Statements(), Layout(network)
+@writes("chamber__faces_line(phi, P, TAB)")
+def _faces_line(to: Statements, network: Network) -> None:
+    """Tell whether a chamber at phi [rad] is open to a line, by a port or by a gap beyond the last chamber."""
+    layout = Layout(network)
     for port in _to_lines(network):
         with to.within(f"if {layout.area_at(port, 'phi')} > 0.0"):
             to.add("return True")
     to.add(f"return {' or '.join(map(_beyond, network.offsets)) or 'False'}")
-    return function(
-        "chamber__faces_line(phi, P, TAB)",
-        ['"""Tell whether a chamber at phi [rad] is open to a line, by a port or by a gap beyond the last chamber."""'],
-        to.lines,
-    )
 
 
-def _add_to_lines(network: Network) -> str:
-    """Return the text that adds a chamber's flows to those into both lines, and its volume to that open to them."""
-    to, layout = Statements(), Layout(network)
+@writes("chamber__add_to_lines(flows, phi, V, share, k, points, P, into, volume)")
+def _add_to_lines(to: Statements, network: Network) -> None:
+    """Add a share of the flows of a chamber of volume V [m³] at phi [rad] to those into both lines (M184)."""
+    layout = Layout(network)
     for number, line in enumerate(network.lines):
         ports = [port for port in network.ports if port.number == number]
         flows = [f"flows[{layout.flow(port)}]" for port in ports]
@@ -112,16 +95,12 @@ def _add_to_lines(network: Network) -> str:
     for gap in network.gaps:
         with to.within(f"if {_beyond(network.offsets[gap.side])}"):
             to.add(f"into[LINE_{network.lines[1]}, k] -= share * flows[{layout.flow(gap, 'ahead')}]")
-    return function(
-        "chamber__add_to_lines(flows, phi, V, share, k, points, P, into, volume)",
-        ['"""Add a share of the flows of a chamber of volume V [m³] at phi [rad] to those into both lines (M184)."""'],
-        to.lines,
-    )
 
 
-def _lets_out(network: Network) -> str:
-    """Return the text of whether a chamber is open to the discharge line, also by a gap beyond the last one."""
-    to, layout = Statements(), Layout(network)
+@writes("chamber__lets_out(phi, middle, P, TAB)")
+def _lets_out(to: Statements, network: Network) -> None:
+    """Tell whether a chamber at phi [rad] is open to the discharge line; `middle` tells what lies ahead."""
+    layout = Layout(network)
     for port in network.ports:
         if port.cell == network.lines[1]:
             with to.within(f"if {layout.area_at(port, 'phi')} > 0.0"):
@@ -131,16 +110,12 @@ def _lets_out(network: Network) -> str:
         with to.within(f"if {beyond} and {layout.area_at(gap, 'phi')} > 0.0"):
             to.add("return True")
     to.add("return False")
-    return function(
-        "chamber__lets_out(phi, middle, P, TAB)",
-        ['"""Tell whether a chamber at phi [rad] is open to the discharge line; `middle` tells what lies ahead."""'],
-        to.lines,
-    )
 
 
-def _add_outflow(network: Network) -> str:
-    """Return the text that adds the outflow of a chamber to the discharge line, and its oil's temperature."""
-    to, layout = Statements(), Layout(network)
+@writes("chamber__add_outflow(heat, mass, flows, T_oil, weight, E)")
+def _add_outflow(to: Statements, network: Network) -> None:
+    """Return heat + Σ weight ṁ T_oil and mass + Σ weight ṁ of what flows out to the discharge line."""
+    layout = Layout(network)
     for port in network.ports:
         if port.cell == network.lines[1]:
             _leaving(to, f"flows[{layout.flow(port)}]", f"if flows[{layout.flow(port)}] < 0.0")
@@ -149,14 +124,8 @@ def _add_outflow(network: Network) -> str:
         if way == "ahead":
             _leaving(to, flow, f"if {flow} < 0.0 and {port_state} > 0.0")
     to.add("return heat, mass")
-    return function(
-        "chamber__add_outflow(heat, mass, flows, T_oil, weight, E)",
-        ['"""Return heat + Σ weight ṁ T_oil and mass + Σ weight ṁ of what flows out to the discharge line."""'],
-        to.lines,
-    )
 
 
 def _leaving(to: Statements, flow: str, test: str) -> None:
-    """Add an outflow where a test holds."""
     with to.within(test):
         to.add(f"heat += weight * {flow} * T_oil", f"mass += weight * {flow}")

@@ -6,7 +6,7 @@ on. Those of neighbours are read from histories, whose columns beyond the states
 
 from screwsim.model.network import balances
 from screwsim.model.network.network import Network
-from screwsim.model.network.statements import Statements, function
+from screwsim.model.network.statements import Statements, writes
 from screwsim.model.port_states import gas_at_third, hold_to_line, jumps, make_cubic, row_of_third
 from screwsim.numerics.kernel import Kernel
 
@@ -31,18 +31,13 @@ def columns(network: Network) -> dict[str, str]:
     return STORED | (VARYING if network.varies else {})
 
 
-def _of_chamber(network: Network) -> str:
-    """Return the text of a chamber's port state, whose states begin at y[at], in the held phase or its own."""
-    to = Statements()
+@writes("chamber__port_state(held, y, at, P, TAB, port_state, row)")
+def _of_chamber(to: Statements, network: Network) -> None:
+    """Fill row `row` of `port_state` for a chamber whose state begins at y[at]."""
     to.add(*(f"{name} = y[at + S_{name}]" for name in network.states if name not in network.own_states))
     to.add("phase = gas_phase(T, rho, P, TAB) if held == FREE else int(held)" if network.phases else "phase = 0")
     balances.gas_state(to, network)
     _fill(to, network, {"p": "PRESSURE", "h": "ENTHALPY", "c_v": "C_V", "TpT": "TPT"} | VARYING, "port_state[row + {}]")
-    return function(
-        "chamber__port_state(held, y, at, P, TAB, port_state, row)",
-        ['"""Fill row `row` of `port_state` for a chamber whose state begins at y[at]."""'],
-        to.lines,
-    )
 
 
 def _fill(to: Statements, network: Network, numbers: dict[str, str], port_state: str) -> None:
@@ -55,9 +50,14 @@ def _fill(to: Statements, network: Network, numbers: dict[str, str], port_state:
     to.add(*(f"{port_state.format(at)} = {name}" for name, at in (numbers | felt | oil).items()))
 
 
-def _kept(network: Network) -> str:
-    """Return the text that fills the columns of a step beyond the states."""
-    to, asked = Statements(), columns(network)
+@writes("chamber__keep_port_states(step, dense, context)", "P, TAB, R = context.P, context.TAB, context.R")
+def _kept(to: Statements, network: Network) -> None:
+    """Fill the columns of a step beyond the states: what neighbours need of the gas (M5, M10).
+
+    Cubics through its values at 0, 1/3, 2/3 and 1 of the step: neighbours read them instead of asking the
+    equation of state again and again.
+    """
+    asked = columns(network)
     to.add(f"fresh = {jumps.flat_name}(step, dense)")
     with to.within("for k in range(0 if fresh else 1, 4)"):
         to.add(f"T, rho = {gas_at_third.flat_name}(k, step, dense)", f"row = {row_of_third.flat_name}(k)")
@@ -67,23 +67,12 @@ def _kept(network: Network) -> str:
         to.add(*(f"dense[step, 0, COLUMN_{name}] = dense[step - 1, 1, COLUMN_{name}]" for name in asked))
     to.add(f"{hold_to_line.flat_name}(step, dense, COLUMN_p, P, R)")
     to.add(*(f"{make_cubic.flat_name}(step, dense, COLUMN_{name})" for name in asked))
-    return function(
-        "chamber__keep_port_states(step, dense, context)",
-        [
-            '"""Fill the columns of a step beyond the states: what neighbours need of the gas (M5, M10).',
-            "",
-            "Cubics through its values at 0, 1/3, 2/3 and 1 of the step: neighbours read them instead of asking the",
-            "equation of state again and again.",
-            '"""',
-            "P, TAB, R = context.P, context.TAB, context.R",
-        ],
-        to.lines,
-    )
 
 
-def _of_neighbour(network: Network) -> str:
-    """Return the text of the port state of a neighbour, from the columns of its history."""
-    to, asked = Statements(), columns(network)
+@writes("chamber__neighbour(columns, P, R, E, at)")
+def _of_neighbour(to: Statements, network: Network) -> None:
+    """Fill the port state of a neighbour at E[at], and that it is none of a line."""
+    asked = columns(network)
     to.add(*(f"{name} = columns[S_{name}]" for name in network.states if name in ("rho", "T_oil", "w_gas")))
     if network.carried:
         to.add("x_oil = max(0.0, columns[S_x_oil])")  # a cubic between two steps may dip below zero
@@ -94,8 +83,3 @@ def _of_neighbour(network: Network) -> str:
         to.add(*(f"{name} = R[R_{network.lines[0]} + {at}]" for name, at in VARYING.items()))
     _fill(to, network, STORED | VARYING, "E[at + {}]")
     to.add("E[at + BEYOND] = 0.0")
-    return function(
-        "chamber__neighbour(columns, P, R, E, at)",
-        ['"""Fill the port state of a neighbour at E[at], and that it is none of a line."""'],
-        to.lines,
-    )

@@ -5,11 +5,16 @@ kernels from the kernels' source, branch by branch.
 """
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import wraps
+from inspect import getdoc
+from typing import Concatenate, ParamSpec
 
 from screwsim.numerics.derivative import Forward
 from screwsim.numerics.kernel import Kernel, parsed, unparsed
+
+P = ParamSpec("P")
 
 
 class Statements:
@@ -71,3 +76,22 @@ class Tangent:
 def function(head: str, *parts: Sequence[str]) -> str:
     """Return the text of a function."""
     return "\n".join([f"def {head}:", *(f"    {line}".rstrip() for part in parts for line in part)])
+
+
+def writes(head: str, *first: str) -> Callable[[Callable[Concatenate[Statements, P], None]], Callable[P, str]]:
+    """Return a decorator by which a function that adds statements returns the text of a function of this head.
+
+    That has the docstring of the decorated function, the lines `first`, and the statements.
+    """
+
+    def around(add: Callable[Concatenate[Statements, P], None]) -> Callable[P, str]:
+        @wraps(add)
+        def text(*args: P.args, **kwargs: P.kwargs) -> str:
+            to, (about, *more) = Statements(), (getdoc(add) or "").split("\n")
+            add(to, *args, **kwargs)
+            told = [f'"""{about}', *more, '"""'] if more else [f'"""{about}"""']
+            return function(head, told, first, to.lines)
+
+        return text
+
+    return around

@@ -15,7 +15,7 @@ from screwsim.model.network.cell import Cell
 from screwsim.model.network.flows import NUMBERS, PortState, stream_terms
 from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Network
-from screwsim.model.network.statements import Statements, function
+from screwsim.model.network.statements import Statements, writes
 from screwsim.model.network.stops import stop_texts
 from screwsim.model.oil_displacement import density_of, displaced, gas_mass_slope, locked
 from screwsim.model.port_states import IMPOSSIBLE, NO_OIL, SHARP, SOME_GAS, SOME_OIL, relative
@@ -51,15 +51,14 @@ def step_kernels(network: Network) -> list[Kernel]:
 # ---- errors ----------------------------------------------------------------------------------------------------------
 
 
-def _error(network: Network) -> str:
-    """Return the text of the largest relative error of one chamber's states.
-
-    The error is relative, except for very little oil. In the dome p follows T by 7:1 and more, and flows follow p:
-    the error of T counts as that of the resulting pressure, at fixed density, where that is larger (for an ideal
-    gas they are equal). Negative T, ρ or oil ratio must be rejected explicitly: they would pass where they are
-    small beside the value before the step, and a negative oil ratio is unstable.
-    """
-    to, positive = Statements(), dict(zip(network.own_states, network.positive, strict=True))
+@writes("chamber__error(y0, y1, error, at, port_state, row, P)")
+def _error(to: Statements, network: Network) -> None:
+    """Return the largest relative error of a chamber's states; huge for states that cannot be."""
+    # The error is relative, except for very little oil. In the dome p follows T by 7:1 and more, and flows follow p:
+    # the error of T counts as that of the resulting pressure, at fixed density, where that is larger (for an ideal
+    # gas they are equal). Negative T, ρ or oil ratio must be rejected explicitly: they would pass where they are
+    # small beside the value before the step, and a negative oil ratio is unstable.
+    positive = dict(zip(network.own_states, network.positive, strict=True))
     if network.roomed:
         with to.within("if oil_displacement__locked(y1, at, P)"):
             to.add(f"return {IMPOSSIBLE!r}")
@@ -86,37 +85,26 @@ def _error(network: Network) -> str:
     with to.within(f"if not ({' and '.join(possible)})"):
         to.add(f"return {IMPOSSIBLE!r}")
     to.add("return worst")
-    return function(
-        "chamber__error(y0, y1, error, at, port_state, row, P)",
-        ['"""Return the largest relative error of a chamber\'s states; huge for states that cannot be."""'],
-        to.lines,
-    )
 
 
 def _above_zero(name: str, positive: dict[str, bool]) -> bool:
-    """Return whether a state must be positive."""
     return positive.get(name, name in ("T", "rho", "T_oil"))
 
 
-def _error_size() -> str:
-    """Return the text of a step's error; the port state at y1 is that of the last stage."""
-    body = ["return chamber__error(y0, y1, error, 0, context.own, 0, context.P)"]
-    text = '"""Return the largest relative error of the states over a step."""'
-    return function("chamber__error_size(y0, y1, error, context)", [text], body)
+@writes("chamber__error_size(y0, y1, error, context)")
+def _error_size(to: Statements) -> None:
+    """Return the largest relative error of the states over a step."""
+    to.add("return chamber__error(y0, y1, error, 0, context.own, 0, context.P)")  # `own` is that of the last stage
 
 
-def _lands(network: Network) -> str:
-    """Return the text of whether a step may end at the end of its segment (`model.borders`)."""
-    to, layout = Statements(), Layout(network)
+@writes("chamber__lands(h, J, E, E_end, context)")
+def _lands(to: Statements, network: Network) -> None:
+    """Tell whether a step may end where the segment does: not along a port that closes, where it is stiff."""
+    layout = Layout(network)
     if network.ports:
         with to.within(f"if {closing_test(layout, network, '')}"), to.within(f"if {stiff_test(network, '')}"):
             to.add("return False")
     to.add("return True")
-    return function(
-        "chamber__lands(h, J, E, E_end, context)",
-        ['"""Tell whether a step may end where the segment does: not along a port that closes, where it is stiff."""'],
-        to.lines,
-    )
 
 
 def closing_test(layout: Layout, network: Network, e: str) -> str:
@@ -133,9 +121,10 @@ def stiff_test(network: Network, own: str) -> str:
 # ---- jumps and borders -----------------------------------------------------------------------------------------------
 
 
-def _inject(network: Network) -> str:
-    """Return the text that injects oil at the injection angle, and stores what was there (M9, M30, M104, M110)."""
-    to, before = Statements(), "0.0"
+@writes("chamber__inject(y, at, P, TAB, R)")  # M9, M30, M104, M110
+def _inject(to: Statements, network: Network) -> None:
+    """Let the oil in at the injection angle, and note trapped gas, its pressure, and the oil."""
+    before = "0.0"
     to.add("V = volume_at(P[P_INJECTION], P, TAB)", "m = chamber__gas(V, y, at, P)")
     to.add("p, _h, _c_v, _TpT, _exponent, _choke, _choked = gas_state(y[at + S_T], y[at + S_rho], P, TAB)")
     to.add("R[R_TRAPPED] = m", "R[R_PRESSURE] = p")
@@ -159,28 +148,22 @@ def _inject(network: Network) -> str:
             to.add("y[at + S_x_oil] = total / m")
         elif network.heated:
             to.add("y[at + S_T_oil] = P[P_T_OIL]")
-    return function(
-        "chamber__inject(y, at, P, TAB, R)",
-        ['"""Let the oil in at the injection angle, and note trapped gas, its pressure, and the oil."""'],
-        to.lines,
-    )
 
 
-def _at_breakpoint(network: Network) -> str:
-    """Return the text of the jumps at breakpoints of a chamber's life: oil is injected at its angle."""
-    to = Statements()
+@writes("chamber__at_breakpoint(phi, y, context)", CONTEXT)
+def _at_breakpoint(to: Statements, network: Network) -> None:
+    """Let the state jump where it does: the oil comes at the injection angle (M9)."""
     with to.within("if abs(phi - P[P_INJECTION]) < 1e-9"):
         to.add("chamber__inject(y, 0, P, TAB, R)")
     if network.stops:
         with to.within("if phi == 0.0"):
             to.add("chamber__begin_modes(y, own, R, P, TAB)")
-    text = '"""Let the state jump where it does: the oil comes at the injection angle (M9)."""'
-    return function("chamber__at_breakpoint(phi, y, context)", [text, CONTEXT], to.lines)
 
 
-def _share_in_phase(network: Network) -> str:
-    """Return the text of the share of a step that holds: up to a switch, an impact or a phase border."""
-    to, layout = Statements(), Layout(network)
+@writes("chamber__share_in_phase(y, y1, u, rtol, context)", CONTEXT)
+def _share_in_phase(to: Statements, network: Network) -> None:
+    """Return the share of a step that holds: up to a switch, an impact or a border of the phases."""
+    layout = Layout(network)
     switched = any(port.one_way for port in network.ports)
     if switched:
         to.add("share = 1.0")
@@ -204,36 +187,30 @@ def _share_in_phase(network: Network) -> str:
         with to.within("if share == 1.0 and own[FED_FIRST] + own[FED_LAST] > 0.0"):
             to.add(f"share = {share_before_flash.flat_name}({network.flash_begins}, y, y1, u, P, TAB)")
     to.add("return share")
-    text = '"""Return the share of a step that holds: up to a switch, an impact or a border of the phases."""'
-    return function("chamber__share_in_phase(y, y1, u, rtol, context)", [text, CONTEXT], to.lines)
 
 
-def _jump(network: Network) -> str:
-    """Return the text of events between two steps, which returns whether the integration may continue."""
-    body = "chamber__take_event(y, rtol, own, R, P, TAB)" if network.stops else "True"
-    text = '"""Let happen what is due between two steps; tell whether the integration may go on."""'
-    return function("chamber__jump(y, rtol, context)", [text, CONTEXT, f"return {body}"])
+@writes("chamber__jump(y, rtol, context)", CONTEXT)
+def _jump(to: Statements, network: Network) -> None:
+    """Let happen what is due between two steps; tell whether the integration may go on."""
+    to.add(f"return {'chamber__take_event(y, rtol, own, R, P, TAB)' if network.stops else 'True'}")
 
 
 # ---- the mass balance ------------------------------------------------------------------------------------------------
 
 
-def _into(network: Network) -> str:
-    """Return the text that adds a stream of a port state to the sums of its category (M1–M13)."""
-    to = Statements()
+@writes("chamber__into(sums, at, m, source, s)")  # M1–M13
+def _into(to: Statements, network: Network) -> None:
+    """Add a stream of m [kg] of the port state at source[s] to sums, from sums[at] on (M10)."""
     terms = stream_terms(to, network, "m", PortState(*(f"source[s + {at}]" for at in NUMBERS.values())))
     to.add(*(f"sums[at + OF_{quantity}] += {term}" for quantity, term in terms.items()))
-    text = '"""Add a stream of m [kg] of the port state at source[s] to sums, from sums[at] on (M10)."""'
-    return function("chamber__into(sums, at, m, source, s)", [text], to.lines)
 
 
-def _conserve(network: Network) -> str:
-    """Return the text that closes a step's mass balance, by the widest open port's flow or else by the density.
-
-    A wide port holds p to the plenum's by a tiny Δp, whose quadrature carries the error of the whole state; the
-    change of ρV over the step does not. Where no port is open the flows are smooth, and ρV is made to follow them.
-    """
-    to, layout, first = Statements(), Layout(network), network.lines[0]
+@writes("chamber__conserve(y, y1, E, E_next, context, dq)", CONTEXT)
+def _conserve(to: Statements, network: Network) -> None:
+    """Close the mass balance of a step: by the flow through the widest port, else by the density (M1)."""
+    # A wide port holds p to the plenum's by a tiny Δp, whose quadrature carries the error of the whole state; the
+    # change of ρV over the step does not. Where no port is open the flows are smooth, and ρV is made to follow them.
+    layout, first = Layout(network), network.lines[0]
     opened = [port for port in network.ports if port.opening]
     if opened:
         _held_shares(to, network, "y", "share")
@@ -262,15 +239,6 @@ def _conserve(network: Network) -> str:
     with to.within("else"):
         to.add("chamber__port_state(own[PHASE], y1, 0, P, TAB, own, 0)")
         to.add("chamber__into(dq, outward, defect, own, 0)")
-    head = "chamber__conserve(y, y1, E, E_next, context, dq)"
-    return function(
-        head,
-        [
-            '"""Close the mass balance of a step: by the flow through the widest port, else by the density (M1)."""',
-            CONTEXT,
-        ],
-        to.lines,
-    )
 
 
 def exchanged(line: str) -> tuple[str, str, str]:

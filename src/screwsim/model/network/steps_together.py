@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Network
-from screwsim.model.network.statements import Statements, function
+from screwsim.model.network.statements import Statements, function, writes
 from screwsim.model.network.steps import closing_test, exchanged, stiff_test
 from screwsim.model.slots import FIRST_OWN
 
@@ -33,21 +33,19 @@ def held_phase(network: Network, j: str) -> str:
     return f"port_states[(CHAMBERS + 1) * PORT_STATE + {j}]"
 
 
-def _error_size(network: Network) -> str:
-    """Return the text of a step's error, the largest of all chambers."""
-    to = Statements()
+@writes("chambers__error_size(y0, y1, error, context)")
+def _error_size(to: Statements, network: Network) -> None:
+    """Return the largest relative error of the states of all chambers over a step."""
     to.add("worst = 0.0")
     with to.within("for j in range(CHAMBERS)"):
         error = "chamber__error(y0, y1, error, j * N, context.port_states, j * PORT_STATE, context.P)"
         to.add(f"worst = max(worst, {error})")
     to.add("return worst")
-    text = '"""Return the largest relative error of the states of all chambers over a step."""'
-    return function("chambers__error_size(y0, y1, error, context)", [text], to.lines)
 
 
-def _share_in_phase(network: Network) -> str:
-    """Return the text of the share of a step after which the first chamber leaves its phase."""
-    to = Statements()
+@writes("chambers__share_in_phase(y, y1, u, rtol, context)", CONTEXT)
+def _share_in_phase(to: Statements, network: Network) -> None:
+    """Return the share of a step that holds: up to the first border of the phases that a chamber meets."""
     to.add("share = 1.0")
     if network.phases:
         with to.within("for j in range(CHAMBERS)"):
@@ -55,24 +53,18 @@ def _share_in_phase(network: Network) -> str:
             to.add(f"held = {held_phase(network, 'j')}")
             to.add("share = min(share, borders__share_before_border(held, y, y1, u, j * N, steep, rtol, P, TAB))")
     to.add("return share")
-    text = '"""Return the share of a step that holds: up to the first border of the phases that a chamber meets."""'
-    return function("chambers__share_in_phase(y, y1, u, rtol, context)", [text, CONTEXT], to.lines)
 
 
-def _conserve(network: Network) -> str:
-    """Return the text that closes the mass balances of a step by flows through ports, as in one chamber.
-
-    Chambers before the injection angle are the suction side, the others the discharge side.
-    """
-    to = Statements()
+@writes("chambers__conserve(y, y1, E, E_next, context, dq)", CONTEXT)
+def _conserve(to: Statements, network: Network) -> None:
+    """Close the mass balances of a step: on the side of the suction, then on that of the discharge (M1)."""
+    # by flows through ports, as in one chamber; chambers before the injection angle are the suction side
     suction, discharge, *others = filter(None, network.cells)
     to.add("crossing = dq[Q_crossing]")
     _close_side(to, network, suction, BEFORE, "- crossing", [])
     # the crossing gas includes flows from own plenums to the suction side
     own = [f"Q_mass_{cell}_{way}" for cell in others for way in ("in", "out")]
     _close_side(to, network, discharge, f"not ({BEFORE})", "+ crossing", own)
-    text = '"""Close the mass balances of a step: on the side of the suction, then on that of the discharge (M1)."""'
-    return function("chambers__conserve(y, y1, E, E_next, context, dq)", [text, CONTEXT], to.lines)
 
 
 def _close_side(to: Statements, network: Network, line: str, test: str, crossing: str, own: Sequence[str]) -> None:
@@ -94,9 +86,9 @@ def _close_side(to: Statements, network: Network, line: str, test: str, crossing
         to.add("chambers__through_port(defect, open_one, inward, outward, line, y1, context, dq)")
 
 
-def _through_port(network: Network) -> str:
-    """Return the text that adds the defect of a mass balance to the stream through a port of chamber j."""
-    to = Statements()
+@writes("chambers__through_port(defect, j, inward, outward, line, y1, context, dq)", CONTEXT)
+def _through_port(to: Statements, network: Network) -> None:
+    """Add what a mass balance lacks to the stream from a line into chamber j, or out of it to that line."""
     with to.within("if dq[inward] + dq[outward] >= 0.0"):
         to.add("chamber__into(dq, inward, defect, R, line)")
     with to.within("else"):
@@ -105,14 +97,12 @@ def _through_port(network: Network) -> str:
             "chamber__port_state(held, y1, j * N, P, TAB, port_states, row)",
             "chamber__into(dq, outward, defect, port_states, row)",
         )
-    head = "chambers__through_port(defect, j, inward, outward, line, y1, context, dq)"
-    text = '"""Add what a mass balance lacks to the stream from a line into chamber j, or out of it to that line."""'
-    return function(head, [text, CONTEXT], to.lines)
 
 
-def _lands(network: Network) -> str:
-    """Return the text of whether a step may end at the end of its segment, for all chambers (`model.borders`)."""
-    to, layout = Statements(), Layout(network)
+@writes("chambers__lands(h, J, E, E_end, context)")
+def _lands(to: Statements, network: Network) -> None:
+    """Tell whether a step may end where the segment does, for all chambers."""
+    layout = Layout(network)
     if network.ports:
         with to.within("for j in range(CHAMBERS)"):
             to.add("e = j * E_CHAMBER", "own = j * N")
@@ -120,5 +110,3 @@ def _lands(network: Network) -> str:
             with to.within(f"if ({closing}) and ({too_long})"):
                 to.add("return False")
     to.add("return True")
-    text = '"""Tell whether a step may end where the segment does, for all chambers."""'
-    return function("chambers__lands(h, J, E, E_end, context)", [text], to.lines)

@@ -5,7 +5,7 @@ Source: docs/reference/slider-crank.md S26, S32, S33.
 
 from screwsim.model import impacts
 from screwsim.model.network.network import Network, Stop
-from screwsim.model.network.statements import Statements, function
+from screwsim.model.network.statements import Statements, writes
 from screwsim.numerics.kernel import Kernel
 
 AROUND = "R, P, TAB"
@@ -55,42 +55,35 @@ def _kept(network: Network, by: Kernel, array: str) -> list[str]:
     ]
 
 
-def _begin(network: Network) -> str:
-    """Return the text that sets the modes at the start of a turn."""
-    to = Statements()
+@writes(f"chamber__begin_modes(y, own, {AROUND})")
+def _begin(to: Statements, network: Network) -> None:
+    """Set the modes at the start of a turn, whose state may be a mixture of others (S26)."""
     to.add("own[IMPACTS] = 0.0")
     for stop in network.stops:
         to.add(f"{impacts.begin.flat_name}_{stop.position}(y, own, {_of(stop)}, {AROUND})")
-    text = '"""Set the modes at the start of a turn, whose state may be a mixture of others (S26)."""'
-    return function(f"chamber__begin_modes(y, own, {AROUND})", [text], to.lines)
 
 
-def _share_before_event(network: Network) -> str:
-    """Return the text of the share of a step before its first impact event."""
-    to = Statements()
+@writes(f"chamber__share_before_event(y, y1, u, rtol, own, {AROUND})")
+def _share_before_event(to: Statements, network: Network) -> None:
+    """Return the share of a step after which the first pair meets seat or stop, or leaves it (S32)."""
     to.add("step = own[STEP_END] - own[STEP_BEGIN]", "share = 1.0")
     for stop in network.stops:
         call = f"{impacts.share_before_event.flat_name}_{stop.position}"
         to.add(f"share = min(share, {call}(y, y1, u, rtol, step, own, {_of(stop)}, {AROUND}))")
     to.add("return share")
-    text = '"""Return the share of a step after which the first pair meets seat or stop, or leaves it (S32)."""'
-    return function(f"chamber__share_before_event(y, y1, u, rtol, own, {AROUND})", [text], to.lines)
 
 
-def _put_within(network: Network) -> str:
-    """Return the text that limits positions at the end of an accepted step."""
+@writes("chamber__put_within(y1, own)")
+def _put_within(to: Statements, network: Network) -> None:
+    """Put positions at the end of an accepted step where they were met, and none beyond seat or stop."""
     put = impacts.put_within.flat_name
-    calls = [f"{put}(y1, own, S_{stop.position}, DUE_{stop.position})" for stop in network.stops]
-    text = '"""Put positions at the end of an accepted step where they were met, and none beyond seat or stop."""'
-    return function("chamber__put_within(y1, own)", [text], calls)
+    to.add(*(f"{put}(y1, own, S_{stop.position}, DUE_{stop.position})" for stop in network.stops))
 
 
-def _take_event(network: Network) -> str:
-    """Return the text that applies impact events between two steps."""
-    to = Statements()
+@writes(f"chamber__take_event(y, rtol, own, {AROUND})")
+def _take_event(to: Statements, network: Network) -> None:
+    """Apply what is due between two steps (S26, S33); tell whether there were not too many impacts."""
     for stop in network.stops:
         where = f"S_{stop.speed}, MODE_{stop.position}, DUE_{stop.position}, {stop.seat}, {stop.stop}"
         to.add(f"own[IMPACTS] += {impacts.take_event.flat_name}_{stop.position}(y, rtol, own, {where}, {AROUND})")
     to.add(f"return own[IMPACTS] <= {impacts.MOST_IMPACTS!r}")
-    text = '"""Apply what is due between two steps (S26, S33); tell whether there were not too many impacts."""'
-    return function(f"chamber__take_event(y, rtol, own, {AROUND})", [text], to.lines)

@@ -7,7 +7,7 @@ lobe pitch, chamber j is at s + j pitch. A context is one of `contexts`.
 from screwsim.model.network.flows import NUMBERS, needed
 from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Network
-from screwsim.model.network.statements import Statements, function
+from screwsim.model.network.statements import Statements, function, writes
 from screwsim.model.port_states import read_ahead, read_behind
 from screwsim.model.pulsation import pulsed
 from screwsim.numerics.kernel import Kernel
@@ -22,9 +22,10 @@ def surroundings_kernels(network: Network) -> list[Kernel]:
     return [each for each, wanted in asked.items() if wanted]
 
 
-def surroundings_text(network: Network) -> str:
-    """Return the text that fills E for one chamber."""
-    layout, to = Layout(network), Statements()
+@writes("chamber__surroundings(phi, middle, context, E)", "P, TAB, R = context.P, context.TAB, context.R")
+def surroundings_text(to: Statements, network: Network) -> None:
+    """Fill E for a chamber at phi [rad]: volume, areas of openings, port states of neighbours (M1, M24)."""
+    layout = Layout(network)
     _of_angle(to, network, "phi", "middle")
     for port in network.ports:
         to.add(f"E[{layout.area(port)}] = {layout.area_at(port, 'phi')}")
@@ -48,17 +49,12 @@ def surroundings_text(network: Network) -> str:
                     to.add(f"chamber__beyond_last(R, E, E_{there})")
                 with to.within("else"):
                     to.add(f"{read_ahead.flat_name}({asked})")
-    return function(
-        "chamber__surroundings(phi, middle, context, E)",
-        ['"""Fill E for a chamber at phi [rad]: volume, areas of openings, port states of neighbours (M1, M24)."""'],
-        ["P, TAB, R = context.P, context.TAB, context.R"],
-        to.lines,
-    )
 
 
-def surroundings_together_text(network: Network) -> str:
-    """Return the text that fills E for all chambers; gaps have the area of their trailing side."""
-    layout, to = Layout(network), Statements()
+@writes("chambers__surroundings(s, middle, context, E)", "P, TAB, R = context.P, context.TAB, context.R")
+def surroundings_together_text(to: Statements, network: Network) -> None:
+    """Fill E for all chambers, the first at s [rad]: volume, areas of its openings (M1, M24)."""
+    layout = Layout(network)
     with to.within("for j in range(CHAMBERS)"):
         to.add("e = j * E_CHAMBER", "phi = s + j * P[P_PITCH]")
         _of_angle(to, network, "phi", "middle + j * P[P_PITCH]", "e + ")
@@ -66,12 +62,6 @@ def surroundings_together_text(network: Network) -> str:
             to.add(f"E[e + {layout.area(each)}] = {layout.area_at(each, 'phi')}")
     if network.pulsating:
         to.add("chambers__lines(s, P, R, E)")
-    return function(
-        "chambers__surroundings(s, middle, context, E)",
-        ['"""Fill E for all chambers, the first at s [rad]: volume, areas of its openings (M1, M24)."""'],
-        ["P, TAB, R = context.P, context.TAB, context.R"],
-        to.lines,
-    )
 
 
 def _of_angle(to: Statements, network: Network, phi: str, middle: str, e: str = "") -> None:
@@ -82,15 +72,12 @@ def _of_angle(to: Statements, network: Network, phi: str, middle: str, e: str = 
         to.add(f"E[{e}E_OILED] = 1.0 if {middle} > P[P_INJECTION] else 0.0")
 
 
-def beyond_last_text(network: Network) -> str:
-    """Return the text of the port state ahead of the last chamber: that of the discharge line."""
+@writes("chamber__beyond_last(R, E, at)")
+def beyond_last_text(to: Statements, network: Network) -> None:
+    """Fill the port state of the discharge line, ahead of the last chamber, at E[at]."""
     array, line = Layout(network).line(network.cells[DISCHARGE])
-    return function(
-        "chamber__beyond_last(R, E, at)",
-        ['"""Fill the port state of the discharge line, ahead of the last chamber, at E[at]."""'],
-        [f"E[at + {number}] = {array}[{line} + {number}]" for number in needed(network).values()],
-        ["E[at + BEYOND] = 1.0"],
-    )
+    to.add(*(f"E[at + {number}] = {array}[{line} + {number}]" for number in needed(network).values()))
+    to.add("E[at + BEYOND] = 1.0")
 
 
 def lines_texts(network: Network) -> list[str]:

@@ -54,13 +54,11 @@ def best_table(results: Results) -> BestTable:
     some = f"{len(shown)} of the {len(front)}" if len(shown) < len(front) else f"the {len(front)}"
     many = f"{some} evaluations that no other beats in all aims; " if len(names) > 1 else ""
     over = f" over {len(points[0].values)} operating points" if points and len(points[0].values) > 1 else ""
-    wanted = " and ".join(f"{_aim_in_words(results, name)} {shown_name(name)}" for name in names)
+    lowest = [results.optimum.about[AIM + name].long_name.endswith("lowest") for name in names]
+    senses = zip(names, lowest, strict=True)
+    wanted = " and ".join(f"{'lowest' if least else 'highest'} {shown_name(name)}" for name, least in senses)
     sought = f"Search for the {wanted}{over}, {len(evaluations.values)} evaluations"
     return BestTable(sought, heads, rows, f"{many}error: estimated numerical error of an aim, relative")
-
-
-def _aim_in_words(results: Results, name: str) -> str:
-    return "lowest" if results.optimum.about[AIM + name].long_name.endswith("lowest") else "highest"
 
 
 def _error(results: Results, names: list[str], row: int) -> float:

@@ -173,20 +173,15 @@ def _traces_with_values(results: Results, shown: Selection, names: list[str], ca
 def _packed(angle: np.ndarray, traces: dict[str, np.ndarray], wanted: float) -> dict[str, Any]:
     """Return traces on a reduced set of angles, with the deviation of the straight segments between these."""
     thinned = reduce_angles(angle, traces, wanted)
+    displays = {name: _STATES.get(name, quantities.MASS_FLOW) for name in traces}
     return {
         "angle": floats(angle[thinned.kept]),
-        "traces": {name: _trace(name, trace[:, thinned.kept]) for name, trace in traces.items()},
-        "off": {name: _trace_display(name).factor * thinned.deviation[name] for name in traces},
+        "traces": {
+            name: {"label": plain_label(how), "unit": how.unit} | quantised(how.of(traces[name][:, thinned.kept]))
+            for name, how in displays.items()
+        },
+        "off": {name: how.factor * thinned.deviation[name] for name, how in displays.items()},
     }
-
-
-def _trace_display(name: str) -> Display:
-    return _STATES.get(name, quantities.MASS_FLOW)
-
-
-def _trace(name: str, values: np.ndarray) -> dict[str, Any]:
-    how = _trace_display(name)
-    return {"label": plain_label(how), "unit": how.unit} | quantised(how.of(values))
 
 
 def _all_marks(results: Results, shown: Selection, angle: np.ndarray, traces: Any) -> list[dict[str, float]]:

@@ -45,15 +45,11 @@ def warnings(results: Results) -> tuple[str, list[str]]:
     found, cases = warning_kinds_of_file(results), int(np.count_nonzero(cases_with_warnings(results)))
     if not results.axis_list:
         return (f"{len(found)} warnings" if len(found) > 1 else "Warning" if found else ""), [k.text for k in found]
-    lines = [f"{_cases(kind.cases)}: {kind.text}" for kind in found[:MOST_KINDS]]
+    lines = [f"{kind.cases} case{'s' * (kind.cases != 1)}: {kind.text}" for kind in found[:MOST_KINDS]]
     if len(found) > MOST_KINDS:
         lines.append(f"{len(found) - MOST_KINDS} other kinds of warnings (see the file)")
     whole = f"{cases} of {results.status.size} cases {'warns' if cases == 1 else 'warn'}"
     return (whole if cases else ""), lines
-
-
-def _cases(count: int) -> str:
-    return "1 case" if count == 1 else f"{count} cases"
 
 
 def axes(results: Results) -> Iterator[str]:

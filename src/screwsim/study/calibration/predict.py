@@ -16,7 +16,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.study.calibration.answers import QUANTILES, Posterior, Prediction, Predictions
 from screwsim.study.calibration.emulator import FigureRow, figures_at, fitted, places_within
 from screwsim.study.calibration.fit import Fit, Measurement, Point
-from screwsim.study.calibration.machine import TypicalUncertainty, points_of, typical_uncertainties
+from screwsim.study.calibration.machine import points_of, typical_uncertainties
 from screwsim.study.calibration.posterior import CHECKED_DRAWS, TOLERATED_ERROR, posterior
 from screwsim.study.calibration.residuals import Array, Simulate
 from screwsim.study.calibration.solve import Calibration
@@ -102,7 +102,9 @@ def predict(
             reasons[point.name] = next((row.why for row in own if row.why), "a figure has no value")
             continue
         drawn = polynomials(draws)
-        uncertainty = _uncertainties(point, figures, usual, np.median(drawn, axis=0))
+        stated, medians = point.measured, dict(zip(figures, np.median(drawn, axis=0).tolist(), strict=True))
+        sizes = (stated[name].uncertainty if name in stated else usual[name].of(medians[name]) for name in figures)
+        uncertainty = np.array(list(sizes))
         told += _point_predictions(point, figures, (drawn, widths, uncertainty, polynomials.off), generator)
         solved = [(at, row) for at, row in zip(draws, own[-CHECKED_DRAWS:], strict=False) if row.figures]
         solved = [(at, row) for at, row in solved if np.isfinite(row.figures).all()]
@@ -120,15 +122,6 @@ _NO_MEASUREMENT = Measurement(0.0, 1.0)
 def _solved_row(asked: Sequence[Fit], places: Array, simulate: Simulate | None, number: int) -> FigureRow:
     point, place = divmod(number, len(places))
     return figures_at(asked[point], places, simulate, place)
-
-
-def _uncertainties(
-    point: Point, figures: Sequence[str], usual: Mapping[str, TypicalUncertainty], medians: Array
-) -> Array:
-    """Return the standard uncertainty [SI] with which each figure is measured at a point."""
-    stated = point.measured
-    pairs = zip(figures, medians.tolist(), strict=True)
-    return np.array([stated[name].uncertainty if name in stated else usual[name].of(value) for name, value in pairs])
 
 
 def _point_predictions(

@@ -13,8 +13,9 @@ from screwsim.results.left_out import left_out_words
 from screwsim.scene import Scene
 from screwsim.study.datasheet.sheet import Sheet
 from screwsim.study.progress import Progress
+from screwsim.study.stages.read import StageChain
 
-__all__ = ["Sheet", "sheet_of"]
+__all__ = ["Sheet", "sheet_of", "sheet_of_stages"]
 
 
 BY_TEMPERATURE, BY_PRESSURE = ("--evaporating", "--condensing"), ("--suction", "--discharge")
@@ -53,6 +54,47 @@ def sheet_of(
     ranges = dict(zip((*BY_TEMPERATURE, *BY_PRESSURE), given, strict=True))
     sheet = _sheet_of_kind(scene, ranges, limits, heating, profile, jobs, progress)
     return _sheet_with_uncertainty(scene, sheet) if scene.uncertain or scene.model_error else sheet
+
+
+def sheet_of_stages(
+    chain: StageChain,
+    *,
+    evaporating: str | None = None,
+    condensing: str | None = None,
+    suction: str | None = None,
+    discharge: str | None = None,
+    limits: Sequence[str] = (),
+    heating: bool = False,
+    profile: str | None = None,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> Sheet:
+    """Return the data sheet of two stages in series; raise UsageError, in one line, for what does not belong to them.
+
+    Refrigeration plants take `evaporating`, `condensing` and `heating`, other gases `suction` and `discharge`, air with
+    two motors a `profile`, all with the meaning that `sheet_of` gives them.
+    """
+    given = (evaporating, condensing, suction, discharge)
+    ranges = dict(zip((*BY_TEMPERATURE, *BY_PRESSURE), given, strict=True))
+    from screwsim.study.datasheet import stages_rating as rating
+    from screwsim.study.datasheet.stages_air import air_stages_sheet, is_air_package
+
+    if is_air_package(chain):
+        from screwsim.study.datasheet.air_year import read_profile
+
+        unused = {**ranges, "--limit": tuple(limits) or None, "--heating": heating or None}
+        _refuse_unused_options(unused, "the stages compress air as a package")
+        return air_stages_sheet(chain, () if profile is None else read_profile(profile), jobs, progress)
+    _refuse_unused_options({"--profile": profile}, "the two stages are not one (air, and a motor in both)")
+    from screwsim.study.datasheet.bounds import limits_of_stages
+    from screwsim.study.datasheet.stages_sheet import stages_sheet
+
+    options = rating.axis_options(chain)
+    unused = {name: text for name, text in ranges.items() if name not in options}
+    unused |= {} if rating.refrigerates(chain) else {"--heating": heating or None}
+    _refuse_unused_options(unused, f"these two stages are rated over {' and '.join(options)}")
+    asked = rating.rating_request(chain, ranges, limits_of_stages(chain, limits))
+    return stages_sheet(rating.rating(asked, jobs, progress), heating)
 
 
 def _sheet_with_uncertainty(scene: Scene, sheet: Sheet) -> Sheet:

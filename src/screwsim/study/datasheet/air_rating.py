@@ -5,7 +5,7 @@ package with a fan is air-cooled, one without is liquid-cooled.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +18,7 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 from screwsim.scene.lines import lines
 from screwsim.simulate import simulate_many
+from screwsim.study.datasheet.rated import without_sweep
 from screwsim.study.progress import Progress
 
 SPEED, STATE = "operation.speed", "effects.air_package.state"
@@ -82,17 +83,18 @@ class Rating:
 
 def rating(scene: Scene, progress: Progress | None = None) -> Rating:
     """Return the rating of an air package; raise UsageError where a scene leaves open what is rated."""
-    _check(scene)
+    base = without_sweep(scene, {SPEED}, f"the values of sweep.{SPEED} of an air package")
+    if scene.effects["air_package"].parameters.state == UNLOADED:
+        raise UsageError(f"datasheet: {STATE} is unloaded, but an unloaded package delivers nothing (write loaded)")
     progress = progress or Progress()
     try:
-        return _rating(scene, progress)
+        return _rating(scene, base, progress)
     finally:
         progress.stop()
 
 
-def _rating(scene: Scene, progress: Progress) -> Rating:
+def _rating(scene: Scene, base: Scene, progress: Progress) -> Rating:
     package, variable = scene.effects["air_package"].parameters, SPEED in scene.sweep
-    base = replace(scene, sweep={}, joints=())
     speeds = sorted(scene.sweep.get(SPEED, (scene.operation.speed,)), reverse=True)
     progress.start(len(speeds) + (package.unloaded is not None), 0)
     points = _rated_points(base, speeds, progress)
@@ -102,18 +104,6 @@ def _rating(scene: Scene, progress: Progress) -> Rating:
     coolant = "liquid" if package.fan is None else "air"
     regulation = _regulation(base, points, variable, coolant, progress) if points[0].flow > 0.0 else None
     return Rating(points, idle, regulation, variable, coolant)
-
-
-def _check(scene: Scene) -> None:
-    others = [path for path in scene.sweep if path != SPEED]
-    if others or scene.joints:
-        path = others[0] if others else SPEED
-        raise UsageError(
-            f"datasheet: an air package is rated at the values of sweep.{SPEED}, but the scene varies {path} in "
-            f"another way (remove that axis, and rate one value at a time with --set {path}=VALUE)"
-        )
-    if scene.effects["air_package"].parameters.state == UNLOADED:
-        raise UsageError(f"datasheet: {STATE} is unloaded, but an unloaded package delivers nothing (write loaded)")
 
 
 def _rated_points(base: Scene, speeds: Sequence[float], progress: Progress) -> list[Point]:

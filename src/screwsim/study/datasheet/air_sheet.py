@@ -36,11 +36,7 @@ DISCLAIMER = "computed, not measured: no tolerance of ISO 1217 applies, and no t
 def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sheet:
     """Return the sheet of a rating, with the energy of demands."""
     shares = year(rated, demands) if demands else ()
-    rows = [_row(point, rated.full) for point in rated.points]
-    good = [point for point in rated.points if point.flow > 0.0]
-    curve = Curve([MINUTE * point.flow for point in good], [_specific(point) for point in good])
-    label = "Package specific power [kW/(m³/min)]"
-    drawing = Drawing(label, "free air delivered [m³/min]", label, [curve], from_zero=True)
+    rows = [point_row(point, rated.full) for point in rated.points]
     every = [*rated.points, *([] if rated.unloaded is None else [rated.unloaded])]
     return Sheet(
         heading="Air package, rating by ISO 1217",
@@ -49,26 +45,37 @@ def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sh
         tables=[Table("Points", HEADS, rows), *([year_table(rated, shares)] if shares else [])],
         verdict=_verdict(rated.regulation),
         notes=list(_notes(scene, every)),
-        drawings=[drawing] if len(good) > 1 else [],
+        drawings=list(drawings_of(rated)),
         document={**_document(scene, rated), **({"profile": year_document(shares)} if shares else {})},
         ok=all(point.ok for point in every),
     )
+
+
+def drawings_of(rated: Rating) -> Iterator[Drawing]:
+    """Yield the specific power over the flow, if there are two points or more."""
+    good = [point for point in rated.points if point.flow > 0.0]
+    curve = Curve([MINUTE * point.flow for point in good], [specific_power(point) for point in good])
+    label = "Package specific power [kW/(m³/min)]"
+    if len(good) > 1:
+        yield Drawing(label, "free air delivered [m³/min]", label, [curve], from_zero=True)
 
 
 def _percent(share: float, digits: int = 0) -> str:
     return f"{100.0 * share:.{digits}f} %"
 
 
-def _specific(point: Point) -> float:
+def specific_power(point: Point) -> float:
+    """Return the specific power of a point [kW/(m³/min)]."""
     return point.result.performance[SPECIFIC] / (KW * MINUTE)
 
 
-def _row(point: Point, full: Point) -> list[str]:
+def point_row(point: Point, full: Point) -> list[str]:
+    """Return the cells of a point of the sheet, under `HEADS`."""
     speed = f"{point.speed / RPM:.0f}"
     if not point.flow > 0.0:
         return [speed, point.result.status.replace("_", " "), *[""] * (len(HEADS) - 2)]
     found = point.result.performance
-    share, specific = 100.0 * point.flow / full.flow if full.flow > 0.0 else 0.0, _specific(point)
+    share, specific = 100.0 * point.flow / full.flow if full.flow > 0.0 else 0.0, specific_power(point)
     efficiency = found.get(EFFICIENCY)
     cells = [speed, f"{MINUTE * point.flow:.2f}", f"{point.flow / CFM:.1f}", f"{share:.0f}" if share else ""]
     cells += [f"{found[POWER] / KW:.1f}", f"{specific:.2f}", f"{specific * 100.0 * CFM * MINUTE:.1f}"]

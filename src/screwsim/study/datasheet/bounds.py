@@ -2,13 +2,19 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import groupby
 from typing import Any, NamedTuple
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import figure_text, quantity, shown_name
+from screwsim.inputs.faults import UsageError
+from screwsim.outputs import STAGES
 from screwsim.scene import Scene
 from screwsim.scene.units import ZERO_CELSIUS
-from screwsim.study.goals import read_bounds
+from screwsim.study.figures import figure_named
+from screwsim.study.goals import read_bounds, read_bounds_of
+from screwsim.study.stages.axes import STAGE_NAMES
+from screwsim.study.stages.read import StageChain
 
 MOTOR = "motor"
 RATED = f"effects.{MOTOR}.rated_power"
@@ -60,6 +66,24 @@ def limits_of(scene: Scene, texts: Sequence[str]) -> tuple[Bound, ...]:
     return tuple(found)
 
 
+def limits_of_stages(chain: StageChain, texts: Sequence[str]) -> tuple[Bound, ...]:
+    """Return the limits stated in texts for figures of two stages, and the rated power of each motor."""
+    stated = read_bounds_of(_figure_of_stages, texts, "--limit")
+    found = [Bound(each.figure, 1 if each.sign == "<" else -1, each.value) for each in stated]
+    for stage, scene in zip(STAGE_NAMES, (chain.first, chain.second), strict=True):
+        motor, power = motor_of(scene), f"{stage}_shaft_power"
+        if motor is not None and not any(bound.figure == power for bound in found):
+            found.append(Bound(power, 1, float(motor.rated_power), f"{stage}.{RATED}"))
+    return tuple(found)
+
+
+def _figure_of_stages(text: str, option: str) -> str:
+    name = figure_named(text, STAGES, option=option)
+    if name not in STAGES:
+        raise UsageError(f"{option} {text}: is not a figure of two stages (use one of {', '.join(STAGES)})")
+    return name
+
+
 class EnvelopeRange(NamedTuple):
     """Range of the axis down at a value of the axis across [SI], and what ends it on both sides."""
 
@@ -99,13 +123,10 @@ def exceeded_bounds(found: Mapping[str, Any], bounds: Sequence[Bound]) -> list[B
 
 
 def _runs(inside: Sequence[bool]) -> Iterator[tuple[int, int]]:
-    first = None
-    for j, good in enumerate([*inside, False]):
-        if good and first is None:
-            first = j
-        elif not good and first is not None:
-            yield first, j - 1
-            first = None
+    for good, run in groupby(range(len(inside)), key=lambda j: inside[j]):
+        places = list(run)
+        if good:
+            yield places[0], places[-1]
 
 
 def _run_end(

@@ -247,10 +247,10 @@ def _line(scene: Scene, base: Scene, path: str, text: str | None, option: str) -
         return Axis(
             path, rating.evenly_spaced(*rating.read_range(base, path, text, option, EXAMPLES[path]), VALUES_PER_RANGE)
         )
-    return Axis(path, rating.swept_values(scene, path) or _values_around_own(base, path))
+    return Axis(path, rating.swept_values(scene, path) or values_around_own(base, path))
 
 
-def _values_around_own(base: Scene, path: str) -> tuple[float, ...]:
+def values_around_own(base: Scene, path: str) -> tuple[float, ...]:
     """Return values around the scene's own."""
     own = float(value_at(base, path))
     shares = PRESSURE_SHARES if not base.machine.expands else INLET_SHARES if path == P_S else OUTLET_SHARES

@@ -6,10 +6,10 @@ and outlet for expanders.
 
 import itertools
 import math
-from collections.abc import Sequence, Set
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
@@ -18,7 +18,7 @@ from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.simulate import simulate_many
-from screwsim.study.datasheet.bounds import Bound, EnvelopeRange, envelope
+from screwsim.study.datasheet.bounds import Bound, EnvelopeRange, envelope, motor_of
 from screwsim.study.inputs import ends_of, read_text, shown_value
 from screwsim.study.parallel import parallel_map
 from screwsim.study.part_load import LOADS, REFRIGERATION, Control, LoadFigures, PartLoad, part_load
@@ -43,6 +43,73 @@ class Axis(NamedTuple):
     values: tuple[float, ...]
 
 
+class Asked(Protocol):
+    """What is rated over two axes: a scene, or two of them in series."""
+
+    @property
+    def across(self) -> Axis:
+        """The axis across the tables."""
+        ...
+
+    @property
+    def down(self) -> Axis:
+        """The axis down the tables."""
+        ...
+
+    @property
+    def bounds(self) -> Sequence[Bound]:
+        """The limits."""
+        ...
+
+    @property
+    def controls(self) -> Sequence[Control]:
+        """The controls of the capacity."""
+        ...
+
+    @property
+    def ratios(self) -> Sequence[float]:
+        """The built-in volume ratios from which the best is found at each part load."""
+        ...
+
+    @property
+    def inverts(self) -> bool:
+        """Whether the losses of inverters are included at other speeds."""
+        ...
+
+    def shown(self, path: str, value: float, digits: int = 5) -> str:
+        """Return a setting [SI] of a control in words."""
+        ...
+
+
+class Rated(Protocol):
+    """What was found of it: results at its own point, over both axes, of each control, and the envelope."""
+
+    @property
+    def asked(self) -> Asked:
+        """What is rated."""
+        ...
+
+    @property
+    def own(self) -> Result:
+        """The result at its own point."""
+        ...
+
+    @property
+    def points(self) -> Mapping[tuple[int, int], Result]:
+        """The results by the indices on both axes."""
+        ...
+
+    @property
+    def loads(self) -> Sequence[PartLoad]:
+        """The results of each control."""
+        ...
+
+    @property
+    def reach(self) -> Sequence[EnvelopeRange]:
+        """The envelope."""
+        ...
+
+
 class RatingRequest(NamedTuple):
     """What is rated: a scene without a sweep, the axes across and down its tables, limits, controls."""
 
@@ -53,6 +120,16 @@ class RatingRequest(NamedTuple):
     controls: tuple[Control, ...]
     ratios: tuple[float, ...] = ()  # built-in volume ratios from which the best is found at each part load
     aim: LoadFigures = REFRIGERATION
+
+    @property
+    def inverts(self) -> bool:
+        """Whether the losses of an inverter are included at other speeds."""
+        motor = motor_of(self.scene)
+        return motor is not None and motor.inverts
+
+    def shown(self, path: str, value: float, digits: int = 5) -> str:
+        """Return a setting [SI] of a control in words."""
+        return shown_value(self.scene, path, value, digits)
 
 
 @dataclass(frozen=True)
@@ -172,11 +249,16 @@ def _by_lift(asked: RatingRequest) -> bool:
 
 def _is_small(asked: RatingRequest, across: float, down: float) -> bool:
     """Return whether the axes alone show too small a lift or pressure ratio, which a point's scene may not allow."""
-    if _by_lift(asked):
-        return down - across < LEAST_LIFT
-    if (asked.across.path, asked.down.path) != (P_S, P_D):
-        return False
-    return (across / down if asked.scene.machine.expands else down / across) < LEAST_RATIO
+    if (asked.across.path, asked.down.path) == (P_S, P_D) and asked.scene.machine.expands:
+        across, down = down, across
+    return is_small(asked.across, asked.down, across, down, _by_lift(asked))
+
+
+def is_small(first: Axis, second: Axis, low: float, high: float, by_lift: bool) -> bool:
+    """Return whether values of two axes differ too little: temperatures `by_lift`, else pressures of both lines."""
+    if by_lift:
+        return high - low < LEAST_LIFT
+    return (first.path, second.path) == (P_S, P_D) and high / low < LEAST_RATIO
 
 
 def _case_scene(asked: RatingRequest, across: float, down: float) -> Scene | Result | None:

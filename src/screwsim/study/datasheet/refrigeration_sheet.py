@@ -136,19 +136,20 @@ def rating_request(
     second = GAS_COOLER_P if scene.operation.gas_cooler is not None else CONDENSING
     over = f"{EVAPORATING}, {second} and controls of the capacity"
     base = without_sweep(scene, {EVAPORATING, second, RATIO_PATH, *CONTROL_ENDS}, over)
-    across = _axis(scene, base, EVAPORATING, evaporating, "--evaporating")
-    down = _axis(scene, base, second, condensing, "--condensing")
+    across = axis_values(base, EVAPORATING, evaporating, "--evaporating", swept_values(scene, EVAPORATING))
+    down = axis_values(base, second, condensing, "--condensing", swept_values(scene, second))
     return RatingRequest(base, across, down, tuple(bounds), tuple(controls(scene)), ratios(scene))
 
 
-def _axis(scene: Scene, base: Scene, path: str, text: str | None, option: str) -> Axis:
+def axis_values(base: Scene, path: str, text: str | None, option: str, swept: tuple[float, ...]) -> Axis:
+    """Return an axis: over a range, at swept values [SI], or around the scene's own one; raise UsageError."""
     if text is not None:
         example = "-10 degC..10 degC" if path != GAS_COOLER_P else "80 bar..110 bar"
         first, last = read_range(base, path, text, option, example)
         steps = min(max(round((last - first) / TEMPERATURE_STEP) + 1, 2), MOST_VALUES)
         count = len(PRESSURE_SHARES) if path == GAS_COOLER_P else steps
         return Axis(path, evenly_spaced(first, last, count))
-    if swept := swept_values(scene, path):
+    if swept:
         return Axis(path, swept)
     own = float(value_at(base, path))
     if path == GAS_COOLER_P:

@@ -12,10 +12,10 @@ from screwsim.outputs.display import picked
 from screwsim.scene import Scene
 from screwsim.scene.operation import CONDENSING
 from screwsim.study.datasheet.bounds import exceeded_bounds, limit_text, motor_of
-from screwsim.study.datasheet.rated import Axis, Rating, celsius
+from screwsim.study.datasheet.rated import Axis, Rated, celsius
 from screwsim.study.datasheet.sheet import Curve, Drawing, Table, warning_lines
 from screwsim.study.inputs import shown_value
-from screwsim.study.part_load import LoadStep, PartLoad
+from screwsim.study.part_load import SPEED_PATH, LoadStep, PartLoad
 
 KW, HOUR, PERCENT = 1e-3, 3600.0, 100.0
 NONE, BLANK, MARK = "–", "\u00a0", "*"
@@ -56,7 +56,7 @@ def shown_at(axis: Axis, value: float) -> str:
     return quantity("rad s-1" if axis.path.endswith("speed") else "Pa", value)
 
 
-def place_of(rated: Rating, i: int, j: int) -> str:
+def place_of(rated: Rated, i: int, j: int) -> str:
     """Return a point of the table in words."""
     asked = rated.asked
     first, second = (shown_at(axis, axis.values[k]) for axis, k in zip((asked.across, asked.down), (i, j), strict=True))
@@ -64,7 +64,7 @@ def place_of(rated: Rating, i: int, j: int) -> str:
     return f"{first.removesuffix(f' {unit}')}/{second}" if first.endswith(f" {unit}") else f"{first}, {second}"
 
 
-def tables_of(rated: Rating, columns: Sequence[Column], side: str) -> Iterator[Table]:
+def tables_of(rated: Rated, columns: Sequence[Column], side: str) -> Iterator[Table]:
     """Yield the table of each column; `side` heads the values down."""
     asked = rated.asked
     across = (shown_at(asked.across, value) for value in asked.across.values)
@@ -79,7 +79,7 @@ def tables_of(rated: Rating, columns: Sequence[Column], side: str) -> Iterator[T
         yield Table(column.title, heads, rows, f"{MARK} beyond a limit" if marked else "")
 
 
-def _cell(rated: Rating, column: Column, i: int, j: int) -> tuple[str, bool]:
+def _cell(rated: Rated, column: Column, i: int, j: int) -> tuple[str, bool]:
     """Return the text at one point of a table, and whether the point lies beyond a limit."""
     result = rated.points.get((i, j))
     if result is None or result.status != "ok":
@@ -89,16 +89,15 @@ def _cell(rated: Rating, column: Column, i: int, j: int) -> tuple[str, bool]:
 
 
 def part_load_table(
-    rated: Rating, columns: Sequence[tuple[str, Column]], best: tuple[str, Column], note: str
+    rated: Rated, columns: Sequence[tuple[str, Column]], best: tuple[str, Column], note: str
 ) -> Iterator[Table]:
     """Yield the table of part loads: columns with their heads, and the best built-in ratio with its column."""
-    scene = rated.asked.scene
     heads = ["control", "load %", "setting", *(head for head, _ in columns)]
     heads += ["best Vi", best[0]] if rated.asked.ratios else []
     rows = []
     for load in rated.loads:
         for k, step in enumerate(load.steps):
-            setting = shown_value(scene, load.control.path, step.setting, 4)
+            setting = rated.asked.shown(load.control.path, step.setting, 4)
             cells = [column.cell(step.result.performance) for _, column in columns]
             if rated.asked.ratios:
                 better = step.best.performance if step.best is not None else {}
@@ -108,7 +107,7 @@ def part_load_table(
         yield Table("Part load at equal loads", heads, rows, note, left=1, across=True)
 
 
-def envelope_table(rated: Rating, first: str, side: str) -> Iterator[Table]:
+def envelope_table(rated: Rated, first: str, side: str) -> Iterator[Table]:
     """Yield the table of the envelope: `first` heads the values across, `side` names the quantity within limits."""
     asked, rows = rated.asked, []
     for each in rated.reach:
@@ -119,7 +118,7 @@ def envelope_table(rated: Rating, first: str, side: str) -> Iterator[Table]:
         yield Table(f"Envelope: {side} within all limits", (first, "from", "to", "lower end", "upper end"), rows)
 
 
-def part_load_note(rated: Rating, load: str, best: str) -> str:
+def part_load_note(rated: Rated, load: str, best: str) -> str:
     """Return the note on what a part load is a share of, and what the best built-in volume ratio maximises."""
     note, ratios = f"load: {load}", rated.asked.ratios
     if not ratios:
@@ -129,7 +128,7 @@ def part_load_note(rated: Rating, load: str, best: str) -> str:
     return f"{note}{_missed_ratios(rated)}"
 
 
-def _missed_ratios(rated: Rating) -> str:
+def _missed_ratios(rated: Rated) -> str:
     """Return at which built-in volume ratios no best one was sought, and why; empty where there are none."""
     missed = {ratio: why for load in rated.loads for step in load.steps for ratio, why in step.missed.items()}
     if not missed:
@@ -140,7 +139,7 @@ def _missed_ratios(rated: Rating) -> str:
 
 
 def drawing(
-    rated: Rating, column: Column, x_label: str, by: str, rows: Sequence[tuple[str, Sequence[tuple[float, TablePlace]]]]
+    rated: Rated, column: Column, x_label: str, by: str, rows: Sequence[tuple[str, Sequence[tuple[float, TablePlace]]]]
 ) -> Iterator[Drawing]:
     """Yield a drawing of a column, with one curve per row (name, [(x, place)]) of two points or more.
 
@@ -157,7 +156,7 @@ def drawing(
         yield Drawing(column.title, x_label, column.title, curves)
 
 
-def part_load_drawing(rated: Rating, column: Column, title: str) -> Iterator[Drawing]:
+def part_load_drawing(rated: Rated, column: Column, title: str) -> Iterator[Drawing]:
     """Yield a drawing over the load, with one curve per control; nothing where none has two points."""
     parts = [load for load in rated.loads if len(load.curve) > 1]
     if parts:
@@ -182,7 +181,7 @@ def document_figures(result: Result, names: Sequence[str]) -> dict[str, Any]:
     return picked(result, "status", "message", "warnings") | found
 
 
-def document_of(rated: Rating, names: Sequence[str]) -> dict[str, Any]:
+def document_of(rated: Rated, names: Sequence[str]) -> dict[str, Any]:
     """Return points, limits, envelope and part load for programs (SI units)."""
     asked = rated.asked
     first, second = (axis.path.removeprefix("operation.").replace(".", "_") for axis in (asked.across, asked.down))
@@ -246,7 +245,7 @@ def oil_line(scene: Scene, found: Mapping[str, Any]) -> Lines:
         yield "oil", _oil(scene, found)
 
 
-def limit_lines(rated: Rating, figures: Sequence[str]) -> Lines:
+def limit_lines(rated: Rated, figures: Sequence[str]) -> Lines:
     """Yield the limits, and the highest values of figures over the table."""
     stated = ", ".join(f"{bound.words} ({bound.source})" for bound in rated.asked.bounds)
     yield "limits", stated or "none stated (--limit 'discharge_temperature<110 degC')"
@@ -255,7 +254,7 @@ def limit_lines(rated: Rating, figures: Sequence[str]) -> Lines:
         yield "highest", f"over the table: {', '.join(highest)}"
 
 
-def control_line(rated: Rating) -> Lines:
+def control_line(rated: Rated) -> Lines:
     """Yield the controls of the capacity."""
     yield "control", ", ".join(control.name for control in rated.asked.controls) or "none that the scene names"
 
@@ -283,7 +282,7 @@ def _oil(scene: Scene, found: Mapping[str, Any]) -> str:
     return f"{text}; its cooler takes {KW * duty:.1f} kW" if is_oil_cooled(scene) else f"{text}; no cooler"
 
 
-def _highest(rated: Rating, figure: str) -> str:
+def _highest(rated: Rated, figure: str) -> str:
     every = [(result.performance.get(figure), at) for at, result in rated.points.items() if result.status == "ok"]
     known = [(value, at) for value, at in every if value is not None]
     if not known:
@@ -292,7 +291,7 @@ def _highest(rated: Rating, figure: str) -> str:
     return f"{limit_text(figure, value)} at {place_of(rated, i, j)}"
 
 
-def notes_of(rated: Rating, own: str, meant: str) -> Iterator[str]:
+def notes_of(rated: Rated, own: str, meant: str) -> Iterator[str]:
     """Yield failures and warnings of points, each once with its place; `own` is the scene's point in words."""
     every = [(own, rated.own)]
     every += [(place_of(rated, i, j), result) for (i, j), result in rated.points.items()]
@@ -305,8 +304,6 @@ def notes_of(rated: Rating, own: str, meant: str) -> Iterator[str]:
             yield f"{each.control.name}: no part load below {100.0 * each.least:.0f} %: {each.why}"
     warned = [(where, result.warnings) for where, result in every if result.status == "ok"]
     yield from warning_lines(warned, len(every))
-    if "operation.speed" in {control.path for control in rated.asked.controls}:
-        motor = motor_of(rated.asked.scene)
-        if motor is None or not motor.inverts:
-            yield "part load by speed excludes inverter losses (effects.motor.inverter)"
+    if SPEED_PATH in {control.path for control in rated.asked.controls} and not rated.asked.inverts:
+        yield "part load by speed excludes inverter losses (effects.motor.inverter)"
     yield meant

@@ -1,7 +1,5 @@
 """Optimisation: the values of paths at which figures are best, over operating points, within bounds."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Iterable, Mapping, Sequence

@@ -108,7 +108,9 @@ def evaluation_of(asked: Question, table: Table, row: int) -> Evaluation:
     bad = [each for each in rows if table.status[each] != STATUSES.index("ok")]
     nothing = (math.nan,) * len(asked.aims)
     if bad:
-        return Evaluation(nothing, nothing, (math.nan,) * len(asked.bounds), status_in_words(table, bad[0]))
+        texts = table.texts["message"]
+        why = f"{STATUSES[table.status[bad[0]]].replace('_', ' ')}: {texts.words[texts.number[bad[0]]]}"
+        return Evaluation(nothing, nothing, (math.nan,) * len(asked.bounds), why)
     found = {name: np.array([value_of(table, each, name) for each in rows]) for name in asked.figures}
     wide = {name: np.array([error_of(asked.scene, table, each, name) for each in rows]) for name in asked.figures}
     pairs = [weighted_mean(asked.points, aim.figure, found[aim.figure], wide[aim.figure]) for aim in asked.aims]
@@ -124,12 +126,6 @@ def weighted_mean(points: OperatingPoints, name: str, values: np.ndarray, errors
         total = 1.0 / float(weights @ (1.0 / values))
         return total, float(weights @ (errors * (total / values) ** 2))
     return float(weights @ values), float(weights @ errors)
-
-
-def status_in_words(table: Table, row: int) -> str:
-    """Return the status and message of a row of a table, in words."""
-    texts = table.texts["message"]
-    return f"{STATUSES[table.status[row]].replace('_', ' ')}: {texts.words[texts.number[row]]}"
 
 
 def value_of(table: Table, row: int, name: str, group: str = "performance") -> float:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from screwsim.inputs.arguments import ends_of, shown
+from screwsim.inputs.arguments import shown
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene
 from screwsim.scene.grid import too_many
@@ -12,7 +12,7 @@ from screwsim.study.figures import figure_of
 from screwsim.study.goals import Bound, read_bounds
 from screwsim.study.inputs import check_continuous, usual_efficiency
 from screwsim.study.optimize.points import SINGLE_POINT, OperatingPoints, read_points
-from screwsim.study.spans import Span, read_spans, span_of
+from screwsim.study.spans import Span, read_spans, spans_between
 
 EVALUATIONS_PER_PATH = 100  # evaluations per path, where no number is given
 
@@ -70,7 +70,10 @@ def question(
     is to maximise the usual efficiency.
     """
     aims = _aims(scene, maximize, minimize)
-    spans = _spans(scene, vary) if isinstance(vary, Mapping) else read_spans(scene, _listed(vary), ranged=True)
+    named = isinstance(vary, Mapping)
+    spans = spans_between(scene, vary, ranged=True) if named else read_spans(scene, _listed(vary), ranged=True)
+    if not spans:
+        raise UsageError("nothing varies (give one path or more with its range)")
     bounds = [each if isinstance(each, Bound) else read_bounds(scene, [each])[0] for each in _listed(subject_to)]
     points = _operating_points(scene, over, spans)
     count = EVALUATIONS_PER_PATH * len(spans) if evaluations is None else evaluations
@@ -112,13 +115,3 @@ def _listed(given: Iterable[Any]) -> list[Any]:
         if not isinstance(each, str | Bound):
             raise UsageError(f"{shown(each)} is neither an aim nor a bound (pass a text, or a list of texts)")
     return found
-
-
-def _spans(scene: Scene, vary: Mapping[str, tuple[float, float]]) -> tuple[Span, ...]:
-    found = []
-    for path, ends in vary.items():
-        check_continuous(scene, path)
-        found.append(span_of(scene, path, *ends_of(path, ends)))
-    if not found:
-        raise UsageError("nothing varies (give one path or more with its range)")
-    return tuple(found)

@@ -136,17 +136,11 @@ def _nsga2(record: Record) -> None:
     while True:
         asks: Any = algorithm.ask()
         found = record.evaluate(np.asarray(asks.get("X"), float))
-        F = np.array(
-            [[FAILED_SCORE] * len(asked.aims) if each.failed else _aims_minimised(asked, each) for each in found]
-        )
+        signs = np.array([aim.sign for aim in asked.aims])
+        F = np.array([np.full(len(signs), FAILED_SCORE) if each.failed else signs * each.aims for each in found])
         G = np.array([[FAILED_SCORE if each.failed else total_violation(asked, each)] for each in found])
         Evaluator().eval(StaticProblem(problem, F=F, G=G), asks)
         algorithm.tell(infills=asks)
-
-
-def _aims_minimised(asked: Question, evaluation: Evaluation) -> list[float]:
-    """Return the aims as quantities to minimise."""
-    return [aim.sign * value for aim, value in zip(asked.aims, evaluation.aims, strict=True)]
 
 
 def front_of(values: Array) -> NDArray[np.intp]:

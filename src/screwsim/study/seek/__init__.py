@@ -1,14 +1,12 @@
 """Goal seek: the values of paths at which figures have their wanted values, and machines sized that way."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from screwsim.inputs.arguments import NUMBER, NUMBERS, TEXTS, as_list, checked_arguments, ends_of
+from screwsim.inputs.arguments import NUMBER, NUMBERS, TEXTS, as_list, checked_arguments
 from screwsim.inputs.arguments import shown as shown_argument
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, case, case_count, case_values, scene_text, with_values
@@ -16,14 +14,14 @@ from screwsim.scene.argument import scene_of
 from screwsim.scene.grid import with_sweep_over
 from screwsim.study.figures import figure_of
 from screwsim.study.goals import Goal, read_figure, read_goals
-from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value
+from screwsim.study.inputs import check_fit, read_text, shown_value
 from screwsim.study.optimum import Simulate
 from screwsim.study.parallel import WarmSimulation, parallel_map
 from screwsim.study.progress import Progress, progress_of
 from screwsim.study.seek import one_goal, several_goals
 from screwsim.study.seek.answer import GoalSeekAnswer, answer_of_trials, next_size, read_catalogue
 from screwsim.study.seek.trials import ReportedSimulation, Trial, Trials
-from screwsim.study.spans import Span, read_spans, schema_range, span_of
+from screwsim.study.spans import Span, read_spans, spans_between
 from screwsim.study.workers import WORKER_DIED
 
 __all__ = ["GoalSeekAnswer", "Question", "find", "find_each", "question"]
@@ -57,7 +55,10 @@ def question(scene: Scene, vary: VaryArgument, goals: GoalsArgument, catalogue: 
     path = next((str(each).partition("=")[0].strip() for each in vary), "")
     sizes = read_catalogue(scene, path, catalogue) if isinstance(catalogue, str) and catalogue else catalogue
     sizes = tuple(sorted(map(float, sizes)))
-    spans = _spans(scene, vary) if isinstance(vary, Mapping) else read_spans(scene, vary, ranged=False, sizes=sizes)
+    if isinstance(vary, Mapping):
+        spans = spans_between(scene, vary, ranged=False)
+    else:
+        spans = read_spans(scene, vary, ranged=False, sizes=sizes)
     if len(spans) > len(wanted):
         more, remedy = f"{len(spans)} paths vary for {_count(wanted)}", "screwsim optimize finds the best solution"
         raise UsageError(f"--vary: {more} (vary as many as there are --for; {remedy}, --subject-to the goals)")
@@ -85,17 +86,6 @@ def _wanted(figure: str, value: Any) -> float:
     if not NUMBER.holds(value):
         raise UsageError(f"goal {figure}: {shown_argument(value)} is neither a number [SI] nor a text such as '500 kW'")
     return float(value)
-
-
-def _spans(scene: Scene, vary: Mapping[str, tuple[float, float] | None]) -> tuple[Span, ...]:
-    found = []
-    for path, ends in vary.items():
-        check_continuous(scene, path)
-        whole = schema_range(scene, path) if ends is None else ends
-        if whole is None:
-            raise UsageError(f"{path}: has no range (give two values [SI], the lower one first)")
-        found.append(span_of(scene, path, *ends_of(path, whole)))
-    return tuple(found)
 
 
 @checked_arguments(vary=TEXTS, goals=TEXTS, catalogue=NUMBERS)

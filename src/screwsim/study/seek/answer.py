@@ -77,7 +77,7 @@ class GoalSeekAnswer(Brief):
 def answer_of_trials(trials: Trials, met: Trial | None, at: Mapping[str, Any]) -> GoalSeekAnswer:
     """Return the answer of a search."""
     head: dict[str, Any] = {"spans": trials.spans, "goals": trials.goals, "at": at}
-    told = _failures(trials)
+    told = f"{len(trials.reasons)} of {trials.solutions} solutions: {trials.reasons[0]}" if trials.reasons else ""
     best = met or trials.nearest
     if best is None:
         return GoalSeekAnswer("failed", **head, message=told, **_counts(trials))
@@ -99,12 +99,6 @@ def answer_of_trials(trials: Trials, met: Trial | None, at: Mapping[str, Any]) -
 
 def _counts(trials: Trials) -> dict[str, Any]:
     return {"solutions": trials.solutions, "failed": len(trials.reasons)}
-
-
-def _failures(trials: Trials) -> str:
-    if not trials.reasons:
-        return ""
-    return f"{len(trials.reasons)} of {trials.solutions} solutions: {trials.reasons[0]}"
 
 
 def _active_bounds(trials: Trials, trial: Trial) -> dict[str, str]:

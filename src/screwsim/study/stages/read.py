@@ -2,8 +2,9 @@
 
 import os
 import textwrap
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 from screwsim.build import build_parts
@@ -16,20 +17,23 @@ from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_
 from screwsim.scene import Scene, load
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.lines import condensate_enthalpy, lines
-from screwsim.scene.schema import DRAFT, leaf_schema, mapping
+from screwsim.scene.schema import DRAFT, OWN_PARAMETER, axis_definitions, leaf_schema, mapping, sweep_schema
 from screwsim.scene.sections import read_section
-from screwsim.scene.units import readable_quantity, to_customary
+from screwsim.scene.sweep import read_sweep_of
+from screwsim.scene.types import Joint
+from screwsim.scene.units import gauge_pressures_over, readable_quantity, to_customary
 from screwsim.scene.values import shown
 from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
+from screwsim.study.stages.axes import BETWEEN, STAGE_NAMES, leaf_in_chain, names_in_chain
 
 STAGES_KEY = "stages"
-STAGE_NAMES = ("first", "second")
+KEYS = ("title", STAGES_KEY, "intercooler", "sweep")
 _REMEDY = "write stages: [first.yaml, second.yaml]"
 
 
-COOLS, FLASHES = "cooler", "economizer"
+NOTHING, COOLS, FLASHES = "none", "cooler", "economizer"
 INTERCOOLER_KINDS = {  # what lies between both stages, in words
-    "none": "The second stage draws in the gas as the first one delivers it (M201).",
+    NOTHING: "The second stage draws in the gas as the first one delivers it (M201).",
     COOLS: "A cooler cools the gas to {T} if it is warmer (M201).",
     FLASHES: "Vapour from a flash tank between condenser and evaporator mixes with the gas (M202).",
 }
@@ -62,12 +66,17 @@ class Intercooler:
 
 @dataclass(frozen=True)
 class StageChain:
-    """Two scenes in series. The first one's discharge and the second one's suction line are solved for, not read."""
+    """Two scenes in series. The first one's discharge and the second one's suction line are solved for, not read.
+
+    `sweep` has the values [SI] of each path that varies (`first.operation.speed`), `joints` those that vary together.
+    """
 
     title: str
     first: Scene
     second: Scene
     intercooler: Intercooler
+    sweep: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
+    joints: tuple[Joint, ...] = ()
 
 
 def is_stages(path: str | os.PathLike[str]) -> bool:
@@ -104,7 +113,7 @@ def _overrides_by_stage(overrides: Iterable[str]) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {name: [] for name in STAGE_NAMES}
     for override in overrides:
         head, _, rest = override.partition(".")
-        if head.partition("=")[0] in ("title", STAGES_KEY, "intercooler"):
+        if head.partition("=")[0] in KEYS:
             raise UsageError(f"--set {override}: belongs to the two-stage file (write it there)")
         if head not in found or not rest:
             what = "starts with neither first. nor second., which name the stage"
@@ -115,8 +124,8 @@ def _overrides_by_stage(overrides: Iterable[str]) -> dict[str, list[str]]:
 
 def _typed(root: Node, overrides: dict[str, list[str]], problems: LocatedFaults) -> StageChain | None:
     content: dict[str, Any] = dict(root.value)
-    for extra in (name for name in content if name not in ("title", STAGES_KEY, "intercooler")):
-        what = f"is not known in a two-stage file (known: title, {STAGES_KEY}, intercooler)"
+    for extra in (name for name in content if name not in KEYS):
+        what = f"is not known in a two-stage file (known: {', '.join(KEYS)})"
         problems.add(content[extra].heading, extra, what)
     between = Intercooler()
     if "intercooler" in content:
@@ -132,7 +141,12 @@ def _typed(root: Node, overrides: dict[str, list[str]], problems: LocatedFaults)
     first, second = _scenes(files, overrides)
     _check(first, second, between, content, problems)
     title = content["title"].value if "title" in content else ""
-    return StageChain(str(title or ""), first, second, between)
+    chain = StageChain(str(title or ""), first, second, between)
+    with gauge_pressures_over(first.operation.ambient_pressure):
+        sweep, joints = read_sweep_of(
+            content.get("sweep"), partial(leaf_in_chain, chain), problems, "first.operation.speed"
+        )
+    return replace(chain, sweep=sweep, joints=joints)
 
 
 def _scenes(files: list[str], overrides: dict[str, list[str]]) -> list[Scene]:
@@ -192,9 +206,9 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
 def stages_schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of a file of stages; the scenes that it names have their own."""
     section = section_of(Intercooler)
-    leaves = {name: leaf_schema(leaf) for name, leaf in section.fields.items() if isinstance(leaf, Leaf)}
+    leaves = {name: leaf for name, leaf in section.fields.items() if isinstance(leaf, Leaf)}
     cooled = {"properties": {"kind": {"const": "cooler"}}, "required": ["kind"]}
-    between = mapping(leaves, (), section.doc) | {
+    between = mapping({name: leaf_schema(leaf) for name, leaf in leaves.items()}, (), section.doc) | {
         "if": cooled,
         "then": {"required": ["outlet_temperature"]},
         "else": {"properties": {"outlet_temperature": {"type": "null"}}},
@@ -206,8 +220,21 @@ def stages_schema() -> dict[str, Any]:
         "minItems": len(STAGE_NAMES),
         "maxItems": len(STAGE_NAMES),
     }
-    properties = {"title": {"type": ["string", "null"]}, STAGES_KEY: files, "intercooler": between}
-    return {"$schema": DRAFT, "title": "screwsim stages"} | mapping(properties, [STAGES_KEY])
+    properties = {
+        "title": {"type": ["string", "null"]},
+        STAGES_KEY: files,
+        "intercooler": between,
+        "sweep": _sweep_schema(leaves),
+    }
+    schema = {"$schema": DRAFT, "title": "screwsim stages"} | mapping(properties, [STAGES_KEY])
+    return schema | {"$defs": axis_definitions()}
+
+
+def _sweep_schema(between: Mapping[str, Leaf]) -> dict[str, Any]:
+    """Return the schema of the sweep of a two-stage file; `between` are the inputs of its intercooler."""
+    more = {f"{BETWEEN}.{name}": leaf for name, leaf in between.items() if name != "kind"}
+    own = OWN_PARAMETER.replace("^", f"^({'|'.join(STAGE_NAMES)})\\.", 1)
+    return sweep_schema(names_in_chain, more, own)
 
 
 def explain_stages(chain: StageChain) -> str:

@@ -12,17 +12,17 @@ from screwsim.outputs import STAGES, Figures, Result
 from screwsim.outputs.customary import in_celsius
 from screwsim.outputs.display import picked
 from screwsim.scene import Scene
-from screwsim.study.stages.read import STAGE_NAMES
+from screwsim.study.stages.axes import STAGE_NAMES
 
 if TYPE_CHECKING:
+    from screwsim.study.stages.figures import StagePair
     from screwsim.study.stages.read import Intercooler
-    from screwsim.study.stages.solve import StagePair
 
 PRESSURE_STEP = 1.02  # factor of the pressure between the stages, for the slopes by that pressure
 TEMPERATURE_STEP = 1.0  # K, warming of the first stage's gas, for the slopes by its temperature
 ELECTRICAL, NO_ELECTRICAL = "electrical_power", "the electrical power is not positive"
 STAGE_FIGURES = (
-    *("gas_mass_flow", "shaft_power", ELECTRICAL),
+    *("gas_mass_flow", "shaft_power", ELECTRICAL, "fan_power"),
     *("discharge_temperature", "separator_temperature", "oil_cooler_duty"),
 )
 
@@ -40,6 +40,18 @@ class ChainResult:
     error: Figures = field(default_factory=Figures)  # estimated, of each figure over its scale (M395)
     warnings: tuple[str, ...] = ()  # of the whole; those of a stage are in its result
 
+    def as_result(self) -> Result:
+        """Return the figures of the whole as the result of one machine, with the warnings of both stages."""
+        own = [
+            f"{which} stage: {text}"
+            for which, each in zip(STAGE_NAMES, self.stages, strict=False)
+            for text in each.warnings
+        ]
+        warnings = (*self.warnings, *own)
+        return Result(
+            self.status, self.message, warnings, performance=self.performance, error=self.error, notes=self.notes
+        )
+
     def as_json(self) -> dict[str, Any]:
         """Return what `run --json` prints for two stages."""
         own = picked(self, "status", "message", "warnings", "performance", "error", "notes")
@@ -50,15 +62,21 @@ FiguresAndReasons = tuple[dict[str, float | None], dict[str, str]]  # figures, a
 
 
 def capacities(
-    cooling: float, power: float, second: Mapping[str, Any], rejected: float | None, unparted: str = ""
+    cooling: float,
+    power: float,
+    second: Mapping[str, Any],
+    rejected: float | None,
+    unparted: str = "",
+    beyond: float | str = 0.0,
 ) -> FiguresAndReasons:
     """Return both capacities [W] and their COP relative to the power of both stages [W], or None with the reason.
 
-    `second` has the figures of the second stage, whose gas gives off `rejected` [J/kg] in the condenser; None where gas
-    and oil are not separated, with the reason `unparted`.
+    `second` has the figures of the second stage, whose gas gives off `rejected` [J/kg] in the condenser, and the vapour
+    of a tank `beyond` [W] besides; `rejected` is None where gas and oil are not separated, for the reason `unparted`.
     """
     cop = cooling / power if power > 0.0 else None
-    given = heating({"shaft_power": power}, second["gas_mass_flow"], unparted if rejected is None else rejected)
+    heat = unparted if rejected is None else rejected
+    given = heating({"shaft_power": power}, second["gas_mass_flow"], heat, beyond)
     warming, reasons = parted(given)
     notes = reasons if cop is not None else {"cop": NO_POWER, **reasons}
     return {"cooling_capacity": cooling, "cop": cop, **warming}, notes

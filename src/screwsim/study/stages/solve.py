@@ -1,37 +1,26 @@
-"""Solve for the intermediate pressure of two stages, and compute the figures of the whole (docs/model.md M200–M203)."""
+"""Solve for the intermediate pressure of two stages (docs/model.md M200–M202)."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from screwsim.build import build_gas
-from screwsim.cycle.problem import Inlet
 from screwsim.effects import catalogue, stating
 from screwsim.effects.base import CoolsOil, InSeparator
 from screwsim.evaluate.cautions import inaccurate
-from screwsim.evaluate.performance import efficiencies, parted
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.outputs.customary import in_bar, in_celsius
-from screwsim.scene import Scene, cross_check, lines, scene_text, suction_enthalpy, with_values
-from screwsim.scene.lines import condensate_enthalpy
+from screwsim.scene import Scene, cross_check, lines, scene_text, with_values
 from screwsim.scene.types import ActiveEffect
 from screwsim.simulate import simulate
-from screwsim.study.stages.read import STAGE_NAMES, StageChain
-from screwsim.study.stages.result import (
-    ChainResult,
-    FiguresAndReasons,
-    capacities,
-    chain_errors,
-    delivery_temperature_figure,
-    electrical_figures,
-    idle_cooler,
-)
+from screwsim.study.stages.figures import ChainEnds, StagePair, chain_figures, delivery_temperature
+from screwsim.study.stages.read import StageChain
+from screwsim.study.stages.result import ChainResult, chain_errors, delivery_temperature_figure, idle_cooler
 
 BRACKET_GROWTH = 1.25  # factor between successive pressures while the solution is being bracketed
 LEAST_STAGE_RATIO = 1.02  # least pressure ratio of a stage that is tried
@@ -40,7 +29,6 @@ MOST_PAIRS = 40  # pairs of simulations
 # of the way between both ends, in ln p: first points tried, until one succeeds
 START_FRACTIONS = (0.5, 0.25, 0.75, 0.1, 0.9)
 MOST_HALVINGS = 5  # halvings of the way back from a pressure at which a stage has no result
-SEPARATOR_FIGURES = ("separator_temperature", "oil_cooler_duty")  # figures of each stage's separator
 WET_TOLERANCE = 1e-6  # relative distance from the saturation temperature within which vapour counts as wet
 _STATED = ("suction.superheat", "suction.quality", "evaporating_temperature", "condensing_temperature", "superheat")
 _STATED += ("subcooling", "gas_cooler")
@@ -52,29 +40,6 @@ class _Stop(Exception):
     def __init__(self, status: str, message: str, results: tuple[Result, ...] = ()) -> None:
         super().__init__(message)
         self.status, self.results = status, results
-
-
-class StagePair(NamedTuple):
-    """Both stages at one intermediate pressure: scenes, results, tank vapour per unit of the first stage's gas."""
-
-    p: float
-    scenes: tuple[Scene, Scene]
-    results: tuple[Result, Result]
-    vapour: float
-    T: float
-    unparted: str = ""  # why gas and oil of the second stage are not separated
-
-    @property
-    def flows(self) -> tuple[float, float]:
-        """Return the flow that reaches the second stage and the one that it takes [kg/s]."""
-        first, second = (result.performance.gas_mass_flow for result in self.results)
-        return first * (1.0 + self.vapour), second
-
-    @property
-    def excess(self) -> float:
-        """Return ln of the flow that arrives over the flow taken: it falls with the pressure."""
-        comes, taken = self.flows
-        return float(np.log(max(comes, 1e-12) / max(taken, 1e-12)))
 
 
 def _set_lines(scene: Scene, which: str, p_s: float, state: tuple[str, float], p_d: float) -> Scene:
@@ -101,17 +66,13 @@ def _with_separator(scene: Scene) -> Scene:
     return parted if stated else replace(parted, text=scene_text(parted))
 
 
-def _delivery_temperature(result: Result) -> float:
-    """Return the temperature [K] of the gas that a stage delivers."""
-    return result.performance[delivery_temperature_figure(result)]
-
-
 class _ChainSolver:
     """Solver of a chain."""
 
     def __init__(self, chain: StageChain) -> None:
         self.chain, self.gas = chain, build_gas(chain.first)
         self.low, self.high = lines(chain.first), lines(chain.second)
+        self.ends = ChainEnds(chain, self.gas, self.low, self.high)
         self.tried = 0
 
     def pair(self, p: float, trace: bool = False) -> StagePair:
@@ -128,7 +89,7 @@ class _ChainSolver:
         state = ("temperature", self.low.T_s) if quality is None else ("quality", quality)
         scene = _with_separator(_set_lines(self.chain.first, "first", self.low.p_s, state, p))
         first = self._solved(scene, "first", trace)
-        T_d = _delivery_temperature(first)
+        T_d = delivery_temperature(first)
         self._check_dry(p, T_d, first)
         vapour, T = self._between(p, T_d)
         out = p - between.pressure_drop
@@ -143,7 +104,7 @@ class _ChainSolver:
         changed = first.performance.copy()
         changed[delivery_temperature_figure(first)] += kelvin
         first = replace(first, performance=changed)
-        vapour, T = self._between(pair.p, _delivery_temperature(first))
+        vapour, T = self._between(pair.p, delivery_temperature(first))
         if T == pair.T:
             return pair._replace(results=(first, second), vapour=vapour)
         return self._with_second(pair.p, pair.scenes[0], first, vapour, T, True)
@@ -198,7 +159,7 @@ class _ChainSolver:
         if between.flashes:
             fluid = self.chain.first.gas.name
             try:
-                h_c, T_e = self.liquid(), constants.saturation_temperature(fluid, p)
+                h_c, T_e = self.ends.liquid(), constants.saturation_temperature(fluid, p)
             except UsageError:
                 what = f"a flash tank at {p / 1e5:.4g} bar separates nothing: {fluid} has no saturation there"
                 raise _Stop("failed", f"{what} (choose kind: cooler, or a larger or faster second stage)") from None
@@ -217,12 +178,6 @@ class _ChainSolver:
             return condenses(gas) and T < constants.saturation_temperature(gas.name, p)
         except UsageError:  # above the critical pressure
             return False
-
-    def liquid(self) -> float:
-        """Return the enthalpy [J/kg] of the liquid behind the condenser (M43), or behind the gas cooler (M330)."""
-        found = condensate_enthalpy(self.chain.second)
-        assert found is not None
-        return found
 
     # ---- the pressure ------------------------------------------------------------------------------------------
 
@@ -289,78 +244,21 @@ class _ChainSolver:
             f"(make the second stage {remedy}, or the first one the other way)"
         )
 
-    # ---- the figures -------------------------------------------------------------------------------------------
-
-    def figures(self, pair: StagePair) -> tuple[Figures, Mapping[str, str]]:
-        """Return the figures of the whole that the chain calls for (M203), and why some are None."""
-        first, second = (result.performance for result in pair.results)
-        power, flow, p = first.shaft_power + second.shaft_power, first.gas_mass_flow, pair.p
-        h_d = self.gas.enthalpy(p, _delivery_temperature(pair.results[0]))
-        h_2 = self.gas.enthalpy(p - self.chain.intercooler.pressure_drop, pair.T)
-        T_e = None if pair.vapour == 0.0 else constants.saturation_temperature(self.chain.first.gas.name, p)
-        drawn = [] if T_e is None else [(pair.vapour * flow, self.gas.vapour(p, T_e))]
-        port_state = self.gas.port_state(self.low.p_s, self.low.T_s)
-        if self.low.quality is not None:
-            port_state = self.gas.port_state_of_enthalpy(self.low.p_s, suction_enthalpy(self.chain.first))
-        ends = replace(self.low, p_d=self.high.p_d)
-        etas, notes = parted(efficiencies(self.gas, ends, Inlet(port_state[1], port_state[2]), flow, power, drawn))
-        comes, taken = pair.flows
-        cooled, reasons = self._capacities(pair, flow, power, port_state[2])
-        electrical, unknown = electrical_figures(pair.results, cooled, reasons)
-        notes = {**notes, **reasons, **unknown}
-        found = Figures(
-            intermediate_pressure=p,
-            second_suction_temperature=pair.T,
-            intercooler_heat=0.0 if drawn else flow * (h_d - h_2),
-            **({"vapour_mass_flow": pair.vapour * flow} if drawn else {}),
-            gas_mass_flow=flow,
-            first_shaft_power=first.shaft_power,
-            second_shaft_power=second.shaft_power,
-            shaft_power=power,
-            **_cooler_figures(pair),
-            first_pressure_ratio=p / self.low.p_s,
-            second_pressure_ratio=self.high.p_d / (p - self.chain.intercooler.pressure_drop),
-            discharge_temperature=second.discharge_temperature,
-            **etas,
-            **cooled,
-            **electrical,
-            flow_mismatch=abs(comes - taken) / max(comes, taken),
-        )
-        notes |= {f"{STAGE_NAMES[1]}_{name}": pair.unparted for name in SEPARATOR_FIGURES if pair.unparted}
-        return found, {name: notes.get(name, "this gas has none") for name, value in found.items() if value is None}
-
     def errors(self, pair: StagePair) -> tuple[Figures, tuple[str, ...]]:
         """Return the estimated errors of the figures of the whole (M395), or a warning why there are none."""
         try:
-            beside = partial(self.pair, trace=True)
-            return chain_errors(pair, lambda each: self.figures(each)[0], beside, partial(self.warmer, pair)), ()
+            beside, warmer = partial(self.pair, trace=True), partial(self.warmer, pair)
+            return chain_errors(pair, lambda each: chain_figures(self.ends, each)[0], beside, warmer), ()
         except (_Stop, UsageError) as stop:
             return Figures(), (f"the errors of the two-stage figures could not be estimated: {stop}",)
-
-    def _capacities(self, pair: StagePair, flow: float, power: float, h_s: float) -> FiguresAndReasons:
-        """Return the result of `capacities` for a flow of the first stage [kg/s] and its inlet enthalpy h_s [J/kg]."""
-        if condensate_enthalpy(self.chain.second) is None:
-            return {}, {}
-        sucked, liquid, second = suction_enthalpy(self.chain.first), self.liquid(), pair.results[1].performance
-        evaporated = liquid if pair.vapour == 0.0 else constants.wet_enthalpy(self.chain.first.gas.name, pair.p, 0.0)
-        T = second.get(SEPARATOR_FIGURES[0]) or second.discharge_temperature
-        rejected = None if pair.unparted else sucked - liquid + self.gas.enthalpy(self.high.p_d, T) - h_s
-        return capacities(flow * (sucked - evaporated), power, second, rejected, pair.unparted)
-
-
-def _cooler_figures(pair: StagePair) -> dict[str, float | None]:
-    """Return the figures of each oiled stage's separator and oil cooler (M287); None where gas and oil stay mixed."""
-    stages = zip(STAGE_NAMES, pair.scenes, (result.performance for result in pair.results), strict=True)
-    oiled = [(which, p) for which, scene, p in stages if scene.oil_supply is not None]
-    return {f"{which}_{name}": p.get(name) for name in SEPARATOR_FIGURES for which, p in oiled}
 
 
 def run_stages(chain: StageChain) -> ChainResult:
     """Return both stages at the intermediate pressure at which their flows match; a status where there is none."""
-    solving = _ChainSolver(chain)
     try:
+        solving = _ChainSolver(chain)
         pair = solving.solve()
-        found, notes = solving.figures(pair)
+        found, notes = chain_figures(solving.ends, pair)
     except _Stop as stop:
         return ChainResult(stop.status, str(stop), stop.results)
     except UsageError as error:

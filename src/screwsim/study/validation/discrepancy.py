@@ -67,12 +67,9 @@ def interval(point: ValidationPoint) -> tuple[float, float, float]:
     """Return E of a point, and the ends of the interval of the model error; relative to the source's value, or [SI]."""
     over = abs(point.theirs) if is_relative(point.figure) else 1.0
     found = (point.ours - point.theirs) / over
-    u_val = math.sqrt(sum(part * part for part in _parts(point).values() if part is not None)) / over
+    parts = [getattr(point, name) or 0.0 for name in UNCERTAINTY_PARTS]
+    u_val = math.sqrt(sum(part * part for part in parts)) / over
     return found, found - COVERAGE * u_val, found + COVERAGE * u_val
-
-
-def _parts(point: ValidationPoint) -> dict[str, float | None]:
-    return {name: getattr(point, name) for name in UNCERTAINTY_PARTS}
 
 
 def model_errors(points: Sequence[ValidationPoint], source: str, citation: str) -> dict[str, Any]:

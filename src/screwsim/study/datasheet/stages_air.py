@@ -1,0 +1,196 @@
+"""Two stages of air as a package, rated by ISO 1217: its points, and the sheet in the form of single packages.
+
+A two-stage file that sweeps the speed of one stage, or of both together (`zip`), is rated at these speeds, from full to
+lowest flow; another one has fixed speed. Free air, input and specific power are those of M203.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from screwsim.build import package_of
+from screwsim.effects.air_package import AIR
+from screwsim.effects.parts.rating import PSI
+from screwsim.figures.engineering import quantity
+from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Result
+from screwsim.outputs.customary import with_printed_units
+from screwsim.scene import grid
+from screwsim.scene.lines import lines
+from screwsim.study.datasheet.air_rating import Point, Rating
+from screwsim.study.datasheet.air_sheet import DISCLAIMER, HEADS, REFERENCE_INLET, drawings_of, point_row
+from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
+from screwsim.study.datasheet.bounds import motor_of
+from screwsim.study.datasheet.rated import celsius
+from screwsim.study.datasheet.sheet import Sheet, Table, warning_lines
+from screwsim.study.datasheet.stages_sheet import DOCUMENT_FIGURES
+from screwsim.study.datasheet.stages_table import (
+    BAR,
+    RPM,
+    between_line,
+    each_stage_table,
+    ignored_tolerances,
+    motor_lines,
+    own_document,
+    stage_documents,
+    swept_line,
+)
+from screwsim.study.datasheet.tables import KW, NONE, Column
+from screwsim.study.parallel import parallel_map
+from screwsim.study.part_load import SPEED_PATH
+from screwsim.study.progress import Progress
+from screwsim.study.stages import ChainResult
+from screwsim.study.stages.axes import STAGE_NAMES
+from screwsim.study.stages.points import solved_with
+from screwsim.study.stages.read import StageChain
+from screwsim.study.workers import WORKER_DIED
+
+SPEEDS = tuple(f"{stage}.{SPEED_PATH}" for stage in STAGE_NAMES)
+STAGE_HEADS = (
+    Column("intermediate_pressure", "between bar", BAR, 3),
+    Column("first_shaft_power", "first kW", KW, 1),
+    Column("second_shaft_power", "second kW", KW, 1),
+    Column("first_discharge_temperature", "first °C", 1.0, 1, celsius=True),
+    Column("discharge_temperature", "second °C", 1.0, 1, celsius=True),
+    Column("first_oil_cooler_duty", "first oil kW", KW, 1),
+    Column("second_oil_cooler_duty", "second oil kW", KW, 1),
+)
+NO_VERDICT = "10 CFR 431.345 is not applied to two stages, and zero flow is not simulated for them"
+
+
+def is_air_package(chain: StageChain) -> bool:
+    """Return whether two stages compress air, and both state a motor."""
+    return chain.first.gas.name.lower() == AIR and all(motor_of(scene) for scene in (chain.first, chain.second))
+
+
+def air_stages_sheet(
+    chain: StageChain, demands: Sequence[Demand] = (), jobs: int | None = None, progress: Progress | None = None
+) -> Sheet:
+    """Return the sheet of two stages of air, with the energy of demands; raise UsageError for axes but speeds."""
+    speeds, found = _rated(chain, jobs, progress)
+    points = [Point(own[0], each.as_result()) for own, each in zip(speeds, found, strict=True)]
+    rated = Rating(points, None, None, len(points) > 1, "")
+    shares = year(rated, demands) if demands else ()
+    heads = ("first rpm", "second rpm", *HEADS[1:])
+    rows = [
+        [f"{RPM * own[0]:.0f}", f"{RPM * own[1]:.0f}", *point_row(point, rated.full)[1:]]
+        for own, point in zip(speeds, points, strict=True)
+    ]
+    tables = [Table("Points", heads, rows, across=True), *_stage_tables(speeds, points, found)]
+    return Sheet(
+        heading="Two-stage air package, rating by ISO 1217",
+        title=with_printed_units(chain.title),
+        lines=list(_lines(chain, rated, found[0])),
+        tables=[*tables, *([year_table(rated, shares)] if shares else [])],
+        verdict=None,
+        notes=list(_notes(chain, speeds, points)),
+        drawings=list(drawings_of(rated)),
+        document={**_document(chain, speeds, rated, found), **({"profile": year_document(shares)} if shares else {})},
+        ok=all(point.ok for point in points),
+    )
+
+
+def _rated(
+    chain: StageChain, jobs: int | None, progress: Progress | None
+) -> tuple[list[tuple[float, float]], list[ChainResult]]:
+    """Return the speeds [rad/s] of both stages at each point, from the highest on, and the results there."""
+    others = [name for name in chain.sweep if name not in SPEEDS]
+    if others or len(grid.dimensions(chain)) > 1:
+        name = others[0] if others else " and ".join(chain.sweep)
+        raise UsageError(
+            f"datasheet: two stages of air are rated at values of {' or '.join(SPEEDS)}, or of both in one group of "
+            f"zip, but the file varies {name} (remove that axis, or compute its points with screwsim sweep)"
+        )
+    own = {name: scene.operation.speed for name, scene in zip(SPEEDS, (chain.first, chain.second), strict=True)}
+    cases = [{**own, **grid.case_values(chain, i)} for i in range(grid.case_count(chain))]
+    cases.sort(key=lambda case: [-case[name] for name in SPEEDS])
+    base = replace(chain, sweep={}, joints=())
+    work = partial(_solved, base, cases)
+    found = parallel_map(work, len(cases), died=_dead_worker, jobs=jobs, progress=progress)
+    return [(float(case[SPEEDS[0]]), float(case[SPEEDS[1]])) for case in cases], found
+
+
+def _solved(base: StageChain, cases: Sequence[dict[str, float]], number: int) -> ChainResult:
+    return solved_with(base, cases[number])
+
+
+def _dead_worker(number: int) -> ChainResult:
+    return ChainResult("failed", WORKER_DIED)
+
+
+def _stage_tables(
+    speeds: Sequence[tuple[float, float]], points: Sequence[Point], found: Sequence[ChainResult]
+) -> Iterator[Table]:
+    """Yield the table of both stages at full flow, and at variable speed their figures at each point."""
+    yield from each_stage_table(found[0], "Each stage at full flow")
+    if len(points) > 1:
+        columns = [column for column in STAGE_HEADS if any(column.figure in one.performance for one in found)]
+        rows = []
+        for own, point in zip(speeds, points, strict=True):
+            cells = [column.cell(point.result.performance) if point.ok else NONE for column in columns]
+            rows.append([f"{RPM * own[0]:.0f}", f"{RPM * own[1]:.0f}", *cells])
+        heads = ("first rpm", "second rpm", *(column.title for column in columns))
+        note = "powers at the shafts, temperatures at discharge, heat in the oil coolers"
+        yield Table("Both stages at each point", heads, rows, note, across=True)
+
+
+def _lines(chain: StageChain, rated: Rating, own: ChainResult) -> Iterator[tuple[str, str]]:
+    low, high = lines(chain.first), lines(chain.second)
+    speed = "fixed speed" if not rated.variable else f"variable speed, {len(rated.points)} points"
+    yield "package", f"rotary, lubricated, two stages, {speed}"
+    yield "inlet", f"{quantity('Pa', low.p_s)}, {celsius(low.T_s):.1f} °C, {chain.first.gas.name}"
+    gauge = high.p_d - low.p_s
+    yield "discharge", f"{quantity('Pa', high.p_d)}, {1e-5 * gauge:.4g} bar ({gauge / PSI:.0f} psi) over the inlet"
+    yield from swept_line(own)
+    yield from between_line(chain, rated.full.result)
+    yield from motor_lines(chain, own)
+    fans = [getattr(package_of(scene), "fan", None) for scene in (chain.first, chain.second)]
+    parts = ", ".join(quantity("W", fan.power) for fan in fans if fan is not None)
+    yield "fan", f"{parts} at its rated flow" if parts else "none stated by one of the scenes"
+    if own.status == "ok":
+        losses = [_loss(each) for each in own.stages]
+        told = [f"{name} stage {loss}" for name, loss in zip(STAGE_NAMES, losses, strict=True) if loss]
+        yield "losses", f"{', '.join(told)}, at full flow" if told else "none stated by the scenes"
+
+
+def _loss(found: Result) -> str:
+    """Return the pressure losses of a stage's parts in words; empty where its scene names none."""
+    before, behind = (found.performance.get(name) for name in ("intake_pressure_loss", "package_pressure_loss"))
+    parts = ((before, "before"), (behind, "behind"))
+    return " and ".join(f"{1e-2 * loss:.0f} mbar {where} its machine" for loss, where in parts if loss)
+
+
+def _notes(chain: StageChain, speeds: Sequence[tuple[float, float]], points: Sequence[Point]) -> Iterator[str]:
+    low = lines(chain.first)
+    if abs(low.p_s - REFERENCE_INLET[0]) > 1e-3 * REFERENCE_INLET[0] or abs(low.T_s - REFERENCE_INLET[1]) > 0.1:
+        yield "rated at an inlet other than the 1 bar and 20 °C at which data sheets are compared"
+    yield from ignored_tolerances(chain)
+    names = [f"{RPM * own[0]:.0f} and {RPM * own[1]:.0f} rpm" for own in speeds]
+    for name, point in zip(names, points, strict=True):
+        if not point.ok:
+            yield f"{name}: {point.result.told}"
+    yield from warning_lines([(name, point.result.warnings) for name, point in zip(names, points, strict=True)])
+    yield NO_VERDICT
+    yield DISCLAIMER
+
+
+def _document(
+    chain: StageChain, speeds: Sequence[tuple[float, float]], rated: Rating, found: Sequence[ChainResult]
+) -> dict[str, Any]:
+    low, high = lines(chain.first), lines(chain.second)
+    points = [
+        {"first_speed": own[0], "second_speed": own[1], **own_document(point.result, DOCUMENT_FIGURES)}
+        for own, point in zip(speeds, rated.points, strict=True)
+    ]
+    return {
+        "kind": "two_stage_air_package",
+        "title": chain.title,
+        "speed": "variable" if rated.variable else "fixed",
+        "inlet_pressure": low.p_s,
+        "inlet_temperature": low.T_s,
+        "discharge_pressure": high.p_d,
+        "points": points,
+        "stages": [stage_documents(each) for each in found],
+        "warnings": list(dict.fromkeys(text for point in rated.points for text in point.result.warnings)),
+    }

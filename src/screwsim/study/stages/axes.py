@@ -1,0 +1,83 @@
+"""Inputs of two stages that may vary: `first.PATH`, `second.PATH` and `intercooler.KEY`, and a chain with other values.
+
+What the chain solves for cannot be varied: the discharge line of the first stage and the suction line of the second.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import TYPE_CHECKING, Any
+
+from screwsim.inputs.faults import UsageError
+from screwsim.scene import Scene, with_values
+from screwsim.scene.fields import Leaf, section_of, unknown_key
+from screwsim.scene.grid import leaf_of
+from screwsim.scene.units import Refused
+
+if TYPE_CHECKING:
+    from screwsim.study.stages.read import StageChain
+
+STAGE_NAMES = ("first", "second")
+BETWEEN = "intercooler"
+COMMON = ("gas.", "machine.mode", "machine.kind")  # beginnings of paths that both scenes state alike
+SOLVED = {  # beginnings of paths that the chain replaces by what it finds
+    "first": (
+        "operation.discharge.",
+        "operation.condensing_temperature",
+        "operation.subcooling",
+        "operation.gas_cooler",
+        "operation.aftercooler_temperature",
+    ),
+    "second": ("operation.suction.", "operation.evaporating_temperature", "operation.superheat"),
+}
+
+
+def names_in_chain(path: str) -> tuple[str, ...]:
+    """Return the names of a scene's path in a sweep of two stages: of each stage where it may vary."""
+    return tuple(f"{stage}.{path}" for stage in STAGE_NAMES if not path.startswith((*COMMON, *SOLVED[stage])))
+
+
+def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
+    """Return the description of an input of a chain that may vary; raise `Refused` for any other."""
+    stage, _, path = name.partition(".")
+    if stage == BETWEEN:
+        return _leaf_between(chain, path)
+    if stage not in STAGE_NAMES or not path:
+        raise Refused(f"starts with none of first., second., {BETWEEN}. (write e.g. first.{name})")
+    if path.startswith(COMMON):
+        raise Refused("is the same in both stages (vary it by two files, or with --set in both)")
+    if path.startswith(SOLVED[stage]):
+        line = "discharge line" if stage == STAGE_NAMES[0] else "suction line"
+        raise Refused(f"belongs to the {line}, which follows from the other stage (remove this axis)")
+    try:
+        return leaf_of(_scene(chain, stage), path)
+    except UsageError as error:
+        what = str(error).removeprefix(f"{path}: ")
+        raise Refused(what.replace("did you mean '", f"did you mean '{stage}.")) from None
+
+
+def _leaf_between(chain: StageChain, key: str) -> Leaf:
+    known = [each.name for each in fields(chain.intercooler) if each.name != "kind"]
+    if key not in known:
+        raise Refused(unknown_key(key, known))
+    if getattr(chain.intercooler, key) is None:
+        raise Refused("is not stated (it belongs to kind: cooler; write it first)")
+    leaf = section_of(type(chain.intercooler)).fields[key]
+    assert isinstance(leaf, Leaf)
+    return leaf
+
+
+def _scene(chain: StageChain, stage: str) -> Scene:
+    return chain.first if stage == STAGE_NAMES[0] else chain.second
+
+
+def chain_with(chain: StageChain, values: Mapping[str, Any]) -> StageChain:
+    """Return a chain without a sweep, with other values [SI] at its paths; what is wrong shows when it is solved."""
+    changed = replace(chain, sweep={}, joints=())
+    for stage in STAGE_NAMES:
+        own = {name.partition(".")[2]: value for name, value in values.items() if name.startswith(f"{stage}.")}
+        if own:
+            changed = replace(changed, **{stage: with_values(_scene(changed, stage), own)})
+    between = {name.partition(".")[2]: value for name, value in values.items() if name.startswith(f"{BETWEEN}.")}
+    return replace(changed, intercooler=replace(changed.intercooler, **between)) if between else changed

@@ -1,0 +1,151 @@
+"""Figures of two stages together, from the results of both at one intermediate pressure (docs/model.md M203)."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.build import build_gas
+from screwsim.cycle.problem import Inlet
+from screwsim.evaluate.performance import beyond_suction_gas, efficiencies, parted
+from screwsim.fluid import constants
+from screwsim.fluid.composition import is_blend
+from screwsim.fluid.gas import Gas
+from screwsim.fluid.reservoir import Reservoir
+from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figures, Result
+from screwsim.scene import Scene, suction_enthalpy
+from screwsim.scene.lines import Lines, condensate_enthalpy
+from screwsim.study.stages.axes import STAGE_NAMES
+from screwsim.study.stages.package import air_figures
+from screwsim.study.stages.read import StageChain
+from screwsim.study.stages.result import (
+    FiguresAndReasons,
+    capacities,
+    delivery_temperature_figure,
+    electrical_figures,
+)
+
+SEPARATOR_FIGURES = ("separator_temperature", "oil_cooler_duty")  # figures of each stage's separator
+
+
+class StagePair(NamedTuple):
+    """Both stages at one intermediate pressure: scenes, results, tank vapour per unit of the first stage's gas."""
+
+    p: float
+    scenes: tuple[Scene, Scene]
+    results: tuple[Result, Result]
+    vapour: float
+    T: float
+    unparted: str = ""  # why gas and oil of the second stage are not separated
+
+    @property
+    def flows(self) -> tuple[float, float]:
+        """Return the flow that reaches the second stage and the one that it takes [kg/s]."""
+        first, second = (result.performance.gas_mass_flow for result in self.results)
+        return first * (1.0 + self.vapour), second
+
+    @property
+    def excess(self) -> float:
+        """Return ln of the flow that arrives over the flow taken: it falls with the pressure."""
+        comes, taken = self.flows
+        return float(np.log(max(comes, 1e-12) / max(taken, 1e-12)))
+
+
+def delivery_temperature(result: Result) -> float:
+    """Return the temperature [K] of the gas that a stage delivers."""
+    return result.performance[delivery_temperature_figure(result)]
+
+
+@dataclass(frozen=True)
+class ChainEnds:
+    """A chain with its gas, and the lines that its scenes state."""
+
+    chain: StageChain
+    gas: Gas
+    low: Lines
+    high: Lines
+
+    def liquid(self) -> float:
+        """Return the enthalpy [J/kg] of the liquid behind the condenser (M43), or behind the gas cooler (M330)."""
+        found = condensate_enthalpy(self.chain.second)
+        assert found is not None
+        return found
+
+
+def chain_figures(ends: ChainEnds, pair: StagePair) -> tuple[Figures, Mapping[str, str]]:
+    """Return the figures of the whole that the chain calls for (M203), and why some are None."""
+    first, second = (result.performance for result in pair.results)
+    power, flow, p = first.shaft_power + second.shaft_power, first.gas_mass_flow, pair.p
+    h_d = ends.gas.enthalpy(p, delivery_temperature(pair.results[0]))
+    h_2 = ends.gas.enthalpy(p - ends.chain.intercooler.pressure_drop, pair.T)
+    T_e = None if pair.vapour == 0.0 else constants.saturation_temperature(ends.chain.first.gas.name, p)
+    drawn = [] if T_e is None else [(pair.vapour * flow, ends.gas.vapour(p, T_e))]
+    port_state = ends.gas.port_state(ends.low.p_s, ends.low.T_s)
+    if ends.low.quality is not None:
+        port_state = ends.gas.port_state_of_enthalpy(ends.low.p_s, suction_enthalpy(ends.chain.first))
+    both = replace(ends.low, p_d=ends.high.p_d)
+    etas, notes = parted(efficiencies(ends.gas, both, Inlet(port_state[1], port_state[2]), flow, power, drawn))
+    comes, taken = pair.flows
+    cooled, reasons = _capacities(ends, pair, flow, power, port_state[2], drawn)
+    electrical, unknown = electrical_figures(pair.results, cooled, reasons)
+    package, why = air_figures(pair, port_state[1], (ends.low.p_s, ends.high.p_d))
+    notes = {**notes, **reasons, **unknown, **why}
+    found = Figures(
+        intermediate_pressure=p,
+        **_saturation(ends, p),
+        second_suction_temperature=pair.T,
+        intercooler_heat=0.0 if drawn else flow * (h_d - h_2),
+        **({"vapour_mass_flow": pair.vapour * flow} if drawn else {}),
+        gas_mass_flow=flow,
+        first_shaft_power=first.shaft_power,
+        second_shaft_power=second.shaft_power,
+        shaft_power=power,
+        **_cooler_figures(pair),
+        first_pressure_ratio=p / ends.low.p_s,
+        second_pressure_ratio=ends.high.p_d / (p - ends.chain.intercooler.pressure_drop),
+        first_discharge_temperature=first.discharge_temperature,
+        discharge_temperature=second.discharge_temperature,
+        **etas,
+        **cooled,
+        **electrical,
+        **package,
+        flow_mismatch=abs(comes - taken) / max(comes, taken),
+    )
+    notes |= {f"{STAGE_NAMES[1]}_{name}": pair.unparted for name in SEPARATOR_FIGURES if pair.unparted}
+    return found, {name: notes.get(name, "this gas has none") for name, value in found.items() if value is None}
+
+
+def _saturation(ends: ChainEnds, p: float) -> dict[str, float]:
+    """Return the saturation temperature [K] at p [Pa] of a chain with a condenser, if its refrigerant has one."""
+    fluid = ends.chain.first.gas.name
+    if condensate_enthalpy(ends.chain.second) is None or is_blend(fluid):
+        return {}
+    try:
+        return {"intermediate_temperature": constants.saturation_temperature(fluid, p)}
+    except UsageError:  # above the critical pressure
+        return {}
+
+
+def _capacities(
+    ends: ChainEnds, pair: StagePair, flow: float, power: float, h_s: float, drawn: Sequence[tuple[float, Reservoir]]
+) -> FiguresAndReasons:
+    """Return the result of `capacities` for a flow of the first stage [kg/s] and its inlet enthalpy h_s [J/kg]."""
+    if condensate_enthalpy(ends.chain.second) is None:
+        return {}, {}
+    sucked, liquid, second = suction_enthalpy(ends.chain.first), ends.liquid(), pair.results[1].performance
+    evaporated = liquid if pair.vapour == 0.0 else constants.wet_enthalpy(ends.chain.first.gas.name, pair.p, 0.0)
+    T = second.get(SEPARATOR_FIGURES[0]) or second.discharge_temperature
+    p, own = pair.p - ends.chain.intercooler.pressure_drop, build_gas(pair.scenes[1])
+    rise = ends.gas.enthalpy(p, pair.T) - h_s + own.enthalpy(ends.high.p_d, T) - own.enthalpy(p, pair.T)
+    rejected = None if pair.unparted else sucked - liquid + rise
+    beyond = beyond_suction_gas(ends.chain.first, h_s, drawn)
+    return capacities(flow * (sucked - evaporated), power, second, rejected, pair.unparted, beyond)
+
+
+def _cooler_figures(pair: StagePair) -> dict[str, float | None]:
+    """Return the figures of each oiled stage's separator and oil cooler (M287); None where gas and oil stay mixed."""
+    stages = zip(STAGE_NAMES, pair.scenes, (result.performance for result in pair.results), strict=True)
+    oiled = [(which, p) for which, scene, p in stages if scene.oil_supply is not None]
+    return {f"{which}_{name}": p.get(name) for name in SEPARATOR_FIGURES for which, p in oiled}

@@ -1,0 +1,160 @@
+"""Points of two stages over the sweep of their file: solved on all cores, kept as they finish, resumed.
+
+Every point is a solution of its own, with its status; one that has none keeps the reason. Finished points lie in
+OUT.part, a line of JSON each below a line that identifies files, program and sweep, until the output is written. The
+same command continues from them; with another scene or program they are refused.
+"""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figures, Result
+from screwsim.outputs.display import picked
+from screwsim.results.atomic import refused
+from screwsim.results.schema import identity_of
+from screwsim.scene import grid
+from screwsim.study.parallel import parallel_map
+from screwsim.study.progress import Progress
+from screwsim.study.stages.axes import chain_with
+from screwsim.study.stages.read import StageChain
+from screwsim.study.stages.result import ChainResult
+from screwsim.study.stages.solve import run_stages
+from screwsim.study.workers import WORKER_DIED
+
+FIELDS = ("status", "message", "warnings", "performance", "error", "notes")  # of a result that are kept
+
+
+class ChainPoint(NamedTuple):
+    """A point of a sweep: the values [SI] of its paths, and the figures of both stages together."""
+
+    values: Mapping[str, Any]
+    result: Result
+
+
+def solved_with(chain: StageChain, values: Mapping[str, Any]) -> ChainResult:
+    """Return the result of both stages with other values [SI] at their paths; a failed one where these do not fit."""
+    try:
+        return run_stages(chain_with(chain, values))
+    except UsageError as error:
+        return ChainResult("failed", str(error))
+
+
+class KeptPoints:
+    """The points of a chain that are finished, in a file beside the output."""
+
+    def __init__(self, chain: StageChain, output: Path) -> None:
+        self.path = output.with_name(f"{output.name}.part")
+        self.reused = 0  # points that the last `read` has found
+        self._identity = _identity(chain)
+
+    def read(self, restart: bool = False) -> dict[int, Result]:
+        """Return the finished points by their numbers; raise UsageError where they belong to something else."""
+        self.reused = 0
+        if restart:
+            self.discard()
+        if not self.path.exists():
+            return {}
+        lines = self._lines()
+        if not lines or lines[0] != self._identity:
+            raise UsageError(
+                f"{self.path}: holds points of other scenes, of another sweep or of another version of the program "
+                f"(start over with --restart, or choose another -o)"
+            )
+        found = {line["case"]: _result(line) for line in lines[1:]}
+        self.reused = len(found)
+        return found
+
+    def add(self, found: Mapping[int, Result]) -> None:
+        """Append finished points; raise UsageError when the system refuses."""
+        texts = [json.dumps({"case": number, **picked(result, *FIELDS)}) for number, result in found.items()]
+        with refused(self.path):
+            begun = self.path.exists()
+            if not begun:
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+            with self.path.open("a", encoding="utf-8") as stream:
+                stream.write("".join(f"{text}\n" for text in ([] if begun else [json.dumps(self._identity)]) + texts))
+
+    def discard(self) -> None:
+        """Remove the file."""
+        with refused(self.path):
+            self.path.unlink(missing_ok=True)
+
+    def _lines(self) -> list[Any]:
+        """Return the lines of the file, and remove from it what an interruption has cut off."""
+        with refused(self.path):
+            whole = self.path.read_text(encoding="utf-8", errors="replace")
+        text, _, cut = whole.rpartition("\n")
+        try:
+            lines = [json.loads(line) for line in text.splitlines()]
+        except ValueError:
+            return []
+        if cut and lines and lines[0] == self._identity:
+            with refused(self.path):
+                self.path.write_text(f"{text}\n", encoding="utf-8")
+        return lines
+
+
+def _identity(chain: StageChain) -> dict[str, Any]:
+    """Return what distinguishes the points of one chain from those of another."""
+    own = repr((chain.intercooler, dict(chain.sweep), chain.joints))
+    scenes = [replace(scene, sweep={}, joints=()) for scene in (chain.first, chain.second)]
+    return {"chain": hashlib.sha256(own.encode()).hexdigest(), "scenes": [identity_of(scene) for scene in scenes]}
+
+
+def _result(line: Mapping[str, Any]) -> Result:
+    return Result(
+        line["status"],
+        line["message"],
+        tuple(line["warnings"]),
+        performance=Figures(line["performance"]),
+        error=Figures(line["error"]),
+        notes=line["notes"],
+    )
+
+
+def sweep_stages(
+    chain: StageChain,
+    kept: KeptPoints | None = None,
+    *,
+    jobs: int | None = None,
+    restart: bool = False,
+    progress: Progress | None = None,
+) -> list[ChainPoint]:
+    """Return the points of a chain's sweep, the last axis fastest; those that are kept are not solved again.
+
+    Raises UsageError where the kept points belong to something else.
+    """
+    values = [grid.case_values(chain, number) for number in range(grid.case_count(chain))]
+    found = {} if kept is None else kept.read(restart)
+    missing = [number for number in range(len(values)) if number not in found]
+
+    def keep(answers: Mapping[int, Result]) -> None:
+        new = {missing[place]: result for place, result in answers.items()}
+        found.update(new)
+        if kept is not None:
+            kept.add(new)
+
+    base = replace(chain, sweep={}, joints=())
+    parallel_map(
+        partial(_solved, base, [values[number] for number in missing]),
+        len(missing),
+        died=_dead_worker,
+        jobs=jobs,
+        progress=progress,
+        kept=keep,
+    )
+    return [ChainPoint(each, found[number]) for number, each in enumerate(values)]
+
+
+def _solved(base: StageChain, values: Sequence[Mapping[str, Any]], number: int) -> Result:
+    return solved_with(base, values[number]).as_result()
+
+
+def _dead_worker(number: int) -> Result:
+    return Result("failed", message=WORKER_DIED)

@@ -1,0 +1,194 @@
+"""Points of two stages over a sweep: each is a run's, failures keep their reason, what is finished is kept."""
+
+import csv
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from screwsim.cli import exit_code
+from screwsim.inputs.faults import SceneError, UsageError
+from screwsim.outputs import Figures, Result
+from screwsim.study.datasheet.stages_points import points_sheet
+from screwsim.study.stages import points, read_stages, run_stages
+from screwsim.study.stages.points import KeptPoints, sweep_stages
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
+from scenes import scene_dict
+
+SPEEDS = {"first.operation.speed": ["2500 rpm", "3000 rpm"], "second.operation.speed": ["1300 rpm", "10000 rpm"]}
+
+
+@pytest.fixture
+def plant(tmp_path):
+    def write(**content):
+        (tmp_path / "low.yaml").write_text(json.dumps(scene_dict({})))
+        (tmp_path / "high.yaml").write_text(json.dumps(scene_dict({"operation.speed": "1300 rpm"})))
+        path = tmp_path / "plant.stages.yaml"
+        path.write_text(json.dumps({"stages": ["low.yaml", "high.yaml"], "sweep": SPEEDS, **content}))
+        return path
+
+    return write
+
+
+@pytest.fixture
+def solved(monkeypatch):
+    """Replace the solution of a point by one that is immediate; return the values asked for."""
+    asked = []
+
+    class Answer:
+        def __init__(self, values):
+            self.values = values
+
+        def as_result(self):
+            asked.append(dict(self.values))
+            return Result("ok", performance=Figures(shaft_power=sum(self.values.values())))
+
+    monkeypatch.setattr(points, "solved_with", lambda chain, values: Answer(values))
+    return asked
+
+
+def test_points_are_those_of_runs_and_one_without_a_pressure_keeps_its_reason(plant):
+    path = plant()
+    found = sweep_stages(read_stages(path), jobs=1)
+    assert [each.result.status for each in found] == ["ok", "failed", "ok", "failed"]
+    alone = run_stages(read_stages(path, ["first.operation.speed=2500 rpm"]))
+    assert found[0].result.performance.shaft_power == pytest.approx(alone.performance.shaft_power, rel=1e-12)
+    assert found[0].result.error.shaft_power == pytest.approx(alone.error.shaft_power, rel=1e-6)
+    assert "no intermediate pressure" in found[1].result.message
+
+
+def test_paths_of_both_stages_vary_together_and_so_does_what_lies_between(plant, solved):
+    between = {"kind": "cooler", "outlet_temperature": "300 K"}
+    sweep = {
+        "intercooler.outlet_temperature": ["290 K", "300 K"],
+        "zip": [{name: values[:2] for name, values in SPEEDS.items()}],
+    }
+    found = sweep_stages(read_stages(plant(intercooler=between, sweep=sweep)), jobs=1)
+    rpm = 3.141592653589793 / 30
+    assert [[*each.values.values()] for each in found] == [
+        [pytest.approx(T), pytest.approx(n * rpm), pytest.approx(m * rpm)]
+        for T in (290.0, 300.0)
+        for n, m in ((2500, 1300), (3000, 10000))
+    ]
+
+
+def test_values_reach_their_stage_and_the_line_between(plant):
+    between = {"kind": "cooler", "outlet_temperature": "300 K"}
+    chain = read_stages(plant(intercooler=between))
+    changed = points.chain_with(chain, {"second.operation.speed": 5.0, "intercooler.outlet_temperature": 290.0})
+    assert (changed.second.operation.speed, changed.intercooler.outlet_temperature) == (5.0, 290.0)
+    assert changed.first.operation.speed == chain.first.operation.speed
+    assert not changed.sweep
+
+
+def test_an_interrupted_sweep_goes_on_where_it_was(plant, solved, tmp_path):
+    chain = read_stages(plant())
+    kept = KeptPoints(chain, tmp_path / "out.csv")
+    whole = sweep_stages(chain, kept, jobs=1)
+    lines = kept.path.read_text().splitlines()
+    kept.path.write_text("\n".join(lines[:3]) + "\n" + lines[3][:20])  # two points, and one cut off
+    solved.clear()
+    resumed = KeptPoints(chain, tmp_path / "out.csv")
+    again = sweep_stages(chain, resumed, jobs=1)
+    assert resumed.reused == 2
+    assert points_sheet(chain, again, resumed.reused).lines[0][1].endswith("(2 from an earlier run)")
+    assert solved == [dict(each.values) for each in whole[2:]]
+    assert [each.result.performance for each in again] == [each.result.performance for each in whole]
+    assert len(kept.path.read_text().splitlines()) == 1 + len(whole)
+    solved.clear()
+    sweep_stages(chain, kept, jobs=1, restart=True)
+    assert len(solved) == len(whole)
+
+
+def test_points_of_another_sweep_are_not_mixed_in(plant, solved, tmp_path):
+    chain = read_stages(plant())
+    sweep_stages(chain, KeptPoints(chain, tmp_path / "out.csv"), jobs=1)
+    for other in (
+        read_stages(plant(sweep={"first.operation.speed": ["1000 rpm"]})),
+        read_stages(plant(), ["second.oil_supply.ratio=2"]),
+        read_stages(plant(intercooler={"pressure_drop": "0.1 bar"})),
+    ):
+        with pytest.raises(UsageError, match=r"out\.csv\.part: holds points of other scenes, .* \(start over with"):
+            KeptPoints(other, tmp_path / "out.csv").read()
+    (tmp_path / "out.csv.part").write_text("not JSON\n")
+    with pytest.raises(UsageError, match="holds points of other scenes"):
+        KeptPoints(chain, tmp_path / "out.csv").read()
+
+
+def test_the_command_writes_all_figures_with_their_errors(plant, tmp_path, capsys):
+    out = tmp_path / "out.csv"
+    assert exit_code(["sweep", str(plant()), "-o", str(out), "--jobs", "1"]) == 4
+    told = " ".join(capsys.readouterr().out.split())
+    assert "points 4: 2 ok, 2 without a result" in told and "no intermediate pressure" in told
+    with out.open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [row["second.operation.speed [rpm]"] for row in rows] == ["1300", "10000"] * 2
+    assert float(rows[0]["intermediate_pressure [bar]"]) > 1.5
+    assert 0.0 < float(rows[0]["shaft_power_error"]) < 1e-3
+    assert rows[1]["status"].startswith("failed: no intermediate pressure") and not rows[1]["shaft_power [kW]"]
+    assert not (tmp_path / "out.csv.part").exists()
+
+
+def test_the_command_draws_the_points_on_a_page(plant, solved, tmp_path, capsys):
+    out = tmp_path / "out.html"
+    assert exit_code(["sweep", str(plant()), "-o", str(out), "--jobs", "1"]) == 0
+    assert "Two stages, 4 points over" in out.read_text(encoding="utf-8")
+    assert exit_code(["sweep", str(plant()), "-o", str(tmp_path / "all.csv"), "--jobs", "1", "--json"]) == 0
+    out = capsys.readouterr().out
+    document = json.loads(out[out.index("{") :])
+    assert (document["cases"], document["ok"], len(document["points"])) == (4, 4, 4)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["-o", "a.h5"], "-o a.h5: points of two stages are a table, a page or a PDF (write one of a.csv, "),
+        (["--batch"], "stages have no --batch (sweep one of the two scenes instead)"),
+        (["--without", "oil_heat"], "stages have no --without"),
+        (["--set", "sweep.first.operation.speed=[1 rpm]"], "belongs to the two-stage file (write it there)"),
+    ],
+)
+def test_what_two_stages_have_not_is_one_line(plant, capsys, arguments, words):
+    assert exit_code(["sweep", str(plant()), *arguments]) == 2
+    told = capsys.readouterr().err
+    assert words in told and told.count("\n") == 1
+
+
+def test_two_stages_without_a_sweep_are_told_how_to_write_one(plant, capsys):
+    assert exit_code(["sweep", str(plant(sweep=None))]) == 2
+    assert "has no sweep (add sweep: {first.operation.speed: " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("axis", "words"),
+    [
+        ("first.operation.sped", "is not known; did you mean 'first.operation.speed'?"),
+        ("operation.speed", "starts with none of first., second., intercooler. (write e.g. first.operation.speed)"),
+        ("first.operation.discharge.pressure", "belongs to the discharge line, which follows from the other stage"),
+        ("second.operation.suction.temperature", "belongs to the suction line, which follows from the other stage"),
+        ("second.gas.fluid", "is the same in both stages"),
+        ("intercooler.outlet_temperature", "is not stated (it belongs to kind: cooler; write it first)"),
+        ("intercooler.kind", "is not known"),
+    ],
+)
+def test_an_axis_that_cannot_vary_is_located(plant, axis, words):
+    with pytest.raises(SceneError) as caught:
+        read_stages(plant(sweep={axis: [1, 2]}))
+    (line,) = caught.value.lines
+    assert f"sweep.{axis}: {words}" in line and "plant.stages.yaml:1:" in line
+
+
+def test_a_run_tells_that_it_leaves_the_sweep_aside(plant, capsys):
+    path = str(plant())
+    assert exit_code(["run", path]) == 0
+    assert capsys.readouterr().err.startswith(f"{path}: its sweep of 4 cases is ignored, and the scene's own point")
+
+
+def test_a_sweep_tells_that_it_leaves_tolerances_aside(plant, solved, tmp_path, capsys):
+    path = plant()
+    low = scene_dict({"effects.tip_leakage.gap": "30 um +- 5 um"})
+    (tmp_path / "low.yaml").write_text(json.dumps(low))
+    assert exit_code(["sweep", str(path), "-o", str(tmp_path / "out.csv"), "--jobs", "1"]) == 0
+    assert "the first scene's tolerances are ignored" in " ".join(capsys.readouterr().err.split())

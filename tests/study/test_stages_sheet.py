@@ -1,0 +1,267 @@
+"""The data sheets of two stages: each cell is a run's, the figures of a package are those of ISO 1217."""
+
+import csv
+import json
+import sys
+from math import exp, log
+from pathlib import Path
+
+import pytest
+
+import screwsim
+from screwsim.cli import exit_code
+from screwsim.effects.parts.rating import isentropic_power
+from screwsim.fluid import constants
+from screwsim.outputs import Figures, Result
+from screwsim.study.datasheet import sheet_of_stages
+from screwsim.study.datasheet.stages_sheet import best_intermediate
+from screwsim.study.stages import read_stages, run_stages
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
+from scenes import scene_dict
+
+pytestmark = pytest.mark.around
+LOW = {
+    "operation": {"speed": "3000 rpm", "evaporating_temperature": "-20 degC", "superheat": "5 K",
+                  "condensing_temperature": "10 degC"},
+    "effects.motor": {"rated_power": "40 kW", "efficiency": 0.9},
+}  # fmt: skip
+HIGH = {
+    "operation": {"speed": "1500 rpm", "evaporating_temperature": "0 degC", "superheat": "5 K",
+                  "condensing_temperature": "40 degC"},
+    "effects.motor": {"rated_power": "24 kW", "efficiency": 0.9},
+}  # fmt: skip
+AIR = {"gas": {"fluid": "Air", "model": "ideal"}}
+AIR_LOW = {
+    **AIR,
+    "operation": {"speed": "3000 rpm", "suction": {"pressure": "1 bar", "temperature": "20 degC"},
+                  "discharge": {"pressure": "3 bar"}},
+    "effects.motor": {"rated_power": "55 kW", "efficiency": 0.9},
+    "effects.air_package": {"rated_flow": "20 m^3/min", "fan": {"power": "1 kW", "control": "flow"}},
+}  # fmt: skip
+AIR_HIGH = {
+    **AIR,
+    "operation": {"speed": "1200 rpm", "suction": {"pressure": "3 bar", "temperature": "20 degC"},
+                  "discharge": {"pressure": "8 bar"}},
+    "effects.motor": {"rated_power": "45 kW", "efficiency": 0.9},
+}  # fmt: skip
+TEMPERATURES = {
+    "first.operation.evaporating_temperature": ["-25 degC", "-20 degC"],
+    "second.operation.condensing_temperature": ["35 degC", "40 degC"],
+}
+
+
+def operated(changes):
+    """Return a scene whose operation is replaced as a whole."""
+    scene = scene_dict({name: value for name, value in changes.items() if name != "operation"})
+    return scene | {"operation": changes["operation"]}
+
+
+def written(folder, low, high, **more):
+    for name, changes in (("low", low), ("high", high)):
+        (folder / f"{name}.yaml").write_text(json.dumps(operated(changes)), encoding="utf-8")
+    path = folder / "plant.stages.yaml"
+    path.write_text(json.dumps({"title": "a plant", "stages": ["low.yaml", "high.yaml"], **more}), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def plant(tmp_path_factory):
+    return written(tmp_path_factory.mktemp("plant"), LOW, HIGH, intercooler={"kind": "economizer"}, sweep=TEMPERATURES)
+
+
+@pytest.fixture(scope="module")
+def rated(plant):
+    return sheet_of_stages(read_stages(plant), limits=["discharge_temperature<20 degC"], jobs=1)
+
+
+@pytest.fixture(scope="module")
+def package(tmp_path_factory):
+    speeds = {"first.operation.speed": ["1500 rpm", "3000 rpm"], "second.operation.speed": ["600 rpm", "1200 rpm"]}
+    return written(tmp_path_factory.mktemp("package"), AIR_LOW, AIR_HIGH, sweep={"zip": [speeds]})
+
+
+@pytest.fixture(scope="module")
+def aired(package, tmp_path_factory):
+    loads = tmp_path_factory.mktemp("loads") / "loads.csv"
+    loads.write_text("flow [m^3/min], hours\n10, 1000\n", encoding="utf-8")
+    return sheet_of_stages(read_stages(package), profile=str(loads), jobs=1)
+
+
+def table(sheet, title):
+    return next(each for each in sheet.tables if each.title.startswith(title))
+
+
+def number(cell):
+    return float(cell.strip("*\u00a0 %"))
+
+
+def test_a_cell_is_that_of_a_run_with_these_temperatures(plant, rated):
+    at = ["first.operation.evaporating_temperature=-25 degC", "second.operation.condensing_temperature=35 degC"]
+    found = run_stages(read_stages(plant, at)).performance
+    cells = {
+        "Cooling capacity": 1e-3 * found.cooling_capacity,
+        "Electrical power": 1e-3 * found.electrical_power,
+        "COP of the electrical power": found.electrical_cop,
+        "Intermediate pressure [bar]": 1e-5 * found.intermediate_pressure,
+        "Shaft power of the second stage": 1e-3 * found.second_shaft_power,
+        "Discharge temperature of the first": found.first_discharge_temperature - 273.15,
+    }
+    for title, value in cells.items():
+        # the digits printed, a hundredth at the coarsest figure of this machine, COP 2
+        assert number(table(rated, title).rows[0][1]) == pytest.approx(value, rel=5e-3), title
+    point = next(each for each in rated.document["points"] if each["evaporating_temperature"] < 250.0)
+    assert point["cooling_capacity"] == pytest.approx(found.cooling_capacity, rel=1e-12)
+
+
+def test_each_stage_stands_beside_the_other_as_a_run_gives_it(plant, rated):
+    stages = [each.performance for each in run_stages(read_stages(plant)).stages]
+    rows = {row[0]: row[1:] for row in table(rated, "Each stage").rows}
+    for title, figure, factor in (
+        ("shaft power [kW]", "shaft_power", 1e-3),
+        ("pressure ratio", "pressure_ratio", 1.0),
+        ("volumetric efficiency [%]", "volumetric_efficiency", 100.0),
+    ):
+        assert [float(cell) for cell in rows[title]] == pytest.approx([factor * p[figure] for p in stages], abs=0.051)
+    load = 100.0 * stages[1].shaft_power / 24e3
+    assert rows["load of its motor [%]"][1] == f"{load:.0f}"
+    assert [each["shaft_power"] for each in rated.document["stages"]] == [each.shaft_power for each in stages]
+
+
+def test_figures_of_the_own_point_and_of_each_stage_have_their_errors(rated):
+    for document in (rated.document["own_point"], *rated.document["stages"]):
+        assert 0.0 < document["error"]["shaft_power"] < 1e-3
+
+
+def test_both_motors_and_a_stated_limit_bound_the_table(rated):
+    limits = {each["figure"]: each for each in rated.document["limits"]}
+    assert {"discharge_temperature", "first_shaft_power", "second_shaft_power"} == set(limits)
+    assert limits["second_shaft_power"]["from"] == "second.effects.motor.rated_power"
+    assert all("discharge_temperature" in point["beyond"] for point in rated.document["points"])
+    assert all("*" in cell for row in table(rated, "Cooling capacity").rows for cell in row[1:])
+
+
+def test_part_load_slows_both_stages_in_proportion(plant, rated):
+    (control,) = rated.document["part_load"]
+    half = next(each for each in control["loads"] if each["load"] < 0.6)
+    speeds = [
+        f"{name}.operation.speed={half['setting'] * rpm} rpm" for name, rpm in (("first", 3000), ("second", 1500))
+    ]
+    found = run_stages(read_stages(plant, speeds)).performance
+    assert found.cooling_capacity == pytest.approx(half["cooling_capacity"], rel=1e-4)
+    full = rated.document["own_point"]["cooling_capacity"]
+    assert half["cooling_capacity"] / full == pytest.approx(0.5, abs=2e-3)  # `part_load.NEAR`
+
+
+def test_a_faster_second_stage_lowers_the_intermediate_pressure(rated):
+    pressures = [each["intermediate_pressure"] for each in rated.document["by_speed_of_second_stage"]]
+    assert pressures == sorted(pressures, reverse=True)
+    assert "between the stages" in table(rated, "Intermediate pressure by the speed").note
+
+
+def tried(*points):
+    return [(1.0, Result("ok", performance=Figures(intermediate_pressure=p, cop=cop))) for p, cop in points]
+
+
+def test_the_best_intermediate_pressure_is_the_top_of_a_parabola_in_its_logarithm():
+    def cop(p):
+        return 3.0 - (log(p) - log(3.3e5)) ** 2
+
+    p, value, inside = best_intermediate(tried(*((p, cop(p)) for p in (2e5, 3e5, 4e5, 6e5))), "cop")
+    assert (p, value, inside) == (pytest.approx(3.3e5, rel=1e-9), pytest.approx(3.0, rel=1e-12), True)
+    p, _, inside = best_intermediate(tried((2e5, 3.0), (3e5, 2.0), (4e5, 1.0)), "cop")
+    assert (p, inside) == (pytest.approx(exp(log(2e5))), False)
+    assert best_intermediate(tried((2e5, 3.0), (3e5, 2.0)), "cop") is None
+
+
+def test_a_point_without_a_pressure_keeps_its_reason(tmp_path):
+    low = {**LOW, "operation": {**LOW["operation"], "speed": "100 rpm"}}  # hardly delivers
+    sheet = sheet_of_stages(read_stages(written(tmp_path, low, HIGH)), jobs=1, evaporating="-30 degC..-20 degC",
+                            condensing="35 degC..40 degC")  # fmt: skip
+    failed = [each for each in sheet.document["points"] if each["status"] != "ok"]
+    assert failed and not sheet.ok
+    assert any("failed" in note or "not closed" in note for note in sheet.notes)
+    assert all(each["message"] for each in failed)
+
+
+def test_gas_is_rated_by_pressures(tmp_path):
+    low = {name: value for name, value in AIR_LOW.items() if not name.startswith("effects")}
+    high = {name: value for name, value in AIR_HIGH.items() if not name.startswith("effects")}
+    sweep = {"first.operation.suction.pressure": ["1 bar", "1.2 bar"], "second.operation.discharge.pressure": ["8 bar"]}
+    path = written(tmp_path, low, high, sweep=sweep)
+    sheet = sheet_of_stages(read_stages(path), jobs=1)
+    found = run_stages(read_stages(path, ["first.operation.suction.pressure=1.2 bar"])).performance
+    assert number(table(sheet, "Mass flow").rows[0][2]) == pytest.approx(3600.0 * found.gas_mass_flow, rel=5e-3)
+    assert sheet.document["kind"] == "two_stage_gas"
+
+
+def test_a_packages_figures_are_those_of_iso_1217(package):
+    found = run_stages(read_stages(package))
+    p, stages = found.performance, [each.performance for each in found.stages]
+    volume = p.gas_mass_flow * constants.gas_constant("Air") * 293.15 / 1e5
+    assert p.free_air_delivered == pytest.approx(volume, rel=1e-9)
+    fan = 1e3 * volume / (20.0 / 60.0)  # in proportion to the flow
+    assert p.package_input_power == pytest.approx(sum(each.electrical_power for each in stages) + fan, rel=1e-9)
+    assert p.package_specific_power * p.free_air_delivered == pytest.approx(p.package_input_power, rel=1e-12)
+    ideal = isentropic_power(p.free_air_delivered, 1e5, 8e5)
+    assert p.package_isentropic_efficiency * p.package_input_power == pytest.approx(ideal, rel=1e-12)
+    assert 0.0 < found.error.package_specific_power < 3e-4
+
+
+def test_a_packages_points_begin_at_full_flow(package, aired):
+    rows = table(aired, "Points").rows
+    assert [row[:2] for row in rows] == [["3000", "1200"], ["1500", "600"]]
+    found = run_stages(read_stages(package)).performance
+    point = aired.document["points"][0]
+    assert point["free_air_delivered"] == pytest.approx(found.free_air_delivered, rel=1e-12)
+    assert float(rows[0][5]) == pytest.approx(1e-3 * found.package_input_power, abs=0.051)
+    assert table(aired, "Energy over the profile").rows
+    assert any("10 CFR" in note for note in aired.notes)
+
+
+@pytest.mark.parametrize(
+    ("which", "arguments", "words"),
+    [
+        ("plant", ["--suction", "1 bar..2 bar"], "--suction: belongs to a machine whose lines are stated by pressures"),
+        ("plant", ["--evaporating", "-20 degC"], "--evaporating -20 degC: is not LOW..HIGH"),
+        ("plant", ["--evaporating", "38 degC..40 degC", "--condensing", "39 degC..41 degC"], "no point of the table"),
+        ("plant", ["--limit", "free_air<3 m^3/min"], "--limit free_air_delivered: is not a figure of these two stages"),
+        ("plant", ["--limit", "piston_speed<3 m/s"], "--limit piston_speed: is not"),
+        ("plant", ["--profile", "x.csv"], "--profile: belongs to an air package"),
+        ("plant", ["--without", "tip_leakage"], "stages have no --without"),
+        ("plant", ["--set", "operation.speed=1 rpm"], "starts with neither first. nor second."),
+        ("package", ["--discharge", "7 bar..9 bar"], "--discharge: belongs to"),
+        ("package", ["--heating"], "--heating: belongs to a refrigeration machine"),
+    ],
+)
+def test_what_does_not_belong_to_them_is_one_line(request, capsys, which, arguments, words):
+    path = request.getfixturevalue(which)
+    assert exit_code(["datasheet", str(path), *arguments]) == 2
+    told = capsys.readouterr().err
+    assert words in told
+    assert told.count("\n") == 1
+
+
+def test_other_axes_are_refused(tmp_path):
+    path = written(tmp_path, LOW, HIGH, sweep={"first.operation.speed": ["2000 rpm", "3000 rpm"]})
+    with pytest.raises(screwsim.UsageError, match=r"but the file varies first\.operation\.speed"):
+        sheet_of_stages(read_stages(path), jobs=1)
+    path = written(tmp_path, AIR_LOW, AIR_HIGH, sweep={"first.operation.suction.pressure": ["1 bar", "0.9 bar"]})
+    with pytest.raises(screwsim.UsageError, match=r"but the file varies first\.operation\.suction\.pressure"):
+        sheet_of_stages(read_stages(path), jobs=1)
+
+
+def test_the_command_writes_a_page_a_table_and_a_pdf(package, tmp_path, capsys):
+    for ending in ("html", "csv", "pdf"):
+        assert exit_code(["datasheet", str(package), "--jobs", "1", "-o", str(tmp_path / f"sheet.{ending}")]) == 0
+    assert "Two-stage air package, rating by ISO 1217" in capsys.readouterr().out
+    assert "Each stage at full flow" in (tmp_path / "sheet.html").read_text(encoding="utf-8")
+    assert (tmp_path / "sheet.pdf").read_bytes().startswith(b"%PDF")
+    with (tmp_path / "sheet.csv").open(encoding="utf-8", newline="") as stream:
+        first, second = csv.DictReader(stream)
+    assert (first["first_speed [rpm]"], second["second_speed [rpm]"]) == ("3000", "600")
+    assert float(first["free_air_delivered [m^3/min]"]) > float(second["free_air_delivered [m^3/min]"]) > 0.0
+
+
+def test_python_takes_the_path_of_a_two_stage_file(package):
+    assert screwsim.datasheet(package, jobs=1).document["kind"] == "two_stage_air_package"
