@@ -206,8 +206,8 @@ def rate_change(one: Result, other: Result) -> str:
 def soluble(T_separator: str) -> Entry:
     """Return the entry of oil in equilibrium at a temperature of the separator."""
     sets = (INJECTED, f"effects.refrigerant_solubility={{separator_temperature: {T_separator}}}")
-    says = "its constants, in the form of M195: at 70 °C and 11.6 bar 15.8 % of the solution is gas"
-    says += " (19.0 % as it is handed on)"
+    says = "its constants, with fugacities (M195): at 70 °C and 11.6 bar 19.7 % of the solution is gas"
+    says += " (15.8 % with pressures)"
     return Entry(REAL, sets, ("refrigerant_solubility",), "Grebner 1992", says, flash_change)
 
 

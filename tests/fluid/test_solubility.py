@@ -5,11 +5,12 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from CoolProp.CoolProp import PT_INPUTS, QT_INPUTS, AbstractState, iphase_gas
 from each_row import each_row
 
 from screwsim.effects import refrigerant_solubility as effect
 from screwsim.fluid.real_gas import RealGas
-from screwsim.fluid.solubility import log_activity
+from screwsim.fluid.solubility import FLUID, log_activity
 
 
 @each_row("volumes", [0.2, 1.0, 7.0])
@@ -35,6 +36,22 @@ def test_activity_is_the_slope_of_heils_excess_energy(T):
         slope = (excess(x + step) - excess(x - step)) / (2.0 * step)
         found = log_activity(x, l_12, l_21, t_12, t_21) - math.log(x)
         assert found == pytest.approx(excess(x) + (1.0 - x) * slope, abs=1e-8)  # step² times the third derivative
+
+
+@each_row("T", [256.0, 300.0, 343.0, 369.0])
+def test_over_a_solution_vapour_has_the_potential_that_the_activity_gives_it(T):
+    """g(p) = g_sat + R T ln(γ₁x₁), with h − T s of CoolProp's vapour: fugacities, not pressures (M195)."""
+    state, found = AbstractState("HEOS", FLUID), effect.pair(T)
+    state.update(QT_INPUTS, 1.0, T)
+    p_sat, saturated = state.p(), state.hmass() - T * state.smass()
+    state.specify_phase(iphase_gas)
+    for held in (1e-3, 0.03, 0.2, 1.0):
+        x = held / (held + found.mass_ratio)
+        p = effect.equilibrium_pressure(held, T) / found.p_sat * p_sat
+        state.update(PT_INPUTS, p, T)
+        potential = (state.hmass() - T * state.smass() - saturated) * state.molar_mass() / (state.gas_constant() * T)
+        assert potential == pytest.approx(log_activity(x, *found[1:5]), rel=0.0, abs=1e-5)  # of the table of ln φ
+        assert effect.content(p, T) == pytest.approx(held, rel=1e-5)  # and between two tables of p_sat
 
 
 @each_row("T", [256.0, 300.0, 343.0, 369.0])

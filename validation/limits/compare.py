@@ -25,8 +25,8 @@ WALL, CASING = 100.0, 10.0  # [W/(m² K)] gas to wall inside; outside of the cas
 AMBIENT = 298.15  # [K]
 
 
-def activity_pressure(x: float, T: float) -> float:
-    """Return the pressure [Pa] over a solution with the mole fraction x of R134a (Heil)."""
+def log_activity(x: float, T: float) -> float:
+    """Return the logarithm of the activity of R134a in a solution with its mole fraction x (Heil)."""
     v_1 = M_R134A / coolprop.PropsSI("D", "T", T, "Q", 0, "R134a")
     v_2 = M_OIL / (16.0185 * (61.387 - 0.024138 * (1.8 * T - 459.67)))
     t_12, t_21 = 948.0 / (GAS_CONSTANT * T), 3993.0 / (GAS_CONSTANT * T)
@@ -35,12 +35,14 @@ def activity_pressure(x: float, T: float) -> float:
     first, second = x + l_12 * y, l_21 * x + y
     gamma = -log(first) + y * (l_12 / first - l_21 / second)
     gamma += y**2 * (t_12 * (l_12 / first) ** 2 + t_21 * l_21 / second**2)
-    return exp(gamma) * x * coolprop.PropsSI("P", "T", T, "Q", 1, "R134a")
+    return gamma + log(x)
 
 
 def dissolved(T: float, p: float) -> float:
-    """Return kg of R134a per kg of solution in equilibrium."""
-    x = float(brentq(lambda x: activity_pressure(x, T) - p, 1e-6, 1.0 - 1e-9))
+    """Return kg of R134a per kg of solution in equilibrium: where its chemical potential is that of the vapour."""
+    saturated = coolprop.PropsSI("GMOLAR", "T", T, "Q", 1, "R134a")
+    wanted = (coolprop.PropsSI("GMOLAR", "T|gas", T, "P", p, "R134a") - saturated) / (GAS_CONSTANT * T)
+    x = float(brentq(lambda x: log_activity(x, T) - wanted, 1e-6, 1.0 - 1e-9))
     return x * M_R134A / (x * M_R134A + (1.0 - x) * M_OIL)
 
 

@@ -26,10 +26,10 @@ ABOUT = (
     "kilogram of oil at the measured temperature and pressure, up to 0.8 of the saturation pressure: above, a percent "
     "of pressure is several percent of content. ± is how far the source's own equation (first picture) lies from its "
     "points (root mean square): a mean inside it cannot be told from their scatter. That equation also settles in "
-    "which unit loadings are stored: they are mole fractions. M195 has pressures where the vapour's fugacities belong; "
-    "the notes say what it would have with these, and the same constants. The measured points are no part of this "
-    f"checkout: the environment variable {points.FILE} names their file (validation/solubility/points.py says where "
-    "they are and in which form)."
+    "which unit loadings are stored: they are mole fractions. M195 is often handed on with pressures in place of "
+    "the vapour's fugacities; the notes say what it has with those, and the same constants. The measured points are no "
+    f"part of this checkout: the environment variable {points.FILE} names their file (validation/solubility/points.py "
+    "says where they are and in which form)."
 )
 WARM = 333.0  # [K] from where on oil is as warm as in a separator
 SEPARATOR = 338.15  # [K] of the picture
@@ -52,7 +52,7 @@ def noted(found: Any, least: float) -> str:
     warm = found.content[found.T > WARM]
     if len(warm):
         told.append(f"{100.0 * warm.mean():+.0f} % from 60 °C on")
-    told.append(f"with fugacities {percent(found.fugacity)}, mean {100.0 * found.fugacity.mean():+.0f} %")
+    told.append(f"with pressures {percent(found.ideal)}, mean {100.0 * found.ideal.mean():+.0f} %")
     over = f"pressure at all {len(found.pressure)} contents: mean {100.0 * found.pressure.mean():+.1f} %"
     own = f"its own equation misses these by {100.0 * found.mole:.1f} % with mole fractions"
     told += [over, f"{own}, by {100.0 * least:.0f} % or more with masses"]
@@ -80,10 +80,10 @@ def pressure_row(oil: Any, found: Any, stored: Sequence[Any]) -> Row:
     """Return the mean deviation of the pressure over all measured contents of an oil like M195's."""
     scatter = rms(measured.misses(oil.pressure, stored, "mole", oil.molar_mass[0]))
     quantity = f"pressure, {oil.words}: mean of {len(found.pressure)} points"
-    mean, by_fugacity = 100.0 * float(found.pressure.mean()), found.fugacity_pressure
+    mean, ideal = 100.0 * float(found.pressure.mean()), found.ideal_pressure
     note = (
         f"{percent(found.pressure)} at single points, mean size {100.0 * np.abs(found.pressure).mean():.1f} %; with "
-        f"fugacities mean {100.0 * by_fugacity.mean():+.1f} %, mean size {100.0 * np.abs(by_fugacity).mean():.1f} %"
+        f"pressures mean {100.0 * ideal.mean():+.1f} %, mean size {100.0 * np.abs(ideal).mean():.1f} %"
     )
     basis = "scatter about its own equation"
     return equal(quantity, mean, 0.0, scatter, oil.kind, unit="%", basis=basis, note=note)
@@ -95,9 +95,9 @@ def warm_row(found: Found) -> Row:
     for oil, each in found:
         if oil.ester and (each.T > WARM).any():
             means.append(each.content[each.T > WARM].mean())
-            others.append(each.fugacity[each.T > WARM].mean())
+            others.append(each.ideal[each.T > WARM].mean())
     quantity = "content at 60 to 90 °C, as in separators: means of ester oils"
-    note = f"{len(means)} oils of known molar mass; with fugacities {percent(np.array(others))}"
+    note = f"{len(means)} oils of known molar mass; with pressures {percent(np.array(others))}"
     return Row(quantity, percent(np.array(means)), None, "estimate", "no verdict", note=note)
 
 
@@ -108,7 +108,7 @@ def laws() -> Panel:
     shares = [float(share) for share in np.linspace(0.03, 0.9, 60)]
     series = [
         Series("M195", shares, [content(share * p_sat, T) for share in shares]),
-        Series("M195, fugacities", shares, [measured.by_fugacity(share * p_sat, T) for share in shares]),
+        Series("M195, pressures", shares, [measured.by_pressures(share * p_sat, T) for share in shares]),
     ]
     for oil in oils.OILS:
         if oil.ester and oil.kind != "calibrated":  # that one's own equation is M195

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from screwsim.effects.refrigerant_solubility import content, equilibrium_pressure, pair
-from screwsim.fluid.solubility import M_REFRIGERANT
-from screwsim.study.validation import sibling
-
-own = sibling(Path(__file__).with_name("own.py"))
+from screwsim.fluid.solubility import M_REFRIGERANT, dissolved, log_activity
 
 MOST = 0.8  # share of the saturation pressure up to which contents are compared
 SLIP = 1.0  # relative deviation of a pressure from its source's own equation from which on the point is a slip
@@ -24,19 +20,19 @@ Array = np.ndarray
 class Deviations(NamedTuple):
     """Relative deviations at the points of an oil that are no slips.
 
-    `content` of M195, `fugacity` of M195 with fugacities in place of pressures, and `scatter` of the source's own
+    `content` of M195, `ideal` of M195 with pressures in place of fugacities, and `scatter` of the source's own
     equation, from the contents measured below `MOST` at the temperatures `T` [K]; `pressure` of M195, and
-    `fugacity_pressure` with fugacities, from the pressures measured over all contents. `mole` and `mass` are the mean
+    `ideal_pressure` with pressures, from the pressures measured over all contents. `mole` and `mass` are the mean
     deviations of the own equation's pressures with the stored loadings as mole fractions, and as the likeliest of
     masses; `slips` a number of points.
     """
 
     T: Array
     content: Array
-    fugacity: Array
+    ideal: Array
     scatter: Array
     pressure: Array
-    fugacity_pressure: Array
+    ideal_pressure: Array
     mole: float
     mass: float
     slips: int
@@ -52,18 +48,16 @@ def mole_fraction(content: float, molar_mass: float) -> float:
     return content / (content + M_REFRIGERANT / molar_mass)
 
 
-def by_fugacity(p: float, T: float) -> float:
-    """Return the content [kg/kg] by M195, with the fugacity of the vapour over that at saturation for p/p_sat."""
-    p_sat = pair(T).p_sat
-    return content(p_sat * own.fugacity(T, p) / own.fugacity(T, own.BELOW * p_sat), T)
+def by_pressures(p: float, T: float) -> float:
+    """Return the content [kg/kg] by M195 as it is often handed on: with p/p_sat, as if the vapour were an ideal gas."""
+    return dissolved(p, *pair(T))
 
 
-def pressure_by_fugacity(ratio: float, T: float) -> float:
-    """Return the pressure [Pa] over oil that holds `ratio` [kg/kg], the inverse of `by_fugacity`; p_sat at most."""
-    p_sat = pair(T).p_sat
-    most = own.BELOW * p_sat
-    wanted = equilibrium_pressure(ratio, T) / p_sat * own.fugacity(T, most)
-    return most if wanted >= own.fugacity(T, most) else float(brentq(lambda p: own.fugacity(T, p) - wanted, 1.0, most))
+def pressure_by_pressures(ratio: float, T: float) -> float:
+    """Return the pressure [Pa] over oil that holds `ratio` [kg/kg], the inverse of `by_pressures`."""
+    known = pair(T)
+    x = ratio / (ratio + known.mass_ratio)
+    return known.p_sat * math.exp(log_activity(x, *known[1:5]))
 
 
 def own_fraction(pressure: Any, T: float, p: float) -> float:
@@ -106,10 +100,10 @@ def deviations(pressure: Any, stored: Sequence[Any], molar_mass: float) -> Devia
     return Deviations(
         np.array([each.T for each in held]),
         np.array([content(each.p, each.T) for each in held]) / measured - 1.0,
-        np.array([by_fugacity(each.p, each.T) for each in held]) / measured - 1.0,
+        np.array([by_pressures(each.p, each.T) for each in held]) / measured - 1.0,
         by_own / measured - 1.0,
         over(equilibrium_pressure),
-        over(pressure_by_fugacity),
+        over(pressure_by_pressures),
         float(np.mean(np.abs(mole[np.abs(mole) < SLIP]))),
         float(min(masses)),
         len(stored) - len(kept),

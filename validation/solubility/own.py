@@ -17,7 +17,7 @@ import numpy as np
 from CoolProp.CoolProp import AbstractState
 from scipy.optimize import brentq
 
-from screwsim.effects.refrigerant_solubility import pair
+from screwsim.effects.refrigerant_solubility import pair, vapour
 from screwsim.fluid.solubility import M_OIL, R, log_activity
 
 Pressure = Callable[[float, float], float]  # of T and x
@@ -54,7 +54,10 @@ def flory_huggins(segments: float, energy: float, bend: float) -> Pressure:
 
 
 def heil(d_12: float, d_21: float, molar_mass: float, density: tuple[float, float]) -> Pressure:
-    """Return Heil's model as Martz and Jacobi fitted it: d in J/mol, oil of ρ = a − b T_F [lb/ft³]."""
+    """Return Heil's model as Martz and Jacobi fitted it: d in J/mol, oil of ρ = a − b T_F [lb/ft³].
+
+    Activities are ratios of fugacities: with these their constants, too, miss their points by less than with pressures.
+    """
 
     def pressure(T: float, x: float) -> float:
         known = pair(T)
@@ -63,7 +66,7 @@ def heil(d_12: float, d_21: float, molar_mass: float, density: tuple[float, floa
         like *= molar_mass / M_OIL * (61.387 - 0.024138 * fahrenheit) / (density[0] - density[1] * fahrenheit)
         own_12, own_21 = d_12 / (R * T), d_21 / (R * T)
         activity = log_activity(x, like * math.exp(-own_12), math.exp(-own_21) / like, own_12, own_21)
-        return known.p_sat * math.exp(activity)
+        return known.p_sat * vapour(T).share(activity)
 
     return pressure
 

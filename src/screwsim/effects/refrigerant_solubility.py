@@ -30,6 +30,7 @@ from screwsim.effects.oil_injection import discharge_pressure
 from screwsim.fluid import constants, solubility
 from screwsim.fluid.oils import is_ester
 from screwsim.fluid.reservoir import Reservoir
+from screwsim.fluid.vapour_fugacity import Fugacity, fugacity_table
 from screwsim.inputs.declare import optional
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL
@@ -103,9 +104,16 @@ def pair(T: float) -> solubility.RefrigerantOilPair:
     return solubility.pair(T, math.exp(log_pressure(1.0 / T)), density(T))
 
 
+@lru_cache(maxsize=256)
+def vapour(T: float) -> Fugacity:
+    """Return the fugacity of R134a vapour at T [K]."""
+    return fugacity_table(solubility.FLUID, solubility.LOW, HIGHEST).at(T)
+
+
 def content(p: float, T: float) -> float:
     """Return the R134a dissolved in equilibrium [kg per kg of oil] at p [Pa] and T [K] (M195)."""
-    return solubility.dissolved(p, *pair(T))
+    found = pair(T)
+    return solubility.dissolved(found.p_sat * vapour(T).ratio(p / found.p_sat), *found)
 
 
 def flashed(p: float, T: float, supply: float, latent: float, c_oil: float) -> float:
@@ -155,10 +163,10 @@ def _flashes(T: float, p_d: float, supply: float, latent: float, c_oil: float) -
 
 
 def equilibrium_pressure(ratio: float, T: float) -> float:
-    """Return the pressure [Pa] of the gas over oil at T [K] that holds `ratio` [kg/kg] (M195)."""
+    """Return the pressure [Pa] of the gas over oil at T [K] that holds `ratio` [kg/kg] (M195), `content`'s inverse."""
     found = pair(T)
     x = ratio / (ratio + found.mass_ratio)
-    return found.p_sat * math.exp(solubility.log_activity(x, *found[1:5]))
+    return found.p_sat * vapour(T).share(solubility.log_activity(x, *found[1:5]))
 
 
 @lru_cache(maxsize=8)

@@ -1,8 +1,9 @@
 """R134a dissolved in a polyol ester oil: activity by Heil's model, and the content in equilibrium (M195).
 
 Source: J. J. Grebner, thesis, 1992 (constants; oil of 0.590 kg/mol); J. F. Heil, J. M. Prausnitz, AIChE J. 12 (1966)
-678. Fitted from 255 K to 394 K; mean error 5.5 % at its 44 points. The indices of Λ and τ are those with which the
-model has the limit of Flory and Huggins; docs/model.md says how it is found elsewhere, and what that costs.
+678. Fitted from 255 K to 394 K; mean error 3.2 % at its 44 points. Activities are ratios of the vapour's fugacities:
+what is p in `dissolved` is p_sat f/f_sat. The indices of Λ and τ are those with which the model has the limit of Flory
+and Huggins; docs/model.md says how it is found elsewhere, and what that costs.
 """
 
 import math
