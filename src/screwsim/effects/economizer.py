@@ -19,7 +19,7 @@ from typing import Any
 
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Given, Plenum, Site, Sought, Span
 from screwsim.effects.parts.gap import flow_coefficient
-from screwsim.effects.parts.port_window import WindowParameters, check_window, check_within, window_path
+from screwsim.effects.parts.port_window import CheckWithin, WindowParameters, check_window, window_path
 from screwsim.effects.parts.usual import Sized
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
@@ -326,7 +326,7 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
-    check_geometry=partial(check_within, NAME),
+    check_geometry=CheckWithin(NAME),
     needs=frozenset({HOLES}),
     figures=FIGURES,
     warnings=warnings,

@@ -14,13 +14,12 @@ Parameters: opens, closes, area, flow_coefficient, pressure_loss, discharge_temp
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Plenum, Site, Sought, Span
 from screwsim.effects.oil_injection import discharge_pressure
 from screwsim.effects.parts.gap import flow_coefficient
-from screwsim.effects.parts.port_window import WindowParameters, check_window, check_within, window_path
+from screwsim.effects.parts.port_window import CheckWithin, WindowParameters, check_window, window_path
 from screwsim.effects.parts.usual import Sized
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
@@ -186,7 +185,7 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
-    check_geometry=partial(check_within, NAME),
+    check_geometry=CheckWithin(NAME),
     needs=frozenset({HOLES}),
     figures=FIGURES,
     sizes=(Sized("area", SHELL, WIDEST, (0.0, 0.05)),),

@@ -15,11 +15,10 @@ the oil: oil_supply.
 
 import math
 from dataclasses import dataclass
-from functools import partial
 
 from screwsim.effects.base import Effect, Faults, OilPort
 from screwsim.effects.parts.gap import ramp
-from screwsim.effects.parts.port_window import RAMP, WindowParameters, check_window, check_within, window_breakpoints
+from screwsim.effects.parts.port_window import RAMP, CheckWithin, WindowParameters, check_window, window_breakpoints
 from screwsim.fluid import constants
 from screwsim.fluid.orifice import smooth_orifice_flow
 from screwsim.fluid.settings import OilLine
@@ -199,6 +198,6 @@ EFFECT = Effect(
     needs_oil=True,
     states=("T_oil", "x_oil"),
     check=check,
-    check_geometry=partial(check_within, NAME),
+    check_geometry=CheckWithin(NAME),
     needs=frozenset({OIL}),
 )

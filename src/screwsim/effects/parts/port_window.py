@@ -49,8 +49,14 @@ def check_window(name: str, parameters) -> Iterator[Fault]:
         yield Fault(f"effects.{name}.closes", "must lie at least 20 deg after opens (choose a later angle)")
 
 
-def check_within(name: str, parameters, geometry) -> Iterator[Fault]:
-    """Yield a fault where a window extends beyond the chamber's life."""
-    if parameters.closes > geometry.life + 1e-9:
-        what = f"lies beyond the chamber's life of {geometry.life / DEGREE:.6g} deg (choose an earlier angle)"
-        yield Fault(f"effects.{name}.closes", what)
+@dataclass(frozen=True)
+class CheckWithin:
+    """Check of an effect's window against the geometry: an object, so that one from another process equals it."""
+
+    name: str
+
+    def __call__(self, parameters, geometry) -> Iterator[Fault]:
+        """Yield a fault where a window extends beyond the chamber's life."""
+        if parameters.closes > geometry.life + 1e-9:
+            what = f"lies beyond the chamber's life of {geometry.life / DEGREE:.6g} deg (choose an earlier angle)"
+            yield Fault(f"effects.{self.name}.closes", what)
