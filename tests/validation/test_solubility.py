@@ -72,6 +72,55 @@ def test_a_file_that_holds_no_points_says_where_and_what_to_take(tmp_path, text,
     assert told in str(raised.value) and points.REMEDY in str(raised.value)
 
 
+HEAD = "oil,source,T_K,p_Pa,loading_as_stored"
+
+
+@each_row(
+    "values,told",
+    [
+        ("25,2e5,0.3", "temperature 25 K is not within 169.85 to 374."),
+        ("380,2e5,0.3", "write kelvins, not °C"),
+        ("nan,2e5,0.3", "temperature nan K is not within"),
+        ("300,0,0.3", "pressure 0 Pa is not above 0"),
+        ("300,inf,0.3", "write pascals"),
+        ("300,2e5,1", "loading 1 is not between 0 and 1"),
+        ("300,2e5,30", "write the mole fraction of R134a, not per cent"),
+        ("300,2e5,0", "loading 0 is not between 0 and 1"),
+    ],
+)
+def test_a_point_that_no_oil_with_r134a_has_says_where_and_what_to_write(tmp_path, values, told):
+    path = tmp_path / "points.csv"
+    path.write_text(f"{HEAD}\nPOE,Grebner,300,1e5,0.1\nPOE,Grebner,{values}\n", encoding="utf-8")
+    with pytest.raises(NotRun) as raised:
+        points.read(path, {("Grebner", "POE")})
+    assert ":3: holds no points" in str(raised.value) and told in str(raised.value)
+    assert len(points.read(path, ())[("Grebner", "POE")]) == 2  # not compared, so not judged
+
+
+@each_row(
+    "rows,told",
+    [
+        ([row for row in STATES if row[0] < 333.0], ["content, Grebner 1992, ester oil: mean of 6 points", "pressure"]),
+        (
+            [(323.15, 0.97), (343.15, 0.97)],
+            ["content, Grebner 1992, ester oil"],
+        ),  # above MOST
+    ],
+)
+def test_points_that_are_only_cold_or_only_rich_have_the_rows_that_they_allow(
+    compare, tmp_path, monkeypatch, rows, told
+):
+    at = [(T, effect.equilibrium_pressure(measured.ratio(x, M_OIL), T), x) for T, x in rows]
+    monkeypatch.setenv(points.FILE, str(plain_file(tmp_path, at)))
+    monkeypatch.setattr(compare.machine, "machine_rows", lambda root: [])
+    found = compare.compare(HERE)
+    assert len(found.rows) == len(told)
+    assert all(row.quantity.startswith(words) for row, words in zip(found.rows, told, strict=True))
+    left = [row.note for row in found.rows if "left out: none of its 2 points" in row.note]
+    assert len(left) == 2 - len(told)
+    assert len(found.panels) == len(told)  # without deviations only the laws are drawn
+
+
 def test_heils_model_with_the_constants_of_m195_is_m195():
     for T, x in STATES:
         assert GREBNER.pressure(T, x) == pytest.approx(effect.equilibrium_pressure(measured.ratio(x, M_OIL), T))

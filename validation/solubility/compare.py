@@ -89,16 +89,18 @@ def pressure_row(oil: Any, found: Any, stored: Sequence[Any]) -> Row:
     return equal(quantity, mean, 0.0, scatter, oil.kind, unit="%", basis=basis, note=note)
 
 
-def warm_row(found: Found) -> Row:
-    """Return how far the contents of ester oils lie off where separators work."""
+def warm_rows(found: Found) -> list[Row]:
+    """Return how far the contents of ester oils lie off where separators work; no row without points there."""
     means, others = [], []
     for oil, each in found:
         if oil.ester and (each.T > WARM).any():
             means.append(each.content[each.T > WARM].mean())
             others.append(each.ideal[each.T > WARM].mean())
+    if not means:
+        return []
     quantity = "content at 60 to 90 °C, as in separators: means of ester oils"
     note = f"{len(means)} oils of known molar mass; with pressures {percent(np.array(others))}"
-    return Row(quantity, percent(np.array(means)), None, "estimate", "no verdict", note=note)
+    return [Row(quantity, percent(np.array(means)), None, "estimate", "no verdict", note=note)]
 
 
 def laws() -> Panel:
@@ -129,20 +131,32 @@ def by_temperature(found: Found) -> Panel:
     return Panel("temperature / °C", "M195 less measured, content / %", series)
 
 
-def measured_rows(stored: Any) -> tuple[list[Row], Panel]:
-    """Return the rows of all oils of a file, and the picture of those whose molar mass is known."""
+def left_out(oil: Any, count: int) -> Row:
+    """Return the row of an oil of which no point can be compared."""
+    note = (
+        f"left out: none of its {count} points lies below {measured.MOST:g} of the saturation pressure and within "
+        "twofold of the source's own equation"
+    )
+    return Row(f"content, {oil.words}", None, None, oil.kind, "no verdict", note=note)
+
+
+def measured_rows(stored: Any) -> tuple[list[Row], list[Panel]]:
+    """Return the rows of all oils of a file, and the picture of those whose molar mass is known, if there are some."""
     rows, known = [], []
     for oil in oils.OILS:
         of_oil = stored.get((oil.source, oil.oil))
         if not of_oil:
             continue
         each = [measured.deviations(oil.pressure, of_oil, molar_mass) for molar_mass in oil.molar_mass]
+        if None in each:  # which points are left does not depend on the molar mass
+            rows.append(left_out(oil, len(of_oil)))
+            continue
         rows.append(content_row(oil, each))
         if len(each) == 1:
             known.append((oil, each[0]))
             if oil.kind != "estimate":
                 rows.append(pressure_row(oil, each[0], of_oil))
-    if not known:
+    if not rows:
         raise points.NotRun(f"{points.FILE}={points.named()}: holds none of the oils ({points.REMEDY})")
     if oils.OPEN in stored:
         note = (
@@ -150,7 +164,7 @@ def measured_rows(stored: Any) -> tuple[list[Row], Panel]:
             "no form of the source's equation was found that its points follow with either"
         )
         rows.append(Row("content, Yokozeki 2001, n-hexadecane", None, None, "published", "no verdict", note=note))
-    return [*rows, warm_row(known)], by_temperature(known)
+    return [*rows, *warm_rows(known)], [by_temperature(known)] if known else []
 
 
 def compare(here: Path) -> Comparison:
@@ -160,6 +174,6 @@ def compare(here: Path) -> Comparison:
         note = f"not compared: {points.FILE} names no file of the measured points ({points.REMEDY})"
         rows = [Row("content and pressure at measured points", None, None, "published", "no verdict", note=note)]
     else:
-        rows, drawn = measured_rows(points.read(file))
-        panels.append(drawn)
+        rows, drawn = measured_rows(points.read(file, {(oil.source, oil.oil) for oil in oils.OILS}))
+        panels += drawn
     return Comparison(TITLE, CITATION, ABOUT, [*rows, *machine.machine_rows(here.parents[1])], panels)

@@ -85,12 +85,17 @@ def misses(pressure: Any, measured: Sequence[Any], kind: str, molar_mass: float)
     return np.array([pressure(each.T, fraction(each.loading)) / each.p - 1.0 for each in measured])
 
 
-def deviations(pressure: Any, stored: Sequence[Any], molar_mass: float) -> Deviations:
-    """Return those of M195 and of the source's own equation, `pressure`, at the points of an oil."""
+def deviations(pressure: Any, stored: Sequence[Any], molar_mass: float) -> Deviations | None:
+    """Return those of M195 and of the source's own equation, `pressure`, at the points of an oil.
+
+    None where no point that is no slip lies below `MOST`.
+    """
     mole = misses(pressure, stored, "mole", molar_mass)
     kept = [each for each, far in zip(stored, mole, strict=True) if abs(far) < SLIP]
-    masses = [np.mean(np.abs(misses(pressure, kept, kind, molar_mass))) for kind in ("oil", "solution")]
     held = [each for each in kept if each.p < MOST * pair(each.T).p_sat]
+    if not held:
+        return None
+    masses = [np.mean(np.abs(misses(pressure, kept, kind, molar_mass))) for kind in ("oil", "solution")]
     measured = np.array([ratio(each.loading, molar_mass) for each in held])
     by_own = np.array([ratio(own_fraction(pressure, each.T, each.p), molar_mass) for each in held])
 
