@@ -3,6 +3,7 @@
 import importlib
 import json
 import math
+from dataclasses import replace
 
 import pytest
 from each_row import each_row
@@ -157,6 +158,9 @@ def test_a_number_beyond_which_a_figure_turns_explains_nothing(monkeypatch, caps
             assert "% when solved, 0 % by derivatives" in found.dismissed[ratio]
             print_measured(scene, result, found)
             assert f"no explanation: {ratio} leaves" in capsys.readouterr().out
+            other = measured.Explanation("oil_supply.temperature", 330.0, 325.0, 0.01, None)  # beyond those solved
+            print_measured(scene, result, replace(found, explanations=(other,)))
+            assert "1 would explain it alone by derivatives, not solved (--json)" in capsys.readouterr().out
 
 
 def test_no_number_is_offered_that_no_scene_could_have(scene, result):

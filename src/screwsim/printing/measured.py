@@ -29,7 +29,7 @@ def print_measured(scene: Scene, result: Result, found: Comparison) -> None:
         print_wrapped(_verdict(scene, found))
     if found.why and found.why != "nothing to explain":
         say(wrapped(printable(found.why)))
-    if any(each.solved is not None for each in found.explanations):
+    if found.explanations:
         say()
         _print_explanations(scene, found)
     print_wrapped(f"no explanation: {path} {why}" for path, why in found.dismissed.items())
@@ -97,6 +97,9 @@ def _print_explanations(scene: Scene, found: Comparison) -> None:
         if tolerant:
             cells.append("" if each.tolerances is None else f"{each.tolerances:+.2g}")
         rows.append([*cells, f"{100.0 * shown[each.path]:.0f} %"])
+    if not rows:  # those that were solved are all dismissed
+        say(wrapped(f"{len(found.explanations)} would explain it alone by derivatives, not solved (--json)"))
+        return
     print_table(heads, rows, 1)
     more = len(found.explanations) - len(shown)
     lines = [f"and {more} more by derivatives alone (--json)"] if more > 0 else []
