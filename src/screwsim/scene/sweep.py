@@ -28,8 +28,7 @@ _FIELDS = {
     "count": Leaf("count", "number of points", dataclasses.MISSING, {"ge": 1, "le": LARGEST_SAMPLE}),
     "seed": Leaf("count", "seed of the random numbers", 0, {"ge": 0}),
 }
-_SAMPLE = "write {kind: sobol, count: 64, seed: 1, over: {operation.speed: {from: 1000 rpm, to: 3000 rpm}}}"
-_ZIP = "write [{operation.speed: […], oil_supply.ratio: […]}]"
+_SPEED = "operation.speed"
 DESIGNS = ("zip", "sample")  # keys of a sweep that are not paths
 
 
@@ -48,7 +47,7 @@ def read_sweep(
 
 
 def read_sweep_of(
-    node: Node | None, leaf_of: LeafOf, problems: LocatedFaults, first: str = "operation.speed"
+    node: Node | None, leaf_of: LeafOf, problems: LocatedFaults, first: str = _SPEED
 ) -> tuple[Axes, tuple[Joint, ...]]:
     """Return the same as `read_sweep` for the inputs that `leaf_of` knows; `first` is an example of a path."""
     if node is None or node.value is None:
@@ -62,7 +61,7 @@ def read_sweep_of(
     joints: list[Joint] = []
     cases = 1
     for name, child in node.value.items():
-        for joint, axes in _part(name, child, leaf_of, problems):
+        for joint, axes in _part(name, child, leaf_of, problems, first):
             for path in sweep.keys() & axes.keys():
                 problems.add(child.heading, f"sweep.{path}", "is varied twice (remove one)")
             sweep |= axes
@@ -74,15 +73,17 @@ def read_sweep_of(
     return sweep, tuple(joints)
 
 
-def _part(name: str, node: Node, leaf_of: LeafOf, problems: LocatedFaults) -> list[tuple[Joint | None, Axes]]:
-    """Return the axes of one key of the sweep, with their joint if they vary together."""
+def _part(
+    name: str, node: Node, leaf_of: LeafOf, problems: LocatedFaults, first: str
+) -> list[tuple[Joint | None, Axes]]:
+    """Return the axes of one key of the sweep, with their joint if they vary together; `first` is an example."""
     path = f"sweep.{name}"
     if node.value is None and name in DESIGNS:  # removes what a base names
         return []
     if name == "zip":
-        return [*read_zip(node, path, leaf_of, problems)]
+        return [*read_zip(node, path, leaf_of, problems, first)]
     if name == "sample":
-        found = read_sample(node, path, leaf_of, problems)
+        found = read_sample(node, path, leaf_of, problems, first)
         return [found] if found else []
     return [(None, read_axes(replace(node, value={name: node}), "sweep", leaf_of, problems))]
 
@@ -112,10 +113,13 @@ def read_axes(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, d
     return axes
 
 
-def read_zip(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults) -> list[tuple[Joint, Axes]]:
+def read_zip(
+    node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, first: str = _SPEED
+) -> list[tuple[Joint, Axes]]:
     """Return the groups of axes whose values are combined one by one, each with its joint."""
+    remedy = f"write [{{{first}: […], {first.removesuffix(_SPEED)}oil_supply.ratio: […]}}]"
     if not isinstance(node.value, list) or not all(isinstance(group.value, dict) for group in node.value):
-        problems.add(node.place, path, f"is not a list of mappings ({_ZIP})")
+        problems.add(node.place, path, f"is not a list of mappings ({remedy})")
         return []
     found = []
     for number, group in enumerate(node.value, 1):
@@ -125,19 +129,22 @@ def read_zip(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults) ->
             told = ", ".join(f"{name} {length}" for name, length in lengths.items())
             problems.add(group.place, path, f"has axes of different lengths: {told} (make them equal)")
         elif not group.value:
-            problems.add(group.place, path, f"has a group without an axis ({_ZIP})")
+            problems.add(group.place, path, f"has a group without an axis ({remedy})")
         found.append((Joint("case" if number == 1 else f"case_{number}", tuple(axes)), axes))
     return found
 
 
-def read_sample(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults) -> tuple[Joint, Axes] | None:
+def read_sample(
+    node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, first: str = _SPEED
+) -> tuple[Joint, Axes] | None:
     """Return a sample with its values, or None after faults were added."""
+    remedy = f"write {{kind: sobol, count: 64, seed: 1, over: {{{first}: {{from: 1000 rpm, to: 3000 rpm}}}}}}"
     if not isinstance(node.value, dict):
-        problems.add(node.place, path, f"{shown(node.value)} is not a mapping ({_SAMPLE})")
+        problems.add(node.place, path, f"{shown(node.value)} is not a mapping ({remedy})")
         return None
     before = len(problems)
-    given = read_fields(_FIELDS, node, path, problems, _SAMPLE, also=("over",))
-    over = _over(node, join(path, "over"), leaf_of, problems)
+    given = read_fields(_FIELDS, node, path, problems, remedy, also=("over",))
+    over = _over(node, join(path, "over"), leaf_of, problems, remedy)
     if given is None or len(problems) > before:
         return None
     if given["kind"] == "sobol" and given["count"] & (given["count"] - 1):
@@ -150,11 +157,13 @@ def read_sample(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults)
     return Joint("sample", tuple(name for name, _ in over), sample), draw(sample)
 
 
-def _over(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults) -> tuple[tuple[str, tuple[Any, ...]], ...]:
+def _over(
+    node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, remedy: str
+) -> tuple[tuple[str, tuple[Any, ...]], ...]:
     child = node.value.get("over")
     if child is None or not isinstance(child.value, dict) or not child.value:
         place = node.heading if child is None else child.place
-        problems.add(place, path, f"must name the paths that vary ({_SAMPLE})")
+        problems.add(place, path, f"must name the paths that vary ({remedy})")
         return ()
     found = []
     for name, span in child.value.items():
