@@ -128,7 +128,7 @@ def test_stages_are_the_scenes_alone_at_that_pressure(chain):
 
 
 def test_gas_goes_on_as_it_leaves_the_separator_and_each_stage_states_what_its_oil_cooler_takes(chain):
-    """Power is what gas, oil coolers and the cooler between take, but for heat left in suction lines (M54)."""
+    """Power is what gas, oil coolers (M287) and the cooler between take, but for heat left in suction lines (M54)."""
     for between in (None, COOLER):
         found = run_stages(read_stages(chain(between)))
         p, stages = found.performance, [result.performance for result in found.stages]
@@ -310,6 +310,22 @@ def test_no_pressure_is_a_status(chain, speed, words):
     found = run_stages(read_stages(chain(high={"operation.speed": speed})))
     assert found.status in ("failed", "not_closed")
     assert words in found.message
+
+
+def test_a_search_that_ends_at_a_failed_stage_says_why_it_went_there(tmp_path):
+    path = tmp_path / "chain.yaml"
+    files = [str(CONFIGS / "two_stage" / f"{name}.yaml") for name in ("low", "high")]
+    path.write_text(json.dumps({"stages": files, "intercooler": {"kind": "economizer"}}))
+    found = run_stages(read_stages(path, ["second.operation.speed=300 rpm"]))
+    assert found.status != "ok"
+    assert "the second stage takes less than the first one delivers even at" in found.message
+    assert ", so it is too small or too slow; beyond, the " in found.message
+
+
+def test_a_pressure_drop_that_leaves_no_room_is_named(chain):
+    found = run_stages(read_stages(chain({"pressure_drop": "50 bar"})))
+    assert found.status == "failed"
+    assert found.message.startswith("intercooler.pressure_drop is 50 bar, which leaves no pressure between the stages")
 
 
 LOW, HIGH_STAGE = (CONFIGS / "two_stage" / name for name in ("low", "high"))

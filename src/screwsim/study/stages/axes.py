@@ -43,7 +43,9 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
     stage, _, path = name.partition(".")
     if stage == BETWEEN:
         return _leaf_between(chain, path)
-    if stage not in STAGE_NAMES or not path:
+    if stage in STAGE_NAMES and not path:
+        raise Refused(f"names a stage, not an input of it (write e.g. {stage}.operation.speed)")
+    if stage not in STAGE_NAMES:
         raise Refused(f"starts with none of first., second., {BETWEEN}. (write e.g. first.{name})")
     if path.startswith(COMMON):
         raise Refused("is the same in both stages (vary it by two files, or with --set in both)")
@@ -54,7 +56,9 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
         return leaf_of(_scene(chain, stage), path)
     except UsageError as error:
         what = str(error).removeprefix(f"{path}: ")
-        raise Refused(what.replace("did you mean '", f"did you mean '{stage}.")) from None
+        for before in ("did you mean '", "is a section, not a value (write e.g. "):
+            what = what.replace(before, f"{before}{stage}.")
+        raise Refused(what) from None
 
 
 def _leaf_between(chain: StageChain, key: str) -> Leaf:

@@ -2,7 +2,8 @@
 
 Every point is a solution of its own, with its status; one that has none keeps the reason. Finished points lie in
 OUT.part, a line of JSON each below a line that identifies files, program and sweep, until the output is written. The
-same command continues from them; with another scene or program they are refused.
+same command continues from them, and tries those again whose worker has died; with another scene or program they are
+refused.
 """
 
 import hashlib
@@ -137,8 +138,9 @@ def sweep_stages(
     def keep(answers: Mapping[int, Result]) -> None:
         new = {missing[place]: result for place, result in answers.items()}
         found.update(new)
-        if kept is not None:
-            kept.add(new)
+        lasting = {number: result for number, result in new.items() if result.message != WORKER_DIED}  # others: again
+        if kept is not None and lasting:
+            kept.add(lasting)
 
     base = replace(chain, sweep={}, joints=())
     parallel_map(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from screwsim.build import build_parts
+from screwsim.build import build_parts, package_of
 from screwsim.effects.base import Plenum
 from screwsim.explain import WIDTH, explain
 from screwsim.fluid.composition import is_blend
@@ -186,6 +186,9 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
                 drawn = "which draws gas that the balance between the stages does not include"
                 what = f"the {name} scene names {effect}, {drawn}"
                 problems.add(place, STAGES_KEY, f"{what} (leave it out there)")
+    if getattr(package_of(second), "aftercooler", None) is not None:
+        what = "the second scene names an aftercooler, whose approach would be to the warm suction of that stage"
+        problems.add(place, STAGES_KEY, f"{what} (write aftercooler: null there, and add its loss to that of a valve)")
     if first.gas != second.gas:
         problems.add(place, STAGES_KEY, "have different gases (write the same gas: section in both)")
     if first.machine.expands or second.machine.expands:

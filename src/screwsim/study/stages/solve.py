@@ -186,7 +186,7 @@ class _ChainSolver:
         drop = self.chain.intercooler.pressure_drop
         least, most = LEAST_STAGE_RATIO * self.low.p_s + drop, self.high.p_d / LEAST_STAGE_RATIO
         if not least < most:
-            raise _Stop("failed", "the second stage's discharge pressure is not above the first one's suction pressure")
+            raise _Stop("failed", self._no_room(drop if least - drop < most else 0.0))
         at = self._begun(least, most)
         guess = float(np.clip(at.p * np.exp(at.excess), least, most))
         a, b = self._enclosed(at, self._towards(guess, at) if guess != at.p else at, least, most)
@@ -200,6 +200,13 @@ class _ChainSolver:
                 break
         best = min((a, b), key=lambda each: abs(each.excess))
         return self.pair(best.p, trace=True)
+
+    def _no_room(self, drop: float) -> str:
+        """Return why no pressure fits between both ends; `drop` [Pa] is that of the intercooler where it is why."""
+        if drop > 0.0:
+            what = f"intercooler.pressure_drop is {drop / 1e5:.4g} bar, which leaves no pressure between the stages"
+            return f"{what} from {in_bar(self.low.p_s)} to {in_bar(self.high.p_d)} (choose a smaller one)"
+        return "the second stage's discharge pressure is not above the first one's suction pressure"
 
     def _begun(self, least: float, most: float) -> StagePair:
         """Return a first pair with results, at the geometric mean of both ends if possible; raise its `_Stop`."""
@@ -221,7 +228,10 @@ class _ChainSolver:
                 stops.append(stop)
                 p = float(np.sqrt(p * here.p))
         if stops:
-            raise stops[0]
+            less = here.excess > 0.0
+            takes, small = ("less", "small or too slow") if less else ("more", "large or too fast")
+            even = f"the second stage takes {takes} than the first one delivers even at {here.p / 1e5:.4g} bar"
+            raise _Stop(stops[0].status, f"{even}, so it is too {small}; beyond, {stops[0]}", stops[0].results)
         what = f"no intermediate pressure is found in {MOST_PAIRS} tries, the last at {here.p / 1e5:.4g} bar"
         raise _Stop("failed", f"{what} (change one of the stages)", here.results)
 
