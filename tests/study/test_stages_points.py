@@ -102,6 +102,48 @@ def test_an_interrupted_sweep_goes_on_where_it_was(plant, solved, tmp_path):
     assert len(solved) == len(whole)
 
 
+def test_a_point_whose_worker_died_is_tried_again(plant, solved, monkeypatch, tmp_path):
+    """The worker of the second point dies once: its message is kept in the table, not for the next run."""
+    chain, in_order = read_stages(plant()), points.parallel_map
+
+    def dying(work, count, *, died, kept, **more):
+        answers = [died(1) if number == 1 else work(number) for number in range(count)]
+        kept(dict(enumerate(answers)))
+
+    monkeypatch.setattr(points, "parallel_map", dying)
+    first = sweep_stages(chain, KeptPoints(chain, tmp_path / "out.csv"))
+    assert [each.result.status for each in first] == ["ok", "failed", "ok", "ok"]
+    monkeypatch.setattr(points, "parallel_map", in_order)
+    solved.clear()
+    again = sweep_stages(chain, KeptPoints(chain, tmp_path / "out.csv"), jobs=1)
+    assert solved == [dict(first[1].values)]
+    assert all(each.result.status == "ok" for each in again)
+
+
+@pytest.mark.parametrize("count", [8, 11])
+def test_curves_that_are_not_drawn_are_told_of(plant, solved, count):
+    speeds = [f"{1000 + 10 * number} rpm" for number in range(count)]
+    along = [f"{1300 + 10 * number} rpm" for number in range(count + 1)]
+    chain = read_stages(plant(sweep={"first.operation.speed": speeds, "second.operation.speed": along}))
+    sheet = points_sheet(chain, sweep_stages(chain, jobs=1))
+    assert {len(drawing.curves) for drawing in sheet.drawings} == {8}
+    told = [note for note in sheet.notes if "curves drawn" in note]
+    assert told == ["8 of 11 curves drawn (the table has all points)"] * (count > 8)
+
+
+@pytest.mark.parametrize(
+    ("sweep", "words"),
+    [
+        ({"sample": {"kind": "sobol", "count": 4}}, "over: {first.operation.speed: {from: 1000 rpm, to: 3000 rpm}}"),
+        ({"zip": {}}, "write [{first.operation.speed: […], first.oil_supply.ratio: […]}]"),
+    ],
+)
+def test_examples_of_axes_name_their_stage(plant, sweep, words):
+    with pytest.raises(SceneError) as caught:
+        read_stages(plant(sweep=sweep))
+    assert words in str(caught.value)
+
+
 def test_points_of_another_sweep_are_not_mixed_in(plant, solved, tmp_path):
     chain = read_stages(plant())
     sweep_stages(chain, KeptPoints(chain, tmp_path / "out.csv"), jobs=1)
@@ -169,6 +211,8 @@ def test_two_stages_without_a_sweep_are_told_how_to_write_one(plant, capsys):
         ("first.operation.discharge.pressure", "belongs to the discharge line, which follows from the other stage"),
         ("second.operation.suction.temperature", "belongs to the suction line, which follows from the other stage"),
         ("second.gas.fluid", "is the same in both stages"),
+        ("first", "names a stage, not an input of it (write e.g. first.operation.speed)"),
+        ("second.effects.oil_heat", "is a section, not a value (write e.g. second.effects.oil_heat."),
         ("intercooler.outlet_temperature", "is not stated (it belongs to kind: cooler; write it first)"),
         ("intercooler.kind", "is not known"),
     ],

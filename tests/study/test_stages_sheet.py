@@ -14,6 +14,7 @@ from screwsim.effects.parts.rating import isentropic_power
 from screwsim.fluid import constants
 from screwsim.outputs import Figures, Result
 from screwsim.study.datasheet import sheet_of_stages
+from screwsim.study.datasheet.air_sheet import FAN_CONTROL
 from screwsim.study.datasheet.stages_sheet import best_intermediate
 from screwsim.study.stages import read_stages, run_stages
 
@@ -206,6 +207,21 @@ def test_a_packages_figures_are_those_of_iso_1217(package):
     ideal = isentropic_power(p.free_air_delivered, 1e5, 8e5)
     assert p.package_isentropic_efficiency * p.package_input_power == pytest.approx(ideal, rel=1e-12)
     assert 0.0 < found.error.package_specific_power < 3e-4
+
+
+@pytest.mark.parametrize("control", ["flow", "constant"])
+def test_the_fan_is_told_as_it_is_controlled(tmp_path, control):
+    low = AIR_LOW | {"effects.air_package": {"rated_flow": "20 m^3/min", "fan": {"power": "1 kW", "control": control}}}
+    sheet = sheet_of_stages(read_stages(written(tmp_path, low, AIR_HIGH)), jobs=1)
+    assert dict(sheet.lines)["fan"] == f"1 kW, {FAN_CONTROL[control]}"
+
+
+def test_an_aftercooler_behind_the_second_stage_is_refused(tmp_path):
+    package = {"rated_flow": "7 m^3/min", "aftercooler": {"pressure_loss": "0.1 bar", "approach": "8 K"}}
+    high = AIR_HIGH | {"effects.air_package": package, "effects.separator": {}}
+    path = written(tmp_path, AIR_LOW, high)
+    with pytest.raises(screwsim.SceneError, match=r"second scene names an aftercooler, .* \(write aftercooler: null"):
+        read_stages(path)
 
 
 def test_a_packages_points_begin_at_full_flow(package, aired):

@@ -97,7 +97,7 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
     eta = f", efficiency{inverter} {_percent(found['motor_efficiency'], 1)}" if found else ""
     yield "motor", f"{quantity('W', motor.rated_power)} rated{load}{eta}"
     if package.fan is not None:
-        yield "fan", f"{quantity('W', package.fan.power)}, {_CONTROL[package.fan.control]}"
+        yield "fan", f"{quantity('W', package.fan.power)}, {FAN_CONTROL[package.fan.control]}"
     if found:
         behind = f"{1e-2 * found['package_pressure_loss']:.0f} mbar behind the machine"
         before = found.get("intake_pressure_loss")
@@ -128,7 +128,7 @@ def _celsius(T: float) -> str:
     return f"{T - ZERO_CELSIUS:.1f} °C"
 
 
-_CONTROL = {"constant": "at every flow", "flow": "at full flow, in proportion to the flow"}
+FAN_CONTROL = {"constant": "at every flow", "flow": "at the rated flow, in proportion to the flow"}
 
 
 def _unloaded(rated: Rating) -> str:

@@ -19,7 +19,7 @@ from screwsim.outputs.customary import with_printed_units
 from screwsim.scene import grid
 from screwsim.scene.lines import lines
 from screwsim.study.datasheet.air_rating import Point, Rating
-from screwsim.study.datasheet.air_sheet import DISCLAIMER, HEADS, REFERENCE_INLET, drawings_of, point_row
+from screwsim.study.datasheet.air_sheet import DISCLAIMER, FAN_CONTROL, HEADS, REFERENCE_INLET, drawings_of, point_row
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.rated import celsius
@@ -146,8 +146,8 @@ def _lines(chain: StageChain, rated: Rating, own: ChainResult) -> Iterator[tuple
     yield from between_line(chain, rated.full.result)
     yield from motor_lines(chain, own)
     fans = [getattr(package_of(scene), "fan", None) for scene in (chain.first, chain.second)]
-    parts = ", ".join(quantity("W", fan.power) for fan in fans if fan is not None)
-    yield "fan", f"{parts} at its rated flow" if parts else "none stated by one of the scenes"
+    parts = [f"{quantity('W', fan.power)}, {FAN_CONTROL[fan.control]}" for fan in fans if fan is not None]
+    yield "fan", "; ".join(parts) if parts else "none stated by one of the scenes"
     if own.status == "ok":
         losses = [_loss(each) for each in own.stages]
         told = [f"{name} stage {loss}" for name, loss in zip(STAGE_NAMES, losses, strict=True) if loss]

@@ -102,25 +102,41 @@ def _notes(chain: StageChain, points: Sequence[ChainPoint]) -> Iterator[str]:
     named = [(_where(chain, point), point.result) for point in points]
     yield from warning_lines([(where, [one.told]) for where, one in named if one.status != "ok"], len(points))
     yield from warning_lines([(where, one.warnings) for where, one in named if one.status == "ok"], len(points))
+    along = _along(chain)
+    count = len(_curves(points, along)) if along else 0
+    if count > MOST_CURVES:
+        yield f"{MOST_CURVES} of {count} curves drawn (the table has all points)"
 
 
 def _drawings(chain: StageChain, points: Sequence[ChainPoint], columns: Sequence[Column]) -> Iterator[Drawing]:
     """Yield a drawing of each column over the longest axis of numbers, a curve per value of the others."""
-    longest = sorted(grid.dimensions(chain), key=lambda each: -each.size)
-    path = next((each.paths[0] for each in longest if _is_number(chain.sweep[each.paths[0]][0])), None)
-    if path is None or any(each.joint and each.joint.sample for each in longest):
+    along = _along(chain)
+    if not along:
         return
-    along = next(each.paths for each in longest if path in each.paths)
-    curves: dict[tuple[tuple[str, Any], ...], list[ChainPoint]] = {}
-    for point in points:
-        beside = tuple((name, value) for name, value in point.values.items() if name not in along)
-        curves.setdefault(beside, []).append(point)
+    path, curves = along[0], [*_curves(points, along).items()][:MOST_CURVES]
     for column in columns:
-        found = [_curve(chain, path, column, beside, each) for beside, each in [*curves.items()][:MOST_CURVES]]
+        found = [_curve(chain, path, column, beside, each) for beside, each in curves]
         drawn = [curve for curve in found if len(curve.x) > 1]
         if drawn:
             title = _title(column)
             yield Drawing(title, _head(chain, path), title, drawn)
+
+
+def _along(chain: StageChain) -> tuple[str, ...]:
+    """Return the paths of the longest axis of numbers; none where there is no such axis, or points are a sample."""
+    longest = sorted(grid.dimensions(chain), key=lambda each: -each.size)
+    if any(each.joint and each.joint.sample for each in longest):
+        return ()
+    return next((each.paths for each in longest if _is_number(chain.sweep[each.paths[0]][0])), ())
+
+
+def _curves(points: Sequence[ChainPoint], along: Sequence[str]) -> dict[tuple[tuple[str, Any], ...], list[ChainPoint]]:
+    """Return the points of each curve by the values of the other paths."""
+    curves: dict[tuple[tuple[str, Any], ...], list[ChainPoint]] = {}
+    for point in points:
+        beside = tuple((name, value) for name, value in point.values.items() if name not in along)
+        curves.setdefault(beside, []).append(point)
+    return curves
 
 
 def _title(column: Column) -> str:
