@@ -165,7 +165,7 @@ def _report_ignored_tolerances(file: str, chain: Any) -> None:
 
 def sweep(
     scene_file: str = SCENE_FILE,
-    output: File = option("OUT.h5", "File to write the results to (default: results/SCENE.h5).", "-o"),
+    output: File = option("OUT.h5", "Results file (default: results/SCENE.h5; of two stages results/SCENE.csv).", "-o"),
     overrides: Texts = OVERRIDES,
     without: Texts = WITHOUT,
     jobs: int | None = JOBS,
@@ -176,7 +176,7 @@ def sweep(
     gpu: bool = switch("--gpu", "The same on an NVIDIA GPU shared by all workers, for thousands of points."),
     as_json: bool = AS_JSON,
 ) -> int:
-    """Simulate all cases of a sweep, or resume it; two stages give a table, a page or a PDF (OUT.csv, .html, .pdf)."""
+    """Simulate all cases of a sweep, or resume it; two stages give a table, a page or a PDF (.csv, .html, .pdf; no .h5)."""
     from screwsim.study.stages import is_stages
 
     if is_stages(scene_file):
