@@ -141,6 +141,26 @@ def test_points_closer_than_the_surroundings_are_found_take_no_finer_steps():
     assert max(counts[1:]) < 0.5 * counts[0]
 
 
+def test_losses_that_a_trend_leads_below_zero_are_none():
+    """They go with the square of the flow: at a third of the speed a line through two points leads to -0.9 kPa."""
+    results, _ = evaluations(speeds("everything.yaml", [0.0, -1.0 / 3.0, -2.0 / 3.0]))
+    assert results[-1].performance.package_pressure_loss > 0.0
+
+
+def test_discharge_pressures_are_followed_although_the_loss_behind_adds_to_them(monkeypatch):
+    scene, told = load(str(CONFIGS / "air" / "fixed_speed_7.yaml")), []
+    expected = KnownSurroundings.expected
+    monkeypatch.setattr(KnownSurroundings, "expected", lambda *given: told.append(expected(*given)) or told[-1])
+    evaluations([with_values(scene, {"operation.discharge.pressure": p}) for p in (8.0e5, 8.1e5, 8.2e5)])
+    assert told[0] is None and told[1] is None and told[2] is not None
+
+
+def test_a_series_that_loses_an_unknown_forgets_what_it_learnt_with_it():
+    package = load(str(CONFIGS / "air" / "fixed_speed_7.yaml"))
+    without = load(str(CONFIGS / "air" / "fixed_speed_7.yaml"), without=["air_package"])
+    evaluations([package, package, without, package])
+
+
 def test_surroundings_are_expected_where_what_is_stated_leads():
     known = KnownSurroundings()
     for speed in (1.0, 1.1, 1.3):  # the second parameter follows from the surroundings
