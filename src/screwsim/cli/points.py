@@ -176,7 +176,7 @@ def sweep(
     gpu: bool = switch("--gpu", "The same on an NVIDIA GPU shared by all workers, for thousands of points."),
     as_json: bool = AS_JSON,
 ) -> int:
-    """Simulate all cases of a sweep, or resume it; two stages give a table, a page or a PDF (.csv, .html, .pdf; no .h5)."""
+    """Simulate all cases of a sweep, or resume it; two stages give a table or a page (.csv, .html, .pdf; no .h5)."""
     from screwsim.study.stages import is_stages
 
     if is_stages(scene_file):
