@@ -141,7 +141,7 @@ def test_points_closer_than_the_surroundings_are_found_take_no_finer_steps():
     assert max(counts[1:]) < 0.5 * counts[0]
 
 
-def test_losses_that_a_trend_leads_below_zero_are_none():
+def test_losses_that_a_trend_leads_below_zero_are_not_followed():
     """They go with the square of the flow: at a third of the speed a line through two points leads to -0.9 kPa."""
     results, _ = evaluations(speeds("everything.yaml", [0.0, -1.0 / 3.0, -2.0 / 3.0]))
     assert results[-1].performance.package_pressure_loss > 0.0

@@ -154,7 +154,7 @@ class SurroundingsSearch:
                     "the pressure losses before the machine use up the whole suction pressure (choose smaller losses)"
                 )
                 return None
-            self.known.losses = PressureLosses(max(before, 0.0), max(behind, 0.0))
+            self.known.losses = PressureLosses(max(before, 0.0), behind)
             scene = replace(scene, losses=self.known.losses)
         part = problem.parts.shaft
         held = part is None or part.train(self.stated).holds_mean
