@@ -68,7 +68,7 @@ def test_the_balance_closes_with_an_economizer_of_an_ideal_gas(kind):
 
 def test_heat_that_is_pushed_back_beyond_what_the_vapour_takes_leaves_and_is_told():
     """A port that draws next to nothing: its liquid cannot take all of that heat, and the balance says what is left."""
-    port = "effects.economizer={temperature: 18 degC, opens: 470 deg, closes: 560 deg, area: 2 cm^2}"
+    port = "effects.economizer={temperature: 18.7 degC, opens: 470 deg, closes: 560 deg, area: 2 cm^2}"
     kept = "effects.economizer.backflow=evaporates", "numerics.error=none"
     found = simulate(load(CONFIGS / "r134a" / "separator.yaml", [port, *kept]), trace=False)
     p = found.performance

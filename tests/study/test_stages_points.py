@@ -127,8 +127,8 @@ def test_curves_that_are_not_drawn_are_told_of(plant, solved, count):
     chain = read_stages(plant(sweep={"first.operation.speed": speeds, "second.operation.speed": along}))
     sheet = points_sheet(chain, sweep_stages(chain, jobs=1))
     assert {len(drawing.curves) for drawing in sheet.drawings} == {8}
-    told = [note for note in sheet.notes if "curves drawn" in note]
-    assert told == ["8 of 11 curves drawn (the table has all points)"] * (count > 8)
+    told = [note for note in sheet.notes if " draw " in note]
+    assert told == ["pages and PDFs draw 8 of 11 curves (the table has all points)"] * (count > 8)
 
 
 @pytest.mark.parametrize(
@@ -236,3 +236,25 @@ def test_a_sweep_tells_that_it_leaves_tolerances_aside(plant, solved, tmp_path, 
     (tmp_path / "low.yaml").write_text(json.dumps(low))
     assert exit_code(["sweep", str(path), "-o", str(tmp_path / "out.csv"), "--jobs", "1"]) == 0
     assert "the first scene's tolerances are ignored" in " ".join(capsys.readouterr().err.split())
+
+
+@pytest.mark.parametrize(
+    ("axis", "remedy"),
+    [
+        ("second.operation.discharge.pressure", "vary second.operation.condensing_temperature"),
+        ("first.operation.suction.temperature", "vary first.operation.superheat"),
+    ],
+)
+def test_an_axis_of_the_other_way_to_state_the_lines_is_refused(plant, tmp_path, capsys, axis, remedy):
+    lines = {"evaporating_temperature": "-10 degC", "condensing_temperature": "40 degC", "superheat": "5 K"}
+    for name in ("low.yaml", "high.yaml"):
+        path = plant(sweep={axis: ["8 bar", "9 bar"] if "pressure" in axis else ["280 K", "290 K"]})
+        scene = scene_dict({"operation.speed": "1300 rpm"})
+        operation = {key: value for key, value in scene["operation"].items() if key not in ("suction", "discharge")}
+        operation |= lines | {"subcooling": "2 K"}
+        (tmp_path / name).write_text(json.dumps({**scene, "operation": operation}))
+    for name in ("low.yaml", "high.yaml"):
+        (tmp_path / name).write_text(json.dumps({**scene, "operation": operation}))
+    assert exit_code(["sweep", str(path)]) == 3
+    told = " ".join(capsys.readouterr().err.split())
+    assert "has no meaning where the scene states saturation temperatures" in told and remedy in told

@@ -1,6 +1,6 @@
 """Checks of gas and operation: the fluid, that the lines are stated in exactly one way, and the fluid's limits."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from operator import attrgetter
 
 from screwsim.fluid import constants, names
@@ -38,7 +38,7 @@ COUNTERPART = {
 
 def check_operation(scene: Scene) -> list[Fault]:
     """Return the faults of gas and operation; states are checked only once the scene states them in one way."""
-    faults = [*_gas(scene), *_stated_one_way(scene), *_axes(scene)]
+    faults = [*_gas(scene), *_stated_one_way(scene), *line_axis_faults(scene, scene.sweep)]
     if not any(fault.path.startswith(STATE_PATHS) for fault in faults):
         faults += _states(scene)
     return faults
@@ -120,15 +120,15 @@ def _pressures_complete(scene: Scene) -> Iterator[Fault]:
         yield Fault(f"operation.suction.{name}", f"is given as well as {states[0]} (remove one of the two)")
 
 
-def _axes(scene: Scene) -> Iterator[Fault]:
-    """Yield the axes of a sweep that belong to the other way of stating the lines."""
+def line_axis_faults(scene: Scene, axes: Iterable[str]) -> Iterator[Fault]:
+    """Yield which axes of a sweep belong to the other way of stating the lines than the scene's."""
     temperatures = _is_given(scene, TEMPERATURES)
     if bool(temperatures) == bool(_is_given(scene, PRESSURES)):
         return  # neither way, or both: reported elsewhere
     stated, other = ("saturation temperatures", PRESSURES) if temperatures else ("pressures", TEMPERATURES)
     if scene.operation.gas_cooler is not None:
         other = (*other, CONDENSING, SUBCOOLING)
-    for path in (path for path in scene.sweep if path in other):
+    for path in (path for path in axes if path in other):
         if path in (CONDENSING, SUBCOOLING) and scene.operation.gas_cooler is not None:
             remedy = f"vary {GAS_COOLER_P} or {GAS_COOLER_T}"
             yield Fault(f"sweep.{path}", f"has no meaning with operation.gas_cooler ({remedy})")

@@ -147,12 +147,15 @@ class SurroundingsSearch:
         if len(others) > lost:
             self.known.sought = open_numbers = others[lost:]
             scene = open_values.with_coordinates(scene, open_numbers)
-        if lost:
+        if scene.losses is not None:
             before, behind = (KPA * each for each in others[:lost])
             if not before < LARGEST_LOSS * problem.lines.p_s:
                 self.why = (
                     "the pressure losses before the machine use up the whole suction pressure (choose smaller losses)"
                 )
+                return None
+            if not problem.lines.p_d - scene.losses.behind + behind > 0.0:
+                self.why = "the pressure losses behind the machine lead below a vacuum (choose smaller losses)"
                 return None
             self.known.losses = PressureLosses(max(before, 0.0), behind)
             scene = replace(scene, losses=self.known.losses)
@@ -199,15 +202,17 @@ def _rough_criteria(criteria: ClosingCriteria, open_: float) -> ClosingCriteria:
 
 def _first_cycle(search: SurroundingsSearch, problem: Problem, expected: Array | None) -> Evaluation | None:
     """Return a first closed cycle: with expected unknowns, those of the problem, or warmer oil; None if none closes."""
-    course = search.series.course
-    if expected is not None:
+    course, guess, known = search.series.course, unknowns_of(problem), search.known
+    if expected is not None and float(np.max(np.abs(expected - guess))) <= LONGEST_STEP:
+        last = known.temperatures, known.losses, known.sought
         with suppress(UsageError):  # the trend may lead to no state of the gas
             posed = search.posed(problem, expected)
             of = None if posed is None else search.closed(posed, course)
             if of is not None:
                 return of
+        known.temperatures, known.losses, known.sought = last
         search.why = ""
-    of, guess = search.closed(problem, course), unknowns_of(problem)
+    of = search.closed(problem, course)
     for warmer in WARMER_STARTS if any(open_temperatures(problem.scene)) else ():
         if of is not None:
             break

@@ -146,8 +146,9 @@ def _lines(chain: StageChain, rated: Rating, own: ChainResult) -> Iterator[tuple
     yield from between_line(chain, rated.full.result)
     yield from motor_lines(chain, own)
     fans = [getattr(package_of(scene), "fan", None) for scene in (chain.first, chain.second)]
-    parts = [f"{quantity('W', fan.power)}, {FAN_CONTROL[fan.control]}" for fan in fans if fan is not None]
-    yield "fan", "; ".join(parts) if parts else "none stated by one of the scenes"
+    stated = [(name, fan) for name, fan in zip(STAGE_NAMES, fans, strict=True) if fan is not None]
+    parts = [f"{quantity('W', fan.power)}, {FAN_CONTROL[fan.control]} ({name} scene)" for name, fan in stated]
+    yield "fan", "; ".join(parts) if parts else "none stated by the scenes"
     if own.status == "ok":
         losses = [_loss(each) for each in own.stages]
         told = [f"{name} stage {loss}" for name, loss in zip(STAGE_NAMES, losses, strict=True) if loss]

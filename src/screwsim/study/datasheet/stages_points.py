@@ -104,8 +104,8 @@ def _notes(chain: StageChain, points: Sequence[ChainPoint]) -> Iterator[str]:
     yield from warning_lines([(where, one.warnings) for where, one in named if one.status == "ok"], len(points))
     along = _along(chain)
     count = len(_curves(points, along)) if along else 0
-    if count > MOST_CURVES:
-        yield f"{MOST_CURVES} of {count} curves drawn (the table has all points)"
+    if count > MOST_CURVES and any(point.result.status == "ok" for point in points):
+        yield f"pages and PDFs draw {MOST_CURVES} of {count} curves (the table has all points)"
 
 
 def _drawings(chain: StageChain, points: Sequence[ChainPoint], columns: Sequence[Column]) -> Iterator[Drawing]:

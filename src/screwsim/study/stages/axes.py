@@ -13,6 +13,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, with_values
 from screwsim.scene.fields import Leaf, section_of, unknown_key
 from screwsim.scene.grid import leaf_of
+from screwsim.scene.operation import line_axis_faults
 from screwsim.scene.units import Refused
 
 if TYPE_CHECKING:
@@ -52,8 +53,11 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
     if path.startswith(SOLVED[stage]):
         line = "discharge line" if stage == STAGE_NAMES[0] else "suction line"
         raise Refused(f"belongs to the {line}, which follows from the other stage (remove this axis)")
+    scene = _scene(chain, stage)
+    for fault in line_axis_faults(scene, (path,)):
+        raise Refused(fault.what.replace("(vary operation.", f"(vary {stage}.operation."))
     try:
-        return leaf_of(_scene(chain, stage), path)
+        return leaf_of(scene, path)
     except UsageError as error:
         what = str(error).removeprefix(f"{path}: ")
         for before in ("did you mean '", "is a section, not a value (write e.g. "):
