@@ -258,3 +258,8 @@ def test_an_axis_of_the_other_way_to_state_the_lines_is_refused(plant, tmp_path,
     assert exit_code(["sweep", str(path)]) == 3
     told = " ".join(capsys.readouterr().err.split())
     assert "has no meaning where the scene states saturation temperatures" in told and remedy in told
+
+
+def test_gauge_pressures_of_a_sweep_are_over_one_ambient_pressure(plant, capsys):
+    assert exit_code(["sweep", str(plant()), "--set", "second.operation.ambient_pressure=0.8 bar"]) == 3
+    assert "the scenes have two" in " ".join(capsys.readouterr().err.split())

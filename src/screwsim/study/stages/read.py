@@ -142,7 +142,12 @@ def _typed(root: Node, overrides: dict[str, list[str]], problems: LocatedFaults)
     _check(first, second, between, content, problems)
     title = content["title"].value if "title" in content else ""
     chain = StageChain(str(title or ""), first, second, between)
-    with gauge_pressures_over(first.operation.ambient_pressure):
+    ambient = first.operation.ambient_pressure
+    if "sweep" in content and second.operation.ambient_pressure != ambient:
+        what = "takes gauge pressures over one ambient_pressure, and the scenes have two (state the same in both)"
+        problems.add(content["sweep"].place, "sweep", what)
+        return None
+    with gauge_pressures_over(ambient):
         sweep, joints = read_sweep_of(
             content.get("sweep"), partial(leaf_in_chain, chain), problems, "first.operation.speed"
         )
