@@ -216,6 +216,15 @@ def test_the_fan_is_told_as_it_is_controlled(tmp_path, control):
     assert dict(sheet.lines)["fan"] == f"1 kW, {FAN_CONTROL[control]}"
 
 
+def test_of_two_fans_each_has_its_scene(tmp_path):
+    fan = {"power": "1 kW", "control": "constant"}
+    low, high = (
+        each | {"effects.air_package": {"rated_flow": "20 m^3/min", "fan": fan}} for each in (AIR_LOW, AIR_HIGH)
+    )
+    sheet = sheet_of_stages(read_stages(written(tmp_path, low, high)), jobs=1)
+    assert dict(sheet.lines)["fan"] == "first scene 1 kW, at every flow; second scene 1 kW, at every flow"
+
+
 def test_an_aftercooler_behind_the_second_stage_is_refused(tmp_path):
     package = {"rated_flow": "7 m^3/min", "aftercooler": {"pressure_loss": "0.1 bar", "approach": "8 K"}}
     high = AIR_HIGH | {"effects.air_package": package, "effects.separator": {}}

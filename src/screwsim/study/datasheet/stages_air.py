@@ -147,7 +147,9 @@ def _lines(chain: StageChain, rated: Rating, own: ChainResult) -> Iterator[tuple
     yield from motor_lines(chain, own)
     fans = [getattr(package_of(scene), "fan", None) for scene in (chain.first, chain.second)]
     stated = [(name, fan) for name, fan in zip(STAGE_NAMES, fans, strict=True) if fan is not None]
-    parts = [f"{quantity('W', fan.power)}, {FAN_CONTROL[fan.control]} ({name} scene)" for name, fan in stated]
+    parts = [f"{quantity('W', fan.power)}, {FAN_CONTROL[fan.control]}" for _, fan in stated]
+    if len(stated) > 1:
+        parts = [f"{name} scene {part}" for (name, _), part in zip(stated, parts, strict=True)]
     yield "fan", "; ".join(parts) if parts else "none stated by the scenes"
     if own.status == "ok":
         losses = [_loss(each) for each in own.stages]
