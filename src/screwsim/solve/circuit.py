@@ -74,7 +74,7 @@ class SurroundingsSearch:
     jacobian: Array | None = None
     last: tuple[Array, Array] | None = None
     response: Array | None = None  # the Jacobian as steps of at least `LEAST_DISTANCE` alone have it, for errors
-    seen: list[tuple[Array, Figures, Array | None]] = field(default_factory=list)  # unknowns, figures, off of cycles
+    seen: list[tuple[Array, Figures, Array]] = field(default_factory=list)  # unknowns, figures, off of cycles
     expected: float = 1.0  # expected residual of the next cycle
     contracts: float = CONTRACTION  # expected ratio of residuals over a step
     cycle: CycleSolution | None = None  # the last cycle; None where it was closed less tightly than the scene asks
@@ -96,19 +96,20 @@ class SurroundingsSearch:
         largest = float(np.max(np.abs(found)))
         return found * min(1.0, LONGEST_STEP / largest) if largest > 0.0 else found
 
-    def learn(self, of: Evaluation, x: Array) -> None:
-        """Record a cycle, and the slopes of figures and residuals by the last one at least `LEAST_DISTANCE` from it."""
-        asked = implied_surroundings(of)
-        off = None if asked is None else asked.off
-        if self.response is None and asked is not None:
+    def learn(self, of: Evaluation, x: Array, asked: ImpliedSurroundings) -> Array:
+        """Record a cycle, and the slopes of figures and residuals by the last one at least `LEAST_DISTANCE` from it.
+
+        Return the response of the residuals to the unknowns, as it is then known.
+        """
+        if self.response is None:
             self.response = started_jacobian(asked) if self.jacobian is None else self.jacobian
-        for other, figures, off_there in reversed(self.seen):
+        for other, figures, off in reversed(self.seen):
             if float(np.max(np.abs(x - other))) > LEAST_DISTANCE:
                 self.known.slopes = learnt_slopes(self.known.slopes, of, figures, x - other)
-                if self.response is not None and off is not None and off_there is not None:
-                    self.response = _learnt(self.response, off - off_there, x - other)
+                self.response = _learnt(self.response, asked.off - off, x - other)
                 break
-        self.seen.append((x, of.figures, off))
+        self.seen.append((x, of.figures, asked.off))
+        return self.response
 
     @property
     def known(self) -> KnownSurroundings:
@@ -166,7 +167,7 @@ class SurroundingsSearch:
     def next(self, of: Evaluation, asked: ImpliedSurroundings) -> Evaluation | None:
         """Return the cycle at the next unknowns; None, with the reason in `why`, where none is found."""
         x = unknowns_of(of.problem)
-        self.learn(of, x)
+        self.learn(of, x, asked)
         step = self.step(x, asked)
         for _ in range(HALVINGS):
             problem = self.posed(of.problem, x + step)
@@ -312,8 +313,7 @@ def _with_unknowns(accurate: Accurate, search: SurroundingsSearch) -> Figures:
     asked = implied_surroundings(of)
     if asked is None or search.why or not errors:
         return errors
-    search.learn(of, unknowns_of(of.problem))
-    response = started_jacobian(asked) if search.response is None else search.response
+    response = search.learn(of, unknowns_of(of.problem), asked)
     return errors_with_unknowns(of, errors, asked.off, response, search.known.slopes)
 
 
