@@ -28,7 +28,7 @@ def test_an_update_gives_the_change_it_learns_and_keeps_slopes_across_it():
 def test_figures_that_state_an_unknown_go_with_it_alone_whatever_steps_were_made():
     series = Series()
     _, search = steady_state(problem_of(load(PACKAGE), series), series)
-    assert len(search.seen) > 2
+    assert len(search.seen) > 1
     for name, unknown, unit in (("discharge_pressure", BEHIND, KPA), ("oil_supply_temperature", SUPPLY, 1.0)):
         slope = series.surroundings.slopes[name]
         assert slope == pytest.approx(unit * np.eye(len(slope))[unknown], abs=1e-6 * unit), name
