@@ -112,6 +112,25 @@ def test_bearings_carry_forces_and_moments(found, pressures):
     np.testing.assert_allclose(far, wanted)
 
 
+THROTTLED = ["gas.model=ideal", "operation.suction.pressure=3 bar", "operation.discharge.pressure=9 bar"]
+STATED = ["evaporating_temperature", "condensing_temperature", "superheat", "subcooling"]
+
+
+def test_a_throttled_machine_presses_on_its_rotors_as_one_of_that_suction_pressure():
+    # an ideal gas keeps its temperature in a throttle, so that both have the same chambers
+    lines = [*(f"operation.{name}=null" for name in STATED), "operation.suction.temperature=20 degC", *THROTTLED]
+    throttled = [*lines, "effects.suction_throttle.pressure_ratio=0.4"]
+    found = []
+    for overrides in (throttled, [*lines, "operation.suction.pressure=1.2 bar"]):
+        scene, result = run_of(str(ROOT / "configs" / "rotors" / "b.yaml"), overrides)
+        assert result.status == "ok"
+        found.append(loads_of(pressures_of(laid_curves(scene.machine), result)).columns)
+    one, other = found
+    size = np.max(np.abs(other["male_thrust_bearing"]))
+    for name, values in other.items():
+        np.testing.assert_allclose(one[name], values, atol=1e-3 * size, err_msg=name)
+
+
 def test_harmonics_are_those_of_a_sum_of_cosines():
     t = np.arange(64) * 2.0 * math.pi / 64
     mean, first, second, third, *rest = harmonics(5.0 + 3.0 * np.cos(t + 0.4) + 0.5 * np.cos(3 * t - 1.0), 50.0)
