@@ -174,6 +174,25 @@ def test_a_weakened_field_is_warned_of():
     assert "its field is weakened" in warning
 
 
+def judged(power, omega, **motors):
+    """Return why a motor cannot give a power at a speed (empty: it can), and its warnings."""
+    reading, *_ = motor.build(motor.Parameters(rated_power=RATED, efficiency=0.95, **motors), SimpleNamespace())
+    return reading.judge(SimpleNamespace(shaft_power=power, motor_power=None, omega=omega))
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_below_its_rated_speed_a_motor_is_overloaded_by_its_torque(sign):
+    """Half the rated power is all of the torque at half the speed, twice at a quarter, four times at an eighth."""
+    power = sign * 0.5 * RATED
+    assert judged(power, 0.5 * SPEED, inverter=DRIVE) == ("", ())
+    why, (warning,) = judged(power, 0.25 * SPEED, inverter=DRIVE)
+    assert why == "" and "torque is 2 times its rated one, at 716.2 rpm: it would not last" in warning
+    assert "no motor carries more than 3.5 times its rated torque" in judged(power, 0.125 * SPEED, inverter=DRIVE)[0]
+    assert judged(power, 0.125 * SPEED) == ("", ())  # without an inverter it has no other speed to be judged by
+    (above,) = judged(1.3 * RATED, 1.01 * SPEED, inverter=DRIVE)[1]
+    assert "load is 130 kW, 1.3 times effects.motor.rated_power" in above
+
+
 @pytest.mark.parametrize("name", ["shaft_power", "gas_mass_flow"])
 def test_nothing_of_the_cycle_changes(name):
     with_it = screwsim.simulate(screwsim.load(POINT, ["effects.motor.inverter={rated_speed: 2950 rpm, loss: 3 kW}"]))
