@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from CoolProp.CoolProp import PropsSI
 
 from screwsim.export import loads as exported
 from screwsim.export.loads import flows_of, harmonics
@@ -158,6 +159,23 @@ def test_flows_through_the_ports_have_the_mean_of_the_cycle(point):
         assert mean == pytest.approx(result.performance.gas_mass_flow, rel=within)
     density = flows["suction_mass_flow"].mean() / flows["suction_volume_flow"].mean()
     assert density == pytest.approx(1.23e5 / (8.314462618 / 0.10203 * 279.0), rel=1e-3)  # ideal gas, R134a
+
+
+def test_an_expander_takes_in_where_it_would_discharge():
+    """Both flows are along the machine, each at the density of its line (R134a of 20 bar, 100 °C and of 7 bar)."""
+    scene, result = run_of(str(ROOT / "configs" / "expander" / "point.yaml"))
+    _, flows = flows_of(scene, result)
+    p = result.performance
+    for line, T in (("suction", 373.15), ("discharge", p.discharge_temperature)):
+        mean = float(flows[f"{line}_mass_flow"].mean())
+        assert mean == pytest.approx(p.gas_mass_flow, rel=0.01)
+        density = PropsSI("D", "P", p[f"{line}_pressure"], "T", T, "R134a")
+        assert mean / flows[f"{line}_volume_flow"].mean() == pytest.approx(density, rel=1e-6)
+
+
+def test_a_cylinder_has_no_loads_of_ports():
+    with pytest.raises(UsageError, match="loads are those of a twin_screw"):
+        flows_of(*run_of(str(ROOT / "configs" / "slider_crank" / "air.yaml")))
 
 
 def test_files_say_the_same(folder):
