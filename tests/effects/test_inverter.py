@@ -176,7 +176,8 @@ def test_a_weakened_field_is_warned_of():
 
 def judged(power, omega, **motors):
     """Return why a motor cannot give a power at a speed (empty: it can), and its warnings."""
-    reading, *_ = motor.build(motor.Parameters(rated_power=RATED, efficiency=0.95, **motors), SimpleNamespace())
+    stated = {"rated_power": RATED, "efficiency": 0.95, **motors}
+    reading, *_ = motor.build(motor.Parameters(**stated), SimpleNamespace())
     return reading.judge(SimpleNamespace(shaft_power=power, motor_power=None, omega=omega))
 
 
@@ -205,3 +206,14 @@ def test_of_a_cooled_motor_the_gas_takes_up_its_own_loss_alone():
     _, heat = motor.build(parameters, SimpleNamespace())
     assert isinstance(heat, SuctionHeat)
     assert heat.power(0.5 * RATED, 0.5 * SPEED) == pytest.approx(losses(0.5 * RATED, 0.5 * SPEED)[0], rel=1e-12)
+
+
+@pytest.mark.parametrize(("rated", "told"), [(11e3, "91.4 %"), (75e3, ""), (200e3, "")])
+def test_a_small_motor_of_the_default_efficiency_is_told(rated, told):
+    """IE3, four poles, 11 kW: 91.4 % (Regulation (EU) 2019/1781)."""
+    (reading, *_) = motor.build(motor.Parameters(rated_power=rated), SimpleNamespace())
+    why, warnings = reading.judge(SimpleNamespace(shaft_power=rated, motor_power=None, omega=SPEED))
+    assert why == "" and len(warnings) == bool(told)
+    assert not told or (told in warnings[0] and "write effects.motor.efficiency_class: IE3" in warnings[0])
+    stated = motor.build(motor.Parameters(rated_power=rated, efficiency=0.95), SimpleNamespace())[0]
+    assert stated.judge(SimpleNamespace(shaft_power=rated, motor_power=None, omega=SPEED)) == ("", ())

@@ -52,6 +52,7 @@ BESIDE_CLASS = (
     "{0}.{1}=null)"
 )
 OVERLOAD, BREAKDOWN = 1.25, 3.5  # times the rated power, or torque
+TOO_GOOD = 0.015  # excess of the default efficiency over that of its class at the rated power, above which it is told
 SUCTION, STATED = "suction_gas", "stated"
 ON_ELECTRICAL = ("isothermal_efficiency", "isentropic_efficiency", "cop", "heating_cop")
 
@@ -191,10 +192,11 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
         """Return a text where the motor cannot give its load (empty: it can), and warnings of an overload."""
         load, rated = abs(load_of(figures)), parameters.rated_power
         drive = parameters.inverter
-        share, beyond = load / rated, ()
+        share, beyond = load / rated, _too_good(parameters)
         if drive is not None:
             at = inverter.turning(drive, load, rated, figures.omega)
-            share, beyond = max(share, at.torque), inverter.told(drive, at)  # below rated speed the torque is more
+            share = max(share, at.torque)  # below rated speed the torque is more
+            beyond = (*beyond, *inverter.told(drive, at))
         if share <= OVERLOAD:
             return "", beyond
         what = f"the motor's load is {1e-3 * load:.4g} kW, {load / rated:.3g} times effects.motor.rated_power"
@@ -224,6 +226,18 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
 
     reading = Reading(names_of(FIGURES), read, judge=judge)
     return [reading, SuctionHeat(heat_of(losses))] if parameters.cooling == SUCTION else [reading]
+
+
+def _too_good(parameters: Parameters) -> tuple[str, ...]:
+    """Return a warning where the default efficiency, of a motor of 75 kW, is not that of one so small; else empty."""
+    if not isinstance(parameters.efficiency, inverter.Usual) or parameters.efficiency_file is not None:
+        return ()
+    known, rated = motor_classes.class_efficiency(motor_classes.IE3, 4, parameters.rated_power), parameters.rated_power
+    if parameters.efficiency - known <= TOO_GOOD:
+        return ()
+    what = f"effects.motor.efficiency is not stated, and {100.0 * parameters.efficiency:.3g} % of a motor of 75 kW"
+    of = f"one of {1e-3 * rated:.4g} kW and class IE3 has {100.0 * known:.3g} %"
+    return (f"{what} is taken: {of} (write effects.motor.efficiency_class: IE3, or its efficiency)",)
 
 
 def check(parameters: Parameters, facts) -> Faults:
