@@ -101,6 +101,19 @@ def test_the_gas_pushes_the_rotors_apart_and_to_suction(found):
     assert c["male_axial_force"].max() < 0.0
 
 
+@pytest.mark.parametrize("name", ["a", "b", "c"])
+def test_areas_that_give_the_forces_of_the_surfaces_are_those_of_model_md(name):
+    """M146: the mean force of all loads on a rotor over the sum of the chambers' pressures above suction, over D²."""
+    unit = "effects.gas_torque={radial_area: 1 cm^2, axial_area: 1 cm^2}"
+    scene, result = run_of(str(ROOT / "configs" / "rotors" / f"{name}.yaml"), [unit])
+    c = loads_of(pressures_of(laid_curves(scene.machine), result), shafts=(0.07, 0.07)).columns
+    pressed = result.performance.radial_gas_force / 1e-4 * scene.machine.rotor_diameter**2
+    for rotor, across, along in (("male", (0.06, 0.075), (0.09, 0.11)), ("female", (0.075, 0.1), (0.01, 0.035))):
+        radial = math.hypot(*(float(c[f"{rotor}_force_{way}"].mean()) for way in "xy")) / pressed
+        axial = -float(c[f"{rotor}_thrust_bearing"].mean()) / pressed  # towards suction
+        assert across[0] < radial < across[1] and along[0] < axial < along[1]
+
+
 def test_bearings_carry_forces_and_moments(found, pressures):
     c, length = found.columns, pressures.laid.rotors.length
     for name in ("male", "female"):
