@@ -201,7 +201,7 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
             problems.add(place, STAGES_KEY, f"{what} (write aftercooler: null there, and {remedy})")
         if not getattr(package_of(scene), "delivers", True):
             what = f"the {name} scene is unloaded and blows off what it moves, so that the pair delivers nothing"
-            problems.add(place, STAGES_KEY, f"{what} (write effects.air_package.state: loaded there)")
+            problems.add(place, STAGES_KEY, f"{what} (write state: loaded there)")
     if first.gas != second.gas:
         problems.add(place, STAGES_KEY, "have different gases (write the same gas: section in both)")
     if first.machine.expands or second.machine.expands:
