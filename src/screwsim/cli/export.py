@@ -238,6 +238,7 @@ def en12900(
         OPTIONAL_FIGURES,
         en12900_csv,
         en12900_document,
+        other_convention,
         protect_other_coefficients,
     )
     from screwsim.export.polynomials import polynomials, swept_results
@@ -245,6 +246,8 @@ def en12900(
     protect_other_coefficients(output)
     with swept_results(source, over, overrides, without, jobs, _bar(), _announce_map) as results:
         found = polynomials(results, [*FIGURES, *(name for name in OPTIONAL_FIGURES if name in results.figures)])
+    if other := other_convention(found):
+        typer.echo(f"export: {other}", err=True)
     document = en12900_document(found, ip)
     file = _write_content(output, en12900_csv(found, ip) if output.suffix.lower() == ".csv" else document)
     return _print_polynomials_and_files(document, list(found.units), _polynomial_errors(found), [file], as_json)
