@@ -104,7 +104,7 @@ def entropies(trace: Trace, scene: Scene) -> Entropies:
     parts = build_parts(scene)
     gas, T = parts.gas, np.asarray(trace.values["gas_temperature"], float)
     room = np.asarray(trace.values["volume"], float)
-    if "oil_volume" in scene.effects and parts.oil is not None and "oil_mass" in trace.values:
+    if parts.oil_room and parts.oil is not None and "oil_mass" in trace.values:
         room = room - np.nan_to_num(trace.values["oil_mass"]) / parts.oil.density
     mass = np.asarray(trace.values["gas_mass"], float)
     there = np.isfinite(T) & (room > 0.0) & (mass > EMPTY * float(np.nanmax(mass)))
