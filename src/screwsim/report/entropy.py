@@ -18,6 +18,7 @@ from screwsim.fluid.dome import SaturationKernels, numbers, saturation_kernels
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.real_gas import RealGas
 from screwsim.inputs.faults import SceneError, UsageError
+from screwsim.report.annotate import label_points
 from screwsim.report.cycle import marked_points
 from screwsim.report.quantities import TEMPERATURE
 from screwsim.report.style import COLOURS, GREY, SINGLE, SMALL, note, plain_ticks, subplots
@@ -61,13 +62,24 @@ def scene_of_case(results: Results) -> Scene:
 
 def _figure(trace: Trace, scene: Scene) -> Any:
     figure, axes = subplots(SINGLE, 68.0)
-    draw_temperature_entropy(axes, trace, scene)
+    s, T = _draw(axes, trace, scene)
     note(figure, trace.title)
+    figure.draw_without_rendering()
+    labels = [(at, text, ((-1, -1), (1, 1), (1, -1))) for text, at in marked_points(axes, trace, s, T)]
+    there = np.isfinite(s)
+    label_points(axes, labels, axes.transData.transform(np.column_stack([s[there], T[there]])))
     return figure
 
 
 def draw_temperature_entropy(axes: Any, trace: Trace, scene: Scene) -> None:
     """Draw the gas temperature over its entropy, the isobars of both lines, and the dew line of a real gas."""
+    s, T = _draw(axes, trace, scene)
+    for text, at in marked_points(axes, trace, s, T):
+        axes.annotate(text, at, (-6, -10), textcoords="offset points", ha="right", fontsize=SMALL)
+
+
+def _draw(axes: Any, trace: Trace, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """Draw loop and lines without marks; return the loop's entropy and temperature as shown."""
     found = entropies(trace, scene)
     T = np.where(np.isfinite(found.loop), TEMPERATURE.of(trace.values["gas_temperature"]), np.nan)
     axes.plot(found.loop, T, color=COLOURS[0])
@@ -78,8 +90,7 @@ def draw_temperature_entropy(axes: Any, trace: Trace, scene: Scene) -> None:
         s, T_dew = found.dew
         _line(axes, s, TEMPERATURE.of(T_dew), "dew line", color=COLOURS[1], linewidth=0.8)
     plain_ticks(axes.xaxis, axes.yaxis)
-    for text, at in marked_points(axes, trace, found.loop, T):
-        axes.annotate(text, at, (6, -9), textcoords="offset points", fontsize=SMALL)
+    return found.loop, T
 
 
 def _with_room(values: np.ndarray) -> tuple[float, float]:
