@@ -21,8 +21,8 @@ from screwsim.scene.fields import unknown_key
 class MapTable(Brief):
     """A map: `grid` over the inputs' coordinates; relative `errors` of the outputs, and how they were found.
 
-    `cases` is the number of cases simulated, `not_ok` that of nodes without a closed cycle, the first of which `why`
-    explains; `met` tells whether the requested error is kept.
+    `cases` is the number of cases simulated, `not_ok` that of nodes without a closed cycle; `why` says what became of
+    the first node or check point without one. `met` tells whether the requested error is kept.
     """
 
     title: str

@@ -105,8 +105,7 @@ def tabulated_map(
         raise UsageError(f"no map: {why}")
     how = f"largest at {checked} random points inside, simulated as a check"
     how += f" (at {open_} more no cycle closed, although it did at all surrounding nodes)" if open_ else ""
-    why = solve.why if table.not_ok else ""
-    return replace(table, errors=tuple(errors), checked=checked, how=how, cases=solve.cases, why=why)
+    return replace(table, errors=tuple(errors), checked=checked, how=how, cases=solve.cases, why=solve.why)
 
 
 def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable:

@@ -43,7 +43,7 @@ def print_map(table: MapTable, files: Sequence[str]) -> None:
 def _open_nodes(table: MapTable) -> str:
     """Return how many nodes have no closed cycle, where, and why the first has none; empty where all have one."""
     if not table.not_ok:
-        return ""
+        return f"; a check point without a closed cycle: {table.why}" if table.why else ""
     where = f", at {table.where_open()}" if table.where_open() else ""
     why = f" (the first: {table.why})" if table.why else ""
     nodes = "1 node" if table.not_ok == 1 else f"{table.not_ok} nodes"

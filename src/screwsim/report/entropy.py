@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.build import build_parts
-from screwsim.fluid.dome import SaturationKernels, numbers, saturation_kernels
+from screwsim.fluid.dome import numbers, saturation_kernels
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.real_gas import RealGas
 from screwsim.inputs.faults import SceneError, UsageError
@@ -123,11 +123,10 @@ def entropies(trace: Trace, scene: Scene) -> Entropies:
     s[there] = [_of_state(gas, *state) for state in zip(T[there], mass[there] / room[there], strict=True)]
     start = s[int(np.nanargmax(np.where(np.isfinite(s), room, -np.inf)))]
     low, high = float(np.min(T[there])), float(np.max(T[there]))
-    kernels = saturation_kernels(gas.fluid) if isinstance(gas, RealGas) else None
     isobars = {
         symbol: _isobar(gas, p, gas.nearest_vapour(p, low), high, start) for symbol, p in trace.pressures.items()
     }
-    return Entropies(s - start, isobars, None if kernels is None else _dew(gas, kernels, low, high, start))
+    return Entropies(s - start, isobars, _dew(gas, low, high, start) if isinstance(gas, RealGas) else None)
 
 
 def _of_state(gas: Gas, T: float, rho: float) -> float:
@@ -141,12 +140,11 @@ def _isobar(gas: Gas, p: float, low: float, high: float, start: float) -> tuple[
     return np.array([gas.entropy(p, float(each)) for each in T]) - start, T
 
 
-def _dew(
-    gas: RealGas, kernels: SaturationKernels, low: float, high: float, start: float
-) -> tuple[np.ndarray, np.ndarray] | None:
+def _dew(gas: RealGas, low: float, high: float, start: float) -> tuple[np.ndarray, np.ndarray] | None:
     """Return entropy and temperature of the dew line between two temperatures; None above the critical one."""
-    T_low, T_c = numbers(gas.fluid)["T_low"], numbers(gas.fluid)["T_c"]
+    known, density = numbers(gas.fluid), saturation_kernels(gas.fluid).vapour
+    T_low, T_c = known["T_low"], known["T_c"]
     T = np.linspace(max(low, T_low), min(high, T_c * (1.0 - 1e-4)), POINTS)
     if T[-1] <= T[0]:
         return None
-    return np.array([_of_state(gas, each, kernels.vapour(float(each))) for each in T]) - start, T
+    return np.array([_of_state(gas, each, density(float(each))) for each in T]) - start, T
