@@ -106,6 +106,25 @@ def test_where_and_why_nodes_did_not_close_is_told():
     assert (whole.where_open(), whole.why) == ("", "")
 
 
+def test_warnings_of_the_cases_are_told_with_their_number(tmp_path):
+    def warned(scene) -> Result:
+        found = curve(scene)
+        at = scene.operation.discharge.pressure
+        return replace(found, warnings=(f"{at / 1e5:.3g} bar are many",) if at > 10e5 else ())
+
+    table = made(0.5, simulate=warned)
+    ((count, text),) = table.warnings
+    assert 0 < count < table.cases and text.endswith(" bar are many")
+    assert table.warnings_told() == [f"warning in {count} cases of the map: {text}"]
+    assert made(0.5).warnings == () and table.warnings_told()[0] in str(table)
+    axes = {
+        "sweep.operation.speed": ["2000 rpm", "3000 rpm"],
+        "sweep.operation.discharge.pressure": ["5 bar", "11 bar"],
+    }
+    run_sweep(POINT.with_(axes), tmp_path / "x.h5", jobs=1, simulate=warned)
+    assert table_of(open_results(tmp_path / "x.h5")).warnings == ((2, "11 bar are many"),)
+
+
 def test_points_that_do_not_close_among_nodes_that_do_are_told():
     def holed(scene) -> Result:
         p = scene.operation.discharge.pressure

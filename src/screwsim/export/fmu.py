@@ -143,6 +143,7 @@ def map_description(table: MapTable) -> dict[str, object]:
         "nodes": [[float(x) for x in one.at(u)] for one, u in zip(table.inputs, table.grid.nodes, strict=True)],
         "nodes_without_closed_cycle": table.not_ok,
         "without_closed_cycle": {"where": table.where_open(), "why": table.why},
+        "warnings": [{"cases": count, "text": text} for count, text in table.warnings],
         "error_is": table.how,
         "scene": table.scene_yaml,
     }

@@ -22,7 +22,8 @@ class MapTable(Brief):
     """A map: `grid` over the inputs' coordinates; relative `errors` of the outputs, and how they were found.
 
     `cases` is the number of cases simulated, `not_ok` that of nodes without a closed cycle; `why` says what became of
-    the first node or check point without one. `met` tells whether the requested error is kept.
+    the first node or check point without one. `warnings` are those of the simulated cases, each with their number.
+    `met` tells whether the requested error is kept.
     """
 
     title: str
@@ -37,6 +38,7 @@ class MapTable(Brief):
     wanted: float | None
     scene_yaml: str
     why: str = ""
+    warnings: tuple[tuple[int, str], ...] = ()
     about: dict[str, Any] = field(default_factory=dict)
 
     @property
@@ -112,14 +114,20 @@ class MapTable(Brief):
                 found.append(f"{one.name} {ends}{unit_after_number(one.units)}")
         return ", ".join(found)
 
+    def warnings_told(self) -> list[str]:
+        """Return the warnings of the simulated cases as sentences, each with their number."""
+        return [f"warning in {count} case{'s' * (count != 1)} of the map: {text}" for count, text in self.warnings]
+
     def _about(self) -> About:
         notes = [f"{one.name} {range_text(one)}: {one.long_name}" for one in self.inputs]
         rows = [
             [output.name, unit_after_number(output.units).strip(), f"{error:.2g}", output.long_name]
             for output, error in zip(self.outputs, self.errors, strict=True)
         ]
-        said = f"errors: {self.how}"
-        return About(f"Map: {self.title or 'compressor'}", [*notes, said], ["figure", "unit", "error", "meaning"], rows)
+        said = [f"errors: {self.how}", *self.warnings_told()]
+        return About(
+            f"Map: {self.title or 'compressor'}", [*notes, *said], ["figure", "unit", "error", "meaning"], rows
+        )
 
 
 def _numbers(name: str, value: Any) -> Array:

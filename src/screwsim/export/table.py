@@ -35,6 +35,7 @@ from screwsim.export.map_table import MapTable
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.results.schema import Axis
+from screwsim.results.warning_kinds import kinds_of, warnings_of_cases
 from screwsim.scene import Scene, scene_text
 from screwsim.scene.types import Joint
 from screwsim.study.progress import Progress
@@ -105,7 +106,15 @@ def tabulated_map(
         raise UsageError(f"no map: {why}")
     how = f"largest at {checked} random points inside, simulated as a check"
     how += f" (at {open_} more no cycle closed, although it did at all surrounding nodes)" if open_ else ""
-    return replace(table, errors=tuple(errors), checked=checked, how=how, cases=solve.cases, why=solve.why)
+    return replace(
+        table,
+        errors=tuple(errors),
+        checked=checked,
+        how=how,
+        cases=solve.cases,
+        why=solve.why,
+        warnings=kinds_of(solve.warnings),
+    )
 
 
 def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable:
@@ -141,6 +150,7 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable
     how = how if checked else "unknown, as no axis has five values"
     title, yaml = title_on_one_line(results.attributes["title"]), results.scene_yaml
     table = replace(table, title=title, scene_yaml=yaml, why=_first_reason(results))
+    table = replace(table, warnings=kinds_of(warnings_of_cases(results)))
     return replace(table, errors=errors, checked=checked, how=how, cases=sound.size)
 
 
@@ -268,6 +278,7 @@ class _Solver:
         self._scene, self._outputs, self._jobs = scene, outputs, jobs
         self._progress, self._simulate = progress, simulate
         self.cases, self.why = 0, ""
+        self.warnings: list[list[str]] = []
 
     def grid(self, inputs: Sequence[Input], nodes: Sequence[Array]) -> tuple[Array, Array]:
         """Return values (nodes …, outputs) and which nodes closed."""
@@ -285,6 +296,7 @@ class _Solver:
         told = None if self._progress is None else self._progress()
         with temporary_results(scene, jobs=self._jobs, progress=told, **options) as results:
             self.cases += math.prod(shape)
+            self.warnings += warnings_of_cases(results)
             nothing = np.full(shape, np.nan)
             columns = [np.reshape(results.performance.get(output.name, nothing), shape) for output in self._outputs]
             values = np.stack(columns, axis=-1)

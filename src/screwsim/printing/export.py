@@ -36,6 +36,8 @@ def print_map(table: MapTable, files: Sequence[str]) -> None:
     print_table(["output", "unit", "error"], rows, 1)
     say(wrapped(f"errors: {table.how}; of temperatures, over 100 K"))
     say(wrapped(f"{table.cases} cases{_open_nodes(table)}"))
+    for line in table.warnings_told():
+        say(wrapped(line))
     for file in files:
         say(file)
 
