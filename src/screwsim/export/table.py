@@ -106,15 +106,8 @@ def tabulated_map(
         raise UsageError(f"no map: {why}")
     how = f"largest at {checked} random points inside, simulated as a check"
     how += f" (at {open_} more no cycle closed, although it did at all surrounding nodes)" if open_ else ""
-    return replace(
-        table,
-        errors=tuple(errors),
-        checked=checked,
-        how=how,
-        cases=solve.cases,
-        why=solve.why,
-        warnings=kinds_of(solve.warnings),
-    )
+    table = replace(table, cases=solve.cases, why=solve.why, warnings=kinds_of(solve.warnings))
+    return replace(table, errors=tuple(errors), checked=checked, how=how)
 
 
 def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable:
