@@ -101,6 +101,22 @@ def test_the_code_is_the_text_that_is_compiled_and_names_its_equations(command, 
     assert "def oil_heat__" in with_oil and "def oil_heat__" not in answer.out
 
 
+def test_the_code_of_an_equation_is_that_of_the_functions_that_state_it(command, folder):
+    whole = command("explain", "oiled.yaml", "--code").out
+    part = command("explain", "oiled.yaml", "--code", "M3", "nozzle__flow").out
+    functions = re.findall(r"^def (\w+)", part, re.M)
+    assert {"oil_heat__heat", "nozzle__flow"} <= set(functions) < set(re.findall(r"^def (\w+)", whole, re.M))
+    assert len(functions) == len(set(functions)) and all(block in whole for block in part.strip().split("\n\ndef "))
+    assert command("explain", "oiled.yaml", "--code", "flow").out.count("def nozzle__flow(") == 1
+    for name, told in {
+        "M999": "M999: no function of this scene's code states it (use one of M1, ",
+        "nozle_flow": "nozle_flow: is neither an equation nor a function of this scene's code",
+    }.items():
+        answer = command("explain", "oiled.yaml", "--code", name)
+        assert answer.code == 2 and answer.err.startswith(told) and answer.err.count("\n") == 1
+    assert "write screwsim explain oiled.yaml --code M3)" in command("explain", "oiled.yaml", "M3").err
+
+
 def test_parameters_tell_every_key_also_of_effects_left_out(command, folder):
     scene = screwsim.load("small.yaml")
     words = " ".join(command("explain", "small.yaml", "--parameters").out.split())
@@ -161,7 +177,7 @@ def test_a_name_that_is_no_effect_is_told_with_what_is_meant(command, folder):
             "--parameters",
             "ring_leakage",
         ): "--parameters ring_leakage: is not an effect of a twin_screw (screwsim explain lists the possible ones)",
-        ("small.yaml", "tip_leakage"): "tip_leakage: is an effect, which only --parameters takes (write screwsim "
+        ("small.yaml", "tip_leakage"): "tip_leakage: only --parameters and --code take a name (write screwsim "
         "explain small.yaml --parameters tip_leakage)",
     }
     for arguments, told in asked.items():

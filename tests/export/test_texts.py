@@ -117,6 +117,15 @@ def test_a_title_of_many_lines_stays_in_its_comment(swept_map):
         assert "one, two Curve:Bicubic;" in text.splitlines()[0]
 
 
+@pytest.mark.parametrize(("ip", "unit", "at"), [(False, "degC", lambda T: T), (True, "degF", lambda T: 1.8 * T + 32.0)])
+def test_coefficients_state_where_they_are_valid(swept_map, ip, unit, at):
+    found = polynomials(swept_map, FIGURES)
+    (one,) = found.maps
+    corners = ", ".join(f"({at(S):.6g}, {at(D):.6g})" for S, D in one.envelope)
+    line = f"# {found.name(one)}: valid between the corners (S, D) {corners} {unit}"
+    assert len(one.envelope) >= 3 and line in en12900_csv(found, ip).splitlines()
+
+
 def test_conditions_of_coefficients_have_units_and_name_the_subcooling(swept_map):
     found = polynomials(swept_map, FIGURES)
     stated = {"operation.superheat": 10.0, "oil_supply.temperature": 313.15, "oil_supply.ratio": 1.5}

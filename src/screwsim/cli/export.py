@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from screwsim.export.inputs import Input
+    from screwsim.export.map_table import MapTable
     from screwsim.export.polynomials import Polynomials
-    from screwsim.export.table import MapTable
     from screwsim.scene import Scene
     from screwsim.study.progress import Progress
 

@@ -66,6 +66,15 @@ def other_convention(found: Polynomials) -> str:
     return f"{what} point that D is here ({remedy})"
 
 
+def _envelope(one: PerformanceMap, ip: bool) -> list[list[float]]:
+    """Return the corners (S, D) of a map's envelope, in °C, or in °F for `ip`."""
+    return [[1.8 * T + 32.0 if ip else T for T in corner] for corner in one.envelope]
+
+
+def _corners(one: PerformanceMap, ip: bool) -> str:
+    return ", ".join(f"({S:.6g}, {D:.6g})" for S, D in _envelope(one, ip))
+
+
 def en12900_csv(found: Polynomials, ip: bool = False) -> str:
     """Return the coefficients, then the rated points in the envelope, of each map."""
     other = other_convention(found)
@@ -76,6 +85,7 @@ def en12900_csv(found: Polynomials, ip: bool = False) -> str:
         f"# S evaporating (dew), D condensing ({found.condensing}) temperature, {degree}",
         *([f"# {other}"] if other else []),
         *(f"# {line}" for line in _condition_lines(found, ip)),
+        *(f"# {found.name(one)}: valid between the corners (S, D) {_corners(one, ip)} {degree}" for one in found.maps),
         f"{HEAD_LINE}," + ",".join(COEFFICIENT_NAMES) + ",largest_error,left_out_error",
     ]
     for one in found.maps:
@@ -133,8 +143,9 @@ def en12900_document(found: Polynomials, ip: bool = False) -> dict[str, Any]:
                 "largest_error": fit.largest,
                 "left_out_error": fit.left_out,
             }
-        corners = [[1.8 * T + 32.0 if ip else T for T in corner] for corner in one.envelope]
-        maps.append({"at": {k: float(v) for k, v in one.values.items()}, "figures": figures, "envelope": corners})
+        maps.append(
+            {"at": {k: float(v) for k, v in one.values.items()}, "figures": figures, "envelope": _envelope(one, ip)}
+        )
     said = document(found)
     if ip:
         said |= {key: said[key].replace("degC", "degF") for key in ("S", "D")}
