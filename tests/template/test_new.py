@@ -630,9 +630,9 @@ def test_gauge_pressures_of_a_condition_are_over_what_the_scene_states():
 
 
 def test_a_blend_of_which_no_transport_is_known_says_whose_it_has():
-    text = new_scene("refrigeration", request_of(fluid="R454B"))
+    text = new_scene("refrigeration", request_of(fluid="R466A"))
     assert (
-        "# CoolProp has no transport properties of R454B: these values and the viscosity in the gaps are those of R134a"
+        "# CoolProp has no transport properties of R466A: these values and the viscosity in the gaps are those of R134a"
         in text
     )
     scene = screwsim.loads(text)
