@@ -58,7 +58,8 @@ def test_volume_flows_are_of_the_delivered_mass(swept):
     """MMSCFD of an ideal gas at 60 degF, 14.696 psia; inlet flow: displacement times volumetric efficiency."""
     si, us = columns(swept, "si"), columns(swept, "us")
     mass = si["gas_mass_flow [kg s-1]"].values[:2]
-    per_day = mass * gas_constant(load(str(POINT)).gas.name) * (519.67 / 1.8) / (14.696 * 6894.7573) / 0.028316847 * 86400.0
+    R, T, p = gas_constant(load(str(POINT)).gas.name), 519.67 / 1.8, 14.696 * 6894.7573
+    per_day = mass * R * T / p / 0.028316847 * 86400.0
     assert us["standard flow [MMSCFD]"].values[:2] == pytest.approx(1e-6 * per_day, rel=1e-6)
     drawn = si["volumetric_efficiency []"].values[:2] * us["displacement flow [cfm]"].values[:2]
     assert us["inlet flow [acfm]"].values[:2] == pytest.approx(drawn, rel=1e-12)
