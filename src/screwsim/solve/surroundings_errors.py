@@ -29,13 +29,19 @@ STATED = {  # figures that state an unknown: which, and its unit
 }
 
 
-def secant_updated(slope: Array, change: float | Array, moved: Array) -> Array:
-    """Return slopes that give a change over a move of the unknowns, by the smallest update that does (Broyden)."""
-    return slope + np.multiply.outer(np.asarray(change) - slope @ moved, moved) / float(moved @ moved)
+def secant_updated(slope: Array, change: float | Array, moved: Array, weight: float = 1.0) -> Array:
+    """Return slopes that give a change over a move of the unknowns, by the smallest update that does (Broyden).
+
+    With a `weight` below 1 they give that share of what the change was missed by.
+    """
+    return slope + weight * np.multiply.outer(np.asarray(change) - slope @ moved, moved) / float(moved @ moved)
 
 
-def learnt_slopes(known: Slopes, of: Evaluation, before: Figures, moved: Array) -> dict[str, Array]:
-    """Return the slopes of figures that also give their change to an evaluation, over a move of the unknowns."""
+def learnt_slopes(known: Slopes, of: Evaluation, before: Figures, moved: Array, weight: float) -> dict[str, Array]:
+    """Return the slopes of figures that also give their change to an evaluation, over a move of the unknowns.
+
+    What they missed of the change is learnt by its `weight`, see `secant_updated`.
+    """
     unknowns, found = len(moved), of.figures
     slopes = {name: slope for name, slope in known.items() if len(slope) == unknowns}
     for name, value in found.items():
@@ -45,7 +51,7 @@ def learnt_slopes(known: Slopes, of: Evaluation, before: Figures, moved: Array) 
         slope = slopes.get(name)
         if slope is None:
             slope = _stated_slope(of, name, unknowns)
-        slopes[name] = secant_updated(slope, value - old, moved)
+        slopes[name] = secant_updated(slope, value - old, moved, weight)
     return slopes
 
 
