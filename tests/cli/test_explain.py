@@ -194,4 +194,4 @@ def test_a_blend_that_is_known_as_a_gas_only_says_from_which_temperature_on(fold
     )
     lines = "operation.suction={pressure: 1 bar, temperature: 30 degC}", "operation.discharge={pressure: 8 bar}"
     text = str(explain(screwsim.load("small.yaml", overrides=[f"gas={fluid}", *lines])))
-    assert "known as a gas only, from -56.558 degC on (M317)" in " ".join(text.split())
+    assert "known as a gas only, from -56.558 °C on (M317)" in " ".join(text.split())
