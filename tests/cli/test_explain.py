@@ -202,3 +202,12 @@ def test_gauge_pressure_displacement_and_tip_speed_are_told_as_stated(folder):
     assert "speed 2984.155183 rpm (tips at 25 m/s)" in words
     assert "displacement 600 m³/h at 2950 rpm, from which the chambers' volume follows" in words
     assert "max 847.458 cm³ (follows)" in words
+
+
+def test_a_blend_that_is_known_as_a_gas_only_says_from_which_temperature_on(folder):
+    fluid = (
+        "{fluid: [Methane, Ethane, CO2], mole_fractions: [0.93, 0.05, 0.02], model: real, isentropic_exponent: null}"
+    )
+    lines = "operation.suction={pressure: 1 bar, temperature: 30 degC}", "operation.discharge={pressure: 8 bar}"
+    text = str(explain(screwsim.load("small.yaml", overrides=[f"gas={fluid}", *lines])))
+    assert "known as a gas only, from -56.558 °C on (M317)" in " ".join(text.split())

@@ -231,7 +231,7 @@ def _saturated(fluid: str, p: float) -> tuple[float | None, float | None, str]:
     """Return dew and bubble point [K] at a pressure [Pa] (equal unless the fluid glides), or why there are none."""
     try:
         known = constants.limits(fluid)
-        if known is not None and p < known.p_critical:
+        if known is not None and (known.gas_only or p < known.p_critical):
             return constants.saturation_temperature(fluid, p), constants.boiling_temperature(fluid, p), ""
     except UsageError as error:
         return None, None, str(error)
