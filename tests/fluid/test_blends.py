@@ -156,7 +156,8 @@ def test_dew_and_bubble_of_every_blend_are_teqps():
     """As tests/tools/blends_against_teqp.py found, of each that docs/reference lists."""
     found = json.loads((HERE / "blends_teqp.json").read_text(encoding="utf-8"))
     page = (HERE.parents[1] / "docs" / "reference" / "blends.md").read_text(encoding="utf-8")
-    assert set(found) == {line.split(" | ")[0][2:] for line in page.splitlines() if line.startswith("| ")} - {"blend"}
+    rows = [line for line in page.splitlines() if line.startswith("| ") and "gas from" not in line]  # no lines (M317)
+    assert set(found) == {row.split(" | ")[0][2:] for row in rows} - {"blend"}
     for name, differences in found.items():
         assert max(differences.values()) < (1e-6 if name == "Ekofisk" else 1e-9), name  # cold natural gas: 2e-7
 

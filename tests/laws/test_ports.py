@@ -89,6 +89,15 @@ def test_a_port_before_suction_closes_robs_the_suction_line():
     assert not any("before suction ends" in warning for warning in run(ECONOMIZER).warnings)
 
 
+def test_a_port_that_meets_the_slot_of_a_slide_is_told():
+    slide = {"position": 0.5, "slot_area": "10 cm^2", "closes": "560 deg"}
+    told = "effects.economizer: its port opens at {} deg, before the passage of effects.slide_valve to suction ends at"
+    for opens, met in ((420, True), (470, False)):
+        window = {"effects.economizer.opens": f"{opens} deg", "effects.economizer.closes": "520 deg"}
+        result = run({**ECONOMIZER, "effects.slide_valve": slide, **window})
+        assert any(warning.startswith(told.format(opens)) for warning in result.warnings) is met
+
+
 def test_the_plenum_of_an_ideal_gas_has_the_real_saturation_pressure():
     """Gas flows in below that pressure and out above it."""
     p = constants.dew_pressure("R134a", 278.0)

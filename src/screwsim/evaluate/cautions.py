@@ -3,10 +3,12 @@
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from screwsim.build import open_values, separator_effects
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects import having, stating
-from screwsim.effects.base import CoolsOil, FlowPath
+from screwsim.effects.base import SUCTION, CoolsOil, FlowPath
 from screwsim.effects.parts.roles import SUCTION_BACK
 from screwsim.evaluate import humidity, plausible
 from screwsim.evaluate.evaluation import Evaluation
@@ -176,11 +178,15 @@ def _unfitted_bore(of: Evaluation) -> Iterator[str]:
 
 
 def _open_to_suction(of: Evaluation) -> Iterator[str]:
-    """Yield a warning for each plenum above the suction pressure whose port opens before suction ends."""
+    """Yield a warning for each plenum above the suction pressure whose port opens while the chamber sees suction."""
     parts, p_s = of.problem.parts, of.problem.lines.p_s
-    ends = parts.geometry.injection_angle
     if parts.geometry.expands or not parts.plenums:
         return
+    what, ends, remedy = "suction", parts.geometry.injection_angle, "open it later"
+    for name, path in parts.all(FlowPath):
+        if path.to == SUCTION and _last_open(path) > ends + OPEN_TO_SUCTION:
+            what, ends = f"the passage of effects.{name} to suction", _last_open(path)
+            remedy = "open it later, or leave it out at this load"
     for name, path in parts.all(FlowPath):
         plenum = parts.plenums.get(path.to)
         if plenum is None or plenum.p <= p_s or not path.breakpoints:
@@ -188,9 +194,16 @@ def _open_to_suction(of: Evaluation) -> Iterator[str]:
         opens = min(path.breakpoints)
         if opens < ends - OPEN_TO_SUCTION:
             yield (
-                f"effects.{name}: its port opens at {math.degrees(opens):.4g} deg, before suction ends at "
-                f"{math.degrees(ends):.4g} deg: what it lets in displaces suction gas (open it later)"
+                f"effects.{name}: its port opens at {math.degrees(opens):.4g} deg, before {what} ends at "
+                f"{math.degrees(ends):.4g} deg: what it lets in displaces suction gas ({remedy})"
             )
+
+
+def _last_open(path: FlowPath) -> float:
+    """Return the angle [rad] up to which a path is open, as far as its table or its breakpoints tell; 0 if unknown."""
+    if not path.tables:
+        return max(path.breakpoints, default=0.0)
+    return max(float(np.max(angles[areas > 0.0], initial=0.0)) for angles, areas, *_ in path.tables.values())
 
 
 def inaccurate(wanted: float, error: Figures) -> tuple[str, ...]:
