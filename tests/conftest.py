@@ -26,9 +26,11 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as a shell's job in the
 
 # scripts/test gives each process whole files, in this order: those that take longest come first, so that none is last
 LONGEST = (
+    "tests/hard/test_found_closings.py",
     "tests/hard/test_hard_cases.py",
     "tests/report/test_browser.py",
     "tests/template/test_new.py",
+    "tests/laws/test_everything.py",
     "tests/laws/test_side_by_side.py",
     "tests/hard/test_fuzz.py",
     "tests/report/test_report.py",
@@ -115,11 +117,9 @@ LONGEST = (
     "tests/docs/test_site.py",
     "tests/machine/test_profile_law.py",
     "tests/docs/test_notebooks.py",
-    "tests/hard/test_found_closings.py",
     "tests/study/test_notebook.py",
     "tests/study/test_performance_map.py",
     "tests/house/test_house.py",
-    "tests/laws/test_everything.py",
     "tests/cli/test_told.py",
     "tests/docs/test_reference_pages.py",
 )

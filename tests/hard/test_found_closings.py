@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -85,10 +86,15 @@ def test_what_slow_pitches_leave_of_the_first_guess_is_told():
     """Speeds 1e-12 apart made a quarter of what is delivered: 25 accuracies, of which 0.1 were told, and 60 of 0.6."""
     asked = scene_of(*BARELY_DELIVERS)
     finer = replace(asked.numerics, accuracy=asked.numerics.accuracy / 20.0, error="none")
-    true = simulate(replace(asked, numerics=finer), trace=False).performance.gas_mass_flow  # within some 3e-3
+
+    @cache  # solved only where a result warns of nothing
+    def true():
+        return simulate(replace(asked, numerics=finer), trace=False).performance.gas_mass_flow  # within some 3e-3
+
     for aside in (-1e-12, 0.0, 1e-12):
         found = simulate(with_values(asked, {"operation.speed": asked.operation.speed * (1.0 + aside)}), trace=False)
-        assert warns(found, asked.numerics.accuracy) or found.performance.gas_mass_flow == pytest.approx(true, rel=5e-3)
+        flow = found.performance.gas_mass_flow
+        assert warns(found, asked.numerics.accuracy) or flow == pytest.approx(true(), rel=5e-3)
 
 
 def test_what_steps_miss_of_the_end_of_a_neighbours_life_is_told():

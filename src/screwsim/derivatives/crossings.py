@@ -86,19 +86,21 @@ def _reversals(pitch: CollocatedPitch, angles: Array, wide: Array, p: Array) -> 
     """Yield where, between angles [rad], flows turn round in open paths; `wide` are the widths of their slices [rad].
 
     `p` [Pa] are the pressures of all chambers there. Areas are evaluated only where pressures pass each other,
-    which is the same for all gaps between the same chambers.
+    which is the same for all gaps between the same chambers, and for all ports to the same line.
     """
     c, parts = pitch.machinery.composition, pitch.problem.parts
     life, gaps, ports = pitch.machinery.trajectory, 0, 0
     starts = float(c.P[P_PITCH]) * np.arange(c.chambers)
     passing: dict[int, tuple[Any, ...]] = {}  # for gaps, by the offset of the chambers in pitches
+    reaching: dict[int, tuple[Any, ...]] = {}  # for ports, by the number of their line
     for path in (path for _, path in parts.all(FlowPath)):
         of_port = not path.between
         index = ports if of_port else len(c.plenum_paths) + gaps
         ports, gaps = ports + of_port, gaps + (not of_port)
-        number, passes = parts.number(path.to) if of_port else 0, passing.get(path.offset)
-        if of_port:
-            passes = _sign_changes(p - _line_pressures(life, number, angles))
+        number = parts.number(path.to) if of_port else 0
+        passes = reaching.get(number) if of_port else passing.get(path.offset)
+        if passes is None and of_port:
+            passes = reaching[number] = _sign_changes(p - _line_pressures(life, number, angles))
         elif passes is None:  # ahead of the last chamber is the discharge, treated as a port
             passes = passing[path.offset] = _sign_changes(p[: c.chambers - path.offset] - p[path.offset :])
         if not len(passes[0]):

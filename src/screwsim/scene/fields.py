@@ -113,10 +113,20 @@ def leaf_paths(parameters: Mapping[str, type], kind: str = TWIN_SCREW) -> dict[s
 
     `parameters` is {name: type of their parameters}.
     """
-    found = dict(_leaves(scene_section(kind), ""))
+    found = dict(_scene_leaves(kind))
     for name, cls in parameters.items():
-        found.update(_leaves(section_of(cls), f"effects.{name}."))
+        found.update(_effect_leaves(name, cls))
     return found
+
+
+@cache
+def _scene_leaves(kind: str) -> Mapping[str, Leaf]:
+    return dict(_leaves(scene_section(kind), ""))
+
+
+@cache
+def _effect_leaves(name: str, cls: type) -> Mapping[str, Leaf]:
+    return dict(_leaves(section_of(cls), f"effects.{name}."))
 
 
 def leaves_of(scene: Scene) -> dict[str, Leaf]:

@@ -110,7 +110,7 @@ def join(path: str, name: str) -> str:
 def compose(text: str, start: Position, problems: LocatedFaults, path: str = "") -> Node | None:
     """Return the tree of a YAML text that begins at `start`; None if empty or, after a fault was added, not YAML."""
     try:
-        root = _tree(text)
+        root, too_large = _tree(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = start if mark is None else start.at(mark.line + 1, mark.column + 1)
@@ -131,20 +131,20 @@ def compose(text: str, start: Position, problems: LocatedFaults, path: str = "")
         return None
     if root is None:
         return None
-    what = _size_fault(root)
-    if what:
-        problems.add(start, path, what)
+    if too_large:
+        problems.add(start, path, too_large)
         return None
     return _Converter(start, problems).convert(root, path)
 
 
 @lru_cache(maxsize=64)  # bases are read again with each scene on them, and ruamel takes some milliseconds per page
-def _tree(text: str) -> Any:
-    """Return ruamel's tree of a text; callers must not change it."""
+def _tree(text: str) -> tuple[Any, str]:
+    """Return ruamel's tree of a text, which callers must not change, and what is wrong with its size (else empty)."""
     yaml = YAML(typ="safe", pure=True)
     yaml.Scanner = _Scanner
     yaml.composer.warn_double_anchors = False  # the later anchor replaces the earlier one from there on, as in YAML
-    return yaml.compose(text)
+    root = yaml.compose(text)
+    return root, _size_fault(root)
 
 
 class _Scanner(Scanner):
