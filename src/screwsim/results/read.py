@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,7 @@ from screwsim.results.stored import REMEDY, MalformedFile, opened
 # the first two come with traces, the next two with their studies, two with tolerances, the last on request
 _ALWAYS = ("inputs", "performance", "balance", "error", "numerics")
 _OPTIONAL = ("cycle", "ledger", "knock_out", "optimum", "uncertainty", "contributions", "derivatives")
+STAGES = ("first", "second")  # groups of results of their own, where two machines are in series
 _LARGEST = 1e30  # of a coordinate, in SI units
 _VERSIONS = "screwsim", "python", "numpy", "scipy", "llvmlite", "coolprop"  # whose versions a stored scene states
 _TEXTS = ("title", "source", "history", "scene_yaml", "scene_sha256", "screwsim_fingerprint", "screwsim_version")
@@ -33,7 +34,10 @@ _TEXTS = ("title", "source", "history", "scene_yaml", "scene_sha256", "screwsim_
 
 @dataclass(frozen=True, repr=False)
 class Results(Brief):
-    """A results file: `axes` {dotted path: values [SI] or texts}, and one mapping per group."""
+    """A results file: `axes` {dotted path: values [SI] or texts}, and one mapping per group.
+
+    That of two stages in series has the figures of both together, and in `stages` the results of each by its name.
+    """
 
     path: Path
     attributes: Mapping[str, Any]
@@ -50,6 +54,8 @@ class Results(Brief):
     uncertainty: Group  # standard uncertainty of each figure by the inputs; empty unless the scene gives tolerances
     contributions: Group  # over `contributor`: change by one standard uncertainty of each input
     derivatives: Group  # over `number`: of each figure by each number of the scene; empty unless requested
+    stages: Mapping[str, Results] = field(default_factory=dict)  # on the same axes; empty for one machine
+    stage: str = ""  # the name of this one of two stages
 
     @property
     def scene_yaml(self) -> str:
@@ -161,8 +167,19 @@ def open_results(path: str | os.PathLike[str]) -> Results:
     """Return the results in a file; raise UsageError if it is not a valid results file of screwsim."""
     path = Path(path)
     with opened(path) as file:
-        attributes, axes = _root(path, file), _axes(stored.member(file, "performance", dataset=False))
-        return Results(path, attributes, axes, *(_group(path, file, name, axes) for name in (*_ALWAYS, *_OPTIONAL)))
+        there = [name for name in STAGES if stored.has(file, name)]
+        stages = {name: _results(path, stored.stage_of(file, name), name) for name in there}
+        found = _results(path, file)
+        if any(each.shape != found.shape for each in stages.values()):
+            raise MalformedFile("is not a results file: the axes of its stages differ from its own")
+        return replace(found, stages=stages)
+
+
+def _results(path: Path, root: Any, stage: str = "") -> Results:
+    """Return the results in a file's root, or in the group of one of two stages."""
+    attributes, axes = _root(path, root), _axes(stored.member(root, "performance", dataset=False))
+    groups = (_group(path, root, name, axes, stage) for name in (*_ALWAYS, *_OPTIONAL))
+    return Results(path, attributes, axes, *groups, stage=stage)
 
 
 def read_attributes(path: Path) -> dict[str, Any]:
@@ -191,9 +208,9 @@ def count_statuses(path: Path) -> tuple[int, ...]:
     return tuple(int(np.count_nonzero(status == index)) for index in range(len(STATUSES)))
 
 
-def _group(path: Path, file: Any, name: str, axes: tuple[Axis, ...]) -> Group:
+def _group(path: Path, file: Any, name: str, axes: tuple[Axis, ...], stage: str = "") -> Group:
     if name in _OPTIONAL and not stored.has(file, name):
-        return Group(path, name, {}, {})
+        return Group(path, name, {}, {}, stage)
     group = stored.member(file, name, dataset=False)
     known = tuple(inner.name for axis in axes for inner in (axis, *axis.joined))
     axes = axes[:1] if name == "optimum" else axes
@@ -202,7 +219,7 @@ def _group(path: Path, file: Any, name: str, axes: tuple[Axis, ...]) -> Group:
     shape = () if name == "knock_out" else tuple(len(axis.values) for axis in axes)
     own = _own_length(group, OWN.get(name))
     about = _about_all(group, known, _Shapes(name, shape, own))
-    return Group(path, name, about, dict(_scales(group, about)) if name == "error" else {})
+    return Group(path, name, about, dict(_scales(group, about)) if name == "error" else {}, stage)
 
 
 def _scales(group: Any, names: Iterable[str]) -> Iterator[tuple[str, str]]:

@@ -187,6 +187,9 @@ def read_value(scene: Scene, path: str, raw: Any) -> Any:
 
 def axis_label(path: str, scene: Scene) -> tuple[str, str]:
     """Return (name, SI unit) of an axis in a file of results: '1' for numbers, '' for words (choices, fluids)."""
-    leaf = leaf_of(scene, path)
-    unit = leaf.dimension.si if leaf.dimension else "" if leaf.kind in ("choice", "fluid") else "1"
-    return path.replace(".", "_"), unit
+    return path.replace(".", "_"), unit_of(leaf_of(scene, path))
+
+
+def unit_of(leaf: Leaf) -> str:
+    """Return the SI unit of an input: '1' for numbers, '' for words (choices, fluids)."""
+    return leaf.dimension.si if leaf.dimension else "" if leaf.kind in ("choice", "fluid") else "1"
