@@ -34,7 +34,7 @@ FILES = "several files are written, so name a folder"
     ("arguments", "told"),
     [
         (("run", "small.yaml", "-o", "out.csv"), f"-o out.csv: {RESULTS} (write -o out.h5)"),
-        (("run", "x.stages.yaml", "-o", "out.csv"), f"-o out_first.csv: {RESULTS} (write -o out_first.h5)"),
+        (("run", "x.stages.yaml", "-o", "out.csv"), f"-o out.csv: {RESULTS} (write -o out.h5)"),
         (("sweep", "swept.yaml", "-o", "a.json"), f"-o a.json: {RESULTS} (write -o a.h5)"),
         (
             ("sweep", "swept.yaml", "-o", "a.html"),

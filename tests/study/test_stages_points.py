@@ -13,6 +13,7 @@ from screwsim.outputs import Figures, Result
 from screwsim.study.datasheet.stages_points import points_sheet
 from screwsim.study.stages import points, read_stages, run_stages
 from screwsim.study.stages.points import KeptPoints, sweep_stages
+from screwsim.study.stages.result import ChainResult, figures_of_both
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
 from scenes import scene_dict
@@ -37,15 +38,13 @@ def solved(monkeypatch):
     """Replace the solution of a point by one that is immediate; return the values asked for."""
     asked = []
 
-    class Answer:
-        def __init__(self, values):
-            self.values = values
+    def answer(chain, values):
+        asked.append(dict(values))
+        power, stage = sum(values.values()), Result("ok", performance=Figures(shaft_power=1.0))
+        whole = figures_of_both({"shaft_power": power})
+        return ChainResult("ok", stages=(stage, stage), scenes=(chain.first, chain.second), performance=whole)
 
-        def as_result(self):
-            asked.append(dict(self.values))
-            return Result("ok", performance=Figures(shaft_power=sum(self.values.values())))
-
-    monkeypatch.setattr(points, "solved_with", lambda chain, values: Answer(values))
+    monkeypatch.setattr(points, "solved_with", answer)
     return asked
 
 
@@ -186,7 +185,7 @@ def test_the_command_draws_the_points_on_a_page(plant, solved, tmp_path, capsys)
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["-o", "a.h5"], "-o a.h5: points of two stages are a table, a page or a PDF (write one of a.csv, "),
+        (["-o", "a.txt"], "-o a.txt: points of two stages are results, a table, a page or a PDF (write one of a.h5, "),
         (["--batch"], "stages have no --batch (sweep one of the two scenes instead)"),
         (["--without", "oil_heat"], "stages have no --without"),
         (["--set", "sweep.first.operation.speed=[1 rpm]"], "belongs to the two-stage file (write it there)"),

@@ -26,6 +26,8 @@ from screwsim.results.stored import REMEDY, MalformedFile, opened
 # the first two come with traces, the next two with their studies, two with tolerances, the last on request
 _ALWAYS = ("inputs", "performance", "balance", "error", "numerics")
 _OPTIONAL = ("cycle", "ledger", "knock_out", "optimum", "uncertainty", "contributions", "derivatives")
+ACCURACY = "numerics.accuracy"
+SCENE_AT_POINT = "scene_yaml_at_point"  # attribute of a stage: its scene with the line between both as found
 STAGES = ("first", "second")  # groups of results of their own, where two machines are in series
 _LARGEST = 1e30  # of a coordinate, in SI units
 _VERSIONS = "screwsim", "python", "numpy", "scipy", "llvmlite", "coolprop"  # whose versions a stored scene states
@@ -107,8 +109,25 @@ class Results(Brief):
         """Warnings of each case, joined by line breaks; empty without any."""
         return self.performance["warnings"]
 
+    @property
+    def accuracy(self) -> np.ndarray:
+        """Accuracy that the scene asks for, in each case; of two stages that of the less accurate one."""
+        every = [each.stated(ACCURACY) for each in self.stages.values()] or [self.stated(ACCURACY)]
+        return np.max(every, axis=0)
+
+    def holder(self, name: str) -> tuple[Results, str]:
+        """Return the results that have a figure, and its name there: of two stages `first_` and `second_` are each."""
+        stage, _, own = name.partition("_")
+        if name in self.performance or stage not in self.stages:
+            return self, name
+        return self.stages[stage], own
+
     def figure(self, name: str) -> Figure:
         """Return the declaration of a figure as the file states it; the error's scale is missing from older files."""
+        of, own = self.holder(name)
+        if of is not self:
+            about = of.figure(own)
+            return replace(about, name=name, long_name=f"{about.long_name}, {of.stage} stage")
         units, long_name = self.performance.about[name]
         here = declaration(name)
         scale = unpacked(self.error.scales.get(name, "")) or getattr(here, "scale", ITSELF)
@@ -119,6 +138,9 @@ class Results(Brief):
 
         Where none was estimated, the relative error `unknown` is used, one of all cases or of each.
         """
+        of, own = self.holder(name)
+        if of is not self:
+            return of.absolute_error(own, unknown)
         scale = self.figure(name).scale
         asked = (each for each in figures_for_scale(name, scale) if each in self.performance)
         known = {each: np.nan_to_num(self.performance[each]) for each in asked}
@@ -199,6 +221,23 @@ def stored_scene(results: Results) -> str:
         beside = ", ".join(f"{name} ({digest})" for name, digest in tables.items())
         lines.append(f"# It needs these files next to it, unchanged (first digits of their SHA-256): {beside}")
     return "\n".join(lines) + "\n" + results.scene_yaml
+
+
+def stored_scenes(results: Results) -> dict[str, str]:
+    """Return the text of a file's scene as `stored_scene`, under '', and those of two stages under their files."""
+    return {"": stored_scene(results)} | {f"{name}.yaml": stored_scene(each) for name, each in results.stages.items()}
+
+
+def stage_scene(results: Results, stage: str) -> str:
+    """Return the text of one stage's scene with the line between both as it was found; raise UsageError without one."""
+    if stage not in results.stages:
+        named = ", ".join(results.stages) or "none"
+        raise UsageError(f"{results.path}: has no stage {stage!r} (its stages: {named})")
+    own = results.stages[stage]
+    if SCENE_AT_POINT not in own.attributes:
+        why = "is of a sweep" if results.shape else "holds no solution"
+        raise UsageError(f"{results.path}: {why}, so the line between its stages is not known (run one of its points)")
+    return stored_scene(replace(own, attributes={**own.attributes, "scene_yaml": own.attributes[SCENE_AT_POINT]}))
 
 
 def count_statuses(path: Path) -> tuple[int, ...]:

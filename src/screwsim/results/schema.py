@@ -12,7 +12,7 @@ import json
 import platform
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -136,7 +136,8 @@ def _library_version(name: str) -> str:
 class Subject:
     """What results are of: a scene, or two stages in series, which have neither balances nor numerics of their own.
 
-    `text` is its YAML, `inputs` its numbers: path, unit and meaning, value [SI]. `alone`: it is one machine.
+    `text` is its YAML, `inputs` its numbers: path, unit and meaning, value [SI]; `more` are attributes besides. `alone`:
+    it is one machine.
     """
 
     title: str
@@ -145,6 +146,7 @@ class Subject:
     inputs: tuple[tuple[str, Variable, float], ...]
     model_error: str | None = None
     alone: bool = True
+    more: Mapping[str, str] = field(default_factory=dict)
 
 
 def subject_of(scene: Scene) -> Subject:
@@ -173,4 +175,4 @@ def root_attributes(subject: Subject, command: str) -> dict[str, str | int]:
     }
     if name := subject.model_error:
         attributes[MODEL_ERROR] = json.dumps({"of": name, **stored_model_errors()[name]})
-    return attributes | {f"{name.lower()}_version": _library_version(name) for name in _LIBRARIES}
+    return attributes | dict(subject.more) | {f"{name.lower()}_version": _library_version(name) for name in _LIBRARIES}

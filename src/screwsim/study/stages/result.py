@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from screwsim.evaluate.performance import NO_POWER, heating, parted
+from screwsim.figures import Performance
 from screwsim.figures.errors import error_in_unit, error_scale, zeros_for_none
 from screwsim.outputs import STAGES, Figures, Result
 from screwsim.outputs.customary import in_celsius
@@ -56,6 +57,11 @@ class ChainResult:
         """Return what `run --json` prints for two stages."""
         own = picked(self, "status", "message", "warnings", "performance", "error", "notes")
         return own | {"stages": [result.as_json() for result in self.stages]}
+
+
+def figures_of_both(values: Mapping[str, Any]) -> Performance:
+    """Return figures of two stages together with their declarations."""
+    return Performance(values, {name: STAGES[name] for name in values})
 
 
 FiguresAndReasons = tuple[dict[str, float | None], dict[str, str]]  # figures, and why some are None
