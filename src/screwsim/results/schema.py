@@ -136,8 +136,8 @@ def _library_version(name: str) -> str:
 class Subject:
     """What results are of: a scene, or two stages in series, which have neither balances nor numerics of their own.
 
-    `text` is its YAML, `inputs` its numbers: path, unit and meaning, value [SI]; `more` are attributes besides. `alone`:
-    it is one machine.
+    `text` is its YAML, `inputs` its numbers: path, unit and meaning, value [SI]; `more` are attributes besides.
+    `alone`: it is one machine.
     """
 
     title: str
