@@ -10,6 +10,7 @@ import pytest
 from screwsim.cli import exit_code
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Figures, Result
+from screwsim.scene.model_errors import stored_model_errors
 from screwsim.study.datasheet.stages_points import points_sheet
 from screwsim.study.stages import points, read_stages, run_stages
 from screwsim.study.stages.points import KeptPoints, sweep_stages
@@ -229,12 +230,12 @@ def test_a_run_tells_that_it_leaves_the_sweep_aside(plant, capsys):
     assert capsys.readouterr().err.startswith(f"{path}: its sweep of 4 cases is ignored, and the scene's own point")
 
 
-def test_a_sweep_tells_that_it_leaves_tolerances_aside(plant, solved, tmp_path, capsys):
+def test_a_sweep_tells_that_it_leaves_model_errors_aside(plant, solved, tmp_path, capsys):
     path = plant()
-    low = scene_dict({"effects.tip_leakage.gap": "30 um +- 5 um"})
-    (tmp_path / "low.yaml").write_text(json.dumps(low))
+    name = next(iter(stored_model_errors()))
+    (tmp_path / "low.yaml").write_text(json.dumps(scene_dict({}) | {"uncertainty": {"model": name}}))
     assert exit_code(["sweep", str(path), "-o", str(tmp_path / "out.csv"), "--jobs", "1"]) == 0
-    assert "the first scene's tolerances are ignored" in " ".join(capsys.readouterr().err.split())
+    assert "the first scene's model error is ignored" in " ".join(capsys.readouterr().err.split())
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from screwsim.scene import Scene
     from screwsim.study.knock_out import LeftOut
     from screwsim.study.measured import MeasuredFigure
+    from screwsim.study.stages import StageChain
 
 
 SHEETS = (".csv", ".html", ".pdf")  # endings of the points of two stages, beside those of results
@@ -141,15 +142,16 @@ def _run_stages(file: str, output: Path | None, overrides: Texts, as_json: bool)
     from screwsim.study.point import with_slopes
     from screwsim.study.stages import read_stages, run_stages
     from screwsim.study.stages.store import point_results, save_chain
+    from screwsim.study.stages.uncertain import with_uncertainty
 
     chain = read_stages(file, overrides or ())
     if output is not None:
         options.check_place(output)
     options.report_ignored_sweep(chain, f"{file}: its", f"screwsim sweep {file} simulates the sweep")
     options.report_sweeps_of_stages(chain, file)
-    _report_ignored_tolerances(file, chain)
+    _report_ignored_model_errors(file, chain)
     base = replace(chain, sweep={}, joints=())
-    found = run_stages(base)
+    found = with_uncertainty(base, run_stages(base))
     if output is not None:
         options.check_place(output)  # again: a file that has appeared meanwhile is kept
         save_chain(output, base, [point_results(found, with_slopes)], "run", found.scenes)
@@ -158,10 +160,10 @@ def _run_stages(file: str, output: Path | None, overrides: Texts, as_json: bool)
     return OK if found.status == "ok" else NOT_ALL_OK
 
 
-def _report_ignored_tolerances(file: str, chain: Any) -> None:
+def _report_ignored_model_errors(file: str, chain: StageChain) -> None:
     for name, scene in (("first", chain.first), ("second", chain.second)):
-        if scene.uncertain or scene.model_error:
-            told = "tolerances are ignored (screwsim run of that scene shows their effect)"
+        if scene.model_error:
+            told = "model error is ignored (screwsim run of that scene shows it)"
             say(f"{file}: the {name} scene's {told}", err=True)
 
 
@@ -223,7 +225,7 @@ def _sweep_stages(
         example = "first.operation.speed: [2000 rpm, 3000 rpm]"
         raise UsageError(f"{file}: has no sweep (add sweep: {{{example}}}; one point is simulated by screwsim run)")
     options.report_sweeps_of_stages(chain, file)
-    _report_ignored_tolerances(file, chain)
+    _report_ignored_model_errors(file, chain)
     place = output or Path("results") / f"{Path(file).stem}.csv"
     as_results = place.suffix.lower() in options.RESULTS
     if not as_results and place.suffix.lower() not in SHEETS:

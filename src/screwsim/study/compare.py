@@ -255,10 +255,11 @@ class _FileAtCommonPoints:
         The inputs are sets of paths that err together; none where no tolerance is stated. Return None where tolerances
         are stated and the change by one of them is unknown.
         """
-        group = self._results.contributions
-        if name not in group:
+        of, own = self._results.holder(name)
+        group = of.contributions
+        if own not in group:
             return None if self._toleranced else {}
-        row = group[name].reshape(-1, group[name].shape[-1])[self.cases[number]]
+        row = group[own].reshape(-1, group[own].shape[-1])[self.cases[number]]
         if np.isnan(row).any():
             return None
         inputs = (frozenset(label.split(TOGETHER)) for label in group["contributor"].tolist())

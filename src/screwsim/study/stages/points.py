@@ -25,6 +25,7 @@ from screwsim.study.stages.read import StageChain
 from screwsim.study.stages.result import ChainResult, figures_of_both
 from screwsim.study.stages.solve import run_stages
 from screwsim.study.stages.store import PointResults, identity_of_chain, point_results
+from screwsim.study.stages.uncertain import with_uncertainty
 from screwsim.study.workers import WORKER_DIED
 
 # fields of a result that are kept
@@ -161,7 +162,8 @@ def sweep_stages(
 
 
 def _solved(base: StageChain, values: Sequence[Mapping[str, Any]], number: int) -> PointResults:
-    return point_results(solved_with(base, values[number]), _without_curves)
+    found = solved_with(base, values[number])
+    return point_results(with_uncertainty(chain_with(base, values[number]), found), _without_curves)
 
 
 def _without_curves(_: Scene, result: Result) -> Result:
