@@ -43,6 +43,20 @@ def loaded_scene(scene_file: str, overrides: Sequence[str] | None, without: Sequ
     return load(scene_file, overrides or (), without or ())
 
 
+def loaded_scene_or_stages(
+    scene_file: str, verb: str, overrides: Sequence[str] | None, without: Sequence[str] | None
+) -> Scene | StageChain:
+    """Return the scene of a command, or the two stages that its file joins; effects stay in both of these."""
+    from screwsim.study.stages import is_stages, read_stages
+
+    if not is_stages(scene_file):
+        return loaded_scene(scene_file, overrides, without)
+    refuse_for_stages(scene_file, verb, {"--without": without})
+    chain = read_stages(scene_file, overrides or ())
+    report_sweeps_of_stages(chain, scene_file)
+    return chain
+
+
 def loaded_point(scene_file: str, overrides: Sequence[str] | None, without: Sequence[str] | None) -> Scene:
     """Return the scene of a command that simulates one point; a sweep is left out, which is reported on stderr."""
     return base_point(loaded_scene(scene_file, overrides, without), scene_file)

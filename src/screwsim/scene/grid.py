@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from screwsim.effects import catalogue
 from screwsim.inputs.faults import UsageError
@@ -41,6 +41,9 @@ class Swept(Protocol):
         ...
 
 
+HasSweep = TypeVar("HasSweep", bound=Swept)
+
+
 class Dimension(NamedTuple):
     """One dimension of a grid; `name` is its path, or the name of the joint whose paths vary together."""
 
@@ -74,8 +77,8 @@ def joints_of(scene: Swept) -> tuple[Joint, ...]:
     return tuple(found)
 
 
-def with_sweep_over(scene: Scene, paths: Iterable[str]) -> Scene:
-    """Return the scene with its sweep reduced to the given paths."""
+def with_sweep_over(scene: HasSweep, paths: Iterable[str]) -> HasSweep:
+    """Return a scene, or two in series, with the sweep reduced to the given paths."""
     kept = set(paths)
     sweep = {path: values for path, values in scene.sweep.items() if path in kept}
     cut = with_changes(scene, sweep=sweep)

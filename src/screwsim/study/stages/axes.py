@@ -9,18 +9,23 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any
 
+from screwsim.effects.air_package import AIR
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, with_values
 from screwsim.scene.fields import Leaf, section_of, unknown_key
 from screwsim.scene.grid import leaf_of
+from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.operation import line_axis_faults
-from screwsim.scene.units import Refused
+from screwsim.scene.units import Refused, gauge_pressures_over
+from screwsim.scene.values import convert
+from screwsim.study.inputs import ISENTROPIC
 
 if TYPE_CHECKING:
     from screwsim.study.stages.read import StageChain
 
 STAGE_NAMES = ("first", "second")
 BETWEEN = "intercooler"
+MOTOR = "motor"  # the effect that gives a stage its motor
 COMMON = ("gas.", "machine.mode", "machine.kind")  # beginnings of paths that both scenes state alike
 SOLVED = {  # beginnings of paths that the chain replaces by what it finds
     "first": (
@@ -63,6 +68,33 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
         for before in ("did you mean '", "is a section, not a value (write e.g. "):
             what = what.replace(before, f"{before}{stage}.")
         raise Refused(what) from None
+
+
+def leaf_named(chain: StageChain, name: str) -> Leaf:
+    """Return the same as `leaf_in_chain`; raise UsageError that names the input for one that may not vary."""
+    try:
+        return leaf_in_chain(chain, name)
+    except Refused as refusal:
+        raise UsageError(f"{name}: {refusal}") from None
+
+
+def value_read(chain: StageChain, name: str, raw: Any) -> Any:
+    """Return a value as written in YAML ('1000 rpm', 3) in SI, checked like the field; raise UsageError."""
+    leaf, scene = leaf_named(chain, name), chain.second if name.startswith(STAGE_NAMES[1]) else chain.first
+    try:
+        with gauge_pressures_over(scene.operation.ambient_pressure):
+            return convert(leaf, raw, scene.folder)
+    except Refused as refusal:
+        raise UsageError(f"{name}: {refusal}") from None
+
+
+def usual_figure(chain: StageChain) -> str:
+    """Return the figure by which a chain is judged: the COP of a plant, the efficiency of an air package, of others."""
+    scenes = chain.first, chain.second
+    motors = all(MOTOR in scene.effects for scene in scenes)
+    if condensate_enthalpy(chain.second) is not None:
+        return "electrical_cop" if motors else "cop"
+    return "package_isentropic_efficiency" if motors and chain.first.gas.name.lower() == AIR else ISENTROPIC
 
 
 def _leaf_between(chain: StageChain, key: str) -> Leaf:
