@@ -56,8 +56,8 @@ class Results(Brief):
     uncertainty: Group  # standard uncertainty of each figure by the inputs; empty unless the scene gives tolerances
     contributions: Group  # over `contributor`: change by one standard uncertainty of each input
     derivatives: Group  # over `number`: of each figure by each number of the scene; empty unless requested
-    stages: Mapping[str, Results] = field(default_factory=dict)  # on the same axes; empty for one machine
-    stage: str = ""  # the name of this one of two stages
+    stages: Mapping[str, Results] = field(default_factory=dict, kw_only=True)  # on the same axes; empty for one machine
+    stage: str = field(default="", kw_only=True)  # the name of this one of two stages
 
     @property
     def scene_yaml(self) -> str:

@@ -58,6 +58,10 @@ class Series(Protocol):
         """Return the same with another accuracy in both stages; None where one states its tolerance of a step."""
         ...
 
+    def value_at(self, path: str) -> Any:
+        """Return the value [SI] of an input, None where it is absent."""
+        ...
+
     def solved(self) -> Result:
         """Return the figures of both together."""
         ...
@@ -79,6 +83,11 @@ def read_value(of: Varied, path: str, raw: Any) -> Any:
 def with_values(of: Kind, values: Mapping[str, Any]) -> Kind:
     """Return the same with other values [SI] at dotted paths."""
     return scenes.with_values(of, values) if isinstance(of, Scene) else of.with_values(values)
+
+
+def value_at(of: Varied, path: str) -> Any:
+    """Return the value [SI] at a dotted path, None where an optional section or value is absent."""
+    return scenes.value_at(of, path) if isinstance(of, Scene) else of.value_at(path)
 
 
 def case(of: Kind, number: int) -> Kind:

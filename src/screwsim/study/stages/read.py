@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any
 
 from screwsim.build import build_parts, package_of
 from screwsim.effects.base import Plenum
@@ -17,7 +17,7 @@ from screwsim.inputs.declare import KINDS, choice, quantity
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
 from screwsim.outputs import Result
-from screwsim.scene import Scene, load
+from screwsim.scene import Scene, load, scene_of, value_at
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.lines import condensate_enthalpy, lines
 from screwsim.scene.schema import DRAFT, OWN_PARAMETER, axis_definitions, leaf_schema, mapping, sweep_schema
@@ -89,12 +89,16 @@ class StageChain:
     intercooler: Intercooler
     sweep: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
     joints: tuple[Joint, ...] = ()
-    beside: ClassVar = ("intermediate_pressure",)  # told beside the figure that a study seeks
 
     @property
     def accuracy(self) -> float:
         """Accuracy that is asked of the figures: that of the less accurate stage."""
         return max(scene.numerics.accuracy for scene in (self.first, self.second))
+
+    @property
+    def beside(self) -> tuple[str, ...]:
+        """The figures that are told beside the one that a study seeks."""
+        return ("intermediate_pressure",)
 
     @property
     def usual_figure(self) -> str:
@@ -121,6 +125,12 @@ class StageChain:
         first, second = (replace(each, numerics=replace(each.numerics, accuracy=accuracy)) for each in scenes)
         return replace(self, first=first, second=second)
 
+    def value_at(self, path: str) -> Any:
+        """Return the value [SI] of an input, None where it is absent."""
+        stage, _, own = path.partition(".")
+        scenes = dict(zip(STAGE_NAMES, (self.first, self.second), strict=True))
+        return value_at(scenes[stage], own) if stage in scenes else getattr(self.intercooler, own, None)
+
     def solved(self) -> Result:
         """Return the figures of both stages together."""
         from screwsim.study.stages.solve import run_stages
@@ -132,6 +142,12 @@ def is_stages(path: str | os.PathLike[str]) -> bool:
     """Return whether a YAML file describes stages instead of one scene."""
     root = _root(shipped_name(path), LocatedFaults())
     return root is not None and STAGES_KEY in root.value
+
+
+def scene_or_stages(given: Any) -> Scene | StageChain:
+    """Return two stages from the path of their file, else the scene that `scene_of` makes of what is given."""
+    named = isinstance(given, str | os.PathLike) and "\n" not in os.fspath(given)
+    return read_stages(given) if named and is_stages(given) else scene_of(given)
 
 
 def read_stages(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> StageChain:
