@@ -207,6 +207,9 @@ def test_two_stages_without_a_sweep_are_told_how_to_write_one(plant, capsys):
     ("axis", "words"),
     [
         ("first.operation.sped", "is not known; did you mean 'first.operation.speed'?"),
+        ("first.zzz.a", "is not known (use a dotted path of that scene after first.)"),
+        ("second.gap", "is not known; there are second.effects.tip_leakage.gap, second.effects.interlobe"),
+        ("second.operation.xx", "is not known; known there: speed, tip_speed, ambient_temperature, condensing_temp"),
         ("operation.speed", "starts with none of first., second., intercooler. (write e.g. first.operation.speed)"),
         ("first.operation.discharge.pressure", "belongs to the discharge line, which follows from the other stage"),
         ("second.operation.suction.temperature", "belongs to the suction line, which follows from the other stage"),

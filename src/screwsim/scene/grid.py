@@ -166,16 +166,19 @@ def first_by_fluid(scene: Scene) -> list[tuple[str, Scene]]:
     return found
 
 
-def leaf_of(scene: Scene, path: str) -> Leaf:
-    """Return the description of an input of this scene that may be varied; raise `UsageError` with the nearest path."""
+def leaf_of(scene: Scene, path: str, before: str = "", fixed: tuple[str, ...] = ()) -> Leaf:
+    """Return the description of an input of this scene that may be varied; raise `UsageError` with the nearest path.
+
+    `before` and `fixed` are as in `sweep_leaf`.
+    """
     try:
         parameters = {name: type(active.parameters) for name, active in scene.effects.items()}
-        leaf = sweep_leaf(path, parameters, catalogue(), scene.machine.kind)
+        leaf = sweep_leaf(path, parameters, catalogue(), scene.machine.kind, before, fixed)
     except Refused as refusal:
         raise UsageError(f"{path}: {refusal}") from None
     parent = path.rpartition(".")[0]
     if parent.removeprefix("effects.") not in scene.effects and value_at(scene, parent) is None:
-        raise UsageError(f"{path}: the section {parent} is not in this scene (write it first)")
+        raise UsageError(f"{path}: the section {before}{parent} is not in this scene (write it first)")
     return leaf
 
 

@@ -11,9 +11,10 @@ from screwsim.scene import Scene
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.figures import figure_of_stages
 from screwsim.study.goals import read_bounds, read_bounds_of
-from screwsim.study.stages.axes import MOTOR, STAGE_NAMES
+from screwsim.study.stages.axes import STAGE_NAMES
 from screwsim.study.stages.read import StageChain
 
+MOTOR = "motor"
 RATED = f"effects.{MOTOR}.rated_power"
 
 

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any
 
-from screwsim.effects.air_package import AIR
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, with_values
 from screwsim.scene.fields import Leaf, section_of, unknown_key
@@ -18,14 +17,15 @@ from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.operation import line_axis_faults
 from screwsim.scene.units import Refused, gauge_pressures_over
 from screwsim.scene.values import convert
+from screwsim.study.figures import figures_of
 from screwsim.study.inputs import ISENTROPIC
+from screwsim.study.stages.package import AIR
 
 if TYPE_CHECKING:
     from screwsim.study.stages.read import StageChain
 
 STAGE_NAMES = ("first", "second")
 BETWEEN = "intercooler"
-MOTOR = "motor"  # the effect that gives a stage its motor
 COMMON = ("gas.", "machine.mode", "machine.kind")  # beginnings of paths that both scenes state alike
 SOLVED = {  # beginnings of paths that the chain replaces by what it finds
     "first": (
@@ -62,12 +62,10 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
     for fault in line_axis_faults(scene, (path,)):
         raise Refused(fault.what.replace("(vary operation.", f"(vary {stage}.operation."))
     try:
-        return leaf_of(scene, path)
+        return leaf_of(scene, path, f"{stage}.", (*COMMON, *SOLVED[stage]))
     except UsageError as error:
         what = str(error).removeprefix(f"{path}: ")
-        for before in ("did you mean '", "is a section, not a value (write e.g. "):
-            what = what.replace(before, f"{before}{stage}.")
-        raise Refused(what) from None
+        raise Refused(what.replace("of the scene)", f"of that scene after {stage}.)")) from None
 
 
 def leaf_named(chain: StageChain, name: str) -> Leaf:
@@ -91,7 +89,7 @@ def value_read(chain: StageChain, name: str, raw: Any) -> Any:
 def usual_figure(chain: StageChain) -> str:
     """Return the figure by which a chain is judged: the COP of a plant, the efficiency of an air package, of others."""
     scenes = chain.first, chain.second
-    motors = all(MOTOR in scene.effects for scene in scenes)
+    motors = all("electrical_power" in figures_of(scene) for scene in scenes)
     if condensate_enthalpy(chain.second) is not None:
         return "electrical_cop" if motors else "cop"
     return "package_isentropic_efficiency" if motors and chain.first.gas.name.lower() == AIR else ISENTROPIC
