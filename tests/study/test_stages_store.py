@@ -13,6 +13,7 @@ from screwsim.cli import exit_code
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import STAGES
 from screwsim.outputs.display import cf_unit
+from screwsim.report.quantities import shown_axis
 from screwsim.study.stages import read_stages, run_stages
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
@@ -173,6 +174,15 @@ def test_curves_pages_and_columns_are_made_of_both_and_of_each(folder, tmp_path,
     frame = screwsim.open_results(folder / "sweep.h5").stages["second"].to_pandas()
     assert "volumetric_efficiency" in frame
     assert len(frame) == 4
+
+
+def test_an_axis_of_a_stage_is_labelled_with_it_in_the_whole_and_in_the_other_stage(folder):
+    results = screwsim.open_results(folder / "sweep.h5")
+    labels = [shown_axis(axis).label for axis in results.axis_list]
+    assert labels == ["male-rotor speed, first stage (rpm)", "male-rotor speed, second stage (rpm)"]
+    own, other = (shown_axis(axis).label for axis in results.stages["first"].axis_list)
+    assert "stage" not in own
+    assert other == labels[1]
 
 
 def test_measured_pressures_need_the_file_of_one_machine(folder, tmp_path, capsys):
