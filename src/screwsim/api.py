@@ -28,7 +28,7 @@ from screwsim.inputs.arguments import (
 from screwsim.inputs.faults import UsageError
 from screwsim.report.datasheet import check_sheet, write_sheet
 from screwsim.results import Results, open_results
-from screwsim.scene import Scene, scene_of
+from screwsim.scene import Scene
 from screwsim.study import compare as _compare
 from screwsim.study import optimum as _optimum
 from screwsim.study import performance_map as _map
@@ -45,7 +45,7 @@ from screwsim.study.calibration.predict import posterior_with_predictions as _sa
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.datasheet import Sheet, sheet_of, sheet_of_stages
 from screwsim.study.progress import Progress, progress_of
-from screwsim.study.stages import is_stages, read_stages
+from screwsim.study.stages import scene_or_stages
 from screwsim.study.sweep import run_sweep
 
 SceneLike = Scene | str | os.PathLike[str] | Mapping[str, Any]
@@ -67,11 +67,12 @@ def optimum(
     """Return the best value of a path for each point of the scene's other axes (`screwsim optimum`).
 
         best, = screwsim.optimum("point.yaml", "oil_supply.ratio", low=0.5, high=4)
+        best, = screwsim.optimum("plant.stages.yaml", "second.operation.speed=1000 rpm..2000 rpm")
 
     `low` and `high` are numbers or texts with a unit; the default is the range of the scene's own axis. The default
     figure is the efficiency that the command uses. `progress`: None shows a bar in a notebook only.
     """
-    at = scene_of(scene)
+    at = scene_or_stages(scene)
     ends = {"first": None if low is None else str(low), "last": None if high is None else str(high)}
     asked = _optimum.question(at, path, figure, minimum=minimum, **ends)
     return _optimum.optimum(at, asked, jobs=jobs, progress=progress_of("optimum", progress))
@@ -106,10 +107,8 @@ def datasheet(
     if output is not None:
         check_sheet(Path(output))
     bar = progress_of("datasheet", progress)
-    if isinstance(scene, str | os.PathLike) and "\n" not in os.fspath(scene) and is_stages(scene):
-        made = partial(sheet_of_stages, read_stages(scene))
-    else:
-        made = partial(sheet_of, scene_of(scene))
+    rated = scene_or_stages(scene)
+    made = partial(sheet_of, rated) if isinstance(rated, Scene) else partial(sheet_of_stages, rated)
     found = made(
         evaporating=evaporating,
         condensing=condensing,

@@ -34,7 +34,7 @@ FILES = "several files are written, so name a folder"
     ("arguments", "told"),
     [
         (("run", "small.yaml", "-o", "out.csv"), f"-o out.csv: {RESULTS} (write -o out.h5)"),
-        (("run", "x.stages.yaml", "-o", "out.csv"), f"-o out_first.csv: {RESULTS} (write -o out_first.h5)"),
+        (("run", "x.stages.yaml", "-o", "out.csv"), f"-o out.csv: {RESULTS} (write -o out.h5)"),
         (("sweep", "swept.yaml", "-o", "a.json"), f"-o a.json: {RESULTS} (write -o a.h5)"),
         (
             ("sweep", "swept.yaml", "-o", "a.html"),
@@ -62,8 +62,8 @@ def test_a_name_of_another_kind_of_file_is_refused(files, command, arguments, to
 
 
 TWO = (
-    "describes two stages, which only the commands `screwsim run`, `sweep`, `datasheet` and `explain` accept (run one "
-    "of these on x.stages.yaml, or name the "
+    "describes two stages, which only `screwsim run`, `sweep`, `datasheet`, `optimum`, `optimize` and `explain` accept "
+    "(run one of these on x.stages.yaml, or name the "
 )
 
 
@@ -72,7 +72,7 @@ TWO = (
     [
         (("run", "x.fit.yaml"), "x.fit.yaml:1:1: is a fit, not a scene (run screwsim calibrate x.fit.yaml)"),
         (("sweep", "x.fit.yaml"), "x.fit.yaml:1:1: is a fit, not a scene (run screwsim calibrate x.fit.yaml)"),
-        (("optimum", "x.stages.yaml"), f"x.stages.yaml:1:1: {TWO}scene of one stage here)"),
+        (("find", "x.stages.yaml"), f"x.stages.yaml:1:1: {TWO}scene of one stage here)"),
         (("calibrate", "x.stages.yaml"), f"x.stages.yaml:1:1: {TWO}scene of one stage here)"),
         (
             ("calibrate", "small.yaml"),

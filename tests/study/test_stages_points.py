@@ -10,9 +10,11 @@ import pytest
 from screwsim.cli import exit_code
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Figures, Result
+from screwsim.scene.model_errors import stored_model_errors
 from screwsim.study.datasheet.stages_points import points_sheet
 from screwsim.study.stages import points, read_stages, run_stages
 from screwsim.study.stages.points import KeptPoints, sweep_stages
+from screwsim.study.stages.result import ChainResult, figures_of_both
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
 from scenes import scene_dict
@@ -37,15 +39,13 @@ def solved(monkeypatch):
     """Replace the solution of a point by one that is immediate; return the values asked for."""
     asked = []
 
-    class Answer:
-        def __init__(self, values):
-            self.values = values
+    def answer(chain, values):
+        asked.append(dict(values))
+        power, stage = sum(values.values()), Result("ok", performance=Figures(shaft_power=1.0))
+        whole = figures_of_both({"shaft_power": power})
+        return ChainResult("ok", stages=(stage, stage), scenes=(chain.first, chain.second), performance=whole)
 
-        def as_result(self):
-            asked.append(dict(self.values))
-            return Result("ok", performance=Figures(shaft_power=sum(self.values.values())))
-
-    monkeypatch.setattr(points, "solved_with", lambda chain, values: Answer(values))
+    monkeypatch.setattr(points, "solved_with", answer)
     return asked
 
 
@@ -186,7 +186,7 @@ def test_the_command_draws_the_points_on_a_page(plant, solved, tmp_path, capsys)
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["-o", "a.h5"], "-o a.h5: points of two stages are a table, a page or a PDF (write one of a.csv, "),
+        (["-o", "a.txt"], "-o a.txt: points of two stages are results, a table, a page or a PDF (write one of a.h5, "),
         (["--batch"], "stages have no --batch (sweep one of the two scenes instead)"),
         (["--without", "oil_heat"], "stages have no --without"),
         (["--set", "sweep.first.operation.speed=[1 rpm]"], "belongs to the two-stage file (write it there)"),
@@ -207,6 +207,9 @@ def test_two_stages_without_a_sweep_are_told_how_to_write_one(plant, capsys):
     ("axis", "words"),
     [
         ("first.operation.sped", "is not known; did you mean 'first.operation.speed'?"),
+        ("first.zzz.a", "is not known (use a dotted path of that scene after first.)"),
+        ("second.gap", "is not known; there are second.effects.tip_leakage.gap, second.effects.interlobe"),
+        ("second.operation.xx", "is not known; known there: speed, tip_speed, ambient_temperature, condensing_temp"),
         ("operation.speed", "starts with none of first., second., intercooler. (write e.g. first.operation.speed)"),
         ("first.operation.discharge.pressure", "belongs to the discharge line, which follows from the other stage"),
         ("second.operation.suction.temperature", "belongs to the suction line, which follows from the other stage"),
@@ -230,12 +233,12 @@ def test_a_run_tells_that_it_leaves_the_sweep_aside(plant, capsys):
     assert capsys.readouterr().err.startswith(f"{path}: its sweep of 4 cases is ignored, and the scene's own point")
 
 
-def test_a_sweep_tells_that_it_leaves_tolerances_aside(plant, solved, tmp_path, capsys):
+def test_a_sweep_tells_that_it_leaves_model_errors_aside(plant, solved, tmp_path, capsys):
     path = plant()
-    low = scene_dict({"effects.tip_leakage.gap": "30 um +- 5 um"})
-    (tmp_path / "low.yaml").write_text(json.dumps(low))
+    name = next(iter(stored_model_errors()))
+    (tmp_path / "low.yaml").write_text(json.dumps(scene_dict({}) | {"uncertainty": {"model": name}}))
     assert exit_code(["sweep", str(path), "-o", str(tmp_path / "out.csv"), "--jobs", "1"]) == 0
-    assert "the first scene's tolerances are ignored" in " ".join(capsys.readouterr().err.split())
+    assert "the first scene's model error is ignored" in " ".join(capsys.readouterr().err.split())
 
 
 @pytest.mark.parametrize(

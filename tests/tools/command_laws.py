@@ -309,7 +309,7 @@ def staged(case: Case) -> Iterator[str]:
     changes = [part for speed in speeds for part in ("--set", speed)]
     plant = case.json("run", str(CONFIGS / PLANT), *changes, "-o", "plant.h5", partly=True)
     for stage, true in zip(STAGES, plant["stages"], strict=True):
-        case.ask("scene", f"plant_{stage}.h5", "-o", f"{stage}.yaml")
+        case.ask("scene", "plant.h5", "--stage", stage, "-o", f"{stage}.yaml")
         yield from unequal(case.run(file=f"{stage}.yaml"), true, f"{changes}: {stage} stage")
 
 

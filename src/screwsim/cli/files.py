@@ -54,7 +54,11 @@ def plot(
     from screwsim.report.trace import chosen_trace
     from screwsim.results import open_results
 
-    read, trace = read_indicated(measured), chosen_trace(open_results(results_file))
+    read, results = read_indicated(measured), open_results(results_file)
+    if results.stages:
+        alone = f"screwsim scene {results_file} --stage {next(iter(results.stages))} gives one"
+        raise UsageError(f"{results_file}: holds two stages, and --measured needs the results of one machine ({alone})")
+    trace = chosen_trace(results)
     if trace is None:
         raise UsageError(
             f"{results_file}: holds no cycle to compare (run stores one; a sweep does with output.keep: cycle)"
@@ -71,20 +75,26 @@ def plot(
 def scene(
     results_file: str = RESULTS_FILE,
     output: File = option("SCENE.yaml", "File to write it to (default: the screen).", "-o"),
+    stage: Text = option("first|second", "Of two stages: this one alone, with the line between both as found."),
 ) -> None:
     """Write the scene stored in a results file, to simulate it again."""
     options.check_target(output, ".yaml", ".yml")
     from screwsim.results import open_results
     from screwsim.results.atomic import write_text
-    from screwsim.results.read import stored_scene
+    from screwsim.results.read import stage_scene, stored_scenes
 
-    if output is not None and output.exists():
-        raise UsageError(f"-o {output}: already exists and is not overwritten (choose another name, or remove it)")
-    text = stored_scene(open_results(results_file))
+    results = open_results(results_file)
+    scenes = stored_scenes(results) if stage is None else {"": stage_scene(results, stage)}
     if output is None:
-        say(text.rstrip("\n"))
+        say("\n".join(f"# {file}\n{text}" if file else text for file, text in scenes.items()).rstrip("\n"))
         return
-    options.print_files([write_text(output, text)])
+    places = {output.with_name(file or output.name): text for file, text in scenes.items()}
+    if len(places) < len(scenes):
+        named = ", ".join(filter(None, scenes))
+        raise UsageError(f"-o {output}: is the name of a stage's file, {named} (choose another name)")
+    for place in filter(Path.exists, places):
+        raise UsageError(f"-o {place}: already exists and is not overwritten (choose another name, or remove it)")
+    options.print_files([write_text(place, text) for place, text in places.items()])
 
 
 def report(
@@ -93,14 +103,14 @@ def report(
     other: Text = option("OTHER.h5", "The paper's other sweep; its claims need both.", "--with"),
 ) -> None:
     """Make one HTML page of a results file: figures, cycles, checks, scene; it opens offline in any browser."""
-    from screwsim.report.page import report as made
+    from screwsim.report.page import pages
     from screwsim.results import open_results
     from screwsim.study.claims import claims_of
 
     open_results(results_file)  # a file that is missing is told before a place that cannot be written
     target = output or str(Path(results_file).with_suffix(".html"))
     options.check_page(Path(target))
-    options.print_files([made(results_file, target, claims_of(results_file, other))])
+    options.print_files(pages(results_file, target, claims_of(results_file, other)))
 
 
 def validate(

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import typer
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from screwsim.study.progress import Progress
     from screwsim.study.stages.read import StageChain
 
+AnyScene = TypeVar("AnyScene", bound="Scene | StageChain")
 OK, INTERNAL, USAGE, BAD_SCENE, NOT_ALL_OK, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
 RESULTS = (".h5", ".hdf5", ".hdf", ".nc", ".nc4")  # HDF5, and netCDF-4, which is HDF5
@@ -41,6 +42,20 @@ def loaded_scene(scene_file: str, overrides: Sequence[str] | None, without: Sequ
     from screwsim.scene import load
 
     return load(scene_file, overrides or (), without or ())
+
+
+def loaded_scene_or_stages(
+    scene_file: str, verb: str, overrides: Sequence[str] | None, without: Sequence[str] | None
+) -> Scene | StageChain:
+    """Return the scene of a command, or the two stages that its file joins; effects stay in both of these."""
+    from screwsim.study.stages import is_stages, read_stages
+
+    if not is_stages(scene_file):
+        return loaded_scene(scene_file, overrides, without)
+    refuse_for_stages(scene_file, verb, {"--without": without})
+    chain = read_stages(scene_file, overrides or ())
+    report_sweeps_of_stages(chain, scene_file)
+    return chain
 
 
 def loaded_point(scene_file: str, overrides: Sequence[str] | None, without: Sequence[str] | None) -> Scene:
@@ -174,13 +189,15 @@ def print_files(files: Iterable[Path | str], as_json: bool = False) -> None:
         say(str(file), err=as_json)
 
 
-def base_point(scene: Scene, file: str) -> Scene:
+def base_point(scene: AnyScene, file: str) -> AnyScene:
     """Return the scene without its sweep, as stored with the result; if it has one, report that on stderr."""
     if not scene.sweep:
         return scene
-    from screwsim.scene import scene_text
+    from screwsim.scene import Scene, scene_text
 
     report_ignored_sweep(scene, f"{file}: its", f"screwsim sweep {file} simulates the sweep")
+    if not isinstance(scene, Scene):
+        return replace(scene, sweep={}, joints=())
     base = replace(scene, sweep={})
     return replace(base, text=scene_text(base))
 

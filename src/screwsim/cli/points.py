@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,9 +19,10 @@ if TYPE_CHECKING:
     from screwsim.scene import Scene
     from screwsim.study.knock_out import LeftOut
     from screwsim.study.measured import MeasuredFigure
+    from screwsim.study.stages import StageChain
 
 
-SHEETS = (".csv", ".html", ".pdf")  # endings of the points of two stages
+SHEETS = (".csv", ".html", ".pdf")  # endings of the points of two stages, beside those of results
 
 
 def run(
@@ -138,35 +140,39 @@ def _knock_out_groups(scene: Scene, each: bool, together: Sequence[str] | None) 
 
 def _run_stages(file: str, output: Path | None, overrides: Texts, as_json: bool) -> int:
     from screwsim.printing.stages import print_stages
-    from screwsim.study.point import save_point
+    from screwsim.study.point import with_slopes
     from screwsim.study.stages import read_stages, run_stages
+    from screwsim.study.stages.store import point_results, save_chain
+    from screwsim.study.stages.uncertain import with_uncertainty
 
     chain = read_stages(file, overrides or ())
-    places = [] if output is None else [output.with_stem(f"{output.stem}_{name}") for name in ("first", "second")]
-    for place in places:
-        options.check_place(place)
+    if output is not None:
+        options.check_place(output)
     options.report_ignored_sweep(chain, f"{file}: its", f"screwsim sweep {file} simulates the sweep")
     options.report_sweeps_of_stages(chain, file)
-    _report_ignored_tolerances(file, chain)
-    found = run_stages(chain)
-    written = places if found.scenes else []
-    for place, scene, result in zip(written, found.scenes, found.stages, strict=False):
-        save_point(place, scene, result)
+    _report_ignored_model_errors(file, chain)
+    base = replace(chain, sweep={}, joints=())
+    found = with_uncertainty(base, run_stages(base))
+    if output is not None:
+        options.check_place(output)  # again: a file that has appeared meanwhile is kept
+        save_chain(output, base, [point_results(found, with_slopes)], "run", found.scenes)
     options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_stages, chain.title, found)
-    options.print_files(written, as_json)
+    options.print_files([] if output is None else [output], as_json)
     return OK if found.status == "ok" else NOT_ALL_OK
 
 
-def _report_ignored_tolerances(file: str, chain: Any) -> None:
+def _report_ignored_model_errors(file: str, chain: StageChain) -> None:
     for name, scene in (("first", chain.first), ("second", chain.second)):
-        if scene.uncertain or scene.model_error:
-            told = "tolerances are ignored (screwsim run of that scene shows their effect)"
+        if scene.model_error:
+            told = "model error is ignored (screwsim run of that scene shows it)"
             say(f"{file}: the {name} scene's {told}", err=True)
 
 
 def sweep(
     scene_file: str = SCENE_FILE,
-    output: File = option("OUT.h5", "Results file (default: results/SCENE.h5; of two stages results/SCENE.csv).", "-o"),
+    output: File = option(
+        "OUT.h5", "Results file (default: results/SCENE.h5); of two stages also .csv (the default), .html, .pdf.", "-o"
+    ),
     overrides: Texts = OVERRIDES,
     without: Texts = WITHOUT,
     jobs: int | None = JOBS,
@@ -177,7 +183,7 @@ def sweep(
     gpu: bool = switch("--gpu", "The same on an NVIDIA GPU shared by all workers, for thousands of points."),
     as_json: bool = AS_JSON,
 ) -> int:
-    """Simulate all cases of a sweep, or resume it; two stages give a table or a page (.csv, .html, .pdf; no .h5)."""
+    """Simulate all cases of a sweep, or resume it, of a scene or of two stages in series."""
     from screwsim.study.stages import is_stages
 
     if is_stages(scene_file):
@@ -213,23 +219,33 @@ def _sweep_stages(
     from screwsim.study.datasheet.stages_points import points_sheet
     from screwsim.study.stages import read_stages
     from screwsim.study.stages.points import KeptPoints, sweep_stages
+    from screwsim.study.stages.store import check_place_of_points, save_chain
 
     chain = read_stages(file, overrides or ())
     if not chain.sweep:
         example = "first.operation.speed: [2000 rpm, 3000 rpm]"
         raise UsageError(f"{file}: has no sweep (add sweep: {{{example}}}; one point is simulated by screwsim run)")
     options.report_sweeps_of_stages(chain, file)
-    _report_ignored_tolerances(file, chain)
+    _report_ignored_model_errors(file, chain)
     place = output or Path("results") / f"{Path(file).stem}.csv"
-    if place.suffix.lower() not in SHEETS:
-        good = ", ".join(str(place.with_suffix(ending)) for ending in SHEETS)
-        raise UsageError(f"-o {place}: points of two stages are a table, a page or a PDF (write one of {good})")
-    check_sheet(place)
+    as_results = place.suffix.lower() in options.RESULTS
+    if not as_results and place.suffix.lower() not in SHEETS:
+        good = ", ".join(str(place.with_suffix(ending)) for ending in (".h5", *SHEETS))
+        raise UsageError(
+            f"-o {place}: points of two stages are results, a table, a page or a PDF (write one of {good})"
+        )
+    if as_results:
+        options.check_results(place)
+        check_place_of_points(place, chain)
+    else:
+        check_sheet(place)
     kept = KeptPoints(chain, place)
     points = sweep_stages(chain, kept, jobs=jobs, restart=restart, progress=options.progress_bar())
     sheet = points_sheet(chain, points, kept.reused)
     options.print_document_or_text(as_json, lambda found: found.document, print_sheet, sheet)
-    options.print_files([write_sheet(sheet, place)], as_json)
+    if as_results:
+        save_chain(place, chain, [each.results for each in points], "sweep")
+    options.print_files([place if as_results else write_sheet(sheet, place)], as_json)
     kept.discard()
     return OK if sheet.ok else NOT_ALL_OK
 

@@ -81,14 +81,19 @@ def optimize(
     as_json: bool = AS_JSON,
 ) -> int:
     """Find values of paths that make figures best: one or several aims, within bounds, over operating points."""
-    scene = options.loaded_scene(scene_file, overrides, without)
+    from screwsim.scene import Scene
+
+    scene = options.loaded_scene_or_stages(scene_file, "optimize", overrides, without)
+    if not isinstance(scene, Scene):
+        refused = {"--over": over, "--print-points": print_points, "-o": output, "--best": best}
+        options.refuse_for_stages(scene_file, "optimize", refused)
     from screwsim.printing.optimize import optimize_document, print_optimize
     from screwsim.study.optimize import question, run_question, spans_of
     from screwsim.study.optimize.points import as_csv, read_points
     from screwsim.study.scene_files import check_scene_file, write_found
     from screwsim.study.seek import rounded
 
-    if print_points:
+    if print_points and isinstance(scene, Scene):
         if over is None:
             raise UsageError("--print-points: needs --over NAME, e.g. --over SEPR")
         say(as_csv(read_points(scene, over)).rstrip())
@@ -107,7 +112,7 @@ def optimize(
     found = run_question(asked, output, jobs=jobs, restart=restart, progress=options.progress_bar("optimize"))
     options.print_document_or_text(as_json, optimize_document, print_optimize, found)
     written = [] if output is None else [str(output)]
-    if best is not None and found.scene is not None:
+    if best is not None and isinstance(found.scene, Scene):
         told = f"optimize {Path(scene_file).name} --vary {', '.join(span.path for span in asked.spans)}"
         values = rounded(found.asked.scene, found.values)
         written.append(write_found(best, found.scene, values, scene_file, overrides or (), without or (), told))

@@ -22,7 +22,11 @@ if TYPE_CHECKING:
 
 def optimum(
     scene_file: str = SCENE_FILE,
-    path: str = option("PATH[=LOW..HIGH]", "Path to vary, and its range.", default="oil_supply.ratio"),
+    path: str = option(
+        "PATH[=LOW..HIGH]",
+        "Path to vary, and its range; of two stages first.PATH or second.PATH.",
+        default="oil_supply.ratio",
+    ),
     figure: Text = option("NAME", "Figure to maximize (default: an efficiency that suits the gas).", "--figure"),
     minimum: bool = switch("--minimize", "Minimize it instead.", "--minimum"),
     first: Text = option("VALUE", "Lower end of the range.", "--from"),
@@ -33,8 +37,8 @@ def optimum(
     jobs: int | None = JOBS,
     as_json: bool = AS_JSON,
 ) -> int:
-    """Find the best value of one path at each point of the sweep's other axes."""
-    scene = options.loaded_scene(scene_file, overrides, without)
+    """Find the best value of one path at each point of the sweep's other axes, of a scene or of two stages."""
+    scene = options.loaded_scene_or_stages(scene_file, "optimum", overrides, without)
     from screwsim.printing.optimum import optimum_document, print_optimum, write_optimum
     from screwsim.study.inputs import efficiency_note
     from screwsim.study.optimum import optimum as found

@@ -8,6 +8,7 @@ from itertools import compress
 from pathlib import Path
 from typing import Any
 
+from screwsim.outputs import Figure
 from screwsim.outputs.customary import printed_celsius
 from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import print_table, wrapped
@@ -101,7 +102,7 @@ def _cells(a: Results, b: Results, change: FigureChange) -> list[str]:
     name = shown_name(change.figure)
     if change.a is None or change.b is None:
         return [name, "", "", "", "", "", "", differ]
-    about = (a if change.figure in a.performance else b).figure(change.figure)
+    about = _declaration(a, b, change.figure)
     if about.units == "K":
         return [name, printed_celsius(change.a), printed_celsius(change.b), "°C", *_changes(change, 1.0, "K"), differ]
     (in_a, unit_a), (in_b, unit_b) = engineering(about, change.a), engineering(about, change.b)
@@ -109,6 +110,12 @@ def _cells(a: Results, b: Results, change: FigureChange) -> list[str]:
         in_b = f"{in_b} {unit_b}"
     changes = _changes(change, 100.0 / abs(change.a), "%") if change.a else ["", "", ""]
     return [name, in_a, in_b, unit_a if change.a else unit_b, *changes, differ]
+
+
+def _declaration(a: Results, b: Results, name: str) -> Figure:
+    """Return the declaration of a figure that at least one of both files has."""
+    of, own = a.holder(name)
+    return (a if own in of.performance else b).figure(name)
 
 
 def _changes(of: FigureChange, factor: float, unit: str) -> list[str]:
@@ -154,7 +161,7 @@ def write_comparison(a: Results, b: Results, folder: Path) -> list[str]:
     for side, status in zip("ab", common.status, strict=True):
         columns[f"status_{side}"] = Column(status.tolist(), "", f"status in {side.upper()}")
     for name, (one, other, error) in common.figures.items():
-        about = (a if name in a.performance else b).figure(name)
+        about = _declaration(a, b, name)
         named = {"a": (one, "in A"), "b": (other, "in B"), "error": (error, "estimated errors of both files, combined")}
         for end, (column, words) in named.items():
             cells = [None if math.isnan(value) else value for value in column.tolist()]

@@ -101,6 +101,10 @@ def _print_best(found: Optimum) -> None:
     value, error = found.aims[row, 0], found.errors[row, 0]
     say()
     say(f"{shown_name(aim.figure)} {figure_text(aim.figure, value)}, error {error_text(aim.figure, value, error)}")
+    for name in getattr(asked.scene, "beside", ()):
+        value = found.points[0].result.performance.get(name)
+        if value is not None:
+            say(f"{shown_name(name)} {figure_text(name, value)}")
     if not asked.points.single:
         say()
         say("\n".join(_points(found)))

@@ -9,17 +9,18 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import figure_text
 from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_wrapped, wrapped
-from screwsim.scene import Scene, axis_label, leaf_of
+from screwsim.scene.grid import unit_of
 from screwsim.screen import say
 from screwsim.study.beyond import LOWER, UPPER, border_note
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.inputs import shown_number, shown_value
 from screwsim.study.optimum import Best, Question
+from screwsim.study.varied import Varied, leaf_of
 
 MOST_PLACES = 3  # points that a note names; of more it names the first
 
 
-def optimum_document(scene: Scene, asked: Question, rows: Sequence[Best]) -> dict[str, Any]:
+def optimum_document(scene: Varied, asked: Question, rows: Sequence[Best]) -> dict[str, Any]:
     """Return what `optimum --json` prints: the question, one row per point of the other axes, counts; in SI units."""
     return {
         "title": scene.title,
@@ -34,7 +35,7 @@ def optimum_document(scene: Scene, asked: Question, rows: Sequence[Best]) -> dic
     }
 
 
-def print_optimum(scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
+def print_optimum(scene: Varied, asked: Question, rows: Sequence[Best]) -> None:
     """Print one row per point of the other axes, then remarks on single ones."""
     word = "lowest" if asked.minimum else "highest"
     ends = f"{shown_value(scene, asked.path, asked.low)} … {shown_value(scene, asked.path, asked.high)}"
@@ -43,8 +44,8 @@ def print_optimum(scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
     say()
     paths = [path for path in scene.sweep if path != asked.path]
     heads = [*column_heads(paths), asked.path.rpartition(".")[2], "as good"]
-    heads += [shown_name(asked.figure), "error", "accuracy", "simulated"]
-    print_table(heads, [_cells(scene, asked, paths, row) for row in rows])
+    heads += [shown_name(asked.figure), "error", *map(shown_name, _beside(rows)), "accuracy", "simulated"]
+    print_table(heads, [_cells(scene, asked, paths, row, _beside(rows)) for row in rows])
     notes: dict[str, list[str]] = {}
     for row in rows:
         for note in _notes(scene, asked, row):
@@ -56,16 +57,22 @@ def print_optimum(scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
         say(wrapped("as good: range in which the figure is within its estimated error of the best"))
 
 
-def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> list[str]:
+def _beside(rows: Sequence[Best]) -> list[str]:
+    """Return the figures that are told beside the one sought, of two stages."""
+    return list(dict.fromkeys(name for row in rows for name in row.beside))
+
+
+def _cells(scene: Varied, asked: Question, paths: Sequence[str], row: Best, beside: Sequence[str]) -> list[str]:
     head = [shown_value(scene, path, row.values[path]) for path in paths]
     if row.value is None or row.figure is None or row.error is None:
-        return [*head, row.status, "", "", "", "", str(row.solutions)]
+        return [*head, row.status, "", "", "", *("" for _ in beside), "", str(row.solutions)]
     number, unit = engineering(asked.figure, row.figure)
     low, high = (shown_number(scene, asked.path, end) for end in (row.low, row.high))
     mark = {LOWER: " <", UPPER: " >"}.get(row.place or "", "")
     place = [shown_value(scene, asked.path, row.value, 4) + mark, f"{low} … {high}", f"{number} {unit}".strip()]
     error = f"{row.error / abs(row.figure):.0e}" if row.figure else ""
-    return [*head, *place, error, f"{row.accuracy:.0e}", str(row.solutions)]
+    others = ["" if (value := row.beside.get(name)) is None else figure_text(name, value) for name in beside]
+    return [*head, *place, error, *others, f"{row.accuracy:.0e}", str(row.solutions)]
 
 
 def _with_places(note: str, where: Sequence[str]) -> list[str]:
@@ -75,7 +82,7 @@ def _with_places(note: str, where: Sequence[str]) -> list[str]:
     return [f"{each}: {note}" if each else note for each in where]
 
 
-def _notes(scene: Scene, asked: Question, row: Best) -> Iterator[str]:
+def _notes(scene: Varied, asked: Question, row: Best) -> Iterator[str]:
     if row.place in (LOWER, UPPER):
         yield border_note(row.place, row.beyond, " (--from)" if row.place == LOWER else " (--to)")
     elif row.beyond:
@@ -91,13 +98,15 @@ def _notes(scene: Scene, asked: Question, row: Best) -> Iterator[str]:
         yield f"warning: {warning}"
 
 
-def write_optimum(path: Path, scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
+def write_optimum(path: Path, scene: Varied, asked: Question, rows: Sequence[Best]) -> None:
     """Write one row per point of the other axes as CSV or HDF5, in SI units."""
     columns = {}
     for axis in (axis for axis in scene.sweep if axis != asked.path):
         values = [row.values[axis] for row in rows]
-        columns[axis] = Column(values, axis_label(axis, scene)[1] or "1", leaf_of(scene, axis).doc)
-    units, doc = axis_label(asked.path, scene)[1], leaf_of(scene, asked.path).doc
+        leaf = leaf_of(scene, axis)
+        columns[axis] = Column(values, unit_of(leaf) or "1", leaf.doc)
+    sought = leaf_of(scene, asked.path)
+    units, doc = unit_of(sought), sought.doc
     about = declared(asked.figure)
     meanings = {
         "value": (asked.path, units, f"best {doc}"),
@@ -115,5 +124,8 @@ def write_optimum(path: Path, scene: Scene, asked: Question, rows: Sequence[Best
     }
     for name, (column, unit, meaning) in meanings.items():
         columns[column] = Column([getattr(row, name) for row in rows], unit, meaning)
+    for name in _beside(rows):
+        about = declared(name)
+        columns[name] = Column([row.beside.get(name) for row in rows], about.units, f"{about.long_name}, at the best")
     columns["warnings"] = Column(["; ".join(row.warnings) for row in rows], "", "warnings of the best solution")
     write_columns(path, f"optimum of {asked.path}", columns)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from screwsim.figures.engineering import engineering, engineering_temperature, quantity, shown_name, small_number_text
 from screwsim.outputs import EFFICIENCY, STAGES
 from screwsim.printing.tables import absent_figures, print_scene_title
+from screwsim.printing.uncertain import print_uncertainty
 from screwsim.screen import say
 
 if TYPE_CHECKING:
@@ -46,6 +47,8 @@ def print_stages(title: str, found: ChainResult) -> None:
             figures = ((name, result.performance[name]) for name in STAGE_FIGURES)
             words = [_figure(name, value) for name, value in figures if value is not None]
             say(textwrap.fill(f"{which} stage: {', '.join(words)}", WIDTH - 1, subsequent_indent="  "))
+    if found.uncertainty:
+        print_uncertainty(found.as_result())
 
 
 def _figure_cell(name: str, value: float) -> str:

@@ -28,7 +28,8 @@ NEGLIGIBLE = 1e-6  # of a figure: smaller uncertainties are ignored
 RANGE_FIGURES = (
     *PACKAGE_FIGURES,
     *("isothermal_efficiency", "isentropic_efficiency", "volumetric_efficiency", "gas_mass_flow", "cooling_capacity"),
-    *("cop", "shaft_power", "electrical_power", "discharge_temperature", "oil_mass_flow", "work_per_cycle"),
+    *("cop", "shaft_power", "electrical_power", "intermediate_pressure", "discharge_temperature"),
+    *("oil_mass_flow", "work_per_cycle"),
 )
 
 
@@ -67,7 +68,7 @@ def print_uncertainty(result: Result) -> None:
 def _causes(contributors: Sequence[Mapping[str, Any]]) -> str:
     """Return the inputs that contribute most to a figure's uncertainty, with their shares of its variance."""
     some = [each for each in contributors[:MOST_CONTRIBUTORS] if each["share"] >= LEAST_SHARE]
-    paths = (" + ".join(path.removeprefix("effects.") for path in each["paths"]) for each in some)
+    paths = (" + ".join(path.replace("effects.", "", 1) for path in each["paths"]) for each in some)
     return ", ".join(f"{path} {each['share']:.0%}" for path, each in zip(paths, some, strict=True))
 
 

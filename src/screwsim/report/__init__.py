@@ -29,6 +29,8 @@ def plot(path: str | Path, folder: str | Path | None = None, measured: Indicated
     results = open_results(path)
     kinds = (front, sweeps, samples, maps, cycle, entropy, ledger)
     plans = dict(plan for kind in kinds for plan in kind.plans(results, *([measured] if kind is cycle else [])))
+    for stage, own in results.stages.items():
+        plans |= {f"{stage}_{name}": drawn for kind in kinds for name, drawn in kind.plans(own)}
     if not plans:
         raise UsageError(f"{path}: has nothing to draw: {_why(results)}")
     return write_all(plans, path.with_suffix("") if folder is None else folder)

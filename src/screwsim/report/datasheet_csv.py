@@ -16,6 +16,7 @@ from screwsim.scene.fields import Leaf, leaf_paths
 from screwsim.scene.units import ZERO_CELSIUS, customary_unit, to_customary
 
 ERROR = "_error"  # behind the name of a figure: its estimated error, relative
+UNCERTAINTY = "_uncertainty"  # likewise: half of its 95 % interval by the tolerances of the inputs, in its own unit
 STATUS, BEYOND, WARNINGS = "status", "beyond", "warnings"  # of a point, beside its numbers
 PLAIN = {"°C": "degC", "²": "^2", "³": "^3"}  # in heads, as in all tables of the program
 DIGITS = 6  # significant digits of a number
@@ -74,7 +75,10 @@ def _unit(name: str, sizes: Sequence[float], axes: Mapping[str, str | None]) -> 
     leaf = None if declaration(name) else _axes().get(STAGE.sub("", name))
     if leaf is not None and leaf.dimension is not None:
         return to_customary(leaf.dimension, 1.0), customary_unit(leaf.dimension), 0.0
-    factor, unit, offset = reading_unit(declared(name), max(sizes, default=0.0))
+    figure, most = name.removesuffix(UNCERTAINTY), max(sizes, default=0.0)
+    if figure != name and declared(figure).units == "K":
+        return 1.0, "K", 0.0
+    factor, unit, offset = reading_unit(declared(figure), most)
     for sign, plain in PLAIN.items():
         unit = unit.replace(sign, plain)
     return factor, unit, offset

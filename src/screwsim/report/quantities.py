@@ -10,6 +10,7 @@ import numpy as np
 
 from screwsim.figures.engineering import figure_scales, shown_name
 from screwsim.results import Results
+from screwsim.results.read import STAGES
 from screwsim.results.schema import Axis
 from screwsim.scene.units import ZERO_CELSIUS
 
@@ -106,7 +107,14 @@ _CUSTOMARY = {
 
 
 def shown_axis(axis: Axis) -> Display:
-    """Return the display of a sweep's axis; paths without their own symbol show their last words."""
+    """Return the display of a sweep's axis; paths without their own symbol show their last words.
+
+    That of one of two stages has the stage behind its words, and no symbol.
+    """
+    stage, _, own = axis.path.partition(".")
+    if stage in STAGES:
+        alone = shown_axis(axis._replace(path=own))
+        return alone._replace(words=f"{alone.words}, {stage} stage", symbol="")
     if axis.path in _AXES:
         return _AXES[axis.path]
     words = " ".join(axis.path.split(".")[-2:]).replace("_", " ")

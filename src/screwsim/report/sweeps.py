@@ -24,6 +24,7 @@ OTHER_FIGURES = (
     "shaft_power",
     "gas_mass_flow",
     "discharge_temperature",
+    "intermediate_pressure",
     "cooling_capacity",
     "cop",
 )

@@ -31,8 +31,11 @@ class Group(Mapping[str, np.ndarray]):
     Texts are str, numbers as stored: NaN is a missing value, `status` an index into `outputs.STATUSES`.
     """
 
-    def __init__(self, path: Path, name: str, about: Mapping[str, Variable], scales: Mapping[str, str]) -> None:
+    def __init__(
+        self, path: Path, name: str, about: Mapping[str, Variable], scales: Mapping[str, str], stage: str = ""
+    ) -> None:
         self.name = name
+        self._stage = stage  # of two: the group within which this one lies
         self.about = about  # unit and meaning of each variable
         self.scales = scales  # of errors: the scale to which each is relative, as text
         self._path = path
@@ -52,8 +55,12 @@ class Group(Mapping[str, np.ndarray]):
         missing = [name for name in names if name not in self._read]
         if missing:
             with opened(self._path) as file:
-                group = stored.member(file, self.name, dataset=False)
+                group = self._of(file)
                 self._read |= {name: values_of(group, name) for name in missing}
+
+    def _of(self, file: Any) -> Any:
+        """Return the group in an open file."""
+        return stored.member(stored.stage_of(file, self._stage), self.name, dataset=False)
 
     def __contains__(self, name: object) -> bool:
         return name in self.about or (isinstance(name, tuple) and super().__contains__(name))
@@ -80,7 +87,7 @@ class Group(Mapping[str, np.ndarray]):
     def texts(self, name: str) -> tuple[list[str], np.ndarray]:
         """Return the distinct texts of a variable, and the index of each case's text (cases,), last axis fastest."""
         with opened(self._path) as file:
-            group = stored.member(file, self.name, dataset=False)
+            group = self._of(file)
             if not stored.has(group, f"{name}_text"):
                 return [str(values_of(group, name))], np.zeros(1, np.int32)
             words = _words(group, name)
@@ -95,7 +102,7 @@ class Group(Mapping[str, np.ndarray]):
     def part(self, name: str, index: tuple[slice, ...]) -> np.ndarray:
         """Return a slice of a numeric variable, read from the file at once and not cached."""
         with opened(self._path) as file:
-            return stored.values(stored.member(stored.member(file, self.name, dataset=False), name), index)
+            return stored.values(stored.member(self._of(file), name), index)
 
 
 def values_of(group: Any, name: str) -> np.ndarray:

@@ -4,8 +4,10 @@ Source: Unidata, "NetCDF-4 Format" (appendix C of the netCDF user's guide). Octa
 length, so there are none.
 """
 
+from __future__ import annotations
+
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from itertools import count
 from typing import Any, NamedTuple
@@ -78,15 +80,19 @@ class FileVariable(NamedTuple):
 class Layout:
     """Writes groups, dimensions and variables into an open HDF5 file, and counts the file's dimensions."""
 
-    def __init__(self, file: Any) -> None:
+    def __init__(self, file: Any, ids: Iterator[int] | None = None) -> None:
         self.file = file
-        self._ids = count()
+        self._ids = count() if ids is None else ids
         self._scales: dict[tuple[int, str], Any] = {}  # by group and name
         self._kinds: dict[tuple[Any, ...], tuple[Any, Any, Any]] = {}  # type, space and storage of similar variables
 
     def group(self, name: str) -> Any:
         """Create a group that remembers the order of its members, as netCDF-4 does."""
         return self.file.create_group(name, track_order=True)
+
+    def within(self, name: str) -> Layout:
+        """Create a group, and return the layout of groups within it, whose dimensions count on."""
+        return Layout(self.group(name), self._ids)
 
     def coordinate(self, group: Any, name: str, values: np.ndarray, about: Mapping[str, Any]) -> None:
         """Create a dimension with its coordinate variable."""

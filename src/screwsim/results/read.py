@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,9 @@ from screwsim.results.stored import REMEDY, MalformedFile, opened
 # the first two come with traces, the next two with their studies, two with tolerances, the last on request
 _ALWAYS = ("inputs", "performance", "balance", "error", "numerics")
 _OPTIONAL = ("cycle", "ledger", "knock_out", "optimum", "uncertainty", "contributions", "derivatives")
+ACCURACY = "numerics.accuracy"
+SCENE_AT_POINT = "scene_yaml_at_point"  # attribute of a stage: its scene with the line between both as found
+STAGES = ("first", "second")  # groups of results of their own, where two machines are in series
 _LARGEST = 1e30  # of a coordinate, in SI units
 _VERSIONS = "screwsim", "python", "numpy", "scipy", "llvmlite", "coolprop"  # whose versions a stored scene states
 _TEXTS = ("title", "source", "history", "scene_yaml", "scene_sha256", "screwsim_fingerprint", "screwsim_version")
@@ -33,7 +36,10 @@ _TEXTS = ("title", "source", "history", "scene_yaml", "scene_sha256", "screwsim_
 
 @dataclass(frozen=True, repr=False)
 class Results(Brief):
-    """A results file: `axes` {dotted path: values [SI] or texts}, and one mapping per group."""
+    """A results file: `axes` {dotted path: values [SI] or texts}, and one mapping per group.
+
+    That of two stages in series has the figures of both together, and in `stages` the results of each by its name.
+    """
 
     path: Path
     attributes: Mapping[str, Any]
@@ -50,6 +56,8 @@ class Results(Brief):
     uncertainty: Group  # standard uncertainty of each figure by the inputs; empty unless the scene gives tolerances
     contributions: Group  # over `contributor`: change by one standard uncertainty of each input
     derivatives: Group  # over `number`: of each figure by each number of the scene; empty unless requested
+    stages: Mapping[str, Results] = field(default_factory=dict, kw_only=True)  # on the same axes; empty for one machine
+    stage: str = field(default="", kw_only=True)  # the name of this one of two stages
 
     @property
     def scene_yaml(self) -> str:
@@ -101,8 +109,25 @@ class Results(Brief):
         """Warnings of each case, joined by line breaks; empty without any."""
         return self.performance["warnings"]
 
+    @property
+    def accuracy(self) -> np.ndarray:
+        """Accuracy that the scene asks for, in each case; of two stages that of the less accurate one."""
+        every = [each.stated(ACCURACY) for each in self.stages.values()] or [self.stated(ACCURACY)]
+        return np.max(every, axis=0)
+
+    def holder(self, name: str) -> tuple[Results, str]:
+        """Return the results that have a figure, and its name there: of two stages `first_` and `second_` are each."""
+        stage, _, own = name.partition("_")
+        if name in self.performance or stage not in self.stages:
+            return self, name
+        return self.stages[stage], own
+
     def figure(self, name: str) -> Figure:
         """Return the declaration of a figure as the file states it; the error's scale is missing from older files."""
+        of, own = self.holder(name)
+        if of is not self:
+            about = of.figure(own)
+            return replace(about, name=name, long_name=f"{about.long_name}, {of.stage} stage")
         units, long_name = self.performance.about[name]
         here = declaration(name)
         scale = unpacked(self.error.scales.get(name, "")) or getattr(here, "scale", ITSELF)
@@ -113,6 +138,9 @@ class Results(Brief):
 
         Where none was estimated, the relative error `unknown` is used, one of all cases or of each.
         """
+        of, own = self.holder(name)
+        if of is not self:
+            return of.absolute_error(own, unknown)
         scale = self.figure(name).scale
         asked = (each for each in figures_for_scale(name, scale) if each in self.performance)
         known = {each: np.nan_to_num(self.performance[each]) for each in asked}
@@ -161,8 +189,19 @@ def open_results(path: str | os.PathLike[str]) -> Results:
     """Return the results in a file; raise UsageError if it is not a valid results file of screwsim."""
     path = Path(path)
     with opened(path) as file:
-        attributes, axes = _root(path, file), _axes(stored.member(file, "performance", dataset=False))
-        return Results(path, attributes, axes, *(_group(path, file, name, axes) for name in (*_ALWAYS, *_OPTIONAL)))
+        there = [name for name in STAGES if stored.has(file, name)]
+        stages = {name: _results(path, stored.stage_of(file, name), name) for name in there}
+        found = _results(path, file)
+        if any(each.shape != found.shape for each in stages.values()):
+            raise MalformedFile("is not a results file: the axes of its stages differ from its own")
+        return replace(found, stages=stages)
+
+
+def _results(path: Path, root: Any, stage: str = "") -> Results:
+    """Return the results in a file's root, or in the group of one of two stages."""
+    attributes, axes = _root(path, root), _axes(stored.member(root, "performance", dataset=False))
+    groups = (_group(path, root, name, axes, stage) for name in (*_ALWAYS, *_OPTIONAL))
+    return Results(path, attributes, axes, *groups, stage=stage)
 
 
 def read_attributes(path: Path) -> dict[str, Any]:
@@ -184,6 +223,23 @@ def stored_scene(results: Results) -> str:
     return "\n".join(lines) + "\n" + results.scene_yaml
 
 
+def stored_scenes(results: Results) -> dict[str, str]:
+    """Return the text of a file's scene as `stored_scene`, under '', and those of two stages under their files."""
+    return {"": stored_scene(results)} | {f"{name}.yaml": stored_scene(each) for name, each in results.stages.items()}
+
+
+def stage_scene(results: Results, stage: str) -> str:
+    """Return the text of one stage's scene with the line between both as it was found; raise UsageError without one."""
+    if stage not in results.stages:
+        named = ", ".join(results.stages) or "none"
+        raise UsageError(f"{results.path}: has no stage {stage!r} (its stages: {named})")
+    own = results.stages[stage]
+    if SCENE_AT_POINT not in own.attributes:
+        why = "is of a sweep" if results.shape else "holds no solution"
+        raise UsageError(f"{results.path}: {why}, so the line between its stages is not known (run one of its points)")
+    return stored_scene(replace(own, attributes={**own.attributes, "scene_yaml": own.attributes[SCENE_AT_POINT]}))
+
+
 def count_statuses(path: Path) -> tuple[int, ...]:
     """Return the number of cases of a results file with each status of `outputs.STATUSES`."""
     with opened(path) as file:
@@ -191,9 +247,9 @@ def count_statuses(path: Path) -> tuple[int, ...]:
     return tuple(int(np.count_nonzero(status == index)) for index in range(len(STATUSES)))
 
 
-def _group(path: Path, file: Any, name: str, axes: tuple[Axis, ...]) -> Group:
+def _group(path: Path, file: Any, name: str, axes: tuple[Axis, ...], stage: str = "") -> Group:
     if name in _OPTIONAL and not stored.has(file, name):
-        return Group(path, name, {}, {})
+        return Group(path, name, {}, {}, stage)
     group = stored.member(file, name, dataset=False)
     known = tuple(inner.name for axis in axes for inner in (axis, *axis.joined))
     axes = axes[:1] if name == "optimum" else axes
@@ -202,7 +258,7 @@ def _group(path: Path, file: Any, name: str, axes: tuple[Axis, ...]) -> Group:
     shape = () if name == "knock_out" else tuple(len(axis.values) for axis in axes)
     own = _own_length(group, OWN.get(name))
     about = _about_all(group, known, _Shapes(name, shape, own))
-    return Group(path, name, about, dict(_scales(group, about)) if name == "error" else {})
+    return Group(path, name, about, dict(_scales(group, about)) if name == "error" else {}, stage)
 
 
 def _scales(group: Any, names: Iterable[str]) -> Iterator[tuple[str, str]]:

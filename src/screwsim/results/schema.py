@@ -1,7 +1,8 @@
 """Contents of a results file beside the figures: identity of the scene, inputs, axes, versions.
 
 Groups: inputs, performance, balance, error, numerics (one value per case on the axes of the sweep), and, if traces are
-kept, cycle (traces) and ledger (one value per case).
+kept, cycle (traces) and ledger (one value per case). Of two stages in series the file has inputs, performance and
+error, and a group of all these for each stage.
 """
 
 from __future__ import annotations
@@ -10,7 +11,8 @@ import hashlib
 import json
 import platform
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,6 +25,8 @@ from screwsim.outputs import Variable
 from screwsim.outputs.display import cf_unit
 from screwsim.results import identity
 from screwsim.results.identity import version
+from screwsim.scene import grid
+from screwsim.scene.fields import Leaf
 from screwsim.scene.model_errors import stored_model_errors
 from screwsim.scene.types import Scene
 from screwsim.scene.write import relative_to
@@ -73,14 +77,18 @@ def axis_of(path: str, values: Sequence[Any], units: str, long_name: str) -> Axi
 
 def axes_of(scene: Scene) -> tuple[Axis, ...]:
     """Return the axes of the scene's sweep, in its order; none for a single case."""
-    from screwsim.scene import grid
+    return axes_along(scene, lambda path: grid.leaf_of(scene, path))
+
+
+def axes_along(swept: grid.Swept, leaf_of: Callable[[str], Leaf]) -> tuple[Axis, ...]:
+    """Return the axes of a sweep, in its order; `leaf_of` gives the description of a path."""
 
     def along(path: str) -> Axis:
-        _, units = grid.axis_label(path, scene)
-        return axis_of(path, scene.sweep[path], units or "1", grid.leaf_of(scene, path).doc)
+        leaf = leaf_of(path)
+        return axis_of(path, swept.sweep[path], grid.unit_of(leaf) or "1", leaf.doc)
 
     found = []
-    for name, paths, size, joint in grid.dimensions(scene):
+    for name, paths, size, joint in grid.dimensions(swept):
         if joint is None:
             found.append(along(name))
             continue
@@ -124,24 +132,47 @@ def _library_version(name: str) -> str:
     return identity.installed_version(name, "not installed") if told is None else told
 
 
-def root_attributes(scene: Scene, command: str) -> dict[str, str | int]:
+@dataclass(frozen=True)
+class Subject:
+    """What results are of: a scene, or two stages in series, which have neither balances nor numerics of their own.
+
+    `text` is its YAML, `inputs` its numbers: path, unit and meaning, value [SI]; `more` are attributes besides.
+    `alone`: it is one machine.
+    """
+
+    title: str
+    text: str
+    identity: Mapping[str, str]
+    inputs: tuple[tuple[str, Variable, float], ...]
+    model_error: str | None = None
+    alone: bool = True
+    more: Mapping[str, str] = field(default_factory=dict)
+
+
+def subject_of(scene: Scene) -> Subject:
+    """Return a scene as the subject of its results."""
+    inputs = tuple(numeric_inputs(scene))
+    return Subject(scene.title, scene.text, identity_of(scene), inputs, scene.model_error)
+
+
+def root_attributes(subject: Subject, command: str) -> dict[str, str | int]:
     """Return the attributes of the file; only `history` depends on the time of writing."""
-    told = identity.packed(identity_of(scene))
+    told = identity.packed(subject.identity)
     moment = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     attributes: dict[str, str | int] = {
         "Conventions": "CF-1.11",
-        "title": scene.title or "screwsim results",
+        "title": subject.title or "screwsim results",
         "source": f"screwsim {version()}",
         "history": f"{moment} screwsim {version()} {command}",
         "screwsim_schema": SCHEMA,
         "screwsim_version": version(),
         "screwsim_fingerprint": digest(told),
         "screwsim_identity": told,
-        "scene_yaml": scene.text,
-        "scene_sha256": digest(scene.text),
+        "scene_yaml": subject.text,
+        "scene_sha256": digest(subject.text),
         "python_version": platform.python_version(),
         "numba_version": "not used",  # replaced by LLVM, through llvmlite
     }
-    if scene.model_error:
-        attributes[MODEL_ERROR] = json.dumps({"of": scene.model_error, **stored_model_errors()[scene.model_error]})
-    return attributes | {f"{name.lower()}_version": _library_version(name) for name in _LIBRARIES}
+    if name := subject.model_error:
+        attributes[MODEL_ERROR] = json.dumps({"of": name, **stored_model_errors()[name]})
+    return attributes | dict(subject.more) | {f"{name.lower()}_version": _library_version(name) for name in _LIBRARIES}

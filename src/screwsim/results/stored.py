@@ -120,6 +120,11 @@ def member(group: Any, name: str, dataset: bool = True) -> Any:
     return found
 
 
+def stage_of(file: Any, stage: str) -> Any:
+    """Return the group of one of two stages, the file itself for ''; raise MalformedFile as `member` does."""
+    return member(file, stage, dataset=False) if stage else file
+
+
 def has(group: Any, name: str) -> bool:
     """Tell whether a group has a member of this name, whatever its link leads to."""
     with _malformed_on_error(group, name):

@@ -14,9 +14,8 @@ from screwsim.outputs.derivatives import METHOD_CODES, ComputedDerivatives
 from screwsim.outputs.display import cf_unit
 from screwsim.results import table as tables
 from screwsim.results.netcdf import Layout, flag_attributes, flag_type, number_attributes, set_attributes, text_lines
-from screwsim.results.schema import RELATIVE_TO, Axis, numeric_inputs, root_attributes, variable_name
+from screwsim.results.schema import RELATIVE_TO, Axis, Subject, root_attributes, variable_name
 from screwsim.results.table import FIGURE_GROUPS, NOT_COMPUTED, TEXT_NAMES, Names, Table
-from screwsim.scene.types import Scene
 
 _CASE_TEXTS = {
     "message": "why the case failed or did not close, and the remedy",
@@ -45,14 +44,14 @@ class Column:
     values: Callable[[Table], np.ndarray]
 
 
-def names_of(heads: Iterable[Table]) -> tuple[Names, dict[str, tuple[str, ...]]]:
-    """Return the names of tables, and the distinct words of each of their texts."""
+def names_of(heads: Iterable[Table], alone: bool = True) -> tuple[Names, dict[str, tuple[str, ...]]]:
+    """Return the names of tables, and the distinct words of each of their texts; `alone`: they are of one machine."""
     names, words = Names(), {name: set[str]() for name in TEXT_NAMES}
     for head in heads:
         names = names.joined(head)
         for name in TEXT_NAMES:
             words[name].update(map(text_lines, head.texts[name].words))
-    about = merged(names.about, _ALWAYS)
+    about = merged(names.about, _ALWAYS if alone else ())
     changes, sloped = (tuple(each.name for each in about if each.name in of) for of in (names.changes, names.slopes))
     names = replace(names, about=about, changes=changes, slopes=sloped)
     return names, {name: tuple(sorted(several)) for name, several in words.items()}
@@ -61,11 +60,12 @@ def names_of(heads: Iterable[Table]) -> tuple[Names, dict[str, tuple[str, ...]]]
 class Plan:
     """The variables of an open file, created in two steps: all but the texts, whose words are known last."""
 
-    def __init__(self, file: Any, scene: Scene, axes: Sequence[Axis], command: str, names: Names) -> None:
+    def __init__(self, layout: Layout, subject: Subject, axes: Sequence[Axis], command: str, names: Names) -> None:
         stated = {"effects": ", ".join(names.effects), "states": ", ".join(names.states)}
-        set_attributes(file, root_attributes(scene, command) | stated)
-        self.layout = Layout(file)
+        set_attributes(layout.file, root_attributes(subject, command) | stated)
+        self.layout = layout
         self.names = names
+        self._alone = subject.alone
         self.shape = tuple(len(axis.values) for axis in axes)
         self._axes = axes
         self._dimensions = [axis.name for axis in axes]
@@ -75,7 +75,7 @@ class Plan:
         self._beside = {"coordinates": joined} if joined else {}
         self._groups: dict[str, Any] = {}
         group, there = self._group("inputs"), set(self._along)
-        for path, variable, value in numeric_inputs(scene):
+        for path, variable, value in subject.inputs:
             name = variable_name(path)
             if name not in there:
                 there.add(name)
@@ -91,7 +91,8 @@ class Plan:
     def texts(self, words: Mapping[str, Sequence[str]]) -> list[Column]:
         """Create the variables of texts, `words` being the distinct ones; return those to be given values later."""
         found = []
-        for group, texts in {"performance": _CASE_TEXTS, "numerics": NUMERICS_TEXT}.items():
+        own = {"numerics": NUMERICS_TEXT} if self._alone else {}
+        for group, texts in ({"performance": _CASE_TEXTS} | own).items():
             for text, long_name in texts.items():
                 data = self.layout.texts(
                     self._groups[group], text, words[text], self.shape, self._dimensions, long_name
@@ -144,7 +145,7 @@ class Plan:
             return
         performance = {each.name: Variable(each.units, each.long_name) for each in self.names.about}
         groups = {"performance": performance, "balance": outputs.BALANCE, "numerics": outputs.NUMERICS}
-        for name, about in groups[group].items():
+        for name, about in groups[group].items() if group == "performance" or self._alone else ():
             yield name, number_attributes(about)
 
     def _cycle(self) -> Iterator[Column]:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from screwsim.outputs.derivatives import ComputedDerivatives
 from screwsim.results import atomic
 from screwsim.results.guarded import GuardedFile
 from screwsim.results.netcdf import Layout, Selection, chunks_of, flag_attributes, number_attributes, text_lines
-from screwsim.results.schema import Axis, axes_of
+from screwsim.results.schema import Axis, Subject, axes_of, subject_of
 from screwsim.results.table import InMemory, Names, Table, Tables, regrouped, table_of
 from screwsim.results.variables import Column, Plan, names_of, write_slopes
 from screwsim.scene.types import Scene
@@ -53,12 +53,33 @@ def save(
         write_tables(Path(path), scene, axes_of(scene), InMemory(table), command)
 
 
+class StageTables(NamedTuple):
+    """Results of one of two stages: its name, which is that of its group, its scene, axes and results."""
+
+    name: str
+    subject: Subject
+    axes: Sequence[Axis]
+    source: Tables
+
+
 def write_tables(
-    path: Path, scene: Scene, axes: Sequence[Axis], source: Tables, command: str, knock_out: Sequence[Figures] = ()
+    path: Path,
+    subject: Scene | Subject,
+    axes: Sequence[Axis],
+    source: Tables,
+    command: str,
+    stages: Sequence[StageTables] = (),
 ) -> None:
-    """Write the results of all cases on the axes (`Draft.complete`)."""
-    with Draft(path, scene, axes, command) as draft:
-        draft.complete(source, knock_out)
+    """Write the results of all cases on the axes (`Draft.complete`), and those of stages in a group of each."""
+    with Draft(path, subject, axes, command) as draft:
+        draft.complete(source, beside=partial(_write_stages, stages=stages, command=command))
+
+
+def _write_stages(layout: Layout, stages: Sequence[StageTables], command: str) -> None:
+    for stage in stages:
+        names, words = names_of(stage.source.heads())
+        plan = Plan(layout.within(stage.name), stage.subject, stage.axes, command, names)
+        _write(plan, stage.source, words)
 
 
 class Draft:
@@ -69,11 +90,12 @@ class Draft:
     """
 
     def __init__(
-        self, path: Path, scene: Scene, axes: Sequence[Axis], command: str, folder: Path | None = None
+        self, path: Path, subject: Scene | Subject, axes: Sequence[Axis], command: str, folder: Path | None = None
     ) -> None:
         path = atomic.link_target(path)
         self._path = path
-        self._about = scene, axes, command
+        self._subject = subject if isinstance(subject, Subject) else subject_of(subject)
+        self._axes, self._command = axes, command
         self._temporary = atomic.temporary_name(path, folder)
         self._folder = folder
         self._before = atomic.stamp_of(path)
@@ -96,7 +118,7 @@ class Draft:
         """
         if self._plan is None:
             with suppress(OSError):
-                self._lay_out(names_of([head])[0])
+                self._lay_out(names_of([head], self._subject.alone)[0])
 
     def complete(
         self, source: Tables, knock_out: Sequence[Figures] = (), beside: Callable[[Layout], None] | None = None
@@ -106,33 +128,23 @@ class Draft:
         `beside` writes a group of its own. Raise UsageError in one line when the system refuses; the old file then
         stays.
         """
-        cases = math.prod(len(axis.values) for axis in self._about[1])
+        cases = math.prod(len(axis.values) for axis in self._axes)
         if cases != source.cases:
             raise ValueError(f"{source.cases} results for {cases} cases")
         atomic.make_folder(self._path.parent)
         atomic.check_target_kind(self._path)
         with atomic.refused(self._path):
-            names, words = names_of(source.heads())
+            names, words = names_of(source.heads(), self._subject.alone)
             plan = self._plan
             if plan is None or plan.names != names:
                 plan = self._lay_out(names)
-            self._write(plan, source, plan.columns + plan.texts(words))
-            self._write(plan, source, plan.traces, len(names.angle))
-            self._write(plan, source, plan.slopes, len(names.numbers))
-            self._write(plan, source, plan.changes, len(names.inputs))
+            _write(plan, source, words, self._check)
             if knock_out:
                 write_knock_out(plan.layout, knock_out)
             if beside is not None:
                 beside(plan.layout)
             self._close()
             self._put()
-
-    def _write(self, plan: Plan, source: Tables, columns: Sequence[Column], *own: int) -> None:
-        """Write columns over the cases and over further dimensions, whose lengths are `own`."""
-        if columns:
-            pieces = source.tables(traces=columns is plan.traces)
-            for _ in _fill(columns, plan.shape, (*plan.shape, *own), pieces):
-                self._check()
 
     def _put(self) -> None:
         if self._folder is None:
@@ -152,7 +164,7 @@ class Draft:
         self._drop()
         self._target = GuardedFile(self._temporary)
         self._file = h5py.File(self._target, "w", **_FORMAT, **_NO_CACHE)
-        plan = Plan(self._file, *self._about, names)
+        plan = Plan(Layout(self._file), self._subject, self._axes, self._command, names)
         self._check()
         self._plan = plan
         return plan
@@ -174,6 +186,19 @@ class Draft:
         with suppress(OSError):
             self._close()
         atomic.remove(self._temporary)
+
+
+def _write(
+    plan: Plan, source: Tables, words: Mapping[str, Sequence[str]], check: Callable[[], None] = lambda: None
+) -> None:
+    """Write all columns of a plan over the cases, and over further dimensions where they have some."""
+    names = plan.names
+    own = [(plan.traces, [len(names.angle)]), (plan.slopes, [len(names.numbers)]), (plan.changes, [len(names.inputs)])]
+    for columns, further in [(plan.columns + plan.texts(words), list[int]()), *own]:
+        if columns:
+            pieces = source.tables(traces=columns is plan.traces)
+            for _ in _fill(columns, plan.shape, (*plan.shape, *further), pieces):
+                check()
 
 
 def _fill(

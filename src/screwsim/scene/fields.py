@@ -163,8 +163,18 @@ def value_at(scene: Scene, path: str) -> Any:
     return value
 
 
-def sweep_leaf(path: str, parameters: Mapping[str, type], known: Iterable[str] = (), kind: str = TWIN_SCREW) -> Leaf:
-    """Return the leaf of a path that may be varied; raise `Refused`. `known` are names of effects not active."""
+def sweep_leaf(
+    path: str,
+    parameters: Mapping[str, type],
+    known: Iterable[str] = (),
+    kind: str = TWIN_SCREW,
+    before: str = "",
+    fixed: tuple[str, ...] = (),
+) -> Leaf:
+    """Return the leaf of a path that may be varied; raise `Refused`. `known` are names of effects not active.
+
+    `before` stands before the paths that a refusal names, and those that begin with `fixed` are not offered.
+    """
     leaves = leaf_paths(parameters, kind)
     leaf = leaves.get(path)
     if leaf is not None and varies(path, leaf):
@@ -177,28 +187,31 @@ def sweep_leaf(path: str, parameters: Mapping[str, type], known: Iterable[str] =
         raise Refused(f"the effect {inactive} is not active (name it under effects, or remove this axis)")
     below = [name for name in leaves if name.startswith(f"{path}.")]
     if below:
-        raise Refused(f"is a section, not a value (write e.g. {below[0]})")
-    options = [name for name, item in leaves.items() if varies(name, item)]
-    raise Refused(unknown_key(path, options, "a dotted path of the scene"))
+        raise Refused(f"is a section, not a value (write e.g. {before}{below[0]})")
+    options = [name for name, item in leaves.items() if varies(name, item) and not name.startswith(fixed)]
+    raise Refused(unknown_key(path, options, "a dotted path of the scene", before=before))
 
 
-def unknown_key(name: str, options: Iterable[str], otherwise: str = "", paths: Iterable[str] = ()) -> str:
+def unknown_key(
+    name: str, options: Iterable[str], otherwise: str = "", paths: Iterable[str] = (), before: str = ""
+) -> str:
     """Return 'is not known' with a suggestion where the intended name is clear, else with the names that are known.
 
     `paths` are those of the whole scene; those that end in `name` are listed. Without `paths` the options take their
-    place.
+    place. `before` stands before whole names.
     """
     options = list(options)
     elsewhere = paths_ending_in(name, paths or options)
     near = elsewhere[0] if len(elsewhere) == 1 else None if elsewhere else nearest(name, options)
     if near is not None:
-        return f"is not known; did you mean '{near}'?"
+        return f"is not known; did you mean '{before}{near}'?"
     if elsewhere:
-        more = ", …" if len(elsewhere) > _MANY else ""
-        return f"is not known; there are {', '.join(elsewhere[:_MANY])}{more} (write the whole path)"
+        more, some = ", …" if len(elsewhere) > _MANY else "", (f"{before}{each}" for each in elsewhere[:_MANY])
+        return f"is not known; there are {', '.join(some)}{more} (write the whole path)"
     parts = names_containing(name, options)
     if 0 < len(parts) <= _MANY:
-        return f"is not known; there {'is' if len(parts) == 1 else 'are'} {', '.join(parts)} (write the whole name)"
+        named = ", ".join(f"{before}{each}" for each in parts)
+        return f"is not known; there {'is' if len(parts) == 1 else 'are'} {named} (write the whole name)"
     beside = [option for option in options if option.rpartition(".")[0] == name.rpartition(".")[0] != ""]
     if beside:
         return f"is not known; known there: {', '.join(option.rpartition('.')[2] for option in beside)}"

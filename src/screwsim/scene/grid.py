@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from screwsim.effects import catalogue
 from screwsim.inputs.faults import UsageError
@@ -41,6 +41,9 @@ class Swept(Protocol):
         ...
 
 
+HasSweep = TypeVar("HasSweep", bound=Swept)
+
+
 class Dimension(NamedTuple):
     """One dimension of a grid; `name` is its path, or the name of the joint whose paths vary together."""
 
@@ -74,8 +77,8 @@ def joints_of(scene: Swept) -> tuple[Joint, ...]:
     return tuple(found)
 
 
-def with_sweep_over(scene: Scene, paths: Iterable[str]) -> Scene:
-    """Return the scene with its sweep reduced to the given paths."""
+def with_sweep_over(scene: HasSweep, paths: Iterable[str]) -> HasSweep:
+    """Return a scene, or two in series, with the sweep reduced to the given paths."""
     kept = set(paths)
     sweep = {path: values for path, values in scene.sweep.items() if path in kept}
     cut = with_changes(scene, sweep=sweep)
@@ -163,16 +166,19 @@ def first_by_fluid(scene: Scene) -> list[tuple[str, Scene]]:
     return found
 
 
-def leaf_of(scene: Scene, path: str) -> Leaf:
-    """Return the description of an input of this scene that may be varied; raise `UsageError` with the nearest path."""
+def leaf_of(scene: Scene, path: str, before: str = "", fixed: tuple[str, ...] = ()) -> Leaf:
+    """Return the description of an input of this scene that may be varied; raise `UsageError` with the nearest path.
+
+    `before` and `fixed` are as in `sweep_leaf`.
+    """
     try:
         parameters = {name: type(active.parameters) for name, active in scene.effects.items()}
-        leaf = sweep_leaf(path, parameters, catalogue(), scene.machine.kind)
+        leaf = sweep_leaf(path, parameters, catalogue(), scene.machine.kind, before, fixed)
     except Refused as refusal:
         raise UsageError(f"{path}: {refusal}") from None
     parent = path.rpartition(".")[0]
     if parent.removeprefix("effects.") not in scene.effects and value_at(scene, parent) is None:
-        raise UsageError(f"{path}: the section {parent} is not in this scene (write it first)")
+        raise UsageError(f"{path}: the section {before}{parent} is not in this scene (write it first)")
     return leaf
 
 
@@ -187,6 +193,9 @@ def read_value(scene: Scene, path: str, raw: Any) -> Any:
 
 def axis_label(path: str, scene: Scene) -> tuple[str, str]:
     """Return (name, SI unit) of an axis in a file of results: '1' for numbers, '' for words (choices, fluids)."""
-    leaf = leaf_of(scene, path)
-    unit = leaf.dimension.si if leaf.dimension else "" if leaf.kind in ("choice", "fluid") else "1"
-    return path.replace(".", "_"), unit
+    return path.replace(".", "_"), unit_of(leaf_of(scene, path))
+
+
+def unit_of(leaf: Leaf) -> str:
+    """Return the SI unit of an input: '1' for numbers, '' for words (choices, fluids)."""
+    return leaf.dimension.si if leaf.dimension else "" if leaf.kind in ("choice", "fluid") else "1"

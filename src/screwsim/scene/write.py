@@ -5,13 +5,13 @@ Reading the canonical text gives the same scene.
 
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from screwsim.inputs.declare import is_derived
 from screwsim.inputs.faults import UsageError
 from screwsim.scene.fields import Leaf, Section, leaves_of, scene_section, section_of
-from screwsim.scene.grid import dimensions
+from screwsim.scene.grid import Swept, dimensions
 from screwsim.scene.tolerances import together_text, tolerance_text
 from screwsim.scene.types import Sample, Scene
 from screwsim.scene.values import text_of
@@ -31,36 +31,36 @@ def scene_text(scene: Scene) -> str:
         parameters = list(_section(section_of(type(active.parameters)), active.parameters, scene, at))
         lines += [f"  {_key(name)}:" if parameters else f"  {_key(name)}: {{}}", *parameters]
     lines += together_text(scene)
-    lines += _sweep(scene)
+    lines += sweep_lines(scene, leaves_of(scene).__getitem__)
     return "\n".join(lines) + "\n"
 
 
-def _sweep(scene: Scene) -> Iterator[str]:
-    leaves = leaves_of(scene)
+def sweep_lines(swept: Swept, leaf_of: Callable[[str], Leaf]) -> Iterator[str]:
+    """Yield the lines of a sweep, none without one; `leaf_of` gives the description of a path."""
 
     def listed(path: str) -> str:
-        return f"{path}: [{', '.join(_scalar(leaves[path], value, scene.folder) for value in scene.sweep[path])}]"
+        return f"{path}: [{', '.join(_scalar(leaf_of(path), value, '.') for value in swept.sweep[path])}]"
 
-    if scene.sweep:
+    if swept.sweep:
         yield "sweep:"
-    zipped = [each.joint for each in dimensions(scene) if each.joint and each.joint.sample is None]
-    for dimension in dimensions(scene):
+    zipped = [each.joint for each in dimensions(swept) if each.joint and each.joint.sample is None]
+    for dimension in dimensions(swept):
         joint = dimension.joint
         if joint is None:
             yield f"  {listed(dimension.name)}"
         elif joint.sample is not None:
-            yield from _sample(joint.sample, leaves)
+            yield from _sample(joint.sample, leaf_of)
         elif joint is zipped[0]:
             yield "  zip:"
             for group in zipped:
                 yield from (f"  {'  ' if number else '- '}{listed(path)}" for number, path in enumerate(group.paths))
 
 
-def _sample(sample: Sample, leaves: dict[str, Leaf]) -> Iterator[str]:
+def _sample(sample: Sample, leaf_of: Callable[[str], Leaf]) -> Iterator[str]:
     """Yield how a sample is drawn, not its values: the seed reproduces them."""
     yield f"  sample:\n    kind: {sample.kind}\n    count: {sample.count}\n    seed: {sample.seed}\n    over:"
     for path, (kind, *values) in sample.over:
-        texts = [_scalar(leaves[path], value, ".") for value in values]
+        texts = [_scalar(leaf_of(path), value, ".") for value in values]
         if kind == "any":
             yield f"      {path}: [{', '.join(texts)}]"
         else:

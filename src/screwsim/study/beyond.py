@@ -5,8 +5,8 @@ from typing import Protocol
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.scene import Scene, leaf_of, read_value
 from screwsim.scene.values import text_of
+from screwsim.study.varied import Varied, leaf_of, read_value
 
 STEP = 0.01  # of the range, beyond its end
 LOWER, UPPER = "lower border", "upper border"
@@ -33,7 +33,7 @@ def value_beyond(span: Range, border: str) -> float:
     return float(end + step * (span.high - span.low))
 
 
-def refusal_beyond(scene: Scene, path: str, value: float, solved: Callable[[], Result]) -> str:
+def refusal_beyond(scene: Varied, path: str, value: float, solved: Callable[[], Result]) -> str:
     """Return why there is no solution at a value [SI] beyond a range; '' where there is one.
 
     `solved` simulates the value; it is called only where the path may have it.

@@ -114,7 +114,7 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
 
     changed = np.flatnonzero(status_a != status_b)
     first = (StatusChange(point(i), str(status_a[i]), str(status_b[i])) for i in changed[:MOST_CHANGES])
-    names = dict.fromkeys((*a.error, *b.error))
+    names = dict.fromkeys((*_figures(a), *_figures(b)))
     figures = (_change(name, sides, ok, point, tolerance) for name in names)
     sides_of = {path: (flat_a.get(path), flat_b.get(path)) for path in (*flat_a, *flat_b)}
     return Comparison(
@@ -144,12 +144,26 @@ def common_points(a: Results, b: Results) -> CommonPoints:
     """Return all figures at the points that both files have; raise UsageError when there are none."""
     sides, places = _joined(a, b)
     figures = {}
-    for name in dict.fromkeys((*a.error, *b.error)):
+    for name in dict.fromkeys((*_figures(a), *_figures(b))):
         one, other = (side.values(name) for side in sides)
         if np.isfinite(one).any() or np.isfinite(other).any():
-            there = all(name in each.error for each in (a, b))
+            there = all(name in _figures(each) for each in (a, b))
             figures[name] = one, other, sum(side.errors(name) for side in sides) if there else np.full(len(one), np.nan)
     return CommonPoints(places, (sides[0].status, sides[1].status), figures)
+
+
+def _figures(results: Results) -> dict[str, None]:
+    """Return the names of a file's figures, of two stages also those of each with its name before them."""
+    own = (f"{stage}_{name}" for stage, each in results.stages.items() for name in each.error)
+    return dict.fromkeys((*results.error, *own))
+
+
+def _values_of_scene(results: Results) -> dict[str, str]:
+    """Return {dotted path: text} of a file's scene; of two stages both scenes', with the stage before the path."""
+    found = scene_values(results.scene_yaml, str(results.path), ("sweep", "title", "stages"))
+    for stage, each in results.stages.items():
+        found |= {f"{stage}.{path}": text for path, text in _values_of_scene(each).items()}
+    return found
 
 
 def matched(a: Sequence[Array], b: Sequence[Array], rows: tuple[int, int]) -> tuple[Array, Array]:
@@ -215,13 +229,14 @@ class _FileAtCommonPoints:
     def __init__(self, results: Results, cases: Array, scene: Mapping[str, str]) -> None:
         self._results, self.cases, self.scene = results, cases, scene
         self.status = results.status.ravel()[cases]
-        self._accuracy = np.nan_to_num(results.stated("numerics.accuracy"))
+        self._accuracy = np.nan_to_num(results.accuracy)
         self._toleranced = any(sign in text for text in scene.values() for sign in TOLERANCE_SIGNS)
 
     def values(self, name: str) -> Array:
         """Return a figure [SI], NaN where it is missing; an axis of the same name in the file has its values."""
-        if name in self._results.performance:
-            return self._results.performance[name].ravel()[self.cases]
+        of, own = self._results.holder(name)
+        if own in of.performance:
+            return of.performance[own].ravel()[self.cases]
         path = next((path for path in self._results.varied if variable_name(path) == name), None)
         if path is None:
             return np.full(len(self.cases), np.nan)
@@ -229,7 +244,8 @@ class _FileAtCommonPoints:
 
     def errors(self, name: str) -> Array:
         """Return the estimated absolute error of a figure; from the wanted accuracy where nothing was estimated."""
-        if name not in self._results.performance:  # an axis, or missing
+        of, own = self._results.holder(name)
+        if own not in of.performance:  # an axis, or missing
             return np.zeros(len(self.cases))
         return self._results.absolute_error(name, self._accuracy).ravel()[self.cases]
 
@@ -239,10 +255,11 @@ class _FileAtCommonPoints:
         The inputs are sets of paths that err together; none where no tolerance is stated. Return None where tolerances
         are stated and the change by one of them is unknown.
         """
-        group = self._results.contributions
-        if name not in group:
+        of, own = self._results.holder(name)
+        group = of.contributions
+        if own not in group:
             return None if self._toleranced else {}
-        row = group[name].reshape(-1, group[name].shape[-1])[self.cases[number]]
+        row = group[own].reshape(-1, group[own].shape[-1])[self.cases[number]]
         if np.isnan(row).any():
             return None
         inputs = (frozenset(label.split(TOGETHER)) for label in group["contributor"].tolist())
@@ -255,7 +272,7 @@ Sides = tuple[_FileAtCommonPoints, _FileAtCommonPoints]
 def _joined(a: Results, b: Results) -> tuple[Sides, dict[str, Array]]:
     """Return both files at their common points, and the values of each varied path there."""
     paths = list(dict.fromkeys([*a.varied, *b.varied]))
-    flat_a, flat_b = (scene_values(each.scene_yaml, str(each.path), ("sweep", "title")) for each in (a, b))
+    flat_a, flat_b = _values_of_scene(a), _values_of_scene(b)
     columns_a, columns_b = ([_column(each, path, flat) for path in paths] for each, flat in ((a, flat_a), (b, flat_b)))
     in_a, in_b = matched(columns_a, columns_b, (math.prod(a.shape), math.prod(b.shape)))
     if not len(in_a):

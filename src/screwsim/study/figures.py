@@ -7,8 +7,10 @@ from contextlib import suppress
 from screwsim.build import build_parts
 from screwsim.figures import called_for, known, needs_of
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs import STAGES
 from screwsim.scene import Scene, case
 from screwsim.scene.fields import unknown_key
+from screwsim.study.varied import Varied
 
 # Lower case, without blanks, underscores and hyphens; symbols that may mean two figures ('eta', 'w') are left out
 _SYMBOLS = {
@@ -60,13 +62,23 @@ def _abbreviates(text: str, name: str) -> bool:
     return len(words) == len(whole) > 1 and all(len(word) > 1 and each.startswith(word) for word, each in pairs)
 
 
-def figure_of(scene: Scene, text: str, option: str = "--figure") -> str:
+def figure_of(scene: Varied, text: str, option: str = "--figure") -> str:
     """Return the figure of a scene that a text names; raise UsageError with the scene's figures where it has none."""
+    if not isinstance(scene, Scene):
+        return figure_of_stages(text, option)
     here = figures_of(scene)
     name = figure_named(text, here, option=option)
     if name not in here:
         what = f"is not a figure of this scene: it needs {needs_of(name)}"
         raise UsageError(f"{option} {text}: {what} (use one of {', '.join(here)})")
+    return name
+
+
+def figure_of_stages(text: str, option: str = "--figure") -> str:
+    """Return the figure of two stages together that a text names; raise UsageError with all of them."""
+    name = figure_named(text, STAGES, option=option)
+    if name not in STAGES:
+        raise UsageError(f"{option} {text}: is not a figure of two stages (use one of {', '.join(STAGES)})")
     return name
 
 

@@ -13,6 +13,7 @@ from screwsim.scene.numerals import odd_number, odd_number_text
 from screwsim.scene.units import NUMBER
 from screwsim.study.calibration.data import CELSIUS, UNITS, ZERO
 from screwsim.study.figures import figure_of
+from screwsim.study.varied import Varied
 
 MORE_UNITS = {"W": {"MW": 1e6}, "m3 s-1": {"L/min": 1.0 / 60000.0}, "m3": {"L": 1e-3}}
 NamedFigure = Callable[[str, str], str]  # from a figure as people write it, and the option, to its name
@@ -49,7 +50,7 @@ def read_goals(scene: Scene, texts: Iterable[str]) -> tuple[Goal, ...]:
     return tuple(found)
 
 
-def read_bounds(scene: Scene, texts: Iterable[str], option: str = "--subject-to") -> tuple[Bound, ...]:
+def read_bounds(scene: Varied, texts: Iterable[str], option: str = "--subject-to") -> tuple[Bound, ...]:
     """Return the bounds of texts FIGURE<VALUE or FIGURE>VALUE of an option; raise UsageError in one line."""
     return read_bounds_of(partial(figure_of, scene), texts, option)
 

@@ -8,15 +8,16 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import shown_of
 from screwsim.outputs.customary import with_printed_units
 from screwsim.outputs.display import value_text
-from screwsim.scene import Scene, cross_check, leaf_of, read_value, with_values
+from screwsim.scene import Scene
 from screwsim.scene.units import NUMBER, ZERO_CELSIUS, customary_unit, to_customary
+from screwsim.study.varied import Varied, faults_of, leaf_of, read_value, with_values
 
 CELSIUS = "°C"
 # kinds without a range of values
 DISCRETE_KINDS = {"choice": "a choice", "count": "a whole number", "fluid": "a fluid"}
 
 
-def check_continuous(scene: Scene, path: str) -> None:
+def check_continuous(scene: Varied, path: str) -> None:
     """Raise UsageError unless the input at a path is continuous."""
     what = DISCRETE_KINDS.get(leaf_of(scene, path).kind)
     if what is not None:
@@ -26,14 +27,21 @@ def check_continuous(scene: Scene, path: str) -> None:
 ISOTHERMAL, ISENTROPIC = "isothermal_efficiency", "isentropic_efficiency"
 
 
-def usual_efficiency(scene: Scene) -> str:
-    """Return the default efficiency of a study: the isentropic one for a real gas, which may condense."""
+def usual_efficiency(scene: Varied) -> str:
+    """Return the default figure of a study: the isentropic efficiency for a real gas, which may condense.
+
+    Of two stages it is that of what they are for.
+    """
+    if not isinstance(scene, Scene):
+        return scene.usual_figure
     real = "real" in (scene.gas.model, *scene.sweep.get("gas.model", ()))
     return ISENTROPIC if real else ISOTHERMAL
 
 
-def efficiency_note(scene: Scene) -> str:
+def efficiency_note(scene: Varied) -> str:
     """Return, in one line, why the isothermal efficiency is not the default; empty where it is."""
+    if not isinstance(scene, Scene):
+        return f"{scene.usual_figure} is used (choose another with --figure)"
     if usual_efficiency(scene) == ISOTHERMAL:
         return ""
     return (
@@ -42,7 +50,7 @@ def efficiency_note(scene: Scene) -> str:
     )
 
 
-def read_text(scene: Scene, path: str, text: str) -> float:
+def read_text(scene: Varied, path: str, text: str) -> float:
     """Return a value as written on the command line ('1000 rpm', '0.5') in SI; raise UsageError."""
     bare = leaf_of(scene, path).dimension is None and re.fullmatch(NUMBER, text.strip())
     return read_value(scene, path, float(text) if bare else text.strip())
@@ -57,9 +65,9 @@ def ends_of(text: str) -> tuple[str, str] | None:
     return f"{low} {unit[1]}".strip() if unit and re.fullmatch(NUMBER, low) else low, high
 
 
-def check_fit(scene: Scene, values: dict[str, Any], where: str) -> None:
+def check_fit(scene: Varied, values: dict[str, Any], where: str) -> None:
     """Raise UsageError with the first fault when values do not fit into a scene."""
-    faults = cross_check(with_values(scene, values))
+    faults = faults_of(with_values(scene, values))
     if faults:
         text = str(faults[0])
         raise UsageError(text if text.startswith(f"{where}: ") else f"{where}: {text}")
@@ -70,13 +78,13 @@ def shown_figure(name: str, value: float) -> str:
     return value_text(shown_of(declared(name), value))
 
 
-def shown_value(scene: Scene, path: str, value: Any, digits: int = 5) -> str:
+def shown_value(scene: Varied, path: str, value: Any, digits: int = 5) -> str:
     """Return a value [SI] of a path with its customary unit; a temperature in °C, as precise as in K."""
     unit = with_printed_units(in_customary(scene, path, value)[1])
     return f"{shown_number(scene, path, value, digits)} {unit}".strip()
 
 
-def shown_number(scene: Scene, path: str, value: Any, digits: int = 4) -> str:
+def shown_number(scene: Varied, path: str, value: Any, digits: int = 4) -> str:
     """Return a value [SI] of a path as `shown_value` does, without its unit."""
     number, unit = in_customary(scene, path, value)
     if unit == CELSIUS:
@@ -90,7 +98,7 @@ def celsius_digits(number: float, digits: int) -> str:
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
-def in_customary(scene: Scene, path: str, value: Any) -> tuple[Any, str]:
+def in_customary(scene: Varied, path: str, value: Any) -> tuple[Any, str]:
     """Return a value [SI] of a path as a number in its customary unit, and that unit: °C for temperatures."""
     kind = leaf_of(scene, path).dimension
     if kind is None:
@@ -100,7 +108,7 @@ def in_customary(scene: Scene, path: str, value: Any) -> tuple[Any, str]:
     return to_customary(kind, float(value)), customary_unit(kind)
 
 
-def unit_of_change(scene: Scene, path: str, value: float) -> tuple[float, str]:
+def unit_of_change(scene: Varied, path: str, value: float) -> tuple[float, str]:
     """Return the factor from SI to the unit for changes of a path's value [SI], and that unit; '' for pure numbers."""
     kind = leaf_of(scene, path).dimension
     unit = "" if kind is None else "K" if kind.name == "temperature" else customary_unit(kind)

@@ -9,7 +9,7 @@ from typing import Any
 from screwsim.figures.errors import error_in_unit
 from screwsim.inputs.faults import UsageError, in_one_line
 from screwsim.outputs import Result
-from screwsim.scene import Scene, case, case_count, case_values, cross_check, with_values
+from screwsim.scene import Scene, case_count, case_values
 from screwsim.scene.grid import with_sweep_over
 from screwsim.study.beyond import LOWER, UPPER, refusal_beyond, value_beyond
 from screwsim.study.figures import figure_of
@@ -18,6 +18,7 @@ from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
 from screwsim.study.search import COARSE_POINTS, Maximum, SearchPoint, find_maximum
 from screwsim.study.spans import LOGARITHMIC_FROM
+from screwsim.study.varied import Varied, accuracy_of, case, faults_of, solved, with_accuracy, with_values
 from screwsim.study.workers import WORKER_DIED
 
 OIL_RATIO, OIL_RANGE = "oil_supply.ratio", (0.1, 10.0)  # range where nothing states one
@@ -25,7 +26,7 @@ INSENSITIVE_SHARE = 0.9  # of the range: where the figure is the same over more 
 WANTED_CERTAINTY = 0.01  # of the range: wanted certainty of the place, each way
 TIGHTER, TIGHTEST = 0.1, 1e-6  # of numerics.accuracy, and least accuracy, where errors leave the place less certain
 
-Simulate = Callable[[Scene], Result]
+Simulate = Callable[[Any], Result]  # of a scene, or of two in series
 
 
 @dataclass(frozen=True)
@@ -78,10 +79,11 @@ class Best:
     failed: int = 0
     warnings: tuple[str, ...] = ()
     beyond: str = ""
+    beside: Mapping[str, float | None] = field(default_factory=dict)  # of two stages: figures of the best solution
 
 
 def question(
-    scene: Scene,
+    scene: Varied,
     path: str = OIL_RATIO,
     figure: str | None = None,
     *,
@@ -95,7 +97,10 @@ def question(
     """
     lower = "LOW must be below HIGH" if "=" in path else "--from must be below --to"
     path, first, last = _with_range(path, first, last)
-    if path == OIL_RATIO and scene.oil_supply is not None and not scene.oil_supply.pumped:
+    if path == OIL_RATIO and not isinstance(scene, Scene):
+        example = "--path 'second.operation.speed=1000 rpm..2000 rpm'"
+        raise UsageError(f"--path {path}: is in both stages (write that of one, e.g. {example})")
+    if path == OIL_RATIO and isinstance(scene, Scene) and scene.oil_supply and not scene.oil_supply.pumped:
         other = "--path 'oil_supply.orifice_diameter=2 mm..10 mm'"
         raise UsageError(f"{path}: follows from the orifice of displaced oil (vary another path, e.g. {other})")
     figure = figure_of(scene, usual_efficiency(scene) if figure is None else figure)
@@ -125,7 +130,7 @@ def _with_range(text: str, first: str | None, last: str | None) -> tuple[str, st
 
 
 def optimum(
-    scene: Scene,
+    scene: Varied,
     asked: Question,
     *,
     jobs: int | None = None,
@@ -137,7 +142,9 @@ def optimum(
     middle = {asked.path: asked.value(0.5 * (asked.coordinate(asked.low) + asked.coordinate(asked.high)))}
     check_fit(case(rest, 0), middle, asked.path)
     count = case_count(rest)
-    simulate = simulate or simulator(with_values(case(rest, 0), middle) if count > 1 else None)
+    if simulate is None:
+        first = with_values(case(rest, 0), middle)
+        simulate = simulator(first if count > 1 else None) if isinstance(first, Scene) else solved
     return parallel_map(
         partial(_best, rest, asked, simulate),
         count,
@@ -156,7 +163,7 @@ def simulator(warm: Scene | None = None) -> Simulate:
     return partial(simulate, trace=False)
 
 
-def _best(rest: Scene, asked: Question, simulate: Simulate, number: int) -> Best:
+def _best(rest: Varied, asked: Question, simulate: Simulate, number: int) -> Best:
     """Return the best value at one point of the other axes; solved more accurately where errors leave it uncertain."""
     trials = _Trials(case(rest, number), asked, simulate)
     ends = asked.coordinate(asked.low), asked.coordinate(asked.high)
@@ -178,13 +185,14 @@ def _best(rest: Scene, asked: Question, simulate: Simulate, number: int) -> Best
 class _Trials:
     """Solutions of one search: the figure over the search coordinate, and what went wrong."""
 
-    scene: Scene
+    scene: Varied
     asked: Question
     simulate: Simulate
     count: int = 0
     reasons: dict[float, str] = field(default_factory=dict)  # of solutions that failed or did not close, by coordinate
     absent: list[str] = field(default_factory=list)  # of closed solutions without this figure
     warned: dict[float, tuple[str, ...]] = field(default_factory=dict)  # by the search coordinate
+    told: dict[float, dict[str, float | None]] = field(default_factory=dict)  # figures beside it, likewise
 
     def point(self, x: float) -> SearchPoint:
         """Return the figure at a coordinate, negated for a minimum; NaN without a closed solution."""
@@ -199,6 +207,8 @@ class _Trials:
             self.absent += result.lacks([name])
             return SearchPoint(x, math.nan)
         self.warned[x] = result.warnings
+        names = () if isinstance(scene, Scene) else scene.beside
+        self.told[x] = {each: result.performance.get(each) for each in names}
         self.reasons.pop(x, None)  # less accurately it had failed
         return SearchPoint(x, -value if self.asked.minimum else value, absolute_error(result, name, scene))
 
@@ -219,17 +229,15 @@ class _Trials:
 
     def tighten(self) -> bool:
         """Make all further solutions more accurate; return False when that is not possible."""
-        numerics = self.scene.numerics
-        if numerics.rtol is not None or numerics.accuracy <= TIGHTEST:
-            return False
-        accuracy = max(TIGHTER * numerics.accuracy, TIGHTEST)
-        self.scene = replace(self.scene, numerics=replace(numerics, accuracy=accuracy))
-        return True
+        accuracy = accuracy_of(self.scene)
+        finer = None if accuracy <= TIGHTEST else with_accuracy(self.scene, max(TIGHTER * accuracy, TIGHTEST))
+        self.scene = finer or self.scene
+        return finer is not None
 
 
-def simulated_if_valid(scene: Scene, simulate: Simulate) -> Result:
+def simulated_if_valid(scene: Varied, simulate: Simulate) -> Result:
     """Return the result of a scene; one whose values do not fit together has failed."""
-    faults = cross_check(scene)
+    faults = faults_of(scene)
     if faults:
         return Result("failed", message="; ".join(map(str, faults)))
     try:
@@ -250,16 +258,16 @@ def _result_at(scene: Scene, points: Sequence[Mapping[str, Any]], number: int) -
     return simulated_if_valid(with_values(scene, points[number]), simulator())
 
 
-def absolute_error(result: Result, name: str, scene: Scene) -> float:
+def absolute_error(result: Result, name: str, scene: Varied) -> float:
     """Return the estimated error of a figure in its own unit; from the wanted accuracy where nothing is estimated."""
-    return error_in_unit(name, result.performance, result.error, scene.numerics.accuracy) or 0.0
+    return error_in_unit(name, result.performance, result.error, accuracy_of(scene)) or 0.0
 
 
 def _best_of_trials(
     values: Mapping[str, Any], asked: Question, trials: _Trials, top: Maximum | None, ends: tuple[float, float]
 ) -> Best:
     reasons = list(trials.reasons.values())
-    counts = {"solutions": trials.count, "failed": len(reasons), "accuracy": trials.scene.numerics.accuracy}
+    counts = {"solutions": trials.count, "failed": len(reasons), "accuracy": accuracy_of(trials.scene)}
     some = f"{len(reasons)} of {trials.count} solutions: {reasons[0]}" if reasons else ""
     if top is None:
         missing = f"{trials.absent[0]} (choose another --figure)" if trials.absent else ""
@@ -289,4 +297,5 @@ def _best_of_trials(
         **counts,
         beyond=beyond,
         warnings=trials.warned[top.point.x],
+        beside=trials.told[top.point.x],
     )

@@ -8,9 +8,10 @@ from screwsim.inputs.arguments import ends_of as ordered_ends
 from screwsim.inputs.declare import UNBOUNDED
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import kind_of
-from screwsim.scene import Scene, leaf_of, value_at
+from screwsim.scene import Scene
 from screwsim.scene.sizes import sizes_of
 from screwsim.study.inputs import check_continuous, ends_of, read_text, shown_value
+from screwsim.study.varied import Varied, leaf_of, value_at
 
 LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on a search uses the logarithm
 RANGE_FACTOR = 20.0  # without a range: the largest factor above and below the scene's value
@@ -61,7 +62,7 @@ class Span:
         return 0.5 if self.start is None else self.place(self.start)
 
 
-def read_spans(scene: Scene, texts: Iterable[str], *, ranged: bool, sizes: Sequence[float] = ()) -> tuple[Span, ...]:
+def read_spans(scene: Varied, texts: Iterable[str], *, ranged: bool, sizes: Sequence[float] = ()) -> tuple[Span, ...]:
     """Return the spans of the texts of --vary, PATH=LOW..HIGH or PATH alone; raise UsageError in one line.
 
     Without a stated range it is that of `sizes` (a catalogue), of the sweep's axis, or of the schema, which does
@@ -77,13 +78,13 @@ def read_spans(scene: Scene, texts: Iterable[str], *, ranged: bool, sizes: Seque
 
 
 def read_ranges(
-    scene: Scene, texts: Iterable[str], option: str = "--path", example: str = "machine.rotor_diameter=120 mm..136 mm"
+    scene: Varied, texts: Iterable[str], option: str = "--path", example: str = "machine.rotor_diameter=120 mm..136 mm"
 ) -> tuple[Span, ...]:
     """Return the spans of the texts PATH=LOW..HIGH of an option; raise UsageError in one line."""
     return _spans(scene, texts, option, example)
 
 
-def spans_between(scene: Scene, vary: Mapping[str, tuple[float, float] | None], *, ranged: bool) -> tuple[Span, ...]:
+def spans_between(scene: Varied, vary: Mapping[str, tuple[float, float] | None], *, ranged: bool) -> tuple[Span, ...]:
     """Return the spans of paths between two values [SI] each; raise UsageError in one line.
 
     None stands for the range of the schema, which does not count with `ranged`.
@@ -91,7 +92,9 @@ def spans_between(scene: Scene, vary: Mapping[str, tuple[float, float] | None], 
     found = []
     for path, ends in vary.items():
         check_continuous(scene, path)
-        whole = schema_range(scene, path) if ends is None and not ranged else ends
+        whole = ends
+        if ends is None and not ranged and isinstance(scene, Scene):
+            whole = schema_range(scene, path)
         if whole is None and not ranged:
             raise UsageError(f"{path}: has no range (give two values [SI], the lower one first)")
         found.append(span_of(scene, path, *ordered_ends(path, whole)))
@@ -99,7 +102,7 @@ def spans_between(scene: Scene, vary: Mapping[str, tuple[float, float] | None], 
 
 
 def _spans(
-    scene: Scene,
+    scene: Varied,
     texts: Iterable[str],
     option: str,
     example: str,
@@ -131,19 +134,19 @@ def _spans(
     return tuple(found.values())
 
 
-def span_of(scene: Scene, path: str, low: float, high: float) -> Span:
+def span_of(scene: Varied, path: str, low: float, high: float) -> Span:
     """Return a path's span between two values [SI], with the scene's own value where that lies between them."""
     start = value_at(scene, path)
     inside = isinstance(start, int | float) and low <= start <= high
     return Span(path, low, high, float(start) if inside else None)
 
 
-def _default_range(scene: Scene, path: str, ranged: bool, sizes: Sequence[float]) -> tuple[float, float]:
+def _default_range(scene: Varied, path: str, ranged: bool, sizes: Sequence[float]) -> tuple[float, float]:
     """Return the range [SI] of a path for which none is stated."""
     axis = sizes or scene.sweep.get(path, ())
     if len(axis) > 1:
         return min(axis), max(axis)
-    bounds = None if ranged else schema_range(scene, path)
+    bounds = schema_range(scene, path) if isinstance(scene, Scene) and not ranged else None
     if bounds is None:
         raise UsageError(f"--vary {path}: has no range (write {path}=LOW..HIGH, or an axis of it under sweep:)")
     return bounds

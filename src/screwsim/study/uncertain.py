@@ -10,7 +10,7 @@ Source: JCGM 100:2008, Evaluation of measurement data (GUM), section 5; ASME V&V
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, leaf_of, scene_of, value_at
 from screwsim.scene.model_errors import CONDITION_WORDS, RATIO, SPEED, shown_condition, stored_model_errors
-from screwsim.scene.types import COVERAGE
+from screwsim.scene.types import COVERAGE, Tolerance
 from screwsim.scene.values import within
 from screwsim.study.inputs import shown_figure
 from screwsim.study.local import Sensitivities, sensitivities
@@ -32,6 +32,20 @@ LINEAR_TOLERANCE = 0.25
 MEAN_TOLERANCE = 0.5  # of a standard uncertainty: allowed distance of a sample's mean from the figure
 LEAST_COUNT = 8
 RANGE_MARGIN = 0.01  # of a value: margin by which it may lie outside the validated range
+
+
+class Toleranced(Protocol):
+    """What has inputs with tolerances: a scene, or two of them in series."""
+
+    @property
+    def uncertain(self) -> Mapping[str, Tolerance]:
+        """The tolerance of each input by its path."""
+        ...
+
+    @property
+    def correlated(self) -> tuple[tuple[str, ...], ...]:
+        """The inputs that err together."""
+        ...
 
 
 class Contributor(NamedTuple):
@@ -129,7 +143,7 @@ def uncertainty(
 
 
 def spreads_of(
-    scene: Scene, values: Mapping[str, float], derivatives: Mapping[str, Mapping[str, float]]
+    scene: Toleranced, values: Mapping[str, float], derivatives: Mapping[str, Mapping[str, float]]
 ) -> dict[str, FigureUncertainty]:
     """Return the uncertainties of figures from their derivatives [SI] by the uncertain inputs at `values` [SI].
 
@@ -140,7 +154,7 @@ def spreads_of(
     return {name: _figure_uncertainty(scene, values, slopes, groups) for name, slopes in complete.items()}
 
 
-def groups_of(scene: Scene) -> tuple[tuple[str, ...], ...]:
+def groups_of(scene: Toleranced) -> tuple[tuple[str, ...], ...]:
     """Return the groups of inputs with a tolerance, correlated ones together, in the order of the scene."""
     group_of = {path: group for group in scene.correlated for path in group}
     return tuple(dict.fromkeys(group_of.get(path, (path,)) for path in scene.uncertain))
@@ -212,7 +226,7 @@ def _outside(known: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]
 
 
 def _figure_uncertainty(
-    scene: Scene, values: Mapping[str, float], slopes: Mapping[str, float], groups: Sequence[tuple[str, ...]]
+    scene: Toleranced, values: Mapping[str, float], slopes: Mapping[str, float], groups: Sequence[tuple[str, ...]]
 ) -> FigureUncertainty:
     """Return the uncertainty of a figure with these derivatives by path."""
     changes = {}

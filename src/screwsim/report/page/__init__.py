@@ -1,6 +1,6 @@
 """The report: one HTML file that shows a results file to a reader without a network and without this program."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import resources
 from importlib.util import find_spec
 from pathlib import Path
@@ -8,7 +8,7 @@ from typing import Any
 
 from screwsim.inputs.faults import UsageError
 
-__all__ = ["report"]
+__all__ = ["pages", "report"]
 
 _NEEDED = ("jinja2", "plotly")
 _SCRIPTS = ("dom", "numbers", "theme", "unpack", "drawing", "overview", "ledger", "case", "start")
@@ -16,7 +16,12 @@ _POLICY = "style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: 
 
 
 def report(path: str | Path, output: str | Path, claims: Sequence[Any] = ()) -> str:
-    """Write the page of a results file and return its path.
+    """Write the page of a results file, of two stages also those of each (`pages`), and return its path."""
+    return pages(path, output, claims)[0]
+
+
+def pages(path: str | Path, output: str | Path, claims: Sequence[Any] = ()) -> list[str]:
+    """Write the page of a results file, of two stages also one of each beside it, and return the paths.
 
     `claims` (with says, measure, found, verdict) are shown as a table. Raise UsageError in one line when the extra is
     not installed, the file is not a results file, or the page cannot be written.
@@ -28,15 +33,18 @@ def report(path: str | Path, output: str | Path, claims: Sequence[Any] = ()) -> 
     from screwsim.results.atomic import make_folder, write_text
     from screwsim.results.protection import PAGE, protect_unmarked
 
-    target = Path(output)
-    protect_unmarked(target, PAGE)
-    text = page_of(open_results(path), claims)
+    target, results = Path(output), open_results(path)
+    places = {stage: target.with_stem(f"{target.stem}_{stage}") for stage in results.stages}
+    for place in (target, *places.values()):
+        protect_unmarked(place, PAGE)
+    texts = {target: page_of(results, claims, {stage: place.name for stage, place in places.items()})}
+    texts |= {place: page_of(results.stages[stage]) for stage, place in places.items()}
     make_folder(target.parent)
-    return write_text(target, text)
+    return [write_text(place, text) for place, text in texts.items()]
 
 
-def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
-    """Return the page as HTML text."""
+def page_of(results: Any, claims: Sequence[Any] = (), stages: Mapping[str, str] | None = None) -> str:
+    """Return the page as HTML text; `stages` are the names of the pages of two stages."""
     from plotly.offline import get_plotlyjs
 
     from screwsim.outputs.customary import with_printed_units
@@ -44,6 +52,7 @@ def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
     from screwsim.report.page.best import best_table, is_optimisation
     from screwsim.report.page.pack import compressed
     from screwsim.report.page.uncertain import model_lines
+    from screwsim.results.read import stored_scenes
 
     shown, sought = data.selection(results), is_optimisation(results)
     document = data.document(results, shown)
@@ -70,7 +79,9 @@ def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
         ranges=tables.ranges(results) if results.axis_list else [],
         checks=list(tables.checks(results)),
         claims=claims,
-        scene=results.scene_yaml,
+        scenes=[*stored_scenes(results).values()] if results.stages else [results.scene_yaml],
+        stage=results.stage,
+        pages=stages or {},
         provenance=tables.provenance(results),
         traces=document["cycle"] is not None,
         ledger=document["ledger"] is not None,

@@ -118,8 +118,10 @@ def _half_at(results: Results, name: str, half: float, value: float) -> str:
 
 def checks(results: Results) -> Iterator[BalanceCheck]:
     """Yield the largest residual of each balance over all closed cases, against its bound; then the largest error."""
+    for stage, own in results.stages.items():
+        yield from (check._replace(what=f"{stage} stage: {check.what}") for check in checks(own))
     closed = results.status == "ok"
-    for name in _BALANCES:
+    for name in (name for name in _BALANCES if name in results.balance):
         values = np.where(closed, results.balance[name], np.nan)
         there = np.isfinite(values)
         if there.any():
@@ -127,7 +129,7 @@ def checks(results: Results) -> Iterator[BalanceCheck]:
             kept = bool(np.all(values[there] <= bound[there]))
             largest, most = (small_number_text(float(each[there].max())) for each in (values, bound))
             yield BalanceCheck(BALANCE[name].long_name, largest, most, _verdict(kept))
-    wanted = results.stated("numerics.accuracy")
+    wanted = results.accuracy
     bounds = np.where(wanted > 0.0, wanted, 1.0)
     shares = [(float(np.nanmax(errors / bounds)), name, errors) for name, errors in _errors(results)]
     if shares:

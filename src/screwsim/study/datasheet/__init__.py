@@ -26,7 +26,10 @@ OPTIONS_BY_KIND = (
     | dict.fromkeys(BY_PRESSURE, STATES)
     | {"--profile": AIR_PACKAGE}
 )
-FIGURES = ("gas_mass_flow", "cooling_capacity", "shaft_power", "electrical_power", "cop", "specific_power")
+FIGURES = (
+    *("gas_mass_flow", "free_air_delivered", "cooling_capacity", "shaft_power", "electrical_power", "cop"),
+    *("specific_power", "package_specific_power"),
+)
 
 
 def sheet_of(
@@ -84,7 +87,8 @@ def sheet_of_stages(
 
         unused = {**ranges, "--limit": tuple(limits) or None, "--heating": heating or None}
         _refuse_unused_options(unused, "the stages compress air as a package")
-        return air_stages_sheet(chain, () if profile is None else read_profile(profile), jobs, progress)
+        demands = () if profile is None else read_profile(profile)
+        return _stages_with_uncertainty(chain, air_stages_sheet(chain, demands, jobs, progress))
     _refuse_unused_options({"--profile": profile}, "the two stages are not one (air, and a motor in both)")
     from screwsim.study.datasheet.bounds import limits_of_stages
     from screwsim.study.datasheet.stages_sheet import stages_sheet
@@ -94,7 +98,18 @@ def sheet_of_stages(
     unused |= {} if rating.refrigerates(chain) else {"--heating": heating or None}
     _refuse_unused_options(unused, f"these two stages are rated over {' and '.join(options)}")
     asked = rating.rating_request(chain, ranges, limits_of_stages(chain, limits))
-    return stages_sheet(rating.rating(asked, jobs, progress), heating)
+    return _stages_with_uncertainty(chain, stages_sheet(rating.rating(asked, jobs, progress), heating))
+
+
+def _stages_with_uncertainty(chain: StageChain, sheet: Sheet) -> Sheet:
+    """Return a sheet of two stages with the uncertainties of their own point, where the scenes state tolerances."""
+    from screwsim.study.stages.solve import run_stages
+    from screwsim.study.stages.uncertain import tolerances_of, with_uncertainty
+
+    if not tolerances_of(chain).uncertain:
+        return sheet
+    base = replace(chain, sweep={}, joints=())
+    return _with_uncertainty_lines(sheet, with_uncertainty(base, run_stages(base)).as_result())
 
 
 def _sheet_with_uncertainty(scene: Scene, sheet: Sheet) -> Sheet:
@@ -102,7 +117,11 @@ def _sheet_with_uncertainty(scene: Scene, sheet: Sheet) -> Sheet:
     from screwsim.simulate import simulate
     from screwsim.study.uncertain import with_uncertainty
 
-    result = with_uncertainty(scene, simulate(scene, trace=False))
+    return _with_uncertainty_lines(sheet, with_uncertainty(scene, simulate(scene, trace=False)))
+
+
+def _with_uncertainty_lines(sheet: Sheet, result: Result) -> Sheet:
+    """Return a sheet with lines on the uncertainties of the result at its own point."""
     if result.status != "ok":
         return replace(sheet, lines=[*sheet.lines, ("uncertain", f"not known: {result.told}")])
     told, model = result.uncertainty, result.uncertainty.get("model", {})

@@ -30,7 +30,7 @@ from screwsim.study.datasheet.stages_table import (
     RPM,
     between_line,
     each_stage_table,
-    ignored_tolerances,
+    ignored_model_errors,
     motor_lines,
     own_document,
     stage_documents,
@@ -168,7 +168,7 @@ def _notes(chain: StageChain, speeds: Sequence[tuple[float, float]], points: Seq
     low = lines(chain.first)
     if abs(low.p_s - REFERENCE_INLET[0]) > 1e-3 * REFERENCE_INLET[0] or abs(low.T_s - REFERENCE_INLET[1]) > 0.1:
         yield "rated at an inlet other than the 1 bar and 20 °C at which data sheets are compared"
-    yield from ignored_tolerances(chain)
+    yield from ignored_model_errors(chain)
     names = [f"{RPM * own[0]:.0f} and {RPM * own[1]:.0f} rpm" for own in speeds]
     for name, point in zip(names, points, strict=True):
         if not point.ok:

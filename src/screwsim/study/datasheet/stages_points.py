@@ -178,4 +178,6 @@ def _document(chain: StageChain, points: Sequence[ChainPoint]) -> dict[str, Any]
 def _point(point: ChainPoint) -> dict[str, Any]:
     result = point.result
     errors = {f"{name}_error": error for name, error in result.error.items() if error is not None}
-    return {**point.values, **document_figures(result, list(result.performance)), **errors, "notes": dict(result.notes)}
+    spread = {f"{name}_uncertainty": each["expanded"] for name, each in result.uncertainty.get("figures", {}).items()}
+    found = document_figures(result, list(result.performance))
+    return {**point.values, **found, **errors, **spread, "notes": dict(result.notes)}

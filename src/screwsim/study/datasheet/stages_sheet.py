@@ -25,7 +25,7 @@ from screwsim.study.datasheet.stages_table import (
     RPM,
     between_line,
     each_stage_table,
-    ignored_tolerances,
+    ignored_model_errors,
     motor_lines,
     own_document,
     stage_documents,
@@ -52,7 +52,7 @@ def stages_sheet(rated: ChainRating, heating: bool = False) -> Sheet:
     chain, cold = rated.asked.chain, refrigerates(rated.asked.chain)
     kind = "Two-stage refrigeration compressors" if cold else "Two-stage gas compressors"
     disclaimer = refrigeration_sheet.DISCLAIMER if cold else gas_sheet.DISCLAIMER
-    notes = [*ignored_tolerances(chain), *tables.notes_of(rated, _own_point(rated), disclaimer)]
+    notes = [*ignored_model_errors(chain), *tables.notes_of(rated, _own_point(rated), disclaimer)]
     return Sheet(
         heading=f"{kind}, rating by {' and '.join(_axes_in_words(rated))}",
         title=with_printed_units(chain.title),

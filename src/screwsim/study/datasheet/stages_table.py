@@ -113,8 +113,8 @@ def own_document(found: Result, names: Sequence[str]) -> dict[str, Any]:
     return _with_errors(document_figures(found, names), found, names)
 
 
-def ignored_tolerances(chain: StageChain) -> Iterator[str]:
-    """Yield a note where a scene states tolerances, which a sheet of two stages does not follow."""
+def ignored_model_errors(chain: StageChain) -> Iterator[str]:
+    """Yield a note where a scene names the validation of its model, which does not hold for two stages together."""
     for name, scene in zip(STAGE_NAMES, (chain.first, chain.second), strict=True):
-        if scene.uncertain or scene.model_error:
-            yield f"the tolerances of the {name} scene are ignored (screwsim run of that scene shows their effect)"
+        if scene.model_error:
+            yield f"the model error of the {name} scene is ignored (screwsim run of that scene shows it)"

@@ -14,8 +14,7 @@ from screwsim.inputs.arguments import TEXTS, checked_arguments, whole
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
 from screwsim.results.atomic import make_folder
-from screwsim.scene import Scene, scene_text, with_values
-from screwsim.scene.argument import scene_of
+from screwsim.scene import Scene, scene_text
 from screwsim.study.beyond import LOWER, UPPER, refusal_beyond, value_beyond
 from screwsim.study.goals import Bound
 from screwsim.study.inputs import check_fit, shown_figure, shown_value
@@ -31,7 +30,9 @@ from screwsim.study.progress import Progress, progress_of
 from screwsim.study.search import Maximum
 from screwsim.study.seek import rounded
 from screwsim.study.spans import read_spans
+from screwsim.study.stages import scene_or_stages
 from screwsim.study.tally import Place, Tally
+from screwsim.study.varied import Varied, solved, with_values
 from screwsim.study.workers import cores
 
 __all__ = ["Aim", "EquallyGoodRange", "Optimum", "Question", "optimize", "question", "run_question", "spans_of"]
@@ -81,7 +82,7 @@ class Optimum(Brief):
     reach: Mapping[str, EquallyGoodRange] = field(default_factory=dict)
     others: tuple[tuple[float, float], ...] = ()
     points: tuple[SimulatedPoint, ...] = ()
-    scene: Scene | None = None
+    scene: Varied | None = None
     warnings: Mapping[int, tuple[str, ...]] = field(default_factory=dict)  # of evaluations on the front that warn
 
     @property
@@ -105,11 +106,11 @@ class Optimum(Brief):
         columns = [*(aim.figure for aim in aims), *(span.path for span in self.asked.spans)]
         return About(f"Optimum: {self.status}, {asked}", notes, columns, rows)
 
-    def scene_at(self, row: int) -> Scene:
-        """Return the scene of an evaluation."""
+    def scene_at(self, row: int) -> Varied:
+        """Return the scene of an evaluation, or its two stages."""
         scene = self.asked.scene
         changed = with_values(scene, rounded(scene, self.values_at(row)))
-        return replace(changed, text=scene_text(changed))
+        return replace(changed, text=scene_text(changed)) if isinstance(changed, Scene) else changed
 
 
 @checked_arguments(
@@ -137,22 +138,22 @@ def optimize(
                                   maximize=["isentropic_efficiency", "cooling_capacity"])
         found.values_at(found.front[0]), found.aims[found.front]
 
-    The scene is what `load` returns, the path of a file, YAML text, or a dict laid out as the file is. Paths, aims and
-    limits are written as in `question`. `progress`: True shows a bar or a line on stderr, None a bar in a notebook,
-    False nothing. With `output` all evaluations are kept in an HDF5 file, and an interrupted run of the same question
-    repeats none of them (unless `restart`).
+    The scene is what `load` returns, the path of a file (also of two stages, without `over` and `output`), YAML text,
+    or a dict laid out as the file is. Paths, aims and limits are written as in `question`. `progress`: True shows a
+    bar or a line on stderr, None a bar in a notebook, False nothing. With `output` all evaluations are kept in an HDF5
+    file, and an interrupted run of the same question repeats none of them (unless `restart`).
     """
-    scene = scene_of(scene)
-    base = replace(scene, sweep={}, joints=(), text="")
-    base = replace(base, text=scene_text(base))
-    spans = vary if isinstance(vary, Mapping) else spans_of(scene, vary)
+    given = scene_or_stages(scene)
+    base = replace(given, sweep={}, joints=())
+    base = replace(base, text=scene_text(replace(base, text=""))) if isinstance(base, Scene) else base
+    spans = vary if isinstance(vary, Mapping) else spans_of(given, vary)
     more = {"subject_to": subject_to, "over": over, "evaluations": evaluations, "seed": seed}
     asked = question(base, spans, maximize, minimize, **more)
     bar = progress_of("optimize", progress)
     return run_question(asked, output, jobs=jobs, restart=restart, simulate=simulate, progress=bar)
 
 
-def spans_of(scene: Scene, vary: Iterable[str]) -> dict[str, tuple[float, float]]:
+def spans_of(scene: Varied, vary: Iterable[str]) -> dict[str, tuple[float, float]]:
     """Return the ranges [SI] of texts 'PATH=LOW..HIGH', or 'PATH' of an axis of the scene's sweep."""
     listed = [vary] if isinstance(vary, str) else vary
     return {span.path: (span.low, span.high) for span in read_spans(scene, listed, ranged=True)}
@@ -170,8 +171,10 @@ def run_question(
     """Return the answer to a question."""
     begin = asked.values([span.first for span in asked.spans])
     check_fit(with_values(asked.scene, asked.points.points[0].values), begin, ", ".join(begin))
-    if simulate is None:
+    if simulate is None and isinstance(asked.scene, Scene):
         simulator(with_values(asked.scene, begin))  # compiled before the fork
+    elif simulate is None:
+        simulate = solved
     progress, jobs = progress or Progress(), jobs or cores()
     target = None if output is None else Path(output)
     if target is not None:

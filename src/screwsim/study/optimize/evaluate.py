@@ -10,7 +10,7 @@ from screwsim.figures import declared
 from screwsim.figures.errors import error_scale
 from screwsim.outputs import STATUSES, Figures, Result
 from screwsim.results.table import Table, columns_of, names_of
-from screwsim.scene import Scene, value_at, with_values
+from screwsim.scene import Scene
 from screwsim.study.goals import Goal
 from screwsim.study.optimize.points import OperatingPoint, OperatingPoints
 from screwsim.study.optimize.question import Question
@@ -18,6 +18,7 @@ from screwsim.study.optimum import Simulate, simulated_if_valid
 from screwsim.study.seek import one_goal
 from screwsim.study.seek.trials import Trials, size_of
 from screwsim.study.spans import Span
+from screwsim.study.varied import Varied, accuracy_of, value_at, with_values
 
 LOAD_TOLERANCE = 5e-3  # of a part load: the standards measure at loads within some percent
 LEAST_CONTROL, MOST_CONTROL = 0.05, 1.3  # of the full load's control, the first times the load: search range
@@ -56,7 +57,7 @@ def simulated(asked: Question, values: dict[str, float], simulate: Simulate) -> 
         if found and found[-1].result.status != "ok":
             found.append(SimulatedPoint(point, own, Result("failed", message=NOT_SIMULATED)))
             continue
-        if point.load is None or full is None:
+        if point.load is None or full is None or not isinstance(scene, Scene):
             result = simulated_if_valid(scene, simulate)
         else:
             control, result = _part_load_result(scene, asked.points, point.load, full, simulate)
@@ -134,12 +135,12 @@ def value_of(table: Table, row: int, name: str, group: str = "performance") -> f
     return math.nan if place is None else float(table.figures[row, place])
 
 
-def error_of(scene: Scene, table: Table, row: int, name: str) -> float:
+def error_of(scene: Varied, table: Table, row: int, name: str) -> float:
     """Return the estimated error of a figure in its own unit; from the wanted accuracy where nothing is estimated."""
     scale = declared(name, Figures() if not table.about else _Declarations(table)).scale
     known = {each.name: value for each in table.about if not math.isnan(value := value_of(table, row, each.name))}
     relative = value_of(table, row, name, "error")
-    relative = scene.numerics.accuracy if math.isnan(relative) else relative
+    relative = accuracy_of(scene) if math.isnan(relative) else relative
     return float(error_scale(name, scale, known) * relative)
 
 

@@ -13,6 +13,7 @@ from screwsim.study.goals import Bound, read_bounds
 from screwsim.study.inputs import check_continuous, usual_efficiency
 from screwsim.study.optimize.points import SINGLE_POINT, OperatingPoints, read_points
 from screwsim.study.spans import Span, read_spans, spans_between
+from screwsim.study.varied import Varied
 
 EVALUATIONS_PER_PATH = 100  # evaluations per path, where no number is given
 
@@ -33,7 +34,7 @@ class Aim(NamedTuple):
 class Question:
     """The whole question; `scene` has no sweep. At most `evaluations` sets of values of the paths are tried."""
 
-    scene: Scene
+    scene: Varied
     spans: tuple[Span, ...]
     aims: tuple[Aim, ...]
     bounds: tuple[Bound, ...] = ()
@@ -54,7 +55,7 @@ class Question:
 
 
 def question(
-    scene: Scene,
+    scene: Varied,
     vary: Iterable[str] | Mapping[str, tuple[float, float]],
     maximize: Iterable[str] = (),
     minimize: Iterable[str] = (),
@@ -83,7 +84,7 @@ def question(
     return Question(scene, spans, aims or (Aim(usual_efficiency(scene)),), tuple(bounds), points, count, seed)
 
 
-def _aims(scene: Scene, maximize: Iterable[str], minimize: Iterable[str]) -> tuple[Aim, ...]:
+def _aims(scene: Varied, maximize: Iterable[str], minimize: Iterable[str]) -> tuple[Aim, ...]:
     """Return the aims; raise UsageError where a figure is given twice."""
     aims = [Aim(figure_of(scene, name, "--maximize")) for name in _listed(maximize)]
     aims += [Aim(figure_of(scene, name, "--minimize"), True) for name in _listed(minimize)]
@@ -93,11 +94,16 @@ def _aims(scene: Scene, maximize: Iterable[str], minimize: Iterable[str]) -> tup
     return tuple(aims)
 
 
-def _operating_points(scene: Scene, over: str | OperatingPoints | None, spans: Sequence[Span]) -> OperatingPoints:
+def _operating_points(scene: Varied, over: str | OperatingPoints | None, spans: Sequence[Span]) -> OperatingPoints:
     """Return the operating points; raise UsageError where they set what varies, or need loads that there are not."""
     if not isinstance(over, OperatingPoints | str | None):
         raise UsageError(f"over: {shown(over)} is not a text (pass one as for --over)")
-    points = over if isinstance(over, OperatingPoints) else read_points(scene, over)
+    if isinstance(scene, Scene):
+        points = over if isinstance(over, OperatingPoints) else read_points(scene, over)
+    elif over:
+        raise UsageError("over: operating points are those of one machine (leave it out for two stages)")
+    else:
+        return SINGLE_POINT
     both = {span.path for span in spans} & {path for point in points.points for path in point.values}
     if both:
         raise UsageError(

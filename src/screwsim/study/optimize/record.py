@@ -17,7 +17,7 @@ import numpy as np
 
 from screwsim.outputs import Result
 from screwsim.results.table import Table, join, table_of, warnings_at
-from screwsim.scene import with_values
+from screwsim.scene import Scene
 from screwsim.study.limit import CASE_LIMIT, TimeLimit
 from screwsim.study.optimize.evaluate import Evaluation, evaluation_of, simulated
 from screwsim.study.optimize.question import Question
@@ -27,6 +27,7 @@ from screwsim.study.point import with_slopes
 from screwsim.study.progress import Progress
 from screwsim.study.shards import Parts
 from screwsim.study.tally import Place, Tally
+from screwsim.study.varied import with_values
 from screwsim.study.workers import WORKER_DIED, pickled_work
 
 # evaluations after which workers start afresh: their caches fill with tables and rotors of many profiles
@@ -175,6 +176,7 @@ def _block(work: _SentBlock) -> Table:
             values = asked.values(places)
             machine = with_values(asked.scene, values)
             for each in simulated(asked, values, simulate):
-                results.append(with_slopes(with_values(machine, each.values), each.result))
+                at = with_values(machine, each.values)
+                results.append(with_slopes(at, each.result) if isinstance(at, Scene) else each.result)
         mark()
     return table_of(results, keep_cycle=False, keep_slopes=True)

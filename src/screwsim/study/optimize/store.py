@@ -17,7 +17,8 @@ from screwsim.results.optimum import EVALUATION, POINT, EvaluationColumns, write
 from screwsim.results.read import read_attributes
 from screwsim.results.schema import Axis, axis_of, digest, identity_of
 from screwsim.results.write import Draft
-from screwsim.scene import axis_label, leaf_of
+from screwsim.scene import Scene, leaf_of
+from screwsim.scene.grid import unit_of
 from screwsim.study.optimize.question import Question
 from screwsim.study.optimize.record import Record
 from screwsim.study.shards import Parts
@@ -49,13 +50,13 @@ def question_text(asked: Question) -> str:
 
 def identity(asked: Question) -> dict[str, str]:
     """Return the identity that tells the results of one optimisation from those of another."""
-    return {**identity_of(asked.scene), QUESTION_KEY: question_text(asked), "pymoo": installed_version("pymoo")}
+    return {**identity_of(_scene(asked)), QUESTION_KEY: question_text(asked), "pymoo": installed_version("pymoo")}
 
 
 @contextmanager
 def held_parts(output: Path, asked: Question, restart: bool) -> Iterator[Parts]:
     """Hold the parts of an optimisation; raise UsageError where they, or the file, belong to something else."""
-    own = {"scene_sha256": digest(asked.scene.text), "identity": identity(asked)}
+    own = {"scene_sha256": digest(_scene(asked).text), "identity": identity(asked)}
     parts = Parts(output, own, "optimisation")
     if has_content(output):
         _refuse_existing(output, restart)
@@ -113,7 +114,7 @@ def write(output: Path, record: Record, feasible: np.ndarray, front: np.ndarray)
         question_text(asked),
     )
     axes = axes_of(record)
-    with Draft(output, asked.scene, axes, COMMAND_NAME) as draft:
+    with Draft(output, _scene(asked), axes, COMMAND_NAME) as draft:
         cases = len(record) * len(asked.points.points)
         draft.complete(record.parts.all(cases), beside=partial(write_optimum, found=found))
     record.parts.discard()
@@ -138,4 +139,12 @@ def axes_of(record: Record) -> tuple[Axis, ...]:
 
 
 def _axis(asked: Question, path: str, values: list[Any]) -> Axis:
-    return axis_of(path, values, axis_label(path, asked.scene)[1] or "1", leaf_of(asked.scene, path).doc)
+    leaf = leaf_of(_scene(asked), path)
+    return axis_of(path, values, unit_of(leaf) or "1", leaf.doc)
+
+
+def _scene(asked: Question) -> Scene:
+    """Return the scene of a question whose evaluations are stored; raise UsageError for two stages."""
+    if not isinstance(asked.scene, Scene):
+        raise UsageError("output: evaluations of two stages are not stored (leave it out)")
+    return asked.scene

@@ -22,6 +22,7 @@ from screwsim.study.seek import one_goal, several_goals
 from screwsim.study.seek.answer import GoalSeekAnswer, answer_of_trials, next_size, read_catalogue
 from screwsim.study.seek.trials import ReportedSimulation, Trial, Trials
 from screwsim.study.spans import Span, read_spans, spans_between
+from screwsim.study.varied import Varied
 from screwsim.study.workers import WORKER_DIED
 
 __all__ = ["GoalSeekAnswer", "Question", "find", "find_each", "question"]
@@ -173,7 +174,7 @@ def _with_text(scene: Scene) -> Scene:
     return replace(scene, text=scene_text(scene))
 
 
-def rounded(scene: Scene, values: Mapping[str, float]) -> dict[str, float]:
+def rounded(scene: Varied, values: Mapping[str, float]) -> dict[str, float]:
     """Return values [SI] as they are written: with `VALUE_DIGITS` digits in the customary unit."""
     return {
         path: read_text(scene, path, shown_value(scene, path, value, VALUE_DIGITS)) for path, value in values.items()

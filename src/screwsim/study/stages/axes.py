@@ -13,8 +13,13 @@ from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, with_values
 from screwsim.scene.fields import Leaf, section_of, unknown_key
 from screwsim.scene.grid import leaf_of
+from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.operation import line_axis_faults
-from screwsim.scene.units import Refused
+from screwsim.scene.units import Refused, gauge_pressures_over
+from screwsim.scene.values import convert
+from screwsim.study.figures import figures_of
+from screwsim.study.inputs import ISENTROPIC
+from screwsim.study.stages.package import AIR
 
 if TYPE_CHECKING:
     from screwsim.study.stages.read import StageChain
@@ -57,12 +62,37 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
     for fault in line_axis_faults(scene, (path,)):
         raise Refused(fault.what.replace("(vary operation.", f"(vary {stage}.operation."))
     try:
-        return leaf_of(scene, path)
+        return leaf_of(scene, path, f"{stage}.", (*COMMON, *SOLVED[stage]))
     except UsageError as error:
         what = str(error).removeprefix(f"{path}: ")
-        for before in ("did you mean '", "is a section, not a value (write e.g. "):
-            what = what.replace(before, f"{before}{stage}.")
-        raise Refused(what) from None
+        raise Refused(what.replace("of the scene)", f"of that scene after {stage}.)")) from None
+
+
+def leaf_named(chain: StageChain, name: str) -> Leaf:
+    """Return the same as `leaf_in_chain`; raise UsageError that names the input for one that may not vary."""
+    try:
+        return leaf_in_chain(chain, name)
+    except Refused as refusal:
+        raise UsageError(f"{name}: {refusal}") from None
+
+
+def value_read(chain: StageChain, name: str, raw: Any) -> Any:
+    """Return a value as written in YAML ('1000 rpm', 3) in SI, checked like the field; raise UsageError."""
+    leaf, scene = leaf_named(chain, name), chain.second if name.startswith(STAGE_NAMES[1]) else chain.first
+    try:
+        with gauge_pressures_over(scene.operation.ambient_pressure):
+            return convert(leaf, raw, scene.folder)
+    except Refused as refusal:
+        raise UsageError(f"{name}: {refusal}") from None
+
+
+def usual_figure(chain: StageChain) -> str:
+    """Return the figure by which a chain is judged: the COP of a plant, the efficiency of an air package, of others."""
+    scenes = chain.first, chain.second
+    motors = all("electrical_power" in figures_of(scene) for scene in scenes)
+    if condensate_enthalpy(chain.second) is not None:
+        return "electrical_cop" if motors else "cop"
+    return "package_isentropic_efficiency" if motors and chain.first.gas.name.lower() == AIR else ISENTROPIC
 
 
 def _leaf_between(chain: StageChain, key: str) -> Leaf:

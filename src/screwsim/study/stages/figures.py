@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from screwsim.study.stages.result import (
     capacities,
     delivery_temperature_figure,
     electrical_figures,
+    figures_of_both,
 )
 
 SEPARATOR_FIGURES = ("separator_temperature", "oil_cooler_duty")  # figures of each stage's separator
@@ -92,7 +93,7 @@ def chain_figures(ends: ChainEnds, pair: StagePair) -> tuple[Figures, Mapping[st
     electrical, unknown = electrical_figures(pair.results, cooled, reasons)
     package, why = air_figures(pair, port_state[1], (ends.low.p_s, ends.high.p_d))
     notes = {**notes, **reasons, **unknown, **why}
-    found = Figures(
+    found = dict[str, Any](
         intermediate_pressure=p,
         **_saturation(ends, p),
         second_suction_temperature=pair.T,
@@ -114,7 +115,9 @@ def chain_figures(ends: ChainEnds, pair: StagePair) -> tuple[Figures, Mapping[st
         flow_mismatch=abs(comes - taken) / max(comes, taken),
     )
     notes |= {f"{STAGE_NAMES[1]}_{name}": pair.unparted for name in SEPARATOR_FIGURES if pair.unparted}
-    return found, {name: notes.get(name, "this gas has none") for name, value in found.items() if value is None}
+    return figures_of_both(found), {
+        name: notes.get(name, "this gas has none") for name, value in found.items() if value is None
+    }
 
 
 def _saturation(ends: ChainEnds, p: float) -> dict[str, float]:

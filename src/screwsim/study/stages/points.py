@@ -6,7 +6,6 @@ same command continues from them, and tries those again whose worker has died; w
 refused.
 """
 
-import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -18,24 +17,34 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.outputs.display import picked
 from screwsim.results.atomic import refused
-from screwsim.results.schema import identity_of
-from screwsim.scene import grid
+from screwsim.scene import Scene, grid
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
 from screwsim.study.stages.axes import chain_with
 from screwsim.study.stages.read import StageChain
-from screwsim.study.stages.result import ChainResult
+from screwsim.study.stages.result import ChainResult, figures_of_both
 from screwsim.study.stages.solve import run_stages
+from screwsim.study.stages.store import PointResults, identity_of_chain, point_results
+from screwsim.study.stages.uncertain import with_uncertainty
 from screwsim.study.workers import WORKER_DIED
 
-FIELDS = ("status", "message", "warnings", "performance", "error", "notes")  # of a result that are kept
+# fields of a result that are kept
+FIELDS = ("status", "message", "warnings", "performance", "error", "notes", "uncertainty")
+STAGE_FIELDS = (*FIELDS, "effects", "states", "balance", "numerics")
+STAGES = "stages"
 
 
 class ChainPoint(NamedTuple):
-    """A point of a sweep: the values [SI] of its paths, and the figures of both stages together."""
+    """A point of a sweep: values [SI] of its paths, figures of both stages together, and the results of each."""
 
     values: Mapping[str, Any]
     result: Result
+    stages: tuple[Result, ...]
+
+    @property
+    def results(self) -> PointResults:
+        """The results alone, as they are stored."""
+        return PointResults(self.result, self.stages)
 
 
 def solved_with(chain: StageChain, values: Mapping[str, Any]) -> ChainResult:
@@ -52,9 +61,9 @@ class KeptPoints:
     def __init__(self, chain: StageChain, output: Path) -> None:
         self.path = output.with_name(f"{output.name}.part")
         self.reused = 0  # points that the last `read` has found
-        self._identity = _identity(chain)
+        self._identity = identity_of_chain(chain)
 
-    def read(self, restart: bool = False) -> dict[int, Result]:
+    def read(self, restart: bool = False) -> dict[int, PointResults]:
         """Return the finished points by their numbers; raise UsageError where they belong to something else."""
         self.reused = 0
         if restart:
@@ -67,13 +76,13 @@ class KeptPoints:
                 f"{self.path}: holds points of other scenes, of another sweep or of another version of the program "
                 f"(start over with --restart, or choose another -o)"
             )
-        found = {line["case"]: _result(line) for line in lines[1:]}
+        found = {line["case"]: _point(line) for line in lines[1:]}
         self.reused = len(found)
         return found
 
-    def add(self, found: Mapping[int, Result]) -> None:
+    def add(self, found: Mapping[int, PointResults]) -> None:
         """Append finished points; raise UsageError when the system refuses."""
-        texts = [json.dumps({"case": number, **picked(result, *FIELDS)}) for number, result in found.items()]
+        texts = [json.dumps({"case": number, **_line(point)}) for number, point in found.items()]
         with refused(self.path):
             begun = self.path.exists()
             if not begun:
@@ -101,22 +110,20 @@ class KeptPoints:
         return lines
 
 
-def _identity(chain: StageChain) -> dict[str, Any]:
-    """Return what distinguishes the points of one chain from those of another."""
-    own = repr((chain.intercooler, dict(chain.sweep), chain.joints))
-    scenes = [replace(scene, sweep={}, joints=()) for scene in (chain.first, chain.second)]
-    return {"chain": hashlib.sha256(own.encode()).hexdigest(), "scenes": [identity_of(scene) for scene in scenes]}
+def _line(point: PointResults) -> dict[str, Any]:
+    """Return what is kept of a point, as JSON takes it."""
+    return picked(point.result, *FIELDS) | {STAGES: [picked(each, *STAGE_FIELDS) for each in point.stages]}
 
 
-def _result(line: Mapping[str, Any]) -> Result:
-    return Result(
-        line["status"],
-        line["message"],
-        tuple(line["warnings"]),
-        performance=Figures(line["performance"]),
-        error=Figures(line["error"]),
-        notes=line["notes"],
-    )
+def _point(line: Mapping[str, Any]) -> PointResults:
+    whole = _result(line, FIELDS)
+    stages = tuple(_result(each, STAGE_FIELDS) for each in line[STAGES])
+    return PointResults(replace(whole, performance=figures_of_both(whole.performance)), stages)
+
+
+def _result(line: Mapping[str, Any], names: Sequence[str]) -> Result:
+    found = {name: tuple(line[name]) if isinstance(line[name], list) else line[name] for name in names}
+    return Result(**{**found, "performance": Figures(found["performance"])})
 
 
 def sweep_stages(
@@ -135,10 +142,10 @@ def sweep_stages(
     found = {} if kept is None else kept.read(restart)
     missing = [number for number in range(len(values)) if number not in found]
 
-    def keep(answers: Mapping[int, Result]) -> None:
-        new = {missing[place]: result for place, result in answers.items()}
+    def keep(answers: Mapping[int, PointResults]) -> None:
+        new = {missing[place]: point for place, point in answers.items()}
         found.update(new)
-        lasting = {number: result for number, result in new.items() if result.message != WORKER_DIED}  # others: again
+        lasting = {number: each for number, each in new.items() if each.result.message != WORKER_DIED}  # others: again
         if kept is not None and lasting:
             kept.add(lasting)
 
@@ -151,12 +158,17 @@ def sweep_stages(
         progress=progress,
         kept=keep,
     )
-    return [ChainPoint(each, found[number]) for number, each in enumerate(values)]
+    return [ChainPoint(each, *found[number]) for number, each in enumerate(values)]
 
 
-def _solved(base: StageChain, values: Sequence[Mapping[str, Any]], number: int) -> Result:
-    return solved_with(base, values[number]).as_result()
+def _solved(base: StageChain, values: Sequence[Mapping[str, Any]], number: int) -> PointResults:
+    found = solved_with(base, values[number])
+    return point_results(with_uncertainty(chain_with(base, values[number]), found), _without_curves)
 
 
-def _dead_worker(number: int) -> Result:
-    return Result("failed", message=WORKER_DIED)
+def _without_curves(_: Scene, result: Result) -> Result:
+    return replace(result, cycle={}, ledger=Figures())
+
+
+def _dead_worker(number: int) -> PointResults:
+    return point_results(ChainResult("failed", message=WORKER_DIED), _without_curves)

@@ -1,5 +1,7 @@
 """Read STAGES.yaml: both scenes and what lies between, with faults by line; its JSON Schema and its description."""
 
+from __future__ import annotations
+
 import os
 import textwrap
 from collections.abc import Iterable, Mapping
@@ -14,7 +16,8 @@ from screwsim.fluid.composition import is_blend
 from screwsim.inputs.declare import KINDS, choice, quantity
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
-from screwsim.scene import Scene, load
+from screwsim.outputs import Result
+from screwsim.scene import Scene, load, scene_of, value_at
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.lines import condensate_enthalpy, lines
 from screwsim.scene.schema import DRAFT, OWN_PARAMETER, axis_definitions, leaf_schema, mapping, sweep_schema
@@ -24,7 +27,16 @@ from screwsim.scene.types import Joint
 from screwsim.scene.units import gauge_pressures_over, readable_quantity, to_customary
 from screwsim.scene.values import shown
 from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
-from screwsim.study.stages.axes import BETWEEN, STAGE_NAMES, leaf_in_chain, names_in_chain
+from screwsim.study.stages.axes import (
+    BETWEEN,
+    STAGE_NAMES,
+    chain_with,
+    leaf_in_chain,
+    leaf_named,
+    names_in_chain,
+    usual_figure,
+    value_read,
+)
 
 STAGES_KEY = "stages"
 KEYS = ("title", STAGES_KEY, "intercooler", "sweep")
@@ -82,11 +94,64 @@ class StageChain:
     sweep: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
     joints: tuple[Joint, ...] = ()
 
+    @property
+    def accuracy(self) -> float:
+        """Accuracy that is asked of the figures: that of the less accurate stage."""
+        return max(scene.numerics.accuracy for scene in (self.first, self.second))
+
+    @property
+    def beside(self) -> tuple[str, ...]:
+        """The figures that are told beside the one that a study seeks."""
+        return ("intermediate_pressure",)
+
+    @property
+    def usual_figure(self) -> str:
+        """The figure that is made greatest where none is named: COP, or efficiency, of what is paid for."""
+        return usual_figure(self)
+
+    def leaf_of(self, path: str) -> Leaf:
+        """Return the description of an input; raise UsageError where it cannot vary."""
+        return leaf_named(self, path)
+
+    def read_value(self, path: str, raw: Any) -> Any:
+        """Return a value as written in YAML in SI, checked like the field; raise UsageError."""
+        return value_read(self, path, raw)
+
+    def with_values(self, values: Mapping[str, Any]) -> StageChain:
+        """Return a chain without a sweep, with other values [SI]."""
+        return chain_with(self, values)
+
+    def with_accuracy(self, accuracy: float) -> StageChain | None:
+        """Return a chain with another accuracy of both stages; None where one states its tolerance of a step."""
+        scenes = self.first, self.second
+        if any(scene.numerics.rtol is not None for scene in scenes):
+            return None
+        first, second = (replace(each, numerics=replace(each.numerics, accuracy=accuracy)) for each in scenes)
+        return replace(self, first=first, second=second)
+
+    def value_at(self, path: str) -> Any:
+        """Return the value [SI] of an input, None where it is absent."""
+        stage, _, own = path.partition(".")
+        scenes = dict(zip(STAGE_NAMES, (self.first, self.second), strict=True))
+        return value_at(scenes[stage], own) if stage in scenes else getattr(self.intercooler, own, None)
+
+    def solved(self) -> Result:
+        """Return the figures of both stages together."""
+        from screwsim.study.stages.solve import run_stages
+
+        return run_stages(self).as_result()
+
 
 def is_stages(path: str | os.PathLike[str]) -> bool:
     """Return whether a YAML file describes stages instead of one scene."""
     root = _root(shipped_name(path), LocatedFaults())
     return root is not None and STAGES_KEY in root.value
+
+
+def scene_or_stages(given: Any) -> Scene | StageChain:
+    """Return two stages from the path of their file, else the scene that `scene_of` makes of what is given."""
+    named = isinstance(given, str | os.PathLike) and "\n" not in os.fspath(given)
+    return read_stages(given) if named and is_stages(given) else scene_of(given)
 
 
 def read_stages(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> StageChain:

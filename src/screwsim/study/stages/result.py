@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from screwsim.evaluate.performance import NO_POWER, heating, parted
+from screwsim.figures import Performance
 from screwsim.figures.errors import error_in_unit, error_scale, zeros_for_none
 from screwsim.outputs import STAGES, Figures, Result
 from screwsim.outputs.customary import in_celsius
@@ -39,6 +40,7 @@ class ChainResult:
     notes: Mapping[str, str] = field(default_factory=dict)  # why a figure is None
     error: Figures = field(default_factory=Figures)  # estimated, of each figure over its scale (M395)
     warnings: tuple[str, ...] = ()  # of the whole; those of a stage are in its result
+    uncertainty: Mapping[str, Any] = field(default_factory=dict)  # by the inputs of both, where they have tolerances
 
     def as_result(self) -> Result:
         """Return the figures of the whole as the result of one machine, with the warnings of both stages."""
@@ -48,14 +50,19 @@ class ChainResult:
             for text in each.warnings
         ]
         warnings = (*self.warnings, *own)
-        return Result(
-            self.status, self.message, warnings, performance=self.performance, error=self.error, notes=self.notes
-        )
+        figures = {"performance": self.performance, "error": self.error, "uncertainty": self.uncertainty}
+        return Result(self.status, self.message, warnings, notes=self.notes, **figures)
 
     def as_json(self) -> dict[str, Any]:
         """Return what `run --json` prints for two stages."""
         own = picked(self, "status", "message", "warnings", "performance", "error", "notes")
+        own |= {"uncertainty": dict(self.uncertainty)} if self.uncertainty else {}
         return own | {"stages": [result.as_json() for result in self.stages]}
+
+
+def figures_of_both(values: Mapping[str, Any]) -> Performance:
+    """Return figures of two stages together with their declarations."""
+    return Performance(values, {name: STAGES[name] for name in values})
 
 
 FiguresAndReasons = tuple[dict[str, float | None], dict[str, str]]  # figures, and why some are None

@@ -34,7 +34,7 @@ _STATED = ("suction.superheat", "suction.quality", "evaporating_temperature", "c
 _STATED += ("subcooling", "gas_cooler")
 
 
-class _Stop(Exception):
+class Stop(Exception):
     """Reason why no pair of stages can be simulated further; `results` of the stages simulated so far."""
 
     def __init__(self, status: str, message: str, results: tuple[Result, ...] = ()) -> None:
@@ -50,7 +50,7 @@ def _set_lines(scene: Scene, which: str, p_s: float, state: tuple[str, float], p
     changed = with_values(replace(scene, sweep={}, joints=()), {**values, "operation.discharge.pressure": p_d})
     faults = cross_check(changed)
     if faults:
-        raise _Stop("failed", f"the {which} stage, {p_s / 1e5:.4g} to {p_d / 1e5:.4g} bar: {faults[0]}")
+        raise Stop("failed", f"the {which} stage, {p_s / 1e5:.4g} to {p_d / 1e5:.4g} bar: {faults[0]}")
     return replace(changed, text=scene_text(changed))
 
 
@@ -66,8 +66,8 @@ def _with_separator(scene: Scene) -> Scene:
     return parted if stated else replace(parted, text=scene_text(parted))
 
 
-class _ChainSolver:
-    """Solver of a chain."""
+class ChainSolver:
+    """Solver of a chain, and of what lies between both stages."""
 
     def __init__(self, chain: StageChain) -> None:
         self.chain, self.gas = chain, build_gas(chain.first)
@@ -76,12 +76,12 @@ class _ChainSolver:
         self.tried = 0
 
     def pair(self, p: float, trace: bool = False) -> StagePair:
-        """Return both stages at an intermediate pressure [Pa]; raise `_Stop` where one has no result."""
+        """Return both stages at an intermediate pressure [Pa]; raise `Stop` where one has no result."""
         self.tried += 1
         try:
             return self._pair(p, trace)
         except UsageError as error:
-            raise _Stop("failed", f"at {p / 1e5:.4g} bar between the stages: {error}") from None
+            raise Stop("failed", f"at {p / 1e5:.4g} bar between the stages: {error}") from None
 
     def _pair(self, p: float, trace: bool) -> StagePair:
         between = self.chain.intercooler
@@ -91,11 +91,11 @@ class _ChainSolver:
         first = self._solved(scene, "first", trace)
         T_d = delivery_temperature(first)
         self._check_dry(p, T_d, first)
-        vapour, T = self._between(p, T_d)
+        vapour, T = self.between(p, T_d)
         out = p - between.pressure_drop
         if between.cools and T == between.outlet_temperature and self._liquid(out, T):
             what = f"the cooler leaves a liquid at {in_celsius(T)} and {in_bar(out)}"
-            raise _Stop("failed", f"{what} (choose a higher intercooler.outlet_temperature)", (first,))
+            raise Stop("failed", f"{what} (choose a higher intercooler.outlet_temperature)", (first,))
         return self._with_second(p, scene, first, vapour, T, trace)
 
     def warmer(self, pair: StagePair, kelvin: float) -> StagePair:
@@ -104,7 +104,7 @@ class _ChainSolver:
         changed = first.performance.copy()
         changed[delivery_temperature_figure(first)] += kelvin
         first = replace(first, performance=changed)
-        vapour, T = self._between(pair.p, delivery_temperature(first))
+        vapour, T = self.between(pair.p, delivery_temperature(first))
         if T == pair.T:
             return pair._replace(results=(first, second), vapour=vapour)
         return self._with_second(pair.p, pair.scenes[0], first, vapour, T, True)
@@ -130,13 +130,13 @@ class _ChainSolver:
         result = simulate(scene, trace=trace)
         at = f"{lines(scene).p_s / 1e5:.4g} to {lines(scene).p_d / 1e5:.4g} bar"
         if result.status != "ok":
-            raise _Stop(result.status, f"the {name} stage, {at}: {result.message}", (*before, result))
+            raise Stop(result.status, f"the {name} stage, {at}: {result.message}", (*before, result))
         if result.performance.gas_mass_flow <= 0.0 or result.performance.discharge_temperature is None:
-            raise _Stop("failed", f"the {name} stage delivers nothing, {at}", (*before, result))
+            raise Stop("failed", f"the {name} stage delivers nothing, {at}", (*before, result))
         return result
 
     def _check_dry(self, p: float, T_d: float, first: Result) -> None:
-        """Raise `_Stop` where the first stage delivers wet vapour: its temperature does not determine its enthalpy."""
+        """Raise `Stop` where the first stage delivers wet vapour: its temperature does not determine its enthalpy."""
         gas = self.chain.first.gas
         if not gas.equilibrium:
             return
@@ -146,9 +146,9 @@ class _ChainSolver:
             return
         if T_d <= saturation * (1.0 + WET_TOLERANCE):
             what = f"the first stage delivers wet vapour at {p / 1e5:.4g} bar"
-            raise _Stop("failed", f"{what} (use warmer or less oil there, or drier suction gas)", (first,))
+            raise Stop("failed", f"{what} (use warmer or less oil there, or drier suction gas)", (first,))
 
-    def _between(self, p: float, T_d: float) -> tuple[float, float]:
+    def between(self, p: float, T_d: float) -> tuple[float, float]:
         """Return vapour per unit of first-stage gas, and the suction temperature [K] of the second (M201, M202)."""
         between = self.chain.intercooler
         out = p - between.pressure_drop
@@ -162,10 +162,10 @@ class _ChainSolver:
                 h_c, T_e = self.ends.liquid(), constants.saturation_temperature(fluid, p)
             except UsageError:
                 what = f"a flash tank at {p / 1e5:.4g} bar separates nothing: {fluid} has no saturation there"
-                raise _Stop("failed", f"{what} (choose kind: cooler, or a larger or faster second stage)") from None
+                raise Stop("failed", f"{what} (choose kind: cooler, or a larger or faster second stage)") from None
             h_g, h_f = (constants.wet_enthalpy(fluid, p, quality) for quality in (1.0, 0.0))
             if not h_f < h_c < h_g:
-                raise _Stop("failed", f"the liquid from the condenser forms no vapour at {p / 1e5:.4g} bar")
+                raise Stop("failed", f"the liquid from the condenser forms no vapour at {p / 1e5:.4g} bar")
             y = (h_c - h_f) / (h_g - h_c)
             h = (self.gas.enthalpy(p, T_d) + y * self.gas.vapour(p, T_e).h) / (1.0 + y)
             return y, self.gas.temperature(out, h)
@@ -182,11 +182,11 @@ class _ChainSolver:
     # ---- the pressure ------------------------------------------------------------------------------------------
 
     def solve(self) -> StagePair:
-        """Return the pair whose flows match (M200); raise `_Stop` where none does."""
+        """Return the pair whose flows match (M200); raise `Stop` where none does."""
         drop = self.chain.intercooler.pressure_drop
         least, most = LEAST_STAGE_RATIO * self.low.p_s + drop, self.high.p_d / LEAST_STAGE_RATIO
         if not least < most:
-            raise _Stop("failed", self._no_room(drop if least - drop < most else 0.0))
+            raise Stop("failed", self._no_room(drop if least - drop < most else 0.0))
         at = self._begun(least, most)
         guess = float(np.clip(at.p * np.exp(at.excess), least, most))
         a, b = self._enclosed(at, self._towards(guess, at) if guess != at.p else at, least, most)
@@ -209,42 +209,42 @@ class _ChainSolver:
         return "the second stage's discharge pressure is not above the first one's suction pressure"
 
     def _begun(self, least: float, most: float) -> StagePair:
-        """Return a first pair with results, at the geometric mean of both ends if possible; raise its `_Stop`."""
-        stops: list[_Stop] = []
+        """Return a first pair with results, at the geometric mean of both ends if possible; raise its `Stop`."""
+        stops: list[Stop] = []
         for share in START_FRACTIONS:
             try:
                 return self.pair(float(np.sqrt(least * most)) if share == 0.5 else least * (most / least) ** share)
-            except _Stop as stop:
+            except Stop as stop:
                 stops.append(stop)
         raise stops[0]
 
     def _towards(self, p: float, here: StagePair) -> StagePair:
-        """Return the pair at p [Pa], or as near to it from `here` as both stages have results; raise `_Stop`."""
-        stops: list[_Stop] = []
+        """Return the pair at p [Pa], or as near to it from `here` as both stages have results; raise `Stop`."""
+        stops: list[Stop] = []
         while len(stops) <= MOST_HALVINGS and self.tried < MOST_PAIRS:
             try:
                 return self.pair(p)
-            except _Stop as stop:
+            except Stop as stop:
                 stops.append(stop)
                 p = float(np.sqrt(p * here.p))
         if stops:
             less = here.excess > 0.0
             takes, small = ("less", "small or too slow") if less else ("more", "large or too fast")
             even = f"the second stage takes {takes} than the first one delivers even at {here.p / 1e5:.4g} bar"
-            raise _Stop(stops[0].status, f"{even}, so it is too {small}; beyond, {stops[0]}", stops[0].results)
+            raise Stop(stops[0].status, f"{even}, so it is too {small}; beyond, {stops[0]}", stops[0].results)
         what = f"no intermediate pressure is found in {MOST_PAIRS} tries, the last at {here.p / 1e5:.4g} bar"
-        raise _Stop("failed", f"{what} (change one of the stages)", here.results)
+        raise Stop("failed", f"{what} (change one of the stages)", here.results)
 
     def _enclosed(self, one: StagePair, other: StagePair, least: float, most: float) -> tuple[StagePair, StagePair]:
         """Return two pairs around the solution: too much gas arrives at the lower pressure, too little at the other."""
         a, b = (one, other) if one.p <= other.p else (other, one)
         while a.excess < 0.0:
             if a.p <= least * (1.0 + 1e-12):
-                raise _Stop("failed", self._none("takes more", least, "smaller or slower"), a.results)
+                raise Stop("failed", self._none("takes more", least, "smaller or slower"), a.results)
             a, b = self._towards(max(a.p / BRACKET_GROWTH, least), a), a
         while b.excess > 0.0:
             if b.p >= most * (1.0 - 1e-12):
-                raise _Stop("failed", self._none("takes less", most, "larger or faster"), b.results)
+                raise Stop("failed", self._none("takes less", most, "larger or faster"), b.results)
             a, b = b, self._towards(min(b.p * BRACKET_GROWTH, most), b)
         return a, b
 
@@ -259,17 +259,17 @@ class _ChainSolver:
         try:
             beside, warmer = partial(self.pair, trace=True), partial(self.warmer, pair)
             return chain_errors(pair, lambda each: chain_figures(self.ends, each)[0], beside, warmer), ()
-        except (_Stop, UsageError) as stop:
+        except (Stop, UsageError) as stop:
             return Figures(), (f"the errors of the two-stage figures could not be estimated: {stop}",)
 
 
 def run_stages(chain: StageChain) -> ChainResult:
     """Return both stages at the intermediate pressure at which their flows match; a status where there is none."""
     try:
-        solving = _ChainSolver(chain)
+        solving = ChainSolver(chain)
         pair = solving.solve()
         found, notes = chain_figures(solving.ends, pair)
-    except _Stop as stop:
+    except Stop as stop:
         return ChainResult(stop.status, str(stop), stop.results)
     except UsageError as error:
         return ChainResult("failed", str(error))

@@ -1,0 +1,216 @@
+"""Uncertainty of the figures of two stages by the tolerances of both scenes' inputs.
+
+Linear, as that of one machine (`study.uncertain`). At the solution each stage's figures have derivatives by its own
+inputs and by the states of its lines, exact wherever those of a scene are; no cycle is solved anew. What passes between
+the stages follows from them: the pressure p is the unknown, and its residual r = ln of the flow that arrives over the
+flow taken (M200), so that an input x moves it by dp/dx = −(∂r/∂x)/(∂r/∂p), the implicit function; temperature and
+vapour behind the first stage follow from its figures and p (M201, M202). Figures of both together are algebra of the
+stages' figures, lines and p: their derivative is a central difference of that algebra along (x, p(x)), over a hundredth
+of the input's standard uncertainty. Inputs of different scenes are independent of each other; what the line between
+both replaces in the scenes has no part in it.
+
+Source: JCGM 100:2008 (GUM), section 5, for the propagation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from screwsim.inputs.faults import UsageError
+from screwsim.outputs import STAGES, Result
+from screwsim.scene import Scene, lines, value_at
+from screwsim.scene.lines import Lines
+from screwsim.scene.operation import P_D, P_S, QUALITY, T_S
+from screwsim.scene.types import Tolerance
+from screwsim.study.local import Sensitivities, sensitivities
+from screwsim.study.stages.axes import SOLVED, STAGE_NAMES, chain_with
+from screwsim.study.stages.figures import StagePair, chain_figures, delivery_temperature
+from screwsim.study.stages.solve import ChainSolver, Stop
+from screwsim.study.uncertain import Uncertainty, groups_of, spreads_of
+
+if TYPE_CHECKING:
+    from screwsim.study.stages.read import StageChain
+    from screwsim.study.stages.result import ChainResult
+
+LINE_PATHS = (P_S, T_S, QUALITY, P_D)  # of a stage at the solution, which states its lines by these alone
+INPUT_STEP = 0.01  # of a standard uncertainty
+PRESSURE_STEP = 1e-4  # of the pressure between the stages
+Slopes = dict[str, dict[str, float]]  # derivative [SI] of each figure by each input
+
+
+class ChainTolerances(NamedTuple):
+    """Tolerances of both scenes' inputs, with their stage before the path, and the inputs that err together."""
+
+    uncertain: Mapping[str, Tolerance]
+    correlated: tuple[tuple[str, ...], ...]
+
+
+def tolerances_of(chain: StageChain) -> ChainTolerances:
+    """Return the tolerances of a chain's inputs, without those of the line between both, which is solved for."""
+    uncertain, correlated = {}, []
+    for stage, scene in zip(STAGE_NAMES, (chain.first, chain.second), strict=True):
+        own = {path: each for path, each in scene.uncertain.items() if not path.startswith(SOLVED[stage])}
+        uncertain |= {f"{stage}.{path}": each for path, each in own.items()}
+        groups = (tuple(f"{stage}.{path}" for path in group if path in own) for group in scene.correlated)
+        correlated += [group for group in groups if group]
+    return ChainTolerances(uncertain, tuple(correlated))
+
+
+def with_uncertainty(chain: StageChain, found: ChainResult) -> ChainResult:
+    """Return a chain's result with the uncertainties by the tolerances of both scenes, of the stages' figures as well.
+
+    It is unchanged where it has no figures, or the scenes state no tolerance. An input without a derivative is in none
+    of the uncertainties, and a warning says so; a warning tells why there are none at all.
+    """
+    tolerances = tolerances_of(chain)
+    if found.status != "ok" or not tolerances.uncertain:
+        return found
+    try:
+        linear = _linear_chain(chain, found, tolerances)
+        slopes = _Derivatives(linear, tolerances)
+    except (UsageError, Stop) as error:
+        return replace(found, warnings=(*found.warnings, f"no uncertainty from the inputs: {error}"))
+    whole = Result("ok", performance=found.performance)
+    told = slopes.uncertainty(whole, slopes.whole)
+    stages = tuple(
+        replace(each, uncertainty=slopes.uncertainty(each, own).as_json())
+        for each, own in zip(found.stages, slopes.stages, strict=True)
+    )
+    lost = (f"the tolerance of {path} is not included in the uncertainties: {why}" for path, why in linear.lost.items())
+    return replace(found, uncertainty=told.as_json(), stages=stages, warnings=(*found.warnings, *lost))
+
+
+@dataclass(frozen=True)
+class _LinearChain:
+    """Both stages at the solution, and the derivatives of each one's figures."""
+
+    chain: StageChain
+    pair: StagePair
+    slopes: tuple[Sensitivities, Sensitivities]
+
+    @property
+    def lost(self) -> dict[str, str]:
+        """The inputs with a tolerance that have no derivative, and why."""
+        every = zip(STAGE_NAMES, self.slopes, strict=True)
+        return {f"{stage}.{path}": why for stage, own in every for path, why in own.left_out.items()}
+
+    def at(self, name: str, value: float, dp: float) -> tuple[ChainSolver, StagePair]:
+        """Return both stages with another value [SI] of an input ('' for none), and the pressure moved by dp [Pa]."""
+        solver = ChainSolver(chain_with(self.chain, {name: value}) if name else self.chain)
+        here, drop = self.pair, solver.chain.intercooler.pressure_drop
+        p, low, high = here.p + dp, lines(self.chain.first), lines(self.chain.second)
+        own = self._own(name, value)
+        changes = _line_changes(low, solver.low) | {P_D: dp} | own[0]
+        first = _changed(here.results[0], self.slopes[0], changes)
+        vapour, T = solver.between(p, delivery_temperature(first))
+        suction = {P_S: dp - (drop - self.chain.intercooler.pressure_drop), T_S: T - here.T}
+        second = _changed(here.results[1], self.slopes[1], {P_D: solver.high.p_d - high.p_d} | suction | own[1])
+        return solver, here._replace(p=p, results=(first, second), vapour=vapour, T=T)
+
+    def _own(self, name: str, value: float) -> list[dict[str, float]]:
+        """Return the change of an input of the machine of a stage, by stage; none for one of a line."""
+        stage, _, path = name.partition(".")
+        found = []
+        for each, scene in zip(STAGE_NAMES, self.pair.scenes, strict=True):
+            mine = stage == each and _is_own(scene, path)
+            found.append({path: value - float(value_at(scene, path))} if mine else {})
+        return found
+
+
+class _Derivatives:
+    """Derivatives of the figures of both together (`whole`) and of each stage, by the inputs at `values` [SI]."""
+
+    def __init__(self, linear: _LinearChain, tolerances: ChainTolerances) -> None:
+        self._tolerances, self._linear = tolerances, linear
+        self.values: dict[str, float] = {}
+        self.whole: Slopes = {}
+        self.stages: tuple[Slopes, Slopes] = ({}, {})
+        step = PRESSURE_STEP * linear.pair.p
+        above, below = (linear.at("", 0.0, by)[1].excess for by in (step, -step))
+        by_pressure = (above - below) / (2.0 * step)
+        for name in (name for name in tolerances.uncertain if name not in linear.lost):
+            self._add(name, by_pressure)
+
+    def _add(self, name: str, by_pressure: float) -> None:
+        """Add the derivatives by one input; `by_pressure` is that of the residual [1/Pa]."""
+        stage, _, path = name.partition(".")
+        value = self.values[name] = float(value_at(getattr(self._linear.chain, stage), path))
+        step = INPUT_STEP * self._tolerances.uncertain[name].standard_at(value)
+        above, below = (self._linear.at(name, value + by, 0.0)[1].excess for by in (step, -step))
+        dp = -(above - below) / (2.0 * by_pressure)  # over the step
+        (up, high), (down, low) = (self._linear.at(name, value + way * step, way * dp) for way in (1.0, -1.0))
+        figures = [chain_figures(solver.ends, pair)[0] for solver, pair in ((up, high), (down, low))]
+        asked = {figure: value for figure, value in figures[0].items() if not STAGES[figure].scale.unasked}
+        _add_slopes(self.whole, name, (asked, figures[1]), 2.0 * step)
+        for number, into in enumerate(self.stages):
+            there = self._linear.slopes[number].derivatives
+            one = {figure: value for figure, value in high.results[number].performance.items() if figure in there}
+            _add_slopes(into, name, (one, low.results[number].performance), 2.0 * step)
+
+    def uncertainty(self, result: Result, slopes: Slopes) -> Uncertainty:
+        """Return the uncertainties of a result's figures with these derivatives."""
+        lost, methods = self._linear.lost, dict(self._methods())
+        spreads = spreads_of(self._tolerances, self.values, slopes)
+        known = Sensitivities(result, values=self.values, derivatives=slopes, method=methods)
+        return Uncertainty(spreads, known, groups_of(self._tolerances), lost)
+
+    def _methods(self) -> Iterator[tuple[str, str]]:
+        """Yield each input and how derivatives by it were found; by one of a line, those by the state of that line."""
+        for stage, own in zip(STAGE_NAMES, self._linear.slopes, strict=True):
+            of_line = next((own.method[path] for path in LINE_PATHS if path in own.method), "")
+            for name in (name for name in self.values if name.startswith(f"{stage}.")):
+                yield name, own.method.get(name.partition(".")[2], of_line)
+
+
+def _linear_chain(chain: StageChain, found: ChainResult, tolerances: ChainTolerances) -> _LinearChain:
+    """Return the linear chain at a solution; raise UsageError where a stage has no derivative by its lines."""
+    (one, other), (first, second) = found.scenes, found.stages
+    solver, p = ChainSolver(chain), float(found.performance.intermediate_pressure)
+    vapour, T = solver.between(p, delivery_temperature(first))
+    pair = StagePair(p, (one, other), (first, second), vapour, T, found.notes.get("second_separator_temperature", ""))
+    slopes = []
+    for number, (stage, scene, result) in enumerate(zip(STAGE_NAMES, pair.scenes, pair.results, strict=True)):
+        paths = [name.partition(".")[2] for name in tolerances.uncertain if name.startswith(f"{stage}.")]
+        own = [path for path in paths if _is_own(scene, path)]
+        always = (P_D,) if number == 0 else (P_S, T_S)
+        line = [path for path in LINE_PATHS if value_at(scene, path) is not None]
+        needed = [path for path in line if path in always or len(own) < len(paths)]
+        these = sensitivities(scene, [*own, *needed], result=result, fine=False)
+        if missing := [path for path in needed if path not in these.values]:
+            why = these.left_out.get(missing[0], "it has no derivative")
+            raise UsageError(f"the {stage} stage by {missing[0]}: {why}")
+        slopes.append(these)
+    return _LinearChain(chain, pair, (slopes[0], slopes[1]))
+
+
+def _is_own(scene: Scene, path: str) -> bool:
+    """Tell whether an input is one of a stage's machine, not of its lines, which the scene at the solution restates."""
+    return path not in LINE_PATHS and value_at(scene, path) is not None
+
+
+def _line_changes(here: Lines, there: Lines) -> dict[str, float]:
+    """Return how the suction line differs [SI], by the paths by which a stage at the solution states it."""
+    found = {P_S: there.p_s - here.p_s}
+    if here.quality is None or there.quality is None:
+        return found | {T_S: there.T_s - here.T_s}
+    return found | {QUALITY: there.quality - here.quality}
+
+
+def _changed(result: Result, slopes: Sensitivities, changes: Mapping[str, float]) -> Result:
+    """Return a result with its figures moved along their derivatives by changes [SI] of inputs."""
+    moved = {path: by for path, by in changes.items() if by}
+    performance = result.performance.copy()
+    for name, by_path in slopes.derivatives.items():
+        performance[name] += sum(by_path[path] * by for path, by in moved.items() if path in by_path)
+    return replace(result, performance=performance)
+
+
+def _add_slopes(into: Slopes, name: str, ends: tuple[Mapping[str, Any], Mapping[str, Any]], width: float) -> None:
+    """Add the derivative of each figure by an input, from the figures at both ends of a step of this width [SI]."""
+    above, below = ends
+    for figure, value in above.items():
+        other = below.get(figure)
+        if value is not None and other is not None:
+            into.setdefault(figure, {})[name] = (value - other) / width

@@ -1,0 +1,161 @@
+"""Best values of two stages: found by the searches of one machine, with the pressure between both."""
+
+import csv
+import json
+import math
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import screwsim
+from screwsim.cli import exit_code
+from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Result
+from screwsim.study.optimize import question as several
+from screwsim.study.optimize import run_question
+from screwsim.study.optimum import optimum, question
+from screwsim.study.stages import read_stages
+from screwsim.study.stages.result import figures_of_both
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
+from scenes import scene_dict
+
+RPM = math.pi / 30.0
+SPEED = "second.operation.speed"
+CONFIGS = Path(__file__).parents[2] / "configs" / "two_stage"
+
+
+@pytest.fixture
+def plant(tmp_path):
+    def write(scene=None, **content):
+        (tmp_path / "low.yaml").write_text(json.dumps(scene_dict(scene or {})))
+        (tmp_path / "high.yaml").write_text(json.dumps(scene_dict({"operation.speed": "1300 rpm", **(scene or {})})))
+        path = tmp_path / "plant.stages.yaml"
+        path.write_text(json.dumps({"title": "plant", "stages": ["low.yaml", "high.yaml"], **content}))
+        return path
+
+    return write
+
+
+def hill(chain):
+    """Return figures with the best efficiency where the second stage turns at 0.4 of the first stage's speed."""
+    first, second = chain.first.operation.speed, chain.second.operation.speed
+    values = {
+        "isentropic_efficiency": 0.7 - math.log(second / (0.4 * first)) ** 2 - 1e-6 * (first / RPM - 3000.0) ** 2,
+        "intermediate_pressure": 4e5 * first / second,
+        "gas_mass_flow": 1e-4 * first,
+        "shaft_power": 100.0 * first,
+    }
+    return Result("ok", performance=figures_of_both(values))
+
+
+def test_the_best_speed_is_found_for_each_speed_of_the_other_stage_with_the_pressure_there(plant):
+    chain = read_stages(plant(sweep={"first.operation.speed": ["2500 rpm", "3500 rpm"]}))
+    asked = question(chain, f"{SPEED}=500 rpm..3000 rpm")
+    rows = optimum(chain, asked, jobs=1, simulate=hill)
+    for row, rpm in zip(rows, (2500.0, 3500.0), strict=True):
+        assert row.values == {"first.operation.speed": pytest.approx(rpm * RPM)}
+        assert (row.status, row.place) == ("ok", "inside")
+        # the search stops within 1e-4 of its range, ln 6
+        assert row.value == pytest.approx(0.4 * rpm * RPM, rel=1e-3)
+        assert row.beside == {"intermediate_pressure": pytest.approx(1e6, rel=1e-3)}
+
+
+def test_a_best_value_of_solutions_is_better_than_those_beside_it(plant, tmp_path, capsys):
+    """Air without losses in the motor: least power lies where both stages share the work."""
+    path, out = plant(), tmp_path / "best.csv"
+    words = ["optimum", str(path), "--path", f"{SPEED}=1100 rpm..1700 rpm", "--jobs", "1", "-o", str(out), "--json"]
+    assert exit_code(words) == 0
+    told = capsys.readouterr()
+    assert "isentropic_efficiency is used (choose another with --figure)" in told.err
+    (row,) = json.loads(told.out)["rows"]
+    assert row["status"] == "ok"
+    with out.open(encoding="utf-8-sig", newline="") as stream:
+        (stored,) = csv.DictReader(stream)
+    assert float(stored["intermediate_pressure [Pa]"]) == pytest.approx(
+        row["beside"]["intermediate_pressure"], rel=1e-6
+    )
+    chain = read_stages(path)
+    for value in (1.03 * row["value"], row["value"] / 1.03):
+        if 1100 * RPM <= value <= 1700 * RPM:
+            other = chain.with_values({SPEED: value}).solved()
+            assert other.performance.isentropic_efficiency < row["figure"] + 2.0 * row["error"]
+
+
+def test_two_inputs_are_sought_together_within_a_bound(plant):
+    chain = read_stages(plant())
+    vary = ["first.operation.speed=2000 rpm..4000 rpm", f"{SPEED}=500 rpm..3000 rpm"]
+    asked = several(chain, vary, subject_to=["gas_mass_flow<0.0283 kg/s"], evaluations=150)
+    found = run_question(asked, jobs=1, simulate=hill)
+    assert found.status == "ok"
+    # the bound is 1e-4 · first speed, so 2702 rpm, below the best of 3000 rpm
+    assert found.values["first.operation.speed"] == pytest.approx(283.0, rel=0.01)
+    assert found.values[SPEED] == pytest.approx(0.4 * 283.0, rel=0.02)
+    assert found.points[0].result.performance.gas_mass_flow <= 0.0283
+
+
+def test_the_commands_search_two_stages(plant, capsys):
+    ranges = ["--vary", "first.operation.speed=2900 rpm..3100 rpm", "--vary", f"{SPEED}=1250 rpm..1350 rpm"]
+    words = ["optimize", str(plant()), *ranges, "--minimize", "shaft_power", "--evaluations", "6", "--jobs", "1"]
+    assert exit_code(words) == 0
+    told = capsys.readouterr().out
+    assert "lowest shaft power, varying first.operation.speed 2900 rpm … 3100 rpm" in told
+    assert "intermediate pressure" in told
+
+
+def test_a_finer_accuracy_is_asked_of_both_stages_unless_one_states_its_steps(plant):
+    chain = read_stages(plant())
+    finer = chain.with_accuracy(1e-5)
+    assert (finer.first.numerics.accuracy, finer.second.numerics.accuracy) == (1e-5, 1e-5)
+    assert read_stages(plant({"numerics.rtol": 1e-6})).with_accuracy(1e-5) is None
+
+
+def test_the_usual_figure_is_that_of_what_the_stages_are_for(plant):
+    cold, air = (read_stages(CONFIGS / f"{name}.stages.yaml") for name in ("plant", "air"))
+    assert cold.usual_figure == "electrical_cop"
+    assert replace(cold, first=replace(cold.first, effects={})).usual_figure == "cop"
+    assert air.usual_figure == "package_isentropic_efficiency"
+    assert read_stages(plant()).usual_figure == "isentropic_efficiency"
+
+
+@pytest.mark.parametrize(
+    ("path", "told"),
+    [
+        ("oil_supply.ratio", "--path oil_supply.ratio: is in both stages (write that of one, e.g. --path 'second."),
+        (f"{SPEED}=2 rpm..1 rpm", "the range 2 rpm … 1 rpm is empty (LOW must be below HIGH)"),
+        (SPEED, f"{SPEED}: has no range (write {SPEED}=LOW..HIGH, or an axis of it under sweep:)"),
+        ("second.operation.sped=1 rpm..2 rpm", "did you mean 'second.operation.speed'?"),
+        ("operation.speed=1 rpm..2 rpm", "starts with none of first., second., intercooler."),
+        (
+            "first.operation.discharge.pressure=1 bar..2 bar",
+            "belongs to the discharge line, which follows from the other",
+        ),
+        ("second.machine.male_lobes=3..5", "is a whole number, not a continuous quantity"),
+        (f"{SPEED}=1 bar..2 bar", f"{SPEED}: "),
+    ],
+)
+def test_a_path_that_cannot_vary_is_one_line(plant, capsys, path, told):
+    assert exit_code(["optimum", str(plant()), "--path", path]) == 2
+    error = capsys.readouterr().err
+    assert told in error and error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "option", [["--best", "b.yaml"], ["-o", "a.h5"], ["--over", "IPLV"], ["--without", "oil_heat"]]
+)
+def test_what_a_search_of_two_stages_has_not_is_one_line(plant, capsys, option):
+    assert exit_code(["optimize", str(plant()), "--vary", f"{SPEED}=1 rpm..2 rpm", *option]) == 2
+    error = capsys.readouterr().err
+    assert f"stages have no {option[0]} (optimize one of the two scenes instead)" in error and error.count("\n") == 1
+
+
+def test_a_figure_that_two_stages_have_not_is_one_line(plant):
+    with pytest.raises(UsageError, match="--figure volumetric_efficiency: is not a figure of two stages"):
+        question(read_stages(plant()), f"{SPEED}=1 rpm..2 rpm", "volumetric_efficiency")
+
+
+def test_a_program_asks_by_the_name_of_the_file(plant):
+    with pytest.raises(UsageError, match="has no range"):
+        screwsim.optimum(str(plant()), SPEED)
