@@ -34,6 +34,7 @@ from screwsim.solve.finer_solutions import (
     finer_lives,
     repeated_share,
 )
+from screwsim.solve.misread_intake import misread_intake_errors
 from screwsim.solve.missed_neighbours import missed_neighbour_errors
 from screwsim.solve.open_balances import open_balance_errors
 from screwsim.solve.swings import Curves, curves_of, swing_errors
@@ -80,7 +81,8 @@ def estimated_errors(
     lost_now = [flow_errors(found, lost, by) for by, lost in lost_flow.items()]
     apart = c.offsets and not way_of(cycle).whole and not request.hidden  # the finer life met others at its own steps
     missed = missed_neighbour_errors(of, finer_life, errors) if apart else Figures()
-    for each in (*lost_now, *open_balance_errors(of, cycle), missed):
+    intake = misread_intake_errors(of, finer_life) if apart else ()
+    for each in (*lost_now, *open_balance_errors(of, cycle), missed, *intake):
         for name, size in each.items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)
     of_squares(found, errors)

@@ -88,8 +88,19 @@ def departures(problem: Problem, life: Trajectory) -> Departures | None:
 
 def _sums_differ(problem: Problem, life: Trajectory, steps: Array) -> tuple[Array, Array]:
     """Return those of the steps in which a neighbour takes many, and the gas [kg] by which their sums differ."""
+    step, _, differ = sums_met_twice(problem, life, steps)
+    found = np.unique(step)
+    return found, np.bincount(step, differ, life.steps)[found]
+
+
+def sums_met_twice(problem: Problem, life: Trajectory, steps: Array) -> tuple[Array, Array, Array]:
+    """Return by how much sums of a flow differ in those of the steps in which the neighbour takes many.
+
+    Step, column (even: with the chamber ahead, odd: with the one behind) and gas [kg] that the step sums beyond what
+    the neighbour does, one row for each.
+    """
     c, ends = problem.composition, life.times[: life.steps + 1]
-    shifts = problem.parts.geometry.pitch * np.array([way * offset for offset in c.offsets for way in (1, -1)])
+    shifts = shifts_to_neighbours(problem)
     low, high = ends[steps] + shifts[:, None], ends[steps + 1] + shifts[:, None]
     many = ends.searchsorted(high - EQUAL) - ends.searchsorted(low + EQUAL) >= MANY
     own, at = np.nonzero(many & (high < ends[-1] + EQUAL) & (low > -EQUAL))
@@ -103,9 +114,13 @@ def _sums_differ(problem: Problem, life: Trajectory, steps: Array) -> tuple[Arra
         return (1.0 - share) * sums[i, own ^ 1] + share * sums[i + 1, own ^ 1]
 
     step = steps[at]
-    differ = sums[step + 1, own] - sums[step, own] + met(high[own, at]) - met(low[own, at])
-    found = np.unique(step)
-    return found, np.bincount(step, differ, life.steps)[found]
+    return step, own, sums[step + 1, own] - sums[step, own] + met(high[own, at]) - met(low[own, at])
+
+
+def shifts_to_neighbours(problem: Problem) -> Array:
+    """Return the angles [rad] by which neighbours are ahead, in the order of the sums of what is met."""
+    offsets = problem.composition.offsets
+    return problem.parts.geometry.pitch * np.array([way * offset for offset in offsets for way in (1, -1)])
 
 
 def _missed_gas(problem: Problem, life: Trajectory, steps: Array) -> Array:
