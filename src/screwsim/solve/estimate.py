@@ -81,7 +81,8 @@ def estimated_errors(
     lost_now = [flow_errors(found, lost, by) for by, lost in lost_flow.items()]
     apart = c.offsets and not way_of(cycle).whole and not request.hidden  # the finer life met others at its own steps
     missed = missed_neighbour_errors(of, finer_life, errors) if apart else Figures()
-    intake = misread_intake_errors(of, finer_life) if apart else ()
+    read = c.offsets and not request.hidden and (apart or finer.q is not None)
+    intake = misread_intake_errors(of, finer_life, finer.q) if read else ()
     for each in (*lost_now, *open_balance_errors(of, cycle), missed, *intake):
         for name, size in each.items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)
