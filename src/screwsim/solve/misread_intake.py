@@ -26,7 +26,7 @@ from screwsim.model.trace import SAMPLED
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.quadrature import gauss
 from screwsim.outputs import Figures
-from screwsim.solve.missed_neighbours import EQUAL, shifts_to_neighbours, sums_met_twice
+from screwsim.solve.sums_met_twice import EQUAL, MetTwice, shifts_to_neighbours
 
 Array = np.ndarray
 SOME = 0.05  # wanted accuracies: what is misread of the trapped gas that is left alone
@@ -42,16 +42,16 @@ class Misread(NamedTuple):
     drawn: float
 
 
-def misread_intake_errors(of: Evaluation, finer: Trajectory, q: Array | None) -> Iterator[Figures]:
-    """Yield the errors of figures that a finer life than the evaluated one still has by what it misreads.
+NOTHING = Misread(0.0, 0.0)
 
-    `q` are its quadratures if all chambers were integrated together; None if its steps have sums of their own.
-    """
+
+def misread_intake_errors(of: Evaluation, misread: Misread) -> Iterator[Figures]:
+    """Yield the errors of figures that a finer life than the evaluated one still has by what it misreads."""
     problem, found = of.problem, of.figures
     flow, trapped = found.get("gas_mass_flow"), found.get(TRAPPED)
     if not trapped:
         return
-    held, drawn = map(abs, misread_intake(problem, finer, q))
+    held, drawn = map(abs, misread)
     some = SOME * problem.scene.numerics.accuracy * trapped
     if held > some:
         yield Figures({TRAPPED: held / trapped})
@@ -62,35 +62,69 @@ def misread_intake_errors(of: Evaluation, finer: Trajectory, q: Array | None) ->
         yield flow_errors(found, lost * problem.rate / abs(flow))
 
 
-def misread_intake(problem: Problem, life: Trajectory, q: Array | None = None) -> Misread:
-    """Return what a life misreads while it is open to the line that it takes gas in from.
+def misread_intake(problem: Problem, life: Trajectory, met: MetTwice) -> Misread:
+    """Return what a life misreads while it is open to the line that it takes gas in from; `met` sums differ in it.
 
     At a held pressure p V stays, and so does the sum of m T: gas at T that is taken in, in place of gas of the line at
-    T_s, leaves room for less by T/T_s - 1 of itself. What flows out later takes its part of the error with it. For `q`
-    see `misread_intake_errors`.
+    T_s, leaves room for less by T/T_s - 1 of itself. What flows out later takes its part of the error with it.
     """
-    geometry, ends = problem.parts.geometry, life.times[: life.steps + 1]
-    until = geometry.inlet_closes if geometry.expands else problem.parted
-    steps = np.flatnonzero(ends[1:] < (until or geometry.injection_angle) + EQUAL)
-    if q is not None:
-        return Misread(_exchanged_by_all(problem, life, steps, q), 0.0)
-    c, P = problem.composition, life.dense[steps]
-    sums = np.diff(life.quads[: life.steps], axis=0, prepend=0.0)[steps]
-    into, back = (sums[:, c.first_stream + row * c.width] for row in (slots.SUCTION_IN, slots.SUCTION_OUT))
-    T = P[:, :2, slots.S_T].mean(axis=1)
-    warmer = T / problem.lines.T_s - 1.0
+    c, ends = problem.composition, life.times[: life.steps + 1]
+    steps, T_s = _steps(problem, life), problem.lines.T_s
+    if not len(steps):
+        return NOTHING
+    into, back = (_sums(life, steps, c.first_stream + row * c.width) for row in (slots.SUCTION_IN, slots.SUCTION_OUT))
+    T = life.dense[: len(steps), :2, slots.S_T].mean(axis=1)
+    warmer = T / T_s - 1.0
     more = _exchanged(problem, life, steps, np.minimum(into, -back) * warmer, back) * warmer
-    step, column, differ = sums_met_twice(problem, life, steps)
+    some = SOME * problem.scene.numerics.accuracy * float(life.R[slots.R_TRAPPED])
+    at = np.flatnonzero(met.step < len(steps))
+    step, column, differ = (each[at] for each in met)
     drawn = -float(differ[(into - back)[step] > 0.0].sum())
-    if len(step):
-        at = 0.5 * (ends[step] + ends[step + 1]) + shifts_to_neighbours(problem)[column]
-        order, T_met = at.argsort(), np.empty(len(at))
-        T_met[order] = life.states_at(at[order])[:, slots.S_T]
-        T_from = np.where(sums[step, c.first_met + column] < 0.0, T[step], T_met)
-        T_port = np.where((into + back)[step] > 0.0, problem.lines.T_s, T[step])
+    hottest = float(life.dense[: life.steps, 1, slots.S_T].max())
+    if float(np.abs(differ).sum()) * (hottest / T_s - 1.0) > some:
+        middles = 0.5 * (ends[step] + ends[step + 1]) + shifts_to_neighbours(problem)[column]
+        order, T_met = middles.argsort(), np.empty(len(at))
+        T_met[order] = life.states_at(middles[order])[:, slots.S_T]
+        sums = _sums(life, steps, slice(c.first_met, c.first_met + 2 * len(c.offsets)))
+        T_from = np.where(sums[step, column] < 0.0, T[step], T_met)
+        T_port = np.where((into + back)[step] > 0.0, T_s, T[step])
         more = more - np.bincount(step, differ * (T_from / T_port - 1.0), len(steps))
-    met = np.minimum(sums[:, c.first_met : c.first_met + 2 * len(c.offsets)], 0.0).sum(axis=1)
-    return Misread(float(more @ _kept(problem, life, steps, -(met + back))), drawn)
+    if not float(np.abs(more).sum()) > some:
+        return Misread(0.0, drawn)
+    given = np.minimum(_sums(life, steps, slice(c.first_met, c.first_met + 2 * len(c.offsets))), 0.0).sum(axis=1)
+    return Misread(float(more @ _kept(problem, life, steps, -(given + back))), drawn)
+
+
+def misread_by_all(problem: Problem, life: Trajectory, q: Array) -> Misread:
+    """Return what is misread where all chambers were integrated together, with quadratures q.
+
+    They evaluate a flow between two of them once, but exchange gas with the line as well. Steps have no sums then: what
+    is exchanged is taken to be spread as what flows back, or evenly where nothing does.
+    """
+    steps = _steps(problem, life)
+    out = -float(streams_of(problem.composition, q)[slots.SUCTION_OUT, slots.OF_GAS])
+    warmer = life.dense[: len(steps), 1, slots.S_T] / problem.lines.T_s - 1.0
+    some = SOME * problem.scene.numerics.accuracy * float(life.R[slots.R_TRAPPED])
+    if _not_read(problem) or not out * float(np.abs(warmer).max(initial=0.0)) > some:
+        return NOTHING
+    back, given = _flows_read(problem, life, steps)
+    exchanged = max(out + float(back.sum()), 0.0)
+    spread = back / back.sum() if back.any() else np.full(len(steps), 1.0 / len(steps))
+    return Misread(exchanged * float((spread * warmer) @ _kept(problem, life, steps, -(back + given))), 0.0)
+
+
+def _steps(problem: Problem, life: Trajectory) -> Array:
+    """Return the numbers of the steps, the first ones, in which a chamber is open to that line."""
+    geometry = problem.parts.geometry
+    until = (geometry.inlet_closes if geometry.expands else problem.parted) or geometry.injection_angle
+    return np.arange(int(life.times[1 : life.steps + 1].searchsorted(until + EQUAL)))
+
+
+def _sums(life: Trajectory, steps: Array, columns: int | slice) -> Array:
+    """Return what the first steps sum in columns of the quadratures, each by itself."""
+    sums = life.quads[: len(steps), columns].copy()
+    sums[1:] -= life.quads[: max(len(steps) - 1, 0), columns]
+    return sums
 
 
 def _exchanged(problem: Problem, life: Trajectory, steps: Array, at_most: Array, summed: Array) -> Array:
@@ -107,22 +141,6 @@ def _exchanged(problem: Problem, life: Trajectory, steps: Array, at_most: Array,
     back, _ = _flows_read(problem, life, steps[alternate])
     found[alternate] = np.maximum(back - summed[alternate], 0.0)
     return found
-
-
-def _exchanged_by_all(problem: Problem, life: Trajectory, steps: Array, q: Array) -> float:
-    """Return the gas [kg/life] by which a chamber holds too much, where all were integrated together.
-
-    Steps then have no sums: what is exchanged is taken to be spread as what flows back, or evenly where nothing does.
-    """
-    out = -float(streams_of(problem.composition, q)[slots.SUCTION_OUT, slots.OF_GAS])
-    warmer = life.dense[steps, 1, slots.S_T] / problem.lines.T_s - 1.0
-    some = SOME * problem.scene.numerics.accuracy * float(life.R[slots.R_TRAPPED])
-    if _not_read(problem) or not out * float(np.abs(warmer).max(initial=0.0)) > some:
-        return 0.0
-    back, met = _flows_read(problem, life, steps)
-    exchanged = max(out + float(back.sum()), 0.0)
-    spread = back / back.sum() if back.any() else np.full(len(steps), 1.0 / len(steps))
-    return exchanged * float((spread * warmer) @ _kept(problem, life, steps, -(back + met)))
 
 
 def _not_read(problem: Problem) -> bool:
