@@ -42,7 +42,7 @@ from screwsim.solve.surroundings import (
     surroundings_follow,
     unknowns_of,
 )
-from screwsim.solve.surroundings_errors import errors_with_unknowns, learnt_slopes, secant_updated
+from screwsim.solve.surroundings_errors import LEAST_DISTANCE, errors_with_unknowns, learnt_slopes, secant_updated
 
 Array = np.ndarray
 MOST_CYCLES = 20  # cycles of one search
@@ -57,7 +57,6 @@ CONTRACTION = 0.1  # expected ratio of the residual after a step to that before 
 LEARNT_CONTRACTION = 0.01  # ... the same with the Jacobian of the point before ...
 ROUGH_TOLERANCE = 0.05  # ... and tolerance on changes, over the expected residual, with which the next cycle is closed
 ROUGHEST_RTOL = 1e-3  # largest tolerance of a step in such a cycle; looser ones may diverge
-LEAST_DISTANCE = 0.05  # [K, kPa], smallest distance of two cycles from which sensitivities are taken
 LARGEST_LOSS = 0.98  # largest pressure loss before the machine, over the suction pressure
 
 

@@ -27,6 +27,8 @@ STATED = {  # figures that state an unknown: which, and its unit
     "discharge_pressure": (BEHIND, KPA),
     "package_pressure_loss": (BEHIND, KPA),
 }
+FOLLOWS = {"dissolved_gas_ratio": (SEPARATOR, BEHIND)}  # figures that follow some unknowns alone: which
+LEAST_DISTANCE = 0.05  # [K, kPa], smallest distance of two cycles from which sensitivities are taken
 
 
 def secant_updated(slope: Array, change: float | Array, moved: Array) -> Array:
@@ -45,7 +47,10 @@ def learnt_slopes(known: Slopes, of: Evaluation, before: Figures, moved: Array) 
         slope = slopes.get(name)
         if slope is None:
             slope = _stated_slope(of, name, unknowns)
-        slopes[name] = secant_updated(slope, value - old, moved)
+        along = moved if name not in FOLLOWS else np.where(np.isin(np.arange(unknowns), FOLLOWS[name]), moved, 0.0)
+        if along is moved or np.abs(along).max() > LEAST_DISTANCE:
+            slope = secant_updated(slope, value - old, along)
+        slopes[name] = slope
     return slopes
 
 
