@@ -38,7 +38,7 @@ from screwsim.solve.finer_solutions import (
 )
 from screwsim.solve.misread_intake import misread_by_all, misread_intake, misread_intake_errors
 from screwsim.solve.missed_neighbours import missed_neighbour_errors
-from screwsim.solve.open_balances import open_balance_errors
+from screwsim.solve.open_balances import later_warming_errors, open_balance_errors
 from screwsim.solve.sums_met_twice import sums_met_twice
 from screwsim.solve.swings import Curves, curves_of, swing_errors
 
@@ -82,7 +82,8 @@ def estimated_errors(
     if _closed_on_noise(request):
         lost_flow["by_flow"] = max(lost_flow.get("by_flow", 0.0), cycle.change / abs(request.filling))
     lost_now = [flow_errors(found, lost, by) for by, lost in lost_flow.items()]
-    for each in (*lost_now, *open_balance_errors(of, cycle), *_misread(request, finer_life, finer, errors)):
+    warming = later_warming_errors(of, cycle) if cycle.turns == 1 and len(finer.figures) == 1 else Figures()
+    for each in (*lost_now, *open_balance_errors(of, cycle), warming, *_misread(request, finer_life, finer, errors)):
         for name, size in each.items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)
     of_squares(found, errors)
