@@ -130,10 +130,9 @@ def test_what_chambers_misread_of_the_gas_that_they_take_in_is_told(structure, s
     assert off["gas_mass_flow"] <= told["gas_mass_flow"]
 
 
-def test_what_later_turns_warm_is_told_of_a_cycle_that_closes_in_its_first():
+def test_what_later_turns_warm_is_told_of_a_cycle_whose_turns_showed_no_pace():
     """83 % of what flows out flows back: the last cycle of the oil's circuit told 0.09 accuracies of 0.18."""
-    found, told, off = compared(scene_of("oil circuit", 713, 5), 50)
-    assert found.numerics.turns == 1
+    _, told, off = compared(scene_of("oil circuit", 713, 5), 50)
     for name in ("discharge_temperature", "oil_discharge_temperature"):
         assert 0.05 < off[name] <= told[name], name
 

@@ -14,7 +14,8 @@ from screwsim.cycle.trend import DEPTH, DegreeRecord, extrapolation_weights
 from screwsim.effects.base import PressureLosses
 
 Array = np.ndarray
-NOTHING_LEARNT = (None, 1.0)
+FIRST_OPEN = 20.0  # residual expected of a first guess, over the shaft power: its cycle need not close
+NOTHING_LEARNT = (None, FIRST_OPEN)
 
 
 @dataclass

@@ -48,7 +48,9 @@ class Circuit(NamedTuple):
 
     `supply` and `separator` [K] are the differences of the two temperatures, 0 where they are stated or not needed;
     `open` is the power that they leave open, `residual` that of the whole circuit, both over the shaft power.
-    `unclosed` [K] is the effect of the cycle's energy residual on the mixture's temperature.
+    `unclosed` [K] is the effect of the cycle's energy residual on the mixture's temperature. `parted` is the separation
+    of what leaves the chambers. Temperatures that are found follow from what enters them, which a cycle that is not
+    closed well states with a smaller error.
     """
 
     outflow: SeparatorInflow
@@ -78,17 +80,22 @@ def circuit_of(
     if not outflow.gas_flow > 0.0:
         return NONE_LEFT
     supply_open, separator_open = open_temperatures(scene)
+
+    def separation(of: SeparatorInflow) -> Separated:
+        return separated(of) if part is None else part.balance(of, supply_open)
+
     try:
-        parted = part.balance(outflow, supply_open) if part is not None else separated(outflow)
+        parted = separation(outflow)
+        found = separation(outflow._replace(energy=outflow.supplied)) if supply_open or separator_open else parted
     except UsageError as error:
         return f"the separator does not separate gas and oil: {error}"
     used = asking[0].separator_temperature if asking and separator_open else None
-    change = 0.0 if used is None else parted.T_separator - used
+    change = 0.0 if used is None else found.T_separator - used
     power = abs(problem.rate * float(q[Q_WORK]) + lift + sum(losses.values()))
     unexplained = _unexplained_power(outflow, parted)
-    shares = [abs(each) / max(power, 1e-300) for each in (parted.open, outflow.oil_capacity * change, unexplained)]
+    shares = [abs(each) / max(power, 1e-300) for each in (found.open, outflow.oil_capacity * change, unexplained)]
     unclosed = abs(unexplained) / max(outflow.oil_capacity + outflow.gas_flow * parts.gas.c_p, 1e-300)
-    return Circuit(outflow, parted, parted.supply, change, max(shares[:2]), max(shares), unclosed)
+    return Circuit(outflow, parted, found.supply, change, max(shares[:2]), max(shares), unclosed)
 
 
 def _unexplained_power(outflow: SeparatorInflow, parted: Separated) -> float:

@@ -9,6 +9,7 @@ accurately as the scene asks, with its errors estimated; it is repeated where th
 
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,7 +25,7 @@ from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import ClosingTask, Problem, Series, problem_of
 from screwsim.cycle.solution import ClosingCriteria, CycleSolution
-from screwsim.cycle.surroundings import KnownSurroundings
+from screwsim.cycle.surroundings import FIRST_OPEN, KnownSurroundings
 from screwsim.effects.base import PressureLosses
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.figures.errors import worst
@@ -42,13 +43,13 @@ from screwsim.solve.surroundings import (
     surroundings_follow,
     unknowns_of,
 )
-from screwsim.solve.surroundings_errors import LEAST_DISTANCE, errors_with_unknowns, learnt_slopes, secant_updated
+from screwsim.solve.surroundings_errors import errors_with_unknowns, learnt_slopes, secant_updated
 
 Array = np.ndarray
 MOST_CYCLES = 20  # cycles of one search
 MOST_REPETITIONS = 8  # repetitions of the final cycle
 OPEN = 0.2  # of the wanted accuracy: admissible residual of the circuit over the shaft power, or of a pressure
-LEARN_FROM = 0.02  # [K, kPa], shortest step that the Jacobian is learnt from: shorter ones show noise
+NOISE = 2.0  # error of a cycle's residuals over the larger of its last turn's change and its open balances
 LEAST_DECAY = 0.05  # smallest −(real part of an eigenvalue) of a Jacobian that is accepted
 LONGEST_STEP = 40.0  # [K, kPa], longest step
 HALVINGS = 6  # of a step to impossible oil or effects, or to where no cycle closes
@@ -57,7 +58,17 @@ CONTRACTION = 0.1  # expected ratio of the residual after a step to that before 
 LEARNT_CONTRACTION = 0.01  # ... the same with the Jacobian of the point before ...
 ROUGH_TOLERANCE = 0.05  # ... and tolerance on changes, over the expected residual, with which the next cycle is closed
 ROUGHEST_RTOL = 1e-3  # largest tolerance of a step in such a cycle; looser ones may diverge
+LEAST_DISTANCE = 0.05  # [K, kPa], smallest distance of two cycles from which sensitivities are taken
 LARGEST_LOSS = 0.98  # largest pressure loss before the machine, over the suction pressure
+
+
+class _Seen(NamedTuple):
+    """What a cycle of a search showed: unknowns, what they are `off` by and the error of that [K, kPa], and figures."""
+
+    x: Array
+    off: Array
+    wrong: float
+    figures: Figures = Figures()
 
 
 @dataclass
@@ -71,10 +82,11 @@ class SurroundingsSearch:
     time: float = 0.0
     why: str = ""  # why it ended without a solution
     jacobian: Array | None = None
-    last: tuple[Array, Array] | None = None
+    last: _Seen | None = None  # the cycle before
+    noise: float = 0.0  # error of the last cycle's residuals over the shaft power
     response: Array | None = None  # the Jacobian as steps of at least `LEAST_DISTANCE` alone have it, for errors
-    seen: list[tuple[Array, Figures, Array]] = field(default_factory=list)  # unknowns, figures, off of cycles
-    expected: float = 1.0  # expected residual of the next cycle
+    seen: list[_Seen] = field(default_factory=list)
+    expected: float = FIRST_OPEN  # residual of the next cycle
     contracts: float = CONTRACTION  # expected ratio of residuals over a step
     cycle: CycleSolution | None = None  # the last cycle; None where it was closed less tightly than the scene asks
 
@@ -83,14 +95,13 @@ class SurroundingsSearch:
 
         An update that would reverse the response of the circuit (see `LEAST_DECAY`) is not learnt.
         """
-        off = asked.off
+        off, wrong = asked.off, self._error_of(asked)
         if self.jacobian is None:
             self.jacobian = started_jacobian(asked)
-        elif self.last is not None:
-            dx = x - self.last[0]
-            if float(np.max(np.abs(dx))) > LEARN_FROM:
-                self.jacobian = _learnt(self.jacobian, off - self.last[1], dx)
-        self.last = x, off
+        elif self.last is not None and np.any(x != self.last.x):
+            moved, change = x - self.last.x, off - self.last.off
+            self.jacobian = _learnt(self.jacobian, change, moved, _weight(moved, wrong, self.last.wrong))
+        self.last = _Seen(x, off, wrong)
         found = -np.linalg.solve(self.jacobian, off)
         largest = float(np.max(np.abs(found)))
         return found * min(1.0, LONGEST_STEP / largest) if largest > 0.0 else found
@@ -102,13 +113,20 @@ class SurroundingsSearch:
         """
         if self.response is None:
             self.response = started_jacobian(asked) if self.jacobian is None else self.jacobian
-        for other, figures, off in reversed(self.seen):
-            if float(np.max(np.abs(x - other))) > LEAST_DISTANCE:
-                self.known.slopes = learnt_slopes(self.known.slopes, of, figures, x - other)
-                self.response = _learnt(self.response, asked.off - off, x - other)
+        wrong = self._error_of(asked)
+        for before in reversed(self.seen):
+            moved = x - before.x
+            if float(np.max(np.abs(moved))) > LEAST_DISTANCE:
+                weight = _weight(moved, wrong, before.wrong)
+                self.known.slopes = learnt_slopes(self.known.slopes, of, before.figures, moved, weight)
+                self.response = _learnt(self.response, asked.off - before.off, moved, weight)
                 break
-        self.seen.append((x, of.figures, asked.off))
+        self.seen.append(_Seen(x, asked.off, wrong, of.figures))
         return self.response
+
+    def _error_of(self, asked: ImpliedSurroundings) -> float:
+        """Return the error [K, kPa] of what the last cycle implies, since it is not closed better."""
+        return self.noise * float(np.max(np.abs(asked.off))) / asked.open if asked.open > 0.0 else 0.0
 
     @property
     def known(self) -> KnownSurroundings:
@@ -130,8 +148,20 @@ class SurroundingsSearch:
         if not cycle.closed:
             return None
         self.cycle = cycle if criteria is asked else None
+        self.judge(cycle, criteria)
         record_in_course(self.course, of, cycle, criteria, self.course.tightness)
         return of
+
+    def judge(self, cycle: CycleSolution, criteria: ClosingCriteria) -> None:
+        """Take over how far off what a cycle shows may be, by what it leaves open."""
+        self.noise = NOISE * max(cycle.change, cycle.residual * criteria.bound)
+
+    def closed_as_asked(self, of: Evaluation) -> Evaluation | None:
+        """Return a cycle closed as accurately as asked; None where it was closed so, or does not close."""
+        if self.cycle is not None:
+            return None
+        self.expected = 0.0
+        return self.closed(of.problem, self.course)
 
     def posed(self, problem: Problem, x: Array) -> Problem | None:
         """Return the problem at unknowns x; None, with the reason in `why`, where oil or effects rule it out."""
@@ -185,9 +215,15 @@ def started_jacobian(asked: ImpliedSurroundings) -> Array:
     return found
 
 
-def _learnt(jacobian: Array, change: Array, moved: Array) -> Array:
+def _weight(moved: Array, *wrong: float) -> float:
+    """Return the share to be learnt of what a move of the unknowns shows, by what was wrong at its ends [K, kPa]."""
+    length = float(moved @ moved)
+    return length / (length + sum(each * each for each in wrong))
+
+
+def _learnt(jacobian: Array, change: Array, moved: Array, weight: float) -> Array:
     """Return a Jacobian by Broyden's update, or the old one where that would reverse the circuit's response."""
-    learnt = secant_updated(jacobian, change, moved)
+    learnt = secant_updated(jacobian, change, moved, weight)
     return learnt if np.all(np.linalg.eigvals(learnt).real < -LEAST_DECAY) else jacobian
 
 
@@ -235,11 +271,16 @@ def steady_state(problem: Problem, series: Series) -> tuple[Problem, Surrounding
     of = _first_cycle(search, problem, known.expected(stated))
     if of is None:
         return problem, search
-    first = implied_surroundings(of)
+    first: ImpliedSurroundings | None = None
     for _ in range(MOST_CYCLES):
         asked = implied_surroundings(of)
         if asked is None:
-            break
+            closed = search.closed_as_asked(of)
+            if closed is None:
+                break
+            of = closed
+            continue
+        first = first or asked
         enough = asked.open <= OPEN * of.problem.scene.numerics.accuracy
         if enough and search.cycle is not None:
             break
@@ -312,6 +353,7 @@ def _with_unknowns(accurate: Accurate, search: SurroundingsSearch) -> Figures:
     asked = implied_surroundings(of)
     if asked is None or search.why or not errors:
         return errors
+    search.judge(accurate.cycle, accurate.criteria)
     response = search.learn(of, unknowns_of(of.problem), asked)
     return errors_with_unknowns(of, errors, asked.off, response, search.known.slopes)
 

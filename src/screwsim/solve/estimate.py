@@ -82,7 +82,8 @@ def estimated_errors(
     if _closed_on_noise(request):
         lost_flow["by_flow"] = max(lost_flow.get("by_flow", 0.0), cycle.change / abs(request.filling))
     lost_now = [flow_errors(found, lost, by) for by, lost in lost_flow.items()]
-    warming = later_warming_errors(of, cycle) if cycle.turns == 1 and len(finer.figures) == 1 else Figures()
+    unpaced = cycle.contraction >= 1.0 and len(finer.figures) == 1
+    warming = later_warming_errors(of, cycle) if unpaced else Figures()
     for each in (*lost_now, *open_balance_errors(of, cycle), warming, *_misread(request, finer_life, finer, errors)):
         for name, size in each.items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)

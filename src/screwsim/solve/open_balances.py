@@ -56,9 +56,9 @@ def open_balance_errors(of: Evaluation, cycle: CycleSolution) -> Iterator[Figure
 
 
 def later_warming_errors(of: Evaluation, cycle: CycleSolution) -> Figures:
-    """Return the errors of what flows out, by what later turns still warm it, of a cycle that closed in its first turn.
+    """Return the errors of what flows out, by what later turns still warm it, of a cycle whose turns showed no pace.
 
-    Its guess was so good that the turn's pace was not seen, and a finer life shows what it warms, not what all do.
+    Its guess was good, or corrections led it; a finer life shows what it warms itself, not what all do.
     """
     problem, found = of.problem, of.figures
     if way_of(cycle).whole:

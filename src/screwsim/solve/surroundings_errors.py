@@ -28,16 +28,22 @@ STATED = {  # figures that state an unknown: which, and its unit
     "package_pressure_loss": (BEHIND, KPA),
 }
 FOLLOWS = {"dissolved_gas_ratio": (SEPARATOR, BEHIND)}  # figures that follow some unknowns alone: which
-LEAST_DISTANCE = 0.05  # [K, kPa], smallest distance of two cycles from which sensitivities are taken
+LEAST_MOVE = 1e-3  # [K, kPa], smallest move of these that shows its slope: it has no noise of a cycle
 
 
-def secant_updated(slope: Array, change: float | Array, moved: Array) -> Array:
-    """Return slopes that give a change over a move of the unknowns, by the smallest update that does (Broyden)."""
-    return slope + np.multiply.outer(np.asarray(change) - slope @ moved, moved) / float(moved @ moved)
+def secant_updated(slope: Array, change: float | Array, moved: Array, weight: float = 1.0) -> Array:
+    """Return slopes that give a change over a move of the unknowns, by the smallest update that does (Broyden).
+
+    With a `weight` below 1 they give that share of what the change was missed by.
+    """
+    return slope + weight * np.multiply.outer(np.asarray(change) - slope @ moved, moved) / float(moved @ moved)
 
 
-def learnt_slopes(known: Slopes, of: Evaluation, before: Figures, moved: Array) -> dict[str, Array]:
-    """Return the slopes of figures that also give their change to an evaluation, over a move of the unknowns."""
+def learnt_slopes(known: Slopes, of: Evaluation, before: Figures, moved: Array, weight: float) -> dict[str, Array]:
+    """Return the slopes of figures that also give their change to an evaluation, over a move of the unknowns.
+
+    What they missed of the change is learnt by its `weight`, see `secant_updated`.
+    """
     unknowns, found = len(moved), of.figures
     slopes = {name: slope for name, slope in known.items() if len(slope) == unknowns}
     for name, value in found.items():
@@ -47,10 +53,12 @@ def learnt_slopes(known: Slopes, of: Evaluation, before: Figures, moved: Array) 
         slope = slopes.get(name)
         if slope is None:
             slope = _stated_slope(of, name, unknowns)
-        along = moved if name not in FOLLOWS else np.where(np.isin(np.arange(unknowns), FOLLOWS[name]), moved, 0.0)
-        if along is moved or np.abs(along).max() > LEAST_DISTANCE:
-            slope = secant_updated(slope, value - old, along)
-        slopes[name] = slope
+        if name in FOLLOWS:  # however well a cycle is closed
+            along = np.where(np.isin(np.arange(unknowns), FOLLOWS[name]), moved, 0.0)
+            far = float(np.abs(along).max()) > LEAST_MOVE
+            slopes[name] = secant_updated(slope, value - old, along) if far else slope
+        else:
+            slopes[name] = secant_updated(slope, value - old, moved, weight)
     return slopes
 
 
