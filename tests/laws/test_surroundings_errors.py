@@ -2,20 +2,18 @@
 
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from effects_space import scene_of
 
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.problem import Series, problem_of
 from screwsim.figures.errors import relative_errors
-from screwsim.scene import load, with_values
+from screwsim.scene import load
 from screwsim.simulate import simulate
 from screwsim.solve.circuit import SurroundingsSearch, _learnt, _weight, steady_state
 from screwsim.solve.surroundings import implied_surroundings
-from screwsim.solve.surroundings_errors import BEHIND, KPA, SUPPLY, learnt_slopes, secant_updated
+from screwsim.solve.surroundings_errors import BEHIND, KPA, SUPPLY, secant_updated
 
 PACKAGE = Path(__file__).parents[2] / "configs" / "air" / "fixed_speed_10.yaml"
 MOIST = PACKAGE.with_name("moist.yaml")
@@ -58,24 +56,6 @@ def test_figures_that_state_an_unknown_go_with_it_alone_whatever_steps_were_made
     for name, unknown, unit in (("discharge_pressure", BEHIND, KPA), ("oil_supply_temperature", SUPPLY, 1.0)):
         slope = series.surroundings.slopes[name]
         assert slope == pytest.approx(unit * np.eye(len(slope))[unknown], abs=1e-6 * unit), name
-
-
-def test_what_a_supply_holds_dissolved_goes_with_the_separator_alone():
-    """Steps of the supply's temperature are the longest; what is dissolved does not follow it."""
-    of = SimpleNamespace(figures={"dissolved_gas_ratio": 0.12}, problem=problem_of(load(PACKAGE), Series()))
-    slopes = learnt_slopes({}, of, {"dissolved_gas_ratio": 0.10}, np.array([8.0, -0.01, 0.0, 0.0]), 0.1)
-    assert slopes["dissolved_gas_ratio"] == pytest.approx(np.array([0.0, -2.0, 0.0, 0.0]))
-    kept = learnt_slopes(slopes, of, {"dissolved_gas_ratio": 0.11}, np.array([8.0, 0.0, 0.0, 0.0]), 0.1)
-    assert kept["dissolved_gas_ratio"] == pytest.approx(slopes["dissolved_gas_ratio"])
-
-
-def test_what_a_supply_holds_dissolved_errs_with_the_separator():
-    """The cooler hardly has to work: 0.12 accuracies were told of 0.74."""
-    scene = with_values(scene_of("oil circuit, solubility", 716, 2), {"numerics.accuracy": 1e-3})
-    found = simulate(scene, trace=False)
-    finer = replace(scene.numerics, accuracy=1e-3 / 50.0, error="none")
-    true = relative_errors(found.performance, simulate(replace(scene, numerics=finer), trace=False).performance)
-    assert 0.0 < true["dissolved_gas_ratio"] <= found.error["dissolved_gas_ratio"]
 
 
 def test_a_supply_temperature_that_is_not_exact_is_told():

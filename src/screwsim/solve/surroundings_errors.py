@@ -27,8 +27,6 @@ STATED = {  # figures that state an unknown: which, and its unit
     "discharge_pressure": (BEHIND, KPA),
     "package_pressure_loss": (BEHIND, KPA),
 }
-FOLLOWS = {"dissolved_gas_ratio": (SEPARATOR, BEHIND)}  # figures that follow some unknowns alone: which
-LEAST_MOVE = 1e-3  # [K, kPa], smallest move of these that shows its slope: it has no noise of a cycle
 
 
 def secant_updated(slope: Array, change: float | Array, moved: Array, weight: float = 1.0) -> Array:
@@ -53,12 +51,7 @@ def learnt_slopes(known: Slopes, of: Evaluation, before: Figures, moved: Array, 
         slope = slopes.get(name)
         if slope is None:
             slope = _stated_slope(of, name, unknowns)
-        if name in FOLLOWS:  # however well a cycle is closed
-            along = np.where(np.isin(np.arange(unknowns), FOLLOWS[name]), moved, 0.0)
-            far = float(np.abs(along).max()) > LEAST_MOVE
-            slopes[name] = secant_updated(slope, value - old, along) if far else slope
-        else:
-            slopes[name] = secant_updated(slope, value - old, moved, weight)
+        slopes[name] = secant_updated(slope, value - old, moved, weight)
     return slopes
 
 
