@@ -54,6 +54,14 @@ def test_an_expanders_port_makes_good_what_its_chamber_misses():
     assert 0.5 < drawn / problem.scene.numerics.accuracy < 1.5  # 0.81 is what it draws too much
 
 
+def test_what_flows_back_after_the_chamber_has_left_the_line_is_no_exchange():
+    """A hole of an own effect lets gas out to the line beyond the angle of injection; all chambers together."""
+    scene = scene_of("own effect, carried", 743, 10)
+    problem, _, cycle = closed(with_values(scene, {"numerics.closing": "coupled"}))
+    life = cycle.trajectory
+    assert abs(misread_by_all(problem, life, cycle.q).held) < 0.1 * scene.numerics.accuracy * float(life.R[R_TRAPPED])
+
+
 def test_nothing_is_misread_by_short_steps():
     problem, _, cycle = closed(make({"numerics": {"accuracy": 1e-6}}))
     life = cycle.trajectory

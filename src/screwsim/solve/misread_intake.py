@@ -107,8 +107,9 @@ def misread_by_all(problem: Problem, life: Trajectory, q: Array) -> Misread:
     some = SOME * problem.scene.numerics.accuracy * float(life.R[slots.R_TRAPPED])
     if _not_read(problem) or not out * float(np.abs(warmer).max(initial=0.0)) > some:
         return NOTHING
-    back, given = _flows_read(problem, life, steps)
+    back, given = _flows_read(problem, life, np.arange(life.steps))  # a bore may lead to the line later, too
     exchanged = max(out + float(back.sum()), 0.0)
+    back, given = back[: len(steps)], given[: len(steps)]
     spread = back / back.sum() if back.any() else np.full(len(steps), 1.0 / len(steps))
     return Misread(exchanged * float((spread * warmer) @ _kept(problem, life, steps, -(back + given))), 0.0)
 
