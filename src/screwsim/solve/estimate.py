@@ -94,17 +94,19 @@ def estimated_errors(
 def _misread(request: EstimateRequest, life: Trajectory, finer: FinerSolutions, known: Figures) -> Iterator[Figures]:
     """Yield the errors that finer solutions have as well, of which the last one's life is given.
 
-    Errors that are `known` are those that they show.
+    Errors that are `known` are those that they show. Where little is delivered, what flows back and in again replaces
+    the gas of a chamber many times, and what steps misread of it does not last.
     """
+    delivers = request.filling > LEAST_DELIVERY
     of, problem = request.of, request.problem
     if not problem.composition.offsets or request.hidden:
         return
     if finer.q is not None:
-        yield from misread_intake_errors(of, misread_by_all(problem, life, finer.q))
+        yield from misread_intake_errors(of, misread_by_all(problem, life, finer.q)) if delivers else ()
     elif not way_of(request.cycle).whole:  # the finer life met others at its own steps
         met = sums_met_twice(problem, life)
         yield missed_neighbour_errors(of, life, met, known)
-        yield from misread_intake_errors(of, misread_intake(problem, life, met))
+        yield from misread_intake_errors(of, misread_intake(problem, life, met)) if delivers else ()
 
 
 def _closed_on_noise(request: EstimateRequest) -> bool:
