@@ -44,9 +44,9 @@ pseudo-pure fluid's. Time: that of one state (p, h, c_v, T ∂p/∂T, 1/k, choki
 measured beside it; on a shared machine, good to some tenths. Errors: the largest of p, c_v and w (relative), h (over
 R T) and s (over R, but for what CoolProp's own misses Maxwell's relation by, M311: 1e-6 and less times ln δ) against
 CoolProp at equal temperature and density; and of dew and bubble pressure against those of CoolProp's flashes that
-converge, with their number of six. T_m: the highest temperature of two phases; T_max: the least
-of the components' highest temperatures, beyond which a cycle is refused. Glide: dew less bubble temperature at the dew
-pressure of 45 °C, or of 0.8 T_m where that is lower.
+converge, with their number of six. T_m: the highest temperature of two phases, or *gas from* the temperature from which
+the blend is known, as a gas only (M317); T_max: the least of the components' highest temperatures, beyond which a cycle
+is refused. Glide: dew less bubble temperature at the dew pressure of 45 °C, or of 0.8 T_m where that is lower.
 
 | blend | components | time | equation's error | dew and bubble | glide | T_m | T_max |
 |---|---|---|---|---|---|---|---|
@@ -123,7 +123,7 @@ def row(name: str) -> str:
     parts = ", ".join(known.components)
     dew = f"{off:.0e} of {count}" if count else "none of them converges"
     error = equation_error(name, gas)
-    ends = f"{glide} | {lines.T_c:.2f} K | {known.T_max:g} K"
+    ends = f"{glide} | {'gas from ' if lines.always_gas else ''}{lines.T_c:.2f} K | {known.T_max:g} K"
     return f"| {name} | {parts} | {cost:.1f} | {error:.0e} | {dew} | {ends} |"
 
 

@@ -1,4 +1,5 @@
-"""Compare an exported map's compiled C with the simulator at 200 random points inside, and time a call of it.
+"""Compare an exported map's compiled C with the simulator at 200 random points inside, and time calls of it and of
+the same map in Python.
 
     python benchmarks/export_map.py [SCENE [ERROR]]
 
@@ -11,11 +12,13 @@ import ctypes
 import sys
 import tempfile
 import time
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
 
 from screwsim.export.fmu import compile_shared, source_files
+from screwsim.export.map_table import MapTable
 from screwsim.export.source import DEFAULT_ERROR, map_of
 from screwsim.export.table import scales
 from screwsim.scene import load, with_values
@@ -75,6 +78,17 @@ def main(scene_file: str = str(ROOT / "configs" / "r134a" / "point.yaml"), error
     flat = (ctypes.c_double * x.size)(*x.ravel())
     one = sorted(library.seconds(flat, POINTS, CALLS) for _ in range(7))[3]
     print(f"one call: {1e6 * one:.2f} us (median of 7 runs of {CALLS} calls)")
+    many = np.random.default_rng(2026).uniform(low, high, (CALLS, len(low)))
+    print(f"in Python {rate(table, [many]):.0f} points a second at a time, {rate(table, many[:2000]):.0f} one by one")
+
+
+def rate(table: MapTable, points: Iterable[np.ndarray]) -> float:
+    """Return how many points a second of processor time are evaluated by calls with these points."""
+    began, count = time.process_time(), 0
+    for each in points:
+        found = table.evaluate(**dict(zip((one.name for one in table.inputs), each.T, strict=True)))
+        count += found[table.outputs[0].name].size
+    return count / (time.process_time() - began)
 
 
 def compiled(sources: dict[str, str]) -> ctypes.CDLL:

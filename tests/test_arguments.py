@@ -38,6 +38,7 @@ CALLS = {
     "loads": {"text": "title: x\n"},
     "open_results": {"path": "map.h5"},
     "sensitivities": {"scene": POINT},
+    "tabulate": {"source": POINT, "over": {"operation.speed": (200.0, 300.0)}},
     "uncertainty": {"scene": UNCERTAIN},
 }
 STRANGE = [object(), math.nan, -1, {"x": 1}, b"x", [3]]  # of no argument all of them make sense
@@ -61,7 +62,7 @@ def test_a_strange_argument_is_told_in_one_line(name, argument, tmp_path, monkey
     monkeypatch.chdir(tmp_path)
     for strange in STRANGE:
         meant = {"unchanged", "pairs", "case_limit", "low", "high", "evaporating_temperature", "condensing_temperature"}
-        mapping = {"ranges", "vary", "goals", "scene", "overrides", "without", "figures", "paths"}
+        mapping = {"ranges", "vary", "over", "goals", "scene", "source", "overrides", "without", "figures", "paths"}
         mapping |= {"limits", "maximize", "minimize", "subject_to"}
         mapping |= {"path"} if name == "load" else set()
         if (strange == -1 and argument in meant) or (isinstance(strange, dict) and argument in mapping):
@@ -92,6 +93,10 @@ def test_a_strange_argument_is_told_in_one_line(name, argument, tmp_path, monkey
         ("find", {"goals": {"discharge_temperature": None}}, "goal discharge_temperature: None is neither a number"),
         ("find", {"goals": {"discharge_temperature": "hot"}}, "goal discharge_temperature"),
         ("optimize", {"vary": {"oil_supply.ratio": 3}}, "oil_supply.ratio: 3 is not a range"),
+        ("tabulate", {"most_cases": 1}, r"most_cases: 1 is too few grid points \(pass 2 or more\)"),
+        ("tabulate", {"over": {"operation.speed": 3}}, r"operation.speed: 3 is not a range"),
+        ("tabulate", {"error": 1e-9}, "^error 1e-09: is not between the scene's numerics.accuracy"),
+        ("tabulate", {"figures": "shaft_power, gas_mass_flow"}, r"names 2 figures \(give each one by itself"),
         ("optimize", {"evaluations": 3.5}, "evaluations: 3.5 is no number of evaluations"),
         ("load", {"path": ""}, "path: '' is neither the path of a file nor a dict"),
     ],

@@ -66,7 +66,11 @@ flows, or one power of several, has the error of those ([model.md](../model.md),
 TABLES = (
     ("balance", "Residuals of the balances, and the `bound` that they must meet.", outputs.BALANCE),
     ("numerics", "Effort of the solution.", outputs.NUMERICS),
-    ("cycle", "Traces over the angle; `mass_flow_<effect>` for each flow path.", outputs.CYCLE),
+    (
+        "cycle",
+        "Traces over the angle; `mass_flow_<effect>` for each flow path, `heat_<effect>` [W] of oil to the gas.",
+        outputs.CYCLE,
+    ),
     ("ledger", "Where the shaft power goes.", outputs.LEDGER),
     ("ledger, of each effect", "`<name>_<effect>`.", outputs.LEDGER_ENTRY),
     ("knock-out", "Of `run --knock-out`, for each effect.", outputs.KNOCK_OUT),

@@ -14,7 +14,17 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from screwsim import plot
-    from screwsim.api import calibrate, compare, datasheet, diagnose, optimum, performance_map, plan, posterior
+    from screwsim.api import (
+        calibrate,
+        compare,
+        datasheet,
+        diagnose,
+        optimum,
+        performance_map,
+        plan,
+        posterior,
+        tabulate,
+    )
     from screwsim.inputs.faults import Interrupted, SceneError, UsageError
     from screwsim.outputs import Result
     from screwsim.results import open_results
@@ -58,6 +68,7 @@ __all__ = [
     "sensitivities",
     "simulate",
     "sweep",
+    "tabulate",
     "uncertainty",
 ]
 
@@ -86,6 +97,7 @@ _HOMES = {
     "sensitivities": "screwsim.study.local",
     "simulate": "screwsim.study.point",
     "sweep": "screwsim.study.sweep",
+    "tabulate": "screwsim.api",
     "uncertainty": "screwsim.study.uncertain",
 }
 

@@ -6,11 +6,13 @@ Each function is the study of the command of the same name and takes the same ar
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+from screwsim.export.map_table import MapTable
+from screwsim.export.source import is_results, map_of_results, map_of_scene, refuse_changes
 from screwsim.inputs.arguments import (
     FILE,
     FLAG,
@@ -133,6 +135,39 @@ def performance_map(results: ResultsLike, figures: Sequence[str] = ()) -> list[_
     `screwsim.run_sweep(scene, "map.h5")`.
     """
     return _map.performance_maps(results_of(results), as_list(figures))
+
+
+@checked_arguments(over=TEXTS, error=NUMBER, most_cases=whole(2, "too few grid points (pass 2 or more)"))
+def tabulate(
+    source: SceneLike | Results,
+    over: str | Iterable[str] | Mapping[str, tuple[float, float]] = (),
+    *,
+    figures: str | Sequence[str] = (),
+    error: float | None = None,
+    most_cases: int | None = None,
+    jobs: int | None = None,
+    progress: Progress | bool | None = None,
+) -> MapTable:
+    """Return a map of a scene over some of its paths, as `screwsim export` makes it, to evaluate at many points.
+
+        table = screwsim.tabulate("x.yaml", ["operation.speed=1500 rpm..4500 rpm"], error=0.01)
+        table.evaluate(speed=[200.0, 300.0])["shaft_power"]    a masked array [W], at speeds in rad/s
+        table.errors                                           relative, one for each figure, at points between nodes
+
+    `over` are texts PATH=LOW..HIGH or {path: (low, high) [SI]}; the default is the range of the scene's own sweep.
+    `source` may also be the results of a sweep or the path of their file, whose grid is the map: then nothing is
+    simulated, and `over`, `error` and `most_cases` are refused. A table can be pickled. `error` (0.005) is the largest
+    relative error allowed; where `most_cases` (5000) do not reach it, `table.met` is False.
+    """
+    stored = source if isinstance(source, Results) else None
+    if isinstance(source, str | os.PathLike) and is_results(os.fspath(source)):
+        stored = open_results(source)
+    if stored is not None:
+        refuse_changes(str(stored.path), {"over": over, "error": error, "most_cases": most_cases})
+        return map_of_results(stored, as_list(figures))
+    asked = over if isinstance(over, Mapping) else as_list(over)
+    bar = partial(progress_of, "tabulate", progress)
+    return map_of_scene(scene_of(source), asked, as_list(figures), error, most_cases, jobs, bar, dashes="")
 
 
 @checked_arguments(tolerance=NUMBER)
@@ -272,4 +307,5 @@ __all__ = [
     "posterior",
     "results_of",
     "run_sweep",
+    "tabulate",
 ]

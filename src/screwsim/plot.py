@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -20,14 +21,25 @@ import numpy as np
 from screwsim.inputs.arguments import checked_arguments
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.report import cycle, families, maps, sweeps
+from screwsim.report import cycle, entropy, families, maps, sweeps
 from screwsim.report import plot as write
 from screwsim.report.quantities import shown_axis, shown_figure
 from screwsim.report.trace import Trace, chosen_trace, trace_of
 from screwsim.results import Results, open_results
+from screwsim.scene.argument import scene_of
 from screwsim.study.figures import figure_named
 
-__all__ = ["contours", "curves", "mass_flows", "pressure", "pressure_volume", "pv", "temperatures", "write"]
+__all__ = [
+    "contours",
+    "curves",
+    "mass_flows",
+    "pressure",
+    "pressure_volume",
+    "pv",
+    "temperature_entropy",
+    "temperatures",
+    "write",
+]
 
 NONE: Mapping[str, Any] = MappingProxyType({})
 CycleLike = Result | Results | str | os.PathLike[str]
@@ -53,6 +65,18 @@ def pressure(result: CycleLike, ax: Any = None, **line: Any) -> Any:
 def temperatures(result: CycleLike, ax: Any = None) -> Any:
     """Draw the temperatures of gas and oil over the angle; return the axes."""
     return _drawn(cycle.draw_temperatures, result, ax)
+
+
+def temperature_entropy(result: CycleLike, ax: Any = None, *, scene: Any = None, **line: Any) -> Any:
+    """Draw the gas temperature over its entropy, with the isobars of both lines and the dew line; return the axes.
+
+    The entropy counts from the gas where the chamber is largest. A file of results has its scene; for a result in
+    memory pass the `scene` that was simulated, in any form that `simulate` takes. `line` as of `pressure_volume`.
+    """
+    if isinstance(result, Result) and scene is None:
+        raise UsageError("a result does not hold its gas, of which the entropy is (pass what was simulated: scene=…)")
+    given = entropy.scene_of_case(_results(result)) if scene is None else scene_of(scene)
+    return _drawn(partial(entropy.draw_temperature_entropy, scene=given), result, ax, line)
 
 
 def mass_flows(result: CycleLike, ax: Any = None) -> Any:

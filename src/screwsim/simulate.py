@@ -260,8 +260,9 @@ def _status_of(accurate: Accurate, balance: Figures, forbidden: str, why: str) -
         message = f"{left}, last change {cycle.change:.2g}; {verdict.unclosed(of, cycle)}"
     else:
         tighter, found_open = "try a tighter numerics.accuracy", open_values_residual(of)
+        state = "state oil_supply.temperature or the temperature after its cooler"
         parts = (
-            (circuit_open, "the oil's circuit leaves {:.2g} of the shaft power open", tighter),
+            (circuit_open, "the oil's circuit leaves {:.2g} of the shaft power open", f"{state} instead, or {tighter}"),
             (found_open, "what is found with the cycle leaves {:.2g} of a flow open", why or f"state it, or {tighter}"),
             (package_open, "the package's losses leave {:.2g} of a pressure open", tighter),
         )

@@ -101,6 +101,22 @@ def test_the_code_is_the_text_that_is_compiled_and_names_its_equations(command, 
     assert "def oil_heat__" in with_oil and "def oil_heat__" not in answer.out
 
 
+def test_the_code_of_an_equation_is_that_of_the_functions_that_state_it(command, folder):
+    whole = command("explain", "oiled.yaml", "--code").out
+    part = command("explain", "oiled.yaml", "--code", "M3", "nozzle__flow").out
+    functions = re.findall(r"^def (\w+)", part, re.M)
+    assert {"oil_heat__heat", "nozzle__flow"} <= set(functions) < set(re.findall(r"^def (\w+)", whole, re.M))
+    assert len(functions) == len(set(functions)) and all(block in whole for block in part.strip().split("\n\ndef "))
+    assert command("explain", "oiled.yaml", "--code", "flow").out.count("def nozzle__flow(") == 1
+    for name, told in {
+        "M999": "M999: no function of this scene's code states it (use one of M1, ",
+        "nozle_flow": "nozle_flow: is neither an equation nor a function of this scene's code",
+    }.items():
+        answer = command("explain", "oiled.yaml", "--code", name)
+        assert answer.code == 2 and answer.err.startswith(told) and answer.err.count("\n") == 1
+    assert "write screwsim explain oiled.yaml --code M3)" in command("explain", "oiled.yaml", "M3").err
+
+
 def test_parameters_tell_every_key_also_of_effects_left_out(command, folder):
     scene = screwsim.load("small.yaml")
     words = " ".join(command("explain", "small.yaml", "--parameters").out.split())
@@ -161,7 +177,7 @@ def test_a_name_that_is_no_effect_is_told_with_what_is_meant(command, folder):
             "--parameters",
             "ring_leakage",
         ): "--parameters ring_leakage: is not an effect of a twin_screw (screwsim explain lists the possible ones)",
-        ("small.yaml", "tip_leakage"): "tip_leakage: is an effect, which only --parameters takes (write screwsim "
+        ("small.yaml", "tip_leakage"): "tip_leakage: only --parameters and --code take a name (write screwsim "
         "explain small.yaml --parameters tip_leakage)",
     }
     for arguments, told in asked.items():
@@ -186,3 +202,12 @@ def test_gauge_pressure_displacement_and_tip_speed_are_told_as_stated(folder):
     assert "speed 2984.155183 rpm (tips at 25 m/s)" in words
     assert "displacement 600 m³/h at 2950 rpm, from which the chambers' volume follows" in words
     assert "max 847.458 cm³ (follows)" in words
+
+
+def test_a_blend_that_is_known_as_a_gas_only_says_from_which_temperature_on(folder):
+    fluid = (
+        "{fluid: [Methane, Ethane, CO2], mole_fractions: [0.93, 0.05, 0.02], model: real, isentropic_exponent: null}"
+    )
+    lines = "operation.suction={pressure: 1 bar, temperature: 30 degC}", "operation.discharge={pressure: 8 bar}"
+    text = str(explain(screwsim.load("small.yaml", overrides=[f"gas={fluid}", *lines])))
+    assert "known as a gas only, from -56.558 °C on (M317)" in " ".join(text.split())

@@ -9,8 +9,9 @@ from scenes import DROP, refusal, run
 
 from screwsim.effects import droplets, oil_heat
 from screwsim.effects.base import Around
-from screwsim.fluid.constants import gas_constant, ideal_heat_capacity, transport
+from screwsim.fluid.constants import gas_constant, ideal_heat_capacity
 from screwsim.fluid.settings import OilProperties
+from screwsim.fluid.transport import transport
 
 LAMBDA, MU, PR = transport("R134a", 6e5, 310.0)
 CARRIED = {"oil.transport": "carried"}

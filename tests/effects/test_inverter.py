@@ -174,6 +174,26 @@ def test_a_weakened_field_is_warned_of():
     assert "its field is weakened" in warning
 
 
+def judged(power, omega, **motors):
+    """Return why a motor cannot give a power at a speed (empty: it can), and its warnings."""
+    stated = {"rated_power": RATED, "efficiency": 0.95, **motors}
+    reading, *_ = motor.build(motor.Parameters(**stated), SimpleNamespace())
+    return reading.judge(SimpleNamespace(shaft_power=power, motor_power=None, omega=omega))
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_below_its_rated_speed_a_motor_is_overloaded_by_its_torque(sign):
+    """Half the rated power is all of the torque at half the speed, twice at a quarter, four times at an eighth."""
+    power = sign * 0.5 * RATED
+    assert judged(power, 0.5 * SPEED, inverter=DRIVE) == ("", ())
+    why, (warning,) = judged(power, 0.25 * SPEED, inverter=DRIVE)
+    assert why == "" and "torque is 2 times its rated one, at 716.2 rpm: it would not last" in warning
+    assert "no motor carries more than 3.5 times its rated torque" in judged(power, 0.125 * SPEED, inverter=DRIVE)[0]
+    assert judged(power, 0.125 * SPEED) == ("", ())  # without an inverter it has no other speed to be judged by
+    (above,) = judged(1.3 * RATED, 1.01 * SPEED, inverter=DRIVE)[1]
+    assert "load is 130 kW, 1.3 times effects.motor.rated_power" in above
+
+
 @pytest.mark.parametrize("name", ["shaft_power", "gas_mass_flow"])
 def test_nothing_of_the_cycle_changes(name):
     with_it = screwsim.simulate(screwsim.load(POINT, ["effects.motor.inverter={rated_speed: 2950 rpm, loss: 3 kW}"]))
@@ -186,3 +206,14 @@ def test_of_a_cooled_motor_the_gas_takes_up_its_own_loss_alone():
     _, heat = motor.build(parameters, SimpleNamespace())
     assert isinstance(heat, SuctionHeat)
     assert heat.power(0.5 * RATED, 0.5 * SPEED) == pytest.approx(losses(0.5 * RATED, 0.5 * SPEED)[0], rel=1e-12)
+
+
+@pytest.mark.parametrize(("rated", "told"), [(11e3, "91.4 %"), (75e3, ""), (200e3, "")])
+def test_a_small_motor_of_the_default_efficiency_is_told(rated, told):
+    """IE3, four poles, 11 kW: 91.4 % (Regulation (EU) 2019/1781)."""
+    (reading, *_) = motor.build(motor.Parameters(rated_power=rated), SimpleNamespace())
+    why, warnings = reading.judge(SimpleNamespace(shaft_power=rated, motor_power=None, omega=SPEED))
+    assert why == "" and len(warnings) == bool(told)
+    assert not told or (told in warnings[0] and "write effects.motor.efficiency_class: IE3" in warnings[0])
+    stated = motor.build(motor.Parameters(rated_power=rated, efficiency=0.95), SimpleNamespace())[0]
+    assert stated.judge(SimpleNamespace(shaft_power=rated, motor_power=None, omega=SPEED)) == ("", ())

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from CoolProp.CoolProp import PropsSI
 
 from screwsim.export import loads as exported
 from screwsim.export.loads import flows_of, harmonics
@@ -100,6 +101,19 @@ def test_the_gas_pushes_the_rotors_apart_and_to_suction(found):
     assert c["male_axial_force"].max() < 0.0
 
 
+@pytest.mark.parametrize("name", ["a", "b", "c"])
+def test_areas_that_give_the_forces_of_the_surfaces_are_those_of_model_md(name):
+    """M146: the mean force of all loads on a rotor over the sum of the chambers' pressures above suction, over D²."""
+    unit = "effects.gas_torque={radial_area: 1 cm^2, axial_area: 1 cm^2}"
+    scene, result = run_of(str(ROOT / "configs" / "rotors" / f"{name}.yaml"), [unit])
+    c = loads_of(pressures_of(laid_curves(scene.machine), result), shafts=(0.07, 0.07)).columns
+    pressed = result.performance.radial_gas_force / 1e-4 * scene.machine.rotor_diameter**2
+    for rotor, across, along in (("male", (0.06, 0.075), (0.09, 0.11)), ("female", (0.075, 0.1), (0.01, 0.035))):
+        radial = math.hypot(*(float(c[f"{rotor}_force_{way}"].mean()) for way in "xy")) / pressed
+        axial = -float(c[f"{rotor}_thrust_bearing"].mean()) / pressed  # towards suction
+        assert across[0] < radial < across[1] and along[0] < axial < along[1]
+
+
 def test_bearings_carry_forces_and_moments(found, pressures):
     c, length = found.columns, pressures.laid.rotors.length
     for name in ("male", "female"):
@@ -110,6 +124,25 @@ def test_bearings_carry_forces_and_moments(found, pressures):
     far = c["male_discharge_bearing_x"]
     wanted = (near * length + 0.04 * c["male_force_x"]) / (length + 0.10)
     np.testing.assert_allclose(far, wanted)
+
+
+THROTTLED = ["gas.model=ideal", "operation.suction.pressure=3 bar", "operation.discharge.pressure=9 bar"]
+STATED = ["evaporating_temperature", "condensing_temperature", "superheat", "subcooling"]
+
+
+def test_a_throttled_machine_presses_on_its_rotors_as_one_of_that_suction_pressure():
+    # an ideal gas keeps its temperature in a throttle, so that both have the same chambers
+    lines = [*(f"operation.{name}=null" for name in STATED), "operation.suction.temperature=20 degC", *THROTTLED]
+    throttled = [*lines, "effects.suction_throttle.pressure_ratio=0.4"]
+    found = []
+    for overrides in (throttled, [*lines, "operation.suction.pressure=1.2 bar"]):
+        scene, result = run_of(str(ROOT / "configs" / "rotors" / "b.yaml"), overrides)
+        assert result.status == "ok"
+        found.append(loads_of(pressures_of(laid_curves(scene.machine), result)).columns)
+    one, other = found
+    size = np.max(np.abs(other["male_thrust_bearing"]))
+    for name, values in other.items():
+        np.testing.assert_allclose(one[name], values, atol=1e-3 * size, err_msg=name)
 
 
 def test_harmonics_are_those_of_a_sum_of_cosines():
@@ -139,6 +172,23 @@ def test_flows_through_the_ports_have_the_mean_of_the_cycle(point):
         assert mean == pytest.approx(result.performance.gas_mass_flow, rel=within)
     density = flows["suction_mass_flow"].mean() / flows["suction_volume_flow"].mean()
     assert density == pytest.approx(1.23e5 / (8.314462618 / 0.10203 * 279.0), rel=1e-3)  # ideal gas, R134a
+
+
+def test_an_expander_takes_in_where_it_would_discharge():
+    """Both flows are along the machine, each at the density of its line (R134a of 20 bar, 100 °C and of 7 bar)."""
+    scene, result = run_of(str(ROOT / "configs" / "expander" / "point.yaml"))
+    _, flows = flows_of(scene, result)
+    p = result.performance
+    for line, T in (("suction", 373.15), ("discharge", p.discharge_temperature)):
+        mean = float(flows[f"{line}_mass_flow"].mean())
+        assert mean == pytest.approx(p.gas_mass_flow, rel=0.01)
+        density = PropsSI("D", "P", p[f"{line}_pressure"], "T", T, "R134a")
+        assert mean / flows[f"{line}_volume_flow"].mean() == pytest.approx(density, rel=1e-6)
+
+
+def test_a_cylinder_has_no_loads_of_ports():
+    with pytest.raises(UsageError, match="loads are those of a twin_screw"):
+        flows_of(*run_of(str(ROOT / "configs" / "slider_crank" / "air.yaml")))
 
 
 def test_files_say_the_same(folder):

@@ -1,6 +1,7 @@
 """Maps: as fine as is asked for, their errors those of points they were not made from, open cycles flagged."""
 
 import math
+import pickle
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -66,6 +67,62 @@ def test_points_without_a_closed_cycle_are_outside():
     _, inside = table([[400.0, 15e5], [250.0, 15e5], [400.0, 5e5], [450.0, 5e5], [250.0, 3e5]])
     assert inside.tolist() == [False, True, True, False, False]
     assert table.not_ok > 0
+
+
+def test_a_map_is_evaluated_by_the_names_of_its_inputs():
+    table = made(1e-3)
+    n, p = np.array([[220.0], [300.0]]), np.array([5e5, 8e5, 20e5])
+    found = table.evaluate(speed=n, discharge_pressure=p)
+    rows, inside = table(np.column_stack([x.ravel() for x in np.broadcast_arrays(*reversed((p, n)))]))
+    assert list(found) == [each.name for each in table.outputs]
+    assert found["shaft_power"].shape == (2, 3) and found["shaft_power"].mask.tolist() == [[False, False, True]] * 2
+    assert found["shaft_power"].data.ravel().tolist() == rows[:, 1].tolist() and inside.sum() == 4
+    assert np.ma.getmaskarray(table.evaluate(speed=300.0, discharge_pressure=math.nan)["shaft_power"]).all()
+    assert pickle.loads(pickle.dumps(table)).evaluate(speed=300.0, discharge_pressure=5e5)["gas_mass_flow"] > 0.0
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"sped": 300.0}, r"sped is not known; did you mean 'speed'\?"),
+        ({"speed": 300.0}, r"lacks discharge_pressure between 400000 … 1.6e\+06 Pa \(pass it by its name\)"),
+        ({"speed": "300 rpm", "discharge_pressure": 5e5}, r"speed: '300 rpm' is neither a number nor an array"),
+        ({"speed": [1, 2], "discharge_pressure": [1, 2, 3]}, r"speed \(2,\), discharge_pressure \(3,\) \(pass arrays"),
+    ],
+)
+def test_an_input_that_is_none_is_told(given, told):
+    with pytest.raises(UsageError, match=told):
+        made(0.1).evaluate(**given)
+
+
+def test_where_and_why_nodes_did_not_close_is_told():
+    table = made(1e-3)
+    nodes = [one.at(u) for one, u in zip(table.inputs, table.grid.nodes, strict=True)]
+    open_ = [x[index] for x, index in zip(nodes, np.nonzero(~table.grid.sound), strict=True)]
+    speeds, pressures = (f"{x.min():.6g} … {x.max():.6g}" for x in open_)
+    assert table.where_open() == f"speed {speeds} rad/s, discharge_pressure {pressures} Pa"
+    assert table.why == "it is too much"
+    whole = made(0.5, simulate=lambda scene: curve(with_values(scene, {"operation.discharge.pressure": 5e5})))
+    assert (whole.where_open(), whole.why) == ("", "")
+
+
+def test_warnings_of_the_cases_are_told_with_their_number(tmp_path):
+    def warned(scene) -> Result:
+        found = curve(scene)
+        at = scene.operation.discharge.pressure
+        return replace(found, warnings=(f"{at / 1e5:.3g} bar are many",) if at > 10e5 else ())
+
+    table = made(0.5, simulate=warned)
+    ((count, text),) = table.warnings
+    assert 0 < count < table.cases and text.endswith(" bar are many")
+    assert table.warnings_told() == [f"warning in {count} cases of the map: {text}"]
+    assert made(0.5).warnings == () and table.warnings_told()[0] in str(table)
+    axes = {
+        "sweep.operation.speed": ["2000 rpm", "3000 rpm"],
+        "sweep.operation.discharge.pressure": ["5 bar", "11 bar"],
+    }
+    run_sweep(POINT.with_(axes), tmp_path / "x.h5", jobs=1, simulate=warned)
+    assert table_of(open_results(tmp_path / "x.h5")).warnings == ((2, "11 bar are many"),)
 
 
 def test_points_that_do_not_close_among_nodes_that_do_are_told():

@@ -9,7 +9,15 @@ import numpy as np
 import pytest
 
 from screwsim.export import energyplus, modelica
-from screwsim.export.en12900 import BTU, FIGURES, OPTIONAL_FIGURES, POUND, en12900_csv, en12900_document
+from screwsim.export.en12900 import (
+    BTU,
+    FIGURES,
+    OPTIONAL_FIGURES,
+    POUND,
+    en12900_csv,
+    en12900_document,
+    other_convention,
+)
 from screwsim.export.polynomials import polynomials, rated_temperatures, swept_results
 from screwsim.export.table import csv_table, table_of
 from screwsim.export.tespy import tespy_document
@@ -107,6 +115,15 @@ def test_a_title_of_many_lines_stays_in_its_comment(swept_map):
     for text in (en12900_csv(polynomials(titled, FIGURES)), "\n".join(energyplus.notes(polynomials(titled, FIGURES)))):
         assert all(line[:1] in "#!" or "," in line for line in text.splitlines()[:3])
         assert "one, two Curve:Bicubic;" in text.splitlines()[0]
+
+
+@pytest.mark.parametrize(("ip", "unit", "at"), [(False, "degC", lambda T: T), (True, "degF", lambda T: 1.8 * T + 32.0)])
+def test_coefficients_state_where_they_are_valid(swept_map, ip, unit, at):
+    found = polynomials(swept_map, FIGURES)
+    (one,) = found.maps
+    corners = ", ".join(f"({at(S):.6g}, {at(D):.6g})" for S, D in one.envelope)
+    line = f"# {found.name(one)}: valid between the corners (S, D) {corners} {unit}"
+    assert len(one.envelope) >= 3 and line in en12900_csv(found, ip).splitlines()
 
 
 def test_conditions_of_coefficients_have_units_and_name_the_subcooling(swept_map):
@@ -258,3 +275,13 @@ def test_polynomials_need_both_temperatures(point):
         swept_results(point, ["operation.speed=1000 rpm..2000 rpm"]),
     ):
         pass
+
+
+@pytest.mark.parametrize(("fluid", "told"), [("R407C", "4.8 K above the bubble point that D is here"), ("R134a", "")])
+def test_a_fluid_with_glide_says_that_the_standards_mean_its_dew_point(found, fluid, told):
+    """R407C at 42.5 °C of its bubble point: dew point by CoolProp."""
+    other = other_convention(replace(found, fluid=fluid))
+    assert told in other and bool(other) == bool(told)
+    assert not told or "write gas.fluid: R407C.mix" in other
+    assert (f"# {other}" in en12900_csv(replace(found, fluid=fluid)).splitlines()) == bool(told)
+    assert not other_convention(replace(found, fluid=fluid, condensing="dew"))

@@ -21,6 +21,7 @@ from screwsim.fluid.limits import Limit
 from screwsim.fluid.mixture import departure_terms
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.saturation import saturation
+from screwsim.fluid.transport import transport
 from screwsim.inputs.faults import UsageError
 
 OWN = own_blend(("R32", "R1234yf"), (0.689, 0.311), by_mole=False)
@@ -263,7 +264,7 @@ def test_a_second_process_never_imports_coolprop():
 
 def test_what_no_blend_has_is_refused():
     for what, call in (
-        ("no transport properties of blends", lambda: constants.transport("R454B", 5e5, 300.0)),
+        ("no viscosity of R13I1, a component of R466A", lambda: transport("R466A", 5e5, 300.0)),
         ("has no saturation at 126.85 degC", lambda: constants.dew_pressure("R454B", 400.0)),
         ("has no saturation at 90 bar", lambda: constants.saturation_temperature("R454B", 9e6)),
     ):

@@ -156,7 +156,7 @@ def test_saturation_above_the_critical_pressure_is_refused_without_asking_twice(
     with pytest.raises(UsageError, match=r"no saturation at 60 bar \(critical: 40\.5\d+ bar\)") as asked:
         constants.saturation_temperature("R134a", 60e5)
     forget()
-    monkeypatch.setattr(constants, "_abstract_state", lambda _: never())
+    monkeypatch.setattr(constants, "coolprop_state", lambda _: never())
     with pytest.raises(UsageError) as kept:
         constants.saturation_temperature("R134a", 60e5)
     assert str(kept.value) == str(asked.value)

@@ -11,6 +11,7 @@ from screwsim.fluid.dome import inside_kernel, saturation_kernels
 from screwsim.fluid.helmholtz import entropy_kernel, potentials_kernel, state_kernel
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.saturation import fitted, nodes, saturation
+from screwsim.fluid.transport import transport
 
 PURE = ("R134a", "R1234yf", "R1234ze(E)", "R32", "Ammonia", "CarbonDioxide", "n-Propane", "Nitrogen")
 REACH = (0.0, 0.3, 0.6, 0.9, 0.97, 0.99, 0.999, 0.9999)  # from the lowest temperature towards T_c
@@ -229,5 +230,5 @@ def test_saturated_vapour_has_the_transport_properties_of_vapour_next_to_it():
     """Pressure and temperature on the line of saturation leave the phase open; what flows in gaps there is vapour."""
     T = 263.15
     p = constants.dew_pressure("Ammonia", T)
-    saturated, beside = (constants.transport("Ammonia", p, T + warmer) for warmer in (0.0, 0.01))
+    saturated, beside = (transport("Ammonia", p, T + warmer) for warmer in (0.0, 0.01))
     assert saturated == pytest.approx(beside, rel=1e-3)

@@ -135,6 +135,12 @@ def test_oil_temperatures_and_pressure_losses_are_extrapolated_like_the_cycle(ma
         assert worst(relative_errors(one.performance, other.performance))[1] <= scene.numerics.accuracy
 
 
+def test_surroundings_follow_an_input_that_enters_the_circuit_alone():
+    path, thermostat = str(CONFIGS / "r134a" / "separator.yaml"), "effects.separator.cooler.discharge_temperature"
+    _, counts = evaluations([load(path, [f"{thermostat}={T} degC"]) for T in (62, 63, 64, 65, 66)])
+    assert sum(counts[3:]) <= 0.4 * sum(counts[:2])  # as many as these without the trend
+
+
 def test_points_closer_than_the_surroundings_are_found_take_no_finer_steps():
     """Losses of 0.02 kPa too much are a step of the search; as an error they asked for steps ever finer."""
     _, counts = evaluations(speeds("everything.yaml", [0.002 * i for i in range(7)]))

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from CoolProp.CoolProp import PropsSI
 from scenes import DROP, make, run
 
 from screwsim.build import build_parts
@@ -85,6 +86,22 @@ def test_leaks_lower_the_efficiency_and_raise_the_filling():
     tight, wide = (simulate(load(POINT, [f"effects.tip_leakage.gap={gap} um"])).performance for gap in (20, 80))
     assert wide.isentropic_efficiency < tight.isentropic_efficiency
     assert wide.filling_factor > tight.filling_factor
+
+
+def test_vapour_that_enters_late_could_have_expanded_too():
+    """M151 by CoolProp: all that comes in, each from its own state to the outlet's pressure."""
+    port = "effects.economizer={pressure: 12 bar, superheat: 20 K, opens: 150 deg, closes: 200 deg, area: 2 cm^2}"
+    p = simulate(load(POINT, [port])).performance
+    fluid = "R134a"
+
+    def work(p_1, T):
+        h, s = (PropsSI(each, "P", p_1, "T", T, fluid) for each in "HS")
+        return h - PropsSI("H", "P", p.discharge_pressure, "S", s, fluid)
+
+    late = p.economizer_mass_flow * work(12e5, PropsSI("T", "P", 12e5, "Q", 1, fluid) + 20.0)
+    all_of_it = p.gas_mass_flow * work(20e5, 373.15) + late
+    assert late > 0.05 * all_of_it, (late, all_of_it)
+    assert p.isentropic_efficiency == pytest.approx(p.output_power / all_of_it, rel=1e-6)
 
 
 def test_what_has_no_meaning_is_null_with_its_reason():

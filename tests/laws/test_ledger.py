@@ -276,3 +276,12 @@ def test_a_sweep_that_keeps_the_cycle_keeps_the_ledger(tmp_path):
     assert stored["exergy_destroyed_tip_leakage"][1] == pytest.approx(
         alone.ledger.exergy_destroyed_tip_leakage, abs=within
     )
+
+
+def test_the_heat_over_the_angle_adds_up_to_the_energy_that_the_ledger_moves():
+    result = screwsim.simulate(CONFIGS / "paper" / "point.yaml")
+    angle, heat = np.radians(result.cycle["angle"]), result.cycle["heat_oil_heat"]
+    scene = screwsim.load(CONFIGS / "paper" / "point.yaml")
+    lives = scene.operation.speed / (2.0 * np.pi) * scene.machine.male_lobes  # a second
+    total = np.trapezoid(heat, angle) / scene.operation.speed * lives
+    assert total == pytest.approx(result.ledger.energy_moved_oil_heat, rel=5e-3)  # trapezoids of 1 degree

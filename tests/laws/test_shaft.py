@@ -174,6 +174,16 @@ def test_forces_are_areas_times_the_excess_of_pressure():
     assert np.max(cycle["axial_gas_force"]) == pytest.approx(p.axial_gas_force_peak, rel=0.01)
 
 
+def test_behind_a_loss_forces_count_from_what_the_chambers_meet():
+    """A plenum so large that it hardly pulsates: the machine that sucks at its pressure (ideal gas: no cooler)."""
+    lossy = {"suction_volume": "1000 l", "suction_area": "40 cm^2", "suction_loss": 4}
+    p = run({**LOADED, "effects.plenums": lossy}).performance
+    assert p.suction_plenum_pressure < 0.97 * p.suction_pressure
+    plain = run({**LOADED, "operation.suction.pressure": f"{p.suction_plenum_pressure:.10g} Pa"}).performance
+    for name in ("radial_gas_force", "axial_gas_force_peak", "bearing_power", "indicated_power"):
+        assert p[name] == pytest.approx(plain[name], rel=1e-3)  # the pulsation that is left
+
+
 # ---- powers ----
 
 

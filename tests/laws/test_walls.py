@@ -135,6 +135,17 @@ def test_gaps_are_those_of_linear_expansion():
     assert p.end_face_gap == pytest.approx(50e-6, rel=1e-12)  # no bearing distance
 
 
+@pytest.mark.parametrize(("end", "grown"), [("discharge", -1.0), ("suction", 1.0)])
+def test_rotors_grow_away_from_their_thrust_bearing(end, grown):
+    """Bearing at 0: end face and wall of the discharge end, which is 60 mm behind or 300 mm ahead of the bearing."""
+    length = 0.06 if end == "discharge" else 0.3
+    held = {"thrust_bearing": end, "bearing_distance": f"{length} m"}
+    gap = run({**GAPS, "effects.thermal_clearances": {**WARM, **held}}).performance.end_face_gap
+    face, wall = (length * (1.0 + each) for each in (11.5e-6 * 36.85, 10.5e-6 * 26.85))  # from the bearing, warm
+    assert gap == pytest.approx(50e-6 + grown * (wall - face), rel=1e-6)
+    assert (gap > 50e-6) == (end == "discharge")  # the rotors are the warmer part
+
+
 def test_a_warm_gap_is_a_narrower_gap():
     """The machine whose gaps are stated as narrow as the warm ones."""
     p = run(GAPS).performance
@@ -197,6 +208,10 @@ def test_rotors_that_touch_fail_with_a_remedy():
         ({**CARRIED, "effects.thermal_clearances": {"axis_distance": "125 mm"}}, "rotor_temperature: is missing"),
         ({**WALLS, "effects.thermal_clearances": WARM}, "as well as effects.wall_heat"),
         ({**GAPS, "effects.thermal_clearances": {**WARM, "axis_distance": None}}, "axis_distance: is missing"),
+        (
+            {**GAPS, "effects.thermal_clearances": {**WARM, "thrust_bearing": "suction"}},
+            "thrust_bearing: has no",
+        ),
     ],
 )
 def test_contradicting_clearances_are_faults(changes, words):

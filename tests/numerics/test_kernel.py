@@ -10,7 +10,7 @@ from types import FunctionType
 import numpy as np
 import pytest
 
-from screwsim.numerics.kernel import HEADER, Slot, Structure, flatten, kernel, source_of, written
+from screwsim.numerics.kernel import HEADER, Slot, Structure, flatten, kernel, math_spelling, source_of, written
 
 FACTOR = 2.5
 TABLE = np.array((1.0, 2.0))
@@ -204,3 +204,8 @@ def test_a_package_with_a_hyphen_gives_names_that_python_takes(tmp_path, monkeyp
     area = importlib.import_module("my-package.effect").area
     found = flatten((area,))
     assert run(found)[area.flat_name](3.0) == 6.0
+
+
+def test_a_function_that_was_imported_from_math_is_refused_with_how_to_write_it():
+    assert math_spelling(math.sqrt) == " (import math, and write math.sqrt)"
+    assert math_spelling(len) == math_spelling(None) == math_spelling(2.0) == ""

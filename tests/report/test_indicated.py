@@ -14,6 +14,7 @@ from screwsim.report.indicated import (
     draw_over_angle,
     draw_over_volume,
     read_indicated,
+    shift_in_words,
 )
 from screwsim.report.trace import Trace
 
@@ -63,6 +64,24 @@ def test_what_is_said_is_the_difference_at_the_points():
     assert deviation_in_words(points, TRACE) == (
         "computed minus measured at 2 points: mean +0.15 bar, root mean square 0.212 bar, largest +0.3 bar at 300 deg"
     )
+
+
+CURVED = Trace("", ANGLE, {"pressure": 1e5 * (1.0 + (ANGLE / 240.0) ** 3), "volume": 1e-6 * ANGLE}, {}, {})
+PLACES = np.linspace(150.0, 650.0, 51)
+
+
+def test_zeros_of_angle_and_transducer_are_found_from_points_that_they_moved():
+    pressure = np.interp(PLACES, ANGLE, CURVED.values["pressure"]) + 0.2e5
+    words = shift_in_words(Indicated(PLACES + 3.0, pressure), CURVED)
+    assert words.startswith("points moved by -3 deg and -0.2 bar would lie within ")
+
+
+def test_no_zeros_are_told_of_points_that_agree_or_scatter():
+    pressure = np.interp(PLACES, ANGLE, CURVED.values["pressure"])
+    assert shift_in_words(Indicated(PLACES, pressure), CURVED) == ""
+    scattered = pressure + 1e4 * np.random.default_rng(1).normal(size=len(PLACES))
+    assert shift_in_words(Indicated(PLACES, scattered), CURVED) == ""
+    assert shift_in_words(Indicated(PLACES[:3], pressure[:3] + 1e5), CURVED) == ""
 
 
 def test_angles_of_another_zero_are_refused():

@@ -63,6 +63,13 @@ def test_two_loops_in_the_same_axes_are_told_apart(closed, axes):
         assert [text.get_text() for text in legend(axes)[0]] == ["A", "B"]
 
 
+def test_lines_that_two_loops_share_are_named_once(axes):
+    result = simulate(load("configs/paper/point.yaml", ["numerics.accuracy=1e-2", "numerics.error=none"]), trace=True)
+    plot.pv(result, ax=axes, label="A")
+    plot.pv(result, ax=axes, label="B")
+    assert sorted(text.get_text() for text in axes.texts if text.get_text().startswith("$p_")) == ["$p_d$", "$p_s$"]
+
+
 def test_a_property_that_lines_do_not_have_is_refused_before_anything_is_drawn(closed, axes):
     with pytest.raises(AttributeError, match="colour"):
         plot.pv(closed, ax=axes, colour="red")

@@ -224,7 +224,7 @@ def test_the_same_data_give_the_same_bytes_whatever_the_caller_has_set(plotted, 
     with matplotlib.rc_context({"font.size": 31.0}):
         again = [Path(name) for name in plot(path, tmp_path / "a")]
         assert matplotlib.rcParams["font.size"] == 31.0
-    assert [other.name for other in again] == [one.name for one in written] and len(again) == 6
+    assert [other.name for other in again] == [one.name for one in written] and len(again) == 8
     for one, other in zip(written, again, strict=True):
         assert one.read_bytes() == other.read_bytes(), other.name
 

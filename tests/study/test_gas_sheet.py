@@ -19,6 +19,7 @@ pytestmark = pytest.mark.around
 CONFIGS = Path(__file__).parents[2] / "configs"
 NONE = {"--suction": None, "--discharge": None}
 LAX = "numerics.accuracy=3e-3"
+MASS = "Mass flow [kg/h]"
 
 
 def new(tmp_path_factory, kind):
@@ -83,6 +84,22 @@ def test_normal_volume_is_that_of_the_ideal_gas(boosted):
     tables = {table.title: table for table in sheet.tables}
     mass, volume = (float(tables[title].rows[1][2].strip("*\u00a0")) for title in ("Mass flow [kg/h]", "Flow [Nm³/h]"))
     assert volume / mass == pytest.approx(22.414 / 16.043, rel=1e-3)  # four digits of each
+
+
+def test_normal_volume_of_humid_air_is_that_of_its_dry_air():
+    """28.965 g/mol of dry air; 0.0317 bar of saturated vapour at 25 °C (IAPWS), of which 60 % are there."""
+    over = ["suction.pressure=[0.9 bar, 1 bar]", "discharge.pressure=[9 bar]", "speed=[3000 rpm]"]
+    scene = screwsim.load(CONFIGS / "air" / "moist.yaml", [LAX, *(f"sweep.operation.{axis}" for axis in over)])
+    sheet = screwsim.datasheet(scene, jobs=1)
+    flow, mass = (next(each for each in sheet.tables if each.title == title) for title in ("Flow [Nm³/h]", MASS))
+    for column, p in ((1, 0.9), (2, 1.0)):
+        vapour = 0.6 * 0.03170
+        water = 18.015 / 28.965 * vapour / (p - vapour)
+        wanted = float(mass.rows[0][column]) / (1.0 + water) * 22.414 / 28.965
+        assert float(flow.rows[0][column]) == pytest.approx(wanted, rel=1.5e-3)  # four digits of each; water is 1.2 %
+    assert "relative humidity 60 %" in dict(sheet.lines)["gas"]
+    assert any("without the water of humid air" in note for note in sheet.notes)
+    assert sheet.document["normal_volume"] == pytest.approx(22.414 / 28.965 / (1.0 + water), rel=3e-4)
 
 
 def test_points_without_a_rise_of_the_pressure_are_left_out(booster):

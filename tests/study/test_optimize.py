@@ -322,7 +322,8 @@ def test_a_seasonal_figure_of_one_cop_is_that_cop(chilled):
     assert weighted_mean(points, "cop", four, 0.01 * four) == (pytest.approx(5.0), pytest.approx(0.05))
     # cooling over work: half the cooling at twice the COP takes a third of the work
     halves = replace(points, points=tuple(replace(each, weight=0.5 * (i < 2)) for i, each in enumerate(points.points)))
-    assert weighted_mean(halves, "cop", np.array([2.0, 4.0, 9.0, 9.0]), np.zeros(4))[0] == pytest.approx(8.0 / 3.0)
+    for cop in ("cop", "electrical_cop"):
+        assert weighted_mean(halves, cop, np.array([2.0, 4.0, 9.0, 9.0]), np.zeros(4))[0] == pytest.approx(8.0 / 3.0)
     assert weighted_mean(halves, "shaft_power", np.array([2.0, 4.0, 9.0, 9.0]), np.zeros(4))[0] == pytest.approx(3.0)
 
 

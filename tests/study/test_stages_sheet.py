@@ -233,6 +233,24 @@ def test_an_aftercooler_behind_the_second_stage_is_refused(tmp_path):
         read_stages(path)
 
 
+def test_an_aftercooler_behind_the_first_stage_is_refused(tmp_path):
+    """Its gas would be as warm in front of the second stage as without it, with a duty that nobody takes."""
+    package = {"rated_flow": "20 m^3/min", "aftercooler": {"pressure_loss": "0.1 bar", "approach": "8 K"}}
+    low = AIR_LOW | {"effects.air_package": package, "effects.separator": {}}
+    with pytest.raises(screwsim.SceneError, match=r"first scene names an aftercooler, .* intercooler: \{kind: cooler"):
+        read_stages(written(tmp_path, low, AIR_HIGH))
+
+
+@pytest.mark.parametrize("which", ["first", "second"])
+def test_an_unloaded_stage_is_refused(tmp_path, which):
+    idle = {"rated_flow": "20 m^3/min", "state": "unloaded"}
+    idle["unloaded"] = {"intake_pressure": "0.5 bar", "separator_pressure": "1.5 bar"}
+    scenes = [AIR_LOW, AIR_HIGH]
+    scenes[which == "second"] = scenes[which == "second"] | {"effects.air_package": idle}
+    with pytest.raises(screwsim.SceneError, match=f"the {which} scene is unloaded"):
+        read_stages(written(tmp_path, *scenes))
+
+
 def test_a_packages_points_begin_at_full_flow(package, aired):
     rows = table(aired, "Points").rows
     assert [row[:2] for row in rows] == [["3000", "1200"], ["1500", "600"]]

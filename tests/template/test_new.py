@@ -630,9 +630,9 @@ def test_gauge_pressures_of_a_condition_are_over_what_the_scene_states():
 
 
 def test_a_blend_of_which_no_transport_is_known_says_whose_it_has():
-    text = new_scene("refrigeration", request_of(fluid="R454B"))
+    text = new_scene("refrigeration", request_of(fluid="R466A"))
     assert (
-        "# CoolProp has no transport properties of R454B: these values and the viscosity in the gaps are those of R134a"
+        "# CoolProp has no transport properties of R466A: these values and the viscosity in the gaps are those of R134a"
         in text
     )
     scene = screwsim.loads(text)
@@ -701,3 +701,27 @@ def test_a_package_of_variable_speed_loses_in_its_inverter_and_has_the_curve_of_
     assert middle.package_specific_power < full.package_specific_power < low.package_specific_power
     assert low.package_specific_power < 1.10 * full.package_specific_power
     assert low.motor_efficiency < full.motor_efficiency - 0.03
+
+
+def test_a_process_gas_of_ones_own_is_written_as_one_word():
+    fluid = "Methane/Ethane/CO2 (mole 0.93/0.05/0.02)"
+    scene = scene_of("booster", fluid=fluid, condition="1/12 bar, 30 degC")
+    assert scene.gas.name == fluid and not scene.gas.equilibrium
+
+
+@pytest.mark.parametrize(
+    ("fluid", "what"),
+    [
+        ("Methane&Ethane", r"write a blend of your own as 'Methane/Ethane \(0.9/0.1\)' by mass"),
+        ("Methane/Etane (0.9/0.1)", "CoolProp has no pure fluid 'Etane'"),
+        ("R401A", "CoolProp has no data of the pair R124 and R22"),
+    ],
+)
+def test_a_blend_that_is_none_is_refused_with_what_it_lacks(fluid, what):
+    with pytest.raises(UsageError, match=f"--fluid .*{what}"):
+        request_of(fluid=fluid)
+
+
+def test_wet_natural_gas_is_refused_as_known_only_as_a_hot_gas():
+    with pytest.raises(UsageError, match=r"Methane/Water .* is known as a gas only above 205.8 degC"):
+        new_scene("booster", request_of(fluid="Methane/Water (mole 0.97/0.03)", condition="1/12 bar, 30 degC"))

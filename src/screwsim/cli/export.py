@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from screwsim.export.inputs import Input
+    from screwsim.export.map_table import MapTable
     from screwsim.export.polynomials import Polynomials
-    from screwsim.export.table import MapTable
     from screwsim.scene import Scene
     from screwsim.study.progress import Progress
 
@@ -162,6 +162,32 @@ def comma_separated(
 
 
 @app.command()
+def cases(
+    source: Path = argument("OUT.h5", "The results file of a sweep or a run."),
+    output: Path = option("OUT.csv", "File to write the table to.", "-o", default=..., show_default=False),
+    units: Literal["si", "metric", "us"] = option(
+        "si|metric|us", "Units: SI; kW, bar, degC, Nm3/h; or hp, psia, degF, acfm, MMSCFD.", "--units", default="si"
+    ),
+    as_json: bool = AS_JSON,
+) -> int:
+    """Write every case of a results file as a row: varied paths, status, all figures."""
+    options.check_target(output, ".csv")
+    from screwsim.export.cases import case_columns, protect_other_cases, write_cases
+    from screwsim.printing import print_json
+    from screwsim.results import open_results
+
+    protect_other_cases(output)
+    columns = case_columns(open_results(source), units)
+    file = write_cases(output, columns)
+    if as_json:
+        heads = [{"name": each.name, "unit": each.unit} for each in columns]
+        print_json({"file": file, "cases": len(columns[0].values), "columns": heads})
+    else:
+        say(file)
+    return OK
+
+
+@app.command()
 def tespy(
     source: str = SOURCE,
     output: Path = option("OUT.json", "File to write the attributes to.", "-o", default=..., show_default=False),
@@ -238,6 +264,7 @@ def en12900(
         OPTIONAL_FIGURES,
         en12900_csv,
         en12900_document,
+        other_convention,
         protect_other_coefficients,
     )
     from screwsim.export.polynomials import polynomials, swept_results
@@ -245,6 +272,8 @@ def en12900(
     protect_other_coefficients(output)
     with swept_results(source, over, overrides, without, jobs, _bar(), _announce_map) as results:
         found = polynomials(results, [*FIGURES, *(name for name in OPTIONAL_FIGURES if name in results.figures)])
+    if other := other_convention(found):
+        typer.echo(f"export: {other}", err=True)
     document = en12900_document(found, ip)
     file = _write_content(output, en12900_csv(found, ip) if output.suffix.lower() == ".csv" else document)
     return _print_polynomials_and_files(document, list(found.units), _polynomial_errors(found), [file], as_json)

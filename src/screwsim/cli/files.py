@@ -50,7 +50,7 @@ def plot(
         options.print_files(drawn(results_file, folder))
         return
     from screwsim.printing.tables import wrapped
-    from screwsim.report.indicated import at_angles, deviation_in_words, read_indicated
+    from screwsim.report.indicated import at_angles, deviation_in_words, read_indicated, shift_in_words
     from screwsim.report.trace import chosen_trace
     from screwsim.results import open_results
 
@@ -62,6 +62,9 @@ def plot(
     points = at_angles(read, trace)
     files = drawn(results_file, folder, points)
     say(wrapped(deviation_in_words(points, trace)))
+    shift = shift_in_words(points, trace)
+    if shift:
+        say(wrapped(shift))
     options.print_files(files)
 
 

@@ -8,9 +8,7 @@ from screwsim.screen import say
 
 
 def new(
-    kind: Text = argument(
-        "KIND", "refrigeration, heat_pump, air, booster (suction above ambient), expander or reciprocating.", None
-    ),
+    kind: Text = argument("KIND", "refrigeration, heat_pump, air, booster (any gas), expander or reciprocating.", None),
     fluid: Text = option("NAME", "Working fluid (default: that of the kind)."),
     displacement: Text = option(
         "FLOW", "Swept volume flow at the speed, e.g. '600 m^3/h' (default: that of the kind)."

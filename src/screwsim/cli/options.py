@@ -99,6 +99,7 @@ def check_results(output: Path) -> None:
     if output.suffix and output.suffix.lower() not in RESULTS:
         good = output.with_suffix(RESULTS[0])
         also = "; screwsim report makes a page of it" if output.suffix.lower() in PAGES else ""
+        also = "; screwsim export cases makes a table of it" if output.suffix.lower() == ".csv" else also
         raise UsageError(
             f"-o {output}: results are HDF5, so the name must end in {', '.join(RESULTS)} (write -o {good}{also})"
         )

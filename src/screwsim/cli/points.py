@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -235,18 +236,21 @@ def _sweep_stages(
 
 def explain(
     scene_file: str = SCENE_FILE,
-    names: Texts = argument("[EFFECT]...", "With --parameters: effects or sections to list.", None),
+    names: Texts = argument(
+        "[NAME]...", "With --parameters: effects or sections to list; with --code: equations (M12) or functions.", None
+    ),
     overrides: Texts = OVERRIDES,
     without: Texts = WITHOUT,
-    code: bool = switch("--code", "Print the code that is compiled for the scene."),
+    code: bool = switch("--code", "Print the code that is compiled for the scene, or those of its functions."),
     parameters: bool = switch("--parameters", "List every key with its unit, default, range and meaning."),
 ) -> None:
     """List what is simulated and what is left out, for a scene or two stages in series."""
     from screwsim.study.stages import explain_stages, is_stages, read_stages
 
-    if names and not parameters:
-        what = "is an effect, which only --parameters takes"
-        raise UsageError(f"{names[0]}: {what} (write screwsim explain {scene_file} --parameters {names[0]})")
+    if names and not (parameters or code):
+        kind = "--code" if re.fullmatch(r"[MS]\d+", names[0]) else "--parameters"
+        what = "only --parameters and --code take a name"
+        raise UsageError(f"{names[0]}: {what} (write screwsim explain {scene_file} {kind} {names[0]})")
     if parameters and code:
         raise UsageError("--parameters and --code exclude each other (remove one of the two)")
     if is_stages(scene_file):
@@ -262,6 +266,11 @@ def explain(
         return
     import screwsim.explain as explained
 
+    if code and names:
+        from screwsim.explain.excerpt import code_of
+
+        say(code_of(explained.code(scene), names))
+        return
     say(explained.code(scene) if code else str(explained.explain(scene)))
 
 

@@ -9,7 +9,7 @@ from screwsim.cycle import suction_line
 from screwsim.cycle.balances import outflow_of, streams_of, wall_drag_work
 from screwsim.cycle.pitch import Pitch, pitch_of
 from screwsim.cycle.problem import Problem
-from screwsim.effects.base import DISCHARGE, PowerLoss, PressureLosses, Turn
+from screwsim.effects.base import DISCHARGE, SUCTION, PowerLoss, PressureLosses, Turn
 from screwsim.fluid.moist_air import after_draining
 from screwsim.inputs.faults import checked_own_number
 from screwsim.model.parts import Parts
@@ -60,10 +60,11 @@ class CycleFigures:
 
 
 def pitch_at(problem: Problem, life: Trajectory, q: Array) -> Pitch:
-    """Return one pitch of all chambers of a life."""
-    geometry, p_d = problem.parts.geometry, problem.lines.p_d
-    suction = float(life.R[R_SUCTION + PRESSURE])
-    return pitch_of(life, geometry, min(suction, p_d), float(q[Q_WORK]) / geometry.pitch, max(suction, p_d))
+    """Return one pitch of all chambers of a life; its lines are as the chambers meet them, in plenums with these."""
+    geometry = problem.parts.geometry
+    own = {SUCTION: float(life.R[R_SUCTION + PRESSURE]), DISCHARGE: problem.lines.p_d}
+    met = [chamber_end_pressure(problem, life, to) or p for to, p in own.items()]
+    return pitch_of(life, geometry, min(met), float(q[Q_WORK]) / geometry.pitch, max(met))
 
 
 class LazyPitch:

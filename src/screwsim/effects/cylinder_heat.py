@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 from screwsim.effects.base import Around, Effect, Faults, Wall
 from screwsim.effects.parts.usual import WALLS
-from screwsim.fluid.constants import transport
+from screwsim.fluid.transport import transport
 from screwsim.inputs.declare import choice, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.machine.protocol import CYLINDER

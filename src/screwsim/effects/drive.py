@@ -6,9 +6,9 @@ torque of the losses (M213); their periodic motion (M214), found together with t
 the torsional frequency (M216).
 Source: two-mass oscillator (textbook); V. A. Ilyichev, V. S. Korneev, S. A. Korneev 2015 for the rubber cords; M. Kloss
 1916 for the induction motor.
-Assumptions: rotors without play, the female's inertia referred to the male shaft; losses are a constant torque of their
-mean power; damping is viscous; the motor's torque follows its speed at once. docs/reference/drive.md says when it
-matters.
+Assumptions: rotors without play, the female's inertia referred to the male shaft; of a cylinder no torque accelerates
+piston and rod; losses are a constant torque of their mean power; damping is viscous; the motor's torque follows its
+speed at once. docs/reference/drive.md says when it matters.
 Parameters: motor_inertia, rotor_inertia, speed, coupling, motor.
 """
 

@@ -9,8 +9,9 @@ size (M450): a four-pole IE3 motor of 75 kW at 50 Hz has 0.950, which is the def
 Assumptions: without `inverter` the loss depends on the speed only through the power; it heats neither gas nor oil, or
 with `cooling: suction_gas` (semi-hermetic machines) it heats the gas on its way to the suction line (M275). An
 expander's generator loses the same at the same load. The ledger divides the shaft power, so it does not hold this loss.
-Above OVERLOAD times the rated power there is a warning; above BREAKDOWN times a motor stalls (IEC 60034-12 asks for 1.6
-to 2 times the rated torque, catalogues state up to 3.5), and the point has failed.
+Above OVERLOAD times the rated power, or with an inverter the rated torque, there is a warning; above BREAKDOWN times a
+motor stalls (IEC 60034-12 asks for 1.6 to 2 times the rated torque, catalogues state up to 3.5), and the point has
+failed.
 Parameters: rated_power, efficiency or efficiency_class with poles, constant_share or efficiency_file, cooling,
 drive_efficiency or inverter.
 """
@@ -20,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from math import inf
+from math import inf, pi
 
 import numpy as np
 
@@ -50,7 +51,8 @@ BESIDE_CLASS = (
     "is given as well as efficiency_class (remove one of the two; a base's value is dropped by {1}: null, or --set "
     "{0}.{1}=null)"
 )
-OVERLOAD, BREAKDOWN = 1.25, 3.5  # times the rated power
+OVERLOAD, BREAKDOWN = 1.25, 3.5  # times the rated power, or torque
+TOO_GOOD = 0.015  # excess of the default efficiency over that of its class at the rated power, above which it is told
 SUCTION, STATED = "suction_gas", "stated"
 ON_ELECTRICAL = ("isothermal_efficiency", "isentropic_efficiency", "cop", "heating_cop")
 
@@ -189,14 +191,20 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
     def judge(figures) -> tuple[str, tuple[str, ...]]:
         """Return a text where the motor cannot give its load (empty: it can), and warnings of an overload."""
         load, rated = abs(load_of(figures)), parameters.rated_power
-        share = load / rated
         drive = parameters.inverter
-        beyond = () if drive is None else inverter.told(drive, inverter.turning(drive, load, rated, figures.omega))
+        share, beyond = load / rated, _too_good(parameters)
+        if drive is not None:
+            at = inverter.turning(drive, load, rated, figures.omega)
+            share = max(share, at.torque)  # below rated speed the torque is more
+            beyond = (*beyond, *inverter.told(drive, at))
         if share <= OVERLOAD:
             return "", beyond
-        what = f"the motor's load is {1e-3 * load:.4g} kW, {share:.3g} times effects.motor.rated_power"
+        what = f"the motor's load is {1e-3 * load:.4g} kW, {load / rated:.3g} times effects.motor.rated_power"
+        if share > load / rated:
+            what = f"the motor's torque is {share:.3g} times its rated one, at {figures.omega * 30.0 / pi:.4g} rpm"
         if share > BREAKDOWN:
-            return f"{what}: no motor carries more than {BREAKDOWN:g} times its rated power (choose a larger one)", ()
+            of = "power" if share == load / rated else "torque"
+            return f"{what}: no motor carries more than {BREAKDOWN:g} times its rated {of} (choose a larger one)", ()
         why = f"{what}: it would not last, and its losses are outside the range of M148 (choose a larger one)"
         return "", (why, *beyond)
 
@@ -218,6 +226,18 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
 
     reading = Reading(names_of(FIGURES), read, judge=judge)
     return [reading, SuctionHeat(heat_of(losses))] if parameters.cooling == SUCTION else [reading]
+
+
+def _too_good(parameters: Parameters) -> tuple[str, ...]:
+    """Return a warning where the default efficiency, of a motor of 75 kW, is not that of one so small; else empty."""
+    if not isinstance(parameters.efficiency, inverter.Usual) or parameters.efficiency_file is not None:
+        return ()
+    known, rated = motor_classes.class_efficiency(motor_classes.IE3, 4, parameters.rated_power), parameters.rated_power
+    if parameters.efficiency - known <= TOO_GOOD:
+        return ()
+    what = f"effects.motor.efficiency is not stated, and {100.0 * parameters.efficiency:.3g} % of a motor of 75 kW"
+    of = f"one of {1e-3 * rated:.4g} kW and class IE3 has {100.0 * known:.3g} %"
+    return (f"{what} is taken: {of} (write effects.motor.efficiency_class: IE3, or its efficiency)",)
 
 
 def check(parameters: Parameters, facts) -> Faults:

@@ -2,13 +2,14 @@
 
 What: a clearance is stated cold, at the temperature of the drawing; rotors and housing expand linearly with their own
 temperatures (M180), across the radius for the tips (M181), the axes' distance for the interlobe gap (M182) and the
-length between thrust bearing and end face for the end gap (M183). All areas of a gap are multiplied by warm over cold
-clearance, and so is the clearance in its flow model (M190 to M193, M251) and in the drag of its oil (M141, M142).
+length between thrust bearing and end face for the end gap (M183), which a bearing at the discharge end lets grow with
+the rotors. All areas of a gap are multiplied by warm over cold clearance, and so is the clearance in its flow model
+(M190 to M193, M251) and in the drag of its oil (M141, M142).
 Source: linear expansion (textbook); that clearances of screw compressors follow the temperatures of rotors and casing:
 D. Buckney, Clearance management in twin screw compressors, thesis, City, University of London 2017.
 Assumptions: one temperature of the rotors and one of the housing, those of effects.wall_heat or stated ones; no
 bending, no deformation by pressure, no play of the bearings; both rotors are of one material.
-Parameters: reference_temperature, rotor_expansion, housing_expansion, axis_distance, bearing_distance;
+Parameters: reference_temperature, rotor_expansion, housing_expansion, axis_distance, bearing_distance, thrust_bearing;
 rotor_temperature, housing_temperature.
 """
 
@@ -19,7 +20,7 @@ from screwsim.effects.base import Effect, Faults, Made, Reading, Scaled, Site, T
 from screwsim.effects.parts.usual import Sized
 from screwsim.effects.wall_heat import LUMPS, fixed_temperature
 from screwsim.effects.wall_heat import NAME as WALLS
-from screwsim.inputs.declare import optional, quantity
+from screwsim.inputs.declare import choice, optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import DIAMETER, ROTORS, SPAN
 from screwsim.numerics.feedback_unknowns import FeedbackUnknown
@@ -32,6 +33,7 @@ FIGURES = tuple(
     Figure(name, "m", f"clearance {meaning}, warm", needs=(f"effects.{effect}",))
     for (effect, name), meaning in zip(GAPS.items(), MEANINGS, strict=True)
 )
+ENDS = DISCHARGE_END, SUCTION_END = "discharge", "suction"  # of the rotors, where the thrust bearing holds them
 CLOSED = 0.02  # warm over cold clearance at which the parts count as touching
 
 
@@ -64,6 +66,12 @@ class Parameters:
     bearing_distance: float = quantity(
         "length", "distance from the thrust bearing to the discharge end face", 0.0, ge=0.0
     )
+    thrust_bearing: str = choice(
+        "end of the rotors at which it lies: from one at discharge warm rotors grow away from the end face's wall, "
+        "from one at suction towards it",
+        ENDS,
+        DISCHARGE_END,
+    )
     rotor_temperature: float | None = fixed_temperature(f"from effects.{WALLS}")
     housing_temperature: float | None = fixed_temperature(f"from effects.{WALLS}")
 
@@ -75,13 +83,17 @@ def growth(parameters: Parameters, rotor: float, housing: float) -> float:
 
 
 def lengths(parameters: Parameters, machine) -> dict[str, float]:
-    """Return {effect: length [m] over which the parts of its gap expand} (M181 to M183)."""
+    """Return {effect: length [m] over which the parts of its gap expand} (M181 to M183).
+
+    It is negative where the gap grows with the rotors.
+    """
     profile = machine.settings.profile
     own = profile.centre_distance if profile is not None else 0.0
+    along = 1.0 if parameters.thrust_bearing == SUCTION_END else -1.0
     return {
         "tip_leakage": 0.5 * machine.settings.rotor_diameter,
         "interlobe_leakage": parameters.axis_distance or own,
-        "end_face_leakage": parameters.bearing_distance,
+        "end_face_leakage": along * parameters.bearing_distance,
     }
 
 
@@ -102,9 +114,10 @@ def build(parameters: Parameters, machine) -> list[Made | Scaled | Reading]:
     parts: list[Made | Scaled | Reading] = []
     for effect, length in lengths(parameters, machine).items():
         name = f"{effect}_widening"
+        what, cooler = ("warm rotors touch", "them") if length >= 0.0 else ("the warm housing touches", "it")
         beyond = (
-            f"warm rotors touch: {GAPS[effect].replace('_', ' ')} closes (choose a wider effects.{effect}.gap, or "
-            "cool them more)"
+            f"{what}: {GAPS[effect].replace('_', ' ')} closes (choose a wider effects.{effect}.gap, or cool {cooler} "
+            "more)"
         )
         parts += [
             Made(FeedbackUnknown(name), none, widening(effect, length), CLOSED, beyond),
@@ -135,6 +148,9 @@ def check(parameters: Parameters, facts) -> Faults:
         yield Fault(f"{path}.axis_distance", "is given as well as machine.profile.centre_distance (remove it)")
     if "interlobe_leakage" in facts.effects and not profiled and parameters.axis_distance is None:
         yield Fault(f"{path}.axis_distance", "is missing (effects.interlobe_leakage needs it, e.g. 120 mm)")
+    if parameters.thrust_bearing == SUCTION_END and parameters.bearing_distance == 0.0:
+        what = "has no meaning without a bearing_distance (write e.g. bearing_distance: 220 mm, or remove it)"
+        yield Fault(f"{path}.thrust_bearing", what)
     if not any(name in facts.effects for name in GAPS):
         yield Fault(path, f"has no gap to change (name one of {', '.join(GAPS)}, or remove it)")
 

@@ -25,7 +25,7 @@ CONTRADICTS = 1.0  # [K] between a stated separator temperature and that of its 
 OPEN_TO_SUCTION = math.radians(1.0)  # of a plenum's port before the end of suction, tolerated
 HARDLY_KNOWN = 0.01  # relative error of figures over the net flow that deserves a warning
 OVER_FLOW = "specific_power", "oil_flow_ratio", "economizer_flow_ratio", "liquid_injection_flow_ratio"
-LOST = 0.02  # of the shaft power: heat with backflow to suction that deserves a warning
+LOST, LOST_DRY = 0.02, 0.05  # of the shaft power: heat with backflow to suction that deserves a warning
 
 
 def warnings(of: Evaluation) -> Iterator[str]:
@@ -120,19 +120,21 @@ def _lost_to_suction(of: Evaluation) -> Iterator[str]:
     """Yield a warning where much of the shaft power leaves to the suction line without being followed there."""
     parts, power, out = of.problem.parts, of.figures["shaft_power"], of.streams[SUCTION_OUT]
     delivers = power > 0.0 and (of.figures["gas_mass_flow"] or 0.0) > 0.0
-    if parts.suction_line or parts.geometry.expands or not of.problem.composition.carried or not delivers:
+    carried = of.problem.composition.carried
+    if parts.suction_line or parts.geometry.expands or not delivers or (parts.oil is not None and not carried):
         return
-    assert parts.oil is not None  # carried
-    T_s = of.problem.lines.T_s + of.problem.oil_pressure_term(of.problem.lines.p_s)
-    heat = -float(out[OF_ENERGY] - of.problem.inlet.enthalpy * out[OF_GAS])
-    heat -= parts.oil.heat_capacity * float(out[OF_OIL_HEAT] - T_s * out[OF_OIL])
+    heat, what, most = -float(out[OF_ENERGY] - of.problem.inlet.enthalpy * out[OF_GAS]), "gas", LOST_DRY
+    if parts.oil is not None:
+        T_s = of.problem.lines.T_s + of.problem.oil_pressure_term(of.problem.lines.p_s)
+        heat -= parts.oil.heat_capacity * float(out[OF_OIL_HEAT] - T_s * out[OF_OIL])
+        what, most = "gas and oil", LOST
     heat *= of.problem.rate
-    if abs(heat) > LOST * power:
-        brings = "warms" if heat > 0.0 else "cools"
+    if abs(heat) > most * power:
+        brings, remedy = "warms" if heat > 0.0 else "cools", " or ".join(having(SUCTION_BACK))
         yield (
-            f"{1e-3 * abs(heat):.3g} kW, {abs(heat) / power:.0%} of the shaft power, leaves with gas and oil that "
-            f"flow back into the suction line, although in reality it {brings} the intake (name "
-            f"{' or '.join(having(SUCTION_BACK))}, which takes that into account)"
+            f"{1e-3 * abs(heat):.3g} kW, {abs(heat) / power:.0%} of the shaft power, leaves with {what} flowing back "
+            f"into the suction line, although in reality it {brings} the intake (name {remedy}, which takes that into "
+            "account)"
         )
 
 

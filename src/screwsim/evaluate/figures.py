@@ -1,7 +1,7 @@
 """The performance figures of a closed cycle that its scene calls for."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from screwsim.effects.base import SUCTION, Drawn, Given, Plenum, Separator, Turn
 from screwsim.evaluate import humidity, performance
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures import Performance, figures_declared_elsewhere
+from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.settings import TURN
 from screwsim.model import slots
 from screwsim.model.trajectory import Trajectory
@@ -87,7 +88,7 @@ def figures_of(
     if parts.suction_line:
         found |= _of_suction_line(problem, life, streams, suction_line.suction_heat(problem, shaft))
     if parts.geometry.expands:
-        take(_of_expander(problem, life, found))
+        take(_of_expander(problem, life, found, drawn))
     if parts.walls:
         found["wall_heat"] = float(q[slots.Q_WALLS : slots.Q_WALLS + 2 * len(parts.walls) : 2].sum()) * rate
     take(performance.readings(parts, known, found))
@@ -129,12 +130,16 @@ def _refrigerating_effect(problem: Problem, found: Mapping[str, Any]) -> float |
     return None if effect is None else effect * (1.0 + gain)
 
 
-def _of_expander(problem: Problem, life: Trajectory, found: dict[str, Any]) -> Given:
-    """Return the figures that an expander has in place of a compressor's."""
+def _of_expander(
+    problem: Problem, life: Trajectory, found: dict[str, Any], drawn: Sequence[tuple[float, Reservoir]]
+) -> Given:
+    """Return the figures that an expander has in place of a compressor's; `drawn` as in `performance.efficiencies`."""
     geometry, closes = problem.parts.geometry, problem.parts.geometry.inlet_closes
     filled = None if closes is None else problem.inlet.density * life.volume(closes)  # where the inlet closes
     filled = None if filled is None else filled * problem.parts.omega / geometry.pitch
-    return performance.figures_of_expander(found, problem.h_isentropic - problem.inlet.enthalpy, filled)
+    own = float(found["gas_mass_flow"]) * (problem.h_isentropic - problem.inlet.enthalpy)
+    power = own + performance.isentropic_power_of(problem.parts.gas, problem.lines.p_d, drawn)
+    return performance.figures_of_expander(found, power, filled)
 
 
 _ratio: tuple[Any, Any, float | None] = None, None, None  # geometry and effects, and the built-in volume ratio

@@ -175,11 +175,16 @@ NO_MEANING = {
 }
 
 
-def figures_of_expander(found: Mapping[str, Any], isentropic_work: float, filled: float | None) -> Given:
+def isentropic_power_of(gas: Gas, p_d: float, drawn: Sequence[tuple[float, Reservoir]]) -> float:
+    """Return the isentropic power [W] to p_d [Pa] of what own plenums add; negative for what expands (M101, M151)."""
+    return sum(net * gas.isentropic_work_of_enthalpy(state.p, p_d, state.h) for net, state in drawn)
+
+
+def figures_of_expander(found: Mapping[str, Any], isentropic_power: float, filled: float | None) -> Given:
     """Return the figures of an expander in place of a compressor's.
 
-    `isentropic_work` h_2s − h_1 [J/kg], negative; `filled` [kg/s]: flow that fills the chambers where the inlet
-    closes, None without an inlet port.
+    `isentropic_power` [W], negative, of the net gas flow and of what own plenums add (M151); `filled` [kg/s]: flow that
+    fills the chambers where the inlet closes, None without an inlet port.
     """
     flow, shaft = float(found["gas_mass_flow"]), float(found["shaft_power"])
     changed: dict[str, float | str] = {**NO_MEANING, "output_power": -shaft}
@@ -189,7 +194,10 @@ def figures_of_expander(found: Mapping[str, Any], isentropic_work: float, filled
     no_port = "the machine has no port whose closing ends the filling (name machine.discharge_port)"
     changed["filling_factor"] = no_port if filled is None else flow / filled
     no_power = "the shaft gives no power: the losses exceed what the gas gives"
-    changed["isentropic_efficiency"] = shaft / (flow * isentropic_work) if shaft < 0.0 else no_power
+    if isentropic_power >= 0.0:
+        no_power = "gas pushed back into plenums takes more than the rest can give"
+    gives = shaft < 0.0 and isentropic_power < 0.0
+    changed["isentropic_efficiency"] = shaft / isentropic_power if gives else no_power
     return changed
 
 
@@ -223,7 +231,7 @@ def _saturated(fluid: str, p: float) -> tuple[float | None, float | None, str]:
     """Return dew and bubble point [K] at a pressure [Pa] (equal unless the fluid glides), or why there are none."""
     try:
         known = constants.limits(fluid)
-        if known is not None and p < known.p_critical:
+        if known is not None and (known.gas_only or p < known.p_critical):
             return constants.saturation_temperature(fluid, p), constants.boiling_temperature(fluid, p), ""
     except UsageError as error:
         return None, None, str(error)

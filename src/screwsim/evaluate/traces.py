@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from screwsim.effects.base import LINES, Reading
+from screwsim.effects.base import LINES, HeatRate, Reading
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.model.slots import R_RATIO
 from screwsim.model.speed import slowness
@@ -26,7 +26,27 @@ def traces(of: Evaluation) -> dict[str, np.ndarray]:
     found |= {name: states[name] for name in c.own_states}
     for name, flow in _flows(of, degrees, angles, flows, seen["mass_rate"]):
         found[name] = found.get(name, 0.0) + flow
+    found |= _heats(of, angles, found | states)
     return found | _traces_of_effects(of, degrees)
+
+
+def _heats(of: Evaluation, angles: np.ndarray, seen: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return the heat [W] that each effect brings from the oil to the gas of a chamber, from what is `seen` there."""
+    parts, module, found = of.problem.parts, of.life.module, dict[str, np.ndarray]()
+    rates = [name for name, _ in parts.all(HeatRate)]
+    if not rates:
+        return found
+    ratio, P = float(of.life.R[R_RATIO]), of.life.composition.P
+    names = ("T", "gas_mass", "pressure", "rho", "volume", "T_oil", "oil_mass")
+    rows = np.column_stack([seen[name] for name in names]).tolist()
+    for i, name in enumerate(rates):
+        heat = [
+            float(module.heat_part(i, T, m, p, rho, V, phi, T_oil, m_oil, ratio, P))
+            for phi, (T, m, p, rho, V, T_oil, m_oil) in zip(angles.tolist(), rows, strict=True)
+        ]
+        key = f"heat_{name}"
+        found[key] = found.get(key, 0.0) + np.array(heat)
+    return found
 
 
 def _contents(

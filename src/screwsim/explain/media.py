@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 from screwsim.build import open_temperatures, package_of
 from screwsim.explain.parameters import parameters_text, row
+from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.moist_air import DRIEST, MoistAir
@@ -33,6 +34,9 @@ def gas_rows(scene: Scene, parts: Parts) -> Iterator[str]:
         yield row("", f"R = {dry.R:.6g} J/(kg K), k = {dry.k:.6g} ({given})")
     if isinstance(gas, MoistAir):
         yield from _water_rows(scene, gas)
+    known = constants.limits(scene.gas.name) if is_blend(scene.gas.name) else None
+    if known is not None and known.gas_only:
+        yield row("", f"known as a gas only, from {in_celsius(known.T_critical)} on (M317)")
     yield from _line_rows(scene)
     yield from _cooling_rows(scene)
 

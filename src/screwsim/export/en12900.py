@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from screwsim.export.polynomials import DOCUMENT_KEYS, Polynomials, document, in_fahrenheit, temperature_limits
+from screwsim.fluid import constants
+from screwsim.fluid.composition import is_blend
 from screwsim.results.protection import protect_other_json, protect_unmarked
 from screwsim.scene.operation import SUBCOOLING
 from screwsim.scene.units import ZERO_CELSIUS
@@ -24,6 +26,7 @@ _IP = {
 }
 HEAD_LINE = "table,map,figure,unit"  # of the coefficients' table
 RATED_STEPS = 6  # rated temperatures along each axis
+GLIDES = 0.1  # [K] distance of dew and bubble point in the condenser above which it is told
 
 
 def _condition_lines(found: Polynomials, ip: bool) -> Iterator[str]:
@@ -42,14 +45,47 @@ def _condition_lines(found: Polynomials, ip: bool) -> Iterator[str]:
         yield f"{path} = {shown}" + ("" if path in found.conditions else ", as the scene states none")
 
 
+def other_convention(found: Polynomials) -> str:
+    """Return that the condensing temperatures are not the standards', of a fluid with glide that has bubble points.
+
+    Empty where they are: of a pure fluid, and of a blend, whose temperatures are dew points (M316).
+    """
+    if found.condensing == "dew":
+        return ""
+    low, high = temperature_limits(found.maps[0])[1]
+    middle = 0.5 * (low + high) + ZERO_CELSIUS
+    pressure = constants.condensing_pressure(found.fluid, middle)
+    glide = constants.saturation_temperature(found.fluid, pressure) - middle
+    if glide <= GLIDES:
+        return ""
+    blend = f"{found.fluid}.mix"
+    remedy = f"write gas.fluid: {blend}" if is_blend(blend) else "add it to compare"
+    what = (
+        f"EN 12900 and AHRI 540 state the dew point in the condenser, of {found.fluid} {glide:.2g} K above the bubble"
+    )
+    return f"{what} point that D is here ({remedy})"
+
+
+def _envelope(one: PerformanceMap, ip: bool) -> list[list[float]]:
+    """Return the corners (S, D) of a map's envelope, in °C, or in °F for `ip`."""
+    return [[1.8 * T + 32.0 if ip else T for T in corner] for corner in one.envelope]
+
+
+def _corners(one: PerformanceMap, ip: bool) -> str:
+    return ", ".join(f"({S:.6g}, {D:.6g})" for S, D in _envelope(one, ip))
+
+
 def en12900_csv(found: Polynomials, ip: bool = False) -> str:
     """Return the coefficients, then the rated points in the envelope, of each map."""
+    other = other_convention(found)
     degree = "degF" if ip else "degC"
     lines = [
         f"# {found.title}: {found.fluid}",
         f"# {document(found)['formula']}",
         f"# S evaporating (dew), D condensing ({found.condensing}) temperature, {degree}",
+        *([f"# {other}"] if other else []),
         *(f"# {line}" for line in _condition_lines(found, ip)),
+        *(f"# {found.name(one)}: valid between the corners (S, D) {_corners(one, ip)} {degree}" for one in found.maps),
         f"{HEAD_LINE}," + ",".join(COEFFICIENT_NAMES) + ",largest_error,left_out_error",
     ]
     for one in found.maps:
@@ -107,8 +143,9 @@ def en12900_document(found: Polynomials, ip: bool = False) -> dict[str, Any]:
                 "largest_error": fit.largest,
                 "left_out_error": fit.left_out,
             }
-        corners = [[1.8 * T + 32.0 if ip else T for T in corner] for corner in one.envelope]
-        maps.append({"at": {k: float(v) for k, v in one.values.items()}, "figures": figures, "envelope": corners})
+        maps.append(
+            {"at": {k: float(v) for k, v in one.values.items()}, "figures": figures, "envelope": _envelope(one, ip)}
+        )
     said = document(found)
     if ip:
         said |= {key: said[key].replace("degC", "degF") for key in ("S", "D")}

@@ -22,8 +22,8 @@ from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 
-from screwsim.export.inputs import BASE, DISPLAYS, Input, Output, exponents, plain
-from screwsim.export.table import MapTable
+from screwsim.export.inputs import BASE, DISPLAYS, Input, Output, exponents, plain, range_text
+from screwsim.export.map_table import MapTable
 from screwsim.inputs.faults import UsageError
 from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, replacing
 
@@ -142,6 +142,8 @@ def map_description(table: MapTable) -> dict[str, object]:
         ],
         "nodes": [[float(x) for x in one.at(u)] for one, u in zip(table.inputs, table.grid.nodes, strict=True)],
         "nodes_without_closed_cycle": table.not_ok,
+        "without_closed_cycle": {"where": table.where_open(), "why": table.why},
+        "warnings": [{"cases": count, "text": text} for count, text in table.warnings],
         "error_is": table.how,
         "scene": table.scene_yaml,
     }
@@ -163,7 +165,7 @@ def description(table: MapTable, name: str, token: str, version: str) -> str:
 
 
 def _head(table: MapTable) -> str:
-    ranges = "; ".join(f"{one.name} {one.low:.6g} to {one.high:.6g} {plain(one.units)}" for one in table.inputs)
+    ranges = "; ".join(f"{one.name} {range_text(one)}" for one in table.inputs)
     return quoteattr(f"{table.title or 'compressor map'}: map over {ranges}; error {table.error_in_words}")
 
 
@@ -186,6 +188,11 @@ def _unit_attributes(each: Input | Output) -> str:
     return f" unit={quoteattr(text)}" + (f' displayUnit="{shown[0].name}"' if shown else "")
 
 
+def _meaning(each: Input | Output) -> str:
+    """Return what a variable means, of an input with its range."""
+    return f"{each.long_name}; {range_text(each)}" if isinstance(each, Input) else each.long_name
+
+
 def _head_of(name: str, number: int, means: str) -> str:
     return f'name="{name}" valueReference="{number}" description={quoteattr(means)}'
 
@@ -195,7 +202,7 @@ def _description2(table: MapTable, name: str, token: str) -> str:
     variables = []
     for i, each in enumerate((*table.inputs, *table.outputs)):
         way, start = ("input", f' start="{each.value!r}"') if isinstance(each, Input) else ("output", "")
-        head = f'{_head_of(each.name, i, each.long_name)} causality="{way}" variability="continuous"'
+        head = f'{_head_of(each.name, i, _meaning(each))} causality="{way}" variability="continuous"'
         variables.append(f"    <ScalarVariable {head}><Real{start}{_unit_attributes(each)}/></ScalarVariable>")
     for i, (flag, means, kind) in enumerate(_FLAGS, count + outputs):
         head = f'{_head_of(flag, i, means)} causality="output" variability="discrete"'
@@ -238,7 +245,7 @@ def _description3(table: MapTable, name: str, token: str) -> str:
     ]
     for i, each in enumerate((*table.inputs, *table.outputs)):
         way, start = ("input", f' start="{each.value!r}"') if isinstance(each, Input) else ("output", "")
-        head = _head_of(each.name, i, each.long_name)
+        head = _head_of(each.name, i, _meaning(each))
         variables.append(f'    <Float64 {head} causality="{way}"{start}{_unit_attributes(each)}/>')
     for i, (flag, means, kind) in enumerate(_FLAGS, count + outputs):
         head = f'{_head_of(flag, i, means)} causality="output" variability="discrete"'
@@ -281,8 +288,7 @@ def build_description(name: str) -> str:
 def documentation_page(table: MapTable, name: str) -> str:
     """Return the page shown by an importing tool: inputs with their ranges, outputs with their errors."""
     inputs = "".join(
-        f"<tr><td>{one.name}</td><td>{one.low:.6g} … {one.high:.6g} {escape(plain(one.units))}</td>"
-        f"<td>{escape(one.long_name)}</td></tr>"
+        f"<tr><td>{one.name}</td><td>{escape(range_text(one))}</td><td>{escape(one.long_name)}</td></tr>"
         for one in table.inputs
     )
     outputs = "".join(

@@ -16,7 +16,7 @@ from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_continuous, shown_value
-from screwsim.study.spans import read_ranges
+from screwsim.study.spans import read_ranges, spans_between
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 _DERIVED: dict[str, dict[str, int]] = {
@@ -88,10 +88,17 @@ def input_meaning(doc: str) -> str:
     return doc.partition(" (instead of ")[0]
 
 
-def read_inputs(scene: Scene, over: Sequence[str]) -> tuple[Input, ...]:
-    """Return the inputs named by `PATH=LOW..HIGH`, else those of the scene's sweep; raise UsageError."""
+def read_inputs(
+    scene: Scene, over: Sequence[str] | Mapping[str, tuple[float, float]], option: str = "--over"
+) -> tuple[Input, ...]:
+    """Return the inputs named by `PATH=LOW..HIGH` or {path: (low, high) [SI]}, else those of the scene's sweep.
+
+    Raise UsageError, in which `option` names where they were given.
+    """
+    if isinstance(over, Mapping) and over:
+        return _inputs(scene, {each.path: (each.low, each.high) for each in spans_between(scene, over, ranged=True)})
     if over:
-        ranges = read_ranges(scene, over, "--over", "operation.speed=1500 rpm..4500 rpm")
+        ranges = read_ranges(scene, tuple(over), option, "operation.speed=1500 rpm..4500 rpm")
         return _inputs(scene, {each.path: (each.low, each.high) for each in ranges})
     axes = {
         path: values
@@ -101,7 +108,7 @@ def read_inputs(scene: Scene, over: Sequence[str]) -> tuple[Input, ...]:
     if not axes:
         raise UsageError(
             "there is nothing to map over: the scene has no sweep over numbers (write e.g. "
-            "--over 'operation.speed=1500 rpm..4500 rpm', repeated for each further path)"
+            f"{option} 'operation.speed=1500 rpm..4500 rpm', repeated for each further path)"
         )
     for path in axes:
         check_continuous(scene, path)
@@ -186,6 +193,17 @@ DISPLAYS = {
 def plain(units: str) -> str:
     """Return a unit as people write it: 'kg s-1' gives kg/s, plain numbers '1'."""
     return units if "/" in units else si_unit(units) or "1"
+
+
+def unit_after_number(units: str) -> str:
+    """Return a unit as it follows a number: with a blank before it; empty for plain numbers."""
+    text = plain(units)
+    return "" if text == "1" else f" {text}"
+
+
+def range_text(one: Input) -> str:
+    """Return the range of an input in SI: '263.15 … 283.15 K'."""
+    return f"{one.low:.6g} … {one.high:.6g}{unit_after_number(one.units)}"
 
 
 def exponents(units: str) -> dict[str, int]:

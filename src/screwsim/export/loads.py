@@ -30,7 +30,8 @@ from screwsim.scene import Scene
 
 HARMONICS = 20
 FLOW_POINTS = 360  # points of a pitch
-PORTS = {"suction": ("mass_flow_suction_port", 1.0), "discharge": ("mass_flow_discharge_port", -1.0)}
+LINES = {"suction": 1.0, "discharge": -1.0}  # sign of a flow into the chambers along the machine's direction
+OTHER_LINE = {"suction": "discharge", "discharge": "suction"}  # an expander takes in where a compressor discharges
 REVOLUTION_STEPS = 48  # of one revolution of a rotor
 PROFILE_PIECES = 60  # of a pitch of the profile, on the written surfaces
 WHOLE, ANGLE, ORDER = "loads.json", "angle [deg]", "harmonic"  # file of everything; first heads of the other files
@@ -68,8 +69,9 @@ def lobe_frequency(scene: Scene) -> float:
 def flows_of(scene: Scene, result: Result) -> tuple[Array, dict[str, Array]]:
     """Return the angle over one pitch [rad], and mass [kg/s] and volume flows [m³/s] of all chambers through each port.
 
-    They are positive in the machine's direction of flow. Volume flows are at the state of the line: suction as stated,
-    discharge at its pressure and at the temperature of the leaving gas. Raise UsageError where the cycle has no ports.
+    They are positive in the machine's direction of flow, and have the names of the lines: an expander takes in through
+    its `machine.discharge_port` (M150). Volume flows are at the state of the line: suction as stated, discharge at its
+    pressure and at the temperature of the leaving gas. Raise UsageError where the cycle has no ports.
     """
     parts = build_parts(scene)
     pitch, life = parts.geometry.pitch, math.radians(float(result.cycle["angle"][-1]))
@@ -77,11 +79,14 @@ def flows_of(scene: Scene, result: Result) -> tuple[Array, dict[str, Array]]:
     chambers = angle[:, None] + pitch * np.arange(max(1, round(life / pitch)))
     densities = _densities(parts.gas, result.performance)
     found = {}
-    for line, (name, sign) in PORTS.items():
+    for line, sign in LINES.items():
+        name = f"mass_flow_{OTHER_LINE[line] if parts.geometry.expands else line}_port"
         if name in result.cycle:
             flow = np.interp(chambers, np.radians(result.cycle["angle"]), result.cycle[name])
             found[f"{line}_mass_flow"] = sign * flow.sum(axis=1)
             found[f"{line}_volume_flow"] = found[f"{line}_mass_flow"] / densities[line]
+    if not found and scene.machine.kind != TWIN_SCREW:
+        raise UsageError(f"loads are those of a {TWIN_SCREW}, whose ports have flows of their own (name such a scene)")
     if not found:
         raise UsageError("the cycle has no flow through a port (add effects.suction_port and effects.discharge_port)")
     return angle, found

@@ -7,7 +7,8 @@ import numpy as np
 
 from screwsim.export.hermite import Array, Grid, evaluate
 from screwsim.export.inputs import Input, Output, plain
-from screwsim.export.table import MapTable, scales
+from screwsim.export.map_table import MapTable
+from screwsim.export.table import scales
 from screwsim.inputs.faults import UsageError
 from screwsim.study.performance_map import TERMS
 

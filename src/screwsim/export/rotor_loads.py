@@ -1,9 +1,9 @@
 """Forces on the rotors of a closed cycle: pressures integrated over their surfaces, by angle.
 
-First come those of the gas on the flanks, for pressures above suction; then those of the gas on the end faces and of
-the rotors' contact at the pitch line. Gears, balance pistons and weights are not included. The mapping of pressures to
-the surface is checked against virtual work: the male torque agrees within 1.5 %, the female one within 2.5 % of the
-male's (tests/export/test_loads.py).
+First come those of the gas on the flanks, for pressures above that before the suction port; then those of the gas on
+the end faces and of the rotors' contact at the pitch line. Gears, balance pistons and weights are not included. The
+mapping of pressures to the surface is checked against virtual work: the male torque agrees within 1.5 %, the female one
+within 2.5 % of the male's (tests/export/test_loads.py).
 
 End faces: the chamber that bounds a piece of the profile presses on the sector from that piece inwards to the shaft;
 the area of the shaft is at suction pressure. So within a lobe the pressures of two neighbouring chambers meet near its
@@ -37,7 +37,10 @@ STEEPEST_NORMAL = 30.0  # tan α of the normal: more than 88 deg from the pitch 
 
 @dataclass(frozen=True, eq=False)
 class Pressures:
-    """Pressure [Pa] of a chamber over its angle φ, with the origin of `machine.rotors.rotors`; `low` is suction's."""
+    """Pressure [Pa] of a chamber over its angle φ, with the origin of `machine.rotors.rotors`.
+
+    `low` is that before the suction port, from which forces count.
+    """
 
     laid: LaidCurves
     angle: Array  # [rad], on the scene's axis
@@ -62,10 +65,17 @@ def pressures_of(laid: LaidCurves, result: Result) -> Pressures:
     pressure has first fallen to that of suction, the suction pressure replaces it.
     """
     angle, pressure = np.radians(result.cycle["angle"]), np.array(result.cycle["pressure"])
-    low = float(result.performance["suction_pressure"])
+    low = intake_pressure(result)
     down = np.flatnonzero((angle >= laid.born) & (pressure <= EXPANDED_RATIO * low))
     pressure[: int(down[0]) if len(down) else 0] = low
     return Pressures(laid, angle, pressure, low)
+
+
+def intake_pressure(result: Result) -> float:
+    """Return the mean pressure [Pa] before the suction port: in its plenum, behind a throttle, or in the line."""
+    found = result.performance
+    known = (found.get(name) for name in ("suction_plenum_pressure", "intake_pressure", "suction_pressure"))
+    return float(next(each for each in known if each is not None))
 
 
 @dataclass(frozen=True, eq=False)

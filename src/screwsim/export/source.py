@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 
 from screwsim.export.inputs import Input, read_inputs, read_outputs
-from screwsim.export.table import MapTable, table_of, tabulated_map
+from screwsim.export.map_table import MapTable
+from screwsim.export.table import table_of, tabulated_map
 from screwsim.figures import Performance, known
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Result
-from screwsim.results import open_results
+from screwsim.results import Results, open_results
 from screwsim.scene import Scene, load, loads
 from screwsim.scene.units import Refused, parse_quantity
 from screwsim.simulate import simulate
@@ -60,20 +61,39 @@ def map_of(
     if is_results(source):
         given = {"--over": over, "--error": wanted, "--most-cases": most, "--set": overrides, "--without": without}
         refuse_changes(source, given)
-        results = open_results(source)
-        names = [figure_named(text, results.figures, results.error) for text in figures or ()]
-        absent = [name for name in names if name not in results.figures]
-        if absent:
-            raise UsageError(f"{source}: has no {absent[0]} (it has {', '.join(results.figures)})")
-        return table_of(results, names or None)
+        return map_of_results(open_results(source), figures)
     scene = load(source, overrides or (), without or ())
+    return map_of_scene(scene, over or (), figures, wanted, most, jobs, progress, told)
+
+
+def map_of_results(results: Results, figures: Sequence[str] | None = None) -> MapTable:
+    """Return the map of a sweep's results; raise `UsageError` for a figure that they do not have."""
+    names = [figure_named(text, results.figures, results.error) for text in figures or ()]
+    absent = [name for name in names if name not in results.figures]
+    if absent:
+        raise UsageError(f"{results.path}: has no {absent[0]} (it has {', '.join(results.figures)})")
+    return table_of(results, names or None)
+
+
+def map_of_scene(
+    scene: Scene,
+    over: Sequence[str] | Mapping[str, tuple[float, float]] = (),
+    figures: Sequence[str] | None = None,
+    wanted: float | None = None,
+    most: int | None = None,
+    jobs: int | None = None,
+    progress: Callable[[], Progress] | None = None,
+    told: Callable[[Scene, tuple[Input, ...]], None] | None = None,
+    dashes: str = "--",
+) -> MapTable:
+    """Return the map of a scene over paths; raise `UsageError`, with `dashes` before the names of what was given."""
     asked = DEFAULT_ERROR if wanted is None else wanted
     if not scene.numerics.accuracy < asked < 1.0:
         what = f"is not between the scene's numerics.accuracy {scene.numerics.accuracy:g} and 1"
         raise UsageError(
-            f"--error {asked:g}: {what} (a map cannot be more accurate than the solutions it is made from)"
+            f"{dashes}error {asked:g}: {what} (a map cannot be more accurate than the solutions it is made from)"
         )
-    inputs, outputs = read_inputs(scene, over or ()), read_outputs(scene, figures or ())
+    inputs, outputs = read_inputs(scene, over, f"{dashes}over"), read_outputs(scene, figures or ())
     if told is not None:
         told(scene, inputs)
     most = MOST_CASES if most is None else most

@@ -12,13 +12,13 @@ import math
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from screwsim.export.hermite import Array, Grid, evaluate, grid_of
+from screwsim.export.hermite import Array, evaluate, grid_of
 from screwsim.export.inputs import (
     FIGURES,
     Input,
@@ -31,9 +31,11 @@ from screwsim.export.inputs import (
     plain,
     title_on_one_line,
 )
+from screwsim.export.map_table import MapTable
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.results.schema import Axis
+from screwsim.results.warning_kinds import kinds_of, warnings_of_cases
 from screwsim.scene import Scene, scene_text
 from screwsim.scene.types import Joint
 from screwsim.study.progress import Progress
@@ -46,53 +48,6 @@ LEAST_SCALE = 0.1  # of the largest value: least scale of relative errors
 TEMPERATURE_SCALE = 100.0  # [K] scale of errors of temperatures
 TITLE_SEPARATOR = "; SI units; error between the nodes "  # in the first line of a table as text
 FEW_NODES = 4  # number of nodes of an axis up to which no error is estimated from it
-
-
-@dataclass(frozen=True, eq=False)
-class MapTable:
-    """A map: `grid` over the inputs' coordinates; relative `errors` of the outputs, and how they were found.
-
-    `cases` is the number of cases simulated, `not_ok` that of nodes without a closed cycle; `met` tells whether the
-    requested error is kept.
-    """
-
-    title: str
-    inputs: tuple[Input, ...]
-    outputs: tuple[Output, ...]
-    grid: Grid
-    errors: tuple[float, ...]
-    checked: int
-    how: str
-    cases: int
-    not_ok: int
-    wanted: float | None
-    scene_yaml: str
-    about: dict[str, Any] = field(default_factory=dict)
-
-    @property
-    def error(self) -> float:
-        """The largest error."""
-        return max(self.errors)
-
-    @property
-    def error_in_words(self) -> str:
-        """The largest error and how it was found; if it is unknown, why."""
-        return f"{self.error:.2g}, {self.how}" if math.isfinite(self.error) else self.how
-
-    @property
-    def met(self) -> bool:
-        return self.wanted is None or self.error <= self.wanted
-
-    def __call__(self, x: Array) -> tuple[Array, Array]:
-        """Return the outputs [SI] at inputs (n, inputs) [SI], and whether each point is inside."""
-        x = np.atleast_2d(np.asarray(x, float))
-        clipped = np.column_stack(
-            [np.clip(x[:, i], variable.low, variable.high) for i, variable in enumerate(self.inputs)]
-        )
-        outside = np.any(np.abs(x - clipped) > 1e-9 * np.abs(clipped), axis=1)
-        u = np.column_stack([variable.coordinate(clipped[:, i]) for i, variable in enumerate(self.inputs)])
-        values, inside = evaluate(self.grid, u)
-        return values, inside & ~outside
 
 
 def scales(outputs: Sequence[Output], values: Array) -> Array:
@@ -151,7 +106,8 @@ def tabulated_map(
         raise UsageError(f"no map: {why}")
     how = f"largest at {checked} random points inside, simulated as a check"
     how += f" (at {open_} more no cycle closed, although it did at all surrounding nodes)" if open_ else ""
-    return replace(table, errors=tuple(errors), checked=checked, how=how, cases=solve.cases)
+    table = replace(table, cases=solve.cases, why=solve.why, warnings=kinds_of(solve.warnings))
+    return replace(table, errors=tuple(errors), checked=checked, how=how)
 
 
 def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable:
@@ -186,7 +142,15 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable
     how = f"largest at {checked} nodes when every second one of an axis is left out: for a table twice as coarse"
     how = how if checked else "unknown, as no axis has five values"
     title, yaml = title_on_one_line(results.attributes["title"]), results.scene_yaml
-    return replace(table, title=title, scene_yaml=yaml, errors=errors, checked=checked, how=how, cases=sound.size)
+    table = replace(table, title=title, scene_yaml=yaml, why=_first_reason(results))
+    table = replace(table, warnings=kinds_of(warnings_of_cases(results)))
+    return replace(table, errors=errors, checked=checked, how=how, cases=sound.size)
+
+
+def _first_reason(results: Results) -> str:
+    """Return why the first case without a closed cycle has none; empty where all have one."""
+    cases = zip(np.ravel(results.status), np.ravel(results.messages), strict=True)
+    return next((str(why) for status, why in cases if status != "ok" and why), "")
 
 
 def _input_of(axis: Axis) -> Input:
@@ -307,6 +271,7 @@ class _Solver:
         self._scene, self._outputs, self._jobs = scene, outputs, jobs
         self._progress, self._simulate = progress, simulate
         self.cases, self.why = 0, ""
+        self.warnings: list[list[str]] = []
 
     def grid(self, inputs: Sequence[Input], nodes: Sequence[Array]) -> tuple[Array, Array]:
         """Return values (nodes …, outputs) and which nodes closed."""
@@ -324,12 +289,13 @@ class _Solver:
         told = None if self._progress is None else self._progress()
         with temporary_results(scene, jobs=self._jobs, progress=told, **options) as results:
             self.cases += math.prod(shape)
+            self.warnings += warnings_of_cases(results)
             nothing = np.full(shape, np.nan)
             columns = [np.reshape(results.performance.get(output.name, nothing), shape) for output in self._outputs]
             values = np.stack(columns, axis=-1)
             sound = (results.status.reshape(shape) == "ok") & np.isfinite(values).all(axis=-1)
             if not sound.all() and not self.why:
-                self.why = next((text for text in results.messages.ravel() if text), "")
+                self.why = _first_reason(results)
         return values, sound
 
 

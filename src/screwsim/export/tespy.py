@@ -152,6 +152,6 @@ def _refuse_other_machine(
     off = {name: float(np.max(np.abs(np.nan_to_num(ratio, nan=1.0) - 1.0))) for name, ratio in ratios.items()}
     name = max(off, key=lambda each: off[each])
     if off[name] > OTHER_MACHINE:
-        what = f"TESPy's compressor, which takes real gas from one inlet, would be up to {off[name]:.2g} off in {name}"
+        what = f"TESPy's compressor, which takes real gas from one inlet, would be up to {off[name]:.1%} off in {name}"
         remedy = "write gas.model: real, leave out vapour or liquid that enters elsewhere, or use export en12900"
         raise UsageError(f"{results.path}: {what} ({remedy})")

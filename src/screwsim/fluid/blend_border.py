@@ -35,10 +35,17 @@ class BlendBorder:
 
     def _theta(self, T: float) -> float:
         """Return θ of saturated liquid at T [K]; the vapour's is its negative. Raises UsageError."""
+        self._known(f"at {in_celsius(T)}")
         if not self.lines.T_low <= T < self.lines.T_c:
             reach = f"it has one from {in_celsius(self.lines.T_low)} to {in_celsius(self.lines.T_c)}"
             raise UsageError(f"gas.fluid: {self.known.name} has no saturation at {in_celsius(T)} ({reach})")
         return float(np.sqrt(1.0 - T / self.lines.T_c))
+
+    def _known(self, at: str) -> None:
+        """Raise UsageError where the blend is known as a gas only."""
+        if self.lines.always_gas:
+            since = f"it is known as a gas only, from {in_celsius(self.lines.T_low)} on"
+            raise UsageError(f"gas.fluid: {self.known.name} has no known saturation {at} ({since})")
 
     def _pressure(self, theta: float) -> float:
         table = self.lines.log_p_of_theta
@@ -65,6 +72,7 @@ class BlendBorder:
         return self._temperature(p, 1.0)
 
     def _temperature(self, p: float, side: float) -> float:
+        self._known(f"at {in_bar(p)}")
         table, wanted = self.lines.log_p_of_theta, float(np.log(p))
         assert table is not None
         places = np.linspace(np.sqrt(1.0 - self.lines.T_low / self.lines.T_c), 0.0, SEEN)

@@ -17,7 +17,7 @@ from screwsim.codegen.modules import load
 from screwsim.fluid.blend_border import blend_border
 from screwsim.fluid.blend_flash import W_EDGES, Flashes, dome
 from screwsim.fluid.description import describe
-from screwsim.fluid.dome import EQUILIBRIUM, PHASE, PHASED, EquilibriumKernels, saturation_kernels
+from screwsim.fluid.dome import EQUILIBRIUM, PHASE, PHASED, EquilibriumKernels, dome_kernels
 from screwsim.fluid.helmholtz import entropy_kernel, phased_state_text
 from screwsim.fluid.nozzle import choking, critical_power
 from screwsim.fluid.saturation import saturation
@@ -111,7 +111,7 @@ def surface_kernel(fluid: str) -> Kernel:
 def blend_equilibrium_kernels(fluid: str) -> EquilibriumKernels:
     """Return the kernels of a blend whose two phases are in equilibrium inside the dome, where its table reaches."""
     known, edges, of = describe(fluid), dome(fluid).edges, f"{describe(fluid).name} equilibrium"
-    kernels, surface = saturation_kernels(fluid), surface_kernel(fluid)
+    kernels, surface = dome_kernels(fluid), surface_kernel(fluid)
     numbers = {
         "name": known.name,
         "cold": float(edges[0]),

@@ -233,7 +233,8 @@ def table_name(fluid: str) -> str:
 @lru_cache(maxsize=16)
 def dome(fluid: str) -> Dome:
     """Return the table of a blend, from the cache folder if it is there. Raises UsageError where it cannot be made."""
-    saturation(fluid)
+    if saturation(fluid).always_gas:
+        raise UsageError(f"gas.two_phase: {describe(fluid).name}: its phase envelope is not known ({INSTEAD})")
     with announced("dome", f"{describe(fluid).name} in two phases", "some seconds"):
         found = cached_answer(table_name(fluid), lambda: _solve(fluid))
     return Dome(*(np.array(found[name]) for name in ("edges", "border", "c")))

@@ -11,7 +11,6 @@ import importlib.metadata
 import json
 import threading
 from collections.abc import Callable
-from contextlib import suppress
 from functools import cache
 from itertools import count
 from typing import Any, NamedTuple
@@ -41,6 +40,11 @@ class Limits(NamedTuple):
     p_triple: float
     p_critical: float
     T_max: float
+
+    @property
+    def gas_only(self) -> bool:
+        """Whether it is a blend that is known as a gas only, from T_triple = T_critical on (M317)."""
+        return self.p_critical == 0.0
 
 
 @cache
@@ -82,7 +86,8 @@ def ask(key: str, question: Callable[[], Any]) -> Any:
 
 
 @cache
-def _abstract_state(fluid: str) -> Any:
+def coolprop_state(fluid: str) -> Any:
+    """Return CoolProp's state of a pure fluid, and CoolProp. Raises UsageError for an unknown one."""
     import CoolProp.CoolProp as coolprop
 
     try:
@@ -91,7 +96,7 @@ def _abstract_state(fluid: str) -> Any:
         raise no_fluid(fluid, error) from None
 
 
-def _blend(fluid: str) -> BlendBorder | None:
+def blend_of(fluid: str) -> BlendBorder | None:
     """Return the properties of a blend; None for any other name. Raises UsageError for a blend without data."""
     return blend_border(fluid) if is_blend(fluid) else None
 
@@ -99,16 +104,18 @@ def _blend(fluid: str) -> BlendBorder | None:
 def limits(fluid: str) -> Limits | None:
     """Return the limits of a fluid, of a blend by its dew line; None for an unknown fluid."""
     try:
-        mixed = _blend(fluid)
+        mixed = blend_of(fluid)
     except UsageError:  # reported by `names.why_no_blend`
         return None
     if mixed is not None:
         found = mixed.lines
+        if found.always_gas:
+            return Limits(found.T_low, found.T_low, 0.0, 0.0, mixed.known.T_max)
         return Limits(found.T_low, found.T_c, mixed.dew_pressure(found.T_low), found.p_c, mixed.known.T_max)
 
     def question() -> list[float] | None:
         try:
-            state, coolprop = _abstract_state(fluid)
+            state, coolprop = coolprop_state(fluid)
             if len(state.fluid_names()) != 1:
                 return None
             T_triple = state.Ttriple()
@@ -123,12 +130,12 @@ def limits(fluid: str) -> Limits | None:
 
 def gas_constant(fluid: str) -> float:
     """Return the specific gas constant R [J/(kg K)]."""
-    mixed = _blend(fluid)
+    mixed = blend_of(fluid)
     if mixed is not None:
         return mixed.known.R
 
     def question() -> float:
-        state, _ = _abstract_state(fluid)
+        state, _ = coolprop_state(fluid)
         return state.gas_constant() / state.molar_mass()
 
     return ask(f"{fluid} R", question)
@@ -136,12 +143,12 @@ def gas_constant(fluid: str) -> float:
 
 def ideal_heat_capacity(fluid: str, T: float) -> float:
     """Return cp0 [J/(kg K)], the ideal-gas heat capacity at temperature T [K]."""
-    mixed = _blend(fluid)
+    mixed = blend_of(fluid)
     if mixed is not None:
         return mixed.ideal_heat_capacity(T)
 
     def question() -> float:
-        state, coolprop = _abstract_state(fluid)
+        state, coolprop = coolprop_state(fluid)
         state.specify_phase(coolprop.iphase_gas)
         try:
             state.update(coolprop.DmassT_INPUTS, 1e-6, T)
@@ -171,13 +178,13 @@ def has_ideal_heat_capacity(fluid: str, T: float) -> bool:
 
 def saturation_temperature(fluid: str, p: float) -> float:
     """Return the saturation temperature [K] of vapour (the dew point) at pressure p [Pa]."""
-    mixed = _blend(fluid)
+    mixed = blend_of(fluid)
     return _saturated(fluid, "T", "PQ_INPUTS", p, 1.0) if mixed is None else mixed.dew_temperature(p)
 
 
 def boiling_temperature(fluid: str, p: float) -> float:
     """Return the saturation temperature [K] of liquid (the bubble point) at pressure p [Pa]."""
-    mixed = _blend(fluid)
+    mixed = blend_of(fluid)
     return _saturated(fluid, "T", "PQ_INPUTS", p, 0.0) if mixed is None else mixed.bubble_temperature(p)
 
 
@@ -195,13 +202,13 @@ def liquid_below(fluid: str, p: float, T: float) -> float | None:
 
 def dew_pressure(fluid: str, T: float) -> float:
     """Return the pressure [Pa] of saturated vapour at temperature T [K] (M42)."""
-    mixed = _blend(fluid)
+    mixed = blend_of(fluid)
     return _saturated(fluid, "p", "QT_INPUTS", 1.0, T) if mixed is None else mixed.dew_pressure(T)
 
 
 def bubble_pressure(fluid: str, T: float) -> float:
     """Return the pressure [Pa] of saturated liquid at temperature T [K] (M42)."""
-    mixed = _blend(fluid)
+    mixed = blend_of(fluid)
     return _saturated(fluid, "p", "QT_INPUTS", 0.0, T) if mixed is None else mixed.bubble_pressure(T)
 
 
@@ -210,30 +217,30 @@ def condensing_pressure(fluid: str, T: float) -> float:
 
     Dew point is the convention of EN 12900 and AHRI 540 for fluids with glide.
     """
-    return dew_pressure(fluid, T) if _blend(fluid) is not None else bubble_pressure(fluid, T)
+    return dew_pressure(fluid, T) if blend_of(fluid) is not None else bubble_pressure(fluid, T)
 
 
 def condensed(fluid: str, T: float) -> float:
     """Return the temperature [K] of saturated liquid behind a condenser at T [K]: lower for a blend (M43, M316)."""
-    mixed = _blend(fluid)
+    mixed = blend_of(fluid)
     return T if mixed is None else mixed.bubble_temperature(mixed.dew_pressure(T))
 
 
 def saturated_liquid_enthalpy(fluid: str, T: float) -> float:
     """Return the enthalpy [J/kg] of saturated liquid at temperature T [K], on CoolProp's default reference."""
-    mixed = _blend(fluid)
+    mixed = blend_of(fluid)
     return _saturated(fluid, "hmass", "QT_INPUTS", 0.0, T) if mixed is None else mixed.saturated_liquid(T)[0]
 
 
 def saturated_liquid_density(fluid: str, T: float) -> float:
     """Return the density [kg/m³] of saturated liquid at temperature T [K]."""
-    mixed = _blend(fluid)
+    mixed = blend_of(fluid)
     return _saturated(fluid, "rhomass", "QT_INPUTS", 0.0, T) if mixed is None else mixed.saturated_liquid(T)[1]
 
 
 def wet_enthalpy(fluid: str, p: float, quality: float) -> float:
     """Return the enthalpy [J/kg] of liquid and vapour in equilibrium at p [Pa]; `quality`: mass share of vapour."""
-    if _blend(fluid) is not None:
+    if blend_of(fluid) is not None:
         T, rho = _wet(fluid, p, quality)
         return blend_wet(fluid).value(T, 1.0 / rho, False)
     return _saturated(fluid, "hmass", "PQ_INPUTS", p, quality)
@@ -241,7 +248,7 @@ def wet_enthalpy(fluid: str, p: float, quality: float) -> float:
 
 def wet_temperature(fluid: str, p: float, quality: float) -> float:
     """Return the temperature [K] of liquid and vapour in equilibrium at p [Pa]; `quality`: mass share of vapour."""
-    return saturation_temperature(fluid, p) if _blend(fluid) is None else _wet(fluid, p, quality)[0]
+    return saturation_temperature(fluid, p) if blend_of(fluid) is None else _wet(fluid, p, quality)[0]
 
 
 def _wet(fluid: str, p: float, quality: float) -> tuple[float, float]:
@@ -258,7 +265,7 @@ def _saturated(fluid: str, wanted: str, name: str, first: float, second: float) 
         return UsageError(f"gas.fluid: {fluid} has no saturation at {at} (critical: {in_bar(p_critical)})")
 
     def question() -> float:
-        state, coolprop = _abstract_state(fluid)
+        state, coolprop = coolprop_state(fluid)
         try:
             state.update(getattr(coolprop, name), first, second)
             return getattr(state, wanted)()
@@ -273,13 +280,13 @@ def _saturated(fluid: str, wanted: str, name: str, first: float, second: float) 
 
 def vapour_enthalpy(fluid: str, p: float, T: float) -> float:
     """Return the real vapour's enthalpy [J/kg] at p [Pa] and T [K], on CoolProp's default reference."""
-    mixed = _blend(fluid)
+    mixed = blend_of(fluid)
     return _single_phase(fluid, p, T, "iphase_gas") if mixed is None else mixed.vapour_enthalpy(p, T)
 
 
 def liquid_enthalpy(fluid: str, p: float, T: float) -> float:
     """Return the liquid's enthalpy [J/kg] at p [Pa] and T [K], on CoolProp's default reference."""
-    mixed = _blend(fluid)
+    mixed = blend_of(fluid)
     return _single_phase(fluid, p, T, "iphase_liquid") if mixed is None else mixed.liquid_enthalpy(p, T)
 
 
@@ -290,7 +297,7 @@ def enthalpy(fluid: str, p: float, T: float) -> float:
     """
     known = limits(fluid)
     assert known is not None
-    dense = p >= known.p_critical and _blend(fluid) is None
+    dense = p >= known.p_critical and blend_of(fluid) is None
     if T >= known.T_critical:
         return _single_phase(fluid, p, T, "iphase_supercritical") if dense else vapour_enthalpy(fluid, p, T)
     if p >= bubble_pressure(fluid, T):
@@ -313,11 +320,11 @@ def compressed(fluid: str, p: float, T: float, p_end: float, efficiency: float) 
 
     None for a blend, above the critical pressure, and where CoolProp has no such state.
     """
-    if _blend(fluid) is not None:
+    if blend_of(fluid) is not None:
         return None
 
     def question() -> list[float]:
-        state, coolprop = _abstract_state(fluid)
+        state, coolprop = coolprop_state(fluid)
         try:
             state.update(coolprop.PQ_INPUTS, p_end, 1.0)
             dew = state.hmass()
@@ -339,7 +346,7 @@ def compressed(fluid: str, p: float, T: float, p_end: float, efficiency: float) 
 
 def _single_phase(fluid: str, p: float, T: float, phase: str) -> float:
     def question() -> float:
-        state, coolprop = _abstract_state(fluid)
+        state, coolprop = coolprop_state(fluid)
         state.specify_phase(getattr(coolprop, phase))  # on the saturation line p and T do not determine it
         try:
             state.update(coolprop.PT_INPUTS, p, T)
@@ -351,28 +358,3 @@ def _single_phase(fluid: str, p: float, T: float, phase: str) -> float:
             state.unspecify_phase()
 
     return ask(f"{fluid} hmass {phase} {p!r} {T!r}", question)
-
-
-def transport(fluid: str, p: float, T: float) -> tuple[float, float, float]:
-    """Return thermal conductivity [W/(m K)], viscosity [Pa s] and Prandtl number of the vapour at p [Pa] and T [K].
-
-    Raises UsageError where CoolProp has no transport properties of the fluid, or no such state.
-    """
-    mixed = _blend(fluid)
-    if mixed is not None:
-        raise UsageError(f"CoolProp has no transport properties of blends such as {fluid}")
-
-    def question() -> list[float]:
-        state, coolprop = _abstract_state(fluid)
-        try:
-            for phase in (coolprop.iphase_not_imposed, coolprop.iphase_gas):  # the latter at saturation
-                state.specify_phase(phase)
-                with suppress(ValueError):
-                    state.update(coolprop.PT_INPUTS, p, T)
-                    return [state.conductivity(), state.viscosity(), state.Prandtl()]
-        finally:
-            state.unspecify_phase()
-        raise UsageError(f"CoolProp has no transport properties of {fluid} at {in_bar(p)}, {in_celsius(T)}")
-
-    conductivity, viscosity, prandtl = ask(f"{fluid} transport {p!r} {T!r}", question)
-    return conductivity, viscosity, prandtl

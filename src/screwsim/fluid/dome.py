@@ -14,12 +14,15 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.fluid.always_gas import P_MOST
 from screwsim.fluid.description import describe
 from screwsim.fluid.helmholtz import entropy_kernel, phased_state_text, state_kernel
 from screwsim.fluid.nozzle import choking, critical_power
 from screwsim.fluid.saturation import BINS, DEGREE, Table, saturation
 from screwsim.numerics.kernel import Kernel, written
 
+PHASES = "vapour", "liquid"
+GAS_MOST = 4.0  # density over the reducing one that a gas stays below
 QUICK = 128  # intervals of the table that quickly identifies certain vapour
 
 LOG_DENSITY = '''def log_density(theta, fine):
@@ -116,6 +119,29 @@ ENTROPY = '''def entropy(T, rho):
     return single(T, rho)
 '''
 
+GAS_DENSITY = '''def saturated_{phase}(T):
+    """Return a density [kg/m3] above all that are searched: {name} is known as a gas only, without saturation."""
+    return {most!r}
+'''
+
+GAS_PRESSURE = '''def saturation_pressure(T):
+    """Return an infinite pressure [Pa]: {name} is known as a gas only, without saturation."""
+    return math.inf, 0.0, 0.0
+'''
+
+GAS_TEMPERATURE = '''def saturation_temperature(p):
+    """Return the temperature [K] from which {name} is known, as a gas only, without saturation."""
+    return {T_low!r}
+'''
+
+GAS_MARGIN = '''def margin(T, rho):
+    """Return how far T [K], rho [kg/m3] lies inside the gas that {name}'s equation covers; <= 0 outside.
+
+    It is the least of the relative distances from T_low, T_max and p_max.
+    """
+    return min(T * {per_T_low!r} - 1.0, 1.0 - T * {per_T_max!r}, 1.0 - single(T, rho)[0] * {per_p_max!r})
+'''
+
 MARGIN = '''def margin(T, rho):
     """Return how far T [K], rho [kg/m3] lies inside the vapour that {name}'s equation covers; <= 0 outside.
 
@@ -150,12 +176,18 @@ def _arrays(table: Table) -> dict[str, np.ndarray]:
 class SaturationKernels:
     """Kernels of the saturated fluid, as functions of T [K]; `temperature` of p [Pa], `log_density` of theta."""
 
-    log_density: Kernel
     vapour: Kernel
     liquid: Kernel
     pressure: Kernel
-    gibbs: Kernel
     temperature: Kernel
+
+
+@dataclass(frozen=True)
+class DomeKernels(SaturationKernels):
+    """Those of a fluid whose two phases are known."""
+
+    log_density: Kernel
+    gibbs: Kernel
 
 
 def numbers(fluid: str) -> dict[str, Any]:
@@ -179,7 +211,19 @@ def numbers(fluid: str) -> dict[str, Any]:
 
 @lru_cache(maxsize=64)
 def saturation_kernels(fluid: str) -> SaturationKernels:
-    """Return the saturation kernels of a fluid."""
+    """Return the saturation kernels of a fluid; of one that is known as a gas only, those that say so."""
+    if not saturation(fluid).always_gas:
+        return dome_kernels(fluid)
+    known, found = numbers(fluid), saturation(fluid)
+    of, most = f"{known['name']} gas", GAS_MOST * found.rho_c
+    vapour, liquid = (written(GAS_DENSITY.format(**known | {"phase": x, "most": most}), of) for x in PHASES)
+    pressure, temperature = (written(text.format(**known), of) for text in (GAS_PRESSURE, GAS_TEMPERATURE))
+    return SaturationKernels(vapour, liquid, pressure, temperature)
+
+
+@lru_cache(maxsize=64)
+def dome_kernels(fluid: str) -> DomeKernels:
+    """Return the saturation kernels of a fluid whose two phases are known."""
     known, found = numbers(fluid), saturation(fluid)
     of = f"{known['name']} saturation"
     per_fine = BINS / (1.0 - found.T_low / found.T_c) ** 0.25
@@ -201,13 +245,13 @@ def saturation_kernels(fluid: str) -> SaturationKernels:
     temperature = written(
         TEMPERATURE.format(**known | ends), of, _arrays(found.T_of_log_p) | {"saturation_pressure": pressure}
     )
-    return SaturationKernels(log_density, vapour, liquid, pressure, gibbs, temperature)
+    return DomeKernels(vapour, liquid, pressure, temperature, log_density, gibbs)
 
 
 @lru_cache(maxsize=64)
 def inside_kernel(fluid: str) -> Kernel:
     """Return `inside(T, rho)`; a table of the least vapour density per interval of T decides most cases quickly."""
-    known, found, kernels = numbers(fluid), saturation(fluid), saturation_kernels(fluid)
+    known, found, kernels = numbers(fluid), saturation(fluid), dome_kernels(fluid)
     left = found.T_low + (found.T_c - found.T_low) * np.arange(QUICK + 1) / QUICK
     quick = np.exp(found.log_rho(-np.sqrt(np.maximum(1.0 - left / found.T_c, 0.0)))) * (1.0 - 1e-9)
     text = INSIDE.format(**known, per=QUICK / (found.T_c - found.T_low))
@@ -231,7 +275,7 @@ class EquilibriumKernels:
 @lru_cache(maxsize=64)
 def equilibrium_kernels(fluid: str) -> EquilibriumKernels:
     """Return the kernels of a fluid whose two phases are in equilibrium inside the dome."""
-    known, kernels, inside = numbers(fluid), saturation_kernels(fluid), inside_kernel(fluid)
+    known, kernels, inside = numbers(fluid), dome_kernels(fluid), inside_kernel(fluid)
     two = {"saturation_pressure": kernels.pressure, "saturation_gibbs": kernels.gibbs}
     of = f"{known['name']} equilibrium"
     mixture = written(MIXTURE.format(**known), of, two | {"choking": choking})
@@ -246,6 +290,10 @@ def equilibrium_kernels(fluid: str) -> EquilibriumKernels:
 @lru_cache(maxsize=64)
 def margin_kernel(fluid: str) -> Kernel:
     """Return `margin(T, rho)` of a fluid."""
-    known, kernels = numbers(fluid), saturation_kernels(fluid)
+    known = numbers(fluid)
+    if saturation(fluid).always_gas:
+        text = GAS_MARGIN.format(**known | {"per_p_max": 1.0 / min(describe(fluid).p_max, P_MOST)})
+        return written(text, f"{known['name']} margin", {"single": state_kernel(fluid)})
+    kernels = dome_kernels(fluid)
     uses = {"single": state_kernel(fluid), "log_density": kernels.log_density}
     return written(MARGIN.format(**known), f"{known['name']} margin", uses)

@@ -11,6 +11,7 @@ the critical point is interpolated. Over θ = ±√(1 − T/T_m), with T_m the h
 the vapour's side, the envelope is one smooth curve, which the tables of `saturation` hold as they do a pure fluid's.
 """
 
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -82,6 +83,13 @@ def _steps(matrix: Array, value: Array) -> Array:
     try:
         return np.linalg.solve(matrix, value[:, :, None])[:, :, 0]
     except np.linalg.LinAlgError:
+        return np.array([_step(one, of) for one, of in zip(matrix, value, strict=True)])
+
+
+def _step(matrix: Array, value: Array) -> Array:
+    try:
+        return np.linalg.solve(matrix, value)
+    except np.linalg.LinAlgError:
         return np.full(value.shape, np.nan)
 
 
@@ -122,7 +130,7 @@ class _Line:
         self.found = [*here[::-1], *self.found[1:]]
 
 
-def _liquid(f: Fugacities, T: float, p_RT: float, x: Array, v_r: float) -> float:
+def liquid_density(f: Fugacities, T: float, p_RT: float, x: Array, v_r: float) -> float:
     """Return the density [mol/m³] of a liquid at T and p/(R T): Newton's method from a denser one."""
     rho = 3.2 / v_r
     for _ in range(60):
@@ -152,7 +160,7 @@ def _start(f: Fugacities, vapour: bool) -> Array:
         u, good = solved(f, u, -1, 40)
         good &= _plausible(f, u, vapour)
         if good.any():
-            p_RT = f(T, np.exp(u[f.n]), _normal(f, u))[1]
+            p_RT = f(T, np.exp(u[f.n]), normal(f, u))[1]
             return u[:, int(np.argmin(np.where(good, p_RT if vapour else -p_RT, np.inf)))]
     raise ValueError("no start")
 
@@ -160,7 +168,7 @@ def _start(f: Fugacities, vapour: bool) -> Array:
 def _guess(f: Fugacities, vapour: bool, T: float, p_RT: float, w: Array) -> Array:
     """Return a starting column u for an incipient phase w beside the phase z at T and p/(R T)."""
     liquid = w if vapour else f.z
-    dense = np.log(_liquid(f, T, p_RT, liquid, float(f.reducing(liquid)[1][0])))
+    dense = np.log(liquid_density(f, T, p_RT, liquid, float(f.reducing(liquid)[1][0])))
     both = [dense, np.log(1.1 * p_RT)]
     return np.array([*np.log(w / f.z), *(both if vapour else both[::-1]), np.log(T)])
 
@@ -169,14 +177,14 @@ def _plausible(f: Fugacities, u: Array, vapour: bool) -> Array:
     """Tell which columns u are a liquid and a vapour, each stable: the equations have false loops in between."""
     T, sound = np.exp(u[f.n + 2]), np.ones(u.shape[1], dtype=bool)
     z = np.repeat(f.z[:, None], u.shape[1], axis=1)
-    for log_rho, x, dense in ((u[f.n], _normal(f, u), vapour), (u[f.n + 1], z, not vapour)):
+    for log_rho, x, dense in ((u[f.n], normal(f, u), vapour), (u[f.n + 1], z, not vapour)):
         delta = np.exp(log_rho) * f.reducing(x)[1][0]
         p = f(T, np.exp(log_rho) * (1.0 + 1j * TINY), x)[1]
         sound &= (np.real(p) > 0.0) & (np.imag(p) > 0.0) & (delta > DENSE if dense else delta < THIN)
     return sound
 
 
-def _normal(f: Fugacities, u: Array) -> Array:
+def normal(f: Fugacities, u: Array) -> Array:
     """Return the mole fractions [n, m] of the incipient phase."""
     w = f.z[:, None] * np.exp(u[: f.n])
     return w / w.sum(axis=0)
@@ -238,36 +246,48 @@ def _highest(log_z: Array, T: Array) -> tuple[float, float]:
     return float(found.x), float(-found.fun)
 
 
+class Untraced(UsageError):
+    """A phase envelope that cannot be followed, or lies below its equations; `hottest` is a known point [K], or 0."""
+
+    def __init__(self, message: str, hottest: float) -> None:
+        super().__init__(message)
+        self.hottest = hottest
+
+
 def _followed(known: Description) -> Envelope:
-    """Return the phase envelope of a blend. Raises UsageError where it cannot be followed."""
+    """Return the phase envelope of a blend. Raises Untraced where it cannot be followed."""
     from scipy.interpolate import CubicSpline
 
     f = Fugacities(known)
-    try:
-        dew, bubble = (_line(f, vapour, known.T_min) for vapour in (True, False))
-    except ValueError:
-        raise _untraced(known) from None
+    lines: list[Array] = []
+    for vapour in (True, False):
+        with suppress(ValueError):
+            lines.append(_line(f, vapour, known.T_min))
+    hottest = max((float(np.exp(line[-1].max())) for line in lines), default=0.0)
+    if len(lines) < 2:
+        raise _untraced(known, hottest)
+    dew, bubble = lines
     u = np.concatenate([dew, bubble], axis=1)
     T_low = max(known.T_min, *(float(np.exp(line[-1].min())) for line in (dew, bubble)))
     log_z, T = u[f.n + 1], np.exp(u[f.n + 2])
     if not (np.diff(log_z) > 0.0).all() or log_z[dew.shape[1]] - log_z[dew.shape[1] - 1] > WIDEST:
-        raise _untraced(known)
+        raise _untraced(known, hottest)
     log_z_m, T_m = _highest(log_z, T)
     if T_low > LEAST_SPAN * T_m:
         what = (
             f"it has two phases only below {in_celsius(T_m)}, and the equations of its components end at "
             f"{in_celsius(T_low)}"
         )
-        raise UsageError(f"gas.fluid: {known.name}: {what}; {REMEDY}")
+        raise Untraced(f"gas.fluid: {known.name}: {what}; {REMEDY}", hottest)
     theta = np.sign(log_z - log_z_m) * np.sqrt(np.maximum(1.0 - T / T_m, 0.0))
     kept = np.abs(theta) > SAME
     if not (np.diff(theta[kept]) > 0.0).all():
-        raise _untraced(known)
+        raise _untraced(known, hottest)
     return Envelope(f, known.molar_mass, T_low, T_m, log_z_m, CubicSpline(theta[kept], u[:, kept].T))
 
 
 envelope = IdentityCache(_followed)  # takes a second for three components, and serves all states of a blend
 
 
-def _untraced(known: Description) -> UsageError:
-    return UsageError(f"gas.fluid: {known.name}: its dew and bubble lines cannot be found; {REMEDY}")
+def _untraced(known: Description, hottest: float) -> Untraced:
+    return Untraced(f"gas.fluid: {known.name}: its dew and bubble lines cannot be found; {REMEDY}", hottest)

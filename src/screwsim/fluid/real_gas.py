@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.fluid.always_gas import P_MOST
 from screwsim.fluid.blend_dome import blend_wet
 from screwsim.fluid.blend_flash import dome
 from screwsim.fluid.description import PSEUDO_PURE, Description, describe
@@ -67,6 +68,8 @@ class RealGas(CommonGas):
         if not self.known.blend:
             return "M46", "M47", "M48"
         own = ("M350", "M351", "M352", "M353") if self.equilibrium else ()
+        if saturation(self.fluid).always_gas:
+            return "M46", "M310", "M311", "M312", "M313", "M314", "M317", "M48"
         return "M46", "M310", "M311", "M312", "M313", "M314", "M315", "M316", *own, "M48"
 
     @property
@@ -139,13 +142,13 @@ class RealGas(CommonGas):
     def saturation_temperature(self, p: float) -> float | None:
         """Return the saturation temperature [K] at p [Pa]; None where there is none."""
         found = saturation(self.fluid)
-        if p > found.p_c or p < self.saturation_pressure(found.T_low):
+        if found.always_gas or p > found.p_c or p < self.saturation_pressure(found.T_low):
             return None
         return float(self._kernels["temperature"](p))
 
     def nearest_vapour(self, p: float, T: float) -> float:
         """Return T, or 1 K above saturation where there is no vapour at p [Pa] and T [K]; for first guesses."""
-        if T >= saturation(self.fluid).T_c or p < self.saturation_pressure(T):
+        if T >= saturation(self.fluid).T_c or saturation(self.fluid).always_gas or p < self.saturation_pressure(T):
             return T
         return (self.saturation_temperature(p) or saturation(self.fluid).T_c) + 1.0
 
@@ -161,6 +164,8 @@ class RealGas(CommonGas):
     def density(self, p: float, T: float) -> float:
         """Return density [kg/m³] of the vapour at p [Pa], T [K]. Raises Unfound for a liquid."""
         found = saturation(self.fluid)
+        if found.always_gas and T < found.T_low:
+            raise QuantityNotFound(f"{self.known.name} {self._gas_only}; give a higher temperature")
         if p > self.saturation_pressure(T) * (1.0 + AT_SATURATION):
             what = "is liquid, or wet: it condenses below" if self.known.glides else "is liquid: it boils at"
             raise QuantityNotFound(
@@ -276,6 +281,8 @@ class RealGas(CommonGas):
         """Return which limit a state violates, None where none; two phases do not with `two_phase: equilibrium`."""
         known, found = self.known, saturation(self.fluid)
         at = f"{known.name} at {in_celsius(T)} is"
+        if T < found.T_low and found.always_gas:
+            return Outside(Limit.COLD, f"{known.name} at {in_celsius(T)} is too cold: it {self._gas_only}")
         if T < found.T_low:
             return Outside(Limit.COLD, f"{at} below the equation's lowest temperature, {in_celsius(found.T_low)}")
         if T < found.T_c and rho >= self._kernels["vapour"](T) * (1.0 + AT_SATURATION):
@@ -287,10 +294,15 @@ class RealGas(CommonGas):
         if T > known.T_max:
             return Outside(Limit.HOT, f"{at} above the equation's highest temperature, {in_celsius(known.T_max)}")
         p = float(self._kernels["single state"](T, rho)[0])
-        if p > known.p_max:
-            what = f"{known.name} at {in_bar(p)} is above the equation's highest pressure, {in_bar(known.p_max)}"
+        p_max = min(known.p_max, P_MOST) if found.always_gas else known.p_max
+        if p > p_max:
+            what = f"{known.name} at {in_bar(p)} is above the equation's highest pressure, {in_bar(p_max)}"
             return Outside(Limit.PRESSED, what)
         return None
+
+    @property
+    def _gas_only(self) -> str:
+        return f"is known as a gas only, from {in_celsius(saturation(self.fluid).T_low)} on (M317)"
 
     def _beyond(self, T: float, rho: float) -> Outside | None:
         """Return that a blend's table does not cover a wet state; None where it does, and for a liquid."""

@@ -8,7 +8,8 @@ t^(1/4), which makes them ever shorter towards the critical point.
 
 A pseudo-pure fluid (air, R410A) boils and condenses at two pressures: its vapour's tables are CoolProp's dew line. So
 does a blend: its tables are the phase envelope of `phase_envelope`, with T_c the highest temperature of two phases; ln
-p of the whole envelope is also tabulated over θ.
+p of the whole envelope is also tabulated over θ. A blend whose envelope cannot be followed, or lies below the range of
+its equations, has no tables: it is known as a gas only, from the temperature of `always_gas` on.
 """
 
 import hashlib
@@ -20,10 +21,12 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.fluid.always_gas import gas_from
 from screwsim.fluid.coolprop_cache import cached_answer
 from screwsim.fluid.description import Description, describe
 from screwsim.fluid.helmholtz import potentials_kernel, vectorised
-from screwsim.fluid.phase_envelope import envelope
+from screwsim.fluid.phase_envelope import Untraced, envelope
+from screwsim.inputs.faults import UsageError
 
 Array = np.ndarray
 DEGREE = 9  # degree of the polynomials
@@ -68,7 +71,10 @@ def fitted(edges: Array, values: Array) -> Table:
 
 @dataclass(frozen=True)
 class Saturation:
-    """The tables of one fluid, from `T_low` to the equation's own critical point; `log_p_of_theta` for blends only."""
+    """The tables of one fluid, from `T_low` to the equation's own critical point; `log_p_of_theta` for blends only.
+
+    A blend that is known as a gas only (`always_gas`) has empty tables, and no states below T_low = T_c.
+    """
 
     T_low: float
     T_c: float
@@ -79,6 +85,7 @@ class Saturation:
     gibbs: Table
     T_of_log_p: Table
     log_p_of_theta: Table | None = None
+    always_gas: bool = False
 
 
 def _critical(known: Description, potentials: Any) -> tuple[float, float]:
@@ -207,7 +214,13 @@ def _solve(fluid: str) -> dict[str, Any]:
     potentials = vectorised(potentials_kernel(fluid))
     T_low, whole = known.T_min, {}
     if known.blend:
-        around = envelope(known)
+        try:
+            around = envelope(known)
+        except Untraced as untraced:
+            T = gas_from(known, untraced.hottest)
+            if T is None:
+                raise
+            return {"gas_from": T}
         T_low, T_c, rho_c = around.T_low, around.T_m, float(np.exp(around.log_z_m)) * known.molar_mass
         edges = _theta_edges(T_low, T_c)
         log_rho, whole["log_p_of_theta"] = (fitted(edges, y) for y in around.at(nodes(edges).astype(float)))
@@ -250,13 +263,31 @@ def _inverse(log_p: Table, y: Array, T_low: float, T_c: float) -> Array:
     return 0.5 * (low + high)
 
 
-@lru_cache(maxsize=64)
 def saturation(fluid: str) -> Saturation:
-    """Return the saturation tables of a fluid, from the cache folder if they are there."""
-    sources = (Path(__file__), *map(Path(__file__).with_name, ("phase_envelope.py", "fugacity.py")))
+    """Return the saturation tables of a fluid, from the cache folder if they are there. Raises UsageError."""
+    found = _kept(fluid)
+    if isinstance(found, UsageError):
+        raise found
+    return found
+
+
+@lru_cache(maxsize=64)
+def _kept(fluid: str) -> Saturation | UsageError:
+    """Return the tables of a fluid, or why there are none: a failed search is not repeated."""
+    try:
+        return _read(fluid)
+    except UsageError as error:
+        return error
+
+
+def _read(fluid: str) -> Saturation:
+    sources = (Path(__file__), *map(Path(__file__).with_name, ("phase_envelope.py", "fugacity.py", "always_gas.py")))
     method = hashlib.sha256(b"".join(each.read_bytes() for each in sources)).hexdigest()[:10]
     equation = potentials_kernel(fluid).flat_name  # holds a hash of the equation
     found = cached_answer(f"saturation {equation} {method}", lambda: _solve(fluid))
+    if "gas_from" in found:
+        T, empty = found["gas_from"], Table(np.empty(0), np.empty((0, DEGREE + 1)))
+        return Saturation(T, T, 0.0, describe(fluid).rho_r, empty, empty, empty, empty, always_gas=True)
     numbers = (found[name] for name in ("T_low", "T_c", "p_c", "rho_c"))
     names = [name for name in ("log_rho", "log_p", "gibbs", "T_of_log_p", "log_p_of_theta") if name in found]
     return Saturation(*numbers, *(Table(*map(np.array, found[name])) for name in names))

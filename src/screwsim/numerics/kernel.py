@@ -225,6 +225,13 @@ def kernels_digest(kernels: Iterable[Kernel]) -> str:
     return found.hexdigest()
 
 
+def math_spelling(value: Any) -> str:
+    """Return a remedy for a function that was imported from `math` by its own name; empty for anything else."""
+    name = getattr(value, "__name__", "")
+    known = isinstance(name, str) and value is not None and getattr(math, name, None) is value
+    return f" (import math, and write math.{name})" if known else ""
+
+
 def flatten(
     kernels: Iterable[Kernel],
     slots: Mapping[str, str] | None = None,
@@ -276,7 +283,8 @@ def flatten(
             else:
                 text = constant_text(value)
                 if text is None:
-                    raise TypeError(f"kernel {item.__name__} uses {used}, which is neither kernel, number nor array")
+                    what = f"which is neither kernel, number nor array{math_spelling(value)}"
+                    raise TypeError(f"kernel {item.__name__} uses {used}, {what}")
                 constant = f"{flat_module(item.function)}__{used}{own}"
                 found[constant] = f"{constant} = {text}"
                 renames[used] = constant

@@ -19,7 +19,7 @@ from screwsim.numerics.expressions import (
     read,
     targets,
 )
-from screwsim.numerics.kernel import Kernel, Slot, nodes, parsed
+from screwsim.numerics.kernel import Kernel, Slot, math_spelling, nodes, parsed
 
 Active = dict[str, tuple[str, ...]]  # the seeds on which each variable depends, in their order
 
@@ -178,7 +178,7 @@ class Partials:
         if isinstance(called, Slot):
             raise self.fail(f"{node.func.id} exists only inside a generated module")
         if not isinstance(called, Kernel) or node.keywords:
-            raise self.fail(f"it calls {ast.unparse(node.func)}")
+            raise self.fail(f"it calls {ast.unparse(node.func)}{math_spelling(called)}")
         found = [self.expression(argument, before) for argument in node.args]
         moving = [(name, slopes) for name, (_, slopes) in zip(called.arguments, found, strict=True) if slopes]
         by = tuple(name for name, _ in moving)

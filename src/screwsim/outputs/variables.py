@@ -130,4 +130,6 @@ def cycle_variable(name: str) -> Variable:
     if name.startswith("oil_flow_"):
         gap = name.removeprefix("oil_flow_").replace("_", " ")
         return Variable("kg s-1", f"oil that flows into the chamber without gas, {gap}")
+    if name.startswith("heat_"):
+        return Variable("W", f"heat from the oil to the gas, {name.removeprefix('heat_').replace('_', ' ')}")
     return CYCLE.get(name) or Variable("1", name.replace("_", " "))

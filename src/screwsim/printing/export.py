@@ -6,7 +6,7 @@ from typing import Any
 from screwsim.export.fmu import known_error, map_description
 from screwsim.export.inputs import plain
 from screwsim.export.loads import ExportedLoads, document, unit_of
-from screwsim.export.table import MapTable
+from screwsim.export.map_table import MapTable
 from screwsim.outputs import Result
 from screwsim.printing.tables import print_scene_title, print_table, wrapped
 from screwsim.screen import say
@@ -35,10 +35,21 @@ def print_map(table: MapTable, files: Sequence[str]) -> None:
     rows = [[each.name, plain(each.units), _percent(error)] for each, error in errors]
     print_table(["output", "unit", "error"], rows, 1)
     say(wrapped(f"errors: {table.how}; of temperatures, over 100 K"))
-    open_nodes = f"; {table.not_ok} nodes without a closed cycle, which are flagged" if table.not_ok else ""
-    say(wrapped(f"{table.cases} cases{open_nodes}"))
+    say(wrapped(f"{table.cases} cases{_open_nodes(table)}"))
+    for line in table.warnings_told():
+        say(wrapped(line))
     for file in files:
         say(file)
+
+
+def _open_nodes(table: MapTable) -> str:
+    """Return how many nodes have no closed cycle, where, and why the first has none; empty where all have one."""
+    if not table.not_ok:
+        return f"; a check point without a closed cycle: {table.why}" if table.why else ""
+    where = f", at {table.where_open()}" if table.where_open() else ""
+    why = f" (the first: {table.why})" if table.why else ""
+    nodes = "1 node" if table.not_ok == 1 else f"{table.not_ok} nodes"
+    return f"; {nodes} of {table.grid.sound.size} without a closed cycle, flagged as not valid{where}{why}"
 
 
 def polynomials_document(document: Mapping[str, Any], *shown: Any) -> dict[str, Any]:

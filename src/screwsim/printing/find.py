@@ -8,7 +8,7 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import error_text, figure_text, shown_name
 from screwsim.outputs.customary import with_printed_units
 from screwsim.outputs.display import picked
-from screwsim.printing.tables import print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
@@ -59,7 +59,7 @@ def print_find(scene: Scene, asked: Question, rows: Sequence[GoalSeekAnswer]) ->
         _print_one(scene, asked, rows[0])
         return
     paths = list(rows[0].at)
-    heads = [*(path.rpartition(".")[2].replace("_", " ") for path in paths)]
+    heads = column_heads(paths)
     heads += [*(span.path.rpartition(".")[2] for span in asked.spans), *(["±"] if len(asked.spans) == 1 else [])]
     heads += [*(["size"] if asked.sizes else []), *(shown_name(goal.figure) for goal in asked.goals), "simulated"]
     print_table(heads, [_cells(scene, asked, paths, row) for row in rows])
@@ -100,8 +100,10 @@ def _print_one(scene: Scene, asked: Question, row: GoalSeekAnswer) -> None:
         if row.size is not None:
             _print_size(scene, asked, row)
         say()
-        for name, text in _figures(asked, row):
-            say(f"  {name:<24}{text}")
+        figures = list(_figures(asked, row))
+        width = max(22, *(len(name) for name, _ in figures)) + 2
+        for name, text in figures:
+            say(f"  {name:<{width}}{text}")
         say()
     print_wrapped(_notes(scene, (), row))
     if row.status == "ok" and row.result is not None:

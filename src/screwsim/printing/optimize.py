@@ -7,7 +7,7 @@ import numpy as np
 
 from screwsim.figures.engineering import error_text, figure_text, shown_name
 from screwsim.outputs.display import picked
-from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import column_heads, plain_table, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.warning_kinds import kinds_of
 from screwsim.screen import say
 from screwsim.study.beyond import LOWER, UPPER, border_note
@@ -129,7 +129,7 @@ def _points(found: Optimum) -> Iterator[str]:
     there = [name for name in names if all(point.result.performance.get(name) is not None for point in found.points)]
     weight = "energy share" if points.energy else "weight"
     paths = list(dict.fromkeys(path for point in found.points for path in point.values))
-    heads = ["point", weight, *(path.rpartition(".")[2].replace("_", " ") for path in paths)]
+    heads = ["point", weight, *column_heads(paths)]
     rows = []
     total = sum(point.weight for point in points.points)
     for each in found.points:
@@ -144,7 +144,7 @@ def _print_front(found: Optimum) -> None:
     asked, front = found.asked, found.front
     picked = evenly_spread(found.aims[front], MOST_FRONT_ROWS)
     heads = [*(shown_name(aim.figure) for aim in asked.aims), "error"]
-    heads += [*(span.path.rpartition(".")[2].replace("_", " ") for span in asked.spans), "evaluation"]
+    heads += [*column_heads([span.path for span in asked.spans]), "evaluation"]
     print_table(heads, [_front_cells(found, int(front[i])) for i in picked])
     some = f"{len(picked)} of the {len(front)}" if len(picked) < len(front) else f"the {len(front)}"
     many = "s" if len(front) > 1 else ""

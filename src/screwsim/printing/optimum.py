@@ -8,13 +8,15 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import figure_text
 from screwsim.printing import engineering, shown_name
-from screwsim.printing.tables import print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.screen import say
 from screwsim.study.beyond import LOWER, UPPER, border_note
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.inputs import shown_number, shown_value
 from screwsim.study.optimum import Best, Question
+
+MOST_PLACES = 3  # points that a note names; of more it names the first
 
 
 def optimum_document(scene: Scene, asked: Question, rows: Sequence[Best]) -> dict[str, Any]:
@@ -40,13 +42,16 @@ def print_optimum(scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
     say(wrapped(f"{word} {shown_name(asked.figure)} over {asked.path}, {ends}"))
     say()
     paths = [path for path in scene.sweep if path != asked.path]
-    heads = [*(path.rpartition(".")[2].replace("_", " ") for path in paths), asked.path.rpartition(".")[2], "as good"]
+    heads = [*column_heads(paths), asked.path.rpartition(".")[2], "as good"]
     heads += [shown_name(asked.figure), "error", "accuracy", "simulated"]
     print_table(heads, [_cells(scene, asked, paths, row) for row in rows])
-    notes = [note for row in rows for note in _notes(scene, asked, paths, row)]
+    notes: dict[str, list[str]] = {}
+    for row in rows:
+        for note in _notes(scene, asked, row):
+            notes.setdefault(note, []).append(", ".join(shown_value(scene, path, row.values[path]) for path in paths))
     if notes:
         say()
-    print_wrapped(notes)
+    print_wrapped(line for note, where in notes.items() for line in _with_places(note, where))
     if any(row.value is not None for row in rows):
         say(wrapped("as good: range in which the figure is within its estimated error of the best"))
 
@@ -63,22 +68,27 @@ def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> li
     return [*head, *place, error, f"{row.accuracy:.0e}", str(row.solutions)]
 
 
-def _notes(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> Iterator[str]:
-    where = ", ".join(shown_value(scene, path, row.values[path]) for path in paths)
-    where = f"{where}: " if where else ""
+def _with_places(note: str, where: Sequence[str]) -> list[str]:
+    """Return a note with its point, a line each; of many points the first one and their number in one line."""
+    if len(where) > MOST_PLACES:
+        return [f"{len(where)} points, the first at {where[0]}: {note}"]
+    return [f"{each}: {note}" if each else note for each in where]
+
+
+def _notes(scene: Scene, asked: Question, row: Best) -> Iterator[str]:
     if row.place in (LOWER, UPPER):
-        yield where + border_note(row.place, row.beyond, " (--from)" if row.place == LOWER else " (--to)")
+        yield border_note(row.place, row.beyond, " (--from)" if row.place == LOWER else " (--to)")
     elif row.beyond:
-        yield f"{where}at the edge of the values that have a solution: {row.beyond}"
+        yield f"at the edge of the values that have a solution: {row.beyond}"
     if row.place == "anywhere":
-        yield f"{where}{asked.path} has hardly any effect: equally good values were found over all of its range"
+        yield f"{asked.path} has hardly any effect: equally good values were found over all of its range"
     for value, figure in row.others:
         shown = figure_text(asked.figure, figure)
-        yield f"{where}another local optimum at {shown_value(scene, asked.path, value, 4)}: {shown}"
+        yield f"another local optimum at {shown_value(scene, asked.path, value, 4)}: {shown}"
     if row.message:
-        yield f"{where}{row.message}"
+        yield row.message
     for warning in row.warnings:
-        yield f"{where}warning: {warning}"
+        yield f"warning: {warning}"
 
 
 def write_optimum(path: Path, scene: Scene, asked: Question, rows: Sequence[Best]) -> None:

@@ -62,6 +62,16 @@ def print_scene_title(title: str) -> None:
     print_wrapped(filter(None, [with_printed_units(title)]))
 
 
+def column_heads(paths: Sequence[str]) -> list[str]:
+    """Return what columns of paths are called: their last words, with the word before where two would be the same."""
+    last = [path.rpartition(".")[2] for path in paths]
+    heads = []
+    for path, word in zip(paths, last, strict=True):
+        words = path.split(".")[-2:] if last.count(word) > 1 else [word]
+        heads.append(" ".join(words).replace("_", " "))
+    return heads
+
+
 def print_wrapped(texts: Iterable[str]) -> None:
     """Print texts in lines that fit, each starting on a new line."""
     for text in texts:

@@ -21,13 +21,13 @@ def plot(path: str | Path, folder: str | Path | None = None, measured: Indicated
     are drawn beside those of the cycle. Raise UsageError in one line when the file is not a results file or has nothing
     to draw, or when the folder cannot be written.
     """
-    from screwsim.report import cycle, front, ledger, maps, samples, sweeps
+    from screwsim.report import cycle, entropy, front, ledger, maps, samples, sweeps
     from screwsim.report.style import write_all
     from screwsim.results import open_results
 
     path = Path(path)
     results = open_results(path)
-    kinds = (front, sweeps, samples, maps, cycle, ledger)
+    kinds = (front, sweeps, samples, maps, cycle, entropy, ledger)
     plans = dict(plan for kind in kinds for plan in kind.plans(results, *([measured] if kind is cycle else [])))
     if not plans:
         raise UsageError(f"{path}: has nothing to draw: {_why(results)}")

@@ -98,7 +98,7 @@ def _pairs(parameters: Sequence[ParameterSample], level: float) -> Any:
 
 def _wrapped(label: str, count: int) -> str:
     """Return a label broken into lines that fit beside its panel."""
-    return textwrap.fill(label, 30 if count < 4 else 16, break_long_words=False)
+    return textwrap.fill(label, 30 if count < 3 else 16, break_long_words=False)
 
 
 def _range(one: ParameterSample) -> tuple[float, float]:

@@ -65,7 +65,7 @@ def _loop(trace: Trace, measured: Indicated | None) -> Any:
     note(figure, trace.title, clipped)
     # the free corner is above and to the right of the compression line
     axes.figure.draw_without_rendering()
-    labels = [(at, text, ((1, 1), (-1, 1))) for text, at in _marks(axes, trace, V, p)]
+    labels = [(at, text, ((1, 1), (-1, 1))) for text, at in marked_points(axes, trace, V, p)]
     label_points(axes, labels, axes.transData.transform(np.column_stack([V, p])))
     return figure
 
@@ -73,14 +73,14 @@ def _loop(trace: Trace, measured: Indicated | None) -> Any:
 def draw_loop(axes: Any, trace: Trace) -> None:
     """Draw pressure over volume into axes, with named circles at the marked angles."""
     _, V, p = _draw_loop(axes, trace)
-    for text, at in _marks(axes, trace, V, p):
+    for text, at in marked_points(axes, trace, V, p):
         axes.annotate(text, at, (6, 6), textcoords="offset points", fontsize=SMALL)
 
 
-def _marks(axes: Any, trace: Trace, V: Any, p: Any) -> Iterator[tuple[str, tuple[float, float]]]:
-    """Draw a circle on the loop at each marked angle, and yield its text and place."""
+def marked_points(axes: Any, trace: Trace, x: Any, y: Any) -> Iterator[tuple[str, tuple[float, float]]]:
+    """Draw a circle on a loop (x, y) at each marked angle, and yield its text and place."""
     for text, angle in trace.marks.items():
-        at = float(np.interp(angle, trace.angle, V)), float(np.interp(angle, trace.angle, p))
+        at = float(np.interp(angle, trace.angle, x)), float(np.interp(angle, trace.angle, y))
         axes.plot(*at, "o", color=COLOURS[0], markerfacecolor="white", markeredgewidth=0.9, zorder=3)
         yield f"{text}, {short(angle)}°", at
 

@@ -20,6 +20,9 @@ VOLUME_COLUMN = re.compile(r"volume_(cm3|mm3|l|m3)")
 CUBIC_METRES = {"cm3": 1e-6, "mm3": 1e-9, "l": 1e-3, "m3": 1.0}
 _EXAMPLE = "write angle_deg,pressure_bar or volume_cm3,pressure_bar; absolute pressures, also _kPa, _MPa or _Pa"
 VOLUME_SLACK = 0.02  # of the largest or smallest volume, by which a point may lie beyond it
+FEWEST = 6  # points, from which shifts of angle and pressure are found
+WORTH = 0.5  # part of the root mean square deviation that shifts must leave at most, to be worth a word
+MANY = 120  # points, from which they are drawn as dots
 ANGLE_SLACK = 5.0  # [degree] by which a point may exceed the ends of the cycle
 
 
@@ -127,6 +130,31 @@ def deviation_in_words(points: Indicated, trace: Trace) -> str:
     )
 
 
+def shift_in_words(points: Indicated, trace: Trace) -> str:
+    """Return in words how far zeros of angle and pressure explain the deviation; empty where they hardly do.
+
+    Angle and pressure are shifted so that the computed pressures fit the points best, outliers counting less.
+    """
+    if len(points.angle) < FEWEST:
+        return ""
+    from scipy.optimize import least_squares
+
+    pressure, scale = trace.values["pressure"], float(np.ptp(points.pressure)) or 1.0
+
+    def off(shift: np.ndarray) -> np.ndarray:
+        moved = np.interp(points.angle + shift[0], trace.angle, pressure)
+        return (moved - points.pressure - shift[1] * scale) / scale
+
+    found = least_squares(off, [0.0, 0.0], x_scale=(1.0, 0.01), diff_step=(0.1, 1e-4), loss="soft_l1", f_scale=0.02)
+    before, after = (float(np.sqrt(np.mean(off(x) ** 2))) * scale * PRESSURE.factor for x in (np.zeros(2), found.x))
+    if not found.success or after >= WORTH * before:
+        return ""
+    return (
+        f"points moved by {found.x[0]:+.2g} deg and {found.x[1] * scale * PRESSURE.factor:+.2g} bar would lie within "
+        f"{after:.2g} bar of the computed ones (root mean square): zeros of angle and transducer may explain it"
+    )
+
+
 def draw_over_angle(axes: Any, points: Indicated) -> None:
     """Draw measured points over the angle."""
     _draw(axes, points.angle, points.pressure, "upper left")
@@ -140,6 +168,8 @@ def draw_over_volume(axes: Any, points: Indicated, trace: Trace) -> None:
 
 def _draw(axes: Any, x: np.ndarray, pressure: np.ndarray, corner: str) -> None:
     y = pressure * PRESSURE.factor
-    axes.plot(x, y, "x", color=COLOURS[3], markersize=3.5, markeredgewidth=0.8, label="measured", zorder=4)
+    few = len(y) < MANY
+    look = {"marker": "x", "markersize": 3.5} if few else {"marker": ".", "markersize": 1.5}
+    axes.plot(x, y, linestyle="", color=COLOURS[3], markeredgewidth=0.8, label="measured", zorder=4, **look)
     axes.set_ylim(top=max(axes.get_ylim()[1], 1.06 * float(y.max())))
     axes.legend(loc=corner)

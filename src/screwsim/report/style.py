@@ -151,7 +151,9 @@ def name_above(axes: Any, at: float, text: str, side: str = "center") -> None:
 
 
 def level(axes: Any, height: float, text: str) -> None:
-    """Draw a dashed line across the axes at a height, with its name to the right."""
+    """Draw a dashed line across the axes at a height, with its name to the right; once, whoever asks again."""
+    if any(there.get_text() == text and there.xy == (1.02, height) for there in axes.texts if hasattr(there, "xy")):
+        return
     axes.axhline(height, color=GREY, linewidth=0.5, linestyle=(0, (6, 3)), zorder=1)
     axes.annotate(text, (1.02, height), xycoords=("axes fraction", "data"), va="center", fontsize=SMALL)
 

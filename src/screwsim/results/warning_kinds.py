@@ -44,6 +44,14 @@ def kinds_of(every: Iterable[Iterable[str]]) -> tuple[tuple[int, str], ...]:
     return tuple(sorted(found.values(), key=lambda each: -each[0]))
 
 
+def warnings_of_cases(results: Results) -> list[list[str]]:
+    """Return the warnings of each case of a file, in the order of the cases."""
+    if NAME not in results.performance:
+        return []
+    words, number = results.performance.texts(NAME)
+    return [words[each].split("\n") if words[each] else [] for each in np.ravel(number).tolist()]
+
+
 def warning_summary(results: Results) -> WarningSummary:
     """Return the warnings of the cases of a file."""
     words, number = results.performance.texts(NAME)

@@ -189,6 +189,11 @@ def _liquid(scene: Scene, path: str, p: float, T: float | None) -> Iterator[Faul
     boiling = None if T is None else constants.liquid_below(scene.gas.name, p, T)
     if T is None or boiling is None:
         return
+    limits = constants.limits(scene.gas.name)
+    if limits is not None and limits.gas_only:
+        what = f"{scene.gas.name} is known as a gas only from {in_celsius(boiling)} on, and may condense below (M317)"
+        yield Fault(path, f"{in_celsius(T)}: {what} (raise it, or leave out the component that condenses)")
+        return
     what = f"{in_celsius(T)} makes {scene.gas.name} of {readable_quantity(KINDS['pressure'], p)} a liquid"
     wet = "" if path == T_D else "; for wet gas give quality instead, with gas.two_phase: equilibrium"
     yield Fault(path, f"{what}: it is a gas above {in_celsius(boiling)} (raise it, or lower the pressure{wet})")

@@ -64,7 +64,7 @@ def _dense(gas: GasSettings, at: Lines) -> Iterator[tuple[str, str]]:
     is least dense.
     """
     limits = constants.limits(gas.name)
-    if limits is None:
+    if limits is None or limits.gas_only:
         return
     k = gas.isentropic_exponent or constants.isentropic_exponent(gas.name, at.T_s)
     hot = at.T_s * max(at.p_d / at.p_s, 1.0) ** ((k - 1.0) / k)

@@ -4,7 +4,8 @@ Unknowns are the temperatures of the oil's circuit (M284), a package's losses (M
 (`build.open_values`), in kelvin and kilopascal.
 """
 
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from screwsim.build import open_temperatures, open_values, package_of
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import InSeparator
 from screwsim.evaluate.evaluation import Evaluation
+from screwsim.numerics.identity_cache import IdentityCache
 from screwsim.scene.lines import lines
 
 Array = np.ndarray
@@ -83,7 +85,26 @@ def surroundings_follow(problem: Problem) -> bool:
 
 
 def stated_numbers(problem: Problem) -> Array:
-    """Return the parameters of a problem, and the pressures of the lines as its scene states them, without losses."""
+    """Return the parameters of a problem, the numbers of its effects, and the pressures of the lines without losses.
+
+    Some numbers of effects enter the circuit alone, as the temperature that a thermostat keeps.
+    """
     scene = problem.scene
     at = problem.lines if scene.losses is None else lines(replace(scene, losses=None))
-    return np.append(problem.parameters, (at.p_s, at.p_d))
+    of_effects = (number for one in scene.effects.values() for number in _numbers_of(one.parameters))
+    return np.concatenate([problem.parameters, (at.p_s, at.p_d), [*of_effects]])
+
+
+@IdentityCache
+def _numbers_of(section: object) -> tuple[float, ...]:
+    """Return the numbers that a section of a scene states, and the sections in it."""
+    return tuple(_numbers_in(section))
+
+
+def _numbers_in(value: object) -> Iterator[float]:
+    """Yield a value if it is a number, or the numbers of a section."""
+    if isinstance(value, float):
+        yield value
+    elif is_dataclass(value):
+        for each in fields(value):
+            yield from _numbers_in(getattr(value, each.name))

@@ -91,8 +91,14 @@ def _choose(maps: Sequence[PerformanceMap], fitting: Sequence[PerformanceMap]) -
     there = [", ".join(f"{path} = {_digits(one.values[path])}" for path in paths) for one in maps]
     which = f"there are maps at {'; '.join(there)} in SI units"
     if fitting:
-        return f"{len(fitting)} maps fit (name {' and '.join(path.rpartition('.')[2] for path in paths)}; {which})"
+        names = " and ".join(path.rpartition(".")[2] for path in paths)
+        return f"there are {len(fitting)} maps of it (state {names} as well, e.g. {_stated(fitting[0])}; {which})"
     return f"there is no map for it ({which})"
+
+
+def _stated(one: PerformanceMap) -> str:
+    """Return the values [SI] of a map's other axes as they are asked for: 'position=0'."""
+    return ", ".join(f"{path.rpartition('.')[2]}={_digits(value)}" for path, value in one.values.items())
 
 
 def _digits(value: Any) -> str:

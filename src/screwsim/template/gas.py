@@ -81,7 +81,10 @@ def _duty(asked: SceneRequest, fluid: str, example: str, temperature: str, expan
     if boils is not None:
         dry = f"{5.0 * math.ceil((boils + ABOVE_DEW - ZERO_CELSIUS) / 5.0):g} degC"
         if at.beside:
-            what = f"{fluid} of {at.low_text} is liquid below {boils - ZERO_CELSIUS:.4g} degC"
+            limits, below = constants.limits(fluid), f"{boils - ZERO_CELSIUS:.4g} degC"
+            gas_only = limits is not None and limits.gas_only
+            why = f"is known as a gas only above {below}" if gas_only else f"of {at.low_text} is liquid below {below}"
+            what = f"{fluid} {why}"
             pair = (asked.condition or example).partition(",")[0].strip()
             raise UsageError(f"--condition {asked.condition}: {what} (write e.g. --condition '{pair}, {dry}')")
         text, T = quantity_after_comma(at, "temperature", dry)  # the default is too cold
@@ -94,7 +97,7 @@ def _common(
     usual = sizes.matching(duty.ratio, duty.k, share)
     return {
         "machine": texts.machine(size, asked, usual, duty.ratio, flow, speed),
-        "flow": sizes.flow_text(flow),
+        "flow": sizes.flow_text(flow if asked.diameter is None else sizes.rounded_flow(flow)),
         "speed": sizes.rpm(speed),
         "low": duty.at.low_text,
         "high": duty.at.high_text,

@@ -3,8 +3,8 @@
 import math
 from typing import NamedTuple
 
-from screwsim.fluid import constants
 from screwsim.fluid.description import describe
+from screwsim.fluid.transport import transport
 from screwsim.inputs.faults import UsageError
 from screwsim.template import gas_cooler, sizes
 from screwsim.template.duty import Duty, conditions, duty_of
@@ -120,7 +120,7 @@ def reciprocating(asked: SceneRequest) -> str:
 def _wall(fluid: str, T: float) -> str:
     """Return the line on heat between gas and wall [K], or why there is none."""
     try:
-        constants.transport(fluid, 1e4, max(T, 300.0))  # as effects.cylinder_heat asks
+        transport(fluid, 1e4, max(T, 300.0))  # as effects.cylinder_heat asks
     except UsageError:
         unknown = f"blends such as {fluid}" if describe(fluid).glides else fluid
         return f"  # No cylinder_heat: CoolProp has no transport properties of {unknown}.\n"

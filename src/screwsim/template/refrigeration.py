@@ -6,6 +6,7 @@ from typing import NamedTuple
 from screwsim.build import build_parts
 from screwsim.fluid import constants
 from screwsim.fluid.oils import OILS
+from screwsim.fluid.transport import transport
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.slide import fitting_slide
 from screwsim.outputs.customary import in_celsius
@@ -97,7 +98,7 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
         "made": _sizing_comment(asked, plant),
         "what": plant.what,
         "fluid": fluid,
-        "flow": sizes.flow_text(flow),
+        "flow": sizes.flow_text(flow if asked.diameter is None else sizes.rounded_flow(flow)),
         "speed": sizes.rpm(speed),
         "two_phase": texts.two_phase(fluid, cooled),  # on cooled oil gas may condense
         "oil": oil,
@@ -220,10 +221,10 @@ def _substitute_properties(fluid: str, duty: Duty) -> tuple[float, float, float]
     """Return conductivity, viscosity and Prandtl number of a substitute gas; None where CoolProp has the fluid's."""
     p, T = _reference(duty)
     try:
-        constants.transport(fluid, p, T)
-        constants.transport(fluid, 1e4, 400.0)
+        transport(fluid, p, T)
+        transport(fluid, 1e4, 400.0)
     except UsageError:
-        return constants.transport(STAND_IN, min(p, 0.5 * constants.dew_pressure(STAND_IN, min(T, 370.0))), T)
+        return transport(STAND_IN, min(p, 0.5 * constants.dew_pressure(STAND_IN, min(T, 370.0))), T)
     return None
 
 

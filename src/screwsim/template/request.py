@@ -104,6 +104,12 @@ def request_of(
 def _check_names(fluid: str | None, oil: str | None) -> None:
     """Raise UsageError for a fluid or an oil that is not known."""
     if fluid is not None and constants.limits(fluid) is None:
+        lacks = names.why_no_blend(fluid)
+        if lacks is not None:
+            raise UsageError(f"--fluid {lacks}")
+        if any(sign in fluid for sign in "/&,[{:"):
+            what = "write a blend of your own as 'Methane/Ethane (0.9/0.1)' by mass, or '(mole 0.9/0.1)'"
+            raise UsageError(f"--fluid {fluid}: is not a fluid of CoolProp ({what})")
         other, blend = names.same_fluid(fluid), names.suggested_blend(fluid)
         hint = f"; did you mean '{other}'?" if other else f"; {blend}" if blend else ""
         hint = hint or " (write one of its names, e.g. R134a, R454B or CO2)"

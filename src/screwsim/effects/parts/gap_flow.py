@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 from screwsim.effects.base import Around, Resistance
 from screwsim.fluid import gap_flow
-from screwsim.fluid.constants import transport
+from screwsim.fluid.transport import viscosity as vapour_viscosity
 from screwsim.inputs.faults import Fault, UsageError
 
 FITS = {"radial": gap_flow.radial_friction, "flank": gap_flow.flank_friction}
@@ -103,7 +103,7 @@ def numbers(parameters: Any, around: Around) -> Mapping[str, float]:
         return of_oil
     gas = parameters.gas_viscosity
     if gas is None:
-        gas = transport(around.fluid, around.p_s, max(around.T_s, around.T_oil or 0.0))[1]
+        gas = vapour_viscosity(around.fluid, around.p_s, max(around.T_s, around.T_oil or 0.0))
     return {"gas_viscosity": gas} | of_oil
 
 
@@ -141,9 +141,9 @@ def viscosity_faults(path: str, parameters: Any, facts: Any) -> Iterator[Fault]:
     """Yield a fault where the gas's viscosity is neither stated nor known."""
     if parameters.gas_viscosity is None:
         try:
-            transport(facts.gas.name, 1e4, 400.0)
+            vapour_viscosity(facts.gas.name, 1e4, 400.0)
         except UsageError as error:
-            yield Fault(f"{path}.gas_viscosity", f"is missing: {error}")
+            yield Fault(f"{path}.gas_viscosity", f"is missing: {error} (state it, e.g. gas_viscosity: 0.012 mPa s)")
 
 
 def oil_faults(path: str, model: str, facts: Any) -> Iterator[Fault]:

@@ -7,7 +7,7 @@ warmer of suction gas and injected oil.
 from collections.abc import Iterator, Sequence
 
 from screwsim.effects.base import Around
-from screwsim.fluid.constants import transport
+from screwsim.fluid.transport import transport
 from screwsim.inputs.faults import Fault, UsageError
 
 GAS = ("gas_conductivity", "gas_viscosity", "prandtl")

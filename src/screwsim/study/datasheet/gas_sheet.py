@@ -34,6 +34,7 @@ DOCUMENT_FIGURES = (
 )  # fmt: skip
 PACKAGE_REMEDY = "a package with filter, cooler and fan is rated by ISO 1217 (name effects.air_package)"
 NORMAL_CONDITIONS = "Nm³/h: as an ideal gas at 0 °C and 1.01325 bar"
+WITHOUT_WATER = ", without the water of humid air"
 DISCLAIMER = "computed, not measured: no tolerance of ISO 1217 applies, and no third party verified it"
 PRESSURE_SHARES = (0.8, 0.9, 1.0, 1.1, 1.2)  # of a compressor's own pressures
 SPEED_SHARES = (0.4, 0.6, 0.8, 1.0, 1.2)  # of an expander's own speed
@@ -55,7 +56,8 @@ def gas_sheet(rated: Rating) -> Sheet:
     meant = DISCLAIMER.replace("of ISO 1217 ", "") if expands else DISCLAIMER
     notes = [*tables.notes_of(rated, _own_point(rated), meant)]
     if not expands:
-        notes[-1:-1] = [NORMAL_CONDITIONS, *([PACKAGE_REMEDY] if scene.gas.name.lower() == "air" else [])]
+        humid = WITHOUT_WATER if scene.gas.relative_humidity is not None else ""
+        notes[-1:-1] = [f"{NORMAL_CONDITIONS}{humid}", *([PACKAGE_REMEDY] if scene.gas.name.lower() == "air" else [])]
     return Sheet(
         heading=heading,
         title=with_printed_units(scene.title),
@@ -74,8 +76,22 @@ def _expands(rated: Rating) -> bool:
 
 
 def normal_factor(scene: Scene) -> float:
-    """Return the factor from a mass flow [kg/s] to Nm³/h: R T_n/p_n, for the ideal gas."""
+    """Return the factor from a mass flow [kg/s] to Nm³/h: R T_n/p_n of the ideal gas, for humid air of its dry air."""
     return HOUR * constants.gas_constant(scene.gas.name) * ZERO_CELSIUS / STANDARD_ATMOSPHERE
+
+
+def dry_share(found: Mapping[str, Any]) -> float:
+    """Return the share of the mass flow that is not water (M320); 1 but for humid air."""
+    return 1.0 / (1.0 + (found.get("humidity_ratio") or 0.0))
+
+
+class NormalFlow(Column):
+    """A column of the normal volume flow of the gas without water; `factor` is that of a dry one."""
+
+    def value(self, found: Mapping[str, Any]) -> float | None:
+        """Return the flow [Nm³/h] among figures [SI], None where there is none."""
+        wet = super().value(found)
+        return None if wet is None else wet * dry_share(found)
 
 
 def _own_point(rated: Rating) -> str:
@@ -87,7 +103,9 @@ def _own_point(rated: Rating) -> str:
 def _lines(rated: Rating) -> Iterator[tuple[str, str]]:
     scene, found = rated.asked.scene, rated.own.performance if rated.own.status == "ok" else {}
     yield from tables.machine_line(scene, found)
-    yield "gas", f"{scene.gas.name}, {_temperature(scene)}"
+    humidity = scene.gas.relative_humidity
+    humid = "" if humidity is None else f", relative humidity {100.0 * humidity:.3g} %"
+    yield "gas", f"{scene.gas.name}, {_temperature(scene)}{humid}"
     yield "point", f"{_own_point(rated)}: {_point(rated, found)}"
     yield from tables.power_lines(scene, found, _expands(rated))
     yield from tables.oil_line(scene, found)
@@ -117,7 +135,7 @@ def _point(rated: Rating, found: Mapping[str, Any]) -> str:
         f"η_s {efficiency.cell(found)} %",
     ]
     if not _expands(rated):
-        words.insert(1, f"{normal_factor(rated.asked.scene) * found[FLOW]:.5g} Nm³/h")
+        words.insert(1, f"{normal_factor(rated.asked.scene) * found[FLOW] * dry_share(found):.5g} Nm³/h")
         return ", ".join([*words, f"λ {filled.cell(found)} %"])
     return ", ".join([*words, f"filling factor {filled.cell(found)}"])
 
@@ -151,7 +169,7 @@ def _columns(rated: Rating) -> tuple[Column, ...]:
     ]
     if not expands:
         normal = normal_factor(scene)
-        columns.append(Column(FLOW, "Flow [Nm³/h]", normal, tables.decimals_of(normal * flow / HOUR)))
+        columns.append(NormalFlow(FLOW, "Flow [Nm³/h]", normal, tables.decimals_of(normal * flow / HOUR)))
     if tables.is_oil_cooled(scene):
         columns.append(Column(DUTY, "Oil cooler duty [kW]", KW, kw))
     return tuple(columns)
@@ -212,7 +230,8 @@ def _document(rated: Rating) -> dict[str, Any]:
         "gas": scene.gas.name,
         "inlet_temperature": lines(scene).T_s,
         "pressure_ratio": pressure_ratio(scene),
-        "normal_volume": normal_factor(scene) / HOUR,  # m³ per kilogram at 0 °C and 1.01325 bar, as an ideal gas
+        # m³ per kilogram at 0 °C and 1.01325 bar, as an ideal gas without water
+        "normal_volume": normal_factor(scene) / HOUR * dry_share(rated.own.performance),
         **tables.document_of(rated, DOCUMENT_FIGURES),
     }
 

@@ -22,7 +22,7 @@ from screwsim.study.spans import Span
 LOAD_TOLERANCE = 5e-3  # of a part load: the standards measure at loads within some percent
 LEAST_CONTROL, MOST_CONTROL = 0.05, 1.3  # of the full load's control, the first times the load: search range
 NOT_SIMULATED = "not simulated, because another operating point has no result"
-COP = "cop"
+COOLING_COPS = "cop", "electrical_cop"  # cooling over work at the shaft, or at the motor
 
 
 class Evaluation(NamedTuple):
@@ -119,10 +119,10 @@ def evaluation_of(asked: Question, table: Table, row: int) -> Evaluation:
 
 
 def weighted_mean(points: OperatingPoints, name: str, values: np.ndarray, errors: np.ndarray) -> tuple[float, float]:
-    """Return a figure over the operating points, and its error; with energy weights the COP is cooling over work."""
+    """Return a figure over the operating points, and its error; with energy weights a COP is cooling over work."""
     weights = np.array([point.weight for point in points.points])
     weights = weights / weights.sum()
-    if points.energy and name == COP:
+    if points.energy and name in COOLING_COPS:
         total = 1.0 / float(weights @ (1.0 / values))
         return total, float(weights @ (errors * (total / values) ** 2))
     return float(weights @ values), float(weights @ errors)

@@ -128,7 +128,7 @@ class OperatingPoint:
 class OperatingPoints:
     """Points with their way of averaging. Loads are reached by the path `by`.
 
-    With `energy` the weights are shares of the cooling energy, so that the overall COP is cooling over work; else
+    With `energy` the weights are shares of the cooling energy, so that an overall COP is cooling over work; else
     figures are averaged.
     """
 

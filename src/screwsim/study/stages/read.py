@@ -29,6 +29,10 @@ from screwsim.study.stages.axes import BETWEEN, STAGE_NAMES, leaf_in_chain, name
 STAGES_KEY = "stages"
 KEYS = ("title", STAGES_KEY, "intercooler", "sweep")
 _REMEDY = "write stages: [first.yaml, second.yaml]"
+AFTERCOOLERS = (  # why neither scene may name one, and what to do, of each stage
+    ("whose cooling the line to the other stage states", "whose approach would be to the warm suction of that stage"),
+    ("intercooler: {kind: cooler, outlet_temperature: …, pressure_drop: …}", "add its loss to that of a valve"),
+)
 
 
 NOTHING, COOLS, FLASHES = "none", "cooler", "economizer"
@@ -191,9 +195,13 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
                 drawn = "which draws gas that the balance between the stages does not include"
                 what = f"the {name} scene names {effect}, {drawn}"
                 problems.add(place, STAGES_KEY, f"{what} (leave it out there)")
-    if getattr(package_of(second), "aftercooler", None) is not None:
-        what = "the second scene names an aftercooler, whose approach would be to the warm suction of that stage"
-        problems.add(place, STAGES_KEY, f"{what} (write aftercooler: null there, and add its loss to that of a valve)")
+    for name, scene, what, remedy in zip(STAGE_NAMES, (first, second), *AFTERCOOLERS, strict=True):
+        if getattr(package_of(scene), "aftercooler", None) is not None:
+            what = f"the {name} scene names an aftercooler, {what}"
+            problems.add(place, STAGES_KEY, f"{what} (write aftercooler: null there, and {remedy})")
+        if not getattr(package_of(scene), "delivers", True):
+            what = f"the {name} scene is unloaded and blows off what it moves, so that the pair delivers nothing"
+            problems.add(place, STAGES_KEY, f"{what} (write state: loaded there)")
     if first.gas != second.gas:
         problems.add(place, STAGES_KEY, "have different gases (write the same gas: section in both)")
     if first.machine.expands or second.machine.expands:

@@ -1,0 +1,144 @@
+"""All cases of a results file as a table, a row each: varied paths, status, figures; in SI, metric or US units."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from ruamel.yaml import YAML
+
+from screwsim.figures.engineering import reading_unit, shown_name
+from screwsim.fluid.composition import own_blend
+from screwsim.fluid.constants import gas_constant
+from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figure
+from screwsim.outputs.customary import ZERO_CELSIUS
+from screwsim.results import Results
+from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, make_folder, write_csv
+from screwsim.study.columns import first_line
+
+Array = np.ndarray
+SI, METRIC, US = "si", "metric", "us"
+UNITS = SI, METRIC, US
+FLOW, DISPLACED, LAMBDA = "gas_mass_flow", "displacement_flow", "volumetric_efficiency"
+FAHRENHEIT = 1.8  # degF per K
+FOOT, POUND = 0.3048, 0.45359237  # [m], [kg], exact
+POUND_FORCE = POUND * 9.80665  # [N]
+HORSEPOWER = 550.0 * FOOT * POUND_FORCE  # [W]
+PSI = POUND_FORCE / (FOOT / 12.0) ** 2  # [Pa]
+CUBIC_FOOT = FOOT**3  # [m³]
+GALLON = 231.0 * (FOOT / 12.0) ** 3  # [m³], US
+STANDARD = {METRIC: (ZERO_CELSIUS, 101325.0), US: (ZERO_CELSIUS + (60.0 - 32.0) / FAHRENHEIT, 14.696 * PSI)}  # K, Pa
+IN_US = {  # SI unit: factor, unit
+    "W": (1.0 / HORSEPOWER, "hp"),
+    "J": (1.0 / (FOOT * POUND_FORCE), "ft lbf"),
+    "N": (1.0 / POUND_FORCE, "lbf"),
+    "N m": (1.0 / (FOOT * POUND_FORCE), "lbf ft"),
+    "m": (12.0 / FOOT, "in"),
+    "m2": ((12.0 / FOOT) ** 2, "in2"),
+    "m3": ((12.0 / FOOT) ** 3, "in3"),
+    "m3 s-1": (60.0 / CUBIC_FOOT, "cfm"),
+    "Pa": (1.0 / PSI, "psia"),
+    "kg": (1.0 / POUND, "lb"),
+    "kg s-1": (3600.0 / POUND, "lb/h"),
+    "rad s-1": (30.0 / np.pi, "rpm"),
+    "W s m-3": (100.0 * CUBIC_FOOT / 60.0 / HORSEPOWER, "hp/(100 cfm)"),
+    "kelvin": (FAHRENHEIT, "F diff"),
+    "L min-1": (60.0 / GALLON, "gpm"),  # from m3 s-1, for figures shown in this unit
+}
+
+
+class CaseColumn(NamedTuple):
+    """A column of the table: its name, its unit, and its values, numbers or texts."""
+
+    name: str
+    unit: str
+    values: Array
+
+
+def case_columns(results: Results, units: str) -> list[CaseColumn]:
+    """Return the columns of all cases, in the order of the sweep; figures without any value are left out."""
+    found = [_varied(results, path, units) for path in results.varied]
+    found.append(CaseColumn("status", "", results.status.ravel()))
+    for name in results.figures:
+        values = results.performance[name].ravel()
+        found.append(_column(shown_name(name) if units != SI else name, results.figure(name), values, units))
+    found += _volume_flows(results, units)
+    for name, texts in (("message", results.messages), ("warnings", results.warnings)):
+        if any(texts.ravel()):
+            found.append(CaseColumn(name, "", np.array([text.replace("\n", "; ") for text in texts.ravel()])))
+    return found
+
+
+def _varied(results: Results, path: str, units: str) -> CaseColumn:
+    number, values = results.varied[path]
+    outer = results.axis_list[number]
+    axis = next(each for each in (outer.joined or (outer,)) if each.path == path)
+    along = results.along(path).ravel()
+    if values.dtype.kind not in "fiu":
+        return CaseColumn(path, "", along)
+    unit = {"rad/s": "rad s-1", "m^3/s": "m3 s-1", "m^3": "m3"}.get(axis.units, axis.units)
+    return _column(path, Figure(path, unit or "1", axis.long_name), along, units)
+
+
+def _column(name: str, figure: Figure, values: Array, units: str) -> CaseColumn:
+    """Return the values [SI] of a figure in the units of the table."""
+    if units == SI:
+        return CaseColumn(name, "" if figure.units == "1" else figure.units, values)
+    size = float(np.nanmax(np.abs(values), initial=0.0))
+    factor, unit, offset = reading_unit(figure, size)
+    if units == US and figure.units == "K":
+        return CaseColumn(name, "degF", FAHRENHEIT * (values - ZERO_CELSIUS) + 32.0)
+    kind = figure.shown if figure.shown in IN_US else figure.units
+    if units == US and kind in IN_US:
+        factor, unit = IN_US[kind]
+    return CaseColumn(name, unit, factor * (values - offset))
+
+
+def _volume_flows(results: Results, units: str) -> Iterator[CaseColumn]:
+    """Yield the flow at suction conditions, and that of the ideal gas at standard conditions, for metric and US units.
+
+    The latter only where all cases have one gas.
+    """
+    if units == SI or not {FLOW, DISPLACED, LAMBDA} <= set(results.figures):
+        return
+    drawn = (results.performance[LAMBDA] * results.performance[DISPLACED]).ravel()
+    name, factor = ("acfm", 60.0 / CUBIC_FOOT) if units == US else ("m3/h", 3600.0)
+    yield CaseColumn("inlet flow", name, factor * drawn)
+    if any(path.startswith("gas.") for path in results.varied):
+        return
+    T, p = STANDARD[units]
+    fluid = _fluid(YAML(typ="safe", pure=True).load(results.scene_yaml)["gas"])
+    flow = results.performance[FLOW].ravel() * gas_constant(fluid) * T / p  # [m³/s]
+    name, factor = ("MMSCFD", 86400e-6 / CUBIC_FOOT) if units == US else ("Nm3/h", 3600.0)
+    yield CaseColumn("standard flow", name, factor * flow)
+
+
+def _fluid(gas: Mapping[str, Any]) -> str:
+    """Return the name of the fluid of a scene's gas, or of its components and fractions."""
+    if isinstance(gas["fluid"], str):
+        return gas["fluid"]
+    by_mole = gas.get("mole_fractions") is not None
+    return own_blend(gas["fluid"], gas["mole_fractions" if by_mole else "mass_fractions"], by_mole)
+
+
+def protect_other_cases(path: Path) -> None:
+    """Raise UsageError where the file at `path` is not such a table, as measured data: it would be lost."""
+    check_target_kind(path)
+    heads = first_line(path)
+    if heads and "status" not in heads:
+        raise UsageError(FOREIGN_FILE.format(path))
+
+
+def write_cases(path: Path, columns: Sequence[CaseColumn]) -> str:
+    """Write columns as CSV with their units in the first line; return the path."""
+    make_folder(path.parent)
+    heads = (f"{each.name} [{each.unit}]" if each.unit else each.name for each in columns)
+    rows = zip(*(each.values.tolist() for each in columns), strict=True)
+    return write_csv(path, heads, ([_cell(value) for value in row] for row in rows))
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, float):
+        return "" if np.isnan(value) else f"{value:.8g}"
+    return value
