@@ -6,6 +6,7 @@ from scenes import closed, make
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.outputs import Figures
 from screwsim.solve.missed_neighbours import PEAK, departures, missed_neighbour_errors
+from screwsim.solve.sums_met_twice import sums_met_twice
 
 NARROW = {
     "machine.discharge_port.area": "20 cm^2",  # the last gas of each chamber is squeezed to 8 times the line's pressure
@@ -24,7 +25,7 @@ def life_of(accuracy):
 def test_a_step_that_misses_the_end_of_a_neighbours_life_leaves_its_pressure_as_far_off_as_told():
     problem, life = life_of(ACCURACY)
     _, true = life_of(TRUE)
-    found = departures(problem, life)
+    found = departures(problem, life, sums_met_twice(problem, life))
     assert found is not None
     jumps = np.abs(np.diff(found.of_pressure))[found.angles[1:] < np.radians(600.0)]  # the discharge port is shut
     last = int(jumps.argmax()) + 1
@@ -36,11 +37,13 @@ def test_a_step_that_misses_the_end_of_a_neighbours_life_leaves_its_pressure_as_
 
 
 def test_short_steps_miss_nothing():
-    assert departures(*life_of(TRUE)) is None
+    problem, life = life_of(TRUE)
+    assert departures(problem, life, sums_met_twice(problem, life)) is None
 
 
 def test_a_figure_of_unknown_error_keeps_it():
     problem, _, cycle = closed(make(NARROW | {"numerics": {"accuracy": ACCURACY}}))
     of, known = evaluate(problem, cycle), {"indicated_power": 1e-5, PEAK: 1e-5}
     unknown = Figures(dict.fromkeys(of.figures)) | known
-    assert missed_neighbour_errors(of, cycle.trajectory, unknown).keys() == known.keys()
+    met = sums_met_twice(problem, cycle.trajectory)
+    assert missed_neighbour_errors(of, cycle.trajectory, met, unknown).keys() == known.keys()

@@ -11,11 +11,11 @@ from test_capacity_control import SLIDE
 from screwsim.cycle.balances import streams_of
 from screwsim.cycle.feedback import suction_line_imbalance
 from screwsim.cycle.problem import problem_of
-from screwsim.cycle.suction_line import Stream, held_of, mixed
+from screwsim.cycle.suction_line import Stream, held_of, image, mixed, values
 from screwsim.effects.base import OilSolution
 from screwsim.effects.refrigerant_solubility import content
 from screwsim.inputs.faults import SceneError
-from screwsim.model.slots import ENTHALPY, R_SUCTION
+from screwsim.model.slots import ENTHALPY, R_DISCHARGE, R_SUCTION, SUCTION_IN
 from screwsim.outputs import ledger_entries
 from screwsim.scene import load
 from screwsim.simulate import simulate
@@ -191,6 +191,18 @@ def test_equilibrium_in_the_line_is_that_of_the_solubility_at_the_temperature_of
     for p in (1.5e5, 4e5, 10e5):
         entropy = gas.entropy(p, 325.0) - (gas.enthalpy(p, 325.0) - solution.enthalpy) / 325.0
         assert held_of(solution, entropy) == pytest.approx(content(p, 325.0), rel=2e-4)  # M195; rows of a table between
+
+
+def test_a_line_from_which_nothing_is_sucked_holds_what_comes_back():
+    """It is the limit of next to nothing; what the line held before would be left by chance."""
+    of, _, cycle = closed(make(LINE))
+    streams, R = streams_of(of.composition, cycle.q).copy(), cycle.trajectory.R
+    held = []
+    for share in (1e-9, 0.0):
+        streams[SUCTION_IN] *= share
+        held.append(image(of, R, streams, float(R[R_DISCHARGE + ENTHALPY]), 0.0))
+    assert held[1] == pytest.approx(held[0], rel=1e-12)
+    assert held[1] != pytest.approx(values(of, R), rel=1e-3)
 
 
 def test_a_line_that_does_not_have_what_comes_to_it_is_never_ok():

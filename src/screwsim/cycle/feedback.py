@@ -56,7 +56,7 @@ class LineInflow(NamedTuple):
 def unknowns(problem: Problem, machinery: Machinery) -> Array:
     """Return the unknowns that the next turn will use: discharge line, suction line, what effects declare."""
     composition, R = machinery.composition, machinery.R
-    lines = [_line_unknowns(problem, R), *([suction_line.values(problem, R)] if problem.parts.suction_line else [])]
+    lines = [line_unknowns(problem, R), *([suction_line.values(problem, R)] if problem.parts.suction_line else [])]
     if not composition.made:
         return lines[0] if len(lines) == 1 else np.concatenate(lines)
     return np.concatenate([*lines, composition.P[list(composition.made)]])
@@ -199,7 +199,7 @@ def unknown_at_limit(problem: Problem, life: Trajectory) -> str:
     return ""
 
 
-def _line_unknowns(problem: Problem, R: Array) -> Array:
+def line_unknowns(problem: Problem, R: Array) -> Array:
     """Return the discharge line's unknowns.
 
     They are its enthalpy [J/kg], with carried oil its oil ratio and oil temperature [K], and dissolved gas if a
@@ -226,7 +226,7 @@ def _outflow(problem: Problem, R: Array, q: Array) -> Array:
     """
     parts, streams = problem.parts, streams_of(problem.composition, q)
     mean = outflow_of(streams)
-    plenum = _line_unknowns(problem, R)
+    plenum = line_unknowns(problem, R)
     if parts.held_back and mean is None:
         return plenum
     given = problem.scene.operation.discharge.temperature is not None

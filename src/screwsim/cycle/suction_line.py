@@ -174,11 +174,14 @@ def image(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -
 
 
 def _mixture(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -> Mixture | None:
-    """Return the line's mixture after a life, None where nothing is sucked; raise UsageError where none can exist."""
+    """Return the line's mixture after a life, None where nothing flows; raise UsageError where none can exist.
+
+    Where nothing is sucked it is that of what comes back, as in the limit of next to nothing.
+    """
     sucked, returned = Stream(*streams[SUCTION_IN].tolist()).fluid, backflow(problem, R, streams)
-    if not sucked > 0.0:
+    if not (sucked > 0.0 or returned.fluid > 0.0):
         return None
-    share = min(1.0, sucked / returned.fluid) if returned.fluid > 0.0 else 1.0
+    share = min(1.0, sucked / returned.fluid) if returned.fluid > 0.0 < sucked else 1.0
     own = max(0.0, sucked - returned.fluid)
     warmed = own * problem.suction.port_state(h_d)[ENTHALPY] + (heat if own > 0.0 else 0.0)
     return mixed(problem, Stream(own, warmed).plus(returned, share), float(R[R_SUCTION + ENTHALPY]))

@@ -8,6 +8,7 @@ balances of a closed life are added (`solve.open_balances`).
 Source: docs/explanation/errors.md.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 from screwsim.cycle.solution import ClosingCriteria, CorrectedState, CycleSolution
@@ -15,6 +16,7 @@ from screwsim.cycle.ways import way_of
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.figures.errors import flow_errors, relative_errors
 from screwsim.model.run import Machinery
+from screwsim.model.trajectory import Trajectory
 from screwsim.model.turn_scheduler import reach_station
 from screwsim.numerics.settings import AGAIN, CHAMBERS, ERRORS, LIVES
 from screwsim.outputs import Figures
@@ -34,8 +36,10 @@ from screwsim.solve.finer_solutions import (
     finer_lives,
     repeated_share,
 )
+from screwsim.solve.misread_intake import misread_by_all, misread_intake, misread_intake_errors
 from screwsim.solve.missed_neighbours import missed_neighbour_errors
-from screwsim.solve.open_balances import open_balance_errors
+from screwsim.solve.open_balances import later_warming_errors, open_balance_errors
+from screwsim.solve.sums_met_twice import sums_met_twice
 from screwsim.solve.swings import Curves, curves_of, swing_errors
 
 WHOLE = 1.0 / (1.0 - NARROWER**0.5)  # error over the change, where the error is the regularisation's, going as ε^½
@@ -78,13 +82,31 @@ def estimated_errors(
     if _closed_on_noise(request):
         lost_flow["by_flow"] = max(lost_flow.get("by_flow", 0.0), cycle.change / abs(request.filling))
     lost_now = [flow_errors(found, lost, by) for by, lost in lost_flow.items()]
-    apart = c.offsets and not way_of(cycle).whole and not request.hidden  # the finer life met others at its own steps
-    missed = missed_neighbour_errors(of, finer_life, errors) if apart else Figures()
-    for each in (*lost_now, *open_balance_errors(of, cycle), missed):
+    unpaced = cycle.contraction >= 1.0 and len(finer.figures) == 1
+    warming = later_warming_errors(of, cycle) if unpaced else Figures()
+    for each in (*lost_now, *open_balance_errors(of, cycle), warming, *_misread(request, finer_life, finer, errors)):
         for name, size in each.items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)
     of_squares(found, errors)
     return errors, finer.corrected_state or finer.cycle
+
+
+def _misread(request: EstimateRequest, life: Trajectory, finer: FinerSolutions, known: Figures) -> Iterator[Figures]:
+    """Yield the errors that finer solutions have as well, of which the last one's life is given.
+
+    Errors that are `known` are those that they show. Where little is delivered, what flows back and in again replaces
+    the gas of a chamber many times, and what steps misread of it does not last.
+    """
+    delivers = request.filling > LEAST_DELIVERY
+    of, problem = request.of, request.problem
+    if not problem.composition.offsets or request.hidden:
+        return
+    if finer.q is not None:
+        yield from misread_intake_errors(of, misread_by_all(problem, life, finer.q)) if delivers else ()
+    elif not way_of(request.cycle).whole:  # the finer life met others at its own steps
+        met = sums_met_twice(problem, life)
+        yield missed_neighbour_errors(of, life, met, known)
+        yield from misread_intake_errors(of, misread_intake(problem, life, met)) if delivers else ()
 
 
 def _closed_on_noise(request: EstimateRequest) -> bool:

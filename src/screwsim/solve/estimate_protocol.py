@@ -8,6 +8,8 @@ says which estimates are tried in turn (`numerics.settings`).
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import ClosingCriteria, CorrectedState, CycleSolution
 from screwsim.cycle.ways import way_of
@@ -16,6 +18,7 @@ from screwsim.model.run import Machinery
 from screwsim.outputs import Figures
 from screwsim.solve.swings import Curves
 
+Array = np.ndarray
 FINER = 0.25  # factor on the tolerance of a step in a life that estimates errors
 NARROWER = 0.25  # factor on the regularisation in such a life
 BARELY_DELIVERS = 0.03  # volumetric efficiency below which only simultaneous closing shows errors that leaks hide
@@ -64,7 +67,7 @@ class FinerSolutions(NamedTuple):
     `left` is the share of the first one's change that Newton's correction left to the second. The last entry may be
     read from a correction instead of a life: `flow` is then its change of the net flow, `corrected_state` where the
     machinery stands. `cycle` is the finer cycle that a search closed, which the machinery then holds. `curves` are
-    those of each solution whose swings are figures.
+    those of each solution whose swings are figures. `q` are the quadratures of one that all chambers together closed.
     """
 
     figures: Sequence[Figures]
@@ -74,6 +77,7 @@ class FinerSolutions(NamedTuple):
     corrected_state: CorrectedState | None = None
     cycle: CycleSolution | None = None
     curves: Sequence[Curves] = ()
+    q: Array | None = None
 
 
 NO_SOLUTIONS = FinerSolutions((), enough=False)

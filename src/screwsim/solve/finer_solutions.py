@@ -279,7 +279,8 @@ def closed_again(request: EstimateRequest) -> FinerSolutions:
         return NO_SOLUTIONS
     better = evaluate(problem, finer)
     searched = finer if finer.needed == FALLBACK_NAME else None
-    return FinerSolutions([better.figures], cycle=searched, curves=[curves_of(better)])
+    together = finer.q if way_of(finer).whole else None
+    return FinerSolutions([better.figures], cycle=searched, curves=[curves_of(better)], q=together)
 
 
 def _with_moved_amounts(request: EstimateRequest) -> CycleSolution:

@@ -20,15 +20,14 @@ from screwsim.model.trace import SAMPLED
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.quadrature import gauss
 from screwsim.outputs import Figures
+from screwsim.solve.sums_met_twice import EQUAL, MetTwice
 
 Array = np.ndarray
-MANY = 4  # steps of a neighbour that end within a step, from which on their sums are compared
 SOME = 0.1  # wanted accuracies: departure of ln m that is left alone
 DOUBTFUL = 0.2  # share of that by which the two sums of a step may differ
 GAIN = 1.5  # change of ln p over that of ln m, as the gas comes from a hotter chamber: 0.8 to 1.7 in eight scenes
 DENSER = 1e-7  # relative change of the density by which slopes of flows are found
 NODES, WEIGHTS = gauss(2)  # between two ends of steps: four change what is missed by a fiftieth at most
-EQUAL = 1e-9  # rad, within which angles are the same
 PEAK = "peak_pressure"
 VOLUME, RHO = SAMPLED.index("volume"), len(SAMPLED) + slots.S_RHO
 
@@ -41,13 +40,13 @@ class Departures(NamedTuple):
     of_pressure: Array
 
 
-def missed_neighbour_errors(of: Evaluation, finer: Trajectory, known: Figures) -> Figures:
+def missed_neighbour_errors(of: Evaluation, finer: Trajectory, met: MetTwice, known: Figures) -> Figures:
     """Return the errors of the peak pressure and of the figures of the work that a finer life still has; empty if few.
 
     It is the life, finer than the evaluated one, by which the errors of the figures are `known`; where these are None,
-    there is none.
+    there is none. `met` are the sums of flows that differ in it.
     """
-    found = departures(of.problem, finer)
+    found = departures(of.problem, finer, met)
     if found is None:
         return Figures()
     excess, q = found.pressure * found.of_pressure, of.q.copy()
@@ -57,12 +56,13 @@ def missed_neighbour_errors(of: Evaluation, finer: Trajectory, known: Figures) -
     return Figures({name: size for name, size in errors.items() if size is not None and known.get(name) is not None})
 
 
-def departures(problem: Problem, life: Trajectory) -> Departures | None:
+def departures(problem: Problem, life: Trajectory, met: MetTwice) -> Departures | None:
     """Return how a life departs from one that meets all of its neighbours; None where that is less than `SOME`."""
     geometry, ends = problem.parts.geometry, life.times[: life.steps + 1]
     left, opens = problem.parted or geometry.injection_angle, geometry.discharge_opens or geometry.life
-    closed = np.flatnonzero((ends[:-1] > left - EQUAL) & (ends[1:] < opens + EQUAL))
-    steps, differ = _sums_differ(problem, life, closed)
+    closed = (ends[met.step] > left - EQUAL) & (ends[met.step + 1] < opens + EQUAL)
+    steps = np.unique(met.step[closed])
+    differ = np.bincount(met.step[closed], met.differ[closed], life.steps)[steps]
     last = life.dense[: life.steps, 1]
     rho, ratio = last[steps, slots.S_RHO], last[steps, slots.S_X_OIL] if problem.composition.carried else 0.0
     gas = rho * problem.gas_share(rho, ratio) * life.volumes(ends[steps + 1])
@@ -84,28 +84,6 @@ def departures(problem: Problem, life: Trajectory) -> Departures | None:
     if np.abs(of_mass).max() <= some:
         return None
     return Departures(ends[first + 1 :], last[first:, len(life.composition.states)], GAIN * of_mass)
-
-
-def _sums_differ(problem: Problem, life: Trajectory, steps: Array) -> tuple[Array, Array]:
-    """Return those of the steps in which a neighbour takes many, and the gas [kg] by which their sums differ."""
-    c, ends = problem.composition, life.times[: life.steps + 1]
-    shifts = problem.parts.geometry.pitch * np.array([way * offset for offset in c.offsets for way in (1, -1)])
-    low, high = ends[steps] + shifts[:, None], ends[steps + 1] + shifts[:, None]
-    many = ends.searchsorted(high - EQUAL) - ends.searchsorted(low + EQUAL) >= MANY
-    own, at = np.nonzero(many & (high < ends[-1] + EQUAL) & (low > -EQUAL))
-    sums = np.zeros((life.steps + 1, len(shifts)))  # even columns: of the chamber ahead; odd ones: of the one behind
-    sums[1:] = life.quads[: life.steps, c.first_met : c.first_met + len(shifts)]
-
-    def met(angles: Array) -> Array:
-        """Return the sums of neighbours up to angles of their lives."""
-        i = (ends.searchsorted(angles, "right") - 1).clip(0, life.steps - 1)
-        share = (angles - ends[i]) / (ends[i + 1] - ends[i])
-        return (1.0 - share) * sums[i, own ^ 1] + share * sums[i + 1, own ^ 1]
-
-    step = steps[at]
-    differ = sums[step + 1, own] - sums[step, own] + met(high[own, at]) - met(low[own, at])
-    found = np.unique(step)
-    return found, np.bincount(step, differ, life.steps)[found]
 
 
 def _missed_gas(problem: Problem, life: Trajectory, steps: Array) -> Array:

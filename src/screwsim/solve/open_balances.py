@@ -6,6 +6,8 @@ Source: docs/model.md M41; docs/explanation/errors.md.
 from collections.abc import Iterator
 
 from screwsim.cycle import balances
+from screwsim.cycle.backflow import later_warming
+from screwsim.cycle.feedback import line_unknowns
 from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.ways import way_of
 from screwsim.effects.base import FlowPath
@@ -51,6 +53,19 @@ def open_balance_errors(of: Evaluation, cycle: CycleSolution) -> Iterator[Figure
     yield _returned_errors(of, cycle)
     if balances.meets_line_at_angle(problem) and not way_of(cycle).whole:
         yield from _plenum_port_errors(of, cycle)
+
+
+def later_warming_errors(of: Evaluation, cycle: CycleSolution) -> Figures:
+    """Return the errors of what flows out, by what later turns still warm it, of a cycle whose turns showed no pace.
+
+    Its guess was good, or corrections led it; a finer life shows what it warms itself, not what all do.
+    """
+    problem, found = of.problem, of.figures
+    if way_of(cycle).whole:
+        return Figures()
+    taken = line_unknowns(problem, of.life.R)
+    later = abs(later_warming(problem, cycle.q, taken, of.image[: len(taken)]))
+    return Figures({name: error_of(name, later, found) for name in (GAS_OUT, OIL_OUT) if later and found.get(name)})
 
 
 def _gas_heat_errors(of: Evaluation, cycle: CycleSolution) -> Figures:
