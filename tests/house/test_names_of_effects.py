@@ -140,6 +140,7 @@ CHOICES = {  # choices of a scene that decide on more than one place: who holds 
     "path.to": {  # a line's name
         "cycle/problem.py",
         "model/compose.py",
+        "evaluate/cautions.py",
         "evaluate/traces.py",
         "explain/__init__.py",
     },
