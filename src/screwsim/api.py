@@ -28,7 +28,7 @@ from screwsim.inputs.arguments import (
 from screwsim.inputs.faults import UsageError
 from screwsim.report.datasheet import check_sheet, write_sheet
 from screwsim.results import Results, open_results
-from screwsim.scene import Scene
+from screwsim.scene import Scene, scene_of
 from screwsim.study import compare as _compare
 from screwsim.study import optimum as _optimum
 from screwsim.study import performance_map as _map
