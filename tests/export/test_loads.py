@@ -186,6 +186,13 @@ def test_an_expander_takes_in_where_it_would_discharge():
         assert mean / flows[f"{line}_volume_flow"].mean() == pytest.approx(density, rel=1e-6)
 
 
+def test_a_slide_valve_s_flows_belong_to_the_lines_that_it_opens_to():
+    scene, result = run_of(str(ROOT / "configs" / "control" / "slide_valve.yaml"))
+    _, flows = flows_of(scene, result)
+    for line in ("suction", "discharge"):
+        assert float(flows[f"{line}_mass_flow"].mean()) == pytest.approx(result.performance.gas_mass_flow, rel=0.03)
+
+
 def test_a_cylinder_has_no_loads_of_ports():
     with pytest.raises(UsageError, match="loads are those of a twin_screw"):
         flows_of(*run_of(str(ROOT / "configs" / "slider_crank" / "air.yaml")))

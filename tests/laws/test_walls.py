@@ -146,6 +146,12 @@ def test_rotors_grow_away_from_their_thrust_bearing(end, grown):
     assert (gap > 50e-6) == (end == "discharge")  # the rotors are the warmer part
 
 
+def test_a_bearing_behind_the_suction_end_is_beyond_the_rotors():
+    inside = {"thrust_bearing": "suction", "bearing_distance": "50 mm"}
+    with pytest.raises(SceneError, match="bearing_distance: 50 mm: a thrust bearing behind"):
+        run({**GAPS, "effects.thermal_clearances": {**WARM, **inside}})
+
+
 def test_a_warm_gap_is_a_narrower_gap():
     """The machine whose gaps are stated as narrow as the warm ones."""
     p = run(GAPS).performance
@@ -210,7 +216,7 @@ def test_rotors_that_touch_fail_with_a_remedy():
         ({**GAPS, "effects.thermal_clearances": {**WARM, "axis_distance": None}}, "axis_distance: is missing"),
         (
             {**GAPS, "effects.thermal_clearances": {**WARM, "thrust_bearing": "suction"}},
-            "thrust_bearing: has no",
+            "bearing_distance: 0 mm: a thrust bearing",
         ),
     ],
 )

@@ -3,6 +3,7 @@
 import csv
 import json
 import sys
+from dataclasses import replace
 from math import exp, log
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from screwsim.cli import exit_code
 from screwsim.effects.parts.rating import isentropic_power
 from screwsim.fluid import constants
 from screwsim.outputs import Figures, Result
+from screwsim.scene import with_values
 from screwsim.study.datasheet import sheet_of_stages
 from screwsim.study.datasheet.air_sheet import FAN_CONTROL
 from screwsim.study.datasheet.stages_sheet import best_intermediate
@@ -249,6 +251,13 @@ def test_an_unloaded_stage_is_refused(tmp_path, which):
     scenes[which == "second"] = scenes[which == "second"] | {"effects.air_package": idle}
     with pytest.raises(screwsim.SceneError, match=f"the {which} scene is unloaded"):
         read_stages(written(tmp_path, *scenes))
+
+
+def test_a_point_with_an_unloaded_stage_has_failed(tmp_path):
+    package = {"rated_flow": "20 m^3/min", "unloaded": {"intake_pressure": "0.5 bar", "separator_pressure": "1.5 bar"}}
+    chain = read_stages(written(tmp_path, AIR_LOW | {"effects.air_package": package}, AIR_HIGH))
+    found = run_stages(replace(chain, first=with_values(chain.first, {"effects.air_package.state": "unloaded"})))
+    assert found.status == "failed" and "the first stage is unloaded" in found.message
 
 
 def test_a_packages_points_begin_at_full_flow(package, aired):

@@ -236,6 +236,8 @@ def _too_good(parameters: Parameters) -> tuple[str, ...]:
     if parameters.efficiency - known <= TOO_GOOD:
         return ()
     what = f"effects.motor.efficiency is not stated, and {100.0 * parameters.efficiency:.3g} % of a motor of 75 kW"
+    if rated < motor_classes.SMALLEST:
+        return (f"{what} is taken for one of {rated:.4g} W (write its effects.motor.efficiency)",)
     of = f"one of {1e-3 * rated:.4g} kW and class IE3 has {100.0 * known:.3g} %"
     return (f"{what} is taken: {of} (write effects.motor.efficiency_class: IE3, or its efficiency)",)
 

@@ -148,9 +148,11 @@ def check(parameters: Parameters, facts) -> Faults:
         yield Fault(f"{path}.axis_distance", "is given as well as machine.profile.centre_distance (remove it)")
     if "interlobe_leakage" in facts.effects and not profiled and parameters.axis_distance is None:
         yield Fault(f"{path}.axis_distance", "is missing (effects.interlobe_leakage needs it, e.g. 120 mm)")
-    if parameters.thrust_bearing == SUCTION_END and parameters.bearing_distance == 0.0:
-        what = "has no meaning without a bearing_distance (write e.g. bearing_distance: 220 mm, or remove it)"
-        yield Fault(f"{path}.thrust_bearing", what)
+    least = facts.machine.rotor_length or 0.0
+    if parameters.thrust_bearing == SUCTION_END and parameters.bearing_distance <= least:
+        what = f"{1e3 * parameters.bearing_distance:.4g} mm: a thrust bearing behind the suction end is farther away"
+        remedy = f"write e.g. {1e3 * max(1.2 * least, 0.1):.3g} mm, or thrust_bearing: {DISCHARGE_END}"
+        yield Fault(f"{path}.bearing_distance", f"{what} than the rotors are long ({remedy})")
     if not any(name in facts.effects for name in GAPS):
         yield Fault(path, f"has no gap to change (name one of {', '.join(GAPS)}, or remove it)")
 

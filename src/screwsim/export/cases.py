@@ -21,6 +21,7 @@ Array = np.ndarray
 SI, METRIC, US = "si", "metric", "us"
 UNITS = SI, METRIC, US
 FLOW, DISPLACED, LAMBDA = "gas_mass_flow", "displacement_flow", "volumetric_efficiency"
+HUMIDITY = "humidity_ratio"
 FAHRENHEIT = 1.8  # degF per K
 FOOT, POUND = 0.3048, 0.45359237  # [m], [kg], exact
 POUND_FORCE = POUND * 9.80665  # [N]
@@ -109,7 +110,8 @@ def _volume_flows(results: Results, units: str) -> Iterator[CaseColumn]:
         return
     T, p = STANDARD[units]
     fluid = _fluid(YAML(typ="safe", pure=True).load(results.scene_yaml)["gas"])
-    flow = results.performance[FLOW].ravel() * gas_constant(fluid) * T / p  # [m³/s]
+    wet = results.performance[HUMIDITY] if HUMIDITY in results.figures else 0.0
+    flow = (results.performance[FLOW] / (1.0 + wet)).ravel() * gas_constant(fluid) * T / p  # [m³/s], without the water
     name, factor = ("MMSCFD", 86400e-6 / CUBIC_FOOT) if units == US else ("Nm3/h", 3600.0)
     yield CaseColumn("standard flow", name, factor * flow)
 

@@ -150,4 +150,5 @@ def en12900_document(found: Polynomials, ip: bool = False) -> dict[str, Any]:
     if ip:
         said |= {key: said[key].replace("degC", "degF") for key in ("S", "D")}
         said["units"] = {figure: unit_of(found, figure, True)[0] for figure in found.units}
-    return said | {"maps": maps}
+    other = other_convention(found)
+    return said | ({"convention": other} if other else {}) | {"maps": maps}

@@ -7,7 +7,7 @@ axis from the suction end; cells have the pressure above suction, one field per 
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -22,6 +22,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import TWIN_SCREW, twin_screw
 from screwsim.machine.profile_law import laid_curves
 from screwsim.machine.rotors.pair import Array
+from screwsim.model.parts import Parts
 from screwsim.outputs import Result
 from screwsim.results.atomic import make_folder, replacing, write_csv, write_text
 from screwsim.results.guarded import new_hdf5
@@ -31,7 +32,6 @@ from screwsim.scene import Scene
 HARMONICS = 20
 FLOW_POINTS = 360  # points of a pitch
 LINES = {"suction": 1.0, "discharge": -1.0}  # sign of a flow into the chambers along the machine's direction
-OTHER_LINE = {"suction": "discharge", "discharge": "suction"}  # an expander takes in where a compressor discharges
 REVOLUTION_STEPS = 48  # of one revolution of a rotor
 PROFILE_PIECES = 60  # of a pitch of the profile, on the written surfaces
 WHOLE, ANGLE, ORDER = "loads.json", "angle [deg]", "harmonic"  # file of everything; first heads of the other files
@@ -79,10 +79,11 @@ def flows_of(scene: Scene, result: Result) -> tuple[Array, dict[str, Array]]:
     chambers = angle[:, None] + pitch * np.arange(max(1, round(life / pitch)))
     densities = _densities(parts.gas, result.performance)
     found = {}
-    for line, sign in LINES.items():
-        name = f"mass_flow_{OTHER_LINE[line] if parts.geometry.expands else line}_port"
-        if name in result.cycle:
-            flow = np.interp(chambers, np.radians(result.cycle["angle"]), result.cycle[name])
+    ported = any(f"mass_flow_{line}_port" in result.cycle for line in LINES)
+    for line, sign in LINES.items() if ported else ():
+        traces = list(_through(parts, line, result.cycle))
+        if traces:
+            flow = np.interp(chambers, np.radians(result.cycle["angle"]), sum(traces))
             found[f"{line}_mass_flow"] = sign * flow.sum(axis=1)
             found[f"{line}_volume_flow"] = found[f"{line}_mass_flow"] / densities[line]
     if not found and scene.machine.kind != TWIN_SCREW:
@@ -90,6 +91,25 @@ def flows_of(scene: Scene, result: Result) -> tuple[Array, dict[str, Array]]:
     if not found:
         raise UsageError("the cycle has no flow through a port (add effects.suction_port and effects.discharge_port)")
     return angle, found
+
+
+def _through(parts: Parts, line: str, cycle: Mapping[str, Array]) -> Iterator[Array]:
+    """Yield the flows [kg/s] of a chamber through each opening to a line, over the angles of a cycle.
+
+    A slide valve opens to both lines, one after the other, and has one curve.
+    """
+    angle = np.radians(cycle["angle"])
+    begins: dict[str, dict[str, float]] = {}
+    for name, path in parts.ports:
+        if path.to in LINES and f"mass_flow_{name}" in cycle:
+            begins.setdefault(name, {})[path.to] = min(path.breakpoints, default=0.0)
+    for name, at in begins.items():
+        if line not in at:
+            continue
+        flow, last = cycle[f"mass_flow_{name}"], max(at, key=lambda each: at[each])
+        if len(at) > 1:
+            flow = np.where((angle >= at[last]) == (line == last), flow, 0.0)
+        yield flow
 
 
 def _densities(gas, figures: Mapping[str, float]) -> dict[str, float]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from screwsim.build import open_temperatures, open_values, package_of
 from screwsim.cycle.problem import Problem
-from screwsim.effects.base import InSeparator
+from screwsim.effects.base import CoolsOil, InSeparator, LosesPressure
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.numerics.identity_cache import IdentityCache
 from screwsim.scene.lines import lines
@@ -85,14 +85,15 @@ def surroundings_follow(problem: Problem) -> bool:
 
 
 def stated_numbers(problem: Problem) -> Array:
-    """Return the parameters of a problem, the numbers of its effects, and the pressures of the lines without losses.
+    """Return the parameters of a problem, the numbers of circuit and package, and the lines' pressures without losses.
 
-    Some numbers of effects enter the circuit alone, as the temperature that a thermostat keeps.
+    Some numbers enter the circuit alone, as the temperature that a thermostat keeps.
     """
     scene = problem.scene
     at = problem.lines if scene.losses is None else lines(replace(scene, losses=None))
-    of_effects = (number for one in scene.effects.values() for number in _numbers_of(one.parameters))
-    return np.concatenate([problem.parameters, (at.p_s, at.p_d), [*of_effects]])
+    around = (one.parameters for one in scene.effects.values() if isinstance(one.parameters, CoolsOil | LosesPressure))
+    stated = [number for section in around for number in _numbers_of(section)]
+    return np.concatenate([problem.parameters, (at.p_s, at.p_d), stated])
 
 
 @IdentityCache

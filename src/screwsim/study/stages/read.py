@@ -45,6 +45,7 @@ AFTERCOOLERS = (  # why neither scene may name one, and what to do, of each stag
     ("whose cooling the line to the other stage states", "whose approach would be to the warm suction of that stage"),
     ("intercooler: {kind: cooler, outlet_temperature: …, pressure_drop: …}", "add its loss to that of a valve"),
 )
+UNLOADED_STAGE = "is unloaded and blows off what it moves, so that the pair delivers nothing"
 
 
 NOTHING, COOLS, FLASHES = "none", "cooler", "economizer"
@@ -265,8 +266,7 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
             what = f"the {name} scene names an aftercooler, {what}"
             problems.add(place, STAGES_KEY, f"{what} (write aftercooler: null there, and {remedy})")
         if not getattr(package_of(scene), "delivers", True):
-            what = f"the {name} scene is unloaded and blows off what it moves, so that the pair delivers nothing"
-            problems.add(place, STAGES_KEY, f"{what} (write state: loaded there)")
+            problems.add(place, STAGES_KEY, f"the {name} scene {UNLOADED_STAGE} (write state: loaded there)")
     if first.gas != second.gas:
         problems.add(place, STAGES_KEY, "have different gases (write the same gas: section in both)")
     if first.machine.expands or second.machine.expands:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.build import build_gas
+from screwsim.build import build_gas, package_of
 from screwsim.effects import catalogue, stating
 from screwsim.effects.base import CoolsOil, InSeparator
 from screwsim.evaluate.cautions import inaccurate
@@ -19,7 +19,7 @@ from screwsim.scene import Scene, cross_check, lines, scene_text, with_values
 from screwsim.scene.types import ActiveEffect
 from screwsim.simulate import simulate
 from screwsim.study.stages.figures import ChainEnds, StagePair, chain_figures, delivery_temperature
-from screwsim.study.stages.read import StageChain
+from screwsim.study.stages.read import UNLOADED_STAGE, StageChain
 from screwsim.study.stages.result import ChainResult, chain_errors, delivery_temperature_figure, idle_cooler
 
 BRACKET_GROWTH = 1.25  # factor between successive pressures while the solution is being bracketed
@@ -127,6 +127,8 @@ class ChainSolver:
         return StagePair(p, (scene, other), (first, second), vapour, T, unparted)
 
     def _solved(self, scene: Scene, name: str, trace: bool, before: tuple[Result, ...] = ()) -> Result:
+        if not getattr(package_of(scene), "delivers", True):
+            raise Stop("failed", f"the {name} stage {UNLOADED_STAGE}", before)
         result = simulate(scene, trace=trace)
         at = f"{lines(scene).p_s / 1e5:.4g} to {lines(scene).p_d / 1e5:.4g} bar"
         if result.status != "ok":
