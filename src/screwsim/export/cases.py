@@ -7,46 +7,22 @@ from typing import Any, NamedTuple
 import numpy as np
 from ruamel.yaml import YAML
 
-from screwsim.figures.engineering import reading_unit, shown_name
+from screwsim.export.case_units import CUBIC_FOOT, FAHRENHEIT, METRIC, PSI, SI, US, as_figure, converted
+from screwsim.figures.engineering import shown_name
 from screwsim.fluid.composition import own_blend
 from screwsim.fluid.constants import gas_constant
 from screwsim.inputs.faults import UsageError
-from screwsim.outputs import Figure
+from screwsim.outputs import PERFORMANCE, Figure
 from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.results import Results
 from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, make_folder, write_csv
+from screwsim.results.read import STAGES
 from screwsim.study.columns import first_line
 
 Array = np.ndarray
-SI, METRIC, US = "si", "metric", "us"
-UNITS = SI, METRIC, US
 FLOW, DISPLACED, LAMBDA = "gas_mass_flow", "displacement_flow", "volumetric_efficiency"
 HUMIDITY = "humidity_ratio"
-FAHRENHEIT = 1.8  # degF per K
-FOOT, POUND = 0.3048, 0.45359237  # [m], [kg], exact
-POUND_FORCE = POUND * 9.80665  # [N]
-HORSEPOWER = 550.0 * FOOT * POUND_FORCE  # [W]
-PSI = POUND_FORCE / (FOOT / 12.0) ** 2  # [Pa]
-CUBIC_FOOT = FOOT**3  # [m³]
-GALLON = 231.0 * (FOOT / 12.0) ** 3  # [m³], US
 STANDARD = {METRIC: (ZERO_CELSIUS, 101325.0), US: (ZERO_CELSIUS + (60.0 - 32.0) / FAHRENHEIT, 14.696 * PSI)}  # K, Pa
-IN_US = {  # SI unit: factor, unit
-    "W": (1.0 / HORSEPOWER, "hp"),
-    "J": (1.0 / (FOOT * POUND_FORCE), "ft lbf"),
-    "N": (1.0 / POUND_FORCE, "lbf"),
-    "N m": (1.0 / (FOOT * POUND_FORCE), "lbf ft"),
-    "m": (12.0 / FOOT, "in"),
-    "m2": ((12.0 / FOOT) ** 2, "in2"),
-    "m3": ((12.0 / FOOT) ** 3, "in3"),
-    "m3 s-1": (60.0 / CUBIC_FOOT, "cfm"),
-    "Pa": (1.0 / PSI, "psia"),
-    "kg": (1.0 / POUND, "lb"),
-    "kg s-1": (3600.0 / POUND, "lb/h"),
-    "rad s-1": (30.0 / np.pi, "rpm"),
-    "W s m-3": (100.0 * CUBIC_FOOT / 60.0 / HORSEPOWER, "hp/(100 cfm)"),
-    "kelvin": (FAHRENHEIT, "F diff"),
-    "L min-1": (60.0 / GALLON, "gpm"),  # from m3 s-1, for figures shown in this unit
-}
 
 
 class CaseColumn(NamedTuple):
@@ -78,29 +54,20 @@ def _varied(results: Results, path: str, units: str) -> CaseColumn:
     along = results.along(path).ravel()
     if values.dtype.kind not in "fiu":
         return CaseColumn(path, "", along)
-    unit = {"rad/s": "rad s-1", "m^3/s": "m3 s-1", "m^3": "m3"}.get(axis.units, axis.units)
-    return _column(path, Figure(path, unit or "1", axis.long_name), along, units)
+    return _column(path, as_figure(axis, units), along, units)
 
 
 def _column(name: str, figure: Figure, values: Array, units: str) -> CaseColumn:
     """Return the values [SI] of a figure in the units of the table."""
-    if units == SI:
-        return CaseColumn(name, "" if figure.units == "1" else figure.units, values)
-    size = float(np.nanmax(np.abs(values), initial=0.0))
-    factor, unit, offset = reading_unit(figure, size)
-    if units == US and figure.units == "K":
-        return CaseColumn(name, "degF", FAHRENHEIT * (values - ZERO_CELSIUS) + 32.0)
-    kind = figure.shown if figure.shown in IN_US else figure.units
-    if units == US and kind in IN_US:
-        factor, unit = IN_US[kind]
-    return CaseColumn(name, unit, factor * (values - offset))
+    return CaseColumn(name, *converted(figure, values, units))
 
 
 def _volume_flows(results: Results, units: str) -> Iterator[CaseColumn]:
     """Yield the flow at suction conditions, and that of the ideal gas at standard conditions, for metric and US units.
 
-    The latter only where all cases have one gas.
+    The latter only where all cases have one gas. Of two stages both are those of the first, which draws the gas.
     """
+    results = results.stages.get(STAGES[0], results)
     if units == SI or not {FLOW, DISPLACED, LAMBDA} <= set(results.figures):
         return
     drawn = (results.performance[LAMBDA] * results.performance[DISPLACED]).ravel()
@@ -128,8 +95,19 @@ def protect_other_cases(path: Path) -> None:
     """Raise UsageError where the file at `path` is not such a table, as measured data: it would be lost."""
     check_target_kind(path)
     heads = first_line(path)
-    if heads and "status" not in heads:
+    if heads and not _are_ours(heads):
         raise UsageError(FOREIGN_FILE.format(path))
+
+
+def _are_ours(heads: Sequence[str]) -> bool:
+    """Tell whether a head line is of such a table: dotted paths, the status, a figure with its unit or messages."""
+    if "status" not in heads:
+        return False
+    at = heads.index("status")
+    named = {each for name in PERFORMANCE for each in (name, shown_name(name))}
+    figures = (head.partition(" [") for head in heads[at + 1 :])
+    told = any(name == "message" or (unit and name in named) for name, _, unit in figures)
+    return told and all("." in head for head in heads[:at])
 
 
 def write_cases(path: Path, columns: Sequence[CaseColumn]) -> str:
