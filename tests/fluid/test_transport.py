@@ -29,7 +29,28 @@ def test_weights_obey_the_symmetry_of_wilkes_rule():
 
 def test_air_of_its_components_conducts_and_rubs_as_air():
     ours, air = transport.transport(AIR, 1e5, 330.0), transport.transport("Air", 1e5, 330.0)
-    assert ours == pytest.approx(air, rel=0.02)  # both rules err by some 2 % (Poling et al.)
+    assert ours == pytest.approx(air, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("fluid", "bounds"),  # of conductivity, viscosity and Prandtl number, as stated with M318
+    [
+        ("R404A", ((0.085, 0.165), (-0.03, -0.02), (-0.165, -0.10))),
+        ("R410A", ((0.045, 0.10), (0.02, 0.045), (-0.065, -0.005))),
+    ],
+)
+@pytest.mark.parametrize("T", [300.0, 350.0, 400.0])
+def test_refrigerants_differ_from_coolprops_fits_of_them_as_much_as_the_documentation_says(fluid, bounds, T):
+    ours, fitted = transport.transport(f"{fluid}.mix", 1e4, T), transport.transport(fluid, 1e4, T)
+    for mixed_value, value, (low, high) in zip(ours, fitted, bounds, strict=True):
+        assert low < mixed_value / value - 1.0 < high
+
+
+@pytest.mark.parametrize(("fluid", "conductivity", "prandtl"), [("R134a", 0.13, 0.35), ("Propane", 0.10, 0.22)])
+def test_pressure_that_the_mixing_leaves_out_has_the_effect_that_is_stated(fluid, conductivity, prandtl):
+    dilute, dense = transport.transport(fluid, 1e3, 350.0), transport.transport(fluid, 20e5, 350.0)
+    assert dense[0] / dilute[0] - 1.0 == pytest.approx(conductivity, abs=0.006)
+    assert dense[2] / dilute[2] - 1.0 == pytest.approx(prandtl, abs=0.006)
 
 
 def test_the_viscosity_alone_needs_no_conductivity_of_a_component():

@@ -16,6 +16,14 @@ from screwsim.scene.fluids import fluid_faults
 CONFIG = Path(__file__).parents[2] / "configs" / "r454b" / "point.yaml"
 OWN = "gas.fluid=[R32, R1234yf]"
 REFRIGERANTS = sorted({*predefined(), "R134a", "R1234yf", "R1234ze(E)", "R32", "R744", "R717", "R290", "R245fa", "Air"})
+PRESSURES = [
+    *(
+        f"operation.{key}=null"
+        for key in ("evaporating_temperature", "condensing_temperature", "superheat", "subcooling")
+    ),
+    "operation.suction.pressure=4 bar",
+    "operation.discharge.pressure=12 bar",
+]
 LETTERS = "0123456789aAbBcCyYzZfE(). "
 NO_FLUID = "is not a fluid or predefined blend of CoolProp"
 
@@ -133,3 +141,21 @@ def test_whatever_is_written_another_refrigerant_is_never_offered(fluid, edit, p
 
 def _bare(name):
     return re.sub(r"[^0-9a-z]", "", name.lower())
+
+
+@pytest.mark.parametrize(
+    ("path", "overrides"),
+    [
+        ("operation.suction.superheat", [*PRESSURES, "operation.suction.superheat=5 K"]),
+        ("operation.evaporating_temperature", []),
+        ("operation.condensing_temperature", []),
+    ],
+)
+def test_a_line_of_a_blend_known_as_a_gas_only_is_stated_by_pressure_and_temperature(path, overrides):
+    gas = ["gas.fluid=[Methane, Ethane, CO2]", "gas.mass_fractions=null", "gas.mole_fractions=[0.93, 0.05, 0.02]"]
+    with pytest.raises(SceneError) as caught:
+        load(CONFIG, overrides=[*gas, *overrides])
+    (line,) = (each for each in str(caught.value).splitlines() if f": {path}: " in each)
+    assert "has no known saturation: it is known as a gas only, from -56.558 degC on" in line
+    assert line.endswith("(state pressures and operation.suction.temperature)")
+    load(CONFIG, overrides=[*gas, *PRESSURES, "operation.suction.temperature=20 degC"])

@@ -725,3 +725,23 @@ def test_a_blend_that_is_none_is_refused_with_what_it_lacks(fluid, what):
 def test_wet_natural_gas_is_refused_as_known_only_as_a_hot_gas():
     with pytest.raises(UsageError, match=r"Methane/Water .* is known as a gas only above 205.8 degC"):
         new_scene("booster", request_of(fluid="Methane/Water (mole 0.97/0.03)", condition="1/12 bar, 30 degC"))
+
+
+def test_a_gas_that_is_known_only_above_a_boosters_outlet_temperature_is_told_what_to_leave_out():
+    what = r"--fluid Hydrogen/Propane .*: is known as a gas only above \d+\.?\d* degC, but leaves a booster at 80 degC"
+    fluid, condition = "Hydrogen/Propane (mole 0.5/0.5)", "1/4 bar, 30 degC"
+    for each in (condition, "1/4 bar, 150 degC"):
+        with pytest.raises(UsageError, match=rf"{what} \(leave out n-Propane\)$"):
+            new_scene("booster", request_of(fluid=fluid, condition=each))
+    assert scene_of("booster", fluid="Hydrogen", condition=condition).gas.name == "Hydrogen"
+
+
+@pytest.mark.parametrize("kind", ["refrigeration", "heat_pump", "reciprocating"])
+def test_a_blend_without_known_saturation_is_sent_to_the_scene_that_needs_none(kind):
+    with pytest.raises(UsageError, match=r"has no known saturation: it is known as a gas only, from -56.*new booster"):
+        new_scene(kind, request_of(fluid="Methane/Ethane/CO2 (mole 0.93/0.05/0.02)"))
+
+
+def test_a_cylinder_without_transport_properties_says_of_which_component_they_lack():
+    text = new_scene("reciprocating", request_of(fluid="R466A"))
+    assert "# No cylinder_heat: CoolProp has no viscosity of R13I1, a component of R466A." in text

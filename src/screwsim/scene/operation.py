@@ -163,7 +163,9 @@ def _pressures(scene: Scene, limits: Limits) -> Iterator[Fault]:
     p_s = suction.pressure
     assert p_s is not None and p_d is not None
     yield from _order(scene, p_s, p_d, P_D)
-    if suction.temperature is None and not limits.p_triple <= p_s < limits.p_critical:
+    if suction.temperature is None and limits.gas_only:
+        yield _no_saturation(QUALITY if suction.superheat is None else SUPERHEAT_S, scene.gas.name, limits)
+    elif suction.temperature is None and not limits.p_triple <= p_s < limits.p_critical:
         name, limit = ("critical", limits.p_critical) if p_s > limits.p_triple else ("triple-point", limits.p_triple)
         shown, path = readable_quantity(KINDS["pressure"], p_s), QUALITY if suction.superheat is None else SUPERHEAT_S
         what = f"{scene.gas.name} has no saturation at the suction pressure {shown}: its {name} pressure is "
@@ -275,8 +277,16 @@ def _no_cooling(scene: Scene, effect: float | None) -> Iterator[Fault]:
         yield Fault(GAS_COOLER_T, f"{what} (lower it, or raise operation.gas_cooler.pressure)")
 
 
+def _no_saturation(path: str, fluid: str, limits: Limits) -> Fault:
+    """Return the fault of a line stated by saturation, of a blend that is known as a gas only (M317)."""
+    what = f"{fluid} has no known saturation: it is known as a gas only, from {in_celsius(limits.T_triple)} on"
+    return Fault(path, f"{what} (state pressures and {T_S})")
+
+
 def _outside(path: str, T: float, fluid: str, limits: Limits) -> Iterator[Fault]:
-    if T >= limits.T_critical:
+    if limits.gas_only:
+        yield _no_saturation(path, fluid, limits)
+    elif T >= limits.T_critical:
         what = f"is not below the critical temperature of {fluid}, {in_celsius(limits.T_critical)}"
         above = "state the lines by pressures"
         if path == CONDENSING:

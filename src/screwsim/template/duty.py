@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from screwsim.fluid import constants
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs.customary import in_celsius
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes
 from screwsim.template.gas_cooler import refused_screw
@@ -44,6 +45,10 @@ def duty_of(
     found = condition_of(condition, "temperature", example)
     limits = constants.limits(fluid)
     assert limits is not None
+    if limits.gas_only:
+        what = f"has no known saturation: it is known as a gas only, from {in_celsius(limits.T_triple)} on"
+        remedy = "write screwsim new booster, whose --condition are pressures and a temperature"
+        raise UsageError(f"--fluid {fluid}: {what} ({remedy})")
     for T in (found.low, found.high) if p_cooler is None else (found.low,):
         if not limits.T_triple < T < limits.T_critical:
             least, most = (end - ZERO_CELSIUS for end in (limits.T_triple, limits.T_critical))

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from screwsim.effects.oil_drag import end_drag, tip_drag
 from screwsim.fluid import constants
+from screwsim.fluid.description import describe
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.settings import FAMILIES
@@ -257,12 +258,24 @@ def _booster_outlet_temperature(fluid: str, duty: Duty, warmed: float, dew: floa
     return max(leaves, dry)
 
 
+def _refuse_liquid_at_outlet(fluid: str) -> None:
+    """Raise UsageError for a blend that is known as a gas only above a booster's outlet temperature."""
+    limits = constants.limits(fluid)
+    if limits is None or not limits.gas_only or limits.T_triple <= LEAVES:
+        return
+    warmest = max(describe(fluid).components, key=lambda name: describe(name).T_c)
+    above = f"{limits.T_triple - ZERO_CELSIUS:.4g} degC"
+    what = f"is known as a gas only above {above}, but leaves a booster at {LEAVES - ZERO_CELSIUS:g} degC"
+    raise UsageError(f"--fluid {fluid}: {what} (leave out {warmest})")
+
+
 def booster(asked: SceneRequest) -> str:
     """Return the scene of a screw that takes in gas under pressure: a fuel-gas booster, or a second stage."""
     fluid = asked.fluid or "Methane"
     oil = asked.oil or BOOSTER_OILS.get(fluid.lower(), "PAG_100")
     flow, speed = asked.flow or 600.0 / 3600.0, asked.speed or 2950.0 * RPM
     example = "5/20 bar"
+    _refuse_liquid_at_outlet(fluid)
     size, duty = texts.sized(flow, speed), _duty(asked, fluid, example, "20 degC")
     c_p = duty.R * duty.k / (duty.k - 1.0)
     gas_flow = LAMBDA * flow * duty.density

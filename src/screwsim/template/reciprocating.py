@@ -3,7 +3,6 @@
 import math
 from typing import NamedTuple
 
-from screwsim.fluid.description import describe
 from screwsim.fluid.transport import transport
 from screwsim.inputs.faults import UsageError
 from screwsim.template import gas_cooler, sizes
@@ -121,9 +120,8 @@ def _wall(fluid: str, T: float) -> str:
     """Return the line on heat between gas and wall [K], or why there is none."""
     try:
         transport(fluid, 1e4, max(T, 300.0))  # as effects.cylinder_heat asks
-    except UsageError:
-        unknown = f"blends such as {fluid}" if describe(fluid).glides else fluid
-        return f"  # No cylinder_heat: CoolProp has no transport properties of {unknown}.\n"
+    except UsageError as error:
+        return f"  # No cylinder_heat: {error}.\n"
     told = "between the temperatures of inflow and outflow"
     return f"  cylinder_heat: {{wall_temperature: {T:.0f} K}}    # {told}\n"
 
