@@ -4,8 +4,9 @@ A dilute gas mixture follows from its components (M318). Viscosity: C. R. Wilke,
 Conductivity: A. Wassiljewa, Phys. Z. 5 (1904) 737, with Wilke's weights (E. A. Mason, S. C. Saxena, Phys. Fluids 1
 (1958) 361, whose factor of 1.065 is 1 here, as in B. E. Poling, J. M. Prausnitz, J. P. O'Connell, The Properties of
 Gases and Liquids, 2001, ch. 9 and 10). CoolProp's pseudo-pure R404A, R507A, R410A and R407C at 300 to 400 K are met
-within 5 % (viscosity) and 16 % (conductivity, Prandtl number). Pressure has no influence; in R32, R125, R134a and propane,
-up to 20 bar at 350 K, it is 1 to 7 % of the viscosity, 8 to 18 % of the conductivity, 12 to 35 % of the Prandtl number.
+within 5 % (viscosity) and 16 % (conductivity, Prandtl number). Pressure has no influence; in R32, R125, R134a and
+propane, up to 20 bar at 350 K, it is 1 to 7 % of the viscosity, 8 to 18 % of the conductivity and 12 to 35 % of the
+Prandtl number.
 """
 
 from collections.abc import Callable, Sequence
