@@ -200,7 +200,7 @@ def _open_to_suction(of: Evaluation) -> Iterator[str]:
 
 
 def _last_open(path: FlowPath) -> float:
-    """Return the angle [rad] up to which a path is open, as far as its table or its breakpoints tell; 0 if it is not."""
+    """Return the angle [rad] up to which a path is open, as its table or its breakpoints tell; 0 if it is not."""
     if path.values.get("size") == 0.0:
         return 0.0
     if not path.tables:
