@@ -156,7 +156,8 @@ def tabulate(
     `over` are texts PATH=LOW..HIGH or {path: (low, high) [SI]}; the default is the range of the scene's own sweep.
     `source` may also be the results of a sweep or the path of their file, whose grid is the map: then nothing is
     simulated, and `over`, `error` and `most_cases` are refused. A table can be pickled. `error` (0.005) is the largest
-    relative error allowed; where `most_cases` (5000) do not reach it, `table.met` is False.
+    relative error allowed; where `most_cases` (5000) do not reach it, `table.met` is False. Errors are nan where an
+    axis of a sweep has too few values to tell.
     """
     stored = source if isinstance(source, Results) else None
     if isinstance(source, str | os.PathLike) and is_results(os.fspath(source)):

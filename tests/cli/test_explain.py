@@ -109,7 +109,8 @@ def test_the_code_of_an_equation_is_that_of_the_functions_that_state_it(command,
     assert len(functions) == len(set(functions)) and all(block in whole for block in part.strip().split("\n\ndef "))
     assert command("explain", "oiled.yaml", "--code", "flow").out.count("def nozzle__flow(") == 1
     for name, told in {
-        "M999": "M999: no function of this scene's code states it (use one of M1, ",
+        "M999": "M999: no function of this scene's code names it (use one of M1, ",
+        "oil_heat": "oil_heat: is neither an equation nor a function of this scene's code (write oil_heat__heat)",
         "nozle_flow": "nozle_flow: is neither an equation nor a function of this scene's code",
     }.items():
         answer = command("explain", "oiled.yaml", "--code", name)

@@ -27,14 +27,15 @@ def files(folder):
 
 
 RESULTS = "results are HDF5, so the name must end in .h5, .hdf5, .hdf, .nc, .nc4"
+TABLE = "write -o out.h5; screwsim export cases makes a table of it"
 FILES = "several files are written, so name a folder"
 
 
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (("run", "small.yaml", "-o", "out.csv"), f"-o out.csv: {RESULTS} (write -o out.h5)"),
-        (("run", "x.stages.yaml", "-o", "out.csv"), f"-o out.csv: {RESULTS} (write -o out.h5)"),
+        (("run", "small.yaml", "-o", "out.csv"), f"-o out.csv: {RESULTS} ({TABLE})"),
+        (("run", "x.stages.yaml", "-o", "out.csv"), f"-o out.csv: {RESULTS} ({TABLE})"),
         (("sweep", "swept.yaml", "-o", "a.json"), f"-o a.json: {RESULTS} (write -o a.h5)"),
         (
             ("sweep", "swept.yaml", "-o", "a.html"),

@@ -45,6 +45,7 @@ WRITES = {  # what each command is given beside the output, and the ending of th
     "export energyplus": ((MAP, *ONE), ".idf"),
     "export en12900": ((MAP, *ONE), ".csv"),
     "export loads": ((POINT,), ""),
+    "export cases": (("results.h5",), ".csv"),
 }
 REFUSED = "blocked is a file, not a folder (choose another place with -o)\n"
 

@@ -71,7 +71,8 @@ def rows(page):
 
 def test_a_closed_chamber_of_every_blend_keeps_its_entropy():
     """As tests/tools/closed_blends.py found, dry and through its two phases, of each that docs/reference lists."""
-    listed = {name.strip() for name in rows("blends.md")} - {"blend"}
+    found = {name.strip(): cells for name, cells in rows("blends.md").items()}
+    listed = {name for name, cells in found.items() if "gas from" not in " ".join(cells)} - {"blend"}  # no dew line
     followed = {name.strip(): float(cells[7]) for name, cells in rows("blend-domes.md").items() if name != " blend "}
     assert set(STORED) == listed
     for name, found in STORED.items():

@@ -10,7 +10,9 @@ from screwsim.build import build_gas
 from screwsim.evaluate.performance import NO_POWER, NONE_DELIVERED, heating, parted
 from screwsim.scene import lines, load, refrigerating_effect
 from screwsim.simulate import simulate, simulate_many
+from screwsim.solve.circuit import OPEN
 
+LEFT = OPEN * 3e-4  # of the shaft power: what the search of the oil's temperature leaves open
 CONFIGS = Path(__file__).parents[2] / "configs"
 
 
@@ -49,7 +51,7 @@ def test_heat_that_is_pushed_back_into_an_economizer_leaves_or_evaporates_liquid
     heat = away.performance.economizer_heat_loss
     for p in (away.performance, kept.performance):
         brought = p.cooling_capacity + p.shaft_power + p.motor_loss - p.economizer_heat_loss
-        assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=3e-5 * p.shaft_power)
+        assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=LEFT * p.shaft_power)
     assert heat > 0.01 * away.performance.shaft_power and kept.performance.economizer_heat_loss == 0.0
     assert away.performance.cooling_capacity - kept.performance.cooling_capacity == pytest.approx(heat, rel=1e-9)
     assert [f"loses {heat:.3g} W" in " ".join(one.warnings) for one in (away, kept)] == [True, False]
@@ -63,7 +65,7 @@ def test_the_balance_closes_with_an_economizer_of_an_ideal_gas(kind):
     p = simulate(load(CONFIGS / "r134a" / "separator.yaml", changes), trace=False).performance
     assert p.economizer_mass_flow > 0.02 * p.gas_mass_flow and 0.0 < p.economizer_draw_ratio < 1.0
     brought = p.cooling_capacity + p.shaft_power + p.motor_loss
-    assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=3e-5 * p.shaft_power)
+    assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=LEFT * p.shaft_power)
 
 
 def test_heat_that_is_pushed_back_beyond_what_the_vapour_takes_leaves_and_is_told():
@@ -74,7 +76,7 @@ def test_heat_that_is_pushed_back_beyond_what_the_vapour_takes_leaves_and_is_tol
     p = found.performance
     assert p.economizer_mass_flow > 0.0 > p.economizer_draw_ratio and p.economizer_capacity_gain == 0.0
     brought = p.cooling_capacity + p.shaft_power + p.motor_loss - p.economizer_heat_loss
-    assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=3e-5 * p.shaft_power)
+    assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=LEFT * p.shaft_power)
     assert p.economizer_heat_loss > 0.005 * p.shaft_power
     assert any("open the port later" in warning for warning in found.warnings)
 

@@ -200,7 +200,9 @@ def _open_to_suction(of: Evaluation) -> Iterator[str]:
 
 
 def _last_open(path: FlowPath) -> float:
-    """Return the angle [rad] up to which a path is open, as far as its table or its breakpoints tell; 0 if unknown."""
+    """Return the angle [rad] up to which a path is open, as its table or its breakpoints tell; 0 if it is not."""
+    if path.values.get("size") == 0.0:
+        return 0.0
     if not path.tables:
         return max(path.breakpoints, default=0.0)
     return max(float(np.max(angles[areas > 0.0], initial=0.0)) for angles, areas, *_ in path.tables.values())

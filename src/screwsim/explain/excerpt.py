@@ -20,7 +20,8 @@ def code_of(text: str, names: Iterable[str]) -> str:
     functions = _functions(text)
     lines = text.splitlines()
     found: dict[str, ast.FunctionDef] = {}
-    for name in names:
+    for given in names:
+        name = given.upper() if NUMBER.fullmatch(given.upper()) else given
         own = {each: node for each, node in functions.items() if _has(node, name)}
         if not own:
             raise UsageError(f"{name}: {_absent(functions, name)}")
@@ -53,8 +54,10 @@ def _absent(functions: Mapping[str, ast.FunctionDef], name: str) -> str:
     """Return that the code has no function of that name, and what there is instead."""
     if NUMBER.fullmatch(name):
         there = sorted({each for node in functions.values() for each in _numbers(node)}, key=lambda it: int(it[1:]))
-        what = "no function of this scene's code states it"
+        what = "no function of this scene's code names it"
         return f"{what} (use one of {', '.join(there)}; docs/reference/equations.md names the source of all)"
     own = [each.partition("__")[2] or each for each in functions if not each.startswith("slopes_of_")]
+    of_effect = [each for each in functions if each.startswith(f"{name}__")]
     remedy = did_you_mean(name, own) or " (use the number of an equation, such as M12)"
+    remedy = f" (write {' or '.join(of_effect)})" if of_effect else remedy
     return f"is neither an equation nor a function of this scene's code{remedy}"

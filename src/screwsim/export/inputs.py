@@ -131,10 +131,10 @@ def _input(scene: Scene, path: str, low: float, high: float) -> Input:
     return Input(path, input_name(path), units, input_meaning(leaf.doc), float(low), float(high), value, log)
 
 
-def read_outputs(scene: Scene, figures: Sequence[str] = ()) -> tuple[Output, ...]:
-    """Return the named outputs, else the usual ones that the scene calls for; raise UsageError."""
+def read_outputs(scene: Scene, figures: Sequence[str] = (), option: str = "--figure") -> tuple[Output, ...]:
+    """Return the named outputs, else the usual ones that the scene calls for; raise UsageError with `option`."""
     here = called_for(scene, build_parts(scene))
-    names = [figure_of(scene, text) for text in figures] or [name for name in FIGURES if name in here]
+    names = [figure_of(scene, text, option) for text in figures] or [name for name in FIGURES if name in here]
     return tuple(output_of(name, here) for name in dict.fromkeys(names))
 
 

@@ -93,7 +93,7 @@ def map_of_scene(
         raise UsageError(
             f"{dashes}error {asked:g}: {what} (a map cannot be more accurate than the solutions it is made from)"
         )
-    inputs, outputs = read_inputs(scene, over, f"{dashes}over"), read_outputs(scene, figures or ())
+    inputs, outputs = read_inputs(scene, over, f"{dashes}over"), read_outputs(scene, figures or (), f"{dashes}figure")
     if told is not None:
         told(scene, inputs)
     most = MOST_CASES if most is None else most

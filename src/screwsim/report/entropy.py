@@ -30,7 +30,7 @@ LABEL = r"specific entropy $s - s_1$ (J/(kg K))"
 POINTS = 60  # of an isobar and of the dew line
 BEYOND = 0.08  # of the range of the loop: how far the axes reach beyond it
 NARROW = 0.2  # of the width, at the left: a name there begins at its point, others end at it
-EMPTY = 1e-3  # share of the largest mass below which a chamber counts as empty
+EMPTY = 1e-2  # share of the largest mass below which a chamber counts as empty
 
 
 class Entropies(NamedTuple):
