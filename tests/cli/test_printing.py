@@ -11,7 +11,7 @@ from screwsim.outputs import KNOCK_OUT, Figures, Result, effect_words
 from screwsim.printing import _numerics, engineering, plain, print_result
 from screwsim.printing.short import print_short
 from screwsim.printing.stages import print_stages
-from screwsim.printing.tables import plain_table
+from screwsim.printing.tables import column_heads, plain_table
 from screwsim.report.ledger import waterfall_bars
 from screwsim.study.stages import ChainResult
 
@@ -171,3 +171,20 @@ def test_no_temperature_is_minus_nothing():
 
 def test_one_of_a_count_is_said_as_one():
     assert _numerics({"turns": 1.0, "steps": 2}) == "numerics: 1 turn, 2 steps"
+
+
+@each_row(
+    ("paths", "heads"),
+    [
+        (["operation.speed"], ["speed"]),
+        (["operation.suction.pressure", "operation.discharge.pressure"], ["suction pressure", "discharge pressure"]),
+        (["first.operation.speed", "second.operation.speed"], ["first speed", "second speed"]),
+        (["first.operation.speed", "oil_supply.ratio"], ["speed", "ratio"]),
+        (
+            ["first.a.gap_width", "first.b.gap_width", "second.a.gap_width"],
+            ["first a gap width", "first b gap width", "second a gap width"],
+        ),
+    ],
+)
+def test_columns_of_paths_have_different_heads(paths, heads):
+    assert column_heads(paths) == heads

@@ -91,6 +91,15 @@ def test_find_gives_a_sweep_a_row_a_point(sought, command):
     assert refused.code == 2 and "the sweep gives one answer per row" in refused.err
 
 
+def test_find_tells_an_axis_and_what_is_sought_apart(sought, command):
+    low = "operation.suction.pressure=1 bar..2 bar"
+    sweep = "sweep.operation.discharge.pressure=[10 bar, 12 bar]"
+    found = command("find", "oiled.yaml", "--set", sweep, "--vary", low, "--for", "gas_mass_flow=1 kg/s", "--jobs", "1")
+    lines = [line.split() for line in found.out.splitlines()]
+    top = next(number for number, words in enumerate(lines) if words[:2] == ["discharge", "suction"])
+    assert lines[top + 1][:2] == ["pressure", "pressure"]
+
+
 def test_find_does_not_replace_a_scene_of_ones_own(sought, command):
     found = command("find", "oiled.yaml", *SPEED, "--for", "gas_mass_flow=1 kg/s", "-o", "oiled.yaml")
     assert found.code == 2 and "already exists, and is not a file of this kind" in found.err

@@ -56,7 +56,7 @@ def plot(
 
     read, results = read_indicated(measured), open_results(results_file)
     if results.stages:
-        alone = f"screwsim scene {results_file} --stage {next(iter(results.stages))} gives one"
+        alone = f"screwsim scene {results_file} --stage {next(iter(results.stages))} gives its scene, to be run"
         raise UsageError(f"{results_file}: holds two stages, and --measured needs the results of one machine ({alone})")
     trace = chosen_trace(results)
     if trace is None:
@@ -74,7 +74,7 @@ def plot(
 
 def scene(
     results_file: str = RESULTS_FILE,
-    output: File = option("SCENE.yaml", "File to write it to (default: the screen).", "-o"),
+    output: File = option("SCENE.yaml", "File to write it to, two stages beside it (default: the screen).", "-o"),
     stage: Text = option("first|second", "Of two stages: this one alone, with the line between both as found."),
 ) -> None:
     """Write the scene stored in a results file, to simulate it again."""
@@ -87,6 +87,8 @@ def scene(
     scenes = stored_scenes(results) if stage is None else {"": stage_scene(results, stage)}
     if output is None:
         say("\n".join(f"# {file}\n{text}" if file else text for file, text in scenes.items()).rstrip("\n"))
+        if len(scenes) > 1:
+            typer.echo("scene: these are several files (-o NAME.stages.yaml writes all, to be simulated)", err=True)
         return
     places = {output.with_name(file or output.name): text for file, text in scenes.items()}
     if len(places) < len(scenes):

@@ -59,9 +59,9 @@ def print_find(scene: Scene, asked: Question, rows: Sequence[GoalSeekAnswer]) ->
         _print_one(scene, asked, rows[0])
         return
     paths = list(rows[0].at)
-    heads = column_heads(paths)
-    heads += [*(span.path.rpartition(".")[2] for span in asked.spans), *(["±"] if len(asked.spans) == 1 else [])]
-    heads += [*(["size"] if asked.sizes else []), *(shown_name(goal.figure) for goal in asked.goals), "simulated"]
+    heads = column_heads([*paths, *(span.path for span in asked.spans)])
+    heads += [*(["±"] if len(asked.spans) == 1 else []), *(["size"] if asked.sizes else [])]
+    heads += [*(shown_name(goal.figure) for goal in asked.goals), "simulated"]
     print_table(heads, [_cells(scene, asked, paths, row) for row in rows])
     notes = [line for row in rows for line in _notes(scene, paths, row)]
     print_wrapped(notes[:MOST_NOTES])

@@ -29,10 +29,15 @@ def optimum_document(scene: Varied, asked: Question, rows: Sequence[Best]) -> di
         "sense": "minimum" if asked.minimum else "maximum",
         "from": asked.low,
         "to": asked.high,
-        "rows": [asdict(row) for row in rows],
+        "rows": [_row_document(row) for row in rows],
         "solutions": sum(row.solutions for row in rows),
         "failed_solutions": sum(row.failed for row in rows),
     }
+
+
+def _row_document(row: Best) -> dict[str, Any]:
+    """Return a row; figures beside the one sought are those of two stages, and one machine has none."""
+    return {name: value for name, value in asdict(row).items() if value or name != "beside"}
 
 
 def print_optimum(scene: Varied, asked: Question, rows: Sequence[Best]) -> None:
@@ -43,7 +48,7 @@ def print_optimum(scene: Varied, asked: Question, rows: Sequence[Best]) -> None:
     say(wrapped(f"{word} {shown_name(asked.figure)} over {asked.path}, {ends}"))
     say()
     paths = [path for path in scene.sweep if path != asked.path]
-    heads = [*column_heads(paths), asked.path.rpartition(".")[2], "as good"]
+    heads = [*column_heads([*paths, asked.path]), "as good"]
     heads += [shown_name(asked.figure), "error", *map(shown_name, _beside(rows)), "accuracy", "simulated"]
     print_table(heads, [_cells(scene, asked, paths, row, _beside(rows)) for row in rows])
     notes: dict[str, list[str]] = {}

@@ -1,7 +1,7 @@
 """Plain tables and wrapped lines for a terminal of 80 columns."""
 
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from screwsim.figures.engineering import shown_name
@@ -10,6 +10,12 @@ from screwsim.screen import say
 
 WIDTH = 80
 NARROWEST = 12  # least width of a first column that has others beside it
+# words of a path in the head of its column, fewest first
+_SHORTENED: tuple[Callable[[list[str]], list[str]], ...] = (
+    lambda words: words[-1:],
+    lambda words: words[-2:],
+    lambda words: [words[0], words[-1]],
+)
 
 
 def plain_table(heads: Sequence[str], rows: Iterable[Sequence[str]], left: int = 0) -> list[str]:
@@ -63,12 +69,16 @@ def print_scene_title(title: str) -> None:
 
 
 def column_heads(paths: Sequence[str]) -> list[str]:
-    """Return what columns of paths are called: their last words, with the word before where two would be the same."""
-    last = [path.rpartition(".")[2] for path in paths]
+    """Return what columns of paths are called: their last words.
+
+    Where two would be the same, the word before is added, else the first word (the stage of two), else all words.
+    """
+    words = [path.split(".") for path in paths]
     heads = []
-    for path, word in zip(paths, last, strict=True):
-        words = path.split(".")[-2:] if last.count(word) > 1 else [word]
-        heads.append(" ".join(words).replace("_", " "))
+    for own in words:
+        alike = [each for each in words if each[-1] == own[-1]]
+        choice = next((some for some in _SHORTENED if len({tuple(some(each)) for each in alike}) == len(alike)), list)
+        heads.append(" ".join(choice(own)).replace("_", " "))
     return heads
 
 

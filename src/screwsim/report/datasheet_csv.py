@@ -42,7 +42,8 @@ def write_table(document: Mapping[str, Any], output: Path) -> str:
     apart = (STATUS, "message", WARNINGS, "error", "notes")
     axes = document.get("axes", {})
     names = list(dict.fromkeys(name for each in points for name in each if name not in apart))
-    columns = [_column(name, [each.get(name) for each in points], axes) for name in names]
+    values = {name: [each.get(name) for each in points] for name in names}
+    columns = [_column(name, values, axes) for name in names]
     heads = [*(head for head, _ in columns), STATUS, WARNINGS]
     told = (": ".join(filter(None, (each[STATUS], each["message"]))) for each in points)
     ends = [[status, SEPARATOR.join(each[WARNINGS])] for status, each in zip(told, points, strict=True)]
@@ -50,13 +51,18 @@ def write_table(document: Mapping[str, Any], output: Path) -> str:
     return write_csv(output, heads, [[*row, *end] for row, end in zip(cells, ends, strict=True)])
 
 
-def _column(name: str, values: Sequence[Any], axes: Mapping[str, str | None]) -> tuple[str, list[str]]:
-    """Return the head of a column with its unit, and its cells."""
+def _column(name: str, every: Mapping[str, Sequence[Any]], axes: Mapping[str, str | None]) -> tuple[str, list[str]]:
+    """Return the head of a column with its unit, and its cells; an uncertainty is in the unit of its figure's column.
+
+    `every` has the values of all columns by their names.
+    """
+    values = every[name]
     if name == BEYOND:
         return "beyond_limits", [SEPARATOR.join(each or ()) for each in values]
     if any(isinstance(each, str) for each in values):
         return name, ["" if each is None else str(each) for each in values]
-    factor, unit, offset = _unit(name, [abs(each) for each in values if each is not None], axes)
+    sizes = [abs(each) for each in every.get(name.removesuffix(UNCERTAINTY), values) if each is not None]
+    factor, unit, offset = _unit(name, sizes, axes)
     head = f"{name} [{unit}]" if unit else name
     return head, ["" if each is None else f"{factor * each - offset:.{DIGITS}g}" for each in values]
 

@@ -34,6 +34,15 @@ EXACT_ATTRIBUTES = {
 Attributes = dict[str, Any]
 # in every file, even one of failed cases only
 _ALWAYS = tuple(each for each in outputs.PERFORMANCE.values() if not each.needs)
+_ALWAYS_OF_STAGES = tuple(  # the same of two stages: those that any gas and any machines have
+    outputs.STAGES[name]
+    for name in (
+        *("intermediate_pressure", "second_suction_temperature", "gas_mass_flow"),
+        *("first_shaft_power", "second_shaft_power", "shaft_power", "first_pressure_ratio", "second_pressure_ratio"),
+        *("first_discharge_temperature", "discharge_temperature", "isothermal_efficiency", "isentropic_efficiency"),
+        "flow_mismatch",
+    )
+)
 
 
 @dataclass(frozen=True)
@@ -51,7 +60,7 @@ def names_of(heads: Iterable[Table], alone: bool = True) -> tuple[Names, dict[st
         names = names.joined(head)
         for name in TEXT_NAMES:
             words[name].update(map(text_lines, head.texts[name].words))
-    about = merged(names.about, _ALWAYS if alone else ())
+    about = merged(names.about, _ALWAYS if alone else _ALWAYS_OF_STAGES)
     changes, sloped = (tuple(each.name for each in about if each.name in of) for of in (names.changes, names.slopes))
     names = replace(names, about=about, changes=changes, slopes=sloped)
     return names, {name: tuple(sorted(several)) for name, several in words.items()}

@@ -207,7 +207,7 @@ class _Trials:
             self.absent += result.lacks([name])
             return SearchPoint(x, math.nan)
         self.warned[x] = result.warnings
-        names = () if isinstance(scene, Scene) else scene.beside
+        names = () if isinstance(scene, Scene) else (each for each in scene.beside if each != name)
         self.told[x] = {each: result.performance.get(each) for each in names}
         self.reasons.pop(x, None)  # less accurately it had failed
         return SearchPoint(x, -value if self.asked.minimum else value, absolute_error(result, name, scene))

@@ -62,6 +62,10 @@ class Series(Protocol):
         """Return the value [SI] of an input, None where it is absent."""
         ...
 
+    def faults(self) -> Sequence[str]:
+        """Return what does not fit together in either, its stage before the path."""
+        ...
+
     def solved(self) -> Result:
         """Return the figures of both together."""
         ...
@@ -96,8 +100,8 @@ def case(of: Kind, number: int) -> Kind:
 
 
 def faults_of(of: Varied) -> Sequence[Any]:
-    """Return what does not fit together; of two in series none, since that shows when they are solved."""
-    return scenes.cross_check(of) if isinstance(of, Scene) else ()
+    """Return what does not fit together; of two in series what shows before they are solved."""
+    return scenes.cross_check(of) if isinstance(of, Scene) else of.faults()
 
 
 def accuracy_of(of: Varied) -> float:

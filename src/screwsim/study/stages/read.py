@@ -123,11 +123,17 @@ class StageChain:
         return chain_with(self, values)
 
     def with_accuracy(self, accuracy: float) -> StageChain | None:
-        """Return a chain with another accuracy of both stages; None where one states its tolerance of a step."""
+        """Return a chain with this accuracy in both stages, in one its own where that is finer.
+
+        None where one states its tolerance of a step.
+        """
         scenes = self.first, self.second
         if any(scene.numerics.rtol is not None for scene in scenes):
             return None
-        first, second = (replace(each, numerics=replace(each.numerics, accuracy=accuracy)) for each in scenes)
+        first, second = (
+            replace(each, numerics=replace(each.numerics, accuracy=min(each.numerics.accuracy, accuracy)))
+            for each in scenes
+        )
         return replace(self, first=first, second=second)
 
     def value_at(self, path: str) -> Any:
@@ -135,6 +141,12 @@ class StageChain:
         stage, _, own = path.partition(".")
         scenes = dict(zip(STAGE_NAMES, (self.first, self.second), strict=True))
         return value_at(scenes[stage], own) if stage in scenes else getattr(self.intercooler, own, None)
+
+    def faults(self) -> tuple[str, ...]:
+        """Return what does not fit together in either stage, its stage before the path."""
+        from screwsim.study.stages.solve import chain_faults
+
+        return chain_faults(self)
 
     def solved(self) -> Result:
         """Return the figures of both stages together."""

@@ -18,6 +18,7 @@ from screwsim.outputs.customary import in_bar, in_celsius
 from screwsim.scene import Scene, cross_check, lines, scene_text, with_values
 from screwsim.scene.types import ActiveEffect
 from screwsim.simulate import simulate
+from screwsim.study.stages.axes import SOLVED
 from screwsim.study.stages.figures import ChainEnds, StagePair, chain_figures, delivery_temperature
 from screwsim.study.stages.read import UNLOADED_STAGE, StageChain
 from screwsim.study.stages.result import ChainResult, chain_errors, delivery_temperature_figure, idle_cooler
@@ -43,15 +44,19 @@ class Stop(Exception):
 
 
 def _set_lines(scene: Scene, which: str, p_s: float, state: tuple[str, float], p_d: float) -> Scene:
-    name, value = state  # of the suction gas, besides its pressure
-    values: dict[str, Any] = {f"operation.{each}": None for each in _STATED}
-    values |= {"operation.suction.temperature": None, "operation.suction.pressure": p_s}
-    values |= {f"operation.suction.{name}": value}
-    changed = with_values(replace(scene, sweep={}, joints=()), {**values, "operation.discharge.pressure": p_d})
+    changed = _with_lines(scene, p_s, state, p_d)
     faults = cross_check(changed)
     if faults:
         raise Stop("failed", f"the {which} stage, {p_s / 1e5:.4g} to {p_d / 1e5:.4g} bar: {faults[0]}")
     return replace(changed, text=scene_text(changed))
+
+
+def _with_lines(scene: Scene, p_s: float, state: tuple[str, float], p_d: float) -> Scene:
+    name, value = state  # of the suction gas, besides its pressure
+    values: dict[str, Any] = {f"operation.{each}": None for each in _STATED}
+    values |= {"operation.suction.temperature": None, "operation.suction.pressure": p_s}
+    values |= {f"operation.suction.{name}": value}
+    return with_values(replace(scene, sweep={}, joints=()), {**values, "operation.discharge.pressure": p_d})
 
 
 def _with_separator(scene: Scene) -> Scene:
@@ -263,6 +268,30 @@ class ChainSolver:
             return chain_errors(pair, lambda each: chain_figures(self.ends, each)[0], beside, warmer), ()
         except (Stop, UsageError) as stop:
             return Figures(), (f"the errors of the two-stage figures could not be estimated: {stop}",)
+
+
+def chain_faults(chain: StageChain) -> tuple[str, ...]:
+    """Return what does not fit together in a stage at any pressure between both that is tried first.
+
+    Such a chain has no solution. What concerns the line between both is left to the solution, which finds that line.
+    """
+    try:
+        low, high = lines(chain.first), lines(chain.second)
+    except UsageError:
+        return ()  # solving tells of it
+    if not low.p_s < high.p_d:
+        return ()  # likewise
+    suction = ("temperature", low.T_s) if low.quality is None else ("quality", low.quality)
+    pressures = [low.p_s * (high.p_d / low.p_s) ** share for share in START_FRACTIONS]
+    trials = {
+        "first": [_with_lines(chain.first, low.p_s, suction, p) for p in pressures],
+        "second": [_with_lines(chain.second, p, ("temperature", high.T_s), high.p_d) for p in pressures],
+    }
+    found: list[str] = []
+    for stage, scenes in trials.items():
+        faults = [[each for each in cross_check(scene) if not each.path.startswith(SOLVED[stage])] for scene in scenes]
+        found += [f"{stage}.{each}" for each in faults[0]] if all(faults) else []
+    return tuple(found)
 
 
 def run_stages(chain: StageChain) -> ChainResult:
