@@ -48,7 +48,9 @@ def print_optimum(scene: Varied, asked: Question, rows: Sequence[Best]) -> None:
     say(wrapped(f"{word} {shown_name(asked.figure)} over {asked.path}, {ends}"))
     say()
     paths = [path for path in scene.sweep if path != asked.path]
-    heads = [*column_heads([*paths, asked.path]), "as good"]
+    *heads, sought = column_heads([*paths, asked.path])
+    own = asked.path.rpartition(".")[2]  # in one line, as it was typed, where that is enough
+    heads += [own if sought == own.replace("_", " ") else sought, "as good"]
     heads += [shown_name(asked.figure), "error", *map(shown_name, _beside(rows)), "accuracy", "simulated"]
     print_table(heads, [_cells(scene, asked, paths, row, _beside(rows)) for row in rows])
     notes: dict[str, list[str]] = {}
