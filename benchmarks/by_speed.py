@@ -1,8 +1,10 @@
 """Print the evaluations of a point over speed: for closing alone, and for closing with the error estimate.
 
-Run: python benchmarks/by_speed.py [SPEEDS]. Three machines, the paper's, the same with carried oil, and one on R134a,
+Run: python benchmarks/by_speed.py [SPEEDS | circuits]. Three machines (the paper's, it with carried oil, one on R134a) are
 run at 25 speeds (or SPEEDS) from 250 to 10 000 rpm in equal ratios, each from its own first guess.
 `numerics.rhs_evaluations` of a result counts closing alone. The counts hardly depend on the computer.
+
+With `circuits`: closing of shipped scenes with an oil circuit or a package, each at shares of its own speed.
 """
 
 from __future__ import annotations
@@ -15,7 +17,8 @@ import numpy as np
 
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import problem_of
-from screwsim.scene import Scene, load
+from screwsim.scene import Scene, load, with_values
+from screwsim.simulate import simulate
 from screwsim.solve.accurately import solve
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -23,6 +26,12 @@ PAPER, REAL = ROOT / "configs" / "paper" / "point.yaml", ROOT / "tests" / "plain
 MACHINES = {"paper": (PAPER, ()), "carried oil": (PAPER, ("oil.transport=carried",)), "R134a": (REAL, ())}
 SLOWEST, FASTEST, COUNT = 250.0, 10_000.0, 25
 WANTED = 10_000  # evaluations per point that should suffice
+CIRCUITS = (
+    *(f"air/{name}" for name in ("fixed_speed_7", "fixed_speed_10", "variable_speed_7", "variable_speed_10")),
+    *("air/humid_package", "air/moist", "r134a/separator", "r134a/compact", "two_stage/air_low", "two_stage/air_high"),
+    "everything",
+)
+SHARES = (0.4, 0.6, 0.8, 1.0, 1.15, 1.3)  # of the scene's own speed
 
 
 def evaluations(scene: Scene) -> tuple[str, int, int]:
@@ -50,9 +59,29 @@ def main(speeds: int = COUNT) -> None:
     print(_line(f"> {WANTED}", [sum(count > WANTED for count in column) for column in columns]))
 
 
+def with_circuits() -> None:
+    """Print a row of evaluations for each scene with an oil circuit or a package, and their mean."""
+    print(f"{'of its speed':24}" + "".join(f"{share:>9g}" for share in SHARES) + f"{'mean':>9}")
+    counts = []
+    for name in CIRCUITS:
+        scene = load(ROOT / "configs" / f"{name}.yaml")
+        results = [
+            simulate(with_values(scene, {"operation.speed": share * scene.operation.speed}), trace=False)
+            for share in SHARES
+        ]
+        row = [int(result.numerics.rhs_evaluations) for result in results]
+        counts += row
+        marks = "".join(f" ({result.status})" for result in results if result.status != "ok")
+        print(f"{name:24}" + "".join(f"{count:>9}" for count in row) + f"{statistics.mean(row):>9.0f}" + marks)
+    print(f"{'mean':24}{statistics.mean(counts):>{9 * (len(SHARES) + 1)}.0f}")
+
+
 def _line(first: str, counts: list[int]) -> str:
     return f"{first:>8}" + "".join(f"{count:>{11 if i % 2 else 16}}" for i, count in enumerate(counts))
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    if sys.argv[1:] == ["circuits"]:
+        with_circuits()
+    else:
+        main(*map(int, sys.argv[1:]))
