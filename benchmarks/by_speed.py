@@ -1,7 +1,7 @@
 """Print the evaluations of a point over speed: for closing alone, and for closing with the error estimate.
 
-Run: python benchmarks/by_speed.py [SPEEDS | circuits]. Three machines (the paper's, it with carried oil, one on R134a) are
-run at 25 speeds (or SPEEDS) from 250 to 10 000 rpm in equal ratios, each from its own first guess.
+Run: python benchmarks/by_speed.py [SPEEDS | circuits]. Three machines (the paper's, it with carried oil, one on R134a)
+are run at 25 speeds (or SPEEDS) from 250 to 10 000 rpm in equal ratios, each from its own first guess.
 `numerics.rhs_evaluations` of a result counts closing alone. The counts hardly depend on the computer.
 
 With `circuits`: closing of shipped scenes with an oil circuit or a package, each at shares of its own speed.
