@@ -27,6 +27,7 @@ from screwsim.study.coolprop_back_end import machinery_with_coolprop
 
 ROOT = Path(__file__).resolve().parent.parent
 CONFIGS = ROOT / "configs"
+KEPT = "effects.separator.cooler.discharge_temperature"
 POINT = CONFIGS / "paper" / "point.yaml"
 REAL = ROOT / "tests" / "plain" / "r134a.yaml"
 RPM = 2.0 * np.pi / 60.0
@@ -122,6 +123,20 @@ COURSES = (
         CONFIGS / "air" / "fixed_speed_7.yaml",
         "operation.speed",
         RPM * np.linspace(2950, 1475, 11),
+        2950,
+    ),
+    (
+        "package, thermostat at 70 to 86 degC",
+        CONFIGS / "air" / "fixed_speed_7.yaml",
+        KEPT,
+        273.15 + np.arange(70, 87, 2),
+        2950,
+    ),
+    (
+        "R134a, thermostat at 62 to 70 degC",
+        CONFIGS / "r134a" / "separator.yaml",
+        KEPT,
+        273.15 + np.arange(62, 71),
         2950,
     ),
 )
