@@ -120,7 +120,7 @@ class Geometry(MachineGeometry):
         if self.profile is None:
             return None
         turned, rotors = self.life - angle if self.expands else angle, self.profile.rotors
-        slope = rotors.sections.male_slope(turned - self.profile.born + rotors.start, rotors.wrap, rotors.length)
+        slope = rotors.male_slope(turned - self.profile.born + rotors.start)
         return -slope if self.expands else slope
 
     def volume_law(self) -> VolumeKernels:
