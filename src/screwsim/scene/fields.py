@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cache, lru_cache
 from typing import Any
 
+from screwsim.effects import catalogue
 from screwsim.inputs.declare import KINDS, LEAF, Leaf
 from screwsim.inputs.suggestions import names_containing, nearest, paths_ending_in
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW, find_machine
@@ -137,12 +138,11 @@ def value_at(scene: Scene, path: str) -> Any:
 def sweep_leaf(
     path: str,
     parameters: Mapping[str, type],
-    known: Iterable[str] = (),
     kind: str = TWIN_SCREW,
     before: str = "",
     fixed: tuple[str, ...] = (),
 ) -> Leaf:
-    """Return the leaf of a path that may be varied; raise `Refused`. `known` are names of effects not active.
+    """Return the leaf of a path that may be varied; raise `Refused`.
 
     `before` stands before the paths that a refusal names, and those that begin with `fixed` are not offered.
     """
@@ -153,7 +153,7 @@ def sweep_leaf(
     if leaf is not None:
         raise Refused("cannot be varied (only quantities, numbers, choices and the fluid can)")
     head, _, rest = path.partition(".")
-    inactive = next((name for name in known if rest == name or rest.startswith(f"{name}.")), None)
+    inactive = next((name for name in catalogue() if rest == name or rest.startswith(f"{name}.")), None)
     if head == "effects" and inactive is not None and inactive not in parameters:
         raise Refused(f"the effect {inactive} is not active (name it under effects, or remove this axis)")
     below = [name for name in leaves if name.startswith(f"{path}.")]
