@@ -19,7 +19,7 @@ from screwsim.numerics.spline import features, read_curve, slope_oscillation, ta
 
 if TYPE_CHECKING:
     from screwsim.machine.geometry import Geometry
-    from screwsim.machine.profile_tables import Table
+    from screwsim.machine.profile_law import Table
     from screwsim.machine.settings import DischargePort, SuctionPort
 
 ROUNDED = 1e-6  # [degree] allowance for rounded angles of rows
