@@ -126,7 +126,7 @@ def _torques_by_virtual_work(pressures: Pressures, angle: Array) -> dict[str, Ar
     first = math.ceil((rotors.start - pitch) / pitch)
     phi = angle[:, None] + pitch * np.arange(first, math.ceil(rotors.wrap / pitch) + 1)
     p = pressures.at(phi) - pressures.low
-    male = rotors.sections.male_slope(phi, rotors.wrap, rotors.length)
+    male = rotors.male_slope(phi)
     both = rotors.volume_slope(phi)
     alive = (phi >= rotors.start) & (phi <= rotors.wrap)
     own, other = (np.where(alive, -p * slope, 0.0).sum(axis=1) for slope in (male, both - male))

@@ -10,7 +10,7 @@ from typing import Any
 from screwsim.inputs.arguments import checked_arguments, one_of
 from screwsim.outputs import Result
 from screwsim.outputs.derivatives import Derivatives
-from screwsim.scene.argument import scene_of
+from screwsim.scene.load import scene_of
 from screwsim.scene.types import Scene
 from screwsim.simulate import Trace
 from screwsim.simulate import simulate as simulated

@@ -1,7 +1,6 @@
 """The texts of new scenes: template files in this folder, in which `$name` is replaced by a value."""
 
 from collections.abc import Mapping
-from functools import cache
 from importlib.resources import files
 from string import Template
 
@@ -13,14 +12,10 @@ from screwsim.template import sizes
 from screwsim.template.request import SceneRequest
 
 
-@cache
-def _template(name: str) -> Template:
-    return Template(files("screwsim.template").joinpath(f"{name}.template").read_text(encoding="utf-8"))
-
-
 def filled(name: str, values: Mapping[str, str]) -> str:
     """Return a text with its values filled in; each name must have one."""
-    return _template(name).substitute(values)
+    text = files("screwsim.template").joinpath(f"{name}.template").read_text(encoding="utf-8")
+    return Template(text).substitute(values)
 
 
 def sized(flow: float, speed: float) -> sizes.Size:
