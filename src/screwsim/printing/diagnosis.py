@@ -42,15 +42,16 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
 
 
 def _hypothesis(each: Hypothesis) -> dict[str, Any]:
-    own = ("probability", "log_evidence", "misfit", "freedom", "value", "change", "low", "high", "linear", "also")
-    return {"path": each.path or None, **picked(each, *own), "changes": [one._asdict() for one in each.changes]}
+    only = {name: getattr(each.only, name, None) for name in ("value", "change", "low", "high")}
+    told = {"path": each.path or None, **picked(each, "probability", "log_evidence", "misfit", "freedom"), **only}
+    return told | picked(each, "linear", "also") | {"changes": [one._asdict() for one in each.changes]}
 
 
 def print_diagnosis(found: Diagnosis) -> None:
     """Print the hypotheses, the most probable first, and what the points cannot distinguish."""
     fit = found.fit
     print_scene_title(fit.title or fit.scene.title)
-    points = [point for point in fit.points if point.fitted]
+    points = fit.fitted
     figures = sum(len(point.measured) for point in points)
     count = f"{len(points)} points, {figures} measured figures, {found.solutions} solutions"
     say(

@@ -4,7 +4,6 @@ A chain needs some hundred thousand evaluations; polynomials over the relevant r
 estimated from each solution's deviation from the fit to the others.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
@@ -102,9 +101,3 @@ def fitted(fit: Fit, low: Array, high: Array, places: Array, rows: list[FigureRo
     left_out = (values - design @ coefficients) / np.maximum(1.0 - leverage, 1e-6)[:, None]
     off = np.sqrt(np.mean(left_out**2, axis=0))
     return Emulator(keys, low, high, coefficients, off, len(rows) * len(fit.points), len(rows) - int(sum(whole)))
-
-
-def measured_values(fit: Fit) -> tuple[Mapping[Key, float], Mapping[Key, float]]:
-    """Return measured values and their standard uncertainties [SI]."""
-    pairs = [((point.name, name), each) for point in fit.points for name, each in point.measured.items()]
-    return {key: each.value for key, each in pairs}, {key: each.uncertainty for key, each in pairs}

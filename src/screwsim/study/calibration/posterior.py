@@ -14,7 +14,7 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.study.calibration.answers import QUANTILES, ParameterInterval, Posterior, PredictiveCheck
-from screwsim.study.calibration.emulator import Emulator, Key, emulate, figures_at, measured_values
+from screwsim.study.calibration.emulator import Emulator, Key, emulate, figures_at
 from screwsim.study.calibration.fit import Fit, Parameter
 from screwsim.study.calibration.residuals import Array, Simulate
 from screwsim.study.calibration.solve import Calibration
@@ -145,7 +145,7 @@ def posterior(
     if not found.values:
         return Posterior(found.fit, "failed", f"there is no fit to start from: {found.message}")
     reach = np.maximum(REGION_WIDTH * _errors(found), LEAST_REGION)
-    places = np.array([parameter.place(found.values[parameter.path]) for parameter in found.fit.parameters])
+    places = found.fit.places(found.values)
     low, high = np.maximum(0.0, places - reach), np.minimum(1.0, places + reach)
     solutions = failed = widened = 0
     while True:
@@ -186,14 +186,14 @@ def _widened(low: Array, high: Array, cut: np.ndarray) -> tuple[Array, Array]:
 
 
 def _problem(fit: Fit, emulator: Emulator) -> _LogPosterior:
-    values, uncertainties = measured_values(fit)
-    fitted = {point.name for point in fit.points if point.fitted}
+    measured = [each for point in fit.points for each in point.measured.values()]  # as the emulator has them
+    fitted = {point.name for point in fit.fitted}
     figures = tuple(dict.fromkeys(figure for point, figure in emulator.keys if point in fitted))
     which = np.array([figures.index(figure) if figure in figures else 0 for _, figure in emulator.keys])
-    uncertainty = np.array([uncertainties[key] for key in emulator.keys])
+    uncertainty = np.array([each.uncertainty for each in measured])
     used = np.array([point in fitted for point, _ in emulator.keys])
     scale = np.array([np.median(uncertainty[used & (which == i)]) for i in range(len(figures))])
-    value = np.array([values[key] for key in emulator.keys])
+    value = np.array([each.value for each in measured])
     return _LogPosterior(fit, emulator, figures, which, used, value, uncertainty, scale)
 
 
@@ -212,7 +212,7 @@ class _Chain:
 def _sampled_chain(emcee: Any, problem: _LogPosterior, found: Calibration, most: int) -> _Chain:
     """Return states of the posterior, after as many steps as convergence takes, or the most allowed."""
     generator = np.random.default_rng(found.fit.seed)
-    places = np.array([parameter.place(found.values[parameter.path]) for parameter in found.fit.parameters])
+    places = found.fit.places(found.values)
     width = problem.emulator.high - problem.emulator.low
     walkers = WALKERS * problem.size
     spread = np.minimum(0.05 * width, _errors(found))

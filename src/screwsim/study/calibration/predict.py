@@ -49,7 +49,7 @@ def posterior_with_predictions(
 
 def known_figures(fit: Fit, points: Sequence[Point]) -> tuple[str, ...]:
     """Return the figures that the fitted points measure; raise UsageError where others are to be predicted."""
-    known = tuple(dict.fromkeys(name for point in fit.points if point.fitted for name in point.measured))
+    known = tuple(dict.fromkeys(name for point in fit.fitted for name in point.measured))
     for point in points:
         for name in point.measured:
             if name not in known:

@@ -262,7 +262,7 @@ def _check(fit: Fit, rows: list[tuple[Point, Position]], root: Node, fixed: bool
     for point, place in rows:
         for fault in cross_check(fit.at(point, start)):
             problems.add(place, fault.path, fault.what)
-    data = sum(len(point.measured) for point in fit.points if point.fitted)
+    data = sum(len(point.measured) for point in fit.fitted)
     priors = sum(prior_of(fit.scene, parameter) is not None for parameter in fit.parameters)
     if not data or (fixed and data + priors < len(fit.parameters)):
         what = f"{data} measured figures and {priors} priors cannot determine {len(fit.parameters)} parameters"

@@ -67,10 +67,6 @@ class Objective:
     _slopes: tuple[tuple[bytes, int], Array] | None = None
     _warm: dict[str, Simulate] = field(default_factory=dict)
 
-    @property
-    def points(self) -> list[Point]:
-        return [point for point in self.fit.points if point.fitted]
-
     def values(self, places: Array) -> dict[str, float]:
         """Return the parameters [SI] at places."""
         inside = np.clip(places, 0.0, 1.0)
@@ -84,17 +80,17 @@ class Objective:
 
     def _outcome(self, places: Array) -> Residuals:
         values = self.values(places)
-        found = [self.solved(point, values) for point in self.points]
-        pairs = zip(self.points, found, strict=True)
+        found = [self.solved(point, values) for point in self.fit.fitted]
+        pairs = zip(self.fit.fitted, found, strict=True)
         every = [(result.performance.get(name), one) for point, result in pairs for name, one in point.measured.items()]
         residuals = [_residual(value, measured) for value, measured in every]
         unsolved = [value is None for value, _ in every] + [False] * len(self.fit.held)
         held = [self.fit.parameters[i] for i in self.fit.held]
         off = [each.prior.off(values[each.path]) for each in held if each.prior is not None]
         residuals += (self.fit.whitener @ off).tolist() if self.fit.together else off
-        why = {point.name: result.why_not(point.measured) for point, result in zip(self.points, found, strict=True)}
+        why = {point.name: result.why_not(point.measured) for point, result in zip(self.fit.fitted, found, strict=True)}
         reasons = {name: reason for name, reason in why.items() if reason}
-        pairs = zip(self.points, found, strict=True)
+        pairs = zip(self.fit.fitted, found, strict=True)
         warned = {point.name: result.warnings for point, result in pairs if result.warnings}
         figures = tuple(result.performance for result in found)
         outcome = Residuals(np.array(residuals), figures, reasons, np.array(unsolved, bool), warned)
@@ -125,7 +121,7 @@ class Objective:
         if self._slopes is None or self._slopes[0] != (places.tobytes(), sides):
             outcome, values = self.outcome(places), self.values(places)
             self.jacobians += 1
-            pairs = zip(self.points, outcome.figures, strict=True)
+            pairs = zip(self.fit.fitted, outcome.figures, strict=True)
             rows = [self.point_slopes(point, places, figures, sides) for point, figures in pairs]
             priors = np.zeros((len(self.fit.held), len(places)))
             for row, index in enumerate(self.fit.held):

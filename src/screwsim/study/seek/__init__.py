@@ -15,7 +15,7 @@ from screwsim.scene.grid import with_sweep_over
 from screwsim.study.figures import figure_of
 from screwsim.study.goals import Goal, read_figure, read_goals
 from screwsim.study.inputs import check_fit, read_text, shown_value
-from screwsim.study.optimum import Simulate
+from screwsim.study.optimum import Simulate, simulator
 from screwsim.study.parallel import WarmSimulation, parallel_map
 from screwsim.study.progress import Progress, progress_of
 from screwsim.study.seek import one_goal, several_goals
@@ -133,9 +133,7 @@ def find_each(
     check_fit(case(rest, 0), varied, ", ".join(varied))
     count = case_count(rest)
     if simulate is None and count > 1 and jobs != 1:
-        from screwsim.simulate import warm_up
-
-        warm_up(with_values(case(rest, 0), varied))  # before the fork
+        simulator(with_values(case(rest, 0), varied))  # compiled before the fork
     return parallel_map(
         partial(_answer_at_point, rest, asked, simulate),
         count,
