@@ -29,10 +29,9 @@ if TYPE_CHECKING:
     from screwsim.outputs import Result
     from screwsim.results import open_results
     from screwsim.scene import Scene, load, loads, schema
-    from screwsim.study.local import sensitivities
+    from screwsim.study.local import sensitivities, simulate
     from screwsim.study.map_points import evaluate_map
     from screwsim.study.optimize import optimize
-    from screwsim.study.point import simulate
     from screwsim.study.seek import find
     from screwsim.study.sweep import run_sweep, sweep
     from screwsim.study.uncertain import uncertainty
@@ -95,7 +94,7 @@ _HOMES = {
     "run_sweep": "screwsim.study.sweep",
     "schema": "screwsim.scene",
     "sensitivities": "screwsim.study.local",
-    "simulate": "screwsim.study.point",
+    "simulate": "screwsim.study.local",
     "sweep": "screwsim.study.sweep",
     "tabulate": "screwsim.api",
     "uncertainty": "screwsim.study.uncertain",

@@ -174,7 +174,7 @@ def bent(scene):
 def test_a_second_value_that_fits_as_well_is_told(tmp_path):
     gap = by_path(asked(tmp_path, points(lambda n: 5.0 + 0.2 * 2.0**2 + 2.0 * n), bent))[GAP]
     assert gap.probability > 0.9 and gap.linear == ""
-    assert sorted((gap.only.value, *gap.also)) == pytest.approx([2e-5, 6e-5], rel=0.1)
+    assert sorted((gap.value, *gap.also)) == pytest.approx([2e-5, 6e-5], rel=0.1)
 
 
 def test_the_likelihood_between_solutions_is_that_of_the_model(tmp_path):
@@ -195,7 +195,7 @@ def test_the_likelihood_between_solutions_is_that_of_the_model(tmp_path):
 
 def test_a_likely_change_is_solved_again_at_its_estimate(tmp_path):
     gap = by_path(asked(tmp_path, points(lambda n: 2.0 + 2.0 * n), squared))[GAP]
-    assert gap.linear == "" and gap.only.value == pytest.approx(1e-5 * np.sqrt(10.0), rel=0.05) and gap.misfit < 20.0
+    assert gap.linear == "" and gap.value == pytest.approx(1e-5 * np.sqrt(10.0), rel=0.05) and gap.misfit < 20.0
     assert gap.also == ()
 
 

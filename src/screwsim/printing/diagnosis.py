@@ -42,9 +42,8 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
 
 
 def _hypothesis(each: Hypothesis) -> dict[str, Any]:
-    only = {name: getattr(each.only, name, None) for name in ("value", "change", "low", "high")}
-    told = {"path": each.path or None, **picked(each, "probability", "log_evidence", "misfit", "freedom"), **only}
-    return told | picked(each, "linear", "also") | {"changes": [one._asdict() for one in each.changes]}
+    own = ("probability", "log_evidence", "misfit", "freedom", "value", "change", "low", "high", "linear", "also")
+    return {"path": each.path or None, **picked(each, *own), "changes": [one._asdict() for one in each.changes]}
 
 
 def print_diagnosis(found: Diagnosis) -> None:

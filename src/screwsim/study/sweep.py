@@ -312,7 +312,7 @@ def default_simulate_many(scene: Scene) -> SimulateMany:
 
         many = partial(simulate_with, with_uncertainty, many)
     if scene.output.keeps_slopes:
-        from screwsim.study.point import with_slopes
+        from screwsim.study.local import with_slopes
 
         many = partial(simulate_with, with_slopes, many)
     return many

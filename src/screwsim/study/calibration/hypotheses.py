@@ -51,10 +51,26 @@ class Hypothesis:
     def paths(self) -> tuple[str, ...]:
         return tuple(change.path for change in self.changes)
 
+    def _only(self, name: str) -> float | None:
+        return getattr(self.changes[0], name) if len(self.changes) == 1 else None
+
     @property
-    def only(self) -> Change | None:
-        """The change of the one parameter; None where there are two, or none."""
-        return self.changes[0] if len(self.changes) == 1 else None
+    def value(self) -> float | None:
+        """Estimated present value of the one parameter [SI]."""
+        return self._only("value")
+
+    @property
+    def change(self) -> float | None:
+        """Change of the one parameter [SI]."""
+        return self._only("change")
+
+    @property
+    def low(self) -> float | None:
+        return self._only("low")
+
+    @property
+    def high(self) -> float | None:
+        return self._only("high")
 
 
 class IndistinguishablePair(NamedTuple):

@@ -19,11 +19,11 @@ from screwsim.outputs import Result
 from screwsim.results.table import Table, join, table_of, warnings_at
 from screwsim.scene import Scene
 from screwsim.study.limit import CASE_LIMIT, TimeLimit
+from screwsim.study.local import with_slopes
 from screwsim.study.optimize.evaluate import Evaluation, evaluation_of, simulated
 from screwsim.study.optimize.question import Question
 from screwsim.study.optimum import Simulate
 from screwsim.study.parallel import BatchWorkers, WarmSimulation
-from screwsim.study.point import with_slopes
 from screwsim.study.progress import Progress
 from screwsim.study.shards import Parts
 from screwsim.study.tally import Place, Tally
