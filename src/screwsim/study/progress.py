@@ -220,19 +220,11 @@ class OverwrittenLine(CountingProgress):
         super().__init__(title)
         self._every = every
         self._told = 0.0
+        self._shown = ""
 
-    def advance(self, cases: int, failed: int) -> None:
-        super().advance(cases, failed)
-        self._write_now_and_then()
-
-    def solving(self, cases: int) -> None:
-        if cases != self._ahead:
-            super().solving(cases)
-            self._write_now_and_then()
-
-    def _write_now_and_then(self) -> None:
+    def tick(self) -> None:
         now = self._clock()
-        if now - self._told >= self._every:
+        if self._text() != self._shown and now - self._told >= self._every:
             self._told = now
             self._write("")
 
@@ -240,8 +232,11 @@ class OverwrittenLine(CountingProgress):
         self._write("\n")
 
     def _write(self, end: str) -> None:
-        told = f"\r{self._title}: {self._done} of {self._cases}{self._failures()}"
-        print(told, end=end, file=sys.stderr, flush=True)
+        self._shown = self._text()
+        print(f"\r{self._shown}", end=end, file=sys.stderr, flush=True)
+
+    def _text(self) -> str:
+        return f"{self._title}: {self._done} of {self._cases}{self._failures()}"
 
 
 class NotebookBar(CountingProgress):

@@ -293,7 +293,7 @@ def _emulator_error(
     shifted by more of its own standard deviation.
     """
     some, widths = problem.parted(draws[:CHECKED_DRAWS])
-    rows = [figures_at(problem.fit, some, simulate, number) for number in range(len(some))]
+    rows = [figures_at(problem.fit, places, simulate) for places in some]
     known = np.array([bool(np.isfinite(row.figures).all()) for row in rows])
     if not known.any():
         return None, None, len(rows)

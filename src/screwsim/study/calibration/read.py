@@ -19,6 +19,7 @@ from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose, joi
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Parameter, Point, Prior, Tie, prior_of
 from screwsim.study.inputs import DISCRETE_KINDS, shown_value
+from screwsim.study.varied import with_accuracy
 
 ACCURACY = 1e-4  # of the solutions of a fit, where neither the fit nor its scene asks for a better one
 HEAD_FIELDS = {
@@ -113,11 +114,8 @@ def _is_file(root: Node, key: str, name: str, problems: LocatedFaults) -> bool:
 
 def _with_fit_accuracy(scene: Scene, accuracy: float | None) -> Scene:
     """Return the scene with the accuracy of a fit, unless it states a tolerance of its own."""
-    numerics = scene.numerics
-    if numerics.rtol is not None:
-        return scene
-    wanted = min(numerics.accuracy, ACCURACY) if accuracy is None else accuracy
-    return replace(scene, numerics=replace(numerics, accuracy=wanted))
+    wanted = min(scene.numerics.accuracy, ACCURACY) if accuracy is None else accuracy
+    return with_accuracy(scene, wanted) or scene
 
 
 def _parameters(root: Node, scene: Scene, problems: LocatedFaults) -> tuple[Parameter, ...]:

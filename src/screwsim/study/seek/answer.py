@@ -14,7 +14,7 @@ from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene
 from screwsim.scene.units import NUMBER
 from screwsim.study.goals import Goal
-from screwsim.study.inputs import read_text, shown_figure, shown_value
+from screwsim.study.inputs import read_text, shown_figure, shown_value, unit_behind
 from screwsim.study.seek import one_goal, several_goals
 from screwsim.study.seek.trials import Trial, Trials
 from screwsim.study.spans import LOWER, UPPER, Span
@@ -183,8 +183,7 @@ def _off(trials: Trials) -> list[float]:
 def read_catalogue(scene: Scene, path: str, text: str) -> tuple[float, ...]:
     """Return the sizes [SI] of '140, 163, 204 mm', ascending; a unit holds for all earlier numbers without one."""
     parts = [part.strip() for part in text.split(",")]
-    last = re.fullmatch(rf"{NUMBER}\s*(.*)", parts[-1])
-    unit = last[1].strip() if last else ""
+    unit = unit_behind(parts[-1])
     whole = [f"{part} {unit}" if re.fullmatch(NUMBER, part) and unit else part for part in parts]
     try:
         sizes = [read_text(scene, path, part) for part in whole if part]
