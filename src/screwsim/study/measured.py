@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from screwsim.figures import declared
+from screwsim.figures.errors import error_in_unit
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, leaf_of, with_values

@@ -98,31 +98,32 @@ def border_note(border: str, beyond: str, remedy: str = "") -> str:
     return f"at the {border} of the range; a better value may lie beyond, so widen it{remedy}"
 
 
-def read_spans(scene: Varied, texts: Iterable[str], *, ranged: bool, sizes: Sequence[float] = ()) -> tuple[Span, ...]:
+def read_spans(
+    scene: Varied,
+    vary: Iterable[str] | Mapping[str, tuple[float, float] | None],
+    *,
+    ranged: bool,
+    sizes: Sequence[float] = (),
+) -> tuple[Span, ...]:
     """Return the spans of the texts of --vary, PATH=LOW..HIGH or PATH alone; raise UsageError in one line.
 
     Without a stated range it is that of `sizes` (a catalogue), of the sweep's axis, or of the schema, which does
-    not count with `ranged`.
+    not count with `ranged`. Of a mapping they are those of paths between two values [SI] each, where None stands for
+    the range of the schema.
     """
+    if isinstance(vary, Mapping):
+        return tuple(_span_between(scene, path, ends, ranged) for path, ends in vary.items())
     default = partial(_default_range, scene, ranged, sizes)
-    return read_ranges(scene, texts, "--vary", "operation.speed=1000 rpm..4500 rpm", default)
+    return read_ranges(scene, vary, "--vary", "operation.speed=1000 rpm..4500 rpm", default)
 
 
-def spans_between(scene: Varied, vary: Mapping[str, tuple[float, float] | None], *, ranged: bool) -> tuple[Span, ...]:
-    """Return the spans of paths between two values [SI] each; raise UsageError in one line.
-
-    None stands for the range of the schema, which does not count with `ranged`.
-    """
-    found = []
-    for path, ends in vary.items():
-        check_continuous(scene, path)
-        whole = ends
-        if ends is None and not ranged and isinstance(scene, Scene):
-            whole = schema_range(scene, path)
-        if whole is None and not ranged:
+def _span_between(scene: Varied, path: str, ends: tuple[float, float] | None, ranged: bool) -> Span:
+    check_continuous(scene, path)
+    if ends is None and not ranged:
+        ends = schema_range(scene, path) if isinstance(scene, Scene) else None
+        if ends is None:
             raise UsageError(f"{path}: has no range (give two values [SI], the lower one first)")
-        found.append(span_of(scene, path, *ordered_ends(path, whole)))
-    return tuple(found)
+    return span_of(scene, path, *ordered_ends(path, ends))
 
 
 def read_ranges(

@@ -21,7 +21,7 @@ from screwsim.study.progress import Progress, progress_of
 from screwsim.study.seek import one_goal, several_goals
 from screwsim.study.seek.answer import GoalSeekAnswer, answer_of_trials, next_size, read_catalogue
 from screwsim.study.seek.trials import ReportedSimulation, Trial, Trials
-from screwsim.study.spans import Span, read_spans, spans_between
+from screwsim.study.spans import Span, read_spans
 from screwsim.study.varied import Varied
 from screwsim.study.workers import WORKER_DIED
 
@@ -56,10 +56,7 @@ def question(scene: Scene, vary: VaryArgument, goals: GoalsArgument, catalogue: 
     path = next((str(each).partition("=")[0].strip() for each in vary), "")
     sizes = read_catalogue(scene, path, catalogue) if isinstance(catalogue, str) and catalogue else catalogue
     sizes = tuple(sorted(map(float, sizes)))
-    if isinstance(vary, Mapping):
-        spans = spans_between(scene, vary, ranged=False)
-    else:
-        spans = read_spans(scene, vary, ranged=False, sizes=sizes)
+    spans = read_spans(scene, vary, ranged=False, sizes=sizes)
     if len(spans) > len(wanted):
         more, remedy = f"{len(spans)} paths vary for {_count(wanted)}", "screwsim optimize finds the best solution"
         raise UsageError(f"--vary: {more} (vary as many as there are --for; {remedy}, --subject-to the goals)")
