@@ -267,21 +267,25 @@ def _posterior_of_chain(
     elif shift is not None and shift > TOLERATED_SHIFT:
         what = f"the polynomials may shift the results by up to {shift:.2g} standard deviations"
         told.append(f"{what} (narrow the bounds)")
-    rest: dict[str, Any] = {
-        "samples": samples,
-        "widths": widths,
-        "r_hat": chain.r_hat,
-        "autocorrelation": chain.autocorrelation,
-        "steps": chain.steps,
-        "effective": chain.states.shape[0] * chain.states.shape[1] / chain.autocorrelation,
-        "off": off,
-        "solutions": made[0] + CHECKED_DRAWS * len(fit.points),
-        "failed": made[1] + bad,
-        "region": (problem.emulator.low, problem.emulator.high),
-    }
     predicted = tuple(_predictions(problem, places, widths, generator))
-    status = "not converged" if told else "ok"
-    return Posterior(fit, status, "; ".join(told), parameters, discrepancies, predicted, **rest)
+    return Posterior(
+        fit,
+        "not converged" if told else "ok",
+        "; ".join(told),
+        parameters,
+        discrepancies,
+        predicted,
+        samples=samples,
+        widths=widths,
+        r_hat=chain.r_hat,
+        autocorrelation=chain.autocorrelation,
+        steps=chain.steps,
+        effective=chain.states.shape[0] * chain.states.shape[1] / chain.autocorrelation,
+        off=off,
+        solutions=made[0] + CHECKED_DRAWS * len(fit.points),
+        failed=made[1] + bad,
+        region=(problem.emulator.low, problem.emulator.high),
+    )
 
 
 def _emulator_error(
