@@ -163,9 +163,9 @@ class Fit:
         return tuple(point for point in self.points if point.fitted)
 
     @property
-    def held(self) -> tuple[int, ...]:
-        """Indices of the parameters that have a prior."""
-        return tuple(i for i, parameter in enumerate(self.parameters) if parameter.prior is not None)
+    def held(self) -> dict[int, Prior]:
+        """The priors of the parameters that have one, by index."""
+        return {i: each.prior for i, each in enumerate(self.parameters) if each.prior is not None}
 
     @cached_property
     def whitener(self) -> NDArray[np.float64]:
@@ -175,7 +175,7 @@ class Fit:
         """
         correlation = np.eye(len(self.held))
         for group in self.together:
-            rows = [self.held.index(i) for i in group]
+            rows = [list(self.held).index(i) for i in group]
             correlation[np.ix_(rows, rows)] = GROUP_CORRELATION
             correlation[rows, rows] = 1.0
         return np.asarray(np.linalg.inv(np.linalg.cholesky(correlation)), float)

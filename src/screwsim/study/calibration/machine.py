@@ -54,9 +54,8 @@ def inputs_of(fit: Fit, machine: Scene) -> tuple[tuple[Group, ...], dict[Group, 
 
     A parameter's prior replaces the tolerances of its path and of those that follow it.
     """
-    held = [each for each in fit.parameters if each.prior is not None]
-    priors = {(each.path,): each.prior.deviation for each in held if each.prior is not None}
-    known = {path for each in held for path in each.values(0.0)}
+    priors = {(fit.parameters[i].path,): prior.deviation for i, prior in fit.held.items()}
+    known = {path for i in fit.held for path in fit.parameters[i].values(0.0)}
     groups = (tuple(path for path in group if path not in known) for group in groups_of(machine))
     return tuple(group for group in groups if group), priors
 

@@ -240,8 +240,9 @@ def _prior_information(
         diagonal.append(UNIFORM_INFORMATION if prior is None else (one.slope(value) / prior.deviation_at(value)) ** 2)
     known, held = np.diag([*diagonal, *[1.0] * inputs]), replace(fit, scene=machine).with_priors()
     if held.together:
-        of = held.whitener @ np.diag([known[i, i] ** 0.5 for i in held.held])
-        known[np.ix_(held.held, held.held)] = of.T @ of
+        rows = list(held.held)
+        of = held.whitener @ np.diag([known[i, i] ** 0.5 for i in rows])
+        known[np.ix_(rows, rows)] = of.T @ of
     return known, tuple(even)
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from screwsim.inputs.faults import UsageError
 from screwsim.study.calibration.answers import QUANTILES, ParameterInterval, Posterior, PredictiveCheck
 from screwsim.study.calibration.emulator import Emulator, Key, emulate, figures_at
-from screwsim.study.calibration.fit import Fit, Parameter
+from screwsim.study.calibration.fit import Fit, Parameter, Prior
 from screwsim.study.calibration.residuals import Array, Simulate
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.progress import Progress
@@ -64,7 +64,7 @@ class _LogPosterior:
         count = len(self.fit.parameters)
         places = np.array(at[..., :count])
         for i in self._bound:
-            places[..., i] = _places_of_off(self.fit.parameters[i], at[..., i])
+            places[..., i] = _places_of_off(self.fit.parameters[i], self.fit.held[i], at[..., i])
         return places, np.exp(np.clip(at[..., count:], -30.0, 30.0)) * self.scale
 
     @property
@@ -75,9 +75,8 @@ class _LogPosterior:
         """Return the first part of states, from places (n, parameters)."""
         found = np.array(places)
         for i in self._bound:
-            parameter = self.fit.parameters[i]
-            assert parameter.prior is not None
-            found[:, i] = [parameter.prior.off(parameter.value(place)) for place in places[:, i].tolist()]
+            parameter, prior = self.fit.parameters[i], self.fit.held[i]
+            found[:, i] = [prior.off(parameter.value(place)) for place in places[:, i].tolist()]
         return found
 
     def __call__(self, at: Array) -> Array:
@@ -101,10 +100,8 @@ class _LogPosterior:
         """
         total = np.zeros(len(places))
         off = np.zeros((len(self.fit.held), len(places)))
-        for row, i in enumerate(self.fit.held):
+        for row, (i, prior) in enumerate(self.fit.held.items()):
             parameter = self.fit.parameters[i]
-            prior = parameter.prior
-            assert prior is not None
             values = [parameter.value(float(place)) for place in places[:, i]]
             off[row] = [prior.off(value) for value in values]
             if (
@@ -116,10 +113,8 @@ class _LogPosterior:
         return total - 0.5 * np.sum(off**2, axis=0)
 
 
-def _places_of_off(parameter: Parameter, off: Array) -> Array:
-    """Return the places at which a held parameter is so many standard deviations off its prior's mean."""
-    prior = parameter.prior
-    assert prior is not None
+def _places_of_off(parameter: Parameter, prior: Prior, off: Array) -> Array:
+    """Return the places at which a parameter is so many standard deviations off its prior's mean."""
     by = prior.deviation * off
     values = prior.mean * np.exp(np.clip(by, -700.0, 700.0)) if prior.logarithmic else prior.mean + by
     if parameter.logarithmic:

@@ -85,8 +85,7 @@ class Objective:
         every = [(result.performance.get(name), one) for point, result in pairs for name, one in point.measured.items()]
         residuals = [_residual(value, measured) for value, measured in every]
         unsolved = [value is None for value, _ in every] + [False] * len(self.fit.held)
-        held = [self.fit.parameters[i] for i in self.fit.held]
-        off = [each.prior.off(values[each.path]) for each in held if each.prior is not None]
+        off = [prior.off(values[self.fit.parameters[i].path]) for i, prior in self.fit.held.items()]
         residuals += (self.fit.whitener @ off).tolist() if self.fit.together else off
         why = {point.name: result.why_not(point.measured) for point, result in zip(self.fit.fitted, found, strict=True)}
         reasons = {name: reason for name, reason in why.items() if reason}
@@ -124,10 +123,9 @@ class Objective:
             pairs = zip(self.fit.fitted, outcome.figures, strict=True)
             rows = [self.point_slopes(point, places, figures, sides) for point, figures in pairs]
             priors = np.zeros((len(self.fit.held), len(places)))
-            for row, index in enumerate(self.fit.held):
+            for row, (index, prior) in enumerate(self.fit.held.items()):
                 each = self.fit.parameters[index]
-                assert each.prior is not None
-                priors[row, index] = each.prior.slope(values[each.path]) * each.slope(values[each.path])
+                priors[row, index] = prior.slope(values[each.path]) * each.slope(values[each.path])
             rows.append(np.asarray(self.fit.whitener @ priors, float) if self.fit.together else priors)
             self._slopes = (places.tobytes(), sides), np.vstack(rows)
         return self._slopes[1]
