@@ -73,7 +73,7 @@ def _text_over_base(
         put(tree, path, text_of(leaf_of(found, path), value), found.effects)
     if not SIZE_PATHS.isdisjoint(values):
         tree["title"] = quoted(found.title)
-    lines = [f"base: {quoted(os.path.relpath(os.path.realpath(file), os.path.realpath(folder)))}", "sweep: null"]
+    lines = [f"base: {quoted(_relative(file, folder))}", "sweep: null"]
     return "\n".join([*lines, *lines_of(tree)]) + "\n"
 
 
