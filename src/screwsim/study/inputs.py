@@ -89,6 +89,11 @@ def shown_value(scene: Varied, path: str, value: Any, digits: int = 5) -> str:
     return f"{shown_number(scene, path, value, digits)} {unit}".strip()
 
 
+def shown_range(scene: Varied, path: str, low: Any, high: Any) -> str:
+    """Return two values [SI] of a path as `shown_value` does, with dots between them."""
+    return " … ".join(shown_value(scene, path, end) for end in (low, high))
+
+
 def shown_number(scene: Varied, path: str, value: Any, digits: int = 4) -> str:
     """Return a value [SI] of a path as `shown_value` does, without its unit."""
     number, unit = in_customary(scene, path, value)

@@ -12,7 +12,7 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, case_count, case_values
 from screwsim.scene.grid import with_sweep_over
 from screwsim.study.figures import figure_of
-from screwsim.study.inputs import check_continuous, check_fit, ends_of, read_text, shown_value, usual_efficiency
+from screwsim.study.inputs import check_continuous, check_fit, ends_of, read_text, shown_range, usual_efficiency
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
 from screwsim.study.search import COARSE_POINTS, Maximum, SearchPoint, find_maximum
@@ -103,8 +103,7 @@ def question(
     texts = ((first, min), (last, max))
     ends = [choose(axis) if text is None else read_text(scene, path, text) for text, choose in texts]
     if not ends[0] < ends[1]:
-        shown = " … ".join(shown_value(scene, path, end) for end in ends)
-        raise UsageError(f"{path}: the range {shown} is empty ({lower})")
+        raise UsageError(f"{path}: the range {shown_range(scene, path, *ends)} is empty ({lower})")
     return Question(path, *ends, figure=figure, minimum=minimum)
 
 

@@ -16,7 +16,7 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene
 from screwsim.scene.sizes import sizes_of
 from screwsim.scene.values import text_of
-from screwsim.study.inputs import check_continuous, ends_of, read_text, shown_value
+from screwsim.study.inputs import check_continuous, ends_of, read_text, shown_range
 from screwsim.study.varied import Varied, leaf_of, read_value, value_at
 
 LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on a search uses the logarithm
@@ -154,7 +154,7 @@ def read_ranges(
         else:
             raise UsageError(stated)
         if not low < high:
-            shown = " … ".join(shown_value(scene, path, end) for end in (low, high))
+            shown = shown_range(scene, path, low, high)
             raise UsageError(f"{option} {path}: the range {shown} is empty (LOW must be below HIGH)")
         found[path] = span_of(scene, path, low, high)
     if not found:

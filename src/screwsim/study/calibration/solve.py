@@ -11,14 +11,13 @@ from typing import Any
 import numpy as np
 
 from screwsim.inputs.faults import Interrupted
-from screwsim.outputs import Figures
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_text
 from screwsim.study.calibration.descent import LEAST_GAIN, least_squares
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, TOLERANCE_REMEDY, Fit, Measurement, Point
 from screwsim.study.calibration.identifiability import Certainty, active_bounds, certainty
 from screwsim.study.calibration.machine import prepare
-from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Residuals, Simulate
+from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Residuals, Simulate, reasons_of
 from screwsim.study.inputs import shown_value
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
@@ -312,16 +311,12 @@ def _compared(
     asked: Objective, outcome: Residuals, values: dict[str, float]
 ) -> tuple[tuple[ComparedMeasurement, ...], dict[str, str], dict[str, tuple[str, ...]]]:
     """Return every measured figure beside the computed one, also at points not fitted, with reasons and warnings."""
-    fitted = dict(zip((point.name for point in asked.fit.fitted), outcome.figures, strict=True))
-    compared, reasons, warned = [], dict(outcome.reasons), dict(outcome.warnings)
-    for point in asked.fit.points:
-        if point.fitted:
-            figures = fitted[point.name]
-        else:
-            result = asked.solved(point, values)
-            figures: Figures = result.performance
-            reason = result.why_not(point.measured)
-            reasons |= {point.name: reason} if reason else {}
-            warned |= {point.name: result.warnings} if result.warnings else {}
-        compared += [ComparedMeasurement(point, name, each, figures.get(name)) for name, each in point.measured.items()]
-    return tuple(compared), reasons, warned
+    fitted, others = asked.fit.fitted, [point for point in asked.fit.points if not point.fitted]
+    results = {**outcome.results, **{point.name: asked.solved(point, values) for point in others}}
+    compared = (
+        ComparedMeasurement(point, name, each, results[point.name].performance.get(name))
+        for point in asked.fit.points
+        for name, each in point.measured.items()
+    )
+    warned = {name: result.warnings for name, result in results.items() if result.warnings}
+    return tuple(compared), reasons_of((*fitted, *others), results), warned

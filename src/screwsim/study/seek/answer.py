@@ -14,7 +14,7 @@ from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene
 from screwsim.scene.units import NUMBER
 from screwsim.study.goals import Goal
-from screwsim.study.inputs import read_text, shown_figure, shown_value, unit_behind
+from screwsim.study.inputs import read_text, shown_figure, shown_range, shown_value, unit_behind
 from screwsim.study.seek import one_goal, several_goals
 from screwsim.study.seek.trials import Trial, Trials
 from screwsim.study.spans import LOWER, UPPER, Span
@@ -128,10 +128,7 @@ def why_missed(trials: Trials, best: Trial) -> str:
     """Return why nothing meets the goals, and how near the search came, in one line."""
     scene, goals = trials.scene, trials.goals
     wanted = " and ".join(f"{shown_name(goal.figure)} {figure_text(goal.figure, goal.value)}" for goal in goals)
-    ranges = ", ".join(
-        f"{span.path} {shown_value(scene, span.path, span.low)} … {shown_value(scene, span.path, span.high)}"
-        for span in trials.spans
-    )
+    ranges = ", ".join(f"{span.path} {shown_range(scene, span.path, span.low, span.high)}" for span in trials.spans)
     why = _jump_in_words(trials) or _flat_in_words(trials)
     if why:
         return f"nothing within {ranges} gives {wanted}: {why}"
