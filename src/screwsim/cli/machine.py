@@ -33,10 +33,10 @@ def _creep_speed(text: str) -> float:
 @contextmanager
 def _shown_speed() -> Iterator[Callable[[float], None]]:
     """Give a function that shows how far a start has come, by its speed over the steady one, on a terminal."""
-    from screwsim.study.progress import OverwrittenLine, Progress, TolerantProgress
+    from screwsim.study.progress import OverwrittenLine, Progress
 
     on_terminal = sys.stderr is not None and sys.stderr.isatty()
-    shown = TolerantProgress(OverwrittenLine("startup, % of the steady speed")) if on_terminal else Progress()
+    shown = OverwrittenLine("startup, % of the steady speed") if on_terminal else Progress()
     reached: int | None = None  # nothing is shown of a start that is refused
 
     def told(share: float) -> None:

@@ -55,7 +55,7 @@ def run(
     points, left_out = _read_measured(scene, measured), _knock_out_groups(scene, knock_out, together)
     result = _simulated(scene, left_out, traced=output is not None)
     if output is not None:
-        from screwsim.study.point import save_point
+        from screwsim.study.local import save_point
 
         options.check_place(output)  # again: a file that has appeared meanwhile is kept
         save_point(output, scene, result)
@@ -140,7 +140,7 @@ def _knock_out_groups(scene: Scene, each: bool, together: Sequence[str] | None) 
 
 def _run_stages(file: str, output: Path | None, overrides: Texts, as_json: bool) -> int:
     from screwsim.printing.stages import print_stages
-    from screwsim.study.point import with_slopes
+    from screwsim.study.local import with_slopes
     from screwsim.study.stages import read_stages, run_stages
     from screwsim.study.stages.store import point_results, save_chain
     from screwsim.study.stages.uncertain import with_uncertainty

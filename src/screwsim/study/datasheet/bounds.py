@@ -9,8 +9,7 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import figure_text, quantity, shown_name
 from screwsim.scene import Scene
 from screwsim.scene.units import ZERO_CELSIUS
-from screwsim.study.figures import figure_of_stages
-from screwsim.study.goals import read_bounds, read_bounds_of
+from screwsim.study.goals import read_bounds
 from screwsim.study.stages.axes import STAGE_NAMES
 from screwsim.study.stages.read import StageChain
 
@@ -66,7 +65,7 @@ def limits_of(scene: Scene, texts: Sequence[str]) -> tuple[Bound, ...]:
 
 def limits_of_stages(chain: StageChain, texts: Sequence[str]) -> tuple[Bound, ...]:
     """Return the limits stated in texts for figures of two stages, and the rated power of each motor."""
-    stated = read_bounds_of(figure_of_stages, texts, "--limit")
+    stated = read_bounds(chain, texts, "--limit")
     found = [Bound(each.figure, 1 if each.sign == "<" else -1, each.value) for each in stated]
     for stage, scene in zip(STAGE_NAMES, (chain.first, chain.second), strict=True):
         motor, power = motor_of(scene), f"{stage}_shaft_power"

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, with_values
@@ -24,6 +24,7 @@ from screwsim.study.stages.package import AIR
 if TYPE_CHECKING:
     from screwsim.study.stages.read import StageChain
 
+Chain = TypeVar("Chain", bound="StageChain")
 STAGE_NAMES = ("first", "second")
 BETWEEN = "intercooler"
 COMMON = ("gas.", "machine.mode", "machine.kind")  # beginnings of paths that both scenes state alike
@@ -110,7 +111,7 @@ def _scene(chain: StageChain, stage: str) -> Scene:
     return chain.first if stage == STAGE_NAMES[0] else chain.second
 
 
-def chain_with(chain: StageChain, values: Mapping[str, Any]) -> StageChain:
+def chain_with(chain: Chain, values: Mapping[str, Any]) -> Chain:
     """Return a chain without a sweep, with other values [SI] at its paths; what is wrong shows when it is solved."""
     changed = replace(chain, sweep={}, joints=())
     for stage in STAGE_NAMES:

@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import Any, Self
 
 from screwsim.build import build_parts, package_of
 from screwsim.effects.base import Plenum
@@ -118,11 +118,11 @@ class StageChain:
         """Return a value as written in YAML in SI, checked like the field; raise UsageError."""
         return value_read(self, path, raw)
 
-    def with_values(self, values: Mapping[str, Any]) -> StageChain:
+    def with_values(self, values: Mapping[str, Any]) -> Self:
         """Return a chain without a sweep, with other values [SI]."""
         return chain_with(self, values)
 
-    def with_accuracy(self, accuracy: float) -> StageChain | None:
+    def with_accuracy(self, accuracy: float) -> Self | None:
         """Return a chain with this accuracy in both stages, in one its own where that is finer.
 
         None where one states its tolerance of a step.
