@@ -10,7 +10,6 @@ from screwsim.figures.engineering import figure_text, quantity, shown_name
 from screwsim.scene import Scene
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.goals import read_bounds
-from screwsim.study.stages.axes import STAGE_NAMES
 from screwsim.study.stages.read import StageChain
 
 MOTOR = "motor"
@@ -62,8 +61,8 @@ def limits_of(subject: Scene | StageChain, texts: Sequence[str]) -> tuple[Bound,
     if isinstance(subject, Scene):
         powers = (("output_power" if subject.machine.expands else "shaft_power", subject, RATED),)
     else:
-        pairs = zip(STAGE_NAMES, (subject.first, subject.second), strict=True)
-        powers = tuple((f"{stage}_shaft_power", scene, f"{stage}.{RATED}") for stage, scene in pairs)
+        stages = subject.by_stage.items()
+        powers = tuple((f"{stage}_shaft_power", scene, f"{stage}.{RATED}") for stage, scene in stages)
     for power, scene, source in powers:
         motor = motor_of(scene)
         if motor is not None and not any(bound.figure == power for bound in found):

@@ -233,18 +233,18 @@ def rating_request(scene: Scene, ranges: Mapping[str, str | None], bounds: Seque
         speeds = rating.swept_values(scene, SPEED_PATH) or tuple(share * base.operation.speed for share in SPEED_SHARES)
         across = Axis(SPEED_PATH, speeds)
     else:
-        across = _line(scene, base, inlet, ranges.get(first), first)
-    down = _line(scene, base, outlet, ranges.get(second), second)
+        across = axis_values(base, inlet, ranges.get(first), first, rating.swept_values(scene, inlet))
+    down = axis_values(base, outlet, ranges.get(second), second, rating.swept_values(scene, outlet))
     asked = SceneRequest(scenes=(base,), across=across, down=down, bounds=bounds, controls=(), aim=GAS)
     return asked if expands else replace(asked, controls=controls(scene), ratios=ratios(scene))
 
 
-def _line(scene: Scene, base: Scene, path: str, text: str | None, option: str) -> Axis:
+def axis_values(base: Scene, path: str, text: str | None, option: str, swept: tuple[float, ...]) -> Axis:
+    """Return an axis: over a range, at swept values [SI], or around the scene's own one; raise UsageError."""
     if text is not None:
-        return Axis(
-            path, rating.evenly_spaced(*rating.read_range(base, path, text, option, EXAMPLES[path]), VALUES_PER_RANGE)
-        )
-    return Axis(path, rating.swept_values(scene, path) or values_around_own(base, path))
+        ends = rating.read_range(base, path, text, option, EXAMPLES[path])
+        return Axis(path, rating.evenly_spaced(*ends, VALUES_PER_RANGE))
+    return Axis(path, swept or values_around_own(base, path))
 
 
 def values_around_own(base: Scene, path: str) -> tuple[float, ...]:

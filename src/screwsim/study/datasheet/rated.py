@@ -245,13 +245,7 @@ def rating_around(
             Part(partial(asked.part_load, each, full), PartLoad(each, (), (), WORKER_DIED)) for each in asked.controls
         ]
         parts += more
-    found = parallel_map(
-        partial(_answer, [part.work for part in parts]),
-        len(parts),
-        died=lambda number: parts[number].lost,
-        jobs=jobs,
-        progress=progress,
-    )
+    found = answers_of(parts, jobs, progress)
     points = {
         (i, j): result for i, column in enumerate(found[: len(across)]) for j, result in enumerate(column) if result
     }
@@ -260,6 +254,12 @@ def rating_around(
     reach = tuple(envelope(figures, (across, down), asked.bounds))
     end = len(found) - len(more) if full else len(found)
     return Rating(asked, own, points, found[len(across) : end], reach), found[end:]
+
+
+def answers_of(parts: Sequence[Part], jobs: int | None, progress: Progress | None) -> list[Any]:
+    """Return the answers of parts, computed by `jobs` workers."""
+    work = partial(_answer, [part.work for part in parts])
+    return parallel_map(work, len(parts), died=lambda number: parts[number].lost, jobs=jobs, progress=progress)
 
 
 def _answer(works: Sequence[Callable[[], Any]], number: int) -> Any:

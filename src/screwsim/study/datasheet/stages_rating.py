@@ -23,12 +23,9 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
-from screwsim.study.datasheet import rated
+from screwsim.study.datasheet import gas_sheet, refrigeration_sheet
 from screwsim.study.datasheet.bounds import Bound
-from screwsim.study.datasheet.gas_sheet import EXAMPLES
-from screwsim.study.datasheet.gas_sheet import values_around_own as pressures_around
 from screwsim.study.datasheet.rated import DEAD, Axis, Part, Rating, RatingRequest, rating_around
-from screwsim.study.datasheet.refrigeration_sheet import axis_values
 from screwsim.study.part_load import (
     GAS,
     LOADS,
@@ -113,7 +110,7 @@ def rating_request(chain: StageChain, ranges: Mapping[str, str | None], bounds: 
     settings = np.linspace(1.0, SLOWEST_SPEED, SETTING_COUNT).tolist()
     return ChainRequest(
         chain=base,
-        scenes=(base.first, base.second),
+        scenes=tuple(base.by_stage.values()),
         across=_axis(chain, low, (FIRST, inlet), ranges.get(first), first),
         down=_axis(chain, high, (SECOND, outlet), ranges.get(second), second),
         bounds=bounds,
@@ -136,12 +133,8 @@ def _over_both(chain: StageChain) -> tuple[Scene, Scene]:
 def _axis(chain: StageChain, scene: Scene, name: tuple[str, str], text: str | None, option: str) -> Axis:
     stage, path = name
     swept = tuple(sorted(map(float, chain.sweep.get(stage + path, ()))))
-    if path in (EVAPORATING, CONDENSING, GAS_COOLER_P):
-        return axis_values(scene, path, text, option, swept)
-    if text is not None:
-        ends = rated.read_range(scene, path, text, option, EXAMPLES[path])
-        return Axis(path, rated.evenly_spaced(*ends, 5))
-    return Axis(path, swept or pressures_around(scene, path))
+    kind = gas_sheet if path in (P_S, P_D) else refrigeration_sheet
+    return kind.axis_values(scene, path, text, option, swept)
 
 
 def rating(asked: ChainRequest, jobs: int | None = None, progress: Progress | None = None) -> ChainRating:

@@ -78,10 +78,9 @@ def between_line(chain: StageChain, found: Result) -> Lines:
 
 def motor_lines(chain: StageChain, found: ChainResult) -> Lines:
     """Yield the rating of each motor, and its load at the own point."""
-    stages = zip(STAGE_NAMES, (chain.first, chain.second), strict=True)
     loads = [f", {_motor_load(*each)} % of it at the point" for each in zip(found.scenes, found.stages, strict=False)]
     parts = []
-    for number, (name, scene) in enumerate(stages):
+    for number, (name, scene) in enumerate(chain.by_stage.items()):
         motor = motor_of(scene)
         if motor is not None:
             load = loads[number] if number < len(loads) else ""
@@ -115,6 +114,6 @@ def own_document(found: Result, names: Sequence[str]) -> dict[str, Any]:
 
 def ignored_model_errors(chain: StageChain) -> Iterator[str]:
     """Yield a note where a scene names the validation of its model, which does not hold for two stages together."""
-    for name, scene in zip(STAGE_NAMES, (chain.first, chain.second), strict=True):
+    for name, scene in chain.by_stage.items():
         if scene.model_error:
             yield f"the model error of the {name} scene is ignored (screwsim run of that scene shows it)"

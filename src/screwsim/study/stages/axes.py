@@ -5,21 +5,14 @@ What the chain solves for cannot be varied: the discharge line of the first stag
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import fields, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import fields
+from typing import TYPE_CHECKING
 
 from screwsim.inputs.faults import UsageError
-from screwsim.scene import Scene, with_values
 from screwsim.scene.fields import Leaf, section_of, unknown_key
 from screwsim.scene.grid import leaf_of
-from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.operation import line_axis_faults
-from screwsim.scene.units import Refused, gauge_pressures_over
-from screwsim.scene.values import convert
-from screwsim.study.figures import figures_of
-from screwsim.study.inputs import ISENTROPIC
-from screwsim.study.stages.package import AIR
+from screwsim.scene.units import Refused
 
 if TYPE_CHECKING:
     from screwsim.study.stages.read import StageChain
@@ -58,7 +51,7 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
     if path.startswith(SOLVED[stage]):
         line = "discharge line" if stage == STAGE_NAMES[0] else "suction line"
         raise Refused(f"belongs to the {line}, which follows from the other stage (remove this axis)")
-    scene = _scene(chain, stage)
+    scene = chain.by_stage[stage]
     for fault in line_axis_faults(scene, (path,)):
         raise Refused(fault.what.replace("(vary operation.", f"(vary {stage}.operation."))
     try:
@@ -66,33 +59,6 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
     except UsageError as error:
         what = str(error).removeprefix(f"{path}: ")
         raise Refused(what.replace("of the scene)", f"of that scene after {stage}.)")) from None
-
-
-def leaf_named(chain: StageChain, name: str) -> Leaf:
-    """Return the same as `leaf_in_chain`; raise UsageError that names the input for one that may not vary."""
-    try:
-        return leaf_in_chain(chain, name)
-    except Refused as refusal:
-        raise UsageError(f"{name}: {refusal}") from None
-
-
-def value_read(chain: StageChain, name: str, raw: Any) -> Any:
-    """Return a value as written in YAML ('1000 rpm', 3) in SI, checked like the field; raise UsageError."""
-    leaf, scene = leaf_named(chain, name), chain.second if name.startswith(STAGE_NAMES[1]) else chain.first
-    try:
-        with gauge_pressures_over(scene.operation.ambient_pressure):
-            return convert(leaf, raw, scene.folder)
-    except Refused as refusal:
-        raise UsageError(f"{name}: {refusal}") from None
-
-
-def usual_figure(chain: StageChain) -> str:
-    """Return the figure by which a chain is judged: the COP of a plant, the efficiency of an air package, of others."""
-    scenes = chain.first, chain.second
-    motors = all("electrical_power" in figures_of(scene) for scene in scenes)
-    if condensate_enthalpy(chain.second) is not None:
-        return "electrical_cop" if motors else "cop"
-    return "package_isentropic_efficiency" if motors and chain.first.gas.name.lower() == AIR else ISENTROPIC
 
 
 def _leaf_between(chain: StageChain, key: str) -> Leaf:
@@ -104,18 +70,3 @@ def _leaf_between(chain: StageChain, key: str) -> Leaf:
     leaf = section_of(type(chain.intercooler)).fields[key]
     assert isinstance(leaf, Leaf)
     return leaf
-
-
-def _scene(chain: StageChain, stage: str) -> Scene:
-    return chain.first if stage == STAGE_NAMES[0] else chain.second
-
-
-def chain_with(chain: StageChain, values: Mapping[str, Any]) -> StageChain:
-    """Return a chain without a sweep, with other values [SI] at its paths; what is wrong shows when it is solved."""
-    changed = replace(chain, sweep={}, joints=())
-    for stage in STAGE_NAMES:
-        own = {name.partition(".")[2]: value for name, value in values.items() if name.startswith(f"{stage}.")}
-        if own:
-            changed = replace(changed, **{stage: with_values(_scene(changed, stage), own)})
-    between = {name.partition(".")[2]: value for name, value in values.items() if name.startswith(f"{BETWEEN}.")}
-    return replace(changed, intercooler=replace(changed.intercooler, **between)) if between else changed

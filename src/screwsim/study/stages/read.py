@@ -10,6 +10,7 @@ from functools import partial
 from typing import Any
 
 from screwsim.build import build_parts, package_of
+from screwsim.effects.air_package import AIR
 from screwsim.effects.base import Plenum
 from screwsim.explain import WIDTH, explain
 from screwsim.fluid.composition import is_blend
@@ -17,25 +18,23 @@ from screwsim.inputs.declare import KINDS, choice, quantity
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
 from screwsim.outputs import Result
-from screwsim.scene import Scene, load, scene_of, value_at
+from screwsim.scene import Scene, load, scene_of, value_at, with_values
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.lines import condensate_enthalpy, lines
 from screwsim.scene.schema import DRAFT, OWN_PARAMETER, axis_definitions, leaf_schema, mapping, sweep_schema
 from screwsim.scene.sections import read_section
 from screwsim.scene.sweep import read_sweep_of
 from screwsim.scene.types import Joint
-from screwsim.scene.units import gauge_pressures_over, readable_quantity, to_customary
-from screwsim.scene.values import shown
+from screwsim.scene.units import Refused, gauge_pressures_over, readable_quantity, to_customary
+from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
+from screwsim.study.figures import figures_of
+from screwsim.study.inputs import ISENTROPIC
 from screwsim.study.stages.axes import (
     BETWEEN,
     STAGE_NAMES,
-    chain_with,
     leaf_in_chain,
-    leaf_named,
     names_in_chain,
-    usual_figure,
-    value_read,
 )
 
 STAGES_KEY = "stages"
@@ -96,9 +95,14 @@ class StageChain:
     joints: tuple[Joint, ...] = ()
 
     @property
+    def by_stage(self) -> dict[str, Scene]:
+        """The scene of each stage, by its name, the first one first."""
+        return dict(zip(STAGE_NAMES, (self.first, self.second), strict=True))
+
+    @property
     def accuracy(self) -> float:
         """Accuracy that is asked of the figures: that of the less accurate stage."""
-        return max(scene.numerics.accuracy for scene in (self.first, self.second))
+        return max(scene.numerics.accuracy for scene in self.by_stage.values())
 
     @property
     def beside(self) -> tuple[str, ...]:
@@ -108,26 +112,44 @@ class StageChain:
     @property
     def usual_figure(self) -> str:
         """The figure that is made greatest where none is named: COP, or efficiency, of what is paid for."""
-        return usual_figure(self)
+        motors = all("electrical_power" in figures_of(scene) for scene in self.by_stage.values())
+        if condensate_enthalpy(self.second) is not None:
+            return "electrical_cop" if motors else "cop"
+        return "package_isentropic_efficiency" if motors and self.first.gas.name.lower() == AIR else ISENTROPIC
 
     def leaf_of(self, path: str) -> Leaf:
         """Return the description of an input; raise UsageError where it cannot vary."""
-        return leaf_named(self, path)
+        try:
+            return leaf_in_chain(self, path)
+        except Refused as refusal:
+            raise UsageError(f"{path}: {refusal}") from None
 
     def read_value(self, path: str, raw: Any) -> Any:
         """Return a value as written in YAML in SI, checked like the field; raise UsageError."""
-        return value_read(self, path, raw)
+        leaf, scene = self.leaf_of(path), self.second if path.startswith(STAGE_NAMES[1]) else self.first
+        try:
+            with gauge_pressures_over(scene.operation.ambient_pressure):
+                return convert(leaf, raw, scene.folder)
+        except Refused as refusal:
+            raise UsageError(f"{path}: {refusal}") from None
 
     def with_values(self, values: Mapping[str, Any]) -> StageChain:
-        """Return a chain without a sweep, with other values [SI]."""
-        return chain_with(self, values)
+        """Return a chain without a sweep, with other values [SI] at its paths; solving tells what does not fit."""
+        own: dict[str, dict[str, Any]] = {part: {} for part in (*STAGE_NAMES, BETWEEN)}
+        for name, value in values.items():
+            part, _, path = name.partition(".")
+            own[part][path] = value
+        scenes = ((scene, own[stage]) for stage, scene in self.by_stage.items())
+        first, second = (with_values(scene, values) if values else scene for scene, values in scenes)
+        between = replace(self.intercooler, **own[BETWEEN])
+        return replace(self, first=first, second=second, intercooler=between, sweep={}, joints=())
 
     def with_accuracy(self, accuracy: float) -> StageChain | None:
         """Return a chain with this accuracy in both stages, in one its own where that is finer.
 
         None where one states its tolerance of a step.
         """
-        scenes = self.first, self.second
+        scenes = self.by_stage.values()
         if any(scene.numerics.rtol is not None for scene in scenes):
             return None
         first, second = (
@@ -139,7 +161,7 @@ class StageChain:
     def value_at(self, path: str) -> Any:
         """Return the value [SI] of an input, None where it is absent."""
         stage, _, own = path.partition(".")
-        scenes = dict(zip(STAGE_NAMES, (self.first, self.second), strict=True))
+        scenes = self.by_stage
         return value_at(scenes[stage], own) if stage in scenes else getattr(self.intercooler, own, None)
 
     def faults(self) -> tuple[str, ...]:
@@ -348,7 +370,7 @@ def explain_stages(chain: StageChain) -> str:
     )
     head = [chain.title] if chain.title else []
     blocks = [*head, textwrap.fill(found, WIDTH)]
-    for name, scene in zip(STAGE_NAMES, (chain.first, chain.second), strict=True):
+    for name, scene in chain.by_stage.items():
         title = f"The {name} stage"
         blocks += [f"{title}\n{'=' * len(title)}", str(explain(scene))]
     return "\n\n".join(blocks)

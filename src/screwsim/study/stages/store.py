@@ -72,7 +72,7 @@ def save_chain(
     one = not chain.sweep
     axes = axes_along(chain, lambda name: leaf_in_chain(chain, name))
     parts = []
-    for number, (stage, scene) in enumerate(_scenes(chain)):
+    for number, (stage, scene) in enumerate(chain.by_stage.items()):
         own = [each.stages[number] for each in results]
         table = table_of(own, keep_cycle=one, keep_slopes=one and scene.output.keeps_slopes)
         known = tuple(each for each in subject_of(scene).inputs if _is_input(chain, stage, each[0]))
@@ -97,7 +97,7 @@ def subject_of_chain(chain: StageChain) -> Subject:
     """Return two stages as the subject of the figures of both together."""
     inputs = (
         (f"{stage}.{path}", variable, value)
-        for stage, scene in _scenes(chain)
+        for stage, scene in chain.by_stage.items()
         for path, variable, value in numeric_inputs(scene)
         if _is_input(chain, stage, path)
     )
@@ -108,7 +108,7 @@ def subject_of_chain(chain: StageChain) -> Subject:
 def identity_of_chain(chain: StageChain) -> dict[str, str]:
     """Return what distinguishes the results of one chain from those of another (`results.identity`)."""
     found = {"values of both stages": digest(repr((chain.intercooler, dict(chain.sweep), chain.joints)))}
-    for stage, scene in _scenes(chain):
+    for stage, scene in chain.by_stage.items():
         for name, text in identity_of(replace(scene, sweep={}, joints=())).items():
             found[f"{stage} {name}" if name.startswith(OWN_IDENTITY) else name] = text
     return found
@@ -126,10 +126,6 @@ def chain_text(chain: StageChain) -> str:
             lines.append(f"  {name}: {text_of(leaf, value)}")
     lines += sweep_lines(chain, lambda name: leaf_in_chain(chain, name))
     return "\n".join(lines) + "\n"
-
-
-def _scenes(chain: StageChain) -> Iterator[tuple[str, Scene]]:
-    yield from zip(STAGE_NAMES, (chain.first, chain.second), strict=True)
 
 
 def _is_input(chain: StageChain, stage: str, path: str) -> bool:

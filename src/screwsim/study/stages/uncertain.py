@@ -25,7 +25,7 @@ from screwsim.scene.lines import Lines
 from screwsim.scene.operation import P_D, P_S, QUALITY, T_S
 from screwsim.scene.types import Tolerance
 from screwsim.study.local import Sensitivities, sensitivities
-from screwsim.study.stages.axes import SOLVED, STAGE_NAMES, chain_with
+from screwsim.study.stages.axes import SOLVED, STAGE_NAMES
 from screwsim.study.stages.figures import StagePair, chain_figures, delivery_temperature
 from screwsim.study.stages.solve import ChainSolver, Stop
 from screwsim.study.uncertain import Uncertainty, groups_of, spreads_of
@@ -50,7 +50,7 @@ class ChainTolerances(NamedTuple):
 def tolerances_of(chain: StageChain) -> ChainTolerances:
     """Return the tolerances of a chain's inputs, without those of the line between both, which is solved for."""
     uncertain, correlated = {}, []
-    for stage, scene in zip(STAGE_NAMES, (chain.first, chain.second), strict=True):
+    for stage, scene in chain.by_stage.items():
         own = {path: each for path, each in scene.uncertain.items() if not path.startswith(SOLVED[stage])}
         uncertain |= {f"{stage}.{path}": each for path, each in own.items()}
         groups = (tuple(f"{stage}.{path}" for path in group if path in own) for group in scene.correlated)
@@ -98,7 +98,7 @@ class _LinearChain:
 
     def at(self, name: str, value: float, dp: float) -> tuple[ChainSolver, StagePair]:
         """Return both stages with another value [SI] of an input ('' for none), and the pressure moved by dp [Pa]."""
-        solver = ChainSolver(chain_with(self.chain, {name: value}) if name else self.chain)
+        solver = ChainSolver(self.chain.with_values({name: value}) if name else self.chain)
         here, drop = self.pair, solver.chain.intercooler.pressure_drop
         p, low, high = here.p + dp, lines(self.chain.first), lines(self.chain.second)
         own = self._own(name, value)
