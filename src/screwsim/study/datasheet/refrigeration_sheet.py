@@ -175,21 +175,26 @@ def own_point(asked: RatingRequest) -> str:
 
 def columns_of(rated: SceneRating) -> tuple[Column, ...]:
     """Return the columns with a table each: capacity, power, COP, flow, discharge temperature, oil, economizer."""
-    scene, own = rated.asked.scene, rated.own.performance
+    own = rated.own.performance
     kw = tables.decimals_of(KW * (own.get(CAPACITY) or DEFAULT_CAPACITY))
     flow = tables.decimals_of(HOUR * (own.get(FLOW) or 1.0))
-    power, cop = ELECTRICAL if rated.asked.has_motors else SHAFT
-    word = "Electrical power" if power in ELECTRICAL else "Shaft power"
-    duty = (Column(DUTY, "Oil cooler duty [kW]", KW, kw),) if tables.is_oil_cooled(scene) else ()
+    duty = (Column(DUTY, "Oil cooler duty [kW]", KW, kw),) if tables.is_oil_cooled(rated.asked.scene) else ()
     return (
-        Column(CAPACITY, "Cooling capacity [kW]", KW, kw),
-        Column(power, f"{word} [kW]", KW, kw),
-        Column(cop, f"COP of the {word.lower()}", 1.0, 2),
+        *main_columns(rated, kw),
         Column(FLOW, "Mass flow [kg/h]", HOUR, flow),
         Column(DISCHARGE, "Discharge temperature [°C]", 1.0, 1, celsius=True),
         *duty,
         *economizer_columns(rated),
     )
+
+
+def main_columns(rated: Rating[Any], kw: int) -> tuple[Column, Column, Column]:
+    """Return the columns of capacity, power (with `kw` decimals) and COP, of the motors' power where all have one."""
+    size = tables.decimals_of(KW * (rated.own.performance.get(CAPACITY) or DEFAULT_CAPACITY))
+    power, cop = ELECTRICAL if rated.asked.has_motors else SHAFT
+    word = "Electrical power" if power in ELECTRICAL else "Shaft power"
+    capacity = Column(CAPACITY, "Cooling capacity [kW]", KW, size)
+    return capacity, Column(power, f"{word} [kW]", KW, kw), Column(cop, f"COP of the {word.lower()}", 1.0, 2)
 
 
 def economizer_columns(rated: SceneRating) -> tuple[Column, ...]:

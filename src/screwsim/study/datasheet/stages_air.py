@@ -32,9 +32,8 @@ from screwsim.study.datasheet.air_year import Demand, year, year_document, year_
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.rated import Part, answers_of, celsius
 from screwsim.study.datasheet.sheet import Sheet, Table
-from screwsim.study.datasheet.stages_sheet import DOCUMENT_FIGURES
-from screwsim.study.datasheet.stages_table import (
-    BAR,
+from screwsim.study.datasheet.stages_sheet import (
+    DOCUMENT_FIGURES,
     RPM,
     between_line,
     each_stage_table,
@@ -44,7 +43,7 @@ from screwsim.study.datasheet.stages_table import (
     stage_documents,
     swept_line,
 )
-from screwsim.study.datasheet.tables import KW, NONE, Column
+from screwsim.study.datasheet.tables import BAR, KW, NONE, Column
 from screwsim.study.part_load import SPEED_PATH
 from screwsim.study.progress import Progress
 from screwsim.study.stages import ChainResult

@@ -1,10 +1,12 @@
 """The sheet of two stages over two axes: refrigeration by both saturation temperatures, other gases by both pressures.
 
-Tables, envelope, limits, part load, drawings and the document are those of `tables`; what is special to two stages is
-the table of each stage, the line between them, and the table of the intermediate pressure.
+Tables, envelope, limits, part load, drawings and the document are those of `tables`. What is special to two stages is
+the table of the intermediate pressure; and, as on sheets of air, a table of each stage's figures, the line between
+them, and their motors.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -12,22 +14,24 @@ import numpy as np
 from screwsim.figures.engineering import quantity
 from screwsim.outputs import Result
 from screwsim.outputs.customary import with_printed_units
+from screwsim.scene import Scene
+from screwsim.scene.lines import lines
 from screwsim.study.datasheet import gas_sheet, refrigeration_sheet, tables
-from screwsim.study.datasheet.refrigeration_sheet import heating_columns, heating_line, own_point, refrigerant_line
+from screwsim.study.datasheet.bounds import motor_of
+from screwsim.study.datasheet.rated import celsius
+from screwsim.study.datasheet.refrigeration_sheet import (
+    heating_columns,
+    heating_line,
+    main_columns,
+    own_point,
+    refrigerant_line,
+)
 from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
 from screwsim.study.datasheet.stages_rating import ChainRating, refrigerates
-from screwsim.study.datasheet.stages_table import (
-    BAR,
-    RPM,
-    between_line,
-    each_stage_table,
-    ignored_model_errors,
-    motor_lines,
-    own_document,
-    stage_documents,
-    swept_line,
-)
-from screwsim.study.datasheet.tables import HOUR, KW, PERCENT, Column
+from screwsim.study.datasheet.tables import BAR, BLANK, DUTY, HOUR, KW, NONE, PERCENT, Column, Lines
+from screwsim.study.stages import ChainResult
+from screwsim.study.stages.axes import COOLS, FLASHES, NOTHING, STAGE_NAMES
+from screwsim.study.stages.read import StageChain
 
 CAPACITY, FLOW, INTERMEDIATE = "cooling_capacity", "gas_mass_flow", "intermediate_pressure"
 DISCHARGES = "first_discharge_temperature", "discharge_temperature"
@@ -40,8 +44,28 @@ DOCUMENT_FIGURES = (
     "isothermal_efficiency", "isentropic_efficiency", "free_air_delivered", "package_input_power",
     "package_specific_power", "package_isentropic_efficiency",
 )  # fmt: skip
-BETWEEN = "between bar", Column(INTERMEDIATE, "", BAR, 3)  # head and column
+INTERMEDIATE_COLUMN = "between bar", Column(INTERMEDIATE, "", BAR, 3)  # with its head
 PEAK_FIGURES = (*DISCHARGES, "first_shaft_power", "second_shaft_power")
+MINUTE, RPM = 6e4, 9.549296585513721  # from m³/s to L/min, rad/s
+EACH_STAGE = (  # figures of a stage, a row each
+    Column("displacement_flow", "swept volume [m³/h]", HOUR, 1),
+    Column("suction_pressure", "suction pressure [bar]", BAR, 3),
+    Column("suction_temperature", "suction temperature [°C]", 1.0, 1, celsius=True),
+    Column("discharge_pressure", "discharge pressure [bar]", BAR, 3),
+    Column("pressure_ratio", "pressure ratio", 1.0, 2),
+    Column("gas_mass_flow", "mass flow [kg/h]", HOUR, 0),
+    Column("shaft_power", "shaft power [kW]", KW, 2),
+    Column("electrical_power", "electrical power [kW]", KW, 2),
+    Column("volumetric_efficiency", "volumetric efficiency [%]", PERCENT, 1),
+    Column("isentropic_efficiency", "isentropic efficiency [%]", PERCENT, 1),
+    Column("discharge_temperature", "discharge temperature [°C]", 1.0, 1, celsius=True),
+    Column("separator_temperature", "separator temperature [°C]", 1.0, 1, celsius=True),
+    Column("oil_flow_volume", "oil [L/min]", MINUTE, 1),
+    Column("oil_supply_temperature", "oil temperature [°C]", 1.0, 1, celsius=True),
+    Column(DUTY, "oil cooler duty [kW]", KW, 2),
+)
+BETWEEN = {NOTHING: "no cooler", COOLS: "a cooler", FLASHES: "a flash tank, whose vapour mixes in"}
+STAGE_FIGURES = tuple(column.figure for column in EACH_STAGE)
 
 
 def stages_sheet(rated: ChainRating, heating: bool = False) -> Sheet:
@@ -85,24 +109,14 @@ def _point(rated: ChainRating) -> str:
 
 def _columns(rated: ChainRating) -> tuple[Column, ...]:
     """Return the columns with a table each; the first three are capacity (or flow), power, COP (or efficiency)."""
-    own, cold, motors = rated.own.performance, refrigerates(rated.asked.chain), rated.asked.has_motors
+    own, cold = rated.own.performance, refrigerates(rated.asked.chain)
     kw = tables.decimals_of(KW * (own.get("shaft_power") or 1e5))
     mass = Column(
         FLOW, "Mass flow into the first stage [kg/h]", HOUR, tables.decimals_of(HOUR * (own.get(FLOW) or 1.0))
     )
-    power = Column(
-        *(("electrical_power", "Electrical power [kW]") if motors else ("shaft_power", "Shaft power [kW]")), KW, kw
-    )
-    if cold:
-        capacity = Column(CAPACITY, "Cooling capacity [kW]", KW, tables.decimals_of(KW * (own.get(CAPACITY) or 1e5)))
-        cop, word = ("electrical_cop", "electrical") if motors else ("cop", "shaft")
-        head = (capacity, power, Column(cop, f"COP of the {word} power", 1.0, 2))
-    else:
-        head = (
-            mass,
-            power,
-            Column("isentropic_efficiency", "Isentropic efficiency of the shaft power [%]", PERCENT, 1),
-        )
+    capacity, power, cop = main_columns(rated, kw)
+    efficiency = Column("isentropic_efficiency", "Isentropic efficiency of the shaft power [%]", PERCENT, 1)
+    head = (capacity, power, cop) if cold else (mass, power, efficiency)
     rest = [Column(INTERMEDIATE, "Intermediate pressure [bar]", BAR, 3)]
     rest += [mass] if cold else []
     for which in ("first", "second"):
@@ -124,14 +138,14 @@ def _tables(rated: ChainRating, heating: bool) -> Iterator[Table]:
     what = "cooling capacity" if refrigerates(rated.asked.chain) else "mass flow"
     note = f"load: {what} relative to that at {own}; setting: share of the speeds of both stages"
     discharge = ("discharge °C", Column(DISCHARGES[1], "", 1.0, 1, celsius=True))
-    yield from tables.part_load_table(rated, columns, (BETWEEN, discharge), note)
+    yield from tables.part_load_table(rated, columns, (INTERMEDIATE_COLUMN, discharge), note)
     yield from _intermediate_table(rated, columns)
 
 
 def _intermediate_table(rated: ChainRating, columns: tuple[Column, ...]) -> Iterator[Table]:
     """Yield how the intermediate pressure and the efficiency depend on the speed of the second stage."""
     speed = RPM * rated.asked.chain.second.operation.speed
-    heads, shown = zip(BETWEEN, *tables.main_heads(rated, columns), strict=True)
+    heads, shown = zip(INTERMEDIATE_COLUMN, *tables.main_heads(rated, columns), strict=True)
     rows = [
         [f"{speed * share:.0f}", f"{PERCENT * share:.0f}", *(column.cell(one.performance) for column in shown)]
         for share, one in rated.by_second
@@ -184,7 +198,7 @@ def _drawings(rated: ChainRating) -> Iterator[Drawing]:
 def _document(rated: ChainRating) -> dict[str, Any]:
     chain = rated.asked.chain
     found = tables.document_of(rated, DOCUMENT_FIGURES)
-    by_second = [{"share": share, **_point_document(one)} for share, one in rated.by_second]
+    by_second = [{"share": share, **tables.document_figures(one, DOCUMENT_FIGURES)} for share, one in rated.by_second]
     return {
         "kind": f"two_stage_{'refrigeration' if refrigerates(chain) else 'gas'}",
         "title": chain.title,
@@ -197,5 +211,82 @@ def _document(rated: ChainRating) -> dict[str, Any]:
     }
 
 
-def _point_document(one: Result) -> dict[str, Any]:
-    return tables.document_figures(one, DOCUMENT_FIGURES)
+def each_stage_table(found: ChainResult, title: str) -> Iterator[Table]:
+    """Yield the table of both stages beside each other; nothing where they have no results."""
+    if found.status != "ok":
+        return
+    figures = [each.performance for each in found.stages]
+    loads = [_motor_load(scene, each) for scene, each in zip(found.scenes, found.stages, strict=True)]
+    rows = [["speed [rpm]", *(f"{RPM * scene.operation.speed:.0f}" for scene in found.scenes)]]
+    for column in EACH_STAGE:
+        if any(column.figure in each for each in figures):
+            rows.append([column.title, *(column.cell(each) for each in figures)])
+        if column.figure == "electrical_power" and any(loads):
+            rows.append(["load of its motor [%]", *(load or NONE for load in loads)])
+    yield Table(title, (BLANK, *(f"{name} stage" for name in STAGE_NAMES)), rows, left=1)
+
+
+def _motor_load(scene: Scene, found: Result) -> str:
+    motor = motor_of(scene)
+    return "" if motor is None else f"{PERCENT * found.performance.shaft_power / motor.rated_power:.0f}"
+
+
+def between_line(chain: StageChain, found: Result) -> Lines:
+    """Yield what lies between both stages, and the pressure there beside the geometric mean of both ends."""
+    between, p = chain.intercooler, found.performance.get("intermediate_pressure")
+    words = BETWEEN[between.kind]
+    if between.outlet_temperature is not None:
+        words += f" to {celsius(between.outlet_temperature):.4g} °C"
+    if between.pressure_drop > 0.0:
+        words += f", pressure drop {quantity('Pa', between.pressure_drop)}"
+    if p is not None:
+        T = found.performance.get("intermediate_temperature")
+        at = "" if T is None else f" ({celsius(T):.1f} °C)"
+        mean = sqrt(lines(chain.first).p_s * lines(chain.second).p_d)
+        words += f"; {quantity('Pa', p)}{at}, geometric mean of both ends {quantity('Pa', mean)}"
+        heat = found.performance.get("intercooler_heat")
+        words += f"; the cooler takes {KW * heat:.1f} kW" if between.cools and heat is not None else ""
+    yield "between", words
+
+
+def motor_lines(chain: StageChain, found: ChainResult) -> Lines:
+    """Yield the rating of each motor, and its load at the own point."""
+    loads = [f", {_motor_load(*each)} % of it at the point" for each in zip(found.scenes, found.stages, strict=False)]
+    parts = []
+    for number, (name, scene) in enumerate(chain.by_stage.items()):
+        motor = motor_of(scene)
+        if motor is not None:
+            load = loads[number] if number < len(loads) else ""
+            parts.append(f"{name} stage {quantity('W', motor.rated_power)} rated at the shaft{load}")
+    if parts:
+        yield "motors", "; ".join(parts)
+
+
+def swept_line(found: ChainResult) -> Lines:
+    """Yield the swept volume and the speed of each stage."""
+    if len(found.scenes) == len(found.stages) and found.stages:
+        swept = (quantity("m3 s-1", each.performance["displacement_flow"]) for each in found.stages)
+        speeds = (f"{RPM * scene.operation.speed:.4g} rpm" for scene in found.scenes)
+        parts = zip(STAGE_NAMES, swept, speeds, strict=True)
+        yield "stages", ", ".join(f"{name} {volume} swept at {speed}" for name, volume, speed in parts)
+
+
+def stage_documents(found: ChainResult) -> list[dict[str, Any]]:
+    """Return the figures of each stage [SI] for programs, with their estimated errors."""
+    return [_with_errors(tables.document_figures(each, STAGE_FIGURES), each, STAGE_FIGURES) for each in found.stages]
+
+
+def _with_errors(document: dict[str, Any], found: Result, names: Sequence[str]) -> dict[str, Any]:
+    return document | {"error": {name: found.error[name] for name in names if found.error.get(name) is not None}}
+
+
+def own_document(found: Result, names: Sequence[str]) -> dict[str, Any]:
+    """Return figures of the whole [SI] at its own point for programs, with their estimated errors."""
+    return _with_errors(tables.document_figures(found, names), found, names)
+
+
+def ignored_model_errors(chain: StageChain) -> Iterator[str]:
+    """Yield a note where a scene names the validation of its model, which does not hold for two stages together."""
+    for name, scene in chain.by_stage.items():
+        if scene.model_error:
+            yield f"the model error of the {name} scene is ignored (screwsim run of that scene shows it)"

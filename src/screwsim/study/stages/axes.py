@@ -1,13 +1,14 @@
-"""Inputs of two stages that may vary: `first.PATH`, `second.PATH` and `intercooler.KEY`, and a chain with other values.
+"""Inputs of two stages that may vary, `first.PATH`, `second.PATH` and `intercooler.KEY`; what lies between both stages.
 
 What the chain solves for cannot be varied: the discharge line of the first stage and the suction line of the second.
 """
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import UsageError
 from screwsim.scene.fields import Leaf, section_of, unknown_key
 from screwsim.scene.grid import leaf_of
@@ -30,6 +31,40 @@ SOLVED = {  # beginnings of paths that the chain replaces by what it finds
     ),
     "second": ("operation.suction.", "operation.evaporating_temperature", "operation.superheat"),
 }
+NOTHING, COOLS, FLASHES = "none", "cooler", "economizer"
+INTERCOOLER_KINDS = {  # what lies between both stages, in words
+    NOTHING: "The second stage draws in the gas as the first one delivers it (M201).",
+    COOLS: "A cooler cools the gas to {T} if it is warmer (M201).",
+    FLASHES: "Vapour from a flash tank between condenser and evaporator mixes with the gas (M202).",
+}
+
+
+@dataclass(frozen=True)
+class Intercooler:
+    """What lies between the discharge line of the first stage and the suction line of the second."""
+
+    kind: str = choice(
+        "none; cooler: the gas is cooled; economizer: vapour of a flash tank mixes in (two-stage expansion)",
+        tuple(INTERCOOLER_KINDS),
+        "none",
+    )
+    outlet_temperature: float | None = quantity(
+        "temperature", "of the gas after the cooler (if it arrives warmer)", None, gt=0.0
+    )
+    pressure_drop: float = quantity("pressure_difference", "between both lines", 0.0, ge=0.0)
+
+    @property
+    def cools(self) -> bool:
+        """Whether the gas is cooled."""
+        return self.kind == COOLS
+
+    @property
+    def flashes(self) -> bool:
+        """Whether vapour of a flash tank mixes in."""
+        return self.kind == FLASHES
+
+
+LEAVES = {name: leaf for name, leaf in section_of(Intercooler).fields.items() if isinstance(leaf, Leaf)}
 
 
 def names_in_chain(path: str) -> tuple[str, ...]:
@@ -62,11 +97,9 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
 
 
 def _leaf_between(chain: StageChain, key: str) -> Leaf:
-    known = [each.name for each in fields(chain.intercooler) if each.name != "kind"]
+    known = [name for name in LEAVES if name != "kind"]
     if key not in known:
         raise Refused(unknown_key(key, known))
     if getattr(chain.intercooler, key) is None:
         raise Refused("is not stated (it belongs to kind: cooler; write it first)")
-    leaf = section_of(type(chain.intercooler)).fields[key]
-    assert isinstance(leaf, Leaf)
-    return leaf
+    return LEAVES[key]

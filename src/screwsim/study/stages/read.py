@@ -7,14 +7,14 @@ import textwrap
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import Any, Self
 
 from screwsim.build import build_parts, package_of
 from screwsim.effects.air_package import AIR
 from screwsim.effects.base import Plenum
 from screwsim.explain import WIDTH, explain
 from screwsim.fluid.composition import is_blend
-from screwsim.inputs.declare import KINDS, choice, quantity
+from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
 from screwsim.outputs import Result
@@ -32,7 +32,10 @@ from screwsim.study.figures import figures_of
 from screwsim.study.inputs import ISENTROPIC
 from screwsim.study.stages.axes import (
     BETWEEN,
+    INTERCOOLER_KINDS,
+    LEAVES,
     STAGE_NAMES,
+    Intercooler,
     leaf_in_chain,
     names_in_chain,
 )
@@ -45,39 +48,6 @@ AFTERCOOLERS = (  # why neither scene may name one, and what to do, of each stag
     ("intercooler: {kind: cooler, outlet_temperature: …, pressure_drop: …}", "add its loss to that of a valve"),
 )
 UNLOADED_STAGE = "is unloaded and blows off what it moves, so that the pair delivers nothing"
-
-
-NOTHING, COOLS, FLASHES = "none", "cooler", "economizer"
-INTERCOOLER_KINDS = {  # what lies between both stages, in words
-    NOTHING: "The second stage draws in the gas as the first one delivers it (M201).",
-    COOLS: "A cooler cools the gas to {T} if it is warmer (M201).",
-    FLASHES: "Vapour from a flash tank between condenser and evaporator mixes with the gas (M202).",
-}
-
-
-@dataclass(frozen=True)
-class Intercooler:
-    """What lies between the discharge line of the first stage and the suction line of the second."""
-
-    kind: str = choice(
-        "none; cooler: the gas is cooled; economizer: vapour of a flash tank mixes in (two-stage expansion)",
-        tuple(INTERCOOLER_KINDS),
-        "none",
-    )
-    outlet_temperature: float | None = quantity(
-        "temperature", "of the gas after the cooler (if it arrives warmer)", None, gt=0.0
-    )
-    pressure_drop: float = quantity("pressure_difference", "between both lines", 0.0, ge=0.0)
-
-    @property
-    def cools(self) -> bool:
-        """Whether the gas is cooled."""
-        return self.kind == COOLS
-
-    @property
-    def flashes(self) -> bool:
-        """Whether vapour of a flash tank mixes in."""
-        return self.kind == FLASHES
 
 
 @dataclass(frozen=True)
@@ -133,7 +103,7 @@ class StageChain:
         except Refused as refusal:
             raise UsageError(f"{path}: {refusal}") from None
 
-    def with_values(self, values: Mapping[str, Any]) -> StageChain:
+    def with_values(self, values: Mapping[str, Any]) -> Self:
         """Return a chain without a sweep, with other values [SI] at its paths; solving tells what does not fit."""
         own: dict[str, dict[str, Any]] = {part: {} for part in (*STAGE_NAMES, BETWEEN)}
         for name, value in values.items():
@@ -144,7 +114,7 @@ class StageChain:
         between = replace(self.intercooler, **own[BETWEEN])
         return replace(self, first=first, second=second, intercooler=between, sweep={}, joints=())
 
-    def with_accuracy(self, accuracy: float) -> StageChain | None:
+    def with_accuracy(self, accuracy: float) -> Self | None:
         """Return a chain with this accuracy in both stages, in one its own where that is finer.
 
         None where one states its tolerance of a step.
@@ -320,10 +290,8 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
 
 def stages_schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of a file of stages; the scenes that it names have their own."""
-    section = section_of(Intercooler)
-    leaves = {name: leaf for name, leaf in section.fields.items() if isinstance(leaf, Leaf)}
     cooled = {"properties": {"kind": {"const": "cooler"}}, "required": ["kind"]}
-    between = mapping({name: leaf_schema(leaf) for name, leaf in leaves.items()}, (), section.doc) | {
+    between = mapping({name: leaf_schema(leaf) for name, leaf in LEAVES.items()}, (), section_of(Intercooler).doc) | {
         "if": cooled,
         "then": {"required": ["outlet_temperature"]},
         "else": {"properties": {"outlet_temperature": {"type": "null"}}},
@@ -339,15 +307,15 @@ def stages_schema() -> dict[str, Any]:
         "title": {"type": ["string", "null"]},
         STAGES_KEY: files,
         "intercooler": between,
-        "sweep": _sweep_schema(leaves),
+        "sweep": _sweep_schema(),
     }
     schema = {"$schema": DRAFT, "title": "screwsim stages"} | mapping(properties, [STAGES_KEY])
     return schema | {"$defs": axis_definitions()}
 
 
-def _sweep_schema(between: Mapping[str, Leaf]) -> dict[str, Any]:
-    """Return the schema of the sweep of a two-stage file; `between` are the inputs of its intercooler."""
-    more = {f"{BETWEEN}.{name}": leaf for name, leaf in between.items() if name != "kind"}
+def _sweep_schema() -> dict[str, Any]:
+    """Return the schema of the sweep of a two-stage file."""
+    more = {f"{BETWEEN}.{name}": leaf for name, leaf in LEAVES.items() if name != "kind"}
     own = OWN_PARAMETER.replace("^", f"^({'|'.join(STAGE_NAMES)})\\.", 1)
     return sweep_schema(names_in_chain, more, own)
 
