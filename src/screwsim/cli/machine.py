@@ -5,7 +5,6 @@ import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, option, switch
@@ -114,25 +113,23 @@ def datasheet(
     from screwsim.study.stages import is_stages
 
     if is_stages(scene_file):
-        from screwsim.study.datasheet import sheet_of_stages
         from screwsim.study.stages import read_stages
 
         options.refuse_for_stages(scene_file, "rate", {"--without": without})
-        chain = read_stages(scene_file, overrides or ())
-        options.report_sweeps_of_stages(chain, scene_file)
-        made = partial(sheet_of_stages, chain)
+        rated = read_stages(scene_file, overrides or ())
+        options.report_sweeps_of_stages(rated, scene_file)
     else:
-        from screwsim.study.datasheet import sheet_of
-
-        made = partial(sheet_of, options.loaded_scene(scene_file, overrides, without))
+        rated = options.loaded_scene(scene_file, overrides, without)
     if output is not None:
         from screwsim.report.datasheet import check_sheet
 
         check_sheet(output)
     from screwsim.printing.machine import print_sheet
+    from screwsim.study.datasheet import sheet_of
 
     with options.counted_progress("datasheet", "parts") as shown:
-        sheet = made(
+        sheet = sheet_of(
+            rated,
             evaporating=evaporating,
             condensing=condensing,
             suction=suction,
