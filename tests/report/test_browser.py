@@ -24,7 +24,8 @@ from scipy.interpolate import CubicSpline
 from screwsim.outputs import Figures
 from screwsim.report import rotors_page
 from screwsim.report.families import curves_of_slice, layout_of, optimum
-from screwsim.report.page import data, report, tables
+from screwsim.report.page import data, tables
+from screwsim.report.page import pages as pages_of
 from screwsim.report.page.uncertain import inputs_lines
 from screwsim.report.rotors_scene import curves_of
 from screwsim.results import open_results
@@ -59,7 +60,7 @@ def pages(tmp_path_factory):
     made = {}
     for number, (kind, (text, simulate)) in enumerate(FILES.items()):
         path = file(folder / f"{number}.h5", text, simulate)
-        made[kind] = path, report(path, folder / f"{number}.html")
+        made[kind] = path, pages_of(path, folder / f"{number}.html")[0]
     return made
 
 
@@ -187,7 +188,7 @@ def test_a_case_whose_intervals_leave_out_an_input_says_so(window, tmp_path):
     path = file(tmp_path / "x.h5", RATIO, tolerant)
     results = open_results(path)
     cases = results.axes["oil_supply.ratio"].size
-    with Seen(window, report(path, tmp_path / "x.html")) as seen:
+    with Seen(window, pages_of(path, tmp_path / "x.html")[0]) as seen:
         for case in (cases - 1, 0):
             seen.page.evaluate(f"pick({case})")
             lines = seen.page.locator("#contributors li").all_inner_texts()

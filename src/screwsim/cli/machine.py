@@ -111,20 +111,11 @@ def datasheet(
     as_json: bool = AS_JSON,
 ) -> int:
     """Rate a machine, or two stages, over operating states, at part load and within limits; air by ISO 1217."""
-    from screwsim.study.stages import is_stages
+    scene = options.loaded_scene_or_stages(scene_file, "rate", overrides, without)
+    from screwsim.scene import Scene
+    from screwsim.study.datasheet import sheet_of, sheet_of_stages
 
-    if is_stages(scene_file):
-        from screwsim.study.datasheet import sheet_of_stages
-        from screwsim.study.stages import read_stages
-
-        options.refuse_for_stages(scene_file, "rate", {"--without": without})
-        chain = read_stages(scene_file, overrides or ())
-        options.report_sweeps_of_stages(chain, scene_file)
-        made = partial(sheet_of_stages, chain)
-    else:
-        from screwsim.study.datasheet import sheet_of
-
-        made = partial(sheet_of, options.loaded_scene(scene_file, overrides, without))
+    made = partial(sheet_of, scene) if isinstance(scene, Scene) else partial(sheet_of_stages, scene)
     if output is not None:
         from screwsim.report.datasheet import check_sheet
 

@@ -1,16 +1,8 @@
 """The commands on measured points of a machine: what has changed since, and which points to measure next."""
 
+from screwsim.cli import options
 from screwsim.cli.declare import File, Texts, argument, option
-from screwsim.cli.options import (
-    AS_JSON,
-    JOBS,
-    NOT_ALL_OK,
-    OK,
-    check_target,
-    print_document_or_text,
-    print_files,
-    progress_bar,
-)
+from screwsim.cli.options import AS_JSON, JOBS, NOT_ALL_OK, OK
 from screwsim.inputs.faults import UsageError
 
 FIT_FILE = argument("FIT", "Machine, parameters and points: a fit's YAML file.")
@@ -33,8 +25,8 @@ def diagnose(
     from screwsim.study.calibration.diagnosis import diagnose as diagnosed
 
     fit = read_fit(fit_file, scene=scene, data=data, fixed=False)
-    found = diagnosed(fit, unchanged=unchanged, pairs=pairs, jobs=jobs, progress=progress_bar("diagnose"))
-    print_document_or_text(as_json, diagnosis_document, print_diagnosis, found)
+    found = diagnosed(fit, unchanged=unchanged, pairs=pairs, jobs=jobs, progress=options.progress_bar("diagnose"))
+    options.print_document_or_text(as_json, diagnosis_document, print_diagnosis, found)
     return OK if found.status == "ok" else NOT_ALL_OK
 
 
@@ -55,7 +47,7 @@ def plan(
     as_json: bool = AS_JSON,
 ) -> int:
     """Choose further operating points whose measurement would fix the parameters of a fit best."""
-    check_target(output, ".csv")
+    options.check_target(output, ".csv")
     from screwsim.printing.plan import plan_document, print_plan, protect_measured, write_plan
     from screwsim.study.calibration import read_fit
     from screwsim.study.calibration.plan import LEVELS, candidates_of
@@ -67,8 +59,8 @@ def plan(
         protect_measured(output)
     fit = read_fit(fit_file, scene=scene, data=data, fixed=False)
     points = candidates_of(fit, candidates, paths or (), LEVELS if levels is None else levels)
-    found = planned(fit, points, count=count, jobs=jobs, progress=progress_bar("plan"))
-    print_document_or_text(as_json, plan_document, print_plan, found)
+    found = planned(fit, points, count=count, jobs=jobs, progress=options.progress_bar("plan"))
+    options.print_document_or_text(as_json, plan_document, print_plan, found)
     if output is not None and found.steps:
-        print_files([write_plan(output, found)], as_json)
+        options.print_files([write_plan(output, found)], as_json)
     return OK if found.status == "ok" else NOT_ALL_OK

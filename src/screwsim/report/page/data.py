@@ -9,8 +9,7 @@ from screwsim.figures.engineering import SCALES, figure_scales, shown_name
 from screwsim.outputs import LEDGER_ENTRY, STATUSES, ledger_entries, words_of_effects
 from screwsim.report import quantities
 from screwsim.report.families import efficiency_name, is_log, layout_of, outcome_layout
-from screwsim.report.front import objective_names
-from screwsim.report.page.best import front_of, is_optimisation
+from screwsim.report.front import front_of, objective_names
 from screwsim.report.page.pack import bytes_of, floats, quantised, reduce_angles
 from screwsim.report.page.uncertain import half_of, inputs_document
 from screwsim.report.quantities import PRESSURE, TEMPERATURE, Display, is_numeric, shown_axis, shown_figure
@@ -224,8 +223,8 @@ def _first_view(results: Results, shown: Selection) -> dict[str, Any]:
     """
     name = efficiency_name(results)
     case = 0
-    if is_optimisation(results) and len(front := front_of(results)):
-        name = objective_names(results)[0]
+    if (sought := objective_names(results)) and len(front := front_of(results)):
+        name = sought[0]
         row = int(front[0]) // shown.strides[0]
         case = row * int(np.prod(shown.shape[1:], dtype=int))
     elif name is not None:

@@ -1,4 +1,4 @@
-"""The page's words and tables: cases, figures, balances against their bounds, and the origin of the results."""
+"""The page's words and tables: cases, figures, balances with their bounds, best evaluations, origin of the results."""
 
 import hashlib
 from collections.abc import Iterator
@@ -9,15 +9,17 @@ import numpy as np
 from screwsim.figures.engineering import engineering, figure_text, shown_name, small_number_text
 from screwsim.outputs import BALANCE, STATUSES
 from screwsim.report.families import efficiency_name
-from screwsim.report.page.best import is_optimisation
+from screwsim.report.front import front_of, objective_names
 from screwsim.report.page.data import Selection
 from screwsim.report.page.uncertain import half_of, half_text, inputs_lines
 from screwsim.report.quantities import is_numeric, shown_axis, value_of
 from screwsim.results import Results
+from screwsim.results.optimum import AIM, ERROR
 from screwsim.results.warning_kinds import cases_with_warnings, warning_kinds_of_file
 from screwsim.screen import printable
 
 MOST_KINDS = 8  # of warnings, listed for a sweep
+MOST_BEST = 12  # evaluations of a front that are shown, evenly spread along its first objective; all are in the file
 _BALANCES = ("mass", "energy", "entropy", "oil_mass")
 _VERSIONS = ("python_version", "numpy_version", "scipy_version", "llvmlite_version", "coolprop_version")
 
@@ -29,6 +31,15 @@ class BalanceCheck(NamedTuple):
     largest: str
     bound: str
     verdict: str
+
+
+class BestTable(NamedTuple):
+    """The best of an optimisation: what was sought, heads with classes and rows of a table, and a line below it."""
+
+    sought: str
+    heads: list[tuple[str, str]]
+    rows: list[list[str]]
+    note: str
 
 
 def counts(results: Results) -> list[tuple[str, int]]:
@@ -62,7 +73,7 @@ def axes(results: Results) -> Iterator[str]:
         how, ends = shown_axis(axis), (int(np.argmin(axis.values)), int(np.argmax(axis.values)))
         low, high = (value_of(axis, end).rpartition(" = ")[2] for end in ends)
         yield f"{how.words}: {count}, {low} to {high}" if low != high else f"{how.words}: {low}"
-    if not is_optimisation(results):
+    if not objective_names(results):
         joined = (axis for axis in results.axis_list if axis.joined)
         yield from (f"{len(axis.values)} cases in which these vary together" for axis in joined)
 
@@ -206,3 +217,37 @@ def notes(results: Results, shown: Selection) -> list[str]:
         first = str(np.asarray(results.messages).reshape(-1)[failed[0]]).splitlines()
         lines.append(f"{failed.size} cases failed; the first says: {first[0] if first else 'nothing'}")
     return lines
+
+
+def best_table(results: Results) -> BestTable:
+    """Return what an optimisation sought and found."""
+    names, front = objective_names(results), front_of(results)
+    evaluations, *points = results.axis_list
+    varied = [axis for axis in evaluations.joined or (evaluations,) if is_numeric(axis)]
+    spread = np.linspace(0, len(front) - 1, min(len(front), MOST_BEST)).round().astype(int)
+    shown = front[spread]
+    words = [shown_axis(axis) for axis in varied]
+    heads = [(head, "n") for head in (*map(shown_name, names), "error", *(how.words for how in words), "evaluation")]
+    rows = [
+        [
+            *(figure_text(results.figure(name), float(results.optimum[AIM + name][int(row)])) for name in names),
+            f"{_largest_error(results, names, int(row)):.0e}",
+            *(how.value(float(axis.values[row])).rpartition(" = ")[2] for how, axis in zip(words, varied, strict=True)),
+            str(row),
+        ]
+        for row in shown
+    ]
+    some = f"{len(shown)} of the {len(front)}" if len(shown) < len(front) else f"the {len(front)}"
+    many = f"{some} evaluations that no other beats in all aims; " if len(names) > 1 else ""
+    over = f" over {len(points[0].values)} operating points" if points and len(points[0].values) > 1 else ""
+    lowest = [results.optimum.about[AIM + name].long_name.endswith("lowest") for name in names]
+    senses = zip(names, lowest, strict=True)
+    wanted = " and ".join(f"{'lowest' if least else 'highest'} {shown_name(name)}" for name, least in senses)
+    sought = f"Search for the {wanted}{over}, {len(evaluations.values)} evaluations"
+    return BestTable(sought, heads, rows, f"{many}error: estimated numerical error of an aim, relative")
+
+
+def _largest_error(results: Results, names: list[str], row: int) -> float:
+    """Return the largest relative error among the objectives of an evaluation."""
+    sizes = ((results.optimum[ERROR + name][row], abs(results.optimum[AIM + name][row])) for name in names)
+    return max((float(error / size) for error, size in sizes if size), default=0.0)
