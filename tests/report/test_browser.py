@@ -22,8 +22,7 @@ from report_fakes import (
 from scipy.interpolate import CubicSpline
 
 from screwsim.outputs import Figures
-from screwsim.report import rotors_page
-from screwsim.report.families import curves_of_slice, layout_of, optimum
+from screwsim.report import families, rotors_page
 from screwsim.report.page import data, tables
 from screwsim.report.page import pages as pages_of
 from screwsim.report.page.uncertain import inputs_lines
@@ -207,10 +206,10 @@ def test_the_script_writes_numbers_as_the_tables_do(window, pages):
 def test_the_optima_are_those_of_the_printed_figure(window, pages):
     path, html = pages["sweep with cycles"]
     results = open_results(path)
-    layout = layout_of(results)
-    assert layout is not None
-    curves = curves_of_slice(results, layout, {}, None, "isothermal_efficiency")
-    wanted = [optimum(curve.x, curve.y) for curve in curves]
+    family = families.family_of(results)
+    assert family is not None
+    curves = families.curves_of(family, "isothermal_efficiency")
+    wanted = [families.optimum(curve.x, curve.y) for curve in curves]
     with Seen(window, html) as seen:
         script = "document.getElementById('overview').data.find((t) => t.name === 'optimum')"
         x, y = (seen.page.evaluate(f"Array.from({script}.{axis})") for axis in "xy")

@@ -8,7 +8,7 @@ import numpy as np
 from screwsim.figures.engineering import SCALES, figure_scales, shown_name
 from screwsim.outputs import LEDGER_ENTRY, STATUSES, ledger_entries, words_of_effects
 from screwsim.report import quantities
-from screwsim.report.families import efficiency_name, is_log, layout_of, outcome_layout
+from screwsim.report.families import efficiency_name, family_of, is_log, outcome_family
 from screwsim.report.front import front_of, objective_names
 from screwsim.report.page.pack import bytes_of, floats, quantised, reduce_angles
 from screwsim.report.page.uncertain import half_of, inputs_document
@@ -231,11 +231,11 @@ def _first_view(results: Results, shown: Selection) -> dict[str, Any]:
         score = shown.of(results.performance[name])
         closed = np.isfinite(score) & (shown.of(results.status) == "ok")
         case = int(np.argmax(np.where(closed, score, -np.inf))) if closed.any() else 0
-    outcome = outcome_layout(results)
-    layout = outcome or layout_of(results)
+    outcome = outcome_family(results)
+    family = outcome or family_of(results)
     return {
         "case": case,
         "figure": name,
-        "x": "oil_ratio" if outcome else layout.x if layout else _word_axis(results),
-        "curves": layout.curves if layout else None,
+        "x": "oil_ratio" if outcome else family.x if family else _word_axis(results),
+        "curves": family.by if family else None,
     }
