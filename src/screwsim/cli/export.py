@@ -259,23 +259,17 @@ def en12900(
 ) -> int:
     """Write the coefficients of EN 12900 and AHRI 540 with rating tables."""
     options.check_target(output, ".csv", ".json")
-    from screwsim.export.en12900 import (
-        FIGURES,
-        OPTIONAL_FIGURES,
-        en12900_csv,
-        en12900_document,
-        other_convention,
-        protect_other_coefficients,
-    )
+    from screwsim.export import en12900 as made_for
     from screwsim.export.polynomials import polynomials, swept_results
 
-    protect_other_coefficients(output)
+    made_for.protect_other_coefficients(output)
     with swept_results(source, over, overrides, without, jobs, _bar(), _announce_map) as results:
-        found = polynomials(results, [*FIGURES, *(name for name in OPTIONAL_FIGURES if name in results.figures)])
-    if other := other_convention(found):
+        optional = (name for name in made_for.OPTIONAL_FIGURES if name in results.figures)
+        found = polynomials(results, [*made_for.FIGURES, *optional])
+    if other := made_for.other_convention(found):
         typer.echo(f"export: {other}", err=True)
-    document = en12900_document(found, ip)
-    file = _write_content(output, en12900_csv(found, ip) if output.suffix.lower() == ".csv" else document)
+    document = made_for.en12900_document(found, ip)
+    file = _write_content(output, made_for.en12900_csv(found, ip) if output.suffix.lower() == ".csv" else document)
     return _print_polynomials_and_files(document, list(found.units), _polynomial_errors(found), [file], as_json)
 
 

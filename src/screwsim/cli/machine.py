@@ -36,22 +36,17 @@ def _shown_speed() -> Iterator[Callable[[float], None]]:
     from screwsim.study.progress import OverwrittenLine, Progress, TolerantProgress
 
     on_terminal = sys.stderr is not None and sys.stderr.isatty()
-    shown = TolerantProgress(OverwrittenLine("startup, % of the steady speed")) if on_terminal else Progress()
-    reached: int | None = None  # nothing is shown of a start that is refused
+    shown = TolerantProgress(OverwrittenLine("startup, % of the steady speed") if on_terminal else Progress())
 
     def told(share: float) -> None:
-        nonlocal reached
-        if reached is None:
+        if not shown.counts[1]:  # nothing is shown of a start that is refused
             shown.start(100, 0)
-            reached = 0
-        now = max(reached, min(100, int(100.0 * share)))
-        shown.advance(now - reached, 0)
-        reached = now
+        shown.advance(max(0, min(100, int(100.0 * share)) - shown.counts[0]), 0)
 
     try:
         yield told
     finally:
-        if reached is not None:
+        if shown.counts[1]:
             shown.stop()
 
 

@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from screwsim.outputs.customary import with_printed_units
 from screwsim.report.quantities import short
@@ -75,12 +75,12 @@ def journal() -> Iterator[None]:
         yield
 
 
-def new_figure(width: float, height: float) -> Any:
-    """Return an empty figure of a given size [mm] on its own canvas."""
+def new_figure(width: float, height: float, layout: Literal["constrained", "none"] = "constrained") -> Any:
+    """Return an empty figure of a given size [mm] on its own canvas; with the layout "none" all places are given."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width * MM, height * MM), layout="constrained")
+    figure = Figure(figsize=(width * MM, height * MM), layout=layout)
     FigureCanvasAgg(figure)
     return figure
 
