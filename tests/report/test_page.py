@@ -85,8 +85,8 @@ def test_scene_digest_and_history_are_told(text, pump):
 
 
 def test_figures_are_written_as_the_table_of_run_writes_them(tmp_path):
-    rows = tables.figures(open_results(path := file(tmp_path / "x.h5", SCENE)), data.Selection((), ()), 0)
-    found = {name: (number, unit) for name, number, unit, _ in rows}
+    rows = tables.figures(open_results(path := file(tmp_path / "x.h5", SCENE)), ())
+    found = {name: (number, unit) for name, number, unit, *_ in rows}
     performance = open_results(path).performance
     assert found["shaft power"] == (f"{performance['shaft_power'] / 1e3:.5g}", "kW")
     assert found["isothermal efficiency"][1] == "%"

@@ -21,7 +21,12 @@ _MOST = 5000  # most points drawn in a panel
 
 def plans(results: Results) -> Iterator[Plan]:
     """Yield the figures over words, or the scatter figure of a design in which several quantities vary together."""
-    yield from _plans_of_design(results) if families.is_joint_sample(results) else _plans_over_words(results)
+    if not families.is_joint_sample(results):
+        yield from _plans_over_words(results)
+        return
+    name, shown = efficiency_name(results), varied_columns(results)
+    if not len(results.optimum) and name and shown:
+        yield "samples", partial(_over_each, results, shown, name)
 
 
 def _plans_over_words(results: Results) -> Iterator[Plan]:
@@ -75,12 +80,6 @@ def _panel(axes: Any, x: np.ndarray, y: np.ndarray, closed: np.ndarray, warned: 
     span = max(float(np.ptp(x)), 0.01 * float(np.max(np.abs(x))), 1e-9)
     axes.set_xlim(x.min() - _MARGIN * span, x.min() + (1.0 + _MARGIN) * span)
     plain_ticks(axes.xaxis)
-
-
-def _plans_of_design(results: Results) -> Iterator[Plan]:
-    name = efficiency_name(results)
-    if not len(results.optimum) and name and (shown := varied_columns(results)):
-        yield "samples", partial(_over_each, results, shown, name)
 
 
 def varied_columns(results: Results) -> list[tuple[Axis, np.ndarray]]:

@@ -44,11 +44,12 @@ def page_of(results: Any, claims: Sequence[Any] = (), stages: Mapping[str, str] 
     from screwsim.report.front import objective_names
     from screwsim.report.page import data, tables
     from screwsim.report.page.pack import compressed
-    from screwsim.report.page.uncertain import model_lines
+    from screwsim.report.page.uncertain import inputs_lines, model_lines
     from screwsim.results.read import stored_scenes
 
     shown, sought = data.selection(results), objective_names(results)
     document = data.document(results, shown)
+    first = shown.place(document["start"]["case"])
     return rendered(
         __name__,
         _SCRIPTS,
@@ -64,10 +65,9 @@ def page_of(results: Any, claims: Sequence[Any] = (), stages: Mapping[str, str] 
         best=tables.best_table(results) if sought else None,
         warnings=tables.warnings(results),
         notes=tables.notes(results, shown),
-        figures=tables.figures(results, shown, document["start"]["case"]),
+        figures=tables.figures(results, first),
         model=model_lines(results),
-        halves=tables.half_intervals(results, shown, document["start"]["case"]),
-        inputs=tables.inputs(results, shown, document["start"]["case"]),
+        inputs=inputs_lines(results, first),
         uncertain=document["inputs"] is not None,
         ranges=tables.ranges(results) if results.axis_list else [],
         checks=list(tables.checks(results)),

@@ -41,6 +41,11 @@ class Selection(NamedTuple):
         """Slices that take the shown cases from an array on the axes."""
         return tuple(slice(None, None, stride) for stride in self.strides)
 
+    def place(self, case: int) -> tuple[int, ...]:
+        """Return the place of a shown case on the axes of the results."""
+        places = np.unravel_index(case, self.shape) if self.shape else ()
+        return tuple(int(place) * stride for place, stride in zip(places, self.strides, strict=True))
+
     def of(self, values: np.ndarray) -> np.ndarray:
         """Return the shown cases (cases,), the last axis fastest."""
         return np.asarray(values)[self.part].reshape(-1)
@@ -186,10 +191,9 @@ def _packed(angle: np.ndarray, traces: dict[str, np.ndarray], wanted: float) -> 
 def _all_marks(results: Results, shown: Selection, angle: np.ndarray, traces: Any) -> list[dict[str, float]]:
     """Return the marked angles [degree] by name, one mapping per case, or a single one where all agree."""
     found = []
-    for case, index in enumerate(np.ndindex(shown.shape)):
-        there = tuple(place * stride for place, stride in zip(index, shown.strides, strict=True))
+    for case in range(math.prod(shown.shape)):
         values = {name: trace[case] for name, trace in traces.items()}
-        found.append(marks_of(results, there, angle, values))
+        found.append(marks_of(results, shown.place(case), angle, values))
     return found if any(marks != found[0] for marks in found) else found[:1]
 
 

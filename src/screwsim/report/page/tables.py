@@ -11,7 +11,7 @@ from screwsim.outputs import BALANCE, STATUSES
 from screwsim.report.families import efficiency_name
 from screwsim.report.front import front_of, objective_names
 from screwsim.report.page.data import Selection
-from screwsim.report.page.uncertain import half_of, half_text, inputs_lines
+from screwsim.report.page.uncertain import half_of, half_text
 from screwsim.report.quantities import is_numeric, shown_axis, value_of
 from screwsim.results import Results
 from screwsim.results.optimum import AIM, ERROR
@@ -78,31 +78,19 @@ def axes(results: Results) -> Iterator[str]:
         yield from (f"{len(axis.values)} cases in which these vary together" for axis in joined)
 
 
-def figures(results: Results, shown: Selection, case: int) -> list[tuple[str, str, str, str]]:
-    """Return name, number, unit and estimated error of each figure of one case, as in the table of `run`."""
+def figures(results: Results, index: tuple[int, ...]) -> list[tuple[str, str, str, str, str]]:
+    """Return name, number, unit and estimated error of each figure of one case, as in the table of `run`.
+
+    The last is half the interval due to the inputs' tolerances, in the unit of the number.
+    """
     rows = []
     for name in results.figures:
-        value = float(shown.of(results.performance[name])[case])
+        value, error = (float(each[name][index]) for each in (results.performance, results.error))
         if np.isfinite(value):
-            number, error = engineering(results.figure(name), value), float(shown.of(results.error[name])[case])
-            rows.append((shown_name(name), *number, small_number_text(error) if np.isfinite(error) else ""))
+            written, half = engineering(results.figure(name), value), float(half_of(results, name)[index])
+            told = small_number_text(error) if np.isfinite(error) else ""
+            rows.append((shown_name(name), *written, told, half_text(half, value, written)))
     return rows
-
-
-def half_intervals(results: Results, shown: Selection, case: int) -> dict[str, str]:
-    """Return half the interval due to the inputs' tolerances of each figure of one case, in the unit of its value."""
-    found = {}
-    for name in results.uncertainty:
-        value, half = (float(shown.of(each)[case]) for each in (results.performance[name], half_of(results, name)))
-        if np.isfinite(half):
-            found[shown_name(name)] = half_text(half, value, engineering(results.figure(name), value))
-    return found
-
-
-def inputs(results: Results, shown: Selection, case: int) -> list[str]:
-    """Return for one case which inputs with tolerances contribute most to some figures."""
-    index = tuple(int(i) * step for i, step in zip(np.unravel_index(case, shown.shape), shown.strides, strict=True))
-    return inputs_lines(results, index)
 
 
 def ranges(results: Results) -> Iterator[tuple[str, str, str, str, str]]:
@@ -115,16 +103,12 @@ def ranges(results: Results) -> Iterator[tuple[str, str, str, str, str]]:
             low, high = (figure_text(about, float(end)) for end in (finite.min(), finite.max()))
             errors = results.error[name][np.isfinite(results.error[name]) & there]
             half = half_of(results, name)
-            where = np.nanargmax(half) if np.isfinite(half).any() else None
-            most = "" if where is None else _half_at(results, name, float(half.flat[where]), float(values.flat[where]))
+            where, most = int(np.argmax(np.nan_to_num(half))), ""
+            if np.isfinite(half.flat[where]):
+                number, unit = engineering(about, float(values.flat[where]))
+                text = half_text(float(half.flat[where]), float(values.flat[where]), (number, unit))
+                most = f"{text} {'K' if unit.startswith('K') else unit}".strip()
             yield shown_name(name), low, high, small_number_text(float(errors.max())) if errors.size else "", most
-
-
-def _half_at(results: Results, name: str, half: float, value: float) -> str:
-    """Return half an interval with its unit; for a temperature in kelvin."""
-    number, unit = engineering(results.figure(name), value)
-    shown_unit = "K" if unit.startswith("K") else unit
-    return f"{half_text(half, value, (number, unit))} {shown_unit}".strip()
 
 
 def checks(results: Results) -> Iterator[BalanceCheck]:
