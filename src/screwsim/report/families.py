@@ -80,10 +80,8 @@ class Family(NamedTuple):
 def efficiency_name(results: Results) -> str | None:
     """Return the efficiency with more values, isothermal before isentropic; None where neither has any."""
     found = {name: int(np.isfinite(results.performance[name]).sum()) for name in EFFICIENCIES}
-    isothermal, isentropic = found.values()
-    if not isothermal and not isentropic:
-        return None
-    return "isothermal_efficiency" if isothermal >= isentropic else "isentropic_efficiency"
+    best = max(EFFICIENCIES, key=lambda name: found[name])  # of equal ones the first
+    return best if found[best] else None
 
 
 def is_joint_sample(results: Results) -> bool:
