@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from math import prod
 from typing import Any
 
-from screwsim.figures.registry import declared
+from screwsim.figures import declared
 from screwsim.outputs import ITSELF, POWER, TIMES, Figure, Figures, Scale, over
 
 FLOW = "gas_mass_flow"
