@@ -9,7 +9,7 @@ from screwsim.build import open_values, separator_effects
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects import having, stating
 from screwsim.effects.base import SUCTION, CoolsOil, FlowPath
-from screwsim.effects.parts.roles import SUCTION_BACK
+from screwsim.effects.parts.usual import SUCTION_BACK
 from screwsim.evaluate import humidity, plausible
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.separator import Circuit

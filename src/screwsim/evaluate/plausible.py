@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from screwsim.effects import catalogue
 from screwsim.effects.base import LINES, FlowPath, HeatRate, Plenum, Wall
-from screwsim.effects.parts.roles import WAY_IN, WAY_OUT
+from screwsim.effects.parts.usual import WAY_IN, WAY_OUT
 from screwsim.machine.kinds import kind_of
 from screwsim.model.parts import Parts
 from screwsim.outputs import Figures
