@@ -119,7 +119,7 @@ def _of_machine(
         "pressure_ratio": lines.p_s / lines.p_d if geometry.expands else lines.p_d / lines.p_s,
         "displacement": geometry.swept_volume * TURN / geometry.pitch,
         "displacement_flow": geometry.swept_volume * rate,
-        "built_in_volume_ratio": _built_in(problem, life),
+        "built_in_volume_ratio": geometry.built_in_volume_ratio(life.volume),
     }
 
 
@@ -140,20 +140,6 @@ def _of_expander(
     own = float(found["gas_mass_flow"]) * (problem.h_isentropic - problem.inlet.enthalpy)
     power = own + performance.isentropic_power_of(problem.parts.gas, problem.lines.p_d, drawn)
     return performance.figures_of_expander(found, power, filled)
-
-
-_ratio: tuple[Any, Any, float | None] = None, None, None  # geometry and effects, and the built-in volume ratio
-
-
-def _built_in(problem: Problem, life: Trajectory) -> float | None:
-    """Return the built-in volume ratio, kept for further cases of a sweep with the same machine and effects."""
-    global _ratio
-    parts = problem.parts
-    geometry, effects, found = _ratio  # read in one step: threads share it
-    if geometry is not parts.geometry or effects is not parts.effects:
-        found = parts.geometry.built_in_volume_ratio(life.volume)
-        _ratio = parts.geometry, parts.effects, found
-    return found
 
 
 def _of_oil(problem: Problem, life: Trajectory, known: CycleFigures, flow: float) -> dict[str, float | None]:

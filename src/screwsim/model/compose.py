@@ -24,8 +24,8 @@ from screwsim.model.numbers import fixed_numbers, oil_places, symbols_of
 from screwsim.model.parts import Parts
 from screwsim.model.renumbering import angles_of, stored_numbers
 from screwsim.model.slots import FIRST_OWN, PORT_STATE, R_SIZE
-from screwsim.model.trajectory import with_numbers
 from screwsim.model.writing import ModelWriter, scales
+from screwsim.numerics.frozen import with_changes
 from screwsim.numerics.kernel import Kernel
 
 SHARED = {name: getattr(slots, name) for name in slots.FIXED}  # constants that texts use by name
@@ -50,9 +50,9 @@ def compose(parts: Parts) -> Composition:
         writer.speed_curve,
         tuple(oil_places(parts).items()),
     )
-    return with_numbers(
+    return with_changes(
         found,
-        np.array(numbers.values),
+        P=np.array(numbers.values),
         TAB=np.concatenate([*numbers.tables, np.zeros(1)]),
         breakpoints=breakpoints(parts, law, parts.all(FlowPath), () if port is None else port.breakpoints),
         recipe=NumbersRecipe(

@@ -33,7 +33,7 @@ from screwsim.model.breakpoints import breakpoints
 from screwsim.model.composition import Composition, NumbersRecipe, StoredNumber
 from screwsim.model.numbers import fixed_numbers, operating
 from screwsim.model.parts import Parts
-from screwsim.model.trajectory import with_numbers
+from screwsim.numerics.frozen import with_changes
 
 Array = np.ndarray
 
@@ -78,10 +78,7 @@ def renumbered(before: Parts, composition: Composition, parts: Parts) -> Composi
     law = parts.geometry.volume_law()
     if not _machine_alike(parts, before) or not _law_alike(law, recipe.law) or not _effects_alike(parts, before):
         return None
-    holders, head, P = list(_holders(parts, law)), fixed_numbers(parts), recipe.P.copy()
-    P[: len(head)] = head
-    named = operating(parts)
-    P[recipe.places] = [named[name] for name in recipe.names]
+    holders, P = list(_holders(parts, law)), operating_numbers(recipe, parts)
     P[[each.place for each in recipe.held]] = [
         holders[at][name] if by_key else getattr(holders[at], name) for _, at, name, by_key in recipe.held
     ]
@@ -90,13 +87,21 @@ def renumbered(before: Parts, composition: Composition, parts: Parts) -> Composi
     found = composition.breakpoints
     if own or angles != recipe.angles:
         found = breakpoints(parts, law, paths, () if port is None else port.breakpoints)
-    return with_numbers(
+    return with_changes(
         composition,
-        P,
+        P=P,
         breakpoints=found,
         recipe=NumbersRecipe(P.copy(), recipe.places, recipe.names, recipe.held, angles, law),
         starts=tuple(part.start for _, part in parts.all(ChamberState)),
     )
+
+
+def operating_numbers(recipe: NumbersRecipe, parts: Parts) -> Array:
+    """Return P as composed, with the numbers of other parts that may change while the structure stays."""
+    P, head, named = recipe.P.copy(), fixed_numbers(parts), operating(parts)
+    P[: len(head)] = head
+    P[recipe.places] = [named[name] for name in recipe.names]
+    return P
 
 
 def differ_in_numbers_only(parts: Parts, other: Parts) -> bool:
