@@ -184,11 +184,6 @@ def _hydraulic_lock(problem: Problem, cycle: CycleSolution) -> str:
     )
 
 
-def package_verdict(of: Evaluation) -> float:
-    """Return the relative residual of a package's losses over their line's pressure; 0 without a package."""
-    return 0.0 if of.package is None else of.package.open
-
-
 def circuit_verdict(of: Evaluation) -> tuple[str, float]:
     """Return why the oil's circuit of a cycle is impossible (empty: it is not), and its residual over the shaft power.
 

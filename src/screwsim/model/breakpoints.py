@@ -22,16 +22,14 @@ PLACED = 1e-6  # rad, to which it is found where a path opens or shuts between t
 STATED = math.radians(0.5)  # distance from a declared breakpoint within which no other is needed
 
 
-def breakpoints(parts: Parts, law: Any, named: Sequence[tuple[str, FlowPath]], more: Sequence[float]) -> np.ndarray:
+def breakpoints(parts: Parts, law: Any) -> np.ndarray:
     """Return the angles of one life at which its own or neighbours' laws are not smooth, sorted, including the ends."""
-    geometry, paths = parts.geometry, [path for _, path in named]
+    geometry, named, port = parts.geometry, parts.all(FlowPath), parts.oil_port
+    paths = [path for _, path in named]
     pitch, life = geometry.pitch, geometry.life
-    own = {geometry.injection_angle, *law.breakpoints, *more}
-    for path in paths:
-        own.update(path.breakpoints)
-    shifts = {0}
-    for path in paths:
-        shifts |= {path.offset, -path.offset}
+    own = {geometry.injection_angle, *law.breakpoints, *(() if port is None else port.breakpoints)}
+    own.update(at for path in paths for at in path.breakpoints)
+    shifts = {0}.union(*({path.offset, -path.offset} for path in paths))
     found = [at + shift * pitch for at in own for shift in shifts]
     found += law.own_breakpoints
     for path in paths:

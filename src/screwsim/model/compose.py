@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import DISCHARGE, LINES, ChamberState, FlowPath, HeatRate, Stops
+from screwsim.effects.base import DISCHARGE, LINES, ChamberState, HeatRate, Stops
 from screwsim.fluid import nozzle
 from screwsim.model import ledger, line_flow, slots, trace, writing, writing_oil
 from screwsim.model.breakpoints import breakpoints
@@ -39,7 +39,7 @@ def compose(parts: Parts) -> Composition:
     _refuse(network, parts)
     writer, law = ModelWriter(symbols_of(parts), fixed_numbers(parts), parts.made, network), parts.geometry.volume_law()
     _write(writer, parts, law)
-    numbers, port = writer.numbers, parts.oil_port
+    numbers = writer.numbers
     found = structured(
         network.key(),
         tuple(writer.text),
@@ -54,7 +54,7 @@ def compose(parts: Parts) -> Composition:
         found,
         P=np.array(numbers.values),
         TAB=np.concatenate([*numbers.tables, np.zeros(1)]),
-        breakpoints=breakpoints(parts, law, parts.all(FlowPath), () if port is None else port.breakpoints),
+        breakpoints=breakpoints(parts, law),
         recipe=NumbersRecipe(
             np.array(numbers.values),
             list(numbers.named),

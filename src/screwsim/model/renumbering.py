@@ -81,11 +81,11 @@ def renumbered(before: Parts, composition: Composition, parts: Parts) -> Composi
     P[[each.place for each in recipe.held]] = [
         holders[at][name] if by_key else getattr(holders[at], name) for _, at, name, by_key in recipe.held
     ]
-    angles, paths, port = angles_of(parts, law), parts.all(FlowPath), parts.oil_port
-    own = any("." in name for name, _ in paths)
+    angles = angles_of(parts, law)
+    own = any("." in name for name, _ in parts.all(FlowPath))
     found = composition.breakpoints
     if own or angles != recipe.angles:
-        found = breakpoints(parts, law, paths, () if port is None else port.breakpoints)
+        found = breakpoints(parts, law)
     return with_changes(
         composition,
         P=P,

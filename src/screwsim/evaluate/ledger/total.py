@@ -7,7 +7,6 @@ with effects.separator it is machine, separator and oil cooler, up to the gas th
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -92,7 +91,9 @@ def ledger(of: Evaluation) -> Ledger:
     paths = moved.tolist()
     cool_at_lines(cycle, paths)
     reach_station()
-    cycle.entries |= {name: Entry() for name in _acting_effects(cycle)}
+    for name, items in cycle.parts.effects.items():
+        if not items or not all(isinstance(part, Reading) for part in items):  # effects that only read have no entry
+            cycle.entries[name] = Entry()
     met = gas.line_streams(cycle, paths) if cycle.parts.suction_line else None
     back = sucked if met is None else gas.mean_back(cycle, met, sucked)
     ends = cycle.ends(back, given)
@@ -122,14 +123,6 @@ def _intake_state(cycle: LedgerCycle) -> State:
         return cycle.at(cycle.suction.pressure, h)
     port_state = cycle.suction.port_state(float(cycle.R[R_DISCHARGE + ENTHALPY]))
     return cycle.state(cycle.suction.temperature(port_state, cycle.lines.T_s), rho, h)
-
-
-def _acting_effects(cycle: LedgerCycle) -> Iterator[str]:
-    """Yield the effects that do more than read the cycle."""
-    reading = {name for name, _ in cycle.parts.all(Reading)}
-    for name, items in cycle.parts.effects.items():
-        if name not in reading or not all(isinstance(part, Reading) for part in items):
-            yield name
 
 
 def _losses(cycle: LedgerCycle) -> None:

@@ -21,7 +21,7 @@ from screwsim.model.network.network import Gap, Network
 from screwsim.model.network.port_states import port_state_texts
 from screwsim.model.network.statements import Statements, Tangent, function
 from screwsim.model.network.steps import step_texts
-from screwsim.model.network.steps_together import BEFORE, held_phase, step_texts_together
+from screwsim.model.network.steps_together import BEFORE, HELD, step_texts_together
 from screwsim.model.network.surroundings import lines_texts, surroundings_together_text
 from screwsim.numerics.expressions import slope_name
 from screwsim.numerics.kernel import Kernel
@@ -40,7 +40,7 @@ def chambers_texts(key: tuple[Any, ...]) -> tuple[tuple[str, ...], tuple[Kernel,
     network = Network(*key)
     chambers, exact = Chambers(network), Chambers(network, exact=True)
     of_one = [*port_state_texts(network), *between_texts(network), *step_texts(network)]
-    of_one += [*lines_texts(network)[1:], surroundings_together_text(network)]
+    of_one += [*lines_texts(network, "chambers"), surroundings_together_text(network)]
     jacobians = chambers.jacobian(), *((exact.jacobian(),) if _has_exact(network) else ())
     texts = chambers.rates(), *jacobians, *step_texts_together(network), *of_one
     return texts, (*network.kernels.values(), *chambers.tangents, *exact.tangents)
@@ -262,10 +262,9 @@ class Chambers(Cell):
 
     def rates(self) -> str:
         """Return the text of dy/dφ of all chambers, and of the rates of their quadratures."""
-        network, to = self.network, Statements()
+        to = Statements()
         with to.within("for j in range(CHAMBERS)"):
-            phase = held_phase(network, "j")
-            to.add(f"chamber__port_state({phase}, y, j * N, P, TAB, port_states, j * PORT_STATE)")
+            to.add(f"chamber__port_state({HELD}, y, j * N, P, TAB, port_states, j * PORT_STATE)")
         to.add(*self._between(False))
         with to.within("for i in range(Q_crossing + 1)"):
             to.add("g[i] = 0.0")
@@ -285,11 +284,11 @@ class Chambers(Cell):
         self.tangents += tangent.kernels
         with to.within("for j in range(CHAMBERS)"):
             to.add("T = y[j * N + S_T]", "rho = y[j * N + S_rho]")
-            held, of_states = held_phase(network, "j"), "phase = gas_phase(T, rho, P, TAB)"
+            of_states = "phase = gas_phase(T, rho, P, TAB)"
             if self.exact and network.phases:
-                to.add(f"{of_states} if {held} == FREE else int({held})")
+                to.add(f"{of_states} if {HELD} == FREE else int({HELD})")
             else:
-                to.add(*([of_states, f"{held} = phase"] if network.phases else ["phase = 0"]))
+                to.add(*([of_states, f"{HELD} = phase"] if network.phases else ["phase = 0"]))
             to.add(*tangent.lines)
             to.add(*(f"port_states[j * PORT_STATE + {at}] = {name}" for name, at in (GAS | NOZZLE).items()))
             for name, seed in self.of_gas:
