@@ -126,16 +126,14 @@ class Chamber(Cell):
 
     def rates(self) -> str:
         """Return the text of dy/dφ of one chamber, and of the rates of its quadratures."""
-        held = "gas_phase(T, rho, P, TAB) if own[PHASE] == FREE else int(own[PHASE])"
+        network, held = self.network, "gas_phase(T, rho, P, TAB) if own[PHASE] == FREE else int(own[PHASE])"
         return function(
             "chamber__rates(y, E, context, f, g)",
             ['"""Fill f = dy/dphi and the quadrature rates g of one chamber."""', CONTEXT],
-            [*self.states(), f"phase = {held}" if self.network.phases else "phase = 0"],
+            [*self.states(), f"phase = {held}" if network.phases else "phase = 0"],
             [*self._body(False), *KEPT, *self._stored()],
-            [*stops.at_rest(self.network, keep_at_rest, "f"), "own[STEP_END] = E[E_ANGLE]"]
-            if self.network.stops
-            else [],
-            ["own[FED_LAST] = inflow"] if self.network.flash_begins else [],
+            [*stops.at_rest(network, keep_at_rest, "f"), "own[STEP_END] = E[E_ANGLE]"] if network.stops else [],
+            ["own[FED_LAST] = inflow"] if network.flash_begins else [],
         )
 
     def jacobian(self) -> str:
