@@ -26,10 +26,9 @@ Array = np.ndarray
 Read = tuple[Performance, dict[str, str]]  # figures, and the reasons for those that are None
 OF_SEPARATOR = "mixture_discharge_temperature", "separator_temperature", "oil_cooler_duty"
 OF_SEPARATOR = (*OF_SEPARATOR, "oil_circuit_residual", "oil_flow_volume")
-NONE_LEAVES = "nothing flows out to the discharge line"
 NO_REASON = "this cycle has none"
 WHY_NONE = {
-    "discharge_temperature": NONE_LEAVES,
+    "discharge_temperature": performance.NONE_LEAVES,
     "built_in_volume_ratio": "the machine has no discharge port whose opening marks the end of it",
     "oil_flow_ratio": "no net gas is delivered",
     "oil_discharge_temperature": "hardly any oil flows out to the discharge line",
@@ -138,7 +137,8 @@ def _of_expander(
     filled = None if closes is None else problem.inlet.density * life.volume(closes)  # where the inlet closes
     filled = None if filled is None else filled * problem.parts.omega / geometry.pitch
     own = float(found["gas_mass_flow"]) * (problem.h_isentropic - problem.inlet.enthalpy)
-    power = own + performance.isentropic_power_of(problem.parts.gas, problem.lines.p_d, drawn)
+    work = problem.parts.gas.isentropic_work_of_enthalpy  # of what own plenums add; negative for what expands (M101)
+    power = own + sum(net * work(state.p, problem.lines.p_d, state.h) for net, state in drawn)
     return performance.figures_of_expander(found, power, filled)
 
 
@@ -193,7 +193,7 @@ def _condenser_heat(problem: Problem, circuit: Circuit | str | None, leaving: fl
     if isinstance(circuit, str) and parted:
         return circuit
     if leaving is None or effect is None:
-        return NONE_LEAVES
+        return performance.NONE_LEAVES
     h = leaving
     if isinstance(circuit, Circuit) and parted:
         h = problem.parts.gas.enthalpy(problem.lines.p_d, circuit.parted.T_separator)

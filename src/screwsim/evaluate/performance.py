@@ -30,6 +30,7 @@ Array = np.ndarray
 
 MOTOR_POWER = "motor_power"
 NO_POWER = "the shaft power is not positive"
+NONE_LEAVES = "nothing flows out to the discharge line"
 NONE_DELIVERED = "no net gas is delivered: the machine leaks more than it takes in"
 
 
@@ -175,11 +176,6 @@ NO_MEANING = {
 }
 
 
-def isentropic_power_of(gas: Gas, p_d: float, drawn: Sequence[tuple[float, Reservoir]]) -> float:
-    """Return the isentropic power [W] to p_d [Pa] of what own plenums add; negative for what expands (M101, M151)."""
-    return sum(net * gas.isentropic_work_of_enthalpy(state.p, p_d, state.h) for net, state in drawn)
-
-
 def figures_of_expander(found: Mapping[str, Any], isentropic_power: float, filled: float | None) -> Given:
     """Return the figures of an expander in place of a compressor's.
 
@@ -222,7 +218,7 @@ def saturation_figures(problem: Problem, found: Mapping[str, Any]) -> Given:
     if lines.quality is not None:
         reasons["suction_superheat"] = WET
     if dew_d is not None:  # the remaining reason: no outflow
-        reasons["discharge_superheat"] = "nothing flows out to the discharge line"
+        reasons["discharge_superheat"] = NONE_LEAVES
     return {name: reasons[name] if value is None else value for name, value in values.items()}
 
 

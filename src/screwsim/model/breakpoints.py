@@ -95,7 +95,8 @@ def _areas(path: FlowPath, symbols: Mapping[str, float], angles: Array) -> Array
     if not set(path.area.arguments) <= {*known, "phi", "TAB"}:
         return None
     at = angles if path.mirror is None else path.mirror - angles
-    return np.array([_area(path, _called(path.area.arguments, known, phi, TAB)) for phi in at.tolist()], float)
+    asked = [known | {"phi": phi, "TAB": TAB} for phi in at.tolist()]
+    return np.array([_area(path, [named[name] for name in path.area.arguments]) for named in asked], float)
 
 
 def _area(path: FlowPath, arguments: Sequence[float | Array]) -> float:
@@ -107,8 +108,3 @@ def _area(path: FlowPath, arguments: Sequence[float | Array]) -> float:
     if not isinstance(found, Real):
         raise TypeError(f"kernel {path.area.__name__} returned {found!r}, which is no area")
     return float(found)
-
-
-def _called(names: Sequence[str], known: Mapping[str, float], phi: float, TAB: Array) -> list[float | Array]:
-    """Return the arguments of an area's kernel at an angle [rad]."""
-    return [phi if name == "phi" else TAB if name == "TAB" else known[name] for name in names]
