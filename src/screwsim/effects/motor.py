@@ -177,11 +177,6 @@ def losses_of(parameters: Parameters) -> Losses:
     return lost
 
 
-def heat_of(losses: Losses) -> Callable[[float, float], float]:
-    """Return the heat [W] into the suction gas as a function of shaft power and speed: the motor's loss (M275)."""
-    return lambda power, omega: losses(power, omega)[0]
-
-
 def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
     losses = losses_of(parameters)
 
@@ -225,7 +220,8 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
         return found
 
     reading = Reading(names_of(FIGURES), read, judge=judge)
-    return [reading, SuctionHeat(heat_of(losses))] if parameters.cooling == SUCTION else [reading]
+    heat = SuctionHeat(lambda power, omega: losses(power, omega)[0])  # the motor's loss (M275)
+    return [reading, heat] if parameters.cooling == SUCTION else [reading]
 
 
 def _too_good(parameters: Parameters) -> tuple[str, ...]:

@@ -94,10 +94,8 @@ def _isentropic(checked: CheckedCycle) -> Iterator[Doubt]:
 
 
 def _volumetric(checked: CheckedCycle) -> Iterator[Doubt]:
-    filled, found = (
-        checked.above("volumetric_efficiency", 1.0 + RAM_FILLING),
-        checked.found.get("volumetric_efficiency"),
-    )
+    name = "volumetric_efficiency"
+    filled, found = checked.above(name, 1.0 + RAM_FILLING), checked.found.get(name)
     if checked.expands:
         return
     if filled is not None:
@@ -109,7 +107,7 @@ def _volumetric(checked: CheckedCycle) -> Iterator[Doubt]:
         yield Doubt(
             f"the volumetric efficiency is {found:.4g}: more flows back through leaks than the rotors displace; no "
             "machine has gaps or areas so wide (check gaps and speed)",
-            "volumetric_efficiency",
+            name,
         )
 
 
