@@ -135,4 +135,4 @@ def test_oil_is_injected_at_a_breakpoint():
 
 def test_texts_and_effects_call_the_lines_alike():
     """Texts are written by code that knows no effects: what it is made of is all in the digest by which it is kept."""
-    assert network.PRESSURES == tuple(f"p_{line}" for line in base.LINES)
+    assert network.SYMBOLS == base.LINES

@@ -7,16 +7,15 @@ streams between chambers count where they arrive.
 from functools import lru_cache
 from typing import Any
 
-from screwsim.effects.base import LINES
 from screwsim.model.network import balances
 from screwsim.model.network.chamber import Chamber
 from screwsim.model.network.flows import PortState, port_state_of, read_port_state
 from screwsim.model.network.layout import WAYS
-from screwsim.model.network.network import Gap, Network, Port
+from screwsim.model.network.network import SYMBOLS, Gap, Network, Port
 from screwsim.model.network.statements import Statements, function
 from screwsim.model.network.steps import CONTEXT
 
-ENTROPIES = tuple(f"s_{line}" for line in LINES)  # of the lines, names of arguments [J/(kg K)]
+ENTROPIES = tuple(f"s_{line}" for line in SYMBOLS)  # of the lines, names of arguments [J/(kg K)]
 
 
 @lru_cache(maxsize=64)

@@ -10,11 +10,11 @@ from functools import cache
 from operator import attrgetter
 from typing import Any
 
-from screwsim.effects.base import LINES
 from screwsim.model.slots import FIRST_OWN
 from screwsim.numerics.kernel import Kernel
 
-PRESSURES = tuple(f"p_{line}" for line in LINES)  # of the lines, as kernels ask for them
+SYMBOLS = ("suction", "discharge")  # of the lines, in the texts; effects use the same names (`effects.base.LINES`)
+PRESSURES = tuple(f"p_{line}" for line in SYMBOLS)  # of the lines, as kernels ask for them
 QUANTITIES = ("mass", "energy", "oil", "oil_energy", "held")  # of a stream; the first of them, as many as sums
 
 
