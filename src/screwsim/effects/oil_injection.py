@@ -130,13 +130,11 @@ def build(parameters: Parameters, machine) -> list[OilPort]:
 
 def check(parameters: Parameters, facts) -> Faults:
     yield from check_window(NAME, parameters)
-    if facts.oil_supply.pumped and parameters.pressure_loss > 0.0:
-        what = "applies to displaced oil; with oil_supply.kind: pump the pump overcomes the loss"
-        yield Fault(f"effects.{NAME}.pressure_loss", f"{what} (write it under effects.oil_pump)")
-    if facts.oil_supply.pumped and parameters.line is not None:
-        what = "applies to displaced oil; with oil_supply.kind: pump the pump overcomes the loss"
-        yield Fault(f"effects.{NAME}.line", f"{what} (write it under effects.oil_pump)")
-    elif parameters.line is not None and parameters.pressure is not None:
+    for name, given in (("pressure_loss", parameters.pressure_loss > 0.0), ("line", parameters.line is not None)):
+        if facts.oil_supply.pumped and given:
+            what = "applies to displaced oil; with oil_supply.kind: pump the pump overcomes the loss"
+            yield Fault(f"effects.{NAME}.{name}", f"{what} (write it under effects.oil_pump)")
+    if not facts.oil_supply.pumped and parameters.line is not None and parameters.pressure is not None:
         yield Fault(
             f"effects.{NAME}.line", "is given as well as pressure, which is that after the line (remove one of the two)"
         )

@@ -166,7 +166,6 @@ def _hydraulic_lock(problem: Problem, cycle: CycleSolution) -> str:
     parts, R, n = problem.parts, cycle.trajectory.R, len(problem.composition.states)
     if not parts.oil_room or parts.oil is None:
         return ""
-    angle = cycle.angle
     rho, x = cycle.y[S_RHO::n], cycle.y[S_X_OIL::n]
     shares = 1.0 - 1.0 / (1.0 + x * rho / parts.oil.density)
     if R[R_LOCK] > 0.0:

@@ -27,17 +27,8 @@ CONTEXT = "P, TAB, R, own = context.P, context.TAB, context.R, context.own"
 
 def step_texts(network: Network) -> list[str]:
     """Return the functions that the integrator calls for one chamber, and those that both drivers share."""
-    return [
-        *(
-            _error(network),
-            _error_size(),
-            _lands(network),
-            _inject(network),
-            _at_breakpoint(network),
-            _share_in_phase(network),
-        ),
-        *(_into(network), _conserve(network), _jump(network), *stop_texts(network)),
-    ]
+    own = (_error, _error_size, _lands, _inject, _at_breakpoint, _share_in_phase, _into, _conserve, _jump)
+    return [*(text(network) for text in own), *stop_texts(network)]
 
 
 def step_kernels(network: Network) -> list[Kernel]:
@@ -89,7 +80,7 @@ def _error(to: Statements, network: Network) -> None:
 
 
 @writes("chamber__error_size(y0, y1, error, context)")
-def _error_size(to: Statements) -> None:
+def _error_size(to: Statements, network: Network) -> None:
     """Return the largest relative error of the states over a step."""
     to.add("return chamber__error(y0, y1, error, 0, context.own, 0, context.P)")  # `own` is that of the last stage
 
