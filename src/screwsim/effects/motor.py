@@ -111,7 +111,6 @@ class Parameters:
 
 
 Loss = Callable[[float], float]
-Losses = Callable[[float, float], tuple[float, float]]  # motor, with inverter [W]; by load [W], [rad/s]
 
 
 def loss_of_shares(parameters: Parameters) -> Loss:
@@ -157,7 +156,7 @@ def motor_loss(parameters: Parameters, load: float, loss: Loss) -> tuple[float, 
     return own, driven - load
 
 
-def losses_of(parameters: Parameters) -> Losses:
+def losses_of(parameters: Parameters) -> Callable[[float, float], tuple[float, float]]:
     """Return the losses [W] of a motor, alone and with its inverter, as a function of its load [W] and speed [rad/s].
 
     The speed is that of the male rotor.

@@ -146,11 +146,6 @@ def _burst(checked: CheckedCycle) -> Iterator[Doubt]:
 DOUBTS = (_isothermal, _isentropic, _volumetric, _driven, _carnot, _hot, _burst)
 
 
-def doubts(checked: CheckedCycle) -> tuple[Doubt, ...]:
-    """Return the implausibilities among the figures of a closed cycle."""
-    return tuple(doubt for ask in DOUBTS for doubt in ask(checked))
-
-
 def lines_met(parts: Parts) -> set[str]:
     """Return the lines and plenums to which ports or valves lead."""
     return {path.to for _, path in parts.all(FlowPath) if not path.beside}

@@ -32,12 +32,10 @@ def breakpoints(parts: Parts, law: Any) -> np.ndarray:
     shifts = {0}.union(*({path.offset, -path.offset} for path in paths))
     found = [at + shift * pitch for at in own for shift in shifts]
     found += law.own_breakpoints
-    for path in paths:
-        found += [at + shift * pitch for at in path.own_breakpoints for shift in {0, path.offset}]
     symbols = symbols_of(parts)
     for name, path in named:
-        unstated = _unstated(name, path, symbols, life)
-        found += [at + shift * pitch for at in unstated for shift in {0, path.offset}]
+        path_own = *path.own_breakpoints, *_unstated(name, path, symbols, life)
+        found += [at + shift * pitch for at in path_own for shift in {0, path.offset}]
     # where a neighbour's life begins or ends
     found += [shift * pitch + edge for shift in shifts for edge in (0.0, life)]
     inside = sorted({0.0, life, *(at for at in found if 0.0 < at < life)})
