@@ -29,7 +29,7 @@ from screwsim.study.parallel import BatchWorkers, WarmSimulation
 from screwsim.study.progress import Progress, progress_of
 from screwsim.study.search import Maximum
 from screwsim.study.seek import rounded
-from screwsim.study.spans import LOWER, UPPER, Span, read_spans, refusal_beyond
+from screwsim.study.spans import LOWER, UPPER, read_spans, refusal_beyond
 from screwsim.study.stages import scene_or_stages
 from screwsim.study.tally import Place, Tally
 from screwsim.study.varied import Varied, solved, with_values
