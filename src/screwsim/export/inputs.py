@@ -9,7 +9,7 @@ import numpy as np
 
 from screwsim.build import build_parts
 from screwsim.effects import having
-from screwsim.effects.parts.roles import SLIDES
+from screwsim.effects.parts.usual import SLIDES
 from screwsim.figures import called_for, declared
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs.display import si_unit

@@ -21,7 +21,7 @@ from screwsim.results.schema import axes_of, digest, identity_of
 from screwsim.results.table import same_angles
 from screwsim.results.write import Draft
 from screwsim.scene import grid
-from screwsim.scene.argument import scene_of
+from screwsim.scene.load import scene_of
 from screwsim.scene.types import Scene
 from screwsim.study.agreement import FileWatch, requirements_of
 from screwsim.study.cases import (

@@ -10,8 +10,8 @@ from screwsim.inputs.arguments import NUMBER, NUMBERS, TEXTS, as_list, checked_a
 from screwsim.inputs.arguments import shown as shown_argument
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, case, case_count, case_values, scene_text, with_values
-from screwsim.scene.argument import scene_of
 from screwsim.scene.grid import with_sweep_over
+from screwsim.scene.load import scene_of
 from screwsim.study.figures import figure_of
 from screwsim.study.goals import Goal, read_figure, read_goals
 from screwsim.study.inputs import check_fit, read_text, shown_value

@@ -24,7 +24,7 @@ from screwsim.scene import Scene, lines, value_at
 from screwsim.scene.lines import Lines
 from screwsim.scene.operation import P_D, P_S, QUALITY, T_S
 from screwsim.study.local import Sensitivities, sensitivities
-from screwsim.study.stages.axes import SOLVED, STAGE_NAMES, chain_with
+from screwsim.study.stages.axes import SOLVED, STAGE_NAMES
 from screwsim.study.stages.figures import StagePair, chain_figures, delivery_temperature
 from screwsim.study.stages.solve import ChainSolver, Stop
 from screwsim.study.uncertain import Tolerances, Uncertainty, groups_of, spreads_of
@@ -42,7 +42,7 @@ Slopes = dict[str, dict[str, float]]  # derivative [SI] of each figure by each i
 def tolerances_of(chain: StageChain) -> Tolerances:
     """Return the tolerances of a chain's inputs, their stage before the path, but for the line that is solved for."""
     uncertain, correlated = {}, []
-    for stage, scene in zip(STAGE_NAMES, (chain.first, chain.second), strict=True):
+    for stage, scene in chain.by_stage.items():
         own = {path: each for path, each in scene.uncertain.items() if not path.startswith(SOLVED[stage])}
         uncertain |= {f"{stage}.{path}": each for path, each in own.items()}
         groups = (tuple(f"{stage}.{path}" for path in group if path in own) for group in scene.correlated)
@@ -90,7 +90,7 @@ class _LinearChain:
 
     def at(self, name: str, value: float, dp: float) -> tuple[ChainSolver, StagePair]:
         """Return both stages with another value [SI] of an input ('' for none), and the pressure moved by dp [Pa]."""
-        solver = ChainSolver(chain_with(self.chain, {name: value}) if name else self.chain)
+        solver = ChainSolver(self.chain.with_values({name: value}) if name else self.chain)
         here, drop = self.pair, solver.chain.intercooler.pressure_drop
         p, low, high = here.p + dp, lines(self.chain.first), lines(self.chain.second)
         own = self._own(name, value)
