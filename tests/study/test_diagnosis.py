@@ -83,14 +83,14 @@ def test_the_evidence_is_the_mean_likelihood_between_the_bounds():
         mean = np.trapezoid(np.exp(-0.5 * chi_squared), u)
         assert found.log_evidence == pytest.approx(np.log(mean), abs=1e-6)
         assert found.misfit == pytest.approx(chi_squared.min(), abs=1e-6)
-        below = np.trapezoid(np.where(u < found.interval(0.9)[0], np.exp(-0.5 * chi_squared), 0.0), u)
+        below = np.trapezoid(np.where(u < found.interval[0], np.exp(-0.5 * chi_squared), 0.0), u)
         assert below / mean == pytest.approx(0.05, abs=1e-3)
 
 
 def test_an_estimate_far_beyond_a_bound_is_the_bound():
     far = LinearLikelihood(9.0, 1.0, 1e4)
     assert far.estimate == 1.0 and far.misfit == pytest.approx(1.0 + 1e4 * 64.0)
-    assert np.isfinite(far.log_evidence) and 0.99 < far.interval(0.9)[0] < 1.0
+    assert np.isfinite(far.log_evidence) and 0.99 < far.interval[0] < 1.0
 
 
 def test_inputs_that_are_not_known_widen_the_measurement():
@@ -238,7 +238,7 @@ def test_the_evidence_of_two_changes_is_the_mean_likelihood_between_the_bounds_o
     for places, size, alike in cases:
         residuals, slopes = generator.standard_normal(7), size * generator.standard_normal((7, 2))
         slopes[:, 1] = alike * slopes[:, 0] + (1.0 - abs(alike)) * slopes[:, 1]
-        found = normal_about(np.array(places), residuals, slopes, 0.9)
+        found = normal_about(np.array(places), residuals, slopes)
         u, v = np.meshgrid(np.linspace(0.0, 1.0, 2001), np.linspace(0.0, 1.0, 2001), indexing="ij")
         moved = (
             residuals[:, None, None]

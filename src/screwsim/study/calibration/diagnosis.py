@@ -321,7 +321,7 @@ def _pair_likelihoods(
         return {}
     curves = curves_of(machine.residuals, machine.start, machine.slopes, singles)
     pairs = list(combinations(range(len(singles)), 2))
-    found = {pair: additive_likelihood(curves, pair, INTERVAL_LEVEL) for pair in pairs}
+    found = {pair: additive_likelihood(curves, pair) for pair in pairs}
     best_of_others = min([machine.misfit, *(single.misfit for single in singles)])
     tried: set[tuple[int, int]] = set()
     while len(tried) < MOST_PAIRS:
@@ -333,7 +333,7 @@ def _pair_likelihoods(
         guesses = [(pair, found[pair]) for pair in wanted if pair not in tried][: MOST_PAIRS - len(tried)]
         if not guesses:
             break
-        call = partial(solved_pair, machine.fit, machine.white, machine.simulate, guesses, INTERVAL_LEVEL)
+        call = partial(solved_pair, machine.fit, machine.white, machine.simulate, guesses)
         answers = parallel_map(call, len(guesses), died=lambda number: None, jobs=jobs)
         found |= {pair: double for (pair, _), double in zip(guesses, answers, strict=True) if double}
         tried |= {pair for pair, _ in guesses}
@@ -355,7 +355,7 @@ def _hypotheses(
         why, also = UNSOLVED if i in tried else UNLIKELY, ()
         if isinstance(single, ProfileLikelihood):
             why, also = "", tuple(map(machine.fit.parameters[i].value, single.others()))
-        changes = (machine.change(i, single.estimate, single.interval(INTERVAL_LEVEL)),)
+        changes = (machine.change(i, single.estimate, single.interval),)
         rows.append(Hypothesis(changes, chance, single.log_evidence, float(single.misfit), count - 1, why, also))
     for (pair, double), chance in zip(doubles.items(), chances[len(singles) :], strict=True):
         changes = tuple(map(machine.change, pair, double.places, double.intervals))

@@ -18,7 +18,7 @@ import numpy as np
 
 from screwsim.study.calibration.descent import least_squares
 from screwsim.study.calibration.fit import DIFFERENCES, Fit
-from screwsim.study.calibration.profile import LinearLikelihood, ProfileLikelihood, log_mass, refined_grid
+from screwsim.study.calibration.profile import TAILS, LinearLikelihood, ProfileLikelihood, log_mass, refined_grid
 from screwsim.study.calibration.residuals import Array, Objective, Simulate
 
 STEPS, CHEAP = 8, 40  # least-squares steps with solutions, and without
@@ -73,7 +73,7 @@ def curves_of(
     return ResidualCurves(here, start, of, np.array([single.estimate for single in singles]))
 
 
-def additive_likelihood(curves: ResidualCurves, pair: tuple[int, int], level: float) -> PairLikelihood:
+def additive_likelihood(curves: ResidualCurves, pair: tuple[int, int]) -> PairLikelihood:
     """Return the likelihood over two parameters without solving: their separate changes are added."""
     i, j = pair
     alone = curves.start[i], curves.start[j]
@@ -87,7 +87,7 @@ def additive_likelihood(curves: ResidualCurves, pair: tuple[int, int], level: fl
 
     ends = [least_squares(residuals, slopes, np.array(begin), CHEAP, confirmed=True)[0] for begin in begins]
     end = min(ends, key=lambda places: float(np.sum(residuals(places) ** 2)))
-    return normal_about(end, residuals(end), slopes(end), level)
+    return normal_about(end, residuals(end), slopes(end))
 
 
 def _slope(curve: ResidualCurve, place: float) -> Array:
@@ -96,7 +96,7 @@ def _slope(curve: ResidualCurve, place: float) -> Array:
 
 
 def solved_pair(
-    fit: Fit, white: Array, simulate: Simulate | None, guesses: PairGuesses, level: float, number: int
+    fit: Fit, white: Array, simulate: Simulate | None, guesses: PairGuesses, number: int
 ) -> PairLikelihood | None:
     """Return the likelihood over one of the pairs around its best places, found by solutions from the guess.
 
@@ -126,19 +126,18 @@ def solved_pair(
     left = residuals(end)
     if end.tobytes() in unsolved:
         return None
-    found = normal_about(end, left, white @ asked.slopes(end), level)
+    found = normal_about(end, left, white @ asked.slopes(end))
     return replace(found, solved=True, solutions=asked.solutions, failed=asked.failed)
 
 
-def normal_about(places: Array, residuals: Array, slopes: Array, level: float) -> PairLikelihood:
+def normal_about(places: Array, residuals: Array, slopes: Array) -> PairLikelihood:
     """Return the likelihood over two places, linear around these, from whitened residuals (n,) and slopes (n, 2)."""
     intervals, evidence = [], -np.inf
     for own, other in ((0, 1), (1, 0)):
         grid, density = _marginal(places, residuals, slopes, own, other)
         weights = np.exp(density - np.max(density))
         mass = np.concatenate([[0.0], np.cumsum(0.5 * (weights[1:] + weights[:-1]) * np.diff(grid))])
-        tails = np.array([0.5 - 0.5 * level, 0.5 + 0.5 * level]) * mass[-1]
-        low, high = (float(each) for each in np.interp(tails, mass, grid))
+        low, high = (float(np.interp(share * mass[-1], mass, grid)) for share in TAILS)
         intervals.append((low, high))
         evidence = float(np.max(density) + np.log(mass[-1]))
     best = float(places[0]), float(places[1])

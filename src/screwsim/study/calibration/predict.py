@@ -33,15 +33,14 @@ def posterior_with_predictions(
     found: Calibration,
     points: Sequence[Point] = (),
     *,
-    simulate: Simulate | None = None,
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> Posterior:
     """Return the posterior of a fit, with predictions at points where there are any."""
-    wide = posterior(found, simulate=simulate, jobs=jobs, progress=progress)
+    wide = posterior(found, jobs=jobs, progress=progress)
     if not points:
         return wide
-    return replace(wide, predictions=predict(wide, points, simulate=simulate, jobs=jobs, progress=progress))
+    return replace(wide, predictions=predict(wide, points, jobs=jobs, progress=progress))
 
 
 def known_figures(fit: Fit, points: Sequence[Point]) -> tuple[str, ...]:

@@ -17,8 +17,10 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.study.calibration.hypotheses import INTERVAL_LEVEL
 from screwsim.study.calibration.residuals import Array, Objective
 
+TAILS = 0.5 - 0.5 * INTERVAL_LEVEL, 0.5 + 0.5 * INTERVAL_LEVEL  # probabilities below the ends of an interval
 STEPS, HALVINGS = 6, 4
 LAST_STEP = 0.1  # of a standard error: a shorter step ends the search
 SCANNED_PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)  # places between the bounds
@@ -59,16 +61,16 @@ class LinearLikelihood:
         width = float(log_mass(-self.place * sharp, (1.0 - self.place) * sharp))
         return -0.5 * self.chi_squared + 0.5 * float(np.log(2.0 * np.pi / self.information)) + width
 
-    def interval(self, level: float) -> tuple[float, float]:
-        """Return the places between which the parameter lies with a probability of `level`."""
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Places between which the parameter lies with a probability of `INTERVAL_LEVEL`."""
         from scipy.stats import truncnorm
 
-        tails = 0.5 - 0.5 * level, 0.5 + 0.5 * level
         if self.information <= 0.0:
-            return tails
+            return TAILS
         deviation = self.information**-0.5
         ends = (0.0 - self.place) / deviation, (1.0 - self.place) / deviation
-        low, high = (float(each) for each in truncnorm.ppf(tails, *ends, loc=self.place, scale=deviation))
+        low, high = (float(each) for each in truncnorm.ppf(TAILS, *ends, loc=self.place, scale=deviation))
         return low, high
 
 
@@ -141,9 +143,10 @@ class ProfileLikelihood:
         mass = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(self.grid))])
         return [float(np.interp(share * mass[-1], mass, self.grid)) for share in shares]
 
-    def interval(self, level: float) -> tuple[float, float]:
-        """Return the places between which the parameter lies with a probability of `level`."""
-        low, high = self.quantiles((0.5 - 0.5 * level, 0.5 + 0.5 * level))
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Places between which the parameter lies with a probability of `INTERVAL_LEVEL`."""
+        low, high = self.quantiles(TAILS)
         return low, high
 
     def others(self) -> list[float]:

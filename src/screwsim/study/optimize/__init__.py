@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.figures.engineering import figure_text
 from screwsim.inputs.arguments import TEXTS, checked_arguments, whole
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
@@ -28,7 +29,7 @@ from screwsim.study.parallel import BatchWorkers, WarmSimulation
 from screwsim.study.progress import Progress, progress_of
 from screwsim.study.search import Maximum
 from screwsim.study.seek import rounded
-from screwsim.study.spans import LOWER, UPPER, Span, read_spans, refusal_beyond
+from screwsim.study.spans import LOWER, UPPER, read_spans, refusal_beyond
 from screwsim.study.stages import scene_or_stages
 from screwsim.study.tally import Place, Tally
 from screwsim.study.varied import Varied, solved, with_values
@@ -225,8 +226,8 @@ def _optimum_of(record: Record, top: Maximum | None, simulate: Simulate) -> Opti
     points = tuple(simulated(asked, rounded(asked.scene, found.values), simulate))
     lower = () if top is None else top.others
     others = tuple((asked.spans[0].value(each.x), float(signs[0] * -each.y)) for each in lower)
-    ranges = [_equally_good_range(found, feasible, i, best, top) for i in range(len(asked.spans))]
-    reach = {span.path: _with_beyond(found, span, one, simulate) for span, one in zip(asked.spans, ranges, strict=True)}
+    ranges = (_equally_good_range(found, feasible, i, best, top, simulate) for i in range(len(asked.spans)))
+    reach = {span.path: one for span, one in zip(asked.spans, ranges, strict=True)}
     return replace(found, reach=reach, others=others, points=points, scene=found.scene_at(best))
 
 
@@ -237,10 +238,7 @@ def _why_none(record: Record, solved: np.ndarray, excess: np.ndarray) -> str:
         return f"all {len(record)} evaluations failed, {count} of them with: {reason}"
     least = np.nanmin(excess[solved], axis=0)
     bounds = zip(record.asked.bounds, least, strict=True)
-    worst = max(bounds, key=lambda pair: pair[1] / max(abs(pair[0].value), 1e-12))
-    from screwsim.study.seek.answer import figure_text
-
-    bound, off = worst
+    bound, off = max(bounds, key=lambda pair: pair[1] / max(abs(pair[0].value), 1e-12))
     came = figure_text(bound.figure, bound.value + (off if bound.sign == "<" else -off))
     asked = f"{bound.figure}{bound.sign}{figure_text(bound.figure, bound.value)}"
     nearest = f"{asked} was required, and the nearest is {came}"
@@ -248,29 +246,22 @@ def _why_none(record: Record, solved: np.ndarray, excess: np.ndarray) -> str:
 
 
 def _equally_good_range(
-    found: Optimum, feasible: np.ndarray, column: int, best: int, top: Maximum | None
+    found: Optimum, feasible: np.ndarray, column: int, best: int, top: Maximum | None, simulate: Simulate
 ) -> EquallyGoodRange:
     """Return how far a path may go within the error of the best; for a single path from the parabola at its top."""
-    span, place = found.asked.spans[column], float(found.places[best, column])
-    sign = found.asked.aims[0].sign
-    worse = sign * (found.aims[:, 0] - found.aims[best, 0])
+    asked, span, place = found.asked, found.asked.spans[column], float(found.places[best, column])
+
+    def solved(value: float) -> Result:
+        points = simulated(asked, {**found.values, span.path: value}, simulate)
+        return next((point.result for point in points if point.result.status != "ok"), points[0].result)
+
+    worse = asked.aims[0].sign * (found.aims[:, 0] - found.aims[best, 0])
     good = np.sort(found.places[feasible & (worse <= found.errors[best, 0] + found.errors[:, 0]), column])
     low, high = float(good[0]), float(good[-1])
     if high - low > INSENSITIVE_SHARE and float(np.diff(good).max()) < LARGEST_HOLE:  # the best place is one by chance
         return EquallyGoodRange(span.value(low), span.value(high), idle=True)
     border = LOWER if place < END_DISTANCE else UPPER if place > 1.0 - END_DISTANCE else ""
-    if top is not None and not found.asked.bounds:
+    beyond = refusal_beyond(asked.scene, span, border, solved) if border else ""
+    if top is not None and not asked.bounds:
         low, high = top.low, top.high
-    return EquallyGoodRange(span.value(low), span.value(high), border)
-
-
-def _with_beyond(found: Optimum, span: Span, reach: EquallyGoodRange, simulate: Simulate) -> EquallyGoodRange:
-    """Add to a range at whose border the best lies why there is no solution beyond it."""
-    if not reach.border:
-        return reach
-
-    def solved(value: float) -> Result:
-        points = simulated(found.asked, {**found.values, span.path: value}, simulate)
-        return next((point.result for point in points if point.result.status != "ok"), points[0].result)
-
-    return replace(reach, beyond=refusal_beyond(found.asked.scene, span, reach.border, solved))
+    return EquallyGoodRange(span.value(low), span.value(high), border, beyond=beyond)

@@ -10,7 +10,7 @@ from screwsim.figures import Performance
 from screwsim.figures.errors import error_in_unit
 from screwsim.outputs import STATUSES, Result
 from screwsim.results.table import Table
-from screwsim.scene import Scene
+from screwsim.scene import Scene, lines, refrigerating_effect
 from screwsim.study.goals import Goal
 from screwsim.study.optimize.points import OperatingPoint, OperatingPoints
 from screwsim.study.optimize.question import Question
@@ -94,8 +94,6 @@ def _cooling(scene: Scene, full: Result) -> float:
 
     The refrigerating effect is the fluid's own; the density follows the suction pressure.
     """
-    from screwsim.scene import lines, refrigerating_effect
-
     then = full.performance
     effect = then.cooling_capacity / then.gas_mass_flow
     here, at = refrigerating_effect(scene) or effect, lines(scene)

@@ -89,16 +89,15 @@ class Record:
         places = wanted[:left]
         if not len(places):
             raise BudgetExhausted
-        case = len(self) * len(self.asked.points.points)
-        cases = range(case, case + len(places) * len(self.asked.points.points))
+        size = len(self.asked.points.points)
+        cases = range(size * len(self), size * (len(self) + len(places)))
         table = self.parts.table(cases) if self.parts is not None and cases.stop <= self._kept else None
         if table is None:
             table = self._computed(places)
             if self.parts is not None:
-                self.parts.write(case, table)
+                self.parts.write(cases.start, table)
         else:
             self.reused += len(places)
-        size = len(self.asked.points.points)
         found = [evaluation_of(self.asked, table, size * number) for number in range(len(places))]
         for number in range(len(places)):
             texts = dict.fromkeys(text for row in range(size) for text in warnings_at(table, size * number + row))

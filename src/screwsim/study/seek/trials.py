@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 
+from screwsim.figures import declared
 from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 from screwsim.study.goals import Bound, Goal
@@ -110,8 +111,6 @@ class Trials:
 
 def size_of(goal: Goal | Bound) -> float:
     """Return the scale of differences from a goal or a bound [SI]: its size, for a temperature ten kelvins."""
-    from screwsim.figures import declared
-
     return 10.0 if declared(goal.figure).units == "K" else max(abs(goal.value), 1e-12)
 
 
