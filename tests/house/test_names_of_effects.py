@@ -1,4 +1,4 @@
-"""The core knows no effect by its name: what it asks of effects these declare (`effects.base`, `effects.parts.roles`).
+"""The core knows no effect by its name: what it asks of effects these declare (`effects.base`, `effects.parts.usual`).
 
 Names in words of a source outside `screwsim.effects` are listed here, each file with its reason. A text that sends a
 reader to `effects.NAME.key` has to be true.
