@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from screwsim.figures import Performance
 from screwsim.figures.errors import error_in_unit
-from screwsim.figures.registry import Performance
 from screwsim.outputs import STATUSES, Result
 from screwsim.results.table import Table
 from screwsim.scene import Scene
