@@ -51,7 +51,7 @@ ALLOWED = {
     "study/datasheet/refrigeration_sheet.py": ({"economizer"}, STUDY),
     "study/datasheet/tables.py": ({"motor", "separator"}, STUDY),
     "study/part_load.py": ({"slide_valve", "suction_throttle", "bypass"}, STUDY),
-    "study/stages/read.py": ({"economizer"}, STUDY),
+    "study/stages/axes.py": ({"economizer"}, STUDY),
     "template/refrigeration.py": ({"separator", "drive", "motor", "economizer"}, WRITES),
 }
 IMPORTS = {  # of what an effect's file has

@@ -16,7 +16,6 @@ from screwsim.simulate import simulate
 from screwsim.study import measured
 from screwsim.study.measured import LARGEST_CHANGE_KELVIN, compare_measured, read_measured
 from screwsim.study.uncertain import with_uncertainty
-from screwsim.study.validation.discrepancy import numerical_of
 
 UNCERTAIN = "configs/paper/uncertain.yaml"
 
@@ -191,7 +190,7 @@ def test_one_difference_of_temperatures_has_one_numerical_error(pytestconfig):
     scene = load(pytestconfig.rootpath / "configs" / "r134a" / "point.yaml")
     found = compare_measured(scene, result, read_measured(scene, [f"{name}=300 K" for name in names]))
     assert [2.0 * row.numerical for row in found.rows] == pytest.approx([first, second])
-    assert [numerical_of(result, name) for name in names] == pytest.approx([first, second])
+    assert [error_in_unit(name, result.performance, result.error) for name in names] == pytest.approx([first, second])
 
 
 def test_a_small_power_errs_over_the_shaft_power(pytestconfig):

@@ -1,6 +1,7 @@
 """The data sheet of a refrigeration machine: its tables, part load, envelope and limits, what it prints and refuses."""
 
 import json
+import sys
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,7 +16,6 @@ from screwsim.report.datasheet import page, write_sheet
 from screwsim.scene import with_values
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.simulate import simulate_many
-from screwsim.study import part_load as part_load_of
 from screwsim.study.datasheet import sheet_of
 from screwsim.study.datasheet.bounds import Bound, envelope, limits_of
 from screwsim.study.datasheet.rated import rating
@@ -128,7 +128,7 @@ def faked(monkeypatch):
             found = Figures(cooling_capacity=omega**1.5)
             yield Result("ok", performance=found) if omega > 100.0 else Result("failed", message="too slow")
 
-    monkeypatch.setattr(part_load_of, "simulate_many", simulate_many)
+    monkeypatch.setattr(sys.modules["screwsim.simulate"], "simulate_many", simulate_many)
 
 
 def test_a_control_that_ends_early_says_why(faked):
@@ -292,7 +292,7 @@ def test_at_each_part_load_the_best_built_in_ratio_is_found_at_that_load(monkeyp
             cop = 4.0 - 0.1 * (ratio - 0.5 - 2.5 * share) ** 2
             yield Result("ok", performance=Figures(cooling_capacity=1e5 * share * (1.0 - 0.01 * ratio), cop=cop))
 
-    monkeypatch.setattr(part_load_of, "simulate_many", simulate_many)
+    monkeypatch.setattr(sys.modules["screwsim.simulate"], "simulate_many", simulate_many)
     scene = screwsim.load(ROTORS, ["machine.built_in_volume_ratio=3", "machine.axial_volume_ratio=3.6"])
     found = part_load(scene, controls(scene)[0], among=ratios(scene))
     assert ratios(scene) == pytest.approx((1.8, 2.25, 2.7, 3.15, 3.6))
@@ -314,7 +314,7 @@ def test_a_ratio_that_the_machine_cannot_have_is_told_and_its_own_is_among_those
             known = {"cooling_capacity": scene.operation.speed, "cop": 4.0 - (ratio - 2.5) ** 2}
             yield Result("ok", performance=Figures(known)) if ratio > 2.3 else Result("failed", "too narrow")
 
-    monkeypatch.setattr(part_load_of, "simulate_many", simulate_many)
+    monkeypatch.setattr(sys.modules["screwsim.simulate"], "simulate_many", simulate_many)
     scene = screwsim.load(ROTORS, ["machine.built_in_volume_ratio=2.5", "machine.axial_volume_ratio=3.6"])
     found = part_load(scene, controls(scene)[0], among=ratios(scene))
     for step in found.steps:

@@ -45,28 +45,18 @@ def result_answer(result: Result, more: Mapping[str, Any]) -> bytes:
     about = getattr(result.performance, "about", {})
     head = {
         "kind": SOLVED,
-        **_figures_document(result),
+        **figures_document(result),
         "warnings": list(result.warnings),
         "notes": dict(result.notes),
         "effects": list(result.effects),
-        "error": _finite(result.error),
-        "balance": _finite(result.balance),
+        "error": finite(result.error),
+        "balance": finite(result.balance),
         "ledger": _ledger(result),
         "traces": [[name, trace_variable(name).units] for name in traces],
         "about": [about_figure(figure) for name, figure in about.items() if name not in known()],
         **more,
     }
     return pack_message(head, traces.values())
-
-
-def point_answer(result: Result, more: Mapping[str, Any]) -> bytes:
-    """Return the answer for a point of a small sweep: only its figures."""
-    return pack_message({"kind": CURVE, **_figures_document(result), **more})
-
-
-def derivatives_answer(derivatives: Mapping[str, Mapping[str, float]], more: Mapping[str, Any]) -> bytes:
-    """Return the answer with derivatives [SI] by path and figure."""
-    return pack_message({"kind": SLOPES, "slopes": {path: _finite(each) for path, each in derivatives.items()}, **more})
 
 
 def file_answer(text: str) -> bytes:
@@ -79,11 +69,12 @@ def refused_answer(message: str, more: Mapping[str, Any]) -> bytes:
     return pack_message({"kind": REFUSED, "status": REFUSED, "message": message, **more})
 
 
-def _figures_document(result: Result) -> dict[str, Any]:
-    return {"status": result.status, "message": result.message, "performance": _finite(result.performance)}
+def figures_document(result: Result) -> dict[str, Any]:
+    """Return status, message and figures of a result."""
+    return {"status": result.status, "message": result.message, "performance": finite(result.performance)}
 
 
-def _finite(figures: Mapping[str, Any]) -> dict[str, Any]:
+def finite(figures: Mapping[str, Any]) -> dict[str, Any]:
     """Return figures, with null for values that JSON cannot represent."""
     bad = (name for name, value in figures.items() if isinstance(value, float) and not math.isfinite(value))
     return {**figures, **dict.fromkeys(bad)}
@@ -97,8 +88,8 @@ def _ledger(result: Result) -> dict[str, Any] | None:
     totals = ("shaft_power", "gas_exergy_rise", "oil_exergy_rise", "residue", "ambient_temperature")
     found = sorted_entries(ledger)
     words = words_of_effects(name for name, _ in found)
-    entries = [{"words": words[name], **_finite(values)} for name, values in found]
-    return {**_finite({name: ledger[name] for name in totals if name in ledger}), "entries": entries}
+    entries = [{"words": words[name], **finite(values)} for name, values in found]
+    return {**finite({name: ledger[name] for name in totals if name in ledger}), "entries": entries}
 
 
 def about_figure(figure: Figure) -> dict[str, Any]:

@@ -135,7 +135,9 @@ def _point(base: SceneArguments, overrides: list[str], scene: Scene, job: Job) -
 
 
 def _curve(base: SceneArguments, overrides: list[str], scene: Scene, job: Job) -> bytes:
-    return answer.point_answer(simulate(scene, trace=False), job.tag)
+    """Return the answer for a point of a small sweep: only its figures."""
+    found = simulate(scene, trace=False)
+    return answer.pack_message({"kind": answer.CURVE, **answer.figures_document(found), **job.tag})
 
 
 def _slopes(base: SceneArguments, overrides: list[str], scene: Scene, job: Job) -> bytes:
@@ -156,7 +158,8 @@ def _slopes(base: SceneArguments, overrides: list[str], scene: Scene, job: Job) 
     there = {path: value for path, value in values.items() if path in by_path}
     halves = {name: spread.expanded for name, spread in spreads_of(scene, there, by_figure).items()}
     lost = [path for path in scene.uncertain if path not in by_path]
-    return answer.derivatives_answer(by_path, {**job.tag, "halves": halves, "lost": lost})
+    slopes = {path: answer.finite(each) for path, each in by_path.items()}  # [SI], by path and figure
+    return answer.pack_message({"kind": answer.SLOPES, "slopes": slopes, **job.tag, "halves": halves, "lost": lost})
 
 
 def _report(base: SceneArguments, overrides: list[str], scene: Scene, job: Job) -> bytes:

@@ -340,15 +340,11 @@ def data_header(table: MapTable, version: str = "2") -> str:
     )
 
 
-def source(name: str) -> str:
-    """Return the text of a C file that is the same for all maps."""
-    return (resources.files("screwsim.export") / "c" / name).read_text(encoding="utf-8")
-
-
 def source_files(table: MapTable, version: str) -> dict[str, str]:
     """Return {name: text} of all files to be compiled for a version of FMI, and of those that they include."""
-    names = (*SOURCES[version], *HEADERS)
-    return {name: source(name) for name in names} | {DATA: data_header(table, version)}
+    folder = resources.files("screwsim.export") / "c"
+    texts = {name: (folder / name).read_text(encoding="utf-8") for name in (*SOURCES[version], *HEADERS)}
+    return texts | {DATA: data_header(table, version)}
 
 
 def _number(value: float) -> str:

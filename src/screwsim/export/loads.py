@@ -77,15 +77,15 @@ def flows_of(scene: Scene, result: Result) -> tuple[Array, dict[str, Array]]:
     pitch, life = parts.geometry.pitch, math.radians(float(result.cycle["angle"][-1]))
     angle = np.arange(FLOW_POINTS) * pitch / FLOW_POINTS
     chambers = angle[:, None] + pitch * np.arange(max(1, round(life / pitch)))
-    densities = _densities(parts.gas, result.performance)
-    found = {}
+    figures, found = result.performance, {}
     ported = any(f"mass_flow_{line}_port" in result.cycle for line in LINES)
     for line, sign in LINES.items() if ported else ():
         traces = list(_through(parts, line, result.cycle))
         if traces:
             flow = np.interp(chambers, np.radians(result.cycle["angle"]), sum(traces))
             found[f"{line}_mass_flow"] = sign * flow.sum(axis=1)
-            found[f"{line}_volume_flow"] = found[f"{line}_mass_flow"] / densities[line]
+            density = parts.gas.density(float(figures[f"{line}_pressure"]), float(figures[f"{line}_temperature"]))
+            found[f"{line}_volume_flow"] = found[f"{line}_mass_flow"] / density
     if not found and scene.machine.kind != TWIN_SCREW:
         raise UsageError(f"loads are those of a {TWIN_SCREW}, whose ports have flows of their own (name such a scene)")
     if not found:
@@ -110,13 +110,6 @@ def _through(parts: Parts, line: str, cycle: Mapping[str, Array]) -> Iterator[Ar
         if len(at) > 1:
             flow = np.where((angle >= at[last]) == (line == last), flow, 0.0)
         yield flow
-
-
-def _densities(gas, figures: Mapping[str, float]) -> dict[str, float]:
-    return {
-        line: gas.density(float(figures[f"{line}_pressure"]), float(figures[f"{line}_temperature"]))
-        for line in ("suction", "discharge")
-    }
 
 
 @dataclass(frozen=True, eq=False)

@@ -59,9 +59,6 @@ def scales(outputs: Sequence[Output], values: Array) -> Array:
     return np.where(kelvin, TEMPERATURE_SCALE, np.where(found > 0.0, found, 1.0))
 
 
-Solve = Callable[[dict[str, Array], bool], tuple[Array, Array]]  # {path: values}, together? -> values, sound
-
-
 def tabulated_map(
     scene: Scene,
     inputs: Sequence[Input],

@@ -44,7 +44,7 @@ function askSweep() {
   if (control.kind === "count") x = [...new Set(x.map(Math.round))];
   const before = sweep.control === control ? sweep : null;
   sweep = { control, x, all: x.map(() => ({})), begun: performance.now(), before: before && { x: before.x, all: before.all } };
-  sweep.id = askPoints("curve", x.map((value) => [control.path, asSet(control, value)]));
+  sweep.id = askBeside("curve", x.map((value) => [control.path, asSet(control, value)]));
   drawSweep();
 }
 
@@ -55,7 +55,7 @@ function askColours() {
   around = { id: 0, entries: [], values: [], left: 0 };
   if (!document.getElementById("coloured").value || !(sweep.pace <= SLOW)) return; // no pace yet: at the sweep's end
   const entries = liveNumbers().filter(({ control }) => control.kind === "number");
-  if (data.slopes) around = { id: askSlopes(), entries, values: [], left: 1 };
+  if (data.slopes) around = { id: askBeside("slopes"), entries, values: [], left: 1 };
   else askDifferences(entries);
 }
 
@@ -65,7 +65,7 @@ function askDifferences(entries) {
     return [Math.max(place - STEP, 0), Math.min(place + STEP, 1)].map((share) => [control.path, asSet(control, valueAt(control, STEPS * share))]);
   });
   around = { entries, values: points.map(() => null), left: points.length };
-  around.id = askPoints("around", points.slice(0, 200));
+  around.id = askBeside("around", points.slice(0, 200));
 }
 
 // Numbers without a derivative, as of a cycle that cannot be linearised, are looked at by differences.

@@ -43,19 +43,12 @@ function ask(when = performance.now()) {
   socket.send(JSON.stringify({ kind: "point", number, machine: machineKey, changes: settings }));
 }
 
-// Ask for points beside the settings: [path, value] each; what was asked in that lane before is dropped.
-function askPoints(lane, points) {
+// Ask for points beside the settings, [path, value] each, or without points for the derivatives of all figures, which
+// are found beside all else; what was asked in that lane before is dropped.
+function askBeside(lane, points) {
   if (!isOpen()) return 0;
   lineId += 1;
   socket.send(JSON.stringify({ kind: lane, id: lineId, points, changes: settings }));
-  return lineId;
-}
-
-// Ask for the derivatives of all figures, which are found beside all else.
-function askSlopes() {
-  if (!isOpen()) return 0;
-  lineId += 1;
-  socket.send(JSON.stringify({ kind: "slopes", id: lineId, changes: settings }));
   return lineId;
 }
 

@@ -56,17 +56,18 @@ static int write_numbers(Model *model, const Reference references[], size_t coun
     return OK;
 }
 
-static int directional(Model *model, const Reference unknowns[], size_t unknown_count, const Reference knowns[],
-    size_t known_count, const double seeds[], double values[])
+/* Sums of slopes times seeds: for each unknown over the knowns, or (adjoint) for each known over the unknowns. */
+static int slope_sums(Model *model, const Reference unknowns[], size_t unknown_count, const Reference knowns[],
+    size_t known_count, const double seeds[], double values[], int adjoint)
 {
     size_t i, j;
+    memset(values, 0, (adjoint ? known_count : unknown_count) * sizeof(double));
     for (i = 0; i < unknown_count; i++) {
-        values[i] = 0.0;
         for (j = 0; j < known_count; j++) {
             double slope;
             if (!model_slope(model, unknowns[i], knowns[j], &slope))
                 return ERROR;
-            values[i] += slope * seeds[j];
+            values[adjoint ? j : i] += slope * seeds[adjoint ? i : j];
         }
     }
     return OK;

@@ -57,7 +57,7 @@ NONE_OF(SetString, const Text)
 EXPORT int fmi2GetDirectionalDerivative(Model *model, const Reference unknowns[], size_t unknown_count,
     const Reference knowns[], size_t known_count, const double seeds[], double values[])
 {
-    return directional(model, unknowns, unknown_count, knowns, known_count, seeds, values);
+    return slope_sums(model, unknowns, unknown_count, knowns, known_count, seeds, values, 0);
 }
 
 #define NO_DERIVATIVES(NAME, TYPE)                                                                                     \

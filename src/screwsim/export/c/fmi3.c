@@ -139,26 +139,16 @@ EXPORT int fmi3GetDirectionalDerivative(Model *model, const Reference unknowns[]
 {
     if (seed_count < known_count || value_count < unknown_count)
         return ERROR;
-    return directional(model, unknowns, unknown_count, knowns, known_count, seeds, values);
+    return slope_sums(model, unknowns, unknown_count, knowns, known_count, seeds, values, 0);
 }
 
 EXPORT int fmi3GetAdjointDerivative(Model *model, const Reference unknowns[], size_t unknown_count,
     const Reference knowns[], size_t known_count, const double seeds[], size_t seed_count, double values[],
     size_t value_count)
 {
-    size_t i, j;
     if (seed_count < unknown_count || value_count < known_count)
         return ERROR;
-    for (j = 0; j < known_count; j++) {
-        values[j] = 0.0;
-        for (i = 0; i < unknown_count; i++) {
-            double slope;
-            if (!model_slope(model, unknowns[i], knowns[j], &slope))
-                return ERROR;
-            values[j] += slope * seeds[i];
-        }
-    }
-    return OK;
+    return slope_sums(model, unknowns, unknown_count, knowns, known_count, seeds, values, 1);
 }
 
 /* Model exchange, which the description does not offer: some importers look for these names in every unit. */

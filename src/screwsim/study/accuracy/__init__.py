@@ -27,6 +27,7 @@ from screwsim.study.accuracy.measure import (
     one_line,
     reference_of,
     solved_as_requested,
+    time_of,
 )
 from screwsim.study.accuracy.solving import QUICK_SCOPE, Case, Scope, all_cases, omitted_methods
 from screwsim.study.progress import Progress
@@ -196,17 +197,13 @@ def effect_costs(scene: Scene, name: str, extent: Scope) -> EffectCost:
     pairs = [(simulate(scene, trace=False), simulate(without, trace=False)) for _ in range(extent.pairs)]
     pairs = pairs or [(full, less)]
     full, less = pairs[-1]
-    ratio = statistics.median(_time(full) / _time(less) for full, less in pairs) - 1.0
+    ratio = statistics.median(time_of(full) / time_of(less) for full, less in pairs) - 1.0
     evaluations = full.numerics.rhs_evaluations / less.numerics.rhs_evaluations - 1.0
     relative = {each: _relative(full, less, each) for each in ("shaft_power", "gas_mass_flow", "cooling_capacity")}
     one, other = _with_and_without(full, less, "discharge_temperature")
     costs = EffectCost(name, "ok", ratio, evaluations, _points(full, less), discharge_temperature=one - other)
     one, other = _with_and_without(full, less, "electrical_cop", "cop")  # on the power that the machine takes
     return replace(costs, **relative, cop=one / other - 1.0)
-
-
-def _time(result: Result) -> float:
-    return result.numerics.wall_time + result.numerics.estimating_time
 
 
 def _with_and_without(full: Result, less: Result, name: str, instead: str = "") -> tuple[float, float]:
@@ -250,5 +247,5 @@ def lobe_times(scene: Scene, lobes: int, extent: Scope) -> SizeCost:
     last = results[-1]
     if last.status != "ok":
         return SizeCost(lobes, reason=last.told)
-    seconds = statistics.median(result.numerics.wall_time + result.numerics.estimating_time for result in results)
+    seconds = statistics.median(map(time_of, results))
     return SizeCost(lobes, seconds, int(last.numerics.rhs_evaluations))

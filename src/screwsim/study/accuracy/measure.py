@@ -16,7 +16,7 @@ from screwsim.evaluate.verdict import outside_gas_range
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.numerics.integrators import DEFAULT
-from screwsim.outputs import Figures
+from screwsim.outputs import Figures, Result
 from screwsim.scene import Scene
 from screwsim.simulate import simulate
 from screwsim.study.accuracy.solving import Case, Scope, SolvedCase, WorkLimit, method_of, solve
@@ -206,6 +206,11 @@ def _repeated(case: Case, extent: Scope) -> tuple[SolvedCase, list[float]]:
     return solved, times[1:] or times
 
 
+def time_of(result: Result) -> float:
+    """Return the wall time [s] of a result, with that of its estimate of the errors."""
+    return result.numerics.wall_time + result.numerics.estimating_time
+
+
 def solved_as_requested(scene: Scene, accuracy: float, reference: Reference, extent: Scope) -> RequestedAccuracy:
     """Return the results of asking for this accuracy."""
     numerics = replace(scene.numerics, accuracy=accuracy, integrator=DEFAULT, rtol=None, error="estimate")
@@ -214,7 +219,7 @@ def solved_as_requested(scene: Scene, accuracy: float, reference: Reference, ext
     spent = 0.0
     while len(results) <= extent.runs and spent < extent.seconds:
         results.append(simulate(wanted, trace=False))
-        spent += results[-1].numerics.wall_time + results[-1].numerics.estimating_time
+        spent += time_of(results[-1])
     timed = results[1:] or results
     last = results[-1]
     known = any(size is not None for size in last.error.values())

@@ -82,10 +82,9 @@ def sheet_of(
     given = (evaporating, condensing, suction, discharge)
     ranges = dict(zip((*BY_TEMPERATURE, *BY_PRESSURE), given, strict=True))
     asked = SheetOptions(ranges, limits, heating, profile, jobs, progress)
-    if isinstance(subject, Scene):
-        sheet = _sheet_of_scene(subject, asked)
-        return _sheet_with_uncertainty(subject, sheet) if subject.uncertain or subject.model_error else sheet
-    return _stages_with_uncertainty(subject, _sheet_of_stages(subject, asked))
+    sheet = _sheet_of_scene(subject, asked) if isinstance(subject, Scene) else _sheet_of_stages(subject, asked)
+    own = _own_point(subject)
+    return sheet if own is None else _with_uncertainty_lines(sheet, own)
 
 
 def _sheet_of_scene(scene: Scene, asked: SheetOptions) -> Sheet:
@@ -136,23 +135,20 @@ def _sheet_of_stages(chain: StageChain, asked: SheetOptions) -> Sheet:
     return stages_sheet(rating.rating(request, asked.jobs, asked.progress), asked.heating)
 
 
-def _stages_with_uncertainty(chain: StageChain, sheet: Sheet) -> Sheet:
-    """Return a sheet of two stages with the uncertainties of their own point, where the scenes state tolerances."""
+def _own_point(subject: Scene | StageChain) -> Result | None:
+    """Return the own point with its uncertainties, each part by itself; None where no scene states any."""
+    if isinstance(subject, Scene):
+        from screwsim.simulate import simulate
+        from screwsim.study.uncertain import with_uncertainty
+
+        asked = subject.uncertain or subject.model_error
+        return with_uncertainty(subject, simulate(subject, trace=False)) if asked else None
     from screwsim.study.stages.solve import run_stages
-    from screwsim.study.stages.uncertain import tolerances_of, with_uncertainty
+    from screwsim.study.stages.uncertain import tolerances_of
+    from screwsim.study.stages.uncertain import with_uncertainty as of_both
 
-    if not tolerances_of(chain).uncertain:
-        return sheet
-    base = replace(chain, sweep={}, joints=())
-    return _with_uncertainty_lines(sheet, with_uncertainty(base, run_stages(base)).as_result())
-
-
-def _sheet_with_uncertainty(scene: Scene, sheet: Sheet) -> Sheet:
-    """Return a sheet with the uncertainties of the scene's own point, each part by itself."""
-    from screwsim.simulate import simulate
-    from screwsim.study.uncertain import with_uncertainty
-
-    return _with_uncertainty_lines(sheet, with_uncertainty(scene, simulate(scene, trace=False)))
+    base = replace(subject, sweep={}, joints=())
+    return of_both(base, run_stages(base)).as_result() if tolerances_of(subject).uncertain else None
 
 
 def _with_uncertainty_lines(sheet: Sheet, result: Result) -> Sheet:

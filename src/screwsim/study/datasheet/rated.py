@@ -15,6 +15,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, with_values
+from screwsim.scene.grid import Swept
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
 from screwsim.scene.units import ZERO_CELSIUS
@@ -190,7 +191,7 @@ def without_sweep(scene: Scene, known: Set[str], over: str) -> Scene:
     return replace(scene, sweep={}, joints=())
 
 
-def swept_values(scene: Scene, path: str) -> tuple[float, ...]:
+def swept_values(scene: Swept, path: str) -> tuple[float, ...]:
     """Return the values [SI] of a sweep over a path, ascending; none where it is not swept."""
     return tuple(sorted(map(float, scene.sweep.get(path, ()))))
 

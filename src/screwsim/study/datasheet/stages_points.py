@@ -119,7 +119,7 @@ def _along(chain: StageChain) -> tuple[str, ...]:
     longest = sorted(grid.dimensions(chain), key=lambda each: -each.size)
     if any(each.joint and each.joint.sample for each in longest):
         return ()
-    return next((each.paths for each in longest if _is_number(chain.sweep[each.paths[0]][0])), ())
+    return next((each.paths for each in longest if isinstance(chain.sweep[each.paths[0]][0], int | float)), ())
 
 
 def _curves(points: Sequence[ChainPoint], along: Sequence[str]) -> dict[tuple[tuple[str, Any], ...], list[ChainPoint]]:
@@ -136,10 +136,6 @@ def _title(column: Column) -> str:
     unit, name = column.title.replace("/ (", "/(").split(" ")[-1], shown_name(column.figure)
     name = f"{name[0].upper()}{name[1:]}"
     return name if unit == "COP" else f"{name} [{unit}]"
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float)
 
 
 def _curve(

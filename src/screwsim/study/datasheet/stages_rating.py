@@ -25,7 +25,7 @@ from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
 from screwsim.study.datasheet import gas_sheet, refrigeration_sheet
 from screwsim.study.datasheet.bounds import Bound
-from screwsim.study.datasheet.rated import DEAD, Axis, Part, Rating, RatingRequest, rating_around
+from screwsim.study.datasheet.rated import DEAD, Axis, Part, Rating, RatingRequest, rating_around, swept_values
 from screwsim.study.part_load import (
     GAS,
     LOADS,
@@ -132,9 +132,8 @@ def _over_both(chain: StageChain) -> tuple[Scene, Scene]:
 
 def _axis(chain: StageChain, scene: Scene, name: tuple[str, str], text: str | None, option: str) -> Axis:
     stage, path = name
-    swept = tuple(sorted(map(float, chain.sweep.get(stage + path, ()))))
     kind = gas_sheet if path in (P_S, P_D) else refrigeration_sheet
-    return kind.axis_values(scene, path, text, option, swept)
+    return kind.axis_values(scene, path, text, option, swept_values(chain, stage + path))
 
 
 def rating(asked: ChainRequest, jobs: int | None = None, progress: Progress | None = None) -> ChainRating:

@@ -285,8 +285,20 @@ def power_lines(scene: Scene, found: Mapping[str, Any], gives: bool = False) -> 
 
 def oil_line(scene: Scene, found: Mapping[str, Any]) -> Lines:
     """Yield source, flow and temperature of the oil, and the duty of its cooler."""
-    if scene.oil_supply is not None:
-        yield "oil", _oil(scene, found)
+    supply = scene.oil_supply
+    if supply is None:
+        return
+    text = "from a pump" if supply.pumped else "displaced by the discharge pressure"
+    if found.get("oil_flow_volume") is not None:
+        text += f", {quantity('L min-1', found['oil_flow_volume'])}"
+    temperature = found.get("oil_supply_temperature", supply.temperature)
+    if temperature is not None:
+        text += f" at {celsius(temperature):.1f} °C"
+    duty, cooled = found.get(DUTY), is_oil_cooled(scene)
+    if duty is None:
+        yield "oil", f"{text}; the duty of its cooler is not simulated (effects.separator)"
+    else:
+        yield "oil", f"{text}; its cooler takes {KW * duty:.1f} kW" if cooled else f"{text}; no cooler"
 
 
 def limit_lines(rated: Rating, figures: Sequence[str]) -> Lines:
@@ -309,21 +321,6 @@ def is_oil_cooled(scene: Scene) -> bool:
     supply = scene.oil_supply
     stated = supply is not None and supply.temperature is not None
     return separator is not None and (stated or separator.parameters.cooler is not None)
-
-
-def _oil(scene: Scene, found: Mapping[str, Any]) -> str:
-    supply = scene.oil_supply
-    assert supply is not None
-    text = "from a pump" if supply.pumped else "displaced by the discharge pressure"
-    if found.get("oil_flow_volume") is not None:
-        text += f", {quantity('L min-1', found['oil_flow_volume'])}"
-    temperature = found.get("oil_supply_temperature", supply.temperature)
-    if temperature is not None:
-        text += f" at {celsius(temperature):.1f} °C"
-    duty = found.get(DUTY)
-    if duty is None:
-        return f"{text}; the duty of its cooler is not simulated (effects.separator)"
-    return f"{text}; its cooler takes {KW * duty:.1f} kW" if is_oil_cooled(scene) else f"{text}; no cooler"
 
 
 def _highest(rated: Rating, figure: str) -> str:

@@ -48,7 +48,7 @@ def compared(
             figure,
             float(result.performance[figure]),
             float(value),
-            numerical_of(result, figure),
+            error_in_unit(figure, result.performance, result.error),  # taken as its standard uncertainty
             by_inputs[figure]["standard"] if figure in by_inputs else None,
             (stated or {}).get(figure),
             fitted,
@@ -56,11 +56,6 @@ def compared(
         )
         for figure, value in theirs.items()
     ]
-
-
-def numerical_of(result: Result, figure: str) -> float | None:
-    """Return the estimated numerical error [SI] of a figure, taken as its standard uncertainty; None without one."""
-    return error_in_unit(figure, result.performance, result.error)
 
 
 def interval(point: ValidationPoint) -> tuple[float, float, float]:
