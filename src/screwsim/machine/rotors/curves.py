@@ -54,7 +54,6 @@ class Curves:
     """All curves by angle: volume and its slopes, ports, leakage paths."""
 
     life: float
-    chambers: int
     volume: Curve
     volume_slope: Curve
     male_slope: Curve
@@ -211,7 +210,6 @@ def make_curves(
     grooves = ports.uncovered_area(rotors.pair, rotors.chain, rotors.sections)
     return Curves(
         rotors.life,
-        rotors.chambers,
         *_volume_curves(rotors),
         _suction_curves(rotors, grooves, closes),
         _discharge_curves(rotors, grooves, opens, face_opens),
