@@ -114,13 +114,13 @@ def test_the_table_of_the_discharge_port_has_a_corner_where_the_part_on_the_end_
     rotors, opens = pairs["a"], pairs["a"].discharge_angle(ratio)
     table = area_table(sum_of(make_curves(rotors, ratio).discharge), 0.0)
     phi = np.linspace(opens, opens + math.radians(5.0), 1001)
-    grooves = ports.uncovered_area(rotors.pair, rotors.chain, rotors.sections)
-    open_area = ports.axial_discharge(grooves, rotors.sections, phi, rotors.wrap, opens)
-    open_area += sum(ports.radial_discharge(rotors.pair, rotors.chain, phi, rotors.wrap, rotors.h, opens))
+    grooves = ports.uncovered_area(rotors)
+    open_area = ports.axial_discharge(rotors, grooves, phi, opens)
+    open_area += sum(ports.radial_discharge(rotors, phi, opens))
     TAB = pack_curve(*table.curve)
     found = np.array([table_value(x, TAB, 0) for x in phi - rotors.start])
     assert found == pytest.approx(open_area, abs=1e-4 * open_area.max())
-    later = math.degrees(ports.axial_opening(grooves, rotors.sections, rotors.wrap, opens) - opens)
+    later = math.degrees(ports.axial_opening(rotors, grooves, opens) - opens)
     assert later == pytest.approx({3.2: 0.0, 4.8: 1.9057}[ratio], abs=1e-3)
 
 
