@@ -141,11 +141,12 @@ def test_tables_are_those_that_a_scene_reads(tmp_path, curves):
             assert values.max() > 0.0
 
 
-def test_a_length_times_a_clearance_is_an_area(curves):
+@pytest.mark.parametrize(("unit", "name"), [("m", "length_m"), ("m^2", "area_m2")])
+def test_a_curve_is_written_with_the_column_of_its_unit(curves, unit, name):
     path = next(path for path in curves["b"].paths if path.name == "male_tip")
-    text = curve_csv(path.curve, clearance=2e-5)
+    text = curve_csv(replace(path.curve, value=2e-5 * path.curve.value, unit=unit))
     rows = np.loadtxt(text.splitlines()[1:], delimiter=",")
-    assert text.startswith("angle_deg,area_m2\n")
+    assert text.startswith(f"angle_deg,{name}\n")
     assert rows[:, 1] == pytest.approx(2e-5 * path.curve.value, rel=1e-9)
 
 
