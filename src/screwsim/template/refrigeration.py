@@ -250,14 +250,8 @@ def _transport(fluid: str, duty: Duty) -> dict[str, str]:
 def _leaky_efficiency(fluid: str, duty: Duty, size: sizes.Size) -> float:
     """Return an estimate of eta_s of a small or slow machine, whose gaps pass much of its displacement."""
     R, T = constants.gas_constant(fluid), duty.T_e + duty.more
-    passed = (
-        sizes.GAP
-        * size.clearance
-        * size.diameter
-        * math.sqrt(duty.k * R * T)
-        / size.flow
-        * (duty.p_d / duty.p_s) ** RISING
-    )
+    passed = sizes.GAP * size.clearance * size.diameter * math.sqrt(duty.k * R * T) / size.flow
+    passed *= (duty.p_d / duty.p_s) ** RISING
     return TIGHT * max(1.0 - LEAKED * max(duty.p_s / (R * T), THIN) ** DENSER * passed, LEAST)
 
 
