@@ -29,10 +29,9 @@ if TYPE_CHECKING:
     from screwsim.outputs import Result
     from screwsim.results import open_results
     from screwsim.scene import Scene, load, loads, schema
-    from screwsim.study.local import sensitivities
+    from screwsim.study.local import sensitivities, simulate
     from screwsim.study.map_points import evaluate_map
     from screwsim.study.optimize import optimize
-    from screwsim.study.point import simulate
     from screwsim.study.seek import find
     from screwsim.study.sweep import run_sweep, sweep
     from screwsim.study.uncertain import uncertainty
@@ -78,10 +77,9 @@ _PUBLIC = {  # the names of each module
     "screwsim.outputs": "Result",
     "screwsim.results": "open_results",
     "screwsim.scene": "Scene load loads schema",
-    "screwsim.study.local": "sensitivities",
+    "screwsim.study.local": "sensitivities simulate",
     "screwsim.study.map_points": "evaluate_map",
     "screwsim.study.optimize": "optimize",
-    "screwsim.study.point": "simulate",
     "screwsim.study.seek": "find",
     "screwsim.study.sweep": "run_sweep sweep",
     "screwsim.study.uncertain": "uncertainty",

@@ -251,7 +251,7 @@ def _status_of(accurate: Accurate, balance: Figures, forbidden: str, why: str) -
     cycle, of = accurate.cycle, accurate.evaluation
     status, message, bound = cycle.status, "", balance["bound"]
     none, circuit_open = verdict.circuit_verdict(of)
-    package_open = verdict.package_verdict(of)
+    package_open = 0.0 if of.package is None else of.package.open
     unsettled = why if max(circuit_open, package_open) > bound else ""
     forbidden = none or unsettled or forbidden  # what a cycle of other surroundings forbids says nothing of the scene
     residuals = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}

@@ -74,8 +74,6 @@ def flooded(size: sizes.Size, leaves: float) -> str:
         "shaft": sizes.mm(0.105 * big),
         "shaft_clearance": sizes.um(42e-6 * size.clearance),
         "shaft_passage": sizes.mm(0.015 * big, 2),
-        "radial_area": f"{158.0 * big**2:.3g} cm^2",
-        "axial_area": f"{67.0 * big**2:.3g} cm^2",
         "bearing": sizes.mm(0.147 * big),
         "land": sizes.mm(0.003 * big, 2),
     }
