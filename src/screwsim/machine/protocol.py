@@ -6,7 +6,7 @@ Source: screwsim, docs/how-to/adding-a-machine.md.
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
@@ -101,11 +101,13 @@ class MachineSettings(Protocol):
 
     `kind` is the name under which scenes ask for it, `mode` 'compressor' or 'expander'. `finds_gaps` names in words
     what determines lengths and neighbours of the gaps, empty where formulas of the effects do; `counts_otherwise` says
-    whether the angles of those formulas have no meaning for this machine.
+    whether the angles of those formulas have no meaning for this machine. `symbol_names` are those of its settings that
+    a kernel can take.
     """
 
     kind: str
     mode: str
+    symbol_names: ClassVar[tuple[str, ...]] = ()
     finds_gaps = ""
     counts_otherwise = False
 
@@ -116,7 +118,7 @@ class MachineSettings(Protocol):
 
     def symbols(self) -> dict[str, float]:
         """Return the numbers [SI] that a kernel can take by name (docs/reference/nomenclature.md)."""
-        return {}
+        return {name: float(getattr(self, name)) for name in self.symbol_names}
 
     def surface_speed(self, omega: float) -> float:
         """Return the speed of the surfaces that move the gas [m/s] at a speed [rad/s]."""

@@ -93,6 +93,7 @@ class Displacement:
 class TwinScrew(MachineSettings):
     """A twin-screw machine: one chamber per male lobe and revolution."""
 
+    symbol_names = ("rotor_diameter", "rotor_length", "male_lobes", "female_lobes")
     kind: str = choice("kind of machine", ("twin_screw",), "twin_screw")
     mode: str = choice("compressor, or expander (discharge below suction pressure)", (COMPRESSOR, EXPANDER), COMPRESSOR)
     male_lobes: int = count("number of male lobes z1 (with a family: the family's)", DerivedCount(4), ge=1, le=12)
@@ -132,11 +133,6 @@ class TwinScrew(MachineSettings):
     def family(self) -> Family | None:
         """The named rotors of its profile; None where that states its own lengths, or there is none."""
         return None if self.profile is None or self.profile.family is None else FAMILIES[self.profile.family]
-
-    def symbols(self) -> dict[str, float]:
-        """Return the numbers [SI] that a kernel can take by name (docs/reference/nomenclature.md)."""
-        names = ("rotor_diameter", "rotor_length", "male_lobes", "female_lobes")
-        return {name: float(getattr(self, name)) for name in names}
 
     def surface_speed(self, omega: float) -> float:
         """Return the speed of the male rotor's tips [m/s], the surfaces that move gas and oil."""

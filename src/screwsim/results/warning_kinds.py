@@ -1,5 +1,6 @@
 """Warnings of the cases of a results file: which cases warn, and the kinds of warnings with their numbers of cases."""
 
+import math
 import re
 import textwrap
 from collections.abc import Iterable
@@ -44,17 +45,21 @@ def kinds_of(every: Iterable[Iterable[str]]) -> tuple[tuple[int, str], ...]:
     return tuple(sorted(found.values(), key=lambda each: -each[0]))
 
 
+def _texts(results: Results) -> tuple[list[str], np.ndarray]:
+    """Return the distinct warnings of the cases of a file, and the index of each case's; older files have none."""
+    none = [""], np.zeros(math.prod(results.shape), np.int32)
+    return results.performance.texts(NAME) if NAME in results.performance else none
+
+
 def warnings_of_cases(results: Results) -> list[list[str]]:
     """Return the warnings of each case of a file, in the order of the cases."""
-    if NAME not in results.performance:
-        return []
-    words, number = results.performance.texts(NAME)
-    return [words[each].split("\n") if words[each] else [] for each in np.ravel(number).tolist()]
+    words, number = _texts(results)
+    return [words[each].split("\n") if words[each] else [] for each in number.tolist()]
 
 
 def warning_summary(results: Results) -> WarningSummary:
     """Return the warnings of the cases of a file."""
-    words, number = results.performance.texts(NAME)
+    words, number = _texts(results)
     counts, firsts = np.bincount(number, minlength=len(words)), _first_cases(number, len(words))
     found: dict[str, WarningKind] = {}
     told = 0
@@ -79,24 +84,20 @@ def _first_cases(number: np.ndarray, words: int) -> list[int]:
 
 def cases_with_warnings(results: Results) -> np.ndarray:
     """Return which cases warn, on the axes of the results; none for a file without warnings."""
-    if NAME not in results.performance:
-        return np.zeros(results.shape, bool)
-    words, numbers = results.performance.texts(NAME)
+    words, numbers = _texts(results)
     return np.array([bool(word) for word in words])[numbers].reshape(results.shape)
 
 
 def warnings_of(results: Results, index: tuple[int, ...]) -> list[str]:
     """Return the warnings of one case."""
-    if NAME not in results.performance:
-        return []
-    number = int(np.ravel_multi_index(index, results.shape)) if index else 0
-    (text,) = results.performance.texts_at(NAME, np.array([number]))
+    words, numbers = _texts(results)
+    text = words[numbers[np.ravel_multi_index(index, results.shape) if index else 0]]
     return text.split("\n") if text else []
 
 
 def warning_kinds_of_file(results: Results) -> tuple[WarningKind, ...]:
     """Return the kinds of warnings, the most frequent first."""
-    return warning_summary(results).kinds if NAME in results.performance else ()
+    return warning_summary(results).kinds
 
 
 def warning_caption(warnings: list[str]) -> str:

@@ -190,14 +190,12 @@ def _demands(section: Section, effects: dict[str, Section] | None = None) -> dic
         parts = {name: {**there, **part} if part.get("required") else part for name, part in parts.items()}
         inner["effects"] = {"properties": {name: part for name, part in parts.items() if part}}
     inner = {name: part for name, part in inner.items() if part}
-    either = [{"anyOf": [{"required": [each]} for each in (name, *others)]} for name, others in _either(section)]
+    either = [
+        {"anyOf": [{"required": [each]} for each in (name, *item.otherwise)]}
+        for name, item in section.fields.items()
+        if isinstance(item, Leaf) and item.otherwise
+    ]
     return {key: value for key, value in (("required", required), ("allOf", either), ("properties", inner)) if value}
-
-
-def _either(section: Section) -> list[tuple[str, tuple[str, ...]]]:
-    """Return the inputs that others may replace, each with those others."""
-    leaves = ((name, item) for name, item in section.fields.items() if isinstance(item, Leaf))
-    return [(name, item.otherwise) for name, item in leaves if item.otherwise]
 
 
 def sweep_schema(

@@ -92,14 +92,9 @@ def _duty(asked: SceneRequest, fluid: str, example: str, temperature: str, expan
     return Duty(at, text, T, constants.isentropic_exponent(fluid, T), constants.gas_constant(fluid))
 
 
-def _common(
-    asked: SceneRequest, duty: Duty, size: sizes.Size, share: float, flow: float, speed: float
-) -> dict[str, str]:
-    usual = sizes.matching(duty.ratio, duty.k, share)
+def _common(asked: SceneRequest, duty: Duty, size: sizes.Size, share: float) -> dict[str, str]:
     return {
-        "machine": texts.machine(size, asked, usual, duty.ratio, flow, speed),
-        "flow": sizes.flow_text(flow if asked.diameter is None else sizes.rounded_flow(flow)),
-        "speed": sizes.rpm(speed),
+        **texts.machine(size, asked, sizes.matching(duty.ratio, duty.k, share), duty.ratio),
         "low": duty.at.low_text,
         "high": duty.at.high_text,
         "temperature": duty.temperature,
@@ -131,13 +126,13 @@ def air(asked: SceneRequest) -> str:
     size, duty = texts.sized(flow, speed), _air_duty(asked)
     gas_flow, drop = LAMBDA * flow * duty.density, duty.at.high - duty.at.low
     worse = sizes.beyond_matching(duty.ratio, duty.k, asked.ratio)
-    friction = BROUGHT * _friction(size, speed, oil)
+    friction = BROUGHT * _friction(size, oil)
     taken = max(gas_flow * worse * duty.work / ETA, gas_flow * worse * _package_work(duty) + friction)
     carried = _oil_per_air(duty, taken / gas_flow, oil)
     rated = sizes.motor_for(taken) if asked.motor is None else 1e-3 * asked.motor
     displaced = [] if asked.by_sheet else [f"{sizes.flow_text(flow)} at {sizes.rpm(speed)}"]
     values = {
-        **_common(asked, duty, size, 0.97, flow, speed),
+        **_common(asked, duty, size, 0.97),
         **_speeds(asked, rated, speed),
         "flooded": texts.flooded(size, LEAVES),
         "oil": oil,
@@ -207,13 +202,13 @@ def _sheet_comment(asked: SceneRequest) -> str:
     return textwrap.indent(textwrap.fill(told, COMMENT_WIDTH), "# ") + "\n"
 
 
-def _friction(size: sizes.Size, speed: float, oil: str, leaves: float = LEAVES) -> float:
+def _friction(size: sizes.Size, oil: str, leaves: float = LEAVES) -> float:
     """Return the friction [W] of oil films in tip and end gaps (M141, M142); `leaves` is the outlet temperature [K]."""
     rotors, big, gap = FAMILIES["b"], size.diameter / 0.240, sizes.GAP * size.clearance
     total = 0.0
     for ratio, lobes in ((1.0, rotors.male_lobes), (rotors.male_lobes / rotors.female_lobes, rotors.female_lobes)):
-        total += tip_drag(ratio * speed, size.diameter, lobes, size.length, 0.003 * big, gap)
-        total += end_drag(ratio * speed, size.diameter, SOLIDITY, gap)
+        total += tip_drag(ratio * size.speed, size.diameter, lobes, size.length, 0.003 * big, gap)
+        total += end_drag(ratio * size.speed, size.diameter, SOLIDITY, gap)
     return OILS[oil].viscosity_at(leaves - 0.5 * WARMED) * total
 
 
@@ -282,7 +277,7 @@ def booster(asked: SceneRequest) -> str:
 
     def taken_at(leaving: float) -> float:
         """Return the work [J/kg] at an outlet temperature [K]: cold films take more."""
-        friction = FRICTION_FACTOR * _friction(size, speed, oil, leaving) / gas_flow
+        friction = FRICTION_FACTOR * _friction(size, oil, leaving) / gas_flow
         return max(duty.work / ETA, duty.work / COMPRESSION_EFFICIENCY + friction)
 
     dew = _dew_temperature(fluid, duty)
@@ -305,7 +300,7 @@ def booster(asked: SceneRequest) -> str:
     least = max(LEAST_OIL, LEAST_SHARE * flow * OILS[oil].density_at(LEAVES) / gas_flow)
     ratio = math.ceil(2.0 * left / (OILS[oil].heat_capacity_at(leaves - 0.5 * WARMED) * warmed)) / 2.0
     values = {
-        **_common(asked, duty, size, 0.97, flow, speed),
+        **_common(asked, duty, size, 0.97),
         **_motor(sizes.motor_for(gas_flow * taken)),
         "flooded": texts.flooded(size, leaves),
         "fluid": fluid,
@@ -321,7 +316,7 @@ def expander(asked: SceneRequest) -> str:
     refuse_option("--oil", asked.oil, "expanders are dry here (remove it)")
     fluid, flow, speed = asked.fluid or "R134a", asked.flow or 375.0 / 3600.0, asked.speed or 2950.0 * RPM
     size, duty = texts.sized(flow, speed), _duty(asked, fluid, "20/7 bar", "100 degC", expands=True)
-    common = _common(asked, duty, size, 1.0, flow, speed)
+    common = _common(asked, duty, size, 1.0)
     inlet = flow / (asked.ratio or sizes.matching(duty.ratio, duty.k, 1.0))
     values = {
         **common,

@@ -80,11 +80,11 @@ def first_flow(plant: Plant, asked: SceneRequest) -> float:
 def scene_of(plant: Plant, asked: SceneRequest) -> str:
     """Return the scene of the compressor of a refrigeration machine or a heat pump."""
     fluid, flow = asked.fluid or plant.fluid, asked.flow or DEFAULT_DISPLACEMENT_FLOW
-    speed = asked.speed or 2950.0 * RPM
-    duty, size = duty_of(fluid, flow, asked.condition or plant.condition, plant.condition), texts.sized(flow, speed)
+    duty = duty_of(fluid, flow, asked.condition or plant.condition, plant.condition)
+    size = texts.sized(flow, asked.speed or 2950.0 * RPM)
     usual = sizes.matching(duty.p_d / duty.p_s, duty.k, 0.9)
     oil = asked.oil or OILS_FOR.get(fluid.lower(), "POE_68")
-    leaky, in_gas = _leaky_efficiency(fluid, duty, size, flow), fluid.lower() not in COPPER_CORROSIVES
+    leaky, in_gas = _leaky_efficiency(fluid, duty, size), fluid.lower() not in COPPER_CORROSIVES
     ratio, separator = _oil_and_separator(fluid, duty, oil, asked.ratio or usual, leaky, in_gas)
     cooled = "discharge_temperature:" in separator.partition("#")[0]
     values = {
@@ -92,14 +92,12 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
         **_drive(fluid, _power(duty, asked), asked.motor),
         **_jets(duty, ratio, oil),
         **_transport(fluid, duty),
-        "machine": texts.machine(size, asked, usual, duty.p_d / duty.p_s, flow, speed),
+        **texts.machine(size, asked, usual, duty.p_d / duty.p_s),
         "ports": texts.ports(size, _viscosity(fluid, duty)),
         "rests": _evidence_comments(fluid),
         "made": _sizing_comment(asked, plant),
         "what": plant.what,
         "fluid": fluid,
-        "flow": sizes.flow_text(flow if asked.diameter is None else sizes.rounded_flow(flow)),
-        "speed": sizes.rpm(speed),
         "two_phase": texts.two_phase(fluid, cooled),  # on cooled oil gas may condense
         "oil": oil,
         "oil_ratio": f"{ratio:g}",
@@ -110,7 +108,7 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
     text = texts.filled("refrigeration", values)
     if asked.slide:
         ratio = asked.ratio or usual
-        values["machine"] = texts.machine(size, asked, usual, duty.p_d / duty.p_s, flow, speed, _slide(text, ratio))
+        values |= texts.machine(size, asked, usual, duty.p_d / duty.p_s, _slide(text, ratio))
         text = texts.filled("refrigeration", values) + texts.filled("slot", {})
     return f"{text}{_economizer(text, size)}" if asked.economizer else text
 
@@ -249,12 +247,11 @@ def _transport(fluid: str, duty: Duty) -> dict[str, str]:
     return {"transport": "".join(f"    {line}\n" for line in lines)}
 
 
-def _leaky_efficiency(fluid: str, duty: Duty, size: sizes.Size, flow: float) -> float:
+def _leaky_efficiency(fluid: str, duty: Duty, size: sizes.Size) -> float:
     """Return an estimate of eta_s of a small or slow machine, whose gaps pass much of its displacement."""
     R, T = constants.gas_constant(fluid), duty.T_e + duty.more
-    passed = (
-        sizes.GAP * size.clearance * size.diameter * math.sqrt(duty.k * R * T) / flow * (duty.p_d / duty.p_s) ** RISING
-    )
+    passed = sizes.GAP * size.clearance * size.diameter * math.sqrt(duty.k * R * T) / size.flow
+    passed *= (duty.p_d / duty.p_s) ** RISING
     return TIGHT * max(1.0 - LEAKED * max(duty.p_s / (R * T), THIN) ** DENSER * passed, LEAST)
 
 

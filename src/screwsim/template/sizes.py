@@ -26,10 +26,12 @@ MOTOR_RESERVE = 1.1  # of a motor's rated power over the estimated one
 
 
 class Size(NamedTuple):
-    """Rotors of a family: their diameter and length [m]."""
+    """Rotors of a family: their diameter and length [m], and the flow [m³/s] that they displace at a speed [rad/s]."""
 
     diameter: float
     length: float
+    flow: float
+    speed: float
 
     @property
     def scale(self) -> float:
@@ -47,7 +49,7 @@ def size_of(flow: float, speed: float, family: str = "b") -> Size:
     rotors = FAMILIES[family]
     volume = 2.0 * math.pi * flow / speed / rotors.male_lobes / unit_volume(family, rotors.wrap_angle)
     diameter = (volume / rotors.length) ** (1.0 / 3.0)
-    return Size(diameter, rotors.length * diameter)
+    return Size(diameter, rotors.length * diameter, flow, speed)
 
 
 def tolerance_unit(diameter: float) -> float:

@@ -30,10 +30,8 @@ def sized(flow: float, speed: float) -> sizes.Size:
     raise UsageError(f"{stated}: {what} {sizes.mm(sizes.LARGEST)} (choose {usual}, or another --speed)")
 
 
-def machine(
-    size: sizes.Size, asked: SceneRequest, usual: float, pressures: float, flow: float, speed: float, slide: str = ""
-) -> str:
-    """Return the section on the machine; `usual` is the built-in volume ratio that matches the pressures.
+def machine(size: sizes.Size, asked: SceneRequest, usual: float, pressures: float, slide: str = "") -> dict[str, str]:
+    """Return the section on the machine, its flow and speed; `usual` is the built-in volume ratio for the pressures.
 
     `slide` has the lines of a slide valve.
     """
@@ -41,16 +39,18 @@ def machine(
     if asked.ratio is not None:
         told = f"as requested; a pressure ratio of {pressures:.3g} calls for about {usual:g}"
     values = {
-        "size": _size(size, asked.diameter is not None, sizes.flow_text(flow), sizes.rpm(speed)),
+        "size": _size(size, asked.diameter is not None),
         "ratio": f"{asked.ratio or usual:g}",
         "ratio_told": told,
         "slide": slide,
     }
-    return filled("rotors", values)
+    flow = size.flow if asked.diameter is None else sizes.rounded_flow(size.flow)
+    return {"machine": filled("rotors", values), "flow": sizes.flow_text(flow), "speed": sizes.rpm(size.speed)}
 
 
-def _size(size: sizes.Size, by_diameter: bool, flow: str, speed: str) -> str:
+def _size(size: sizes.Size, by_diameter: bool) -> str:
     """Return the lines on the machine's size: by its rotors, or as in catalogues."""
+    flow, speed = sizes.flow_text(size.flow), sizes.rpm(size.speed)
     diameter, length = sizes.mm(size.diameter, 6 if by_diameter else 4), sizes.mm(size.length, 4)
     if by_diameter:
         return f"  rotor_diameter: {diameter}    # gives rotors {length} long, which displace {flow} at {speed}"

@@ -143,8 +143,8 @@ def test_blow_hole_of_b_by_female_tip_radius(pairs):
 def test_axial_discharge_port_of_b(pairs):
     rotors = pairs["b"]
     opens, delta = rotors.discharge_angle(3.2), np.radians([10, 20, 40, 60, 90, 110])
-    grooves = ports.uncovered_area(rotors.pair, rotors.chain, rotors.sections)
-    area = ports.axial_discharge(grooves, rotors.sections, opens + delta, rotors.wrap, opens) / MM**2
+    grooves = ports.uncovered_area(rotors)
+    area = ports.axial_discharge(rotors, grooves, opens + delta, opens) / MM**2
     assert area == pytest.approx([232.5, 463.7, 850.5, 960.6, 629.5, 350.2], abs=0.11)
 
 
@@ -154,7 +154,7 @@ def test_radial_discharge_port_of_b(pairs):
     for ratio, male, female in ((2.2, 809.0, 908.0), (3.2, 138.5, 295.0), (4.0, 19.6, 125.0)):
         opens = rotors.discharge_angle(ratio)
         phi = np.linspace(opens, rotors.wrap, 2001)
-        areas = ports.radial_discharge(rotors.pair, rotors.chain, phi, rotors.wrap, rotors.h, opens)
+        areas = ports.radial_discharge(rotors, phi, opens)
         assert areas[0].max() / MM**2 == pytest.approx(male, rel=4e-3)
         assert areas[1].max() / MM**2 == pytest.approx(female, rel=2e-3)
 

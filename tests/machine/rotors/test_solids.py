@@ -109,8 +109,8 @@ def test_axial_discharge_port_is_what_the_grooves_uncover(pairs, solids, delta):
     opens = rotors.discharge_angle(3.2)
     phi = opens + delta * DEG
     counted = (_end_face_port(rotors, solids, opens) & solids.chamber(phi - rotors.wrap)).sum() * STEP**2
-    grooves = ports.uncovered_area(rotors.pair, rotors.chain, rotors.sections)
-    area = ports.axial_discharge(grooves, rotors.sections, np.array([phi]), rotors.wrap, opens)[0]
+    grooves = ports.uncovered_area(rotors)
+    area = ports.axial_discharge(rotors, grooves, np.array([phi]), opens)[0]
     assert counted == pytest.approx(area, abs=3 * THICK)  # the port's edge adds walls to those of the chamber
 
 
@@ -125,8 +125,8 @@ def test_axial_suction_port_is_what_the_grooves_still_cover(pairs, solids, delta
     behind_female = solids.female_bore & (np.arctan2(y, A - x) > -pair.k * closes)
     port = np.where(x > pair.cusp[0], behind_female, behind_male) & ~solids.chamber(closes)
     counted = (port & solids.chamber(phi)).sum() * STEP**2
-    grooves = ports.uncovered_area(pair, rotors.chain, rotors.sections)
-    area = ports.axial_suction(grooves, rotors.sections, np.array([phi]), closes)[0]
+    grooves = ports.uncovered_area(rotors)
+    area = ports.axial_suction(rotors, grooves, np.array([phi]), closes)[0]
     assert counted == pytest.approx(area, abs=3 * THICK)
 
 
@@ -161,7 +161,7 @@ def test_radial_discharge_port_is_what_the_grooves_uncover(pairs, solids, ratio)
     opens, chain = rotors.discharge_angle(ratio), rotors.chain
     for delta in (10.0, 40.0, 75.0, 90.0):
         phi = opens + delta * DEG
-        areas = ports.radial_discharge(rotors.pair, chain, np.array([phi]), rotors.wrap, rotors.h, opens)
+        areas = ports.radial_discharge(rotors, np.array([phi]), opens)
         for female, area in zip((False, True), areas, strict=True):
             edge = opens + (-chain.land_end if female else rotors.pair.pitch)  # the leading tip of the chamber
             counted = _bore_area(rotors, phi, female, lambda b, s, edge=edge: b > edge - s)
@@ -172,7 +172,7 @@ def test_radial_suction_port_is_what_the_grooves_still_cover(pairs, solids):
     rotors = pairs["b"]
     closes, chain = rotors.largest[0], rotors.chain
     for phi in closes - np.array([200.0, 120.0, 60.0, 20.0]) * DEG:
-        areas = ports.radial_suction(rotors.pair, chain, np.array([phi]), rotors.wrap, rotors.h, closes)
+        areas = ports.radial_suction(rotors, np.array([phi]), closes)
         for female, area in zip((False, True), areas, strict=True):
             edge = closes - (chain.land_start if female else 0.0)  # the trailing tip of the chamber
             counted = _bore_area(rotors, phi, female, lambda b, s, edge=edge: b < edge - s)

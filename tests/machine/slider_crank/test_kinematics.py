@@ -10,7 +10,7 @@ from scipy.optimize import minimize_scalar
 
 from screwsim.codegen.modules import load
 from screwsim.machine.slider_crank import kinematics as law
-from screwsim.machine.slider_crank.cylinder import SliderCrank, check_slider_crank
+from screwsim.machine.slider_crank.cylinder import Cylinder, SliderCrank, check_slider_crank
 from screwsim.numerics.kernel import HEADER, flatten
 
 R, L, E = 4.4 / 48, 4.5 * 4.4 / 48, 0.015  # the example of the tolerance study
@@ -91,7 +91,7 @@ def test_volume_is_clearance_at_the_top_and_all_at_the_bottom(sizes):
     r, rod, e = sizes
     cylinder = machine(crank_radius=r, rod_length=rod, offset=e)
     numbers = tuple(cylinder.numbers().values())
-    (bottom,) = cylinder.breakpoints()
+    (bottom,) = Cylinder(cylinder).volume_law().breakpoints
     assert law.volume(0.0, *numbers) == pytest.approx(2e-5, rel=1e-12)
     assert law.volume(2 * pi, *numbers) == pytest.approx(2e-5, rel=1e-11)
     assert law.volume(bottom, *numbers) == pytest.approx(2e-5 + cylinder.swept_volume, rel=1e-13)
@@ -109,8 +109,8 @@ def test_volume_is_the_integral_of_its_slope(sizes):
 
 
 def test_offset_makes_suction_and_compression_unequally_long():
-    assert machine(offset=0.0).breakpoints()[0] == pytest.approx(pi, abs=1e-15)
-    assert machine().breakpoints()[0] - pi == pytest.approx(asin(E / (L - R)) - asin(E / (L + R)), rel=1e-13)
+    assert Cylinder(machine(offset=0.0)).injection_angle == pytest.approx(pi, abs=1e-15)
+    assert Cylinder(machine()).injection_angle - pi == pytest.approx(asin(E / (L - R)) - asin(E / (L + R)), rel=1e-13)
 
 
 def test_numbers_of_the_machine_are_the_arguments_of_the_law():

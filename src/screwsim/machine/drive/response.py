@@ -140,8 +140,9 @@ def _newton(train: Train, x: Array, torque: Array, omega: float, left: list[int]
             return None
         if not np.isfinite(change).all():
             return None
-        u = x[:n]
-        room = float(np.min(_speed_margin(u, change[:n], LEAST_SPEED * omega)))
+        u, by = x[:n], change[:n]  # the least share of the change at which a speed reaches its bound, more than 1: none
+        reached = (u - LEAST_SPEED * omega) / np.where(by < 0.0, -by, 1.0)
+        room = float(np.min(np.where(by < 0.0, reached, 2.0)))
         if room <= 0.0:
             return None
         room = 1.0 if room >= 1.0 else 0.9 * room
@@ -149,11 +150,6 @@ def _newton(train: Train, x: Array, torque: Array, omega: float, left: list[int]
         if room == 1.0 and np.max(np.abs(change) / sizes(x, omega)) <= CONVERGED:
             return x
     return None
-
-
-def _speed_margin(u: Array, change: Array, least: float) -> Array:
-    """Return the share of a change at which each speed reaches `least`; more than 1 where it does not."""
-    return np.where(change < 0.0, (u - least) / np.where(change < 0.0, -change, 1.0), 2.0)
 
 
 def _by_harmonics(train: Train, x: Array, torque: Array, omega: float) -> Array | None:

@@ -54,7 +54,6 @@ class Curves:
     """All curves by angle: volume and its slopes, ports, leakage paths."""
 
     life: float
-    chambers: int
     volume: Curve
     volume_slope: Curve
     male_slope: Curve
@@ -123,13 +122,12 @@ def _volume_curves(rotors: Rotors) -> tuple[Curve, Curve, Curve]:
 
 
 def _suction_curves(rotors: Rotors, grooves: ports.UncoveredArea, closes: float) -> dict[str, Curve]:
-    pair, chain, h = rotors.pair, rotors.chain, rotors.h
-    grid = _grid(rotors, [closes, closes - pair.pitch, -TURN + pair.beta1])
+    grid = _grid(rotors, [closes, closes - rotors.pair.pitch, -TURN + rotors.pair.beta1])
     phi, cut = grid[0], rotors.sections
     middle = 0.5 * (cut.psi[0] + cut.psi[-1])
     gained = np.where(phi < middle, cut.area_at(phi) / cut.grooves, 1.0)  # a chamber is born shut, whatever its grooves
-    one, two = ports.radial_suction(pair, chain, phi, rotors.wrap, h, closes)
-    parts = {"axial": ports.axial_suction(grooves, cut, phi, closes), "radial": gained * (one + two)}
+    one, two = ports.radial_suction(rotors, phi, closes)
+    parts = {"axial": ports.axial_suction(rotors, grooves, phi, closes), "radial": gained * (one + two)}
     return {name: _curve(rotors, grid, "m^2", area) for name, area in parts.items()}
 
 
@@ -137,14 +135,13 @@ def _discharge_curves(
     rotors: Rotors, grooves: ports.UncoveredArea, opens: float, face_opens: float
 ) -> dict[str, Curve]:
     """Return the areas of the discharge port: on the bores from `opens` [rad] on, on the end face from `face_opens`."""
-    pair, chain, h = rotors.pair, rotors.chain, rotors.h
+    pair = rotors.pair
     begins = [each + later for each in dict.fromkeys((opens, face_opens)) for later in (0.0, pair.pitch)]
-    begins.append(ports.axial_opening(grooves, rotors.sections, rotors.wrap, face_opens))
+    begins.append(ports.axial_opening(rotors, grooves, face_opens))
     grid = _grid(rotors, [*begins, rotors.wrap - pair.beta1 - pair.pitch, rotors.wrap - pair.beta1])
     phi = grid[0]
-    one, two = ports.radial_discharge(pair, chain, phi, rotors.wrap, h, opens)
-    axial = ports.axial_discharge(grooves, rotors.sections, phi, rotors.wrap, face_opens)
-    parts = {"axial": axial, "radial": one + two}
+    one, two = ports.radial_discharge(rotors, phi, opens)
+    parts = {"axial": ports.axial_discharge(rotors, grooves, phi, face_opens), "radial": one + two}
     return {name: _curve(rotors, grid, "m^2", area) for name, area in parts.items()}
 
 
@@ -208,10 +205,9 @@ def make_curves(
     at = None if slide is None else placed_slide(rotors, slide, opens, face_opens)
     opens = opens if at is None else at.edge
     later = at is not None and at.closes is not None and at.closes > closes
-    grooves = ports.uncovered_area(rotors.pair, rotors.chain, rotors.sections)
+    grooves = ports.uncovered_area(rotors)
     return Curves(
         rotors.life,
-        rotors.chambers,
         *_volume_curves(rotors),
         _suction_curves(rotors, grooves, closes),
         _discharge_curves(rotors, grooves, opens, face_opens),

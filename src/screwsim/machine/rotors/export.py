@@ -11,15 +11,12 @@ from screwsim.machine.rotors.rotors import Rotors
 _COLUMN = {"m^3": "volume_m3", "m^2": "area_m2", "m": "length_m", "m^3/rad": "volume_slope_m3_per_rad"}
 
 
-def curve_csv(curve: Curve, clearance: float | None = None) -> str:
-    """Return a curve as CSV: angle_deg, volume_m3 or area_m2; a clearance [m] turns a length [m] into an area."""
-    unit, value = curve.unit, curve.value
-    if clearance is not None and unit == "m":
-        unit, value = "m^2", clearance * value
-    if unit in ("m^2", "m^3"):
-        value = np.maximum(value, 0.0)  # readers refuse the −0 of rounding
+def curve_csv(curve: Curve) -> str:
+    """Return a curve as CSV: its angle_deg, and volume_m3, area_m2 or the like by its unit."""
+    # readers refuse the −0 of rounding
+    value = np.maximum(curve.value, 0.0) if curve.unit in ("m^2", "m^3") else curve.value
     rows = (f"{math.degrees(a):.10g},{v:.10g}" for a, v in zip(curve.angle, value, strict=True))
-    return f"angle_deg,{_COLUMN[unit]}\n" + "\n".join(rows) + "\n"
+    return f"angle_deg,{_COLUMN[curve.unit]}\n" + "\n".join(rows) + "\n"
 
 
 def curves_csv(curves: Curves) -> dict[str, str]:

@@ -64,11 +64,6 @@ class Rotors:
         """Angle from the first to the last volume of a chamber [rad]: 2π + p − ψS + τ."""
         return self.wrap - self.start
 
-    @property
-    def chambers(self) -> int:
-        """Largest number of chambers alive at once."""
-        return math.ceil(self.life / self.pair.pitch - 1e-9)
-
     def volume(self, phi: Array) -> Array:
         """Return V(φ) = (L/τ) ∫ a dψ over [φ − τ, φ] [m³]."""
         return self.h * (self.sections.integral_at(phi) - self.sections.integral_at(phi - self.wrap))

@@ -46,7 +46,7 @@ def placed_slide(rotors: Rotors, slide: SlideValve, opens: float, face_opens: fl
     Raise UsageError in one line for a slide that is too narrow for the port, or whose travel is so long, or its length
     so short, that a chamber would be open to slot and discharge port at once.
     """
-    h, (male, female) = rotors.h, groove_tips(rotors.pair, rotors.chain, rotors.h)
+    h, (male, female) = rotors.h, groove_tips(rotors)
     apex = h * (opens + male.width - male.tip.end)  # of the radial port, at the cusp
     stop = 0.0 if slide.length is None else apex - slide.length
     spans = slide.male_span, slide.female_span / rotors.pair.k
@@ -74,7 +74,7 @@ def fitting_slide(rotors: Rotors, opens: float, face_opens: float) -> SlideValve
     """
     wide = (max(math.degrees(span), NARROW) for span in _port_spans(rotors, opens))
     male, female = (math.radians(math.ceil(span)) for span in wide)
-    last = max(tip.end for tip, *_ in groove_tips(rotors.pair, rotors.chain, rotors.h))
+    last = max(tip.end for tip, *_ in groove_tips(rotors))
     begins, largest = rotors.largest
     passed = brentq(lambda phi: float(rotors.volume(np.array([phi]))[0]) - LEAST * largest, begins, face_opens)
     travel = rotors.h * min(passed - last, 0.99 * (face_opens - last))
@@ -85,9 +85,7 @@ def _port_spans(rotors: Rotors, opens: float) -> tuple[float, float]:
     """Return the angles [rad] that the radial port at full load spans from the cusp on the male and the female bore."""
     male, female = (
         ratio * (rotors.wrap - opens - width + tip.end)
-        for (tip, width, _), ratio in zip(
-            groove_tips(rotors.pair, rotors.chain, rotors.h), (1.0, rotors.pair.k), strict=True
-        )
+        for (tip, width, _), ratio in zip(groove_tips(rotors), (1.0, rotors.pair.k), strict=True)
     )
     return male, female
 
@@ -117,7 +115,7 @@ def slot_areas(rotors: Rotors, at: PlacedSlide, phi: Array) -> tuple[Array, Arra
     """
     low, high = (min(max(z, 0.0), rotors.length) for z in (at.stop, at.stop + at.moved))
     areas, h = [], rotors.h
-    for (tip, width, radius), span in zip(groove_tips(rotors.pair, rotors.chain, h), at.spans, strict=True):
+    for (tip, width, radius), span in zip(groove_tips(rotors), at.spans, strict=True):
         first, last = (z / h - phi + tip.end for z in (low, high))
         whole = length_below(last, span) - length_below(first, span)
         ahead = length_below(last - width, span) - length_below(first - width, span)
@@ -128,7 +126,7 @@ def slot_areas(rotors: Rotors, at: PlacedSlide, phi: Array) -> tuple[Array, Arra
 def slot_breakpoints(rotors: Rotors, at: PlacedSlide) -> list[float]:
     """Return the φ at which a tip reaches or leaves a corner of the slot [rad]."""
     found = []
-    for (tip, width, _), span in zip(groove_tips(rotors.pair, rotors.chain, rotors.h), at.spans, strict=True):
+    for (tip, width, _), span in zip(groove_tips(rotors), at.spans, strict=True):
         corners = [min(max(z, 0.0), rotors.length) / rotors.h for z in (at.stop, at.stop + at.moved)]
         found += [z + tip.end - w - back for z in corners for w in (0.0, width) for back in (0.0, span)]
     return found

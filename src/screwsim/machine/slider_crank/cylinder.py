@@ -25,6 +25,7 @@ from screwsim.machine.slider_crank import kinematics
 class SliderCrank(MachineSettings):
     """One cylinder: a piston on an offset slider-crank; its chamber lives one turn of the crank."""
 
+    symbol_names = ("bore", "stroke", "piston_area", "crank_radius", "rod_length", "clearance")
     kind: str = choice("kind of machine", ("slider_crank",), "slider_crank")
     mode: str = choice("a cylinder is a compressor", ("compressor",), "compressor")
     bore: float = quantity("length", "bore of the cylinder", gt=0.0, hardly=(0.005, 1.5))
@@ -63,11 +64,6 @@ class SliderCrank(MachineSettings):
         """Clearance over swept volume, c."""
         return self.clearance / self.swept_volume
 
-    def symbols(self) -> dict[str, float]:
-        """Return the numbers [SI] that a kernel can take by name (docs/reference/nomenclature.md)."""
-        names = ("bore", "stroke", "piston_area", "crank_radius", "rod_length", "clearance")
-        return {name: getattr(self, name) for name in names}
-
     def surface_speed(self, omega: float) -> float:
         """Return the mean piston speed [m/s] at a crank speed [rad/s]: two strokes a turn."""
         return self.stroke * omega / math.pi
@@ -76,10 +72,6 @@ class SliderCrank(MachineSettings):
         """Return the arguments of `kinematics.volume` and `kinematics.volume_slope` beside the angle."""
         lengths = {"crank": self.crank_radius, "rod": self.rod_length, "offset": self.offset}
         return {"V_c": self.clearance, "A_piston": self.piston_area, **lengths}
-
-    def breakpoints(self) -> tuple[float, ...]:
-        """Return the angles [rad] of a life at which dV/dφ changes sign; the law itself is smooth everywhere."""
-        return (self.bottom - self.top,)
 
 
 def check_slider_crank(machine: SliderCrank) -> list[Fault]:
@@ -125,9 +117,9 @@ class Cylinder(MachineGeometry):
         return self.settings.swept_volume
 
     def volume_law(self) -> VolumeKernels:
-        """Return the volume law (S5)."""
-        breakpoints = self.settings.breakpoints()
-        return VolumeKernels(kinematics.volume, kinematics.volume_slope, self.settings.numbers(), breakpoints)
+        """Return the volume law (S5): dV/dφ changes sign at the bottom dead centre, the law is smooth everywhere."""
+        laws = kinematics.volume, kinematics.volume_slope
+        return VolumeKernels(*laws, self.settings.numbers(), (self.injection_angle,))
 
 
 _bore, _piston, _swept = (attrgetter(name) for name in ("bore", "piston_area", "swept_volume"))
