@@ -355,7 +355,7 @@ def test_search_finds_the_cycle_that_pitches_leave(left):
     assert np.abs(logarithms(machinery.shift(end), c) - place).max() < problem.criteria.tolerance
     again = newton_search(ClosingTask(problem, machinery, problem.criteria), found.y * np.exp(1e-2))
     assert again is not None
-    assert np.abs(logarithms(again.y, c) - place).max() < 1e-3
+    assert np.abs(logarithms(again[0], c) - place).max() < 1e-3
     y = found.y * np.exp(1e-3)
     swung = close_together(ClosingTask(problem, machinery, problem.criteria), y, MixingRule(0), 400_000, 300)
     assert swung.status == "not_closed"

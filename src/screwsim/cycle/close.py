@@ -32,10 +32,10 @@ SPEED_RATIO = 4.0  # speed ratio from which a cycle is continued: leaks and stif
 
 def close(task: ClosingTask, course: Course | None = None) -> CycleSolution:
     """Close the cycle, continued from the last ones of a course; from the first guess where that does not close."""
-    guess = None if course is None else install_continued_guess(task.problem, task.machinery, course)
+    start = None if course is None else install_continued_guess(task.problem, task.machinery, course)
     reach_station()
-    if guess is not None:
-        cycle = close_from(task, guess.start)
+    if start is not None:
+        cycle = close_from(task, start)
         if cycle.closed:
             return cycle
     return close_from(task, Start(install_first_guess(task.problem, task.machinery)))

@@ -25,13 +25,6 @@ COARSER = 2.0  # ... by this factor
 SLOPE = 2.0  # assumed ratio of a cycle's change to its parameters' largest relative change, before any guess was tested
 
 
-class Guess(NamedTuple):
-    """What closing starts with, and the values that the cycle determines."""
-
-    start: Start
-    unknowns_out: Array
-
-
 class _ClosedCycle(NamedTuple):
     """A closed cycle as the course keeps it."""
 
@@ -82,10 +75,10 @@ class Course:
         noted = _ClosedCycle(_angles(c), parameters, life.rows, values)
         self._cycles = [*self._cycles, noted][-DEPTH:]
 
-    def guess(self, machinery: Machinery, parameters: Array) -> Guess | None:
-        """Install a history for these parameters and return the guess that goes with it; None where no cycle is near.
+    def guess(self, machinery: Machinery, parameters: Array) -> tuple[Start, Array] | None:
+        """Install a history for these parameters; return the start and the unknowns' next values that go with it.
 
-        Near are cycles of the same composition with the same pitch, life and injection angle.
+        None where no cycle is near: one of the same composition with the same pitch, life and injection angle.
         """
         same, here = machinery.composition.text == self._text, _angles(machinery.composition)
         cycles = [cycle for cycle in self._cycles if same and cycle.angles == here]
@@ -111,7 +104,7 @@ class Course:
         expected = Expectation((float(values[n]), float(values[n + 1])), gap, self._share, contraction)
         if tangents is not None:
             tangents = tangents._replace(elsewhere=True) if cycles[-1] is self._cycles[-1] else None
-        return Guess(Start(values[:n], expected, tangents), values[n + 2 :])
+        return Start(values[:n], expected, tangents), values[n + 2 :]
 
 
 def _angles(c: Composition) -> tuple[float, ...]:

@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from screwsim.cycle.continuation import Course, Guess
+from screwsim.cycle.continuation import Course
 from screwsim.cycle.feedback import set_lines, set_unknowns, unknowns
 from screwsim.cycle.problem import Problem
+from screwsim.cycle.solution import Start
 from screwsim.effects.base import OilSolution
 from screwsim.fluid.gas import Gas
 from screwsim.model import leases, speed
@@ -41,18 +42,19 @@ def install_first_guess(problem: Problem, machinery: Machinery, oil: float = 1.0
     return y
 
 
-def install_continued_guess(problem: Problem, machinery: Machinery, course: Course) -> Guess | None:
-    """Set the lines and a guess from the course of preceding cycles, and return the guess; None where there is none."""
+def install_continued_guess(problem: Problem, machinery: Machinery, course: Course) -> Start | None:
+    """Set the lines and a guess from the course of preceding cycles, and return the start; None where there is none."""
     _reset(problem, machinery)
     reach_station()
     guess = course.guess(machinery, problem.parameters)
     reach_station()
-    if guess is not None:
-        count = len(problem.entries)
-        set_lines(problem, machinery, float(guess.start.y[S_T]), 0.0, float(guess.unknowns_out[0]))
-        set_unknowns(problem, machinery, guess.unknowns_out[:count])
-        speed.restore_curve(machinery.composition, guess.unknowns_out[count:])
-    return guess
+    if guess is None:
+        return None
+    (start, unknowns_out), count = guess, len(problem.entries)
+    set_lines(problem, machinery, float(start.y[S_T]), 0.0, float(unknowns_out[0]))
+    set_unknowns(problem, machinery, unknowns_out[:count])
+    speed.restore_curve(machinery.composition, unknowns_out[count:])
+    return start
 
 
 def compile_start(problem: Problem, machinery: Machinery) -> Array:

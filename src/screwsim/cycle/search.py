@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -80,9 +79,10 @@ def search_and_close(
     zero = newton_search(task, y, most, judged)
     if zero is None:
         return None
+    y, growth = zero
     fine = replace(task.criteria, rtol=min(task.criteria.rtol, LARGEST_RTOL))
-    cycle = close_together(task._replace(criteria=fine), zero.y, most=MOST_TO_VERIFY)
-    return replace(cycle, needed=FALLBACK_NAME, growth=zero.growth) if cycle.closed else None
+    cycle = close_together(task._replace(criteria=fine), y, most=MOST_TO_VERIFY)
+    return replace(cycle, needed=FALLBACK_NAME, growth=growth) if cycle.closed else None
 
 
 def with_growth(task: ClosingTask, cycle: CycleSolution) -> CycleSolution:
@@ -96,21 +96,15 @@ def with_growth(task: ClosingTask, cycle: CycleSolution) -> CycleSolution:
     return replace(cycle, growth=growth)
 
 
-class PeriodicState(NamedTuple):
-    """States of all chambers that a pitch hardly changes, and the growth of a small change over a pitch.
-
-    The growth is the largest absolute eigenvalue of the linearised pitch, in the coordinates of closing: above 1
-    pitches diverge from the cycle. 0 where it was not computed.
-    """
-
-    y: Array
-    growth: float
-
-
 def newton_search(
     task: ClosingTask, y: Array, most: int = MOST_OF_A_SEARCH, judged: bool = False
-) -> PeriodicState | None:
-    """Return the zero that Newton's method finds from the states y, with its unknowns set; None if it finds none."""
+) -> tuple[Array, float] | None:
+    """Return the zero that Newton's method finds from the states y, with its unknowns set; None if it finds none.
+
+    It is the states of all chambers that a pitch hardly changes, and the growth of a small change over a pitch: the
+    largest absolute eigenvalue of the linearised pitch, in the coordinates of closing. Above 1 pitches diverge from the
+    cycle. It is 0 where it is not `judged`.
+    """
     pitch, (problem, machinery, criteria) = _PitchMap(task), task
     budget = int(machinery.counts[EVALUATED]) + most
     here, share = pitch.first(y), 1.0
@@ -122,7 +116,7 @@ def newton_search(
             growth = pitch.growth(here) if judged else 0.0
             found, unknowns_in = pitch.values(here.x, here.raw)
             set_unknowns(problem, machinery, unknowns_in)
-            return PeriodicState(found, growth)
+            return found, growth
         inverse = pitch.inverse(here)
         if inverse is None:
             return None

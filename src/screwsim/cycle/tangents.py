@@ -14,8 +14,6 @@ the lines, spread over the slices' angles.
 Source: docs/explanation/closing.md, Newton's correction.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from screwsim.cycle.coordinates import logarithms
@@ -67,8 +65,8 @@ def linearised(problem: Problem, machinery: Machinery, unknowns_in: Array, count
     middles, h = 0.5 * (edges[:-1] + edges[1:]), np.diff(edges)[:, None, None]
     N = n * c.chambers
     y = machinery.states_at(angles_of(middles, c)).reshape(c.chambers, count, n).transpose(1, 0, 2)
-    slices = _Slices(middles, h[:, 0, 0], y.reshape(count, N), _changes(machinery, edges))
-    A, F, sums, sums_by_unknowns = _slopes(problem, machinery, unknowns_in, slices)
+    slices = middles, h[:, 0, 0], y.reshape(count, N), _changes(machinery, edges)
+    A, F, sums, sums_by_unknowns = _slopes(problem, machinery, unknowns_in, *slices)
     z, one = h * A, np.eye(N)
     step = np.linalg.inv(one - z + 0.5 * z @ z)
     gain, twice = (one - 0.5 * z) @ step, 0.5 * (one - z) @ step
@@ -82,15 +80,6 @@ def linearised(problem: Problem, machinery: Machinery, unknowns_in: Array, count
     return Tangents(edges, enter, step, gain, ahead, h * F, *of_sums, around)
 
 
-class _Slices(NamedTuple):
-    """Middles and widths [rad] of slices, the states there, and the change of their coordinates over each slice."""
-
-    middles: Array
-    widths: Array
-    states: Array
-    changes: Array
-
-
 def _changes(machinery: Machinery, edges: Array) -> Array:
     """Return the change of all chambers' coordinates over each slice (slices, N) along the last history."""
     c, n, count = machinery.composition, machinery.n, len(edges) - 1
@@ -100,14 +89,15 @@ def _changes(machinery: Machinery, edges: Array) -> Array:
 
 
 def _slopes(
-    problem: Problem, machinery: Machinery, unknowns_in: Array, slices: _Slices
+    problem: Problem, machinery: Machinery, unknowns_in: Array, phi: Array, h: Array, y: Array, changes: Array
 ) -> tuple[Array, Array, Array, Array]:
     """Return the derivatives of rates of coordinates, then of quadratures, each by coordinates and by unknowns.
 
-    Values are A (by coordinates), F (by unknowns), and the same two for the quadratures, one entry for each slice,
-    at its middle, to which the states are first adjusted (`model.slices`).
+    Values are A (by coordinates), F (by unknowns), and the same two for the quadratures, one entry for each slice of
+    width h [rad], at its middle phi [rad], to which the states y are first adjusted (`model.slices`); `changes` are
+    those of their coordinates over the slices.
     """
-    c, (phi, h, y, changes), N = machinery.composition, slices, slices.states.shape[1]
+    c, N = machinery.composition, y.shape[1]
     logarithmic = np.tile(~np.isin(np.arange(machinery.n), c.signed), c.chambers).astype(float)
     shift = LINE_SHIFT if c.pulsating else SHIFT
     R, P = _shifted_numbers(problem, machinery, unknowns_in, shift)

@@ -6,7 +6,6 @@ one. To place slices (`approach`), start and unknowns are kept as the integrator
 """
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
@@ -134,28 +133,17 @@ def closed(pitch: CollocatedPitch, Y: Array, bound: float, kept: ChamberFactors)
     return None
 
 
-class CollocationResidual(NamedTuple):
-    """The difference of the unknowns from their image, the residual of the stage equations, the largest of both.
+def residual_of(pitch: CollocatedPitch, Y: Array) -> tuple[Array, Array, float, tuple[Array, Array]]:
+    """Return the residuals of states at the nodes, with the states at the start and the quadratures.
 
-    `read` are the states at the start and the quadratures.
+    These are the difference of the unknowns from their image, the residual of the stage equations, the largest of both.
     """
-
-    off: Array
-    residual: Array
-    size: float
-    read: tuple[Array, Array]
-
-
-def residual_of(pitch: CollocatedPitch, Y: Array) -> CollocationResidual:
-    """Return the residuals of states at the nodes."""
     start, (f, g) = pitch.begin(Y), rates(pitch, Y)
     sums = pitch.sums(g)
     life = ShiftedLife.of(pitch, lambda: pitch.install(start, Y))
     off = pitch.image(sums, life) - pitch.problem.entries.coordinates(pitch.unknowns_in)
     open_ = residual(pitch, Y, start, f)
-    return CollocationResidual(
-        off, open_, max(size_of(open_, Y), float(np.max(np.abs(off), initial=0.0))), (start, sums)
-    )
+    return off, open_, max(size_of(open_, Y), float(np.max(np.abs(off), initial=0.0))), (start, sums)
 
 
 def _blocks(pitch: CollocatedPitch, Y: Array, slices: Array) -> Blocks:

@@ -15,7 +15,6 @@ from screwsim.cycle.problem import Problem
 from screwsim.derivatives.collocation import CollocatedCycle, LinearisedCycle, linearised
 from screwsim.derivatives.linear import ArgumentChange, DirectEffects
 from screwsim.derivatives.pitch import RateNumbers
-from screwsim.derivatives.slices import moved_edges
 from screwsim.inputs.faults import UsageError
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH, R_RATIO, R_SIZE
@@ -127,8 +126,8 @@ class Directions:
         there = self.spare.pitch_breakpoints()  # it holds this problem's numbers (`numbers`)
         if len(there) == len(self.breakpoints):
             rates = (there - self.breakpoints) / by
-            edges = moved_edges(self.cycle.pitch.slices, self.breakpoints, rates) if rates.any() else None
-            return ArgumentChange(numbers, edges)
+            edges = self.cycle.pitch.slices.edges  # move as breakpoints do, interpolated between these
+            return ArgumentChange(numbers, np.interp(edges, self.breakpoints, rates) if rates.any() else None)
         ways = np.sign(by) * self._ways(there, float(self.cycle.at.P[P_PITCH]))
         some = ways[ways != 0.0]
         if not len(some) or (some == some[0]).all():

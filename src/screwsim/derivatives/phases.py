@@ -30,35 +30,27 @@ NARROW = 1e-14  # relative tolerance on the temperature of a border
 
 
 class BorderCrossing(NamedTuple):
-    """A chamber's crossing of a phase border at the end of a slice, and the response to a change there.
+    """A chamber's crossing of a phase border at the end of a slice of a pitch, at T [K], ρ [kg/m³].
 
-    The delay [rad] is `by_states` (N,) times the change of the states, plus that by the numbers (`at`); times
-    `states` (N,) it is the jump of the states, times `sums` that of the quadratures.
+    `steepness` [K/rad] is the rate at which the temperature passes that of the border. The delay [rad] by a change is
+    `by_states` (N,) times that of the states, plus that by the numbers; times `states` (N,) it is the jump of the
+    states, times `sums` that of the quadratures.
     """
 
+    pitch: CollocatedPitch
     slice: int
-    at: BorderState
+    T: float
+    rho: float
+    steepness: float
     by_states: Array
     states: Array
     sums: Array
 
     def by_numbers(self, changes: Sequence[RateNumbers]) -> Array:
         """Return the delays of the border [rad] by changes of the numbers."""
-        return np.array([self.at.changed(each) / self.at.steepness for each in changes])
+        return np.array([self._changed(each) / self.steepness for each in changes])
 
-
-class BorderState(NamedTuple):
-    """A state T [K], ρ [kg/m³] at a phase border, in a pitch.
-
-    `steepness` [K/rad] is the rate at which the temperature passes that of the border.
-    """
-
-    pitch: CollocatedPitch
-    T: float
-    rho: float
-    steepness: float
-
-    def changed(self, numbers: RateNumbers) -> float:
+    def _changed(self, numbers: RateNumbers) -> float:
         """Return the change of the border's temperature [K] with the numbers."""
         if not (numbers.P.any() or numbers.TAB.any()):
             return 0.0
@@ -123,7 +115,7 @@ def _border(pitch: CollocatedPitch, Y: Array, k: int, chamber: int, phases: Arra
         return None
     by_states = np.zeros(pitch.N)
     by_states[own] = -passes / steepness
-    return BorderCrossing(k, BorderState(pitch, T, rho, steepness), by_states, f - f_behind, (g - g_behind)[:-1])
+    return BorderCrossing(pitch, k, T, rho, steepness, by_states, f - f_behind, (g - g_behind)[:-1])
 
 
 def border_temperature(pitch: CollocatedPitch, T: float, rho: float, numbers: RateNumbers) -> float:

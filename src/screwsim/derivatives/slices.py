@@ -165,8 +165,3 @@ def with_rings(
     marked = np.isin(found, seams)
     near[:-1] |= marked[1:] & ~marked[:-1] & (np.diff(found) < LEAST)  # a seam stays, edges near it go
     return found[~near | marked]
-
-
-def moved_edges(slices: Slices, breakpoints: Array, by: Array) -> Array:
-    """Return the movement of edges with the breakpoints of the pitch, interpolated between these."""
-    return np.interp(slices.edges, breakpoints, by)

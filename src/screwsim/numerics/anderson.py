@@ -3,14 +3,14 @@
 import numpy as np
 
 Array = np.ndarray
+REGULARISATION = 1e-10  # of the least squares
 
 
 class Anderson:
     """Mixing of the images of a fixed-point map, from the last `depth` + 1 pairs (point, image)."""
 
-    def __init__(self, depth: int, regularisation: float = 1e-10) -> None:
+    def __init__(self, depth: int) -> None:
         self.depth = depth
-        self.regularisation = regularisation
         self.residuals: list[Array] = []
         self.images: list[Array] = []
 
@@ -35,7 +35,7 @@ class Anderson:
         kept = np.array(self.residuals)
         steps = kept[1:] - kept[:-1]
         gram = steps @ steps.T
-        gram.flat[:: len(gram) + 1] *= 1.0 + self.regularisation
+        gram.flat[:: len(gram) + 1] *= 1.0 + REGULARISATION
         try:
             share = np.linalg.solve(gram, steps @ kept[-1])
         except np.linalg.LinAlgError:
