@@ -108,15 +108,16 @@ def valve_flow(
     return ValveFlow(np.maximum(z, 0.0), p - behind.impedance * mean)
 
 
-def least_flow(valve: Valve, given: Array, behind: ValveSurroundings, passed: ValveFlow) -> float:
-    """Return the least flow [kg/s] over a pitch, `passed` being a first solution (M221).
+def least_flow(valve: Valve, given: Array, behind: ValveSurroundings, passed: ValveFlow, net: float) -> float:
+    """Return the least flow [kg/s] over a pitch, `passed` being a first solution, for a mean flow `net` [kg/s] (M221).
 
     The pressure is smoother than the flow, so that its curve is better resolved: the least flow is that of the
     pressure's lowest value, also between the angles. All harmonics of the flow `given` are resolved, and the number of
     angles is doubled until the result no longer changes.
     """
+    given = given + (net - float(np.mean(given)))
     found, points, mean = float(passed.flow.min()), max(POINTS, len(given) | 1), float(np.mean(given))
-    if found <= 0.0:
+    if found <= 0.0 or net <= 0.0:
         return 0.0
     while True:
         passed = valve_flow(valve, given, behind, points, resampled(passed.flow, points))
