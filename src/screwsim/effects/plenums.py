@@ -147,8 +147,14 @@ def answer(line: LineFlow, before: Array, capacity: float, frequency: float) -> 
 
 def _wave(amplitudes: Array, count: int) -> Array:
     """Return the sum of harmonics with amplitudes a_k − i b_k at `count` evenly spaced angles of a pitch."""
-    phases = np.outer(np.arange(count), np.arange(1, len(amplitudes) + 1))
-    return np.real(np.exp(2j * pi * phases / count) @ amplitudes)
+    return np.real(_harmonics(count, len(amplitudes)) @ amplitudes)
+
+
+@lru_cache(maxsize=4)
+def _harmonics(count: int, many: int) -> Array:
+    """Return e^{i k φ} of `many` harmonics k at `count` evenly spaced angles φ of a pitch, a column each."""
+    phases = np.outer(np.arange(count), np.arange(1, many + 1))
+    return np.exp(2j * pi * phases / count)
 
 
 def series(made: Mapping[str, float], to: str, count: int) -> Array:
