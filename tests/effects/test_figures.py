@@ -38,6 +38,8 @@ from screwsim.study.validation import sibling
 ROOT = Path(__file__).parents[2]
 each = sibling(ROOT / "docs" / "tools" / "each_effect.py")
 PISTON = ROOT / "configs" / "slider_crank" / "r134a.yaml"
+ROTORS = ROOT / "configs" / "rotors" / "b.yaml"
+LOADED = "effects.bearings={load: rotors, friction_coefficient: 0.0018, bore: 60 mm}"
 CHECKED = "effects.check_valves={suction_area: 50 mm^2, discharge_area: 28 mm^2}"
 FULL = {  # what of an effect's parameters calls for the rest of its figures
     "plenums": ("effects.plenums.suction_volume=5 l",),
@@ -61,6 +63,8 @@ GIVE = sorted(name for name, effect in catalogue().items() if effect.figures)
 
 def scene_with(name: str):
     """Return a scene that calls for all figures of an effect, and how to leave that out."""
+    if name == "bearings":
+        return load(ROTORS, (LOADED,))
     if name in each.ROWS:
         return each.with_it(name, FULL.get(name, ()))
     return load(PISTON, (CHECKED, "effects.reed_valves=off") if name == "check_valves" else ())
