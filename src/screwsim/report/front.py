@@ -97,10 +97,8 @@ def _evaluations(results: Results, names: list[str]) -> Any:
         x = across.of(axis.values)
         _draw_others(axes, x, y, inside, outside)
         axes.plot(x[front], y[front], ".", color=COLOURS[1], markersize=5.0)
-        label_axes(axes, across.label, how.label, [x])
+        label_axes(axes, across.label, how.label, [x], room=0.04)
         if len(front) == 1:
             axes.axvline(x[front[0]], color=GREY, linewidth=0.4)
-        axes.margins(x=0.04)
-        axes.autoscale(axis="x")
     note(figure, *_remarks(results))
     return figure
