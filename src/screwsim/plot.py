@@ -26,7 +26,7 @@ from screwsim.report import plot as write
 from screwsim.report.quantities import shown_axis, shown_figure
 from screwsim.report.trace import Trace, chosen_trace, trace_of
 from screwsim.results import Results, open_results
-from screwsim.scene.argument import scene_of
+from screwsim.scene.load import scene_of
 from screwsim.study.figures import figure_named
 
 __all__ = [

@@ -27,8 +27,8 @@ from screwsim.numerics.rodas import JACOBIANS, TAKEN
 from screwsim.numerics.trial import how_it_died
 from screwsim.outputs import Figures, Result
 from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
-from screwsim.scene.argument import scene_of
 from screwsim.scene.grid import first_by_fluid
+from screwsim.scene.load import scene_of
 from screwsim.scene.plausible import scene_warnings
 from screwsim.scene.types import Scene
 from screwsim.solve import circuit, drive, second_cycle, stability
@@ -251,7 +251,7 @@ def _status_of(accurate: Accurate, balance: Figures, forbidden: str, why: str) -
     cycle, of = accurate.cycle, accurate.evaluation
     status, message, bound = cycle.status, "", balance["bound"]
     none, circuit_open = verdict.circuit_verdict(of)
-    package_open = verdict.package_verdict(of)
+    package_open = 0.0 if of.package is None else of.package.open
     unsettled = why if max(circuit_open, package_open) > bound else ""
     forbidden = none or unsettled or forbidden  # what a cycle of other surroundings forbids says nothing of the scene
     residuals = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}

@@ -9,8 +9,7 @@ from each_row import each_row
 from screwsim.build import build_parts
 from screwsim.effects import catalogue, having, stating
 from screwsim.effects.base import CoolsOil, FlowPath, LosesPressure
-from screwsim.effects.parts.roles import PUMPS, SLIDES, SUCTION_BACK, WAY_IN, WAY_OUT
-from screwsim.effects.parts.usual import LEAK, USUAL
+from screwsim.effects.parts.usual import LEAK, PUMPS, SLIDES, SUCTION_BACK, USUAL, WAY_IN, WAY_OUT
 from screwsim.figures import called_for, known, needs_of
 from screwsim.machine.kinds import MACHINES
 from screwsim.outputs import AFTERCOOLED, CHANGED, HEATED, HELD, PERFORMANCE, WALLED

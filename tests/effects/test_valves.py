@@ -10,7 +10,7 @@ from cylinder_scenes import REEDS, RPM, cylinder
 from scenes import closed
 
 from screwsim.effects import check_valves, reed_valves
-from screwsim.effects.reed_valves import discharge_push, opened, push_of, reed_acceleration, suction_push
+from screwsim.effects.reed_valves import opened, push_of, reed_acceleration, reed_push
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.model.slots import FREE, LOOSE
 from screwsim.numerics.rodas import dense_value
@@ -30,8 +30,8 @@ def test_a_free_reed_swings_at_its_own_frequency():
 def test_the_push_on_a_shut_reed_is_that_of_the_gas_less_the_preload():
     numbers = {"force_area": 1e-4, "stiffness": 500.0, "stop": 1e-3, "preload": 2.0}
     load = 1e-4 * 8e5 + 500.0 * 1e-3
-    assert suction_push.function(0.0, 0.9e5, 1e5, 9e5, **numbers) == pytest.approx((1.0 - 2.0) / load)
-    assert discharge_push.function(0.0, 9.5e5, 1e5, 9e5, **numbers) == pytest.approx((5.0 - 2.0) / load)
+    assert reed_push.function(0.0, 0.9e5, 1e5, 9e5, 1.0, **numbers) == pytest.approx((1.0 - 2.0) / load)
+    assert reed_push.function(0.0, 9.5e5, 1e5, 9e5, -1.0, **numbers) == pytest.approx((5.0 - 2.0) / load)
 
 
 def test_a_reed_opens_from_nothing_to_port_and_curtain_in_series():

@@ -11,7 +11,7 @@ from CoolProp.CoolProp import PropsSI
 from screwsim import cli
 from screwsim.export.case_units import as_figure, converted
 from screwsim.export.cases import CaseColumn, case_columns
-from screwsim.figures.registry import declared
+from screwsim.figures import declared
 from screwsim.fluid.constants import gas_constant
 from screwsim.outputs import Figure
 from screwsim.results import open_results

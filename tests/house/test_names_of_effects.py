@@ -1,4 +1,4 @@
-"""The core knows no effect by its name: what it asks of effects these declare (`effects.base`, `effects.parts.roles`).
+"""The core knows no effect by its name: what it asks of effects these declare (`effects.base`, `effects.parts.usual`).
 
 Names in words of a source outside `screwsim.effects` are listed here, each file with its reason. A text that sends a
 reader to `effects.NAME.key` has to be true.
@@ -59,7 +59,8 @@ IMPORTS = {  # of what an effect's file has
     "study/datasheet/air_rating.py": {"air_package"},
     "study/datasheet/air_sheet.py": {"air_package"},
     "study/datasheet/stages_air.py": {"air_package"},
-    "study/stages/package.py": {"air_package"},
+    "study/stages/figures.py": {"air_package"},
+    "study/stages/read.py": {"air_package"},
     "template/gas.py": {"oil_drag"},
 }
 

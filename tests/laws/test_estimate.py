@@ -16,8 +16,8 @@ from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import ClosingTask, problem_of
 from screwsim.evaluate import cautions
 from screwsim.evaluate.evaluation import evaluate
+from screwsim.figures import declared
 from screwsim.figures.errors import relative_errors, worst
-from screwsim.figures.registry import declared
 from screwsim.model import leases
 from screwsim.model.compose import compose
 from screwsim.outputs import Figures

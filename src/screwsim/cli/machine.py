@@ -5,7 +5,6 @@ import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, option, switch
@@ -33,10 +32,10 @@ def _creep_speed(text: str) -> float:
 @contextmanager
 def _shown_speed() -> Iterator[Callable[[float], None]]:
     """Give a function that shows how far a start has come, by its speed over the steady one, on a terminal."""
-    from screwsim.study.progress import OverwrittenLine, Progress, TolerantProgress
+    from screwsim.study.progress import CountingProgress, OverwrittenLine
 
     on_terminal = sys.stderr is not None and sys.stderr.isatty()
-    shown = TolerantProgress(OverwrittenLine("startup, % of the steady speed") if on_terminal else Progress())
+    shown = OverwrittenLine("startup, % of the steady speed") if on_terminal else CountingProgress()
 
     def told(share: float) -> None:
         if not shown.counts[1]:  # nothing is shown of a start that is refused
@@ -106,19 +105,17 @@ def datasheet(
     as_json: bool = AS_JSON,
 ) -> int:
     """Rate a machine, or two stages, over operating states, at part load and within limits; air by ISO 1217."""
-    scene = options.loaded_scene_or_stages(scene_file, "rate", overrides, without)
-    from screwsim.scene import Scene
-    from screwsim.study.datasheet import sheet_of, sheet_of_stages
-
-    made = partial(sheet_of, scene) if isinstance(scene, Scene) else partial(sheet_of_stages, scene)
+    rated = options.loaded_scene_or_stages(scene_file, "rate", overrides, without)
     if output is not None:
         from screwsim.report.datasheet import check_sheet
 
         check_sheet(output)
     from screwsim.printing.machine import print_sheet
+    from screwsim.study.datasheet import sheet_of
 
     with options.counted_progress("datasheet", "parts") as shown:
-        sheet = made(
+        sheet = sheet_of(
+            rated,
             evaporating=evaporating,
             condensing=condensing,
             suction=suction,

@@ -58,7 +58,7 @@ def run(
     left_out = (*read_groups(scene, together or ()), *(each_alone(scene) if knock_out else ()))
     result = _simulated(scene, left_out, traced=output is not None)
     if output is not None:
-        from screwsim.study.point import save_point
+        from screwsim.study.local import save_point
 
         options.check_place(output)  # again: a file that has appeared meanwhile is kept
         save_point(output, scene, result)
@@ -132,7 +132,7 @@ def _read_measured(scene: Scene, texts: Sequence[str]) -> tuple[MeasuredFigure, 
 
 def _run_stages(file: str, output: Path | None, overrides: Texts, as_json: bool) -> int:
     from screwsim.printing.stages import print_stages
-    from screwsim.study.point import with_slopes
+    from screwsim.study.local import with_slopes
     from screwsim.study.stages import read_stages, run_stages
     from screwsim.study.stages.store import point_results, save_chain
     from screwsim.study.stages.uncertain import with_uncertainty

@@ -13,8 +13,7 @@ from dataclasses import dataclass
 
 from screwsim.effects.base import DISCHARGE, SUCTION, Effect, Faults, FlowPath, Reading
 from screwsim.effects.parts.gap import flow_coefficient
-from screwsim.effects.parts.roles import WAY_IN, WAY_OUT
-from screwsim.effects.parts.usual import Sized
+from screwsim.effects.parts.usual import WAY_IN, WAY_OUT, Sized
 from screwsim.effects.parts.valves import SIDES, VALVE_LOSSES, port_area, valve_losses
 from screwsim.inputs.declare import quantity
 from screwsim.inputs.faults import Fault

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 from screwsim.effects.base import DISCHARGE, Effect, Faults, FlowPath
 from screwsim.effects.parts.gap import PortParameters, check_port, port_path
-from screwsim.effects.parts.roles import WAY_OUT
+from screwsim.effects.parts.usual import WAY_OUT
 from screwsim.fluid.wet_nozzle import wet_flux
 from screwsim.inputs.declare import number
 from screwsim.inputs.faults import Fault

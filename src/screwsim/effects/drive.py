@@ -58,6 +58,13 @@ FIGURES = (
         square_of=("motor_speed", "speed"),
     ),
 )
+TRACES = (  # values of `Response`, by its names
+    Trace("speed", "rad s-1", "speed of the male rotor"),
+    Trace("motor_speed", "rad s-1", "speed of the motor"),
+    Trace("twist", "rad", "twist of the coupling, the motor ahead"),
+    Trace("coupling_torque", "N m", "torque of the coupling"),
+    Trace("motor_torque", "N m", "torque of the motor"),
+)
 
 
 @dataclass(frozen=True)
@@ -191,13 +198,7 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
             found = motion(figures)
         except NoMotion:
             return {}
-        return {
-            "speed": found.speed,
-            "motor_speed": found.motor_speed,
-            "twist": found.twist,
-            "coupling_torque": found.coupling_torque,
-            "motor_torque": found.motor_torque,
-        }
+        return {each.name: getattr(found, each.name) for each in TRACES}
 
     return [Shaft(train, motion, judged), Reading(names_of(FIGURES), read, traces)]
 
@@ -220,11 +221,5 @@ EFFECT = Effect(
     build=build,
     check=check,
     figures=FIGURES,
-    traces=(
-        Trace("speed", "rad s-1", "speed of the male rotor"),
-        Trace("motor_speed", "rad s-1", "speed of the motor"),
-        Trace("twist", "rad", "twist of the coupling, the motor ahead"),
-        Trace("coupling_torque", "N m", "torque of the coupling"),
-        Trace("motor_torque", "N m", "torque of the motor"),
-    ),
+    traces=TRACES,
 )

@@ -240,16 +240,18 @@ def check(parameters: Parameters, facts) -> Faults:
     yield from check_window(NAME, parameters)
     p, T, fluid = parameters.pressure, parameters.temperature, facts.gas.name
     stated, limits = "temperature" if p is None else "pressure", constants.limits(fluid)
-    if isinstance(T, FoundWithCycle):
-        yield from _found(parameters, facts)
-    elif T is None and p is None:
+    found = isinstance(T, FoundWithCycle)
+    if T is None and p is None:
         yield Fault(f"effects.{NAME}.temperature", "is missing (write e.g. temperature: 15 degC, or pressure: 5 bar)")
     elif T is not None and p is not None:
         yield Fault(f"effects.{NAME}.temperature", "is given as well as pressure (remove one of the two)")
+    elif parameters.boils and is_blend(fluid) and (found or limits is not None):
+        what = f"the vapour that boils off {fluid}, a blend, has a different composition from the blend"
+        yield Fault(f"effects.{NAME}.kind", f"{what} (write kind: {HEAT_EXCHANGER}, or name a pure fluid)")
+    elif found:
+        yield from _found(parameters, facts)
     elif limits is None:
         return
-    elif parameters.boils and is_blend(fluid):
-        yield _of_blend(fluid)
     elif p is not None and not limits.p_triple <= p < limits.p_critical:
         low, high = limits.p_triple / 1e5, limits.p_critical / 1e5
         what = f"{in_bar(p)}: {fluid} saturates between {low:.4g} bar and {high:.4g} bar"
@@ -263,25 +265,15 @@ def check(parameters: Parameters, facts) -> Faults:
         yield from _warm_enough(parameters, T, facts, stated)
 
 
-def _of_blend(fluid: str) -> Fault:
-    """Return the fault of a blend in a flash tank."""
-    what = f"the vapour that boils off {fluid}, a blend, has a different composition from the blend"
-    return Fault(f"effects.{NAME}.kind", f"{what} (write kind: {HEAT_EXCHANGER}, or name a pure fluid)")
-
-
 def _found(parameters: Parameters, facts) -> Faults:
     """Yield the faults of a temperature that is to be found: no liquid is known, or it is too cold to be cooled."""
-    path, operation, fluid = f"effects.{NAME}.temperature", facts.operation, facts.gas.name
+    operation = facts.operation
     low, high = operation.evaporating_temperature, operation.condensing_temperature
-    if parameters.pressure is not None:
-        yield Fault(path, "is given as well as pressure (remove one of the two)")
-    elif parameters.boils and is_blend(fluid):
-        yield _of_blend(fluid)
-    elif low is None or (high is None and operation.gas_cooler is None) or facts.machine.expands:
+    if low is None or (high is None and operation.gas_cooler is None) or facts.machine.expands:
         what = "auto needs the liquid of a condenser or gas cooler (state a compressor's lines by temperatures)"
-        yield Fault(path, f"{what}, or write a temperature")
+        yield Fault(f"effects.{NAME}.temperature", f"{what}, or write a temperature")
     elif operation.gas_cooler is None and low < high:
-        liquid = constants.condensed(fluid, high or 0.0) - (operation.subcooling or 0.0)
+        liquid = constants.condensed(facts.gas.name, high or 0.0) - (operation.subcooling or 0.0)
         coldest = low + parameters.nearest
         if liquid <= coldest + 1.0:
             what = f"the liquid, {in_celsius(liquid)}, is not warmer than the {in_celsius(coldest)} to which"

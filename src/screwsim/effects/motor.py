@@ -111,7 +111,6 @@ class Parameters:
 
 
 Loss = Callable[[float], float]
-Losses = Callable[[float, float], tuple[float, float]]  # motor, with inverter [W]; by load [W], [rad/s]
 
 
 def loss_of_shares(parameters: Parameters) -> Loss:
@@ -157,7 +156,7 @@ def motor_loss(parameters: Parameters, load: float, loss: Loss) -> tuple[float, 
     return own, driven - load
 
 
-def losses_of(parameters: Parameters) -> Losses:
+def losses_of(parameters: Parameters) -> Callable[[float, float], tuple[float, float]]:
     """Return the losses [W] of a motor, alone and with its inverter, as a function of its load [W] and speed [rad/s].
 
     The speed is that of the male rotor.
@@ -175,11 +174,6 @@ def losses_of(parameters: Parameters) -> Losses:
         return own, own + inverter.inverter_loss(terms, at)
 
     return lost
-
-
-def heat_of(losses: Losses) -> Callable[[float, float], float]:
-    """Return the heat [W] into the suction gas as a function of shaft power and speed: the motor's loss (M275)."""
-    return lambda power, omega: losses(power, omega)[0]
 
 
 def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
@@ -225,7 +219,8 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
         return found
 
     reading = Reading(names_of(FIGURES), read, judge=judge)
-    return [reading, SuctionHeat(heat_of(losses))] if parameters.cooling == SUCTION else [reading]
+    heat = SuctionHeat(lambda power, omega: losses(power, omega)[0])  # the motor's loss (M275)
+    return [reading, heat] if parameters.cooling == SUCTION else [reading]
 
 
 def _too_good(parameters: Parameters) -> tuple[str, ...]:

@@ -111,18 +111,6 @@ def flow_behind_line(
 
 
 @kernel
-def flow_from(
-    phi, p, width, opens, closes, upstream_pressure, oil_density, oil_viscosity, bore_diameter, bore_length, bore_count
-):
-    """Return the same as `flow`, for oil at a stated pressure before the bore (M104)."""
-    share = ramp(phi, opens, opens + RAMP, closes - RAMP, closes)
-    if share == 0.0:
-        return 0.0
-    dp = upstream_pressure - p
-    return share * smooth_orifice_flow(dp, width, oil_density, oil_viscosity, bore_diameter, bore_length, bore_count)
-
-
-@kernel
 def pumped(phi, opens, closes, omega):
     """Return the pumped oil flow [kg/s] at phi [rad] per kilogram of trapped gas, for an oil ratio of one (M194)."""
     return omega * ramp(phi, opens, opens + RAMP, closes - RAMP, closes) / (closes - opens - RAMP)
@@ -131,8 +119,8 @@ def pumped(phi, opens, closes, omega):
 def build(parameters: Parameters, machine) -> list[OilPort]:
     window, breakpoints = {"opens": parameters.opens, "closes": parameters.closes}, window_breakpoints(parameters)
     if parameters.pressure is not None:
-        values = {**window, "upstream_pressure": parameters.pressure}
-        return [OilPort(flow_from, values, parameters.closes, breakpoints, pressure=parameters.pressure)]
+        values = {**window, "pressure_loss": 0.0, "separator_pressure": parameters.pressure}
+        return [OilPort(flow, values, parameters.closes, breakpoints, pressure=parameters.pressure)]
     values, law = {**window, "pressure_loss": parameters.pressure_loss}, flow
     if parameters.line is not None and parameters.line.pressure_loss > 0.0:
         law = flow_behind_line
@@ -142,13 +130,11 @@ def build(parameters: Parameters, machine) -> list[OilPort]:
 
 def check(parameters: Parameters, facts) -> Faults:
     yield from check_window(NAME, parameters)
-    if facts.oil_supply.pumped and parameters.pressure_loss > 0.0:
-        what = "applies to displaced oil; with oil_supply.kind: pump the pump overcomes the loss"
-        yield Fault(f"effects.{NAME}.pressure_loss", f"{what} (write it under effects.oil_pump)")
-    if facts.oil_supply.pumped and parameters.line is not None:
-        what = "applies to displaced oil; with oil_supply.kind: pump the pump overcomes the loss"
-        yield Fault(f"effects.{NAME}.line", f"{what} (write it under effects.oil_pump)")
-    elif parameters.line is not None and parameters.pressure is not None:
+    for name, given in (("pressure_loss", parameters.pressure_loss > 0.0), ("line", parameters.line is not None)):
+        if facts.oil_supply.pumped and given:
+            what = "applies to displaced oil; with oil_supply.kind: pump the pump overcomes the loss"
+            yield Fault(f"effects.{NAME}.{name}", f"{what} (write it under effects.oil_pump)")
+    if not facts.oil_supply.pumped and parameters.line is not None and parameters.pressure is not None:
         yield Fault(
             f"effects.{NAME}.line", "is given as well as pressure, which is that after the line (remove one of the two)"
         )

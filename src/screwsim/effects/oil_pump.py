@@ -14,7 +14,7 @@ import math
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, PowerLoss, Reading
-from screwsim.effects.parts.roles import PUMPS
+from screwsim.effects.parts.usual import PUMPS
 from screwsim.inputs.declare import number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL

@@ -172,13 +172,6 @@ def _steadily(net: float) -> float:
     return max(net, 0.0)
 
 
-def _least(
-    valve: Valve, given: Array, behind: line_valve.ValveSurroundings, passed: line_valve.ValveFlow, net: float
-) -> float:
-    """Return the least flow [kg/s] through a valve, the mean of the `given` flow being `net`."""
-    return line_valve.least_flow(valve, given + (net - float(np.mean(given))), behind, passed) if net > 0.0 else 0.0
-
-
 class PlenumWithLine:
     """What lies behind one port: the plenum and its line."""
 
@@ -223,7 +216,7 @@ class PlenumWithLine:
             level, least = float(valve.drop(np.array([mean]), line.rho)[0][0]), _steadily
         elif mean > 0.0:
             passed = line_valve.valve_flow(valve, given, behind)
-            pressure, least = passed.pressure, partial(_least, valve, given, behind, passed)
+            pressure, least = passed.pressure, partial(line_valve.least_flow, valve, given, behind, passed)
             level = float(pressure.mean()) + abs(offset(line, self.area, self.loss)) * p
         near = abs(self.along * level / p - held) <= line_valve.MOST_CHANGE * (1.0 + held)
         across = 1.0 + held - (0.0 if near else self._far(turn) / p)  # a turn that may open the valve is allowed to

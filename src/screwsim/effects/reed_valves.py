@@ -13,16 +13,16 @@ stop_restitution, force_coefficient, flow_coefficient.
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
-from screwsim.effects.base import DISCHARGE, SUCTION, ChamberState, Effect, Faults, FlowPath, Reading, Stops
+from screwsim.effects.base import ChamberState, Effect, Faults, FlowPath, Reading, Stops
 from screwsim.effects.parts.gap import flow_coefficient
-from screwsim.effects.parts.roles import WAY_IN, WAY_OUT
-from screwsim.effects.parts.usual import Sized
+from screwsim.effects.parts.usual import WAY_IN, WAY_OUT, Sized
 from screwsim.effects.parts.valves import SIDES, VALVE_LOSSES, port_area, valve_losses
 from screwsim.inputs.declare import number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import BORE, CYLINDER, PISTON
-from screwsim.numerics.kernel import kernel
+from screwsim.numerics.kernel import Kernel, kernel
 from screwsim.outputs import Trace
 
 
@@ -70,69 +70,27 @@ def push_of(lift, force, load, stiffness, stop, preload):
 
 
 @kernel
-def suction_push(suction_valve_lift, p, p_suction, p_discharge, force_area, stiffness, stop, preload):
-    """Return the push on the suction reed, which opens into the cylinder."""
+def reed_push(lift, p, p_suction, p_discharge, opens, force_area, stiffness, stop, preload):
+    """Return the push on the suction reed, which opens into the cylinder (`opens` 1), or the discharge reed (-1)."""
     load = force_area * abs(p_discharge - p_suction)
-    return push_of(suction_valve_lift, force_area * (p_suction - p), load, stiffness, stop, preload)
+    along = p_suction - p if opens > 0.0 else p - p_discharge
+    return push_of(lift, force_area * along, load, stiffness, stop, preload)
 
 
 @kernel
-def discharge_push(discharge_valve_lift, p, p_suction, p_discharge, force_area, stiffness, stop, preload):
-    """Return the push on the discharge reed, which opens out of the cylinder."""
-    load = force_area * abs(p_discharge - p_suction)
-    return push_of(discharge_valve_lift, force_area * (p - p_discharge), load, stiffness, stop, preload)
+def lift_rate(speed, p_suction, p_discharge, force_area, stiffness, mass, stop):
+    """Return dξ/dt [1/s] of a reed."""
+    return speed * speed_scale(force_area * abs(p_discharge - p_suction), stiffness, mass, stop)
 
 
 @kernel
-def suction_lift_rate(suction_valve_speed, p_suction, p_discharge, force_area, stiffness, mass, stop):
-    """Return dξ/dt [1/s] of the suction reed."""
-    return suction_valve_speed * speed_scale(force_area * abs(p_discharge - p_suction), stiffness, mass, stop)
-
-
-@kernel
-def discharge_lift_rate(discharge_valve_speed, p_suction, p_discharge, force_area, stiffness, mass, stop):
-    """Return dξ/dt [1/s] of the discharge reed."""
-    return discharge_valve_speed * speed_scale(force_area * abs(p_discharge - p_suction), stiffness, mass, stop)
-
-
-@kernel
-def suction_speed_rate(
-    suction_valve_lift,
-    suction_valve_speed,
-    p,
-    p_suction,
-    p_discharge,
-    force_area,
-    stiffness,
-    mass,
-    stop,
-    preload,
-    damping_ratio,
+def speed_rate(
+    lift, speed, p, p_suction, p_discharge, opens, force_area, stiffness, mass, stop, preload, damping_ratio
 ):
-    """Return dη/dt [1/s] of the suction reed."""
+    """Return dη/dt [1/s] of a reed."""
     load = force_area * abs(p_discharge - p_suction)
-    push = suction_push(suction_valve_lift, p, p_suction, p_discharge, force_area, stiffness, stop, preload)
-    return reed_acceleration(suction_valve_speed, push, load, stiffness, mass, stop, damping_ratio)
-
-
-@kernel
-def discharge_speed_rate(
-    discharge_valve_lift,
-    discharge_valve_speed,
-    p,
-    p_suction,
-    p_discharge,
-    force_area,
-    stiffness,
-    mass,
-    stop,
-    preload,
-    damping_ratio,
-):
-    """Return dη/dt [1/s] of the discharge reed."""
-    load = force_area * abs(p_discharge - p_suction)
-    push = discharge_push(discharge_valve_lift, p, p_suction, p_discharge, force_area, stiffness, stop, preload)
-    return reed_acceleration(discharge_valve_speed, push, load, stiffness, mass, stop, damping_ratio)
+    push = reed_push(lift, p, p_suction, p_discharge, opens, force_area, stiffness, stop, preload)
+    return reed_acceleration(speed, push, load, stiffness, mass, stop, damping_ratio)
 
 
 @kernel
@@ -144,23 +102,13 @@ def opened(lift, curtain):
     return a / math.sqrt(1.0 + a * a)
 
 
-@kernel
-def suction_opening(suction_valve_lift, curtain):
-    """Return the open share of the suction port."""
-    return opened(suction_valve_lift, curtain)
-
-
-@kernel
-def discharge_opening(discharge_valve_lift, curtain):
-    """Return the open share of the discharge port."""
-    return opened(discharge_valve_lift, curtain)
-
-
 RESTLESS = "a smaller effects.reed_valves.seat_restitution or stop_restitution"
-KERNELS = {
-    SUCTION: (suction_lift_rate, suction_speed_rate, suction_opening, suction_push),
-    DISCHARGE: (discharge_lift_rate, discharge_speed_rate, discharge_opening, discharge_push),
-}
+
+
+@cache
+def of_side(kernel: Kernel, side: str) -> Kernel:
+    """Return a kernel that asks for the lift and the speed of one side's reed."""
+    return kernel.asking(lift=f"{side}_valve_lift", speed=f"{side}_valve_speed")
 
 
 def reed(parameters: Parameters, side: str) -> dict[str, float]:
@@ -169,6 +117,7 @@ def reed(parameters: Parameters, side: str) -> dict[str, float]:
     area = getattr(parameters, f"{side}_port_area")
     return own | {
         "area": area,
+        "opens": SIDES[side],
         "curtain": getattr(parameters, f"{side}_perimeter") * own["stop"] / area,
         "force_area": parameters.force_coefficient * area,
         "damping_ratio": parameters.damping_ratio,
@@ -179,13 +128,13 @@ def build(parameters: Parameters, machine) -> list[FlowPath | ChamberState | Sto
     built: list[FlowPath | ChamberState | Stops | Reading] = []
     restitution = parameters.seat_restitution, parameters.stop_restitution
     for side in SIDES:
-        lift, speed, opening, push = KERNELS[side]
         values = reed(parameters, side)
-        coefficient = parameters.flow_coefficient
+        coefficient, opening = parameters.flow_coefficient, of_side(opened, side)
         names = f"{side}_valve_lift", f"{side}_valve_speed"
         built.append(FlowPath(side, port_area, values, flow_coefficient=coefficient, opening=opening))
-        built += [ChamberState(name, rate, values) for name, rate in zip(names, (lift, speed), strict=True)]
-        built.append(Stops(*names, push, values, restitution, RESTLESS))
+        rates = of_side(lift_rate, side), of_side(speed_rate, side)
+        built += [ChamberState(name, rate, values) for name, rate in zip(names, rates, strict=True)]
+        built.append(Stops(*names, of_side(reed_push, side), values, restitution, RESTLESS))
     return [*built, valve_losses()]
 
 

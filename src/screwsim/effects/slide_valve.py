@@ -16,8 +16,7 @@ from math import pi
 from screwsim.effects.base import DISCHARGE, SUCTION, Effect, Faults, FlowPath
 from screwsim.effects.bypass import RAMP, area, window
 from screwsim.effects.parts.gap import flow_coefficient, table_area
-from screwsim.effects.parts.roles import SLIDES
-from screwsim.effects.parts.usual import Sized
+from screwsim.effects.parts.usual import SLIDES, Sized
 from screwsim.inputs.declare import AREA, file, number, optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import ROTORS, SHELL, WIDEST

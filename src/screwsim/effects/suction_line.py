@@ -15,8 +15,7 @@ Parameters: none.
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, SuctionLine
-from screwsim.effects.parts.roles import SUCTION_BACK
-from screwsim.effects.parts.usual import SUCTION_RETURN
+from screwsim.effects.parts.usual import SUCTION_BACK, SUCTION_RETURN
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import ROTORS
 from screwsim.outputs import CHANGED, HEATED, POWER, Figure, over

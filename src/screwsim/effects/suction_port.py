@@ -9,7 +9,7 @@ Parameters: flow_coefficient.
 
 from screwsim.effects.base import SUCTION, Effect, Faults, FlowPath
 from screwsim.effects.parts.gap import PortParameters, check_port, port_path
-from screwsim.effects.parts.roles import WAY_IN
+from screwsim.effects.parts.usual import WAY_IN
 from screwsim.machine.protocol import PORTS
 
 NAME = "suction_port"

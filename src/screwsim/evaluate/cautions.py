@@ -9,7 +9,7 @@ from screwsim.build import open_values, separator_effects
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects import having, stating
 from screwsim.effects.base import SUCTION, CoolsOil, FlowPath
-from screwsim.effects.parts.roles import SUCTION_BACK
+from screwsim.effects.parts.usual import SUCTION_BACK
 from screwsim.evaluate import humidity, plausible
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.separator import Circuit
@@ -113,7 +113,8 @@ def _separator_warnings(of: Evaluation) -> Iterator[str]:
 def doubts(problem: Problem, found: Figures, error: Figures) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the implausibilities of a scene and of its cycle's figures, and the figures that no machine can have."""
     scene, parts = problem.scene, problem.parts
-    of_figures = plausible.doubts(plausible.CheckedCycle(scene, parts, problem.lines, found, error))
+    checked = plausible.CheckedCycle(scene, parts, problem.lines, found, error)
+    of_figures = [doubt for ask in plausible.DOUBTS for doubt in ask(checked)]
     words = (*scene_warnings(scene), *plausible.blocked_paths(scene, parts), *(each.words for each in of_figures))
     return words, tuple(each.figure for each in of_figures if each.figure is not None)
 

@@ -26,10 +26,9 @@ Array = np.ndarray
 Read = tuple[Performance, dict[str, str]]  # figures, and the reasons for those that are None
 OF_SEPARATOR = "mixture_discharge_temperature", "separator_temperature", "oil_cooler_duty"
 OF_SEPARATOR = (*OF_SEPARATOR, "oil_circuit_residual", "oil_flow_volume")
-NONE_LEAVES = "nothing flows out to the discharge line"
 NO_REASON = "this cycle has none"
 WHY_NONE = {
-    "discharge_temperature": NONE_LEAVES,
+    "discharge_temperature": performance.NONE_LEAVES,
     "built_in_volume_ratio": "the machine has no discharge port whose opening marks the end of it",
     "oil_flow_ratio": "no net gas is delivered",
     "oil_discharge_temperature": "hardly any oil flows out to the discharge line",
@@ -119,7 +118,7 @@ def _of_machine(
         "pressure_ratio": lines.p_s / lines.p_d if geometry.expands else lines.p_d / lines.p_s,
         "displacement": geometry.swept_volume * TURN / geometry.pitch,
         "displacement_flow": geometry.swept_volume * rate,
-        "built_in_volume_ratio": _built_in(problem, life),
+        "built_in_volume_ratio": geometry.built_in_volume_ratio(life.volume),
     }
 
 
@@ -138,22 +137,9 @@ def _of_expander(
     filled = None if closes is None else problem.inlet.density * life.volume(closes)  # where the inlet closes
     filled = None if filled is None else filled * problem.parts.omega / geometry.pitch
     own = float(found["gas_mass_flow"]) * (problem.h_isentropic - problem.inlet.enthalpy)
-    power = own + performance.isentropic_power_of(problem.parts.gas, problem.lines.p_d, drawn)
+    work = problem.parts.gas.isentropic_work_of_enthalpy  # of what own plenums add; negative for what expands (M101)
+    power = own + sum(net * work(state.p, problem.lines.p_d, state.h) for net, state in drawn)
     return performance.figures_of_expander(found, power, filled)
-
-
-_ratio: tuple[Any, Any, float | None] = None, None, None  # geometry and effects, and the built-in volume ratio
-
-
-def _built_in(problem: Problem, life: Trajectory) -> float | None:
-    """Return the built-in volume ratio, kept for further cases of a sweep with the same machine and effects."""
-    global _ratio
-    parts = problem.parts
-    geometry, effects, found = _ratio  # read in one step: threads share it
-    if geometry is not parts.geometry or effects is not parts.effects:
-        found = parts.geometry.built_in_volume_ratio(life.volume)
-        _ratio = parts.geometry, parts.effects, found
-    return found
 
 
 def _of_oil(problem: Problem, life: Trajectory, known: CycleFigures, flow: float) -> dict[str, float | None]:
@@ -207,7 +193,7 @@ def _condenser_heat(problem: Problem, circuit: Circuit | str | None, leaving: fl
     if isinstance(circuit, str) and parted:
         return circuit
     if leaving is None or effect is None:
-        return NONE_LEAVES
+        return performance.NONE_LEAVES
     h = leaving
     if isinstance(circuit, Circuit) and parted:
         h = problem.parts.gas.enthalpy(problem.lines.p_d, circuit.parted.T_separator)

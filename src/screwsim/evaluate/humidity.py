@@ -13,7 +13,7 @@ from screwsim.build import package_of
 from screwsim.cycle import suction_line
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import Given
-from screwsim.evaluate.performance import NONE_DELIVERED
+from screwsim.evaluate.performance import NONE_DELIVERED, NONE_LEAVES
 from screwsim.evaluate.separator import Circuit
 from screwsim.fluid import water
 from screwsim.fluid.moist_air import DRIEST, MoistAir
@@ -33,7 +33,6 @@ NO_DEW = (
     "modelled"
 )
 BLOWN_OFF = "the package delivers nothing: it blows off all that the machine delivers"
-NOTHING_OUT = "nothing flows out to the discharge line"
 
 
 def figures(
@@ -57,7 +56,7 @@ def figures(
     T, out = outlet_temperature(found, circuit), _discharge_flow(problem, life, streams, circuit)
     names = ("condensate_flow", "vapour_flow", "water_residual", AFTERCOOLER, PACKAGE_VAPOUR, PACKAGE_DEW)
     if T is None or not (out > 0.0 and found["gas_mass_flow"] > 0.0):
-        return own | dict.fromkeys(names, NOTHING_OUT if T is None else NONE_DELIVERED)
+        return own | dict.fromkeys(names, NONE_LEAVES if T is None else NONE_DELIVERED)
     liquid = 0.0 if wet is None else out * wet.condensed(p_d, T)
     vapour = 0.0 if wet is None else out * wet.share - liquid
     own["condensate_flow"], own["vapour_flow"] = liquid, vapour

@@ -8,13 +8,14 @@ Where an integration stopped they are called around the state in which it did. S
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
-from screwsim.effects.base import LINES, ChamberState, FlowPath, HeatRate, OilPort, Stops
+from screwsim.effects.base import LINES, ChamberState, FlowPath, HeatRate, OilPort, Stops, Wall
 from screwsim.model.parts import Parts
 from screwsim.model.slots import LOOSE, P_PORT_WIDTH, PORT_STATE, PRESSURE, R_RATIO, S_RHO, S_T, S_T_OIL, S_X_OIL
 from screwsim.model.trajectory import Trajectory
@@ -166,86 +167,78 @@ def _areas(parts: Parts, life: Trajectory, own: set[str], angles: Array) -> Iter
 
 
 def _rates(parts: Parts, life: Trajectory) -> Iterator[KernelCheck]:
-    """Yield the kernels of own effects that depend on the state of a chamber."""
+    """Yield the kernels of own effects that depend on the state of a chamber; each is called by its number."""
     c, R, module = life.composition, life.R, life.module
-    P, TAB = c.P, c.TAB
+    P, TAB, ratio = c.P, c.TAB, float(R[R_RATIO])
     lines = [float(R[parts.number(line) * PORT_STATE + PRESSURE]) for line in LINES]
 
     def oil_of(point: ChamberPoint) -> float:
         """Return the oil per gas of a chamber."""
         if c.carried:
             return float(point.y[S_X_OIL])
-        return float(R[R_RATIO]) if point.phi >= parts.geometry.injection_angle else 0.0
+        return ratio if point.phi >= parts.geometry.injection_angle else 0.0
 
-    for i, (name, _) in enumerate(parts.all(HeatRate)):
+    def around(point: ChamberPoint) -> tuple[float, ...]:
+        """Return temperature, mass, pressure and density of the gas, volume and angle of a chamber."""
+        return float(point.y[S_T]), point.m, point.p, float(point.y[S_RHO]), point.V, point.phi
 
-        def heat(point: ChamberPoint, i=i) -> float:
-            T, rho, T_oil = (float(value) for value in point.y[: S_T_OIL + 1])
-            oil = oil_of(point) * point.m
-            around = point.m, point.p, rho, point.V, point.phi
-            return float(module.heat_part(i, T, *around, T_oil, oil, float(R[R_RATIO]), P))
+    def heat(i: int, point: ChamberPoint) -> float:
+        oil = float(point.y[S_T_OIL]), oil_of(point) * point.m
+        return float(module.heat_part(i, *around(point), *oil, ratio, P))
 
-        yield KernelCheck(name, "heat rate", "W", heat)
-    for i, (name, _) in enumerate(parts.walls):
+    def conductance(i: int, point: ChamberPoint) -> float:
+        return float(module.wall_conductance(i, *around(point), P))
 
-        def conductance(point: ChamberPoint, i=i) -> float:
-            T, rho = float(point.y[S_T]), float(point.y[S_RHO])
-            return float(module.wall_conductance(i, T, point.m, point.p, rho, point.V, point.phi, P))
+    def rate(i: int, point: ChamberPoint) -> float:
+        return float(module.state_rate(i, *around(point), *lines, point.y, 0, P))
 
-        yield KernelCheck(name, "conductance", "W/K", conductance, 0.0)
-    for i, (name, part) in enumerate(parts.all(ChamberState)):
+    def push(i: int, point: ChamberPoint) -> float:
+        return float(module.stop_push(i, point.p, *lines, point.y, 0, P))
 
-        def rate(point: ChamberPoint, i=i) -> float:
-            T, rho = float(point.y[S_T]), float(point.y[S_RHO])
-            return float(module.state_rate(i, T, point.m, point.p, rho, point.V, point.phi, *lines, point.y, 0, P))
+    def inflow(i: int, point: ChamberPoint) -> float:
+        return float(module.oil_inflow(point.phi, point.p, P, TAB))
 
-        yield KernelCheck(name, f"rate of {part.name}", "1/s", rate)
-    for k, (name, _) in enumerate(parts.all(Stops)):
-
-        def push(point: ChamberPoint, k=k) -> float:
-            return float(module.stop_push(k, point.p, *lines, point.y, 0, P))
-
-        yield KernelCheck(name, "push", "", push)
-    for name, _ in parts.all(OilPort):
-        yield KernelCheck(
-            name, "oil flow", "kg/s", lambda point: float(module.oil_inflow(point.phi, point.p, P, TAB)), 0.0
-        )
+    asked = (
+        (HeatRate, "heat rate", "W", heat, -math.inf),
+        (Wall, "conductance", "W/K", conductance, 0.0),
+        (ChamberState, "rate of {}", "1/s", rate, -math.inf),
+        (Stops, "push", "", push, -math.inf),
+        (OilPort, "oil flow", "kg/s", inflow, 0.0),
+    )
+    for kind, what, unit, at, least in asked:
+        for i, (name, part) in enumerate(parts.all(kind)):
+            yield KernelCheck(name, what.format(getattr(part, "name", "")), unit, partial(at, i), least)
     yield from _shares(parts, life, oil_of)
 
 
 def _shares(parts: Parts, life: Trajectory, oil_of: Callable[[ChamberPoint], float]) -> Iterator[KernelCheck]:
     """Yield the kernels of the shares of valves and gaps, and of the oil films of gaps."""
     module, R, P = life.module, life.R, life.composition.P
+
+    def opening(i: int, point: ChamberPoint) -> float:
+        number = parts.number(parts.ports[i][1].to)
+        drop = float(R[number * PORT_STATE + PRESSURE]) - point.p
+        return float(module.path_opening(i, drop, float(P[P_PORT_WIDTH + number]), LOOSE, point.y, 0, P))
+
+    def share(i: int, point: ChamberPoint) -> float:
+        """Return the share that is farthest from 0.5, over several speeds."""
+        rho = float(point.y[S_RHO])
+        found = [float(module.gap_share(i, rho * speed, rho, oil_of(point), P)) for speed in SPEEDS]
+        return max(found, key=lambda value: abs(value - 0.5) if math.isfinite(value) else math.inf)
+
+    def film(i: int, point: ChamberPoint) -> float:
+        return float(module.gap_film(i, point.p, oil_of(point), P))
+
+    def drag(i: int, point: ChamberPoint) -> float:
+        return float(module.gap_drag(i, oil_of(point), P))
+
     for i, (name, path) in enumerate(parts.ports):
-        if path.opening is None:
-            continue
-        number = parts.number(path.to)
-
-        def opening(point: ChamberPoint, i=i, number=number) -> float:
-            drop = float(R[number * PORT_STATE + PRESSURE]) - point.p
-            return float(module.path_opening(i, drop, float(P[P_PORT_WIDTH + number]), LOOSE, point.y, 0, P))
-
-        yield KernelCheck(name, "opening", "", opening, 0.0, 1.0)
+        if path.opening is not None:
+            yield KernelCheck(name, "opening", "", partial(opening, i), 0.0, 1.0)
     for i, (name, path) in enumerate(parts.gaps):
-        if path.resistance is None:
-            continue
-
-        def share(point: ChamberPoint, i=i) -> float:
-            """Return the share that is farthest from 0.5, over several speeds."""
-            rho = float(point.y[S_RHO])
-            found = [float(module.gap_share(i, rho * speed, rho, oil_of(point), P)) for speed in SPEEDS]
-            return max(found, key=lambda value: abs(value - 0.5) if math.isfinite(value) else math.inf)
-
-        yield KernelCheck(name, "share of a gap", "", share, 0.0, 1.0)
-        if path.resistance.film is not None:
-
-            def film(point: ChamberPoint, i=i) -> float:
-                return float(module.gap_film(i, point.p, oil_of(point), P))
-
-            yield KernelCheck(name, "film of oil", "kg/(m² s)", film, 0.0)
-        if path.resistance.drag is not None:
-
-            def drag(point: ChamberPoint, i=i) -> float:
-                return float(module.gap_drag(i, oil_of(point), P))
-
-            yield KernelCheck(name, "dragged oil", "kg/(m² s)", drag, 0.0)
+        if path.resistance is not None:
+            yield KernelCheck(name, "share of a gap", "", partial(share, i), 0.0, 1.0)
+            if path.resistance.film is not None:
+                yield KernelCheck(name, "film of oil", "kg/(m² s)", partial(film, i), 0.0)
+            if path.resistance.drag is not None:
+                yield KernelCheck(name, "dragged oil", "kg/(m² s)", partial(drag, i), 0.0)

@@ -30,6 +30,7 @@ Array = np.ndarray
 
 MOTOR_POWER = "motor_power"
 NO_POWER = "the shaft power is not positive"
+NONE_LEAVES = "nothing flows out to the discharge line"
 NONE_DELIVERED = "no net gas is delivered: the machine leaks more than it takes in"
 
 
@@ -175,11 +176,6 @@ NO_MEANING = {
 }
 
 
-def isentropic_power_of(gas: Gas, p_d: float, drawn: Sequence[tuple[float, Reservoir]]) -> float:
-    """Return the isentropic power [W] to p_d [Pa] of what own plenums add; negative for what expands (M101, M151)."""
-    return sum(net * gas.isentropic_work_of_enthalpy(state.p, p_d, state.h) for net, state in drawn)
-
-
 def figures_of_expander(found: Mapping[str, Any], isentropic_power: float, filled: float | None) -> Given:
     """Return the figures of an expander in place of a compressor's.
 
@@ -209,21 +205,17 @@ def saturation_figures(problem: Problem, found: Mapping[str, Any]) -> Given:
     dew_s, bubble_s, why_s = _saturated(fluid, lines.p_s)
     dew_d, bubble_d, why_d = _saturated(fluid, lines.p_d)
     T_d, blend = found["discharge_temperature"], "condensing_bubble_temperature" in problem.called
-    values: dict[str, float | None] = {
-        "evaporating_temperature": dew_s,
-        "condensing_temperature": dew_d if blend else bubble_d,
-        "suction_superheat": None if dew_s is None or lines.quality is not None else lines.T_s - dew_s,
-        "discharge_superheat": None if dew_d is None or T_d is None else T_d - dew_d,
+    at_suction = WET if lines.quality is not None else why_s if dew_s is None else lines.T_s - dew_s
+    values: dict[str, float | str] = {
+        "evaporating_temperature": dew_s or why_s,
+        "condensing_temperature": (dew_d if blend else bubble_d) or why_d,
+        "suction_superheat": at_suction,
+        "discharge_superheat": why_d if dew_d is None else NONE_LEAVES if T_d is None else T_d - dew_d,
     }
     if blend:
-        values |= {"evaporating_bubble_temperature": bubble_s, "condensing_bubble_temperature": bubble_d}
-    at_suction = ("evaporating_temperature", "suction_superheat", "evaporating_bubble_temperature")
-    reasons = {name: why_s if name in at_suction else why_d for name in values}
-    if lines.quality is not None:
-        reasons["suction_superheat"] = WET
-    if dew_d is not None:  # the remaining reason: no outflow
-        reasons["discharge_superheat"] = "nothing flows out to the discharge line"
-    return {name: reasons[name] if value is None else value for name, value in values.items()}
+        values["evaporating_bubble_temperature"] = bubble_s or why_s
+        values["condensing_bubble_temperature"] = bubble_d or why_d
+    return values
 
 
 @lru_cache(maxsize=64)

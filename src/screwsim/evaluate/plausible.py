@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from screwsim.effects import catalogue
 from screwsim.effects.base import LINES, FlowPath, HeatRate, Plenum, Wall
-from screwsim.effects.parts.roles import WAY_IN, WAY_OUT
+from screwsim.effects.parts.usual import WAY_IN, WAY_OUT
 from screwsim.machine.kinds import kind_of
 from screwsim.model.parts import Parts
 from screwsim.outputs import Figures
@@ -94,10 +94,8 @@ def _isentropic(checked: CheckedCycle) -> Iterator[Doubt]:
 
 
 def _volumetric(checked: CheckedCycle) -> Iterator[Doubt]:
-    filled, found = (
-        checked.above("volumetric_efficiency", 1.0 + RAM_FILLING),
-        checked.found.get("volumetric_efficiency"),
-    )
+    name = "volumetric_efficiency"
+    filled, found = checked.above(name, 1.0 + RAM_FILLING), checked.found.get(name)
     if checked.expands:
         return
     if filled is not None:
@@ -109,7 +107,7 @@ def _volumetric(checked: CheckedCycle) -> Iterator[Doubt]:
         yield Doubt(
             f"the volumetric efficiency is {found:.4g}: more flows back through leaks than the rotors displace; no "
             "machine has gaps or areas so wide (check gaps and speed)",
-            "volumetric_efficiency",
+            name,
         )
 
 
@@ -146,11 +144,6 @@ def _burst(checked: CheckedCycle) -> Iterator[Doubt]:
 
 
 DOUBTS = (_isothermal, _isentropic, _volumetric, _driven, _carnot, _hot, _burst)
-
-
-def doubts(checked: CheckedCycle) -> tuple[Doubt, ...]:
-    """Return the implausibilities among the figures of a closed cycle."""
-    return tuple(doubt for ask in DOUBTS for doubt in ask(checked))
 
 
 def lines_met(parts: Parts) -> set[str]:

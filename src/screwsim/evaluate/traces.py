@@ -11,13 +11,15 @@ from screwsim.model.slots import R_RATIO
 from screwsim.model.speed import slowness
 from screwsim.model.trace import SAMPLED
 
-TRACE_STEP = 1.0  # degree
+TRACE_STEP = 1.0  # [degree] between angles of a trace, which has the end of the life, too
 
 
 def traces(of: Evaluation) -> dict[str, np.ndarray]:
     """Return the traces of a closed cycle (contract: cycle)."""
     life, c = of.life, of.life.composition
-    degrees = trace_angles(of.problem.parts.geometry.life)
+    end = math.degrees(of.problem.parts.geometry.life)
+    degrees = np.arange(0.0, end + 1e-6, TRACE_STEP)
+    degrees = degrees if end - degrees[-1] < 1e-6 else np.append(degrees, end)
     angles = np.minimum(np.radians(degrees), of.problem.parts.geometry.life)
     out, flows = life.sample(angles)
     seen, states = dict(zip(SAMPLED, out.T, strict=False)), dict(zip(c.states, out.T[len(SAMPLED) :], strict=True))
@@ -97,13 +99,6 @@ def _traces_of_effects(of: Evaluation, degrees: np.ndarray) -> dict[str, np.ndar
             grid = np.linspace(0.0, pitch, len(values) + 1)
             found[name] = np.interp(degrees, grid, np.append(values, values[0]), period=pitch)
     return found
-
-
-def trace_angles(life: float) -> np.ndarray:
-    """Return the angles of a trace [degree]: every degree of a life [rad], and its end."""
-    end = math.degrees(life)
-    degrees = np.arange(0.0, end + 1e-6, TRACE_STEP)
-    return degrees if end - degrees[-1] < 1e-6 else np.append(degrees, end)
 
 
 def _smooth_plenum_flows(flows: np.ndarray, to_lines: list[int], mass_rate: np.ndarray) -> None:

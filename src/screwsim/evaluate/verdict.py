@@ -166,7 +166,6 @@ def _hydraulic_lock(problem: Problem, cycle: CycleSolution) -> str:
     parts, R, n = problem.parts, cycle.trajectory.R, len(problem.composition.states)
     if not parts.oil_room or parts.oil is None:
         return ""
-    angle = cycle.angle
     rho, x = cycle.y[S_RHO::n], cycle.y[S_X_OIL::n]
     shares = 1.0 - 1.0 / (1.0 + x * rho / parts.oil.density)
     if R[R_LOCK] > 0.0:
@@ -182,11 +181,6 @@ def _hydraulic_lock(problem: Problem, cycle: CycleSolution) -> str:
         "the integration stopped); use less oil (a lower oil_supply.ratio or a smaller orifice), open the discharge "
         f"port earlier or wider{remedies}"
     )
-
-
-def package_verdict(of: Evaluation) -> float:
-    """Return the relative residual of a package's losses over their line's pressure; 0 without a package."""
-    return 0.0 if of.package is None else of.package.open
 
 
 def circuit_verdict(of: Evaluation) -> tuple[str, float]:

@@ -9,14 +9,14 @@ import numpy as np
 
 from screwsim.build import build_parts
 from screwsim.effects import having
-from screwsim.effects.parts.roles import SLIDES
+from screwsim.effects.parts.usual import SLIDES
 from screwsim.figures import called_for, declared
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_continuous, shown_value
-from screwsim.study.spans import read_ranges, spans_between
+from screwsim.study.spans import read_ranges, read_spans
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 _DERIVED: dict[str, dict[str, int]] = {
@@ -96,7 +96,7 @@ def read_inputs(
     Raise UsageError, in which `option` names where they were given.
     """
     if isinstance(over, Mapping) and over:
-        return _inputs(scene, {each.path: (each.low, each.high) for each in spans_between(scene, over, ranged=True)})
+        return _inputs(scene, {each.path: (each.low, each.high) for each in read_spans(scene, over, ranged=True)})
     if over:
         ranges = read_ranges(scene, tuple(over), option, "operation.speed=1500 rpm..4500 rpm")
         return _inputs(scene, {each.path: (each.low, each.high) for each in ranges})

@@ -3,7 +3,7 @@
 The same table serves the screen, the figures and the page.
 """
 
-from screwsim.figures.registry import declared
+from screwsim.figures import declared
 from screwsim.outputs import EFFICIENCY, Figure
 from screwsim.outputs.customary import (
     SCALES,

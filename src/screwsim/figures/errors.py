@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from math import prod
 from typing import Any
 
-from screwsim.figures.registry import declared
-from screwsim.outputs import ITSELF, POWER, TIMES, Figure, Figures, Scale, over
+from screwsim.figures import declared
+from screwsim.outputs import ITSELF, TIMES, Figure, Figures, Scale, over
 
 FLOW = "gas_mass_flow"
 OVER_FLOW = over(FLOW)
@@ -22,7 +22,6 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
     known = zeros_for_none(better)
     errors: dict[str, float | None] = dict.fromkeys(found)
     about: Mapping[str, Figure] = getattr(found, "about", {})
-    of_powers = 0.0  # they share one scale
     for name, value in found.items():
         if value is None or (reference := better.get(name)) is None:
             continue
@@ -32,7 +31,7 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
         elif scale.unasked:
             continue
         elif scale.alone and scale.times:  # a power
-            size = of_powers = of_powers or max(error_scale(name, scale, known), 1e-300, least_power)
+            size = max(error_scale(name, scale, known), least_power)
         else:
             size = error_scale(name, scale, known) or error_scale(name, scale, zeros_for_none(found))
         least = least_work if name == "work_per_cycle" else 1e-300
@@ -52,15 +51,11 @@ def flow_errors(found: Figures, lost: float, by: str = "by_flow") -> Figures:
     known = {name: value for name, value in found.items() if value is not None}
     about: Mapping[str, Figure] = getattr(found, "about", {})
     errors: dict[str, float] = {}
-    of_powers: float | None = None  # they share one scale
     for name, value in known.items():
         figure = about.get(name) or declared(name, found)
         if not getattr(figure, by):
             continue
-        size = of_powers if figure.scale is POWER else None
-        if size is None:
-            size = error_scale(name, figure.scale, known)
-        of_powers = size if figure.scale is POWER else of_powers
+        size = error_scale(name, figure.scale, known)
         amount = max(abs(value), abs(known.get(FLOW, 0.0))) if figure.scale == OVER_FLOW else abs(value)
         errors[name] = lost * amount / max(size, 1e-300)
     return Figures(errors)

@@ -22,24 +22,20 @@ PLACED = 1e-6  # rad, to which it is found where a path opens or shuts between t
 STATED = math.radians(0.5)  # distance from a declared breakpoint within which no other is needed
 
 
-def breakpoints(parts: Parts, law: Any, named: Sequence[tuple[str, FlowPath]], more: Sequence[float]) -> np.ndarray:
+def breakpoints(parts: Parts, law: Any) -> np.ndarray:
     """Return the angles of one life at which its own or neighbours' laws are not smooth, sorted, including the ends."""
-    geometry, paths = parts.geometry, [path for _, path in named]
+    geometry, named, port = parts.geometry, parts.all(FlowPath), parts.oil_port
+    paths = [path for _, path in named]
     pitch, life = geometry.pitch, geometry.life
-    own = {geometry.injection_angle, *law.breakpoints, *more}
-    for path in paths:
-        own.update(path.breakpoints)
-    shifts = {0}
-    for path in paths:
-        shifts |= {path.offset, -path.offset}
+    own = {geometry.injection_angle, *law.breakpoints, *(() if port is None else port.breakpoints)}
+    own.update(at for path in paths for at in path.breakpoints)
+    shifts = {0}.union(*({path.offset, -path.offset} for path in paths))
     found = [at + shift * pitch for at in own for shift in shifts]
     found += law.own_breakpoints
-    for path in paths:
-        found += [at + shift * pitch for at in path.own_breakpoints for shift in {0, path.offset}]
     symbols = symbols_of(parts)
     for name, path in named:
-        unstated = _unstated(name, path, symbols, life)
-        found += [at + shift * pitch for at in unstated for shift in {0, path.offset}]
+        path_own = *path.own_breakpoints, *_unstated(name, path, symbols, life)
+        found += [at + shift * pitch for at in path_own for shift in {0, path.offset}]
     # where a neighbour's life begins or ends
     found += [shift * pitch + edge for shift in shifts for edge in (0.0, life)]
     inside = sorted({0.0, life, *(at for at in found if 0.0 < at < life)})
@@ -97,7 +93,8 @@ def _areas(path: FlowPath, symbols: Mapping[str, float], angles: Array) -> Array
     if not set(path.area.arguments) <= {*known, "phi", "TAB"}:
         return None
     at = angles if path.mirror is None else path.mirror - angles
-    return np.array([_area(path, _called(path.area.arguments, known, phi, TAB)) for phi in at.tolist()], float)
+    asked = [known | {"phi": phi, "TAB": TAB} for phi in at.tolist()]
+    return np.array([_area(path, [named[name] for name in path.area.arguments]) for named in asked], float)
 
 
 def _area(path: FlowPath, arguments: Sequence[float | Array]) -> float:
@@ -109,8 +106,3 @@ def _area(path: FlowPath, arguments: Sequence[float | Array]) -> float:
     if not isinstance(found, Real):
         raise TypeError(f"kernel {path.area.__name__} returned {found!r}, which is no area")
     return float(found)
-
-
-def _called(names: Sequence[str], known: Mapping[str, float], phi: float, TAB: Array) -> list[float | Array]:
-    """Return the arguments of an area's kernel at an angle [rad]."""
-    return [phi if name == "phi" else TAB if name == "TAB" else known[name] for name in names]

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import DISCHARGE, LINES, ChamberState, FlowPath, HeatRate, Stops
+from screwsim.effects.base import DISCHARGE, LINES, ChamberState, HeatRate, Stops
 from screwsim.fluid import nozzle
 from screwsim.model import ledger, line_flow, slots, trace, writing, writing_oil
 from screwsim.model.breakpoints import breakpoints
@@ -24,8 +24,8 @@ from screwsim.model.numbers import fixed_numbers, oil_places, symbols_of
 from screwsim.model.parts import Parts
 from screwsim.model.renumbering import angles_of, stored_numbers
 from screwsim.model.slots import FIRST_OWN, PORT_STATE, R_SIZE
-from screwsim.model.trajectory import with_numbers
 from screwsim.model.writing import ModelWriter, scales
+from screwsim.numerics.frozen import with_changes
 from screwsim.numerics.kernel import Kernel
 
 SHARED = {name: getattr(slots, name) for name in slots.FIXED}  # constants that texts use by name
@@ -39,7 +39,7 @@ def compose(parts: Parts) -> Composition:
     _refuse(network, parts)
     writer, law = ModelWriter(symbols_of(parts), fixed_numbers(parts), parts.made, network), parts.geometry.volume_law()
     _write(writer, parts, law)
-    numbers, port = writer.numbers, parts.oil_port
+    numbers = writer.numbers
     found = structured(
         network.key(),
         tuple(writer.text),
@@ -50,11 +50,11 @@ def compose(parts: Parts) -> Composition:
         writer.speed_curve,
         tuple(oil_places(parts).items()),
     )
-    return with_numbers(
+    return with_changes(
         found,
-        np.array(numbers.values),
+        P=np.array(numbers.values),
         TAB=np.concatenate([*numbers.tables, np.zeros(1)]),
-        breakpoints=breakpoints(parts, law, parts.all(FlowPath), () if port is None else port.breakpoints),
+        breakpoints=breakpoints(parts, law),
         recipe=NumbersRecipe(
             np.array(numbers.values),
             list(numbers.named),

@@ -18,8 +18,6 @@ from screwsim.numerics.kernel import HEADER, Kernel, flatten
 # functions that the integrator calls in both drivers, by its slots (rodas.py)
 ASKED = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "conserve", "lands")
 ASKED += ("at_breakpoint", "jump", "keep_port_states")
-ONE = {name: f"chamber__{name}" for name in ASKED}
-ALL = {name: f"chambers__{name}" for name in ASKED}
 
 # kernels for installing histories and reading closed cycles
 READ_WITH = (port_states.port_states_along, history.add_history, history.states_at, ledger.account, ledger.arriving)
@@ -92,13 +90,12 @@ def _written(
         filled, ends = of_stop(label)
         blocks |= flatten(OF_EACH, own | filled, ends, numbers)
     blocks |= {f"own {i}": text for i, text in enumerate(own_functions)}
-    sizes = {"STATES": constants["N"], "QUADRATURES": numbers["QUADRATURES"]}
-    if together:
-        sizes = {"STATES": constants["CHAMBERS"] * constants["N"], "QUADRATURES": numbers["QUADRATURES"] + 1}
-    slots = dict(ALL if together else ONE)
+    many, whose = (constants["CHAMBERS"], "chambers") if together else (1, "chamber")
+    sizes = {"STATES": many * constants["N"], "QUADRATURES": numbers["QUADRATURES"] + together}
+    slots = {name: f"{whose}__{name}" for name in ASKED}
     if together:  # derivatives by numbers of a scene must be exact; for an ideal, dry gas the integrator's are
         exact = any(text.startswith("def chambers__exact_jacobian(") for text in own_functions)
-        slots["exact_jacobian"] = "chambers__exact_jacobian" if exact else ALL["jacobian"]
+        slots["exact_jacobian"] = "chambers__exact_jacobian" if exact else slots["jacobian"]
     drivers = (rodas.integrate, *(OF_A_PITCH if together else ()))
     driver = flatten(drivers, slots, "_all" if together else "_one", sizes)
     rest = () if together else (*READ_WITH, *read_with)

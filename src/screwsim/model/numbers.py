@@ -6,10 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.machine.protocol import MachineSettings
 from screwsim.model.parts import Parts
 from screwsim.model.slots import OIL_NUMBERS, P_FIRST_OIL
-from screwsim.numerics.identity_cache import IdentityCache
 from screwsim.numerics.spline import pack_curve
 
 # kernels' names for the numbers of the injection orifice
@@ -74,19 +72,13 @@ def symbols_of(parts: Parts) -> dict[str, float]:
     """Return the numbers of the scene that any kernel can ask for by name (docs/reference/nomenclature.md)."""
     settings = parts.geometry.settings
     found = {"omega": parts.omega, "tip_speed": settings.surface_speed(parts.omega), "pitch": parts.geometry.pitch}
-    found |= _of_machine(settings)
+    found |= settings.symbols()
     if parts.oil is not None:
         found["oil_density"] = parts.oil.density
         found["oil_heat_capacity"] = parts.oil.heat_capacity
         found["oil_room"] = 1.0 / parts.oil.density if parts.oil_room else 0.0
         found |= {BORE[name]: value for name, value in parts.oil.supply.items() if name in BORE}
     return found
-
-
-@IdentityCache
-def _of_machine(settings: MachineSettings) -> dict[str, float]:
-    """Return those of the machine's settings."""
-    return settings.symbols()
 
 
 def operating(parts: Parts) -> dict[str, float]:

@@ -37,24 +37,14 @@ class Effects(dict[str, Sequence[Any]]):
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
         self.found: dict[type, list[tuple[str, Any]]] = {}  # cached lookups
-        self.by_type: dict[type, list[tuple[int, str, Any]]] = {}  # each with its position among all
 
     def all(self, kind: type) -> list[tuple[str, Any]]:
         """Return (effect, part) of all parts of a kind, in the order of the effects."""
         found = self.found.get(kind)
         if found is None:
-            of_types = [parts for own, parts in self._typed().items() if issubclass(own, kind)]
-            several = sorted((each for parts in of_types for each in parts), key=lambda each: each[0])
-            found = self.found[kind] = [(name, part) for _, name, part in several]
+            found = [(name, part) for name, parts in self.items() for part in parts if isinstance(part, kind)]
+            self.found[kind] = found
         return found
-
-    def _typed(self) -> dict[type, list[tuple[int, str, Any]]]:
-        if not self.by_type:
-            found: dict[type, list[tuple[int, str, Any]]] = {}
-            for place, (name, part) in enumerate((name, part) for name, items in self.items() for part in items):
-                found.setdefault(type(part), []).append((place, name, part))
-            self.by_type = found
-        return self.by_type
 
 
 @fast_init
@@ -126,12 +116,10 @@ class Parts:
     @once
     def oil_gas(self) -> base.OilGas | None:
         """The dissolved gas that the oil brings; None where it brings none."""
-        found = [part for _, part in self.all(base.OilGas)]
-        if len(found) > 1:
-            raise TypeError("two effects declare dissolved gas; a scene has one")
-        if found and self.oil_port is None:
+        found = self._only(base.OilGas, "dissolved gas")
+        if found is not None and self.oil_port is None:
             raise TypeError("dissolved gas needs an oil port, out of whose oil it flashes")
-        return found[0] if found else None
+        return found
 
     @property
     def dissolves(self) -> bool:

@@ -6,7 +6,7 @@ that affect more than calls of kernels, must be the same.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from operator import attrgetter
 from typing import Any
 
@@ -28,12 +28,11 @@ from screwsim.effects.base import (
     SuctionLine,
     Wall,
 )
-from screwsim.fluid.gas import Gas
 from screwsim.model.breakpoints import breakpoints
 from screwsim.model.composition import Composition, NumbersRecipe, StoredNumber
 from screwsim.model.numbers import fixed_numbers, operating
 from screwsim.model.parts import Parts
-from screwsim.model.trajectory import with_numbers
+from screwsim.numerics.frozen import with_changes
 
 Array = np.ndarray
 
@@ -73,30 +72,35 @@ def angles_of(parts: Parts, law: Any) -> tuple[Any, ...]:
 def renumbered(before: Parts, composition: Composition, parts: Parts) -> Composition | None:
     """Return the composition of parts that differ from earlier ones in numbers only; None where more differs."""
     recipe = composition.recipe
-    if recipe.held is None or not _gas_alike(parts.gas, before.gas) or not differ_in_numbers_only(parts, before):
+    if recipe.held is None or not differ_in_numbers_only(parts, before):
         return None
     law = parts.geometry.volume_law()
-    if not _machine_alike(parts, before) or not _law_alike(law, recipe.law) or not _effects_alike(parts, before):
+    if _structure(parts, law) != _structure(before, recipe.law):
         return None
-    holders, head, P = list(_holders(parts, law)), fixed_numbers(parts), recipe.P.copy()
-    P[: len(head)] = head
-    named = operating(parts)
-    P[recipe.places] = [named[name] for name in recipe.names]
+    holders, P = list(_holders(parts, law)), operating_numbers(recipe, parts)
     P[[each.place for each in recipe.held]] = [
         holders[at][name] if by_key else getattr(holders[at], name) for _, at, name, by_key in recipe.held
     ]
-    angles, paths, port = angles_of(parts, law), parts.all(FlowPath), parts.oil_port
-    own = any("." in name for name, _ in paths)
+    angles = angles_of(parts, law)
+    own = any("." in name for name, _ in parts.all(FlowPath))
     found = composition.breakpoints
     if own or angles != recipe.angles:
-        found = breakpoints(parts, law, paths, () if port is None else port.breakpoints)
-    return with_numbers(
+        found = breakpoints(parts, law)
+    return with_changes(
         composition,
-        P,
+        P=P,
         breakpoints=found,
         recipe=NumbersRecipe(P.copy(), recipe.places, recipe.names, recipe.held, angles, law),
         starts=tuple(part.start for _, part in parts.all(ChamberState)),
     )
+
+
+def operating_numbers(recipe: NumbersRecipe, parts: Parts) -> Array:
+    """Return P as composed, with the numbers of other parts that may change while the structure stays."""
+    P, head, named = recipe.P.copy(), fixed_numbers(parts), operating(parts)
+    P[: len(head)] = head
+    P[recipe.places] = [named[name] for name in recipe.names]
+    return P
 
 
 def differ_in_numbers_only(parts: Parts, other: Parts) -> bool:
@@ -106,14 +110,6 @@ def differ_in_numbers_only(parts: Parts, other: Parts) -> bool:
     if parts.oil_content is not None and parts.plenums != other.plenums:
         return False
     return list(parts.made) == list(other.made) and _supplied(parts) == _supplied(other)
-
-
-def _gas_alike(gas: Gas, other: Gas) -> bool:
-    """Return whether the contributions of two gases to the text differ in numbers only."""
-    if gas == other:
-        return True
-    kernels = all(getattr(gas, name) == getattr(other, name) for name in OF_GAS)
-    return kernels and gas.values.keys() == other.values.keys()
 
 
 def _supplied(parts: Parts) -> tuple[Any, ...]:
@@ -132,60 +128,30 @@ def _holders(parts: Parts, law: Any) -> Iterator[Any]:
                     yield part.resistance.values
 
 
-def _machine_alike(parts: Parts, other: Parts) -> bool:
-    """Return whether two machines have the same structure, apart from their laws."""
-    one, two = parts.geometry, other.geometry
-    return type(one) is type(two) and one.chambers == two.chambers and one.expands == two.expands
+def _structure(parts: Parts, law: Any) -> tuple[Any, ...]:
+    """Return what affects the text about machine, gas and effects; equal where these differ in numbers only."""
+    geometry, gas = parts.geometry, parts.gas
+    return (
+        (type(geometry), geometry.chambers, geometry.expands),
+        (*(getattr(gas, name) for name in OF_GAS), gas.values.keys()),
+        (law.volume, law.slope, law.mirror is None, law.values.keys(), _arrays(law)),
+        [(name, [_structure_of(part) for part in items]) for name, items in parts.effects.items()],
+    )
 
 
-def _law_alike(law: Any, other: Any) -> bool:
-    """Return whether two laws of volume differ in numbers only."""
-    kernels = law.volume is other.volume and law.slope is other.slope
-    mirrored = (law.mirror is None) == (other.mirror is None)
-    return kernels and mirrored and law.values.keys() == other.values.keys() and _same_tables(law, other)
-
-
-def _same_tables(part: Any, other: Any) -> bool:
-    """Return whether two parts have the same tables (identical arrays)."""
-    one, two = part.tables, other.tables
-    if not (one or two):
-        return True
-    return one.keys() == two.keys() and all(_same_arrays(one[name], two[name]) for name in one)
-
-
-def _same_arrays(curve: Sequence[Any], other: Sequence[Any]) -> bool:
-    return len(curve) == len(other) and all(one is two for one, two in zip(curve, other, strict=True))
-
-
-def _effects_alike(parts: Parts, other: Parts) -> bool:
-    """Return whether all contributions of effects to the text differ in numbers only."""
-    if parts.effects.keys() != other.effects.keys():
-        return False
-    pairs = [(items, other.effects[name]) for name, items in parts.effects.items()]
-    if list(parts.effects) != list(other.effects) or any(len(items) != len(others) for items, others in pairs):
-        return False
-    return all(_alike(one, two) for items, others in pairs for one, two in zip(items, others, strict=True))
-
-
-def _alike(part: Any, other: Any) -> bool:
-    """Return whether the contributions of two parts to the text differ in numbers only."""
-    if part is other:
-        return True
+def _structure_of(part: Any) -> Any:
+    """Return what affects the text about a part of an effect: some of its fields, the whole part, or its kind alone."""
     kind = type(part)
-    if kind is not type(other):
-        return False
-    structure = STRUCTURE.get(kind)
-    if structure is None:
-        return part == other if isinstance(part, (*WHOLE, *STRUCTURE)) else True
-    if structure(part) != structure(other) or part.values.keys() != other.values.keys():
-        return False
+    if kind not in STRUCTURE:
+        return part if isinstance(part, (*WHOLE, *STRUCTURE)) else kind
+    found = [kind, STRUCTURE[kind](part), part.values.keys()]
     if kind is FlowPath:
-        mirrored, held_back = (part.mirror is None) == (other.mirror is None), part.resistance
-        if held_back is None or other.resistance is None:
-            return mirrored and held_back is other.resistance and _same_tables(part, other)
-        return mirrored and _same_tables(part, other) and _alike(held_back, other.resistance)
+        found += [part.mirror is None, _arrays(part), part.resistance and _structure_of(part.resistance)]
     if kind is Wall:
-        return type(part.temperature) is type(other.temperature) and (
-            not isinstance(part.temperature, str) or part.temperature == other.temperature
-        )
-    return True
+        found.append(part.temperature if isinstance(part.temperature, str) else type(part.temperature))
+    return found
+
+
+def _arrays(part: Any) -> dict[str, list[int]]:
+    """Return which arrays the tables of a part consist of."""
+    return {name: list(map(id, curve)) for name, curve in part.tables.items()}

@@ -17,9 +17,10 @@ from screwsim.model import compiled, under_scipy
 from screwsim.model.composition import Composition
 from screwsim.model.contexts import ChamberContext, CoupledContext
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PORT_STATE
-from screwsim.model.trajectory import Trajectory, with_numbers
+from screwsim.model.trajectory import Trajectory
 from screwsim.model.turn_scheduler import scheduler
 from screwsim.numerics.compiling import clock
+from screwsim.numerics.frozen import with_changes
 from screwsim.numerics.integrators import Check
 from screwsim.numerics.reused_arrays import room
 from screwsim.numerics.rodas import EVALUATED, JACOBIANS
@@ -36,7 +37,7 @@ class Machinery:
     """
 
     def __init__(self, composition: Composition, module: ModuleType | None = None, max_steps: int = MAX_STEPS) -> None:
-        self.composition = with_numbers(composition, composition.P.copy())
+        self.composition = with_changes(composition, P=composition.P.copy())
         self.module = compiled.load(composition.text) if module is None else module
         self.n = n = len(composition.states)
         self.nq = composition.n_quadratures
@@ -68,7 +69,7 @@ class Machinery:
             own = np.empty(len(composition.P))
             self._contexts.clear()
         own[:] = composition.P
-        self.composition = with_numbers(composition, own)
+        self.composition = with_changes(composition, P=own)
         self.reset()
         self.counts[:] = 0
         self.compile_time = 0.0

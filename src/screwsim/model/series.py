@@ -6,10 +6,9 @@ from typing import Any
 
 from screwsim.model.compose import compose
 from screwsim.model.composition import Composition
-from screwsim.model.numbers import fixed_numbers, operating
 from screwsim.model.parts import Parts
-from screwsim.model.renumbering import differ_in_numbers_only, renumbered
-from screwsim.model.trajectory import with_numbers
+from screwsim.model.renumbering import differ_in_numbers_only, operating_numbers, renumbered
+from screwsim.numerics.frozen import with_changes
 
 MOST = 16  # kept of each: as many points of different machines may be solved side by side
 
@@ -63,12 +62,6 @@ def _same_structure(parts: Parts, other: Parts) -> bool:
 
 def _with_numbers(composition: Composition, parts: Parts) -> Composition:
     """Return a composition with the numbers of similar parts."""
-    recipe, head = composition.recipe, fixed_numbers(parts)
-    P = recipe.P.copy()
-    P[: len(head)] = head
-    if composition.made:
-        P[list(composition.made)] = list(parts.made.values())
-    if recipe.places:
-        named = operating(parts)
-        P[recipe.places] = [named[name] for name in recipe.names]
-    return with_numbers(composition, P)
+    P = operating_numbers(composition.recipe, parts)
+    P[list(composition.made)] = list(parts.made.values())
+    return with_changes(composition, P=P)

@@ -58,26 +58,9 @@ Answer = tuple[int, float, float, Array]  # as returned by `Machinery.turn`
 def arrays_of(each: TurnRequest) -> dict[str, Array]:
     """Return all arrays that a turn reads and writes, by name; its quadratures are new."""
     machinery = each.machinery
-    c, (old, new) = machinery.composition, machinery.histories
-    state, own = machinery.spaces
-    return {
-        "y": each.y,
-        "q": np.zeros(machinery.nq),
-        "P": c.P,
-        "R": machinery.R,
-        "counts": machinery.counts,
-        "kept": machinery.kept,
-        "hints": machinery.hints,
-        "state": state,
-        "own": own,
-        "breakpoints": c.breakpoints,
-        "TAB": c.TAB,
-        "t_old": old[0],
-        "d_old": old[1],
-        "t_new": new[0],
-        "d_new": new[1],
-        "quads": new[2],
-    }
+    more = {"y": each.y, "q": np.zeros(machinery.nq), "counts": machinery.counts}
+    more |= {"breakpoints": machinery.composition.breakpoints, "quads": machinery.histories[1][2]}
+    return more | dict(zip(ChamberContext._fields, machinery.context, strict=True))
 
 
 class Lanes:
@@ -85,14 +68,12 @@ class Lanes:
 
     def __init__(self, like: Machinery) -> None:
         self.entry = like.module.of_lanes(TURN, KINDS)
-        c = like.composition
-        sizes = {"y": like.n, "q": like.nq, "P": len(c.P), "R": c.n_R, "counts": len(like.counts)}
-        sizes |= {"kept": 2, "hints": len(like.hints), "state": len(like.spaces[0]), "own": len(like.spaces[1])}
+        arrays = arrays_of(TurnRequest(like, np.empty(like.n), 0.0, 0.0))
         self._rows = {
-            name: aligned(size, np.int64 if name in (*WHOLE, "counts") else float) for name, size in sizes.items()
+            name: aligned(len(arrays[name]), arrays[name].dtype) for name in ("y", "q", "counts", *LANE_ARRAYS)
         }
         self._out = np.zeros(3 * LANES)
-        self._n_E = c.n_E
+        self._n_E = like.composition.n_E
         self._alone = threading.Lock()  # serialises two threads of a worker
 
     def turns(self, requests: Sequence[TurnRequest]) -> list[Answer]:

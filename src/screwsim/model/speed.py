@@ -5,18 +5,13 @@ the mean speed over the speed at the angle, so that nothing else in the model ch
 relative speed as a curve; its slope is the torque, so it is smooth even in a creeping start.
 """
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from screwsim.model.composition import Composition
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.spline import pack_curve
-
-if TYPE_CHECKING:
-    from screwsim.model.composition import Composition
 
 Array = np.ndarray
 ROWS = 361  # of the curve over a pitch

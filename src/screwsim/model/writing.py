@@ -62,8 +62,8 @@ class ModelWriter:
         factors, unknowns of the cycle, or symbols of the scene. The text names numbers after what they are
         `of`, or after the kernel's module.
         """
-        self.kernels.append(kernel)
-        self.network.kernels[kernel.flat_name] = kernel
+        self.kernels.append(kernel.plain)
+        self.network.kernels[kernel.flat_name] = kernel.plain
         arguments, whose = [], of or kernel.flat_name.partition("__")[0]
         for name in kernel.arguments:
             if name in free:

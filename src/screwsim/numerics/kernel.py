@@ -17,6 +17,7 @@ import textwrap
 import threading
 import types
 from collections.abc import Callable, Iterable, Mapping
+from copy import copy
 from functools import cache, cached_property, lru_cache
 from typing import Any
 
@@ -36,6 +37,7 @@ class Kernel:
         self.__name__ = function.__name__
         code = function.__code__
         self.arguments = code.co_varnames[: code.co_argcount]
+        self.plain = self  # with the names of its own text (`asking`)
         # read now, since the file may be edited while this process runs
         self.source = source or source_of(function)
         if "while" in self.source and flat_module(function).startswith("user_"):
@@ -43,6 +45,12 @@ class Kernel:
 
     def __call__(self, *arguments: Any) -> Any:
         return self.function(*arguments)
+
+    def asking(self, **names: str) -> "Kernel":
+        """Return the kernel with other names of arguments, by which a part of an effect asks for numbers."""
+        found = copy(self)
+        found.arguments = tuple(names.get(name, name) for name in self.arguments)
+        return found
 
     def _calls_one(self, name: str) -> bool:
         """Tell whether a called function returns a single number: a built-in one, or a kernel without a tuple."""

@@ -11,7 +11,7 @@ import numpy as np
 from screwsim.outputs import display
 from screwsim.outputs.declared import Variable
 from screwsim.outputs.derivatives import Derivatives
-from screwsim.outputs.display import table_html, table_text
+from screwsim.outputs.display import ANGLE, table_html, table_text
 from screwsim.outputs.figures import Balance, Error, Figures, Ledger, Numerics, shown
 from screwsim.outputs.variables import cycle_variable
 
@@ -88,13 +88,21 @@ class Result:
 
         Its `attrs` have the figures by name, and the `units` of the columns.
         """
-        units = {name: cycle_variable(name).units for name in self.cycle}
-        return display.frame(self.cycle, {**self.performance, "units": units})
+        pandas = display.library("pandas")
+        columns = {name: values for name, values in self.cycle.items() if name != ANGLE}
+        made = pandas.DataFrame(columns, index=pandas.Index(self.cycle.get(ANGLE, np.zeros(0)), name=ANGLE))
+        made.attrs.update(self.performance, units={name: cycle_variable(name).units for name in self.cycle})
+        return made
 
     def to_xarray(self) -> Any:
         """Return figures and cycle as an xarray.Dataset, units and meanings as attributes."""
-        about = {each.name: Variable(each.units, each.long_name) for each in shown(self.performance)}
-        return display.dataset(self.performance, about, self.cycle, {name: cycle_variable(name) for name in self.cycle})
+        curves = {name: (ANGLE, column, cycle_variable(name)._asdict()) for name, column in self.cycle.items()}
+        coordinates = {ANGLE: curves.pop(ANGLE)} if ANGLE in curves else {}
+        about = {each.name: Variable(each.units, each.long_name)._asdict() for each in shown(self.performance)}
+        values = {
+            name: ((), np.nan if value is None else value, about[name]) for name, value in self.performance.items()
+        }
+        return display.library("xarray").Dataset(values | curves, coordinates)
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of `run --json` (the cycle is only in the HDF5 file)."""

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from screwsim.effects import having, stating
 from screwsim.effects.base import CoolsOil
-from screwsim.effects.parts.roles import PUMPS
+from screwsim.effects.parts.usual import PUMPS
 from screwsim.fluid.oils import OILS
 from screwsim.fluid.orifice import FITTED_SLENDERNESS, NO_FLOW
 from screwsim.inputs.declare import AREA, VOLUME, FoundWithCycle

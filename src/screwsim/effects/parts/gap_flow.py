@@ -24,8 +24,6 @@ from screwsim.inputs.faults import Fault, UsageError
 
 FITS = {"radial": gap_flow.radial_friction, "flank": gap_flow.flank_friction}
 MIXTURES = {"mcadams": gap_flow.mcadams_mixture, "cicchitti": gap_flow.cicchitti_mixture}
-# of a gap's parameters and the wall's speed (see `resistance`)
-ResistanceModel = Callable[[Any, float | None], Resistance]
 
 
 class FlowModel(NamedTuple):
@@ -35,7 +33,8 @@ class FlowModel(NamedTuple):
     it needs carried oil with a viscosity; `walls`: a wall that slides past the gap drags oil along.
     """
 
-    held: ResistanceModel | None = None  # None: the plain nozzle, without parameters
+    # of a gap's parameters and the wall's speed (see `resistance`); None: the plain nozzle, without parameters
+    held: Callable[[Any, float | None], Resistance] | None = None
     key: str = ""
     example: str = ""
     gas: bool = True

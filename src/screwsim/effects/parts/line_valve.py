@@ -28,6 +28,7 @@ FINE = 8  # factor by which a curve's angles are refined for the first search of
 AROUND = np.linspace(-1.0, 1.0, 9)  # places around the lowest one at which the curve is evaluated again ...
 REFINED = 3  # ... this many times
 MOST_STEPS = 60
+WHOLE_STEPS = 30  # Newton steps taken whole, 14 at most in what was seen: damped ones passed each angle's corner alone
 CONVERGED = 1e-11  # residual over the largest flow
 LEAST_SHARE = 1e-4  # smallest damping factor of a Newton step; below it the step is taken regardless
 MOST_CHANGE = 0.4  # largest change of a shut plenum's pressure in a turn, over the pressure that drives the leaks
@@ -91,7 +92,7 @@ def valve_flow(
 
     z = np.full(points, mean) if start is None else start
     left, p, slope, size = residual(z)
-    for _ in range(MOST_STEPS):
+    for step in range(MOST_STEPS):
         if size <= CONVERGED * largest:
             break
         shut = z <= 0.0
@@ -100,22 +101,23 @@ def valve_flow(
         change, share = np.linalg.solve(slopes, -left), 1.0
         while True:
             trial = residual(z + share * change)
-            if trial[3] < size or share < LEAST_SHARE:
+            if step < WHOLE_STEPS or trial[3] < size or share < LEAST_SHARE:
                 break
             share *= 0.5
         z, (left, p, slope, size) = z + share * change, trial
     return ValveFlow(np.maximum(z, 0.0), p - behind.impedance * mean)
 
 
-def least_flow(valve: Valve, given: Array, behind: ValveSurroundings, passed: ValveFlow) -> float:
-    """Return the least flow [kg/s] over a pitch, `passed` being a first solution (M221).
+def least_flow(valve: Valve, given: Array, behind: ValveSurroundings, passed: ValveFlow, net: float) -> float:
+    """Return the least flow [kg/s] over a pitch, `passed` being a first solution, for a mean flow `net` [kg/s] (M221).
 
     The pressure is smoother than the flow, so that its curve is better resolved: the least flow is that of the
     pressure's lowest value, also between the angles. All harmonics of the flow `given` are resolved, and the number of
     angles is doubled until the result no longer changes.
     """
+    given = given + (net - float(np.mean(given)))
     found, points, mean = float(passed.flow.min()), max(POINTS, len(given) | 1), float(np.mean(given))
-    if found <= 0.0:
+    if found <= 0.0 or net <= 0.0:
         return 0.0
     while True:
         passed = valve_flow(valve, given, behind, points, resampled(passed.flow, points))

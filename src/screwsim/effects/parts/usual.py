@@ -1,9 +1,16 @@
-"""What scenes of a kind of machine usually name, and how large the sizes of effects can be.
+"""Roles of effects, what scenes of a kind of machine usually name, and how large the sizes of effects can be.
 
-An effect declares these of itself, so that the core can ask for them without knowing an effect by name.
+An effect declares these of itself, so that the core can ask for them without knowing an effect by name. Roles are texts
+(`Effect.roles`); those that call for figures are declared beside these (`outputs.core`).
 """
 
 from typing import NamedTuple
+
+WAY_IN = "a path between the suction line and the chambers"
+WAY_OUT = "a path between the chambers and the discharge line"
+SUCTION_BACK = "what flows back to suction is taken in again"
+PUMPS = "power to pump the oil"
+SLIDES = "position of a slide"
 
 
 class Usual(NamedTuple):

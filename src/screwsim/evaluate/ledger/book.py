@@ -1,7 +1,7 @@
 """The entries of the ledger while they are being added up, and the quantities of a closed cycle that it uses."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from screwsim.cycle.cycle_figures import chamber_end_pressure
@@ -59,12 +59,21 @@ class Entry:
     exergy_destroyed: float = 0.0
 
 
-@dataclass
-class Book:
-    """The entries as they are added up, as rates; T_0 [K]."""
+class LedgerCycle:
+    """A closed cycle, and the entries of its ledger as they are added up, as rates; T_0 [K].
 
-    T_0: float
-    entries: dict[str, Entry] = field(default_factory=dict)
+    `line_given`: the discharge line's state is not the outflow's.
+    """
+
+    def __init__(self, of: Evaluation) -> None:
+        self.problem, self.life, self.streams, self.known = of.problem, of.life, of.streams, of.known
+        self.parts, self.lines, self.suction = of.problem.parts, of.problem.lines, of.problem.suction
+        self.composition, self.R, self.rate = of.life.composition, of.life.R, of.problem.rate
+        operation = of.problem.scene.operation
+        self.T_0, self.shaft_power = operation.ambient_temperature, of.figures["shaft_power"]
+        delivers = of.streams[DISCHARGE_IN, OF_GAS] + of.streams[DISCHARGE_OUT, OF_GAS] < 0.0
+        self.line_given = operation.discharge.temperature is not None or not delivers
+        self.entries: dict[str, Entry] = {}
 
     def add(
         self,
@@ -76,9 +85,7 @@ class Book:
         energy: float | None = None,
     ) -> None:
         """Add to an entry: entropy generated [W/K], or exergy destroyed [W], which counts as entropy at T_0."""
-        entry = self.entries.get(name)
-        if entry is None:
-            entry = self.entries[name] = Entry()
+        entry = self.entries.setdefault(name, Entry())
         if gas is not None:
             entry.gas_moved = (entry.gas_moved or 0.0) + gas
         if energy is not None:
@@ -86,19 +93,6 @@ class Book:
         destroyed = exergy if exergy is not None else self.T_0 * (entropy or 0.0)
         entry.exergy_destroyed += destroyed
         entry.entropy_generated += destroyed / self.T_0
-
-
-class LedgerCycle:
-    """Quantities of a closed cycle for the ledger; `line_given`: the discharge line's state is not the outflow's."""
-
-    def __init__(self, of: Evaluation) -> None:
-        self.problem, self.life, self.streams, self.known = of.problem, of.life, of.streams, of.known
-        self.parts, self.lines, self.suction = of.problem.parts, of.problem.lines, of.problem.suction
-        self.composition, self.R, self.rate = of.life.composition, of.life.R, of.problem.rate
-        operation = of.problem.scene.operation
-        self.T_0, self.shaft_power = operation.ambient_temperature, of.figures["shaft_power"]
-        delivers = of.streams[DISCHARGE_IN, OF_GAS] + of.streams[DISCHARGE_OUT, OF_GAS] < 0.0
-        self.line_given = operation.discharge.temperature is not None or not delivers
 
     @property
     def oil(self) -> OilPart:

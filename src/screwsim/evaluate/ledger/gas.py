@@ -8,7 +8,7 @@ with leaks that bypass the chambers and with fresh gas: the entry `suction_line`
 own entry.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import log
@@ -20,7 +20,6 @@ from screwsim.effects.base import DISCHARGE, SUCTION, LineLeak, OilSolution, Pul
 from screwsim.evaluate.ledger.book import (
     DISCHARGE_LINE,
     SUCTION_LINE,
-    Book,
     FlowEnd,
     LedgerCycle,
     Rows,
@@ -34,21 +33,21 @@ from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, DISSOLVED, OF_HELD
 from screwsim.model.trajectory import Array
 
 
-def enter_paths(book: Book, cycle: LedgerCycle, paths: Rows, ends: Sequence[FlowEnd], suction: State) -> None:
+def enter_paths(cycle: LedgerCycle, paths: Rows, ends: Sequence[FlowEnd], suction: State) -> None:
     """Enter every flow path: the entropy its gas generates where it arrives, in a chamber or at its end (M50–M52)."""
     for name, end, row in zip(cycle.paths, ends, paths, strict=True):
         target = end.state
         left = target.generated(row[kernels.OUT_MASS], row[kernels.OUT_ENTHALPY], row[kernels.OUT_ENTROPY])
         moved = row[kernels.MOVED]
         energy = row[kernels.CARRIES] - moved * suction.h
-        book.add(name, gas=moved, energy=energy, entropy=row[kernels.GENERATED] + left)
+        cycle.add(name, gas=moved, energy=energy, entropy=row[kernels.GENERATED] + left)
         if not end.kept and row[kernels.OUT_MASS] > 0.0:
             # the line stays at T_s: enthalpy above that leaves as heat at T_s (M54)
             heat = row[kernels.OUT_ENTHALPY] - row[kernels.OUT_MASS] * target.h
-            book.add(end.entry, energy=heat, exergy=heat * (1.0 - cycle.T_0 / target.T))
+            cycle.add(end.entry, energy=heat, exergy=heat * (1.0 - cycle.T_0 / target.T))
 
 
-def gas_rise(book: Book, cycle: LedgerCycle, suction: State, line: State, discharge: State) -> float:
+def gas_rise(cycle: LedgerCycle, suction: State, line: State, discharge: State) -> float:
     """Return the exergy rise of the gas [W] (M55); enter what holds the discharge line at a given state (M54)."""
     exergy = partial(exergy_over, at=suction, T_0=cycle.T_0)
     back, out = (
@@ -56,7 +55,7 @@ def gas_rise(book: Book, cycle: LedgerCycle, suction: State, line: State, discha
     )
     if cycle.line_given:
         heat = back * (discharge.h - line.h)
-        book.add(DISCHARGE_LINE, energy=heat, exergy=back * (exergy(discharge) - exergy(line)))
+        cycle.add(DISCHARGE_LINE, energy=heat, exergy=back * (exergy(discharge) - exergy(line)))
     return -(out + back) * exergy(discharge) - sum(net * exergy(own) for net, own in cycle.drawn())
 
 
@@ -68,7 +67,7 @@ class Throttled(NamedTuple):
     line: State
 
 
-def enter_pulsations(book: Book, cycle: LedgerCycle, of_lines: Mapping[str, Throttled]) -> None:
+def enter_pulsations(cycle: LedgerCycle, of_lines: Mapping[str, Throttled]) -> None:
     """Enter what pulsating lines cost (M187): throttling, and the pulsation work that entering gas takes up."""
     for name, part in cycle.parts.all(Pulsation):
         row = 2 * cycle.parts.number(part.to)
@@ -77,10 +76,10 @@ def enter_pulsations(book: Book, cycle: LedgerCycle, of_lines: Mapping[str, Thro
         pulsation = float(sums[0, slots.OF_ENERGY] - sums[0, slots.OF_GAS] * line.h)
         passed = abs(float(sums[:, slots.OF_GAS].sum()))
         throttled = passed * (after.s - before.s)
-        book.add(name, gas=passed, energy=-pulsation, exergy=cycle.T_0 * throttled - pulsation)
+        cycle.add(name, gas=passed, energy=-pulsation, exergy=cycle.T_0 * throttled - pulsation)
 
 
-def enter_intake(book: Book, cycle: LedgerCycle, of_gas: float, discharge: State) -> float:
+def enter_intake(cycle: LedgerCycle, of_gas: float, discharge: State) -> float:
     """Return the exergy rise of the delivered gas from the line's state [W]; enter bypass and throttles (M163)."""
     intake, T_s = cycle.suction, cycle.lines.T_s
     h_d = float(cycle.R[slots.R_DISCHARGE + slots.ENTHALPY])
@@ -99,20 +98,20 @@ def enter_intake(book: Book, cycle: LedgerCycle, of_gas: float, discharge: State
     for name, part in cycle.parts.all(SuctionChange):
         if part.returned > 0.0:
             energy = share * flow * (discharge.h - intake.line[slots.ENTHALPY])
-            book.add(name, gas=share * flow, energy=energy, exergy=returned)
+            cycle.add(name, gas=share * flow, energy=energy, exergy=returned)
         if intake.ratio_of(part) < 1.0:  # each of several throttles has its share of the drop
             share_of = log(intake.ratio_of(part)) / log(intake.pressure_ratio)
-            book.add(name, gas=flow, exergy=share_of * throttled)
+            cycle.add(name, gas=flow, exergy=share_of * throttled)
     return of_gas - returned - throttled
 
 
-def enter_walls(book: Book, cycle: LedgerCycle, heats: Array) -> None:
+def enter_walls(cycle: LedgerCycle, heats: Array) -> None:
     """Enter the heat between walls and gas, and the exergy that leaves the walls at their temperature (M171)."""
     c = cycle.composition
     for (name, wall), (heat, generated) in zip(cycle.parts.walls, heats.tolist(), strict=True):
         held = wall.temperature
         T = float(c.P[c.made[list(cycle.parts.made).index(held)]]) if isinstance(held, str) else held
-        book.add(name, energy=heat, exergy=cycle.T_0 * generated - heat * (1.0 - cycle.T_0 / T))
+        cycle.add(name, energy=heat, exergy=cycle.T_0 * generated - heat * (1.0 - cycle.T_0 / T))
 
 
 @dataclass(frozen=True)
@@ -160,7 +159,7 @@ def mean_back(cycle: LedgerCycle, met: Streams, sucked: State) -> State:
 
 
 def enter_line(
-    book: Book, cycle: LedgerCycle, of_gas: float, met: Streams, states: tuple[State, State, State], discharge: State
+    cycle: LedgerCycle, of_gas: float, met: Streams, states: tuple[State, State, State], discharge: State
 ) -> float:
     """Enter mixing and leak of the gas; return the exergy rise [W] of the fresh gas that is delivered.
 
@@ -174,18 +173,18 @@ def enter_line(
     h_d = float(cycle.R[slots.R_DISCHARGE + slots.ENTHALPY])
     p = cycle.suction.pressure
     fresh, leaked = cycle.at(p, cycle.suction.port_state(h_d)[slots.ENTHALPY]), cycle.at(p, h_d)
-    warmed = _warmed_fresh_gas(book, cycle, met, fresh)
+    warmed = _warmed_fresh_gas(cycle, met, fresh)
     of_fresh = met.fresh * (exergy(fresh) - exergy(before))
     of_leak = met.leak.gas * (exergy(leaked) - exergy(before))
     throttled = met.leak.gas * (exergy(discharge) - exergy(leaked))
     mixed = met.fresh * (exergy(warmed) - exergy(before)) + of_leak + met.back.gas * (exergy(back) - exergy(sucked))
-    book.add(SUCTION_LINE, gas=met.back.gas + met.leak.gas, energy=met.fresh * (before.h - warmed.h), exergy=mixed)
+    cycle.add(SUCTION_LINE, gas=met.back.gas + met.leak.gas, energy=met.fresh * (before.h - warmed.h), exergy=mixed)
     for name, _ in cycle.parts.all(LineLeak):
-        book.add(name, gas=met.leak.gas, energy=met.leak.gas * (h_d - fresh.h), exergy=throttled)
+        cycle.add(name, gas=met.leak.gas, energy=met.leak.gas * (h_d - fresh.h), exergy=throttled)
     return of_gas - of_fresh - of_leak - throttled
 
 
-def _warmed_fresh_gas(book: Book, cycle: LedgerCycle, met: Streams, fresh: State) -> State:
+def _warmed_fresh_gas(cycle: LedgerCycle, met: Streams, fresh: State) -> State:
     """Return the fresh gas as warmed on its way; enter the exergy this adds, which is not from the shaft."""
     found = fresh
     for name, part in cycle.parts.all(SuctionHeat):
@@ -193,7 +192,7 @@ def _warmed_fresh_gas(book: Book, cycle: LedgerCycle, met: Streams, fresh: State
             heat = part.power(cycle.shaft_power, cycle.parts.omega)
             after = cycle.at(cycle.suction.pressure, found.h + heat / met.fresh)
             rise = after.h - found.h - cycle.T_0 * (after.s - found.s)
-            book.add(name, energy=heat, exergy=-met.fresh * rise)
+            cycle.add(name, energy=heat, exergy=-met.fresh * rise)
             found = after
     return found
 
@@ -225,34 +224,31 @@ class DissolvedGas:
         """Return the exergy [W] of the gas dissolved in the oil of a stream, uniform in all its oil."""
         return self.of_oil(stream.oil, stream.held / stream.oil) if stream.oil > 0.0 else 0.0
 
-    def mix(self, paths: list[tuple[str, list[float]]], stream: Stream, add: Callable[..., None]) -> None:
+    def mix(self, paths: list[tuple[str, list[float]]], stream: Stream) -> None:
         """Enter the mixing of oil from several paths to the mean content of the whole stream (M233)."""
         w = stream.held / stream.oil if stream.oil > 0.0 else 0.0
         s, total = self.entropies(w)
         for name, row in paths:
             oil, gas, entropy = (row[i] for i in (kernels.OUT_OIL, kernels.OUT_HELD, kernels.OUT_HELD_ENTROPY))
             if oil > 0.0:
-                add(name, entropy=oil * total + s * (gas - oil * w) - entropy)
+                self.cycle.add(name, entropy=oil * total + s * (gas - oil * w) - entropy)
 
     def of_gas(self, gas: float, state: Reservoir) -> float:
         """Return the exergy [W] of gas [kg/s] of a state."""
         return gas * exergy_over(state, self.suction, self.cycle.T_0)
 
-    def at_lines(self, ends: Mapping[FlowEnd, list[tuple[str, list[float]]]], add: Callable[..., None]) -> None:
+    def at_lines(self, ends: Mapping[FlowEnd, list[tuple[str, list[float]]]]) -> None:
         """Enter the mixing of the oil that leaves to the discharge line, by path, and what other ends take (M234).
 
         `ends` holds the paths that lead to each end, with their sums.
         """
         out, held = self.flow_out()
-        self.mix(
-            [each for end, some in ends.items() if end.name == DISCHARGE for each in some],
-            Stream(oil=out, held=held),
-            add,
-        )
+        leaving = [each for end, some in ends.items() if end.name == DISCHARGE for each in some]
+        self.mix(leaving, Stream(oil=out, held=held))
         for end, paths in ends.items():
             for _, row in paths if not end.kept else ():
                 if row[kernels.OUT_OIL] > 0.0:
-                    add(end.entry, exergy=self.exergy(row[kernels.OUT_HELD], row[kernels.OUT_HELD_ENTROPY]))
+                    self.cycle.add(end.entry, exergy=self.exergy(row[kernels.OUT_HELD], row[kernels.OUT_HELD_ENTROPY]))
 
     def flow_out(self) -> tuple[float, float]:
         """Return the oil [kg/s] that leaves to the discharge line, and the gas [kg/s] dissolved in it."""

@@ -19,7 +19,6 @@ from screwsim.evaluate.ledger.book import (
     OIL_INJECTION,
     OIL_SUPPLY,
     SUCTION_LINE,
-    Book,
     FlowEnd,
     LedgerCycle,
     Rows,
@@ -56,30 +55,30 @@ class OilSums(NamedTuple):
     met: Streams | None
 
 
-def oil_rise(book: Book, cycle: LedgerCycle, sums: OilSums, heats: Array, suction: State) -> float:
+def oil_rise(cycle: LedgerCycle, sums: OilSums, heats: Array, suction: State) -> float:
     """Return the exergy rise of the oil [W] (M56); enter its heat, injection, supply and what is not conserved."""
     c, known = cycle.composition, cycle.known
     for name, row in zip(c.heats, heats, strict=True):
-        book.add(name, energy=float(row[kernels.HEAT]), entropy=float(row[kernels.HEAT_GENERATED]))
+        cycle.add(name, energy=float(row[kernels.HEAT]), entropy=float(row[kernels.HEAT_GENERATED]))
     lift = oil_lift(cycle.parts, known)
-    book.add(OIL_SUPPLY, energy=lift, exergy=known.oil_volume_flow * _throttled(cycle) + _kept(cycle))
+    cycle.add(OIL_SUPPLY, energy=lift, exergy=known.oil_volume_flow * _throttled(cycle) + _kept(cycle))
     for name, part in cycle.parts.all(Pulsation):
         if part.to == DISCHARGE and not cycle.parts.oil_room:  # loss of the oil on its way to the line (M187)
             through = known.oil_volume_flow + known.leaked_oil_flow
-            book.add(name, exergy=through * (known.plenum_pressure - cycle.lines.p_d))
+            cycle.add(name, exergy=through * (known.plenum_pressure - cycle.lines.p_d))
     if c.ported:
-        book.add(OIL_INJECTION, entropy=float(sums.oil[kernels.PORT_GENERATED]))
+        cycle.add(OIL_INJECTION, entropy=float(sums.oil[kernels.PORT_GENERATED]))
     reach_station()
-    dissolved = _flash(book, cycle, sums, suction)
+    dissolved = _flash(cycle, sums, suction)
     mechanical = known.oil_volume_flow * (cycle.lines.p_d - known.oil_source_pressure)
     if c.carried:
-        return dissolved + mechanical + _carried(book, cycle, sums)
+        return dissolved + mechanical + _carried(cycle, sums)
     if c.heats:
-        return mechanical + _not_carried(book, cycle, sums)
+        return mechanical + _not_carried(cycle, sums)
     return mechanical
 
 
-def _flash(book: Book, cycle: LedgerCycle, sums: OilSums, suction: State) -> float:
+def _flash(cycle: LedgerCycle, sums: OilSums, suction: State) -> float:
     """Enter the gas that flashes out of the oil; return the exergy [W] by which dissolved gas falls short of it (M197).
 
     Where gas is released over time, return what `_released` does.
@@ -88,29 +87,29 @@ def _flash(book: Book, cycle: LedgerCycle, sums: OilSums, suction: State) -> flo
     if content is None:
         return 0.0
     if isinstance(content, OilSolution):
-        return _released(book, cycle, sums, suction)
+        return _released(cycle, sums, suction)
     for name, _ in cycle.parts.all(OilGas):
         generated = float(sums.oil[kernels.FLASH_GENERATED])
-        book.add(name, gas=flashed, energy=flashed * content.latent, entropy=generated)
+        cycle.add(name, gas=flashed, energy=flashed * content.latent, entropy=generated)
     return flashed * content.latent * (1.0 - cycle.T_0 / cycle.oil.temperature)
 
 
-def _released(book: Book, cycle: LedgerCycle, sums: OilSums, suction: State) -> float:
+def _released(cycle: LedgerCycle, sums: OilSums, suction: State) -> float:
     """Enter gas that oil gives off over time; return the exergy rise [W] of the dissolved and of that gas (M234)."""
     held, coming, met = DissolvedGas(cycle, suction), {end: [] for end in sums.ends}, sums.met
     for name, end, row in zip(cycle.paths, sums.ends, sums.paths, strict=True):
         coming[end].append((name, row))
-    held.at_lines(coming, book.add)
+    held.at_lines(coming)
     gas, energy = float(sums.oil[kernels.FLASH_MASS]), float(sums.oil[kernels.RELEASED])
     rise = held.rise()
     if met is not None:
         of_suction = [each for end, some in coming.items() if end.name == SUCTION for each in some]
-        held.mix(of_suction, met.back, book.add)
+        held.mix(of_suction, met.back)
         leaked = held.of_stream(met.leak)
-        book.add(SUCTION_LINE, exergy=held.of_stream(met.back) + leaked - held.of_stream(met.sucked))
+        cycle.add(SUCTION_LINE, exergy=held.of_stream(met.back) + leaked - held.of_stream(met.sucked))
         rise -= leaked
     for name, part in cycle.parts.all(OilGas):
-        book.add(name, gas=gas, energy=energy, entropy=float(sums.oil[kernels.FLASH_GENERATED]))
+        cycle.add(name, gas=gas, energy=energy, entropy=float(sums.oil[kernels.FLASH_GENERATED]))
         i = 2 * cycle.parts.number(part.plenum)
         net = float(cycle.streams[i : i + 2, slots.OF_GAS].sum()) * cycle.rate
         rise += held.of_gas(net, cycle.parts.plenums[part.plenum])
@@ -143,23 +142,23 @@ def _mixed(mass: float, mass_T: float) -> tuple[float, float, float]:
     return mass, mass_T, mass * log(mass_T / mass) if mass > 0.0 else 0.0
 
 
-def _mixing(book: Book, cycle: LedgerCycle, paths: Rows, T_mean: float, line: str = DISCHARGE) -> None:
+def _mixing(cycle: LedgerCycle, paths: Rows, T_mean: float, line: str = DISCHARGE) -> None:
     """Enter the mixing of the oil that leaves to a line, to its mean temperature there (M53)."""
     c_oil = cycle.oil.heat_capacity
     for name, end, row in zip(cycle.paths, cycle.composition.ends, paths, strict=True):
         mass, mass_T, mass_log = row[kernels.OUT_OIL], row[kernels.OUT_OIL_T], row[kernels.OUT_OIL_LOG]
         if mass > 0.0 and end == line:
-            book.add(name, entropy=c_oil * ((mass_T / T_mean - mass) - (mass_log - mass * log(T_mean))))
+            cycle.add(name, entropy=c_oil * ((mass_T / T_mean - mass) - (mass_log - mass * log(T_mean))))
 
 
-def _carried(book: Book, cycle: LedgerCycle, sums: OilSums) -> float:
+def _carried(cycle: LedgerCycle, sums: OilSums) -> float:
     """Return the thermal exergy rise of carried oil [W]; enter its injection and what the suction line takes."""
     oil, (paths, ends, _, met) = cycle.oil, sums
     out, out_T = (-float(cycle.streams[slots.DISCHARGE_OUT, i]) * cycle.rate for i in (slots.OF_OIL, slots.OF_OIL_HEAT))
     out_T -= out * cycle.problem.oil_pressure_term(cycle.lines.p_d)
     back = float(cycle.streams[slots.DISCHARGE_IN, slots.OF_OIL]) * cycle.rate
     if out > 0.0:
-        _mixing(book, cycle, paths, out_T / out)
+        _mixing(cycle, paths, out_T / out)
     lost = 0.0
     columns = slice(kernels.OUT_OIL, kernels.OUT_OIL_LOG + 1)
     for end in dict.fromkeys(end for end in ends if not end.kept):
@@ -171,17 +170,17 @@ def _carried(book: Book, cycle: LedgerCycle, sums: OilSums) -> float:
             p = cycle.pressure(end.name) if cycle.parts.oil_room else cycle.lines.p_d
             pressure = taken[0] / oil.density * (p - cycle.known.oil_source_pressure)
             energy = oil.heat_capacity * (taken[1] - taken[0] * oil.temperature)
-            book.add(end.entry, energy=energy, exergy=_thermal(cycle, taken[0], taken[1], taken[2]) + pressure)
+            cycle.add(end.entry, energy=energy, exergy=_thermal(cycle, taken[0], taken[1], taken[2]) + pressure)
     if not cycle.composition.ported:
-        book.add(OIL_INJECTION, entropy=cycle.rate * _injection(cycle))
+        cycle.add(OIL_INJECTION, entropy=cycle.rate * _injection(cycle))
     T_line = float(cycle.R[slots.R_DISCHARGE + slots.OIL_TEMPERATURE]) - cycle.problem.oil_pressure_term(
         cycle.lines.p_d
     )
     rise = _thermal(cycle, *_mixed(out, out_T)) - _thermal(cycle, *_mixed(back, back * T_line)) - lost
-    return rise if met is None else rise - _line(book, cycle, paths, met, T_line)
+    return rise if met is None else rise - _line(cycle, paths, met, T_line)
 
 
-def _line(book: Book, cycle: LedgerCycle, paths: Rows, met: Streams, T_line: float) -> float:
+def _line(cycle: LedgerCycle, paths: Rows, met: Streams, T_line: float) -> float:
     """Enter the oil's part in the suction line and its leak; return the part of its exergy rise that leaks or leaves.
 
     T_line [K] is the oil's temperature in the discharge line.
@@ -189,13 +188,13 @@ def _line(book: Book, cycle: LedgerCycle, paths: Rows, met: Streams, T_line: flo
     oil, room = cycle.oil, cycle.parts.oil_room
     p_i, p_d, source = cycle.suction.pressure, cycle.lines.p_d, cycle.known.oil_source_pressure
     if met.back.oil > 0.0:
-        _mixing(book, cycle, paths, met.T_back, SUCTION)
+        _mixing(cycle, paths, met.T_back, SUCTION)
     leaked, before = (_thermal(cycle, *_mixed(met.leak.oil, met.leak.oil * T)) for T in (met.T_leak, T_line))
     mixed = _thermal(cycle, *_mixed(met.back.oil, met.back.oil * met.T_back)) + leaked
     mixed -= _thermal(cycle, *_mixed(met.sucked.oil, met.sucked.oil * met.T_sucked))
-    book.add(SUCTION_LINE, exergy=mixed + met.oil_lost / oil.density * ((p_i if room else p_d) - source))
+    cycle.add(SUCTION_LINE, exergy=mixed + met.oil_lost / oil.density * ((p_i if room else p_d) - source))
     for name, _ in cycle.parts.all(LineLeak):
-        book.add(name, exergy=met.leak.oil / oil.density * (p_d - p_i) + before - leaked)
+        cycle.add(name, exergy=met.leak.oil / oil.density * (p_d - p_i) + before - leaked)
     return before + met.oil_lost / oil.density * (p_d - source)
 
 
@@ -210,12 +209,12 @@ def _injection(cycle: LedgerCycle) -> float:
     return oil.heat_capacity * (mixed + (before * log(T_after / T_before) if before > 0.0 else 0.0))
 
 
-def _not_carried(book: Book, cycle: LedgerCycle, sums: OilSums) -> float:
+def _not_carried(cycle: LedgerCycle, sums: OilSums) -> float:
     """Return the thermal exergy rise of oil at a constant ratio [W]; enter the oil that appears and vanishes (M57)."""
     oil, R = cycle.oil, cycle.R
     out, out_T = (sum([row[column] for row in sums.paths]) for column in (kernels.OUT_OIL, kernels.OUT_OIL_T))
     T_mean = out_T / out if out > 0.0 else oil.temperature
-    _mixing(book, cycle, sums.paths, T_mean)
+    _mixing(cycle, sums.paths, T_mean)
     injected = cycle.known.oil_mass_flow
     times, dense, steps = cycle.life.rows
     c = cycle.composition
@@ -226,7 +225,7 @@ def _not_carried(book: Book, cycle: LedgerCycle, sums: OilSums) -> float:
     entry -= _thermal(cycle, sums.oil[kernels.MADE], sums.oil[kernels.MADE_T], sums.oil[kernels.MADE_LOG])
     entry += _thermal(cycle, *_mixed(out, out_T)) - rise
     entry += float(sums.oil[kernels.LOST] - cycle.T_0 * sums.oil[kernels.LOST_OVER_T])
-    book.add(NOT_CONSERVED, exergy=float(entry))
+    cycle.add(NOT_CONSERVED, exergy=float(entry))
     return rise
 
 
@@ -235,9 +234,7 @@ def _kept(cycle: LedgerCycle) -> float:
     return sum(float(part.kept(cycle.known)) for _, part in cycle.parts.all(PowerLoss) if part.kept is not None)
 
 
-def through_circuit(
-    book: Book, cycle: LedgerCycle, of: Evaluation, of_gas: float, of_oil: float
-) -> tuple[float, float]:
+def through_circuit(cycle: LedgerCycle, of: Evaluation, of_gas: float, of_oil: float) -> tuple[float, float]:
     """Return the exergy rises [W] of gas that has left the separator and of oil that is back; enter what lies between.
 
     Without a separator these are `of_gas` and `of_oil` unchanged.
@@ -257,6 +254,6 @@ def through_circuit(
     of_parted = outflow.gas_flow * exergy(left) - drawn
     cooled = outflow.oil_capacity * (T - outflow.T_supply - T_0 * log(T / outflow.T_supply))
     heat = outflow.heating + outflow.friction - parted.lost_friction - parted.ambient_loss
-    book.add(names[0], gas=outflow.gas_flow, energy=heat, exergy=of_gas + of_oil - of_parted - cooled)
-    book.add(COOLER, energy=outflow.oil_capacity * (T - outflow.T_supply), exergy=cooled)
+    cycle.add(names[0], gas=outflow.gas_flow, energy=heat, exergy=of_gas + of_oil - of_parted - cooled)
+    cycle.add(COOLER, energy=outflow.oil_capacity * (T - outflow.T_supply), exergy=cooled)
     return of_parted, 0.0

@@ -7,7 +7,6 @@ with effects.separator it is machine, separator and oil cooler, up to the gas th
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +14,7 @@ from screwsim.cycle.balances import outflow_of
 from screwsim.effects.base import DISCHARGE, SUCTION, PowerLoss, Reading
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.ledger import gas
-from screwsim.evaluate.ledger.book import Book, Entry, LedgerCycle, State
+from screwsim.evaluate.ledger.book import Entry, LedgerCycle, State
 from screwsim.evaluate.ledger.oil import OilSums, cool_at_lines, oil_rise, through_circuit
 from screwsim.inputs.faults import checked_own_number
 from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE, R_SUCTION
@@ -92,27 +91,29 @@ def ledger(of: Evaluation) -> Ledger:
     paths = moved.tolist()
     cool_at_lines(cycle, paths)
     reach_station()
-    book = Book(cycle.T_0, {name: Entry() for name in _acting_effects(cycle)})
+    for name, items in cycle.parts.effects.items():
+        if not items or not all(isinstance(part, Reading) for part in items):  # effects that only read have no entry
+            cycle.entries[name] = Entry()
     met = gas.line_streams(cycle, paths) if cycle.parts.suction_line else None
     back = sucked if met is None else gas.mean_back(cycle, met, sucked)
     ends = cycle.ends(back, given)
-    gas.enter_paths(book, cycle, paths, ends, sucked)
+    gas.enter_paths(cycle, paths, ends, sucked)
     throttled = {SUCTION: gas.Throttled(suction, sucked, suction), DISCHARGE: gas.Throttled(given, discharge, line)}
-    gas.enter_pulsations(book, cycle, throttled)
-    of_gas = gas.gas_rise(book, cycle, suction, line, discharge)
+    gas.enter_pulsations(cycle, throttled)
+    of_gas = gas.gas_rise(cycle, suction, line, discharge)
     if met is not None:
-        of_gas = gas.enter_line(book, cycle, of_gas, met, (suction, sucked, back), discharge)
+        of_gas = gas.enter_line(cycle, of_gas, met, (suction, sucked, back), discharge)
     if cycle.suction.changed:
-        of_gas = gas.enter_intake(book, cycle, of_gas, discharge)
+        of_gas = gas.enter_intake(cycle, of_gas, discharge)
     warmed = len(cycle.composition.heats)
-    gas.enter_walls(book, cycle, heats[warmed:])
+    gas.enter_walls(cycle, heats[warmed:])
     of_oil = None
     reach_station()
     if cycle.parts.oil is not None:
-        of_oil = oil_rise(book, cycle, OilSums(paths, ends, oil, met), heats[:warmed], suction)
-        of_gas, of_oil = through_circuit(book, cycle, of, of_gas, of_oil)
-    _losses(book, cycle)
-    return Ledger(book.entries, book.T_0, cycle.shaft_power, of_gas, of_oil)
+        of_oil = oil_rise(cycle, OilSums(paths, ends, oil, met), heats[:warmed], suction)
+        of_gas, of_oil = through_circuit(cycle, of, of_gas, of_oil)
+    _losses(cycle)
+    return Ledger(cycle.entries, cycle.T_0, cycle.shaft_power, of_gas, of_oil)
 
 
 def _intake_state(cycle: LedgerCycle) -> State:
@@ -124,15 +125,7 @@ def _intake_state(cycle: LedgerCycle) -> State:
     return cycle.state(cycle.suction.temperature(port_state, cycle.lines.T_s), rho, h)
 
 
-def _acting_effects(cycle: LedgerCycle) -> Iterator[str]:
-    """Yield the effects that do more than read the cycle."""
-    reading = {name for name, _ in cycle.parts.all(Reading)}
-    for name, items in cycle.parts.effects.items():
-        if name not in reading or not all(isinstance(part, Reading) for part in items):
-            yield name
-
-
-def _losses(book: Book, cycle: LedgerCycle) -> None:
+def _losses(cycle: LedgerCycle) -> None:
     """Enter every power besides the gas work: dissipated at T_0, except for what stays in the oil as pressure (M58)."""
     for name, part in cycle.parts.all(PowerLoss):
         power = float(part.power(cycle.known))
@@ -140,4 +133,4 @@ def _losses(book: Book, cycle: LedgerCycle) -> None:
         if math.isfinite(cycle.known.indicated_power):
             checked_own_number(name, f"what the oil keeps of {part.figure} [W]", given, 0.0)
         kept = float(given)
-        book.add(name, energy=power, exergy=power - kept)
+        cycle.add(name, energy=power, exergy=power - kept)

@@ -134,14 +134,6 @@ def rates(to: Statements, network: Network) -> None:
         to.add("q_pushed = pushed / omega")
 
 
-def heads(network: Network) -> list[str]:
-    """Return the quadratures before those of the streams, in their order (slots.Q_WORK …)."""
-    layout = Layout(network)
-    walls = [f"q_{what}_{label}" for label in layout.walls for what in ("wall", "conductance")]
-    met = [f"q_{each}" for each in layout.met]
-    return ["q_work", "q_heat", *walls, *met, *(["q_pushed"] if network.pushes else [])]
-
-
 def between_texts(network: Network) -> list[str]:
     """Return the functions for a chamber between two steps."""
     return [_gas(network), _mass_rate(network)]

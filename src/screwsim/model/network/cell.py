@@ -24,7 +24,10 @@ class Cell:
 
     def __init__(self, network: Network) -> None:
         self.network, self.layout = network, Layout(network)
-        self.own = own_port_state(network)
+        rho, T_oil = ("rho_felt", "T_felt") if network.roomed else ("rho", "T_oil")
+        oil = ("x_oil", T_oil) if network.carried else ("0.0", "0.0")
+        held = "w_gas" if network.dissolves else "0.0"
+        self.own = flows.PortState("p", rho, "h", "exponent", "choke", "choked", *oil, held)
         # sums of streams in the order of the categories (slots.py)
         self.sums = [f"{cell}_{way}" for cell in network.cells if cell for way in ("in", "out")]
         self.sums[4:4] = ["between", "port"] if network.ported or len(network.cells) > 3 else ["between"]
@@ -108,8 +111,10 @@ class Cell:
     @property
     def quadratures(self) -> list[str]:
         """Return the names of all quadratures, in their order (slots.Q_WORK …)."""
-        of_streams = [f"q_{quantity}_{each}" for each in self.sums for quantity in self.network.quantities]
-        return [*balances.heads(self.network), *of_streams]
+        walls = [f"q_{what}_{label}" for label in self.layout.walls for what in ("wall", "conductance")]
+        heads = ["q_work", "q_heat", *walls, *(f"q_{each}" for each in self.layout.met)]
+        heads += ["q_pushed"] if self.network.pushes else []
+        return heads + [f"q_{quantity}_{each}" for each in self.sums for quantity in self.network.quantities]
 
     def by_angle(self) -> dict[tuple[str, str], str]:
         """Return the derivatives by the angle of the numbers in E."""
@@ -129,10 +134,3 @@ class Cell:
         if network.slow:
             found["slow"] = f"({slow} - slow) * per_delta"
         return {(name, "phi"): text for name, text in found.items()}
-
-
-def own_port_state(network: Network) -> flows.PortState:
-    """Return the names of the numbers of a chamber's own port state."""
-    rho, T_oil = ("rho_felt", "T_felt") if network.roomed else ("rho", "T_oil")
-    oil = ("x_oil", T_oil) if network.carried else ("0.0", "0.0")
-    return flows.PortState("p", rho, "h", "exponent", "choke", "choked", *oil, "w_gas" if network.dissolves else "0.0")

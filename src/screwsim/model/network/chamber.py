@@ -7,6 +7,7 @@ Source: docs/model.md M1–M13. `E` holds what depends on the angle alone: volum
 from functools import lru_cache
 from typing import Any
 
+from screwsim.model.impacts import keep_at_rest, keep_rows_at_rest
 from screwsim.model.network import balances, stops
 from screwsim.model.network.balances import between_texts
 from screwsim.model.network.cell import BY_ANGLE, CONSTANT, Cell
@@ -53,7 +54,7 @@ class Chamber(Cell):
         films = [self.film_flows(), self.oil_films()] if any(gap.film or gap.drag for gap in self.network.gaps) else []
         network = self.network
         between = [*port_state_texts(network), *between_texts(network), *step_texts(network)]
-        around = [*lines_texts(network)[:1], beyond_last_text(network), surroundings_text(network)]
+        around = [*lines_texts(network, "chamber"), beyond_last_text(network), surroundings_text(network)]
         own = [self.rates(), self.jacobian(), self.path_flows(), self.given_off(), *films]
         return [*own, *between, *around, *line_flow_texts(network)]
 
@@ -125,14 +126,14 @@ class Chamber(Cell):
 
     def rates(self) -> str:
         """Return the text of dy/dφ of one chamber, and of the rates of its quadratures."""
-        held = "gas_phase(T, rho, P, TAB) if own[PHASE] == FREE else int(own[PHASE])"
+        network, held = self.network, "gas_phase(T, rho, P, TAB) if own[PHASE] == FREE else int(own[PHASE])"
         return function(
             "chamber__rates(y, E, context, f, g)",
             ['"""Fill f = dy/dphi and the quadrature rates g of one chamber."""', CONTEXT],
-            [*self.states(), f"phase = {held}" if self.network.phases else "phase = 0"],
+            [*self.states(), f"phase = {held}" if network.phases else "phase = 0"],
             [*self._body(False), *KEPT, *self._stored()],
-            [*stops.keep_at_rest(self.network, "f"), "own[STEP_END] = E[E_ANGLE]"] if self.network.stops else [],
-            ["own[FED_LAST] = inflow"] if self.network.flash_begins else [],
+            [*stops.at_rest(network, keep_at_rest, "f"), "own[STEP_END] = E[E_ANGLE]"] if network.stops else [],
+            ["own[FED_LAST] = inflow"] if network.flash_begins else [],
         )
 
     def jacobian(self) -> str:
@@ -154,8 +155,8 @@ class Chamber(Cell):
         after = [f"{self.layout.share(port, 'HELD')} = switch_{self.layout.label(port)}" for port in valves]
         after += ["own[FED_FIRST] = inflow"] if network.flash_begins else []
         if network.stops:
-            after += [*stops.keep_at_rest(network, "f"), *stops.keep_at_rest(network, "f_phi")]
-            after += [*stops.keep_rows_at_rest(network, "J"), "own[STEP_BEGIN] = E[E_ANGLE]"]
+            after += [line for array in ("f", "f_phi") for line in stops.at_rest(network, keep_at_rest, array)]
+            after += [*stops.at_rest(network, keep_rows_at_rest, "J"), "own[STEP_BEGIN] = E[E_ANGLE]"]
         return function(
             "chamber__jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi)",
             ['"""Fill f, g and their derivatives by y and by phi; E_next is E at phi + delta."""', CONTEXT],

@@ -18,17 +18,16 @@ from screwsim.model.network.cell import CONSTANT, Cell
 from screwsim.model.network.flows import PortState, port_state_of, read_port_state
 from screwsim.model.network.layout import place_of_sum
 from screwsim.model.network.network import Gap, Network
-from screwsim.model.network.port_states import port_state_texts
+from screwsim.model.network.port_states import VARYING, port_state_texts
 from screwsim.model.network.statements import Statements, Tangent, function
 from screwsim.model.network.steps import step_texts
-from screwsim.model.network.steps_together import BEFORE, held_phase, step_texts_together
+from screwsim.model.network.steps_together import BEFORE, HELD, step_texts_together
 from screwsim.model.network.surroundings import lines_texts, surroundings_together_text
 from screwsim.numerics.expressions import slope_name
 from screwsim.numerics.kernel import Kernel
 
 CONTEXT = "P, TAB, R, port_states, work = context.P, context.TAB, context.R, context.port_states, context.work"
 GAS = {"p": "PRESSURE", "h": "ENTHALPY", "c_v": "C_V", "TpT": "TPT"}  # of a port state, with derivatives by T and rho
-NOZZLE = {"exponent": "EXPONENT", "choke": "CHOKE", "choked": "CHOKED"}
 BOTH = ("T", "rho")
 ANGLE = "COLUMNS - 1"  # the column of derivatives by the angle
 BOTH_SIDES = ("", "j"), ("_ahead", "ahead")  # of a gap: suffix of names, index of the chamber
@@ -40,7 +39,7 @@ def chambers_texts(key: tuple[Any, ...]) -> tuple[tuple[str, ...], tuple[Kernel,
     network = Network(*key)
     chambers, exact = Chambers(network), Chambers(network, exact=True)
     of_one = [*port_state_texts(network), *between_texts(network), *step_texts(network)]
-    of_one += [*lines_texts(network)[1:], surroundings_together_text(network)]
+    of_one += [*lines_texts(network, "chambers"), surroundings_together_text(network)]
     jacobians = chambers.jacobian(), *((exact.jacobian(),) if _has_exact(network) else ())
     texts = chambers.rates(), *jacobians, *step_texts_together(network), *of_one
     return texts, (*network.kernels.values(), *chambers.tangents, *exact.tangents)
@@ -53,7 +52,7 @@ def _has_exact(network: Network) -> bool:
 
 def room(network: Network) -> int:
     """Return the size of the working array of the functions of all chambers."""
-    n, slopes = network.chambers, len(BOTH) * len(GAS | (NOZZLE if _has_exact(network) else {}))
+    n, slopes = network.chambers, len(BOTH) * len(GAS | (VARYING if _has_exact(network) else {}))
     return n * (slopes + len(given(network)) * (n * len(network.states) + 2))
 
 
@@ -64,9 +63,9 @@ def work_constants(network: Network) -> dict[str, int]:
     """
     found = {"GIVEN": len(given(network)), "COLUMNS": network.chambers * len(network.states) + 1}
     found |= {f"GIVEN_{quantity}": k for k, quantity in enumerate(given(network))}
-    found |= {f"BY_{name}_{seed}": i for i, (name, seed) in enumerate((a, b) for a in GAS | NOZZLE for b in BOTH)}
+    found |= {f"BY_{name}_{seed}": i for i, (name, seed) in enumerate((a, b) for a in GAS | VARYING for b in BOTH)}
     found["GAS_SLOPES"] = network.chambers * found["GIVEN"]
-    for ends, gas in (("", GAS), ("_EXACT", GAS | NOZZLE)):
+    for ends, gas in (("", GAS), ("_EXACT", GAS | VARYING)):
         found[f"OF_GAS{ends}"] = len(gas) * len(BOTH)
         found[f"GIVEN_SLOPES{ends}"] = found["GAS_SLOPES"] + network.chambers * found[f"OF_GAS{ends}"]
     return found
@@ -92,7 +91,7 @@ class Chambers(Cell):
         super().__init__(network)
         self.jacobian_name = "exact_jacobian" if exact else "jacobian"
         # the numbers of a port state that have derivatives
-        self.gas, self.constant = (GAS | NOZZLE, ()) if exact else (GAS, CONSTANT)
+        self.gas, self.constant = (GAS | VARYING, ()) if exact else (GAS, CONSTANT)
         self.of_gas = [(name, seed) for name in self.gas for seed in BOTH]
         self.exact, self.ends = exact, "_EXACT" if exact else ""  # of the names of `work_constants`
         self.tangents: list[Kernel] = []
@@ -102,7 +101,7 @@ class Chambers(Cell):
     def _read_own(self, to: Statements, slopes: bool) -> None:
         """Read a chamber's states, surroundings and gas."""
         to.add("e = j * E_CHAMBER", "own = j * N", *self.states("own + "))
-        to.add(*(f"{name} = port_states[j * PORT_STATE + {at}]" for name, at in (GAS | NOZZLE).items()))
+        to.add(*(f"{name} = port_states[j * PORT_STATE + {at}]" for name, at in (GAS | VARYING).items()))
         if slopes:
             self._read_slopes(to, "", "j")
 
@@ -123,7 +122,7 @@ class Chambers(Cell):
         """Read states and gas of the chamber `ahead`."""
         states = [name for name in self.network.states if name not in self.network.own_states]
         to.add(*(f"{name}_ahead = y[ahead * N + S_{name}]" for name in states))
-        asked = {"p": "PRESSURE", "h": "ENTHALPY"} | NOZZLE
+        asked = {"p": "PRESSURE", "h": "ENTHALPY"} | VARYING
         to.add(*(f"{name}_ahead = port_states[ahead * PORT_STATE + {at}]" for name, at in asked.items()))
         if slopes:
             self._read_slopes(to, "_ahead", "ahead")
@@ -136,7 +135,7 @@ class Chambers(Cell):
         self.begin(to, ["given"])
         if self.network.pushes:
             to.add("pushed = 0.0")
-        names = (self.own.p, self.own.rho, self.own.h, *NOZZLE, self.own.oil_ratio, self.own.T_oil, self.own.held)
+        names = (self.own.p, self.own.rho, self.own.h, *VARYING, self.own.oil_ratio, self.own.T_oil, self.own.held)
         self.gap(to, gap, "given", "given", PortState(*(name if name == "0.0" else name + "_ahead" for name in names)))
         if self.network.pushes:
             to.add("pushed_given = pushed")
@@ -262,10 +261,9 @@ class Chambers(Cell):
 
     def rates(self) -> str:
         """Return the text of dy/dφ of all chambers, and of the rates of their quadratures."""
-        network, to = self.network, Statements()
+        to = Statements()
         with to.within("for j in range(CHAMBERS)"):
-            phase = held_phase(network, "j")
-            to.add(f"chamber__port_state({phase}, y, j * N, P, TAB, port_states, j * PORT_STATE)")
+            to.add(f"chamber__port_state({HELD}, y, j * N, P, TAB, port_states, j * PORT_STATE)")
         to.add(*self._between(False))
         with to.within("for i in range(Q_crossing + 1)"):
             to.add("g[i] = 0.0")
@@ -285,13 +283,13 @@ class Chambers(Cell):
         self.tangents += tangent.kernels
         with to.within("for j in range(CHAMBERS)"):
             to.add("T = y[j * N + S_T]", "rho = y[j * N + S_rho]")
-            held, of_states = held_phase(network, "j"), "phase = gas_phase(T, rho, P, TAB)"
+            of_states = "phase = gas_phase(T, rho, P, TAB)"
             if self.exact and network.phases:
-                to.add(f"{of_states} if {held} == FREE else int({held})")
+                to.add(f"{of_states} if {HELD} == FREE else int({HELD})")
             else:
-                to.add(*([of_states, f"{held} = phase"] if network.phases else ["phase = 0"]))
+                to.add(*([of_states, f"{HELD} = phase"] if network.phases else ["phase = 0"]))
             to.add(*tangent.lines)
-            to.add(*(f"port_states[j * PORT_STATE + {at}] = {name}" for name, at in (GAS | NOZZLE).items()))
+            to.add(*(f"port_states[j * PORT_STATE + {at}] = {name}" for name, at in (GAS | VARYING).items()))
             for name, seed in self.of_gas:
                 to.add(f"{self._gas_slope('j', name, seed)} = {tangent.slope(name, seed)}")
 

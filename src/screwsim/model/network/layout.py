@@ -24,7 +24,7 @@ class Layout:
         ports = [each.effect for each in network.ports]
         several = {effect for effect in ports if ports.count(effect) > 1}
         names = [f"{each.effect}_to_{each.cell}" if each.effect in several else each.effect for each in network.ports]
-        self._labels = labels([*names, *(each.effect for each in network.gaps)])
+        self._labels = labels(*names, *(each.effect for each in network.gaps))
 
     def label(self, path: Port | Gap) -> str:
         """Return the name of a port or gap, as part of an identifier."""
@@ -72,12 +72,12 @@ class Layout:
         return [each.position for each in self._network.stops]
 
     @property
-    def heats(self) -> list[str]:
+    def heats(self) -> tuple[str, ...]:
         """The names of all heats: from the oil, then from walls."""
-        return labels([each.effect for each in (*self._network.heats, *self._network.walls)])
+        return labels(*(each.effect for each in (*self._network.heats, *self._network.walls)))
 
     @property
-    def walls(self) -> list[str]:
+    def walls(self) -> tuple[str, ...]:
         """The names of the walls."""
         return self.heats[len(self._network.heats) :]
 
@@ -155,13 +155,9 @@ def _counted(head: str, names: Iterable[str], first: int = 0) -> dict[str, int]:
     return {f"{head}{name}": i for i, name in enumerate(names, first)}
 
 
-def labels(names: Iterable[str]) -> list[str]:
-    """Return names as parts of identifiers, made unique: the second of a name ends with 2 …."""
-    return list(_labels(tuple(names)))
-
-
 @lru_cache(maxsize=256)
-def _labels(names: tuple[str, ...]) -> tuple[str, ...]:
+def labels(*names: str) -> tuple[str, ...]:
+    """Return names as parts of identifiers, made unique: the second of a name ends with 2 …."""
     found: list[str] = []
     for name in map(identifier, names):
         label, again = name, 2

@@ -27,17 +27,8 @@ CONTEXT = "P, TAB, R, own = context.P, context.TAB, context.R, context.own"
 
 def step_texts(network: Network) -> list[str]:
     """Return the functions that the integrator calls for one chamber, and those that both drivers share."""
-    return [
-        *(
-            _error(network),
-            _error_size(),
-            _lands(network),
-            _inject(network),
-            _at_breakpoint(network),
-            _share_in_phase(network),
-        ),
-        *(_into(network), _conserve(network), _jump(network), *stop_texts(network)),
-    ]
+    own = (_error, _error_size, _lands, _inject, _at_breakpoint, _share_in_phase, _into, _conserve, _jump)
+    return [*(text(network) for text in own), *stop_texts(network)]
 
 
 def step_kernels(network: Network) -> list[Kernel]:
@@ -58,14 +49,15 @@ def _error(to: Statements, network: Network) -> None:
     # the error of T counts as that of the resulting pressure, at fixed density, where that is larger (for an ideal
     # gas they are equal). Negative T, ρ or oil ratio must be rejected explicitly: they would pass where they are
     # small beside the value before the step, and a negative oil ratio is unstable.
-    positive = dict(zip(network.own_states, network.positive, strict=True))
+    own = dict(zip(network.own_states, network.positive, strict=True))
+    positive = dict.fromkeys(("T", "rho", "T_oil"), True) | own
     if network.roomed:
         with to.within("if oil_displacement__locked(y1, at, P)"):
             to.add(f"return {IMPOSSIBLE!r}")
     to.add("worst = 0.0")
     if network.carried:
         to.add(f"some_oil = min(1.0, max(abs(y0[at + S_x_oil]), abs(y1[at + S_x_oil])) / {SOME_OIL!r})")
-    scales = {"x_oil": SOME_OIL, "w_gas": SOME_GAS} | {name: SHARP for name in positive if not positive[name]}
+    scales = {"x_oil": SOME_OIL, "w_gas": SOME_GAS} | {name: SHARP for name in own if not own[name]}
     for name in network.states:
         error, before, after = (f"{array}[at + S_{name}]" for array in ("error", "y0", "y1"))
         to.add(f"e = {relative.flat_name}({error}, {before}, {after}, {scales.get(name, 1e-300)!r})")
@@ -79,7 +71,7 @@ def _error(to: Statements, network: Network) -> None:
             to.add("worst = e")
         with to.within("if e != e"):
             to.add(f"return {IMPOSSIBLE!r}")
-    possible = [f"y1[at + S_{name}] > 0.0" for name in network.states if _above_zero(name, positive)]
+    possible = [f"y1[at + S_{name}] > 0.0" for name in network.states if positive.get(name)]
     if network.carried:
         possible.append(f"y1[at + S_x_oil] > {-NO_OIL!r}")
     with to.within(f"if not ({' and '.join(possible)})"):
@@ -87,12 +79,8 @@ def _error(to: Statements, network: Network) -> None:
     to.add("return worst")
 
 
-def _above_zero(name: str, positive: dict[str, bool]) -> bool:
-    return positive.get(name, name in ("T", "rho", "T_oil"))
-
-
 @writes("chamber__error_size(y0, y1, error, context)")
-def _error_size(to: Statements) -> None:
+def _error_size(to: Statements, network: Network) -> None:
     """Return the largest relative error of the states over a step."""
     to.add("return chamber__error(y0, y1, error, 0, context.own, 0, context.P)")  # `own` is that of the last stage
 

@@ -12,6 +12,7 @@ from screwsim.model.network.steps import closing_test, exchanged, stiff_test
 from screwsim.model.slots import FIRST_OWN
 
 BEFORE = "(j + 0.5) * P[P_PITCH] < P[P_INJECTION]"  # test for chamber j being before the injection angle
+HELD = "port_states[(CHAMBERS + 1) * PORT_STATE + j]"  # the phase in which chamber j is held during a step
 CONTEXT = "P, TAB, R, port_states = context.P, context.TAB, context.R, context.port_states"
 
 
@@ -26,11 +27,6 @@ def step_texts_together(network: Network) -> list[str]:
     jump = function("chambers__jump(y, rtol, context)", ["return True"])
     own = [_error_size(network), _share_in_phase(network), _lands(network), _through_port(network), _conserve(network)]
     return [*own, *nothing, jump]
-
-
-def held_phase(network: Network, j: str) -> str:
-    """Return where the phase is in which chamber j is held during a step."""
-    return f"port_states[(CHAMBERS + 1) * PORT_STATE + {j}]"
 
 
 @writes("chambers__error_size(y0, y1, error, context)")
@@ -50,7 +46,7 @@ def _share_in_phase(to: Statements, network: Network) -> None:
     if network.phases:
         with to.within("for j in range(CHAMBERS)"):
             to.add("steep = port_states[j * PORT_STATE + TPT] / port_states[j * PORT_STATE + PRESSURE]")
-            to.add(f"held = {held_phase(network, 'j')}")
+            to.add(f"held = {HELD}")
             to.add("share = min(share, borders__share_before_border(held, y, y1, u, j * N, steep, rtol, P, TAB))")
     to.add("return share")
 
@@ -92,7 +88,7 @@ def _through_port(to: Statements, network: Network) -> None:
     with to.within("if dq[inward] + dq[outward] >= 0.0"):
         to.add("chamber__into(dq, inward, defect, R, line)")
     with to.within("else"):
-        to.add(f"held = {held_phase(network, 'j')}", "row = j * PORT_STATE")
+        to.add(f"held = {HELD}", "row = j * PORT_STATE")
         to.add(
             "chamber__port_state(held, y1, j * N, P, TAB, port_states, row)",
             "chamber__into(dq, outward, defect, port_states, row)",

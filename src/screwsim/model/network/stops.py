@@ -37,18 +37,8 @@ def _of(stop: Stop) -> str:
     return f"S_{stop.position}, S_{stop.speed}, MODE_{stop.position}, DUE_{stop.position}"
 
 
-def keep_at_rest(network: Network, f: str) -> list[str]:
-    """Return statements that zero the entries of resting pairs, in rates f or their derivatives by the angle."""
-    return _kept(network, impacts.keep_at_rest, f)
-
-
-def keep_rows_at_rest(network: Network, J: str) -> list[str]:
-    """Return statements that do the same for the rows of a Jacobian."""
-    return _kept(network, impacts.keep_rows_at_rest, J)
-
-
-def _kept(network: Network, by: Kernel, array: str) -> list[str]:
-    """Return calls of a kernel for all pairs."""
+def at_rest(network: Network, by: Kernel, array: str) -> list[str]:
+    """Return calls of a kernel that zeroes what belongs to resting pairs in an array: rates, or rows of a Jacobian."""
     return [
         f"{by.flat_name}(own, MODE_{each.position}, S_{each.position}, S_{each.speed}, {array})"
         for each in network.stops

@@ -80,18 +80,16 @@ def beyond_last_text(to: Statements, network: Network) -> None:
     to.add("E[at + BEYOND] = 1.0")
 
 
-def lines_texts(network: Network) -> list[str]:
-    """Return the texts of the port states of lines and plenums at an angle, where lines pulsate (M186)."""
+def lines_texts(network: Network, whose: str) -> list[str]:
+    """Return the text that fills the port states of lines and plenums into E, where lines pulsate (M186).
+
+    `whose` is "chamber" for one of them, "chambers" for all together.
+    """
     if not network.pulsating:
         return []
-    return [_lines(network, "chamber", False), _lines(network, "chambers", True)]
-
-
-def _lines(network: Network, whose: str, together: bool) -> str:
-    """Return the text that fills the port states of lines and plenums into the surroundings."""
     layout, to = Layout(network), Statements()
     for cell in filter(None, network.cells):
-        _, at = layout.line(cell, together)
+        _, at = layout.line(cell, whose == "chambers")
         pulsates = cell in network.pulses
         if pulsates:
             p, rho, h, inverse = (f"R[R_{cell} + {NUMBERS[name]}]" for name in (*PULSED, "exponent"))
@@ -100,8 +98,5 @@ def _lines(network: Network, whose: str, together: bool) -> str:
         for name, number in needed(network).items():
             found = name if pulsates and name in PULSED else f"R[R_{cell} + {number}]"
             to.add(f"E[{at} + {number}] = {found}")
-    return function(
-        f"{whose}__lines(phi, P, R, E)",
-        ['"""Fill the port states of lines and plenums, those of lines as they pulsate at phi [rad] (M186)."""'],
-        to.lines,
-    )
+    text = '"""Fill the port states of lines and plenums, those of lines as they pulsate at phi [rad] (M186)."""'
+    return [function(f"{whose}__lines(phi, P, R, E)", [text], to.lines)]
