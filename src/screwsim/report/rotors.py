@@ -1,9 +1,9 @@
 """Figures of a rotor pair: mesh, sealing line in space, volume and areas over the angle, slide valve."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,9 @@ from screwsim.machine.rotors.pair import outlines
 from screwsim.machine.rotors.rotors import Rotors
 from screwsim.machine.rotors.settings import SlideValve
 from screwsim.report import style
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, plain_ticks, subplots
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, plain_ticks, subplots, write_all
+from screwsim.results.atomic import make_folder, write_text
+from screwsim.results.protection import protect_other_text
 
 POSITIONS = (0.0, 0.25, 0.5, 0.75, 1.0)
 CM2 = 1e4  # [cm²/m²]
@@ -23,12 +25,17 @@ MM = 1e3  # [mm/m]
 _FILL = "#e4e4e4"
 
 
-def figures_and_texts(
-    rotors: Rotors, volume_ratio: float, axial_ratio: float | None = None, slide: SlideValve | None = None
-) -> tuple[dict[str, Callable[[], Any]], dict[str, str]]:
-    """Return the functions that draw the figures of a pair, and its texts (CSV, DXF), both by name."""
+def draw_rotors(
+    rotors: Rotors,
+    volume_ratio: float,
+    folder: str | Path,
+    axial_ratio: float | None = None,
+    slide: SlideValve | None = None,
+) -> list[str]:
+    """Write all figures (PNG, PDF) and all files (CSV, DXF) of a pair and return their paths."""
+    target = Path(folder)
     curves = make_curves(rotors, volume_ratio, axial_ratio, slide)
-    plans: dict[str, Callable[[], Any]] = {
+    plans = {
         "rotors": partial(mesh_figure, rotors),
         "sealing_line": partial(sealing_figure, rotors),
         "volume": partial(volume_figure, curves),
@@ -46,7 +53,11 @@ def figures_and_texts(
         "female.dxf": outline_dxf(*female),
         **{f"curves/{name}": text for name, text in curves_csv(curves).items()},
     }
-    return plans, texts
+    files = {target / name: text for name, text in texts.items()}
+    protect_other_text(files)
+    written = write_all(plans, target)
+    make_folder(target / "curves")
+    return written + [write_text(path, text) for path, text in files.items()]
 
 
 def mesh_figure(rotors: Rotors) -> Any:

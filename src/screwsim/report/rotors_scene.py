@@ -17,9 +17,8 @@ from screwsim.machine.rotors import leakage
 from screwsim.machine.rotors.curves import Curve, closed_in
 from screwsim.machine.rotors.export import curve_csv
 from screwsim.outputs.customary import with_printed_units
-from screwsim.report.rotors import figures_and_texts
+from screwsim.report.rotors import draw_rotors
 from screwsim.report.rotors_page import page
-from screwsim.report.style import write_all
 from screwsim.results.atomic import make_folder, write_text
 from screwsim.results.protection import protect_other_text
 from screwsim.scene import scene_text
@@ -124,15 +123,12 @@ def write(scene: Scene, folder: Path) -> list[str]:
     machine = twin_screw(scene.machine)
     ratio, axial = float(machine.built_in_volume_ratio or 0.0), machine.axial_volume_ratio
     tables = folder / "table"
-    plans, texts = figures_and_texts(laid.rotors, ratio, axial, machine.slide_valve)
-    texts |= {"rotors.html": page(laid, with_printed_units(scene.title))}
-    texts |= {f"table/{name}": text for name, text in table_files(scene, tables).items()}
-    files = {folder / name: text for name, text in texts.items()}
-    protect_other_text(files)
-    written = write_all(plans, folder)
-    for each in (folder / "curves", tables):
-        make_folder(each)
-    return written + [write_text(path, text) for path, text in files.items()]
+    texts = {folder / "rotors.html": page(laid, with_printed_units(scene.title))}
+    texts |= {tables / name: text for name, text in table_files(scene, tables).items()}
+    protect_other_text(texts)
+    written = draw_rotors(laid.rotors, ratio, folder, axial, machine.slide_valve)
+    make_folder(tables)
+    return written + [write_text(path, text) for path, text in texts.items()]
 
 
 def table_files(scene: Scene, folder: Path) -> dict[str, str]:
