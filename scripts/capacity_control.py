@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 
 from screwsim import load
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, SMALL, new_figure, plain_ticks, write_all
+from screwsim.report.style import COLOURS, DASHES, SMALL, panels, plain_ticks, write_all
 from screwsim.results.atomic import make_folder, write_csv
 from screwsim.study.part_load import LOADS, NEAR, PartLoad, controls, part_load
 
@@ -68,9 +68,8 @@ def pages(found: Found) -> None:
 
 def figure(found: Found):
     """Draw all figures over the load: one colour per way, dashed lines for displaced oil."""
-    drawing = new_figure(DOUBLE, 130.0)
-    panels = drawing.subplots(2, 2, sharex=True).ravel()
-    for axes, (name, (label, factor, offset)) in zip(panels, FIGURES.items(), strict=True):
+    drawing, places = panels(len(FIGURES), 0.0, 65.0, sharex=True)
+    for axes, (name, (label, factor, offset)) in zip(places, FIGURES.items(), strict=True):
         for (way, supply), each in found.items():
             colour = COLOURS[(0, 2, 3, 5)[list(WAYS).index(way)]]
             dashes = DASHES[0] if supply == "pump" else DASHES[1]
@@ -83,8 +82,8 @@ def figure(found: Found):
         plain_ticks(axes.xaxis)
         if name != "discharge_temperature":
             axes.set_ylim(bottom=0.0)
-    handles, labels = panels[0].get_legend_handles_labels()
-    dashed = panels[0].plot([], [], color="black", linestyle=DASHES[1])[0]
+    handles, labels = places[0].get_legend_handles_labels()
+    dashed = places[0].plot([], [], color="black", linestyle=DASHES[1])[0]
     drawing.legend([*handles, dashed], [*labels, "oil displaced"], loc="outside upper center", ncols=5, fontsize=SMALL)
     drawing.supxlabel("load: cooling capacity over that at full load (%)", fontsize=8.0)
     return drawing

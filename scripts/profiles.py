@@ -19,7 +19,7 @@ import numpy as np
 from screwsim.machine.geometry import Geometry
 from screwsim.machine.profile_law import laid_curves
 from screwsim.outputs import Result
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, SMALL, new_figure, plain_ticks, write_all
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, SMALL, panels, plain_ticks, subplots, write_all
 from screwsim.scene import Scene, load
 from screwsim.scene.grid import with_values
 from screwsim.simulate import simulate
@@ -140,8 +140,7 @@ def published(scenes: dict[str, Scene]) -> None:
 
 
 def _profiles_figure(results: dict[str, Result]) -> Any:
-    figure = new_figure(DOUBLE, 66.0)
-    left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.9))
+    figure, (left, right) = subplots(DOUBLE, 66.0, 1, 2, width_ratios=(1.0, 1.9))
     places = np.arange(len(results))
     for j, text in enumerate(("volumetric", "isentropic")):
         heights = [100.0 * result.performance[f"{text}_efficiency"] for result in results.values()]
@@ -165,18 +164,17 @@ def _profiles_figure(results: dict[str, Result]) -> Any:
 
 
 def _studies_figure(studies: dict[str, list[tuple[float, float, float]]]) -> Any:
-    figure = new_figure(DOUBLE, 104.0)
-    panels = figure.subplots(2, 3, sharey=True).ravel()
-    for axes, (name, rows) in zip(panels, studies.items(), strict=True):
+    figure, places = panels(6, 0.0, 52.0, columns=3, sharey=True)
+    for axes, (name, rows) in zip(places, studies.items(), strict=True):
         value, filling, efficiency = np.array(rows).T
         axes.plot(value, 100.0 * filling, color=COLOURS[1], linestyle=DASHES[1], marker="s", label="volumetric")
         axes.plot(value, 100.0 * efficiency, color=COLOURS[0], marker="o", label="isentropic")
         axes.set(xlabel=AXES.get(name, name), ylim=(70.0, 100.0))
         plain_ticks(axes.xaxis, most=5)
         plain_ticks(axes.yaxis, most=6)
-    for row in (panels[0], panels[3]):
+    for row in (places[0], places[3]):
         row.set_ylabel("efficiency (%)")
-    panels[0].legend(loc="lower left")
+    places[0].legend(loc="lower left")
     return figure
 
 

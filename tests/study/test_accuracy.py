@@ -12,7 +12,7 @@ import pytest
 from screwsim.cli import exit_code
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.outputs import Figures, Result
-from screwsim.report.accuracy import draw
+from screwsim.report.evidence import draw_accuracy
 from screwsim.scene import Scene, load, loads
 from screwsim.simulate import simulate
 from screwsim.study import accuracy
@@ -160,7 +160,7 @@ def test_files_hold_every_case(found, tmp_path):
 
 
 def test_the_figure_is_drawn(sketched, found, tmp_path):
-    paths = draw(found, tmp_path)
+    paths = draw_accuracy(found, tmp_path)
     assert [path.rsplit("/")[-1] for path in paths] == ["accuracy.png", "accuracy.pdf"]
 
 

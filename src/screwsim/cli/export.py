@@ -309,9 +309,10 @@ def _polynomial_errors(found: Polynomials) -> list[tuple[dict[str, float], list[
 def _print_polynomials_and_files(
     document: dict, figures: Sequence[str], rows: list, files: list[str], as_json: bool
 ) -> int:
-    from screwsim.printing.export import polynomials_document, print_polynomials
+    from screwsim.printing import print_json
+    from screwsim.printing.export import print_polynomials
 
-    print_document_or_text(as_json, polynomials_document, print_polynomials, document, figures, rows, files)
+    print_json({**document, "files": files}) if as_json else print_polynomials(document, figures, rows, files)
     return OK
 
 

@@ -125,7 +125,7 @@ def validate(
     """Compare computed results with published references. A failed comparison still exits with 0."""
     options.check_folder(output)
     from screwsim.printing import print_json, write_json
-    from screwsim.report.validation import draw
+    from screwsim.report.evidence import draw_validation
     from screwsim.results.atomic import make_folder
     from screwsim.results.protection import protect_other_json
     from screwsim.study.validation import INTERRUPTED, document, errors_of, folder_of, run_sources
@@ -152,7 +152,7 @@ def validate(
         make_folder(output)
         written = [write_json(found, output / "validation.json")]
         written += [write_json(errors, output / "model_errors.json")] if errors else []
-        options.print_files([*written, *draw(found, output)], as_json)
+        options.print_files([*written, *draw_validation(found, output)], as_json)
     if stopped:
         return options.INTERRUPTED
     return OK if all(outcome.comparison is not None for outcome in outcomes) else NOT_ALL_OK

@@ -296,7 +296,7 @@ def accuracy(
         raise UsageError(f"{scene_file}: describes two stages, and accuracy needs one scene (name that of one stage)")
     scene = options.loaded_point(scene_file, overrides, without)
     options.check_folder(folder)
-    from screwsim.report.accuracy import draw
+    from screwsim.report.evidence import draw_accuracy
     from screwsim.results.atomic import make_folder
     from screwsim.study.accuracy import QUICK_SCOPE, NoReference, Scope, files, study, words
 
@@ -311,5 +311,5 @@ def accuracy(
     say(words.report(found))
     if folder is not None:
         make_folder(folder)  # again: another command may have removed the one that it had made and that was still empty
-        options.print_files([*files.write(found, folder), *draw(found, folder)])
+        options.print_files([*files.write(found, folder), *draw_accuracy(found, folder)])
     return OK

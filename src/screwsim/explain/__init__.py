@@ -13,7 +13,7 @@ from screwsim.cycle.solution import closing_criteria
 from screwsim.effects import base, catalogue
 from screwsim.effects.base import LINES
 from screwsim.explain.media import gas_rows, oil_rows
-from screwsim.explain.parameters import NO_BREAK, WIDTH, parameters_text, row
+from screwsim.explain.parameters import NO_BREAK, parameters_text, row
 from screwsim.figures import called_for
 from screwsim.inputs.declare import KINDS
 from screwsim.machine.kinds import kind_of
@@ -40,7 +40,6 @@ STATE_MEANINGS = {
     "x_oil": "oil mass over gas mass",
     "w_gas": "dissolved gas per mass of oil",
 }
-__all__ = ["WIDTH", "Explanation", "code", "explain"]
 BALANCES = "balances of mass and energy M1, M2; work M7"
 
 

@@ -87,10 +87,8 @@ def _compared(each: ComparedMeasurement) -> dict[str, Any]:
         "fitted": each.point.fitted,
         "conditions": dict(each.point.values),
         "figure": each.figure,
-        "measured": each.measured.value,
-        "uncertainty": each.measured.uncertainty,
-        "ours": each.ours,
-        "residual_over_uncertainty": each.residual,
+        **picked(each.measured, measured="value", uncertainty="uncertainty"),
+        **picked(each, "ours", residual_over_uncertainty="residual"),
     }
 
 

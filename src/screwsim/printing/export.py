@@ -52,11 +52,6 @@ def _open_nodes(table: MapTable) -> str:
     return f"; {nodes} of {table.grid.sound.size} without a closed cycle, flagged as not valid{where}{why}"
 
 
-def polynomials_document(document: Mapping[str, Any], *shown: Any) -> dict[str, Any]:
-    """Return what `--json` prints for polynomials: their document and, last of what is shown, the files."""
-    return {**document, "files": shown[-1]}
-
-
 def print_polynomials(
     document: Mapping[str, Any],
     figures: Sequence[str],

@@ -146,26 +146,22 @@ def uncertainty_ranges(results: Results) -> dict[str, Any]:
     It includes the share of each input in the variance, as the mean over the cases. `left_out` has the inputs without
     a derivative in some cases and the number of these, in which all intervals are too small.
     """
-    figures = {}
+    figures, known = {}, results.contributions
+    labels = known["contributor"].tolist() if "contributor" in known else []
     for name in results.uncertainty:
         expanded = COVERAGE * results.uncertainty[name]
         there = np.isfinite(expanded)
         if not there.any() or not np.nanmax(expanded):
             continue
-        square = np.square(np.nan_to_num(results.contributions[name][there]))
+        square = np.square(np.nan_to_num(known[name][there]))
         total = square.sum(axis=-1)
         shares = (square[total > 0.0] / total[total > 0.0, None]).mean(axis=0)
-        by_input = dict(zip(results.contributions["contributor"].tolist(), shares.tolist(), strict=True))
         least, largest = float(np.nanmin(expanded)), float(np.nanmax(expanded))
-        figures[name] = {"least": least, "largest": largest, "shares": by_input}
+        figures[name] = {"least": least, "largest": largest, "shares": dict(zip(labels, shares.tolist(), strict=True))}
     lost = parts_left_out(results)
     cases = lost.reshape(-1, lost.shape[-1]).sum(axis=0).tolist()
-    left_out = {label: count for label, count in zip(_labels(results), cases, strict=True) if count}
+    left_out = {label: count for label, count in zip(labels, cases, strict=True) if count}
     return {"coverage_factor": COVERAGE, "figures": figures, "left_out": left_out}
-
-
-def _labels(results: Results) -> list[str]:
-    return results.contributions["contributor"].tolist() if "contributor" in results.contributions else []
 
 
 def ranges_text(found: Mapping[str, Any]) -> str:

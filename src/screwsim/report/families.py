@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from screwsim.report import quantities
 from screwsim.report.quantities import EFFICIENCIES, choice_words, is_numeric, short, shown_axis, shown_figure, value_of
 from screwsim.results import Results
 from screwsim.results.left_out import left_out_words, parts_left_out
@@ -144,8 +145,10 @@ def slices(family: Family) -> Iterator[Family]:
         yield family._replace(held=held, constant=constant, suffix=f"_{number}" if constant else "")
 
 
-def curves_of(family: Family, y_name: str, x_name: str | None = None) -> list[Curve]:
-    """Return the curves of one figure: `y_name` over the axis x, or over the figure `x_name`.
+def curves_of(
+    family: Family, y_name: str, x_name: str | None = None, shown: quantities.Display | None = None
+) -> list[Curve]:
+    """Return the curves of one figure: `y_name` over the axis x, or over the figure `x_name`; `shown` as given, if so.
 
     Cases without a value are left out, and so are curves of fewer than two points. A figure that no case calls for has
     no curves.
@@ -153,7 +156,7 @@ def curves_of(family: Family, y_name: str, x_name: str | None = None) -> list[Cu
     results, axis = family.results, family.x_axis
     if y_name not in results.performance:
         return []
-    shown, values = shown_figure(results, y_name), results.performance[y_name]
+    shown, values = shown or shown_figure(results, y_name), results.performance[y_name]
     half = COVERAGE * results.uncertainty[y_name] if y_name in results.uncertainty else np.full(results.shape, np.nan)
     y, low, high = (family.rows(shown.of(each)) for each in (values, values - half, values + half))
     at = np.broadcast_to(shown_axis(axis).of(axis.values), y.shape)

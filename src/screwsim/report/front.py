@@ -51,13 +51,11 @@ def _rows(results: Results) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _remarks(results: Results) -> tuple[str, str]:
-    count = len(results.optimum["front"])
+    _, outside, front = _rows(results)
     feasible = int(np.count_nonzero(results.optimum["feasible"] == 1))
-    front = int(np.count_nonzero(results.optimum["front"] == 1))
-    best = f"dark: {front} that no other beats" if front > 1 else "dark: the best"
-    return best, f"{feasible} of {count} evaluations within the bounds" + (
-        ", × outside" if len(_rows(results)[1]) else ""
-    )
+    best = f"dark: {len(front)} that no other beats" if len(front) > 1 else "dark: the best"
+    beyond = ", × outside" if len(outside) else ""
+    return best, f"{feasible} of {len(results.optimum['front'])} evaluations within the bounds{beyond}"
 
 
 def _front(results: Results, names: list[str]) -> Any:
@@ -97,10 +95,8 @@ def _evaluations(results: Results, names: list[str]) -> Any:
         x = across.of(axis.values)
         _draw_others(axes, x, y, inside, outside)
         axes.plot(x[front], y[front], ".", color=COLOURS[1], markersize=5.0)
-        label_axes(axes, across.label, how.label, [x])
+        label_axes(axes, across.label, how.label, [x], room=0.04)
         if len(front) == 1:
             axes.axvline(x[front[0]], color=GREY, linewidth=0.4)
-        axes.margins(x=0.04)
-        axes.autoscale(axis="x")
     note(figure, *_remarks(results))
     return figure

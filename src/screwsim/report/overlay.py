@@ -5,8 +5,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from screwsim.report import families
 from screwsim.report.families import Curve, Family, curves_of, slices
 from screwsim.report.quantities import PRESSURE, VOLUME, shown_axis, shown_figure
@@ -69,9 +67,10 @@ def _common_curves(one: Family, other: Family) -> tuple[dict[str, Pair], str]:
     """Return the curves of both files by figure, B's in the units of A, and words on curves left out."""
     pairs: dict[str, Pair] = {}
     for name in filter(None, (families.efficiency_name(one.results), *OTHER_FIGURES)):
-        of_a, of_b = (curves_of(each, name) for each in (one, other))
-        if of_a and of_b:
-            pairs[name] = of_a, _in_units(one.results, other.results, name, of_b)
+        of_a = curves_of(one, name)
+        of_b = curves_of(other, name, shown=shown_figure(one.results, name)) if of_a else []
+        if of_b:
+            pairs[name] = of_a, of_b
     thin = [thinned(of_a) for of_a, _ in pairs.values()]
     shown = {curve.text for curves, _ in thin for curve in curves}
 
@@ -81,18 +80,6 @@ def _common_curves(one: Family, other: Family) -> tuple[dict[str, Pair], str]:
     return {name: (few(of_a), few(of_b)) for name, (of_a, of_b) in pairs.items()}, next(
         filter(None, (words for _, words in thin)), ""
     )
-
-
-def _in_units(a: Results, b: Results, name: str, curves: list[Curve]) -> list[Curve]:
-    """Return the curves of B in the units in which A shows the figure."""
-    own, wanted = shown_figure(b, name), shown_figure(a, name)
-
-    def converted(values: np.ndarray) -> np.ndarray:
-        return wanted.of((values - own.offset) / own.factor)
-
-    return [
-        curve._replace(y=converted(curve.y), low=converted(curve.low), high=converted(curve.high)) for curve in curves
-    ]
 
 
 def _cycles(a: Results, b: Results, one: Trace, other: Trace) -> Any:

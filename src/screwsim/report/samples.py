@@ -102,9 +102,7 @@ def _over_each(results: Results, shown: list[tuple[Axis, np.ndarray]], name: str
         marks = {"linestyle": "", "markersize": 4.0}
         axes.plot(x[closed], y[closed], marker=".", color=COLOURS[1], **marks)
         axes.plot(x[open_], y[open_], marker="x", color=COLOURS[2], markeredgewidth=0.6, **marks)
-        label_axes(axes, shown_axis(axis).label, how.label, [x[drawn]])
-        axes.margins(x=0.04)
-        axes.autoscale(axis="x")
+        label_axes(axes, shown_axis(axis).label, how.label, [x[drawn]], room=0.04)
     thinned = f"{len(drawn)} of {len(kept)} points drawn" if len(drawn) < len(kept) else ""
     warned = int(np.count_nonzero(cases_with_warnings(results).reshape(-1)[kept]))
     told = f"{warned} of {len(kept)} cases with warnings" if warned else ""

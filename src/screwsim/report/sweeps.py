@@ -93,9 +93,7 @@ def _over_ratio(family: Family, name: str) -> Any:
     main, upper, lower = (figure.add_subplot(place) for place in (places[:, 0], places[0, 1], places[1, 1]))
     over_ratio = curves_of(family, name, "oil_ratio")
     found = draw_curves(main, over_ratio, optima=True)
-    label_axes(main, RATIO.label, shown_figure(results, name).label, [curve.x for curve in over_ratio])
-    main.margins(x=0.06)
-    main.autoscale(axis="x")
+    label_axes(main, RATIO.label, shown_figure(results, name).label, [curve.x for curve in over_ratio], 0.06)
     over_speed = [(upper, curves_of(family, name)), (lower, curves_of(family, "oil_ratio"))]
     for (axes, curves), figure_name in zip(over_speed, (name, "oil_ratio"), strict=True):
         draw_curves(axes, curves, optima=False)
@@ -161,13 +159,16 @@ def label_curves(panels: Iterable[tuple[Any, list[Curve]]], heading: str) -> Non
     label_ends(ends, heading)
 
 
-def label_axes(axes: Any, x_label: str, y_label: str, x: list[np.ndarray]) -> None:
-    """Label both axes; x spans its values, and is logarithmic if they suit that."""
+def label_axes(axes: Any, x_label: str, y_label: str, x: list[np.ndarray], room: float = 0.0) -> None:
+    """Label both axes; x spans its values, with room on either side, and is logarithmic if they suit that."""
     axes.set(xlabel=x_label, ylabel=y_label)
     values = np.concatenate(x)
     if is_log(values):
         log_scale(axes, float(np.max(values) / np.min(values)))
     axes.set_xlim(float(np.min(values)), float(np.max(values)))
+    if room:
+        axes.margins(x=room)
+        axes.autoscale(axis="x")
     low, high = axes.dataLim.intervaly
     span = max(1.14 * (high - low), _LEAST_SPAN * max(abs(low), abs(high)))
     axes.set_ylim(0.5 * (low + high) - 0.5 * span, 0.5 * (low + high) + 0.5 * span)

@@ -32,18 +32,6 @@ function asNumber(control, set) {
   return number !== undefined && unit === control.unit ? Number(number) : NaN;
 }
 
-function interpolated(x, y, at) {
-  let [low, high] = [0, x.length - 1];
-  if (at <= x[0]) return y[0];
-  if (at >= x[high]) return y[high];
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (x[middle] <= at) low = middle;
-    else high = middle;
-  }
-  return y[low] + ((y[high] - y[low]) * (at - x[low])) / (x[high] - x[low]);
-}
-
 function extent(list) {
   let [low, high] = [Infinity, -Infinity];
   for (const values of list) {

@@ -112,12 +112,6 @@ function lineTrace(x, y, name, tint, dash, hover) {
   return { type: "scatter", mode: "lines", x, y, name, line: { color: tint, dash, width: 2, simplify: false }, hovertemplate: `${hover}<extra>${name}</extra>` };
 }
 
-function at(angles, values, angle) {
-  const k = Math.max(1, angles.findIndex((each) => each >= angle));
-  const share = (angle - angles[k - 1]) / (angles[k] - angles[k - 1]);
-  return values[k - 1] + share * (values[k] - values[k - 1]);
-}
-
 // Height and name of each line's pressure.
 function pressureLevels() {
   const lines = ["suction", "discharge"].map((name) => [figureNamed(`${name}_pressure`), name]);
@@ -128,7 +122,7 @@ function drawLoop() {
   const { angle, traces, top } = data.cycle;
   const [V, p] = [traceOf(traces.volume, picked), traceOf(traces.pressure, picked)];
   const loop = { ...lineTrace(V, p, "p–V", colour("c1"), "solid", "%{x:.4~g}, %{y:.4~g}, %{customdata}°"), customdata: angle.map((each) => general(each, 4)) };
-  const places = marksOf().map(([name, where]) => ({ x: at(angle, V, where), y: at(angle, p, where), text: `${name}, ${general(where, 4)}°` }));
+  const places = marksOf().map(([name, where]) => ({ x: interpolated(angle, V, where), y: interpolated(angle, p, where), text: `${name}, ${general(where, 4)}°` }));
   const marks = scatter("markers", places, {
     hoverinfo: "skip", marker: { symbol: "circle-open", size: 9, color: colour("c1"), line: { width: 2 } },
   });

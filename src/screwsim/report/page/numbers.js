@@ -47,3 +47,16 @@ function halfText(figure, value, half) {
 function residuals(names, valueOf) {
   return names.filter((name) => Number.isFinite(valueOf(name))).map((name) => `${name.replace("_", " ")} ${small(valueOf(name))}`).join(", ");
 }
+
+// The value at a place of a curve (x, y): linear between its points, that of an end beyond it.
+function interpolated(x, y, at) {
+  let [low, high] = [0, x.length - 1];
+  if (at <= x[0]) return y[0];
+  if (at >= x[high]) return y[high];
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (x[middle] <= at) low = middle;
+    else high = middle;
+  }
+  return y[low] + ((y[high] - y[low]) * (at - x[low])) / (x[high] - x[low]);
+}

@@ -20,6 +20,7 @@ from screwsim.screen import printable
 
 MOST_KINDS = 8  # of warnings, listed for a sweep
 MOST_BEST = 12  # evaluations of a front that are shown, evenly spread along its first objective; all are in the file
+VERDICTS = {True: "kept", False: "exceeded"}
 _BALANCES = ("mass", "energy", "entropy", "oil_mass")
 _VERSIONS = ("python_version", "numpy_version", "scipy_version", "llvmlite_version", "coolprop_version")
 
@@ -123,7 +124,7 @@ def checks(results: Results) -> Iterator[BalanceCheck]:
             bound = results.balance["bound"]
             kept = bool(np.all(values[there] <= bound[there]))
             largest, most = (small_number_text(float(each[there].max())) for each in (values, bound))
-            yield BalanceCheck(BALANCE[name].long_name, largest, most, _verdict(kept))
+            yield BalanceCheck(BALANCE[name].long_name, largest, most, VERDICTS[kept])
     wanted = results.accuracy
     bounds = np.where(wanted > 0.0, wanted, 1.0)
     shares = [(float(np.nanmax(errors / bounds)), name, errors) for name, errors in _errors(results)]
@@ -132,12 +133,8 @@ def checks(results: Results) -> Iterator[BalanceCheck]:
         worst = np.nanargmax(errors / bounds)
         words = f"largest estimated error of a figure beside its accuracy ({shown_name(name)})"
         bound = float(wanted.flat[worst])
-        told = (small_number_text(bound), _verdict(share <= 1.0)) if np.isfinite(bound) else ("", "")
+        told = (small_number_text(bound), VERDICTS[share <= 1.0]) if np.isfinite(bound) else ("", "")
         yield BalanceCheck(words, small_number_text(float(errors.flat[worst])), *told)
-
-
-def _verdict(kept: bool) -> str:
-    return "kept" if kept else "exceeded"
 
 
 def _errors(results: Results) -> Iterator[tuple[str, np.ndarray]]:

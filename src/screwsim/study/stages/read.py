@@ -12,7 +12,8 @@ from typing import Any, Self
 from screwsim.build import build_parts, package_of
 from screwsim.effects.air_package import AIR
 from screwsim.effects.base import Plenum
-from screwsim.explain import WIDTH, explain
+from screwsim.explain import explain
+from screwsim.explain.parameters import WIDTH
 from screwsim.fluid.composition import is_blend
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import SceneError, UsageError
