@@ -25,12 +25,11 @@ class NumbersRecipe:
 
 
 class StoredNumber(NamedTuple):
-    """A number of P that is stored in parts: its index, which holder has it, under which name, and how."""
+    """A number of P that is stored in parts: its index, which holder has it, and what reads it there."""
 
     place: int
     holder: int
-    name: str
-    by_key: bool  # whether the holder is a mapping
+    read: Callable[[Any], float]
 
 
 @dataclass(frozen=True)
