@@ -105,13 +105,9 @@ class LedgerCycle:
         c = self.composition
         return State(T, rho, h, float(self.life.module.gas_entropy(T, rho, c.P, c.TAB)))
 
-    def pressure_behind(self, to: str) -> float | None:
-        """Return the mean pressure [Pa] at the chambers' end of a line (M184); None if it does not pulsate."""
-        return chamber_end_pressure(self.problem, self.life, to)
-
     def behind(self, to: str, line: State) -> State:
         """Return the mean state at the chambers' end of a line: throttled where its pressure has an offset (M184)."""
-        p = self.pressure_behind(to)
+        p = chamber_end_pressure(self.problem, self.life, to)
         return line if p is None else self.at(p, line.h)
 
     def at(self, p: float, h: float) -> State:
