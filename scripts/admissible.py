@@ -25,7 +25,7 @@ from scipy.stats import qmc
 
 from screwsim.results.atomic import write_csv
 from screwsim.scene import Scene, load, with_values
-from screwsim.simulate import simulate
+from screwsim.simulate import simulate, simulate_many
 from screwsim.study.claims import Optimum, curve_optimum, value_at
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -125,15 +125,14 @@ def machine(base: Scene, x: np.ndarray, pump: bool = True) -> Scene:
     )
 
 
-def curves(scene: Scene) -> np.ndarray:
-    """Return η by (speed, ratio); NaN where there is none."""
-    found = np.full((len(SPEEDS), len(RATIOS)), np.nan)
-    for i, rpm in enumerate(SPEEDS):
-        for j, d in enumerate(RATIOS):
-            at = with_values(scene, {"operation.speed": rpm * RPM, "oil_supply.ratio": float(d)})
-            eta = simulate(at, trace=False).performance.get("isothermal_efficiency")
-            found[i, j] = np.nan if eta is None else eta
-    return found
+def curves(scene: Scene, in_series: bool = False) -> np.ndarray:
+    """Return η by (speed, ratio), NaN where there is none; `in_series`: each cycle of a curve starts from the last."""
+    rows = []
+    for rpm in SPEEDS:
+        cases = (with_values(scene, {"operation.speed": rpm * RPM, "oil_supply.ratio": float(d)}) for d in RATIOS)
+        found = simulate_many(cases, trace=False) if in_series else (simulate(case, trace=False) for case in cases)
+        rows.append([each.performance.get("isothermal_efficiency") for each in found])
+    return np.array(rows, float)
 
 
 class Verdict(NamedTuple):

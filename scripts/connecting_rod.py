@@ -14,8 +14,17 @@ from pathlib import Path
 import numpy as np
 
 from screwsim.machine.slider_crank import rod as rods
-from screwsim.machine.slider_crank.rod import Bending, FlexibleRod, bend, critical_gamma
-from screwsim.machine.slider_crank.rod_strength import Fatigue, SchmidtLoad, friction_power, pressure_load, safety
+from screwsim.machine.slider_crank.rod import (
+    Bending,
+    Fatigue,
+    FlexibleRod,
+    SchmidtLoad,
+    bend,
+    critical_gamma,
+    friction_power,
+    pressure_load,
+    safety,
+)
 from screwsim.report.slider_crank import draw_rod
 from screwsim.scene import load as load_scene
 from screwsim.simulate import simulate

@@ -26,7 +26,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from screwsim.scene import Scene, load, with_values
-from screwsim.simulate import simulate, simulate_many
+from screwsim.simulate import simulate
 from screwsim.study.claims import curve_optimum, value_at
 from screwsim.study.validation import read_table
 
@@ -55,18 +55,6 @@ def displaced(scene: Scene, x: np.ndarray, rpm: float) -> tuple[float, float]:
             break
         bore *= np.sqrt(D / ratio)
     return float(found.isothermal_efficiency), float(bore)
-
-
-def curves(scene: Scene) -> np.ndarray:
-    """Return η by (speed, ratio); NaN where there is none."""
-    rows = []
-    for rpm in admissible.SPEEDS:
-        cases = [
-            with_values(scene, {"operation.speed": rpm * RPM, "oil_supply.ratio": float(d)}) for d in admissible.RATIOS
-        ]
-        found = [each.performance.get("isothermal_efficiency") for each in simulate_many(cases, trace=False)]
-        rows.append([np.nan if eta is None else eta for eta in found])
-    return np.array(rows)
 
 
 def orderings(eta: np.ndarray) -> list[float]:
@@ -102,7 +90,7 @@ class Paper:
         """Return the residuals of A5, A6, then of the orderings."""
         u = np.clip(u, 0.0, 1.0)
         x = admissible.from_unit(u[:-1])
-        eta = curves(admissible.machine(self.pump, x))
+        eta = admissible.curves(admissible.machine(self.pump, x), in_series=True)
         at_three = value_at(admissible.RATIOS, eta[admissible.SPEEDS.index(1000.0)], D)
         pushed, _ = displaced(self.displacement, x, self.speed(u))
         values = (((at_three or np.nan) - A5) / A5_WIDTH, (pushed - A6) / A6_WIDTH)

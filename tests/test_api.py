@@ -239,7 +239,7 @@ def unwanted(*_, **__):
 
 
 def test_derivatives_cost_nothing_before_they_are_asked_for(monkeypatch):
-    monkeypatch.setattr("screwsim.study.point.sensitivities", unwanted)
+    monkeypatch.setattr("screwsim.study.local.sensitivities", unwanted)
     result = screwsim.simulate(GIVEN)
     assert repr(result) and result.as_json()
     assert pickle.loads(pickle.dumps(result)).performance == result.performance

@@ -43,7 +43,7 @@ from screwsim.study.calibration.plan import plan as _plan
 from screwsim.study.calibration.predict import points_to_predict
 from screwsim.study.calibration.predict import posterior_with_predictions as _sampled
 from screwsim.study.calibration.solve import Calibration
-from screwsim.study.datasheet import Sheet, sheet_of, sheet_of_stages
+from screwsim.study.datasheet import Sheet, sheet_of
 from screwsim.study.progress import Progress, progress_of
 from screwsim.study.stages import scene_or_stages
 from screwsim.study.sweep import run_sweep
@@ -107,9 +107,8 @@ def datasheet(
     if output is not None:
         check_sheet(Path(output))
     bar = progress_of("datasheet", progress)
-    rated = scene_or_stages(scene)
-    made = partial(sheet_of, rated) if isinstance(rated, Scene) else partial(sheet_of_stages, rated)
-    found = made(
+    found = sheet_of(
+        scene_or_stages(scene),
         evaporating=evaporating,
         condensing=condensing,
         suction=suction,

@@ -26,7 +26,7 @@ from screwsim.report import plot as write
 from screwsim.report.quantities import shown_axis, shown_figure
 from screwsim.report.trace import Trace, chosen_trace, trace_of
 from screwsim.results import Results, open_results
-from screwsim.scene.argument import scene_of
+from screwsim.scene.load import scene_of
 from screwsim.study.figures import figure_named
 
 __all__ = [
@@ -91,24 +91,24 @@ def curves(results: Results | str | os.PathLike[str], figure: str | None = None,
     The default figure is the efficiency. Further axes are held at their first values, which the title states.
     """
     found = _results(results)
-    layout = families.layout_of(found)
-    if layout is None:
+    whole = families.family_of(found)
+    if whole is None:
         raise UsageError(f"{found.path}: has no numeric axis to draw over (sweep a path)")
     name = _figure(found, figure)
-    _, constant, chosen = next(families.slices(found, layout))
-    drawn = families.curves_of_slice(found, layout, chosen, None, name)
+    family = next(families.slices(whole))
+    drawn = families.curves_of(family, name)
     if not drawn:
         raise UsageError(f"{found.path}: has no curve of {name} (fewer than two cases have a value)")
     axes = _axes(ax)
     sweeps.draw_curves(axes, drawn, optima="efficiency" in name)
-    label = shown_axis(found.axis_list[layout.x]).label
+    label = shown_axis(family.x_axis).label
     sweeps.label_axes(axes, label, shown_figure(found, name).label, [curve.x for curve in drawn])
-    if layout.curves is not None:
+    if family.by is not None:
         lines = [line for line in axes.get_lines() if line.get_linestyle() != "None"]
         own = [next(line for line in lines if np.array_equal(line.get_ydata(), curve.y)) for curve in drawn]
-        heading = families.curves_heading(found, layout)
+        heading = families.curves_heading(family)
         axes.legend(own, [curve.text for curve in drawn], title=heading[0] or heading[1].partition(": ")[2])
-    told = "; ".join(text for text in (constant, families.band_words(found, drawn)) if text)
+    told = "; ".join(text for text in (family.constant, families.band_words(found, drawn)) if text)
     if told:
         axes.set_title(told)
     return axes
@@ -118,15 +118,15 @@ def curves(results: Results | str | os.PathLike[str], figure: str | None = None,
 def contours(results: Results | str | os.PathLike[str], figure: str | None = None, ax: Any = None) -> Any:
     """Draw a figure as filled contours over two axes of a sweep, with a colour bar; return the axes."""
     found = _results(results)
-    layout = families.layout_of(found, by_fluid=False)
-    if layout is None or layout.curves is None:
+    whole = families.family_of(found, by_fluid=False)
+    if whole is None or whole.by is None:
         raise UsageError(f"{found.path}: has fewer than two numeric axes (sweep two paths)")
     name = _figure(found, figure)
-    _, constant, chosen = next(families.slices(found, layout))
+    family = next(families.slices(whole))
     axes = _axes(ax)
-    maps.draw_contours(axes, found, layout, chosen, name)
-    if constant:
-        axes.set_title(constant)
+    maps.draw_contours(axes, family, name)
+    if family.constant:
+        axes.set_title(family.constant)
     return axes
 
 

@@ -27,8 +27,8 @@ from screwsim.numerics.rodas import JACOBIANS, TAKEN
 from screwsim.numerics.trial import how_it_died
 from screwsim.outputs import Figures, Result
 from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
-from screwsim.scene.argument import scene_of
 from screwsim.scene.grid import first_by_fluid
+from screwsim.scene.load import scene_of
 from screwsim.scene.plausible import scene_warnings
 from screwsim.scene.types import Scene
 from screwsim.solve import circuit, drive, second_cycle, stability

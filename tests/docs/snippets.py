@@ -11,12 +11,15 @@ A note is a comment of the page, `<!-- snippet: … -->`, directly above a block
 """
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from markdown_it import MarkdownIt
 
 ROOT = Path(__file__).parents[2]
+BLOCKS = MarkdownIt().disable(["inline", "text_join"])  # what stands within sentences takes most of the time
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 NOTE = re.compile(r"<!-- snippet: (part of|file|given|printed above|long,|not run,)\s*(.*?)\s*-->", re.S)
 SHELL = ("bash", "sh", "console")
@@ -56,11 +59,12 @@ class Block:
         return self.notes.get("file") or (named[1] if named and self.language == "yaml" else None)
 
 
-def blocks(page: Path, text: str | None = None) -> list[Block]:
+@cache  # the tests of two files begin with all pages, and read each again
+def blocks(page: Path, text: str | None = None) -> tuple[Block, ...]:
     """Return the blocks of a page in its order."""
     found = []
     notes: dict[str, str] = {}
-    for token in MarkdownIt().parse(page.read_text(encoding="utf-8") if text is None else text):
+    for token in BLOCKS.parse(page.read_text(encoding="utf-8") if text is None else text):
         if token.type == "html_block":
             notes |= dict(NOTE.findall(token.content))
             continue
@@ -68,10 +72,10 @@ def blocks(page: Path, text: str | None = None) -> list[Block]:
             name = page.relative_to(ROOT).as_posix()
             found.append(Block(name, token.map[0] + 1, token.info.strip(), token.content, notes))
         notes = {}
-    return found
+    return tuple(found)
 
 
-def unchecked(found: list[Block]) -> list[str]:
+def unchecked(found: Sequence[Block]) -> list[str]:
     """Return the places of blocks that no test could check."""
     return [block.place for block in found if block.kind == "unknown"]
 

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from screwsim.machine.slider_crank import rod as rods
-from screwsim.machine.slider_crank import rod_strength as strength
 from screwsim.machine.slider_crank import tolerance as law
 from screwsim.study.validation import sibling
 
@@ -78,7 +77,7 @@ def test_reference_rod_is_as_stated():
     module = script("connecting_rod")
     design = module.read_design()
     rod = module.rod_of(design)
-    load = strength.SchmidtLoad(**{name: design[name] for name in ("bore", "p_min", "delta", "theta")})
+    load = rods.SchmidtLoad(**{name: design[name] for name in ("bore", "p_min", "delta", "theta")})
     bending = rods.bend(rod, module.ALPHA, load.load(module.ALPHA))
     low = float(bending.load.min())
     assert f"| {low:.1f} … {bending.load.max():.1f} N |" in CRANK
@@ -87,12 +86,12 @@ def test_reference_rod_is_as_stated():
         in CRANK
     )
     assert f"| {1e3 * rods.largest_moment_place(rod, low):.2f} mm of 23 mm |" in CRANK
-    found = [strength.safety(bending, strength.Fatigue(concentration=factor)) for factor in module.FACTORS]
+    found = [rods.safety(bending, rods.Fatigue(concentration=factor)) for factor in module.FACTORS]
     assert f"| {1e-6 * found[0].lowest:.1f} … {1e-6 * found[0].highest:.1f} MPa (117.2 MPa" in CRANK
     assert f"| {1e-6 * found[0].amplitude:.1f} MPa about {1e-6 * found[0].mean:.1f} MPa |" in CRANK
     assert f"| {' / '.join(f'{each.factor:.2f}' for each in found)} | 2.7 |" in CRANK
     assert f"| {' / '.join(f'{2.7 * 600 / each.factor:.0f}' for each in found)} MPa |" in CRANK
-    unit = strength.friction_power(bending, design["guide"], rod.crank_radius, 100 * math.pi, 1.0)
+    unit = rods.friction_power(bending, design["guide"], rod.crank_radius, 100 * math.pi, 1.0)
     assert f"| {' / '.join(f'{mu * unit:.2f}' for mu in module.FRICTION)} W | about 3 W |" in CRANK
     assert f"coefficient of friction of {3.0 / unit:.2f}" in CRANK
 

@@ -25,7 +25,7 @@ from screwsim.figures.errors import error_scale
 from screwsim.inputs.faults import UsageError
 from screwsim.model.parts import Effects
 from screwsim.outputs import EFFICIENCY, ITSELF, PERFORMANCE, Figure, Figures, Result, Scale, over
-from screwsim.report.page import data, tables
+from screwsim.report.page import tables
 from screwsim.results import open_results, save
 from screwsim.results.schema import axes_of
 from screwsim.results.table import InMemory, join, table_of
@@ -262,7 +262,7 @@ def test_a_figure_of_ones_own_goes_everywhere_by_its_one_file(own, tmp_path):
     assert math.isnan(results.performance["found_efficiency"]) and "lost_twice" not in results.performance
     assert results.figure("lost_share").scale == Scale(0.25)
     assert results.cycle.about["own_curve"] == ("N m", "curve of one's own") and np.all(results.cycle["own_curve"] == 1)
-    rows = {row[0]: row for row in tables.figures(results, data.selection(results), 0)}
+    rows = {row[0]: row for row in tables.figures(results, ())}
     assert rows["lost share"][1:3] == (f"{100.0 / power:.5g}", "") and "found efficiency" not in rows
     same = compare(results, results)
     assert next(each for each in same.figures if each.figure == "lost_share").error == pytest.approx(
@@ -400,5 +400,5 @@ def test_an_older_file_with_all_figures_is_read_as_ever(tmp_path):
     assert compare(old, new).equal
     for name in figures:
         assert old.figure(name).scale == new.figure(name).scale, name
-    rows = [tables.figures(each, data.selection(each), 0) for each in (old, new)]
+    rows = [tables.figures(each, ()) for each in (old, new)]
     assert sorted(rows[0]) == sorted(rows[1]) and len(rows[1]) == len(figures)

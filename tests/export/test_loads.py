@@ -8,16 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from CoolProp.CoolProp import PropsSI
+from rotor_mesh import ALONG, areas, centres, positions
 
 from screwsim.export import loads as exported
 from screwsim.export.loads import flows_of, harmonics
 from screwsim.export.rotor_loads import Pressures, loads_of, pressures_of
-from screwsim.export.rotor_surface import ALONG, areas, centres, chamber_angles, positions, surfaces
 from screwsim.export.source import run_of, spans_of
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.profile_law import laid_curves
 from screwsim.machine.rotors.pair import outlines
 from screwsim.machine.rotors.sections import polygon_area
+from screwsim.machine.rotors.surface import chamber_angles, surfaces
 from screwsim.results import save
 from screwsim.scene import load
 

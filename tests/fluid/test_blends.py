@@ -237,7 +237,7 @@ def test_enthalpies_at_the_border_are_coolprops(fluid):
 
 def test_a_blend_has_limits_as_a_pure_fluid():
     gas = RealGas("R454B")
-    saturated = gas._kernels["vapour"](300.0)
+    saturated = gas._kernels["saturated_vapour"](300.0)
     assert gas.margin(300.0, saturated * (1 - 1e-9)) > 0.0 > gas.margin(300.0, saturated * (1 + 1e-9))
     assert gas.why_outside(300.0, 1.1 * saturated).limit is Limit.WET
     assert gas.why_outside(420.0, 5.0).limit is Limit.HOT  # 410 K: R1234yf's

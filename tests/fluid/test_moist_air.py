@@ -80,7 +80,7 @@ def test_a_relative_humidity_is_that_of_HAPropsSI():
 def test_latent_heat_is_that_of_water():
     for T in (283.15, 323.15, 363.15):
         wet = MoistAir(RealGas("Air"), 0.9)
-        _rho, h, _s, heat = wet._compiled("liquid", T)
+        _rho, h, _s, heat = wet._kernels["liquid"](T)
         liquid = h + wet.values["u_water"]
         assert liquid == pytest.approx(coolprop.PropsSI("H", "T", T, "Q", 0, "Water"), abs=2500.0)  # 1e-3 of 2.4 MJ/kg
         assert heat == pytest.approx(4190.0, rel=0.02)

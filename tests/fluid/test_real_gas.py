@@ -279,7 +279,7 @@ def test_a_second_process_never_imports_coolprop():
 
 def test_the_margin_falls_through_zero_where_vapour_saturates():
     T = 300.0
-    saturated = RealGas("R134a")._kernels["vapour"](T)
+    saturated = RealGas("R134a")._kernels["saturated_vapour"](T)
     assert R134A.margin(T, 0.9 * saturated) == pytest.approx(-math.log(0.9), rel=1e-9)
     assert R134A.margin(T, saturated * (1 - 1e-9)) > 0.0 > R134A.margin(T, saturated * (1 + 1e-9))
     assert R134A.why_outside(T, 0.9 * saturated) is None

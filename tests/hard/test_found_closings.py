@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from effects_space import scene_of
 from fuzz_space import changes, drawn
+from known_figures import ANEW, known_finer
 from scenes import closed, make
 from true_error import warns
 
@@ -50,11 +51,16 @@ class Compared(NamedTuple):
     off: Figures
 
 
+def finer_figures(asked, finer, closing="coupled", within=ANEW, only=()):
+    """Return the figures of a scene closed `finer` times as accurately, known within so many of its accuracies."""
+    accuracy = asked.numerics.accuracy
+    numerics = replace(asked.numerics, accuracy=accuracy / finer, error="none", closing=closing)
+    return known_finer(replace(asked, numerics=numerics), within * accuracy, only)
+
+
 def compared(asked, finer):
     """Return the result of a scene beside one that is closed `finer` times as accurately."""
-    accuracy, found = asked.numerics.accuracy, simulate(asked, trace=False)
-    numerics = replace(asked.numerics, accuracy=accuracy / finer, error="none", closing="coupled")
-    true = simulate(replace(asked, numerics=numerics), trace=False).performance
+    accuracy, found, true = asked.numerics.accuracy, simulate(asked, trace=False), finer_figures(asked, finer)
 
     def in_accuracies(errors):
         return Figures({name: None if error is None else error / accuracy for name, error in errors.items()})
@@ -85,24 +91,23 @@ def test_what_is_delivered_errs_by_no_less_than_the_gas_trapped_over_the_efficie
 def test_what_slow_pitches_leave_of_the_first_guess_is_told():
     """Speeds 1e-12 apart made a quarter of what is delivered: 25 accuracies, of which 0.1 were told, and 60 of 0.6."""
     asked = scene_of(*BARELY_DELIVERS)
-    finer = replace(asked.numerics, accuracy=asked.numerics.accuracy / 20.0, error="none")
+    accuracy = asked.numerics.accuracy
 
     @cache  # solved only where a result warns of nothing
     def true():
-        return simulate(replace(asked, numerics=finer), trace=False).performance.gas_mass_flow  # within some 3e-3
+        closing, within = asked.numerics.closing, 3e-3 / accuracy
+        return finer_figures(asked, 20.0, closing, within, ("gas_mass_flow",)).gas_mass_flow
 
     for aside in (-1e-12, 0.0, 1e-12):
         found = simulate(with_values(asked, {"operation.speed": asked.operation.speed * (1.0 + aside)}), trace=False)
         flow = found.performance.gas_mass_flow
-        assert warns(found, asked.numerics.accuracy) or flow == pytest.approx(true(), rel=5e-3)
+        assert warns(found, accuracy) or flow == pytest.approx(true(), rel=5e-3)
 
 
 def test_what_steps_miss_of_the_end_of_a_neighbours_life_is_told():
     """A finer life stepped over it as well: 0.08 accuracies of the motor's loss were told of 0.30."""
     asked = scene_of("what flows back", 702, 1)
-    finer = replace(asked.numerics, accuracy=asked.numerics.accuracy / 20.0, error="none")
-    true = simulate(replace(asked, numerics=finer), trace=False).performance
-    found = simulate(asked, trace=False)
+    found, true = simulate(asked, trace=False), finer_figures(asked, 20.0, asked.numerics.closing)
     off = relative_errors(found.performance, true)
     for name in ("motor_loss", "indicated_power"):
         assert off[name] <= 1.1 * found.error[name]
@@ -112,10 +117,8 @@ def test_gas_that_seems_to_pass_to_and_fro_through_a_suction_port_is_told():
     """Turning slowly, with leaks beyond all that is sucked: 0.76 accuracies of the returned oil were told of 1.12."""
     asked = scene_of("what flows back", 703, 3)
     asked = with_values(asked, {"operation.speed": 0.1 * asked.operation.speed})
-    finer = replace(asked.numerics, accuracy=asked.numerics.accuracy / 50.0, error="none", closing="coupled")
-    true = simulate(replace(asked, numerics=finer), trace=False).performance
     found = simulate(asked, trace=False)
-    off = relative_errors(found.performance, true)
+    off = relative_errors(found.performance, finer_figures(asked, 50.0))
     for name in ("returned_gas_flow", "returned_oil_flow"):
         assert off[name] <= found.error[name] <= asked.numerics.accuracy
 
@@ -206,8 +209,8 @@ def test_a_circuit_errs_by_what_its_cycle_leaves_open_of_energy():
     """The duty was 1.5 accuracies off with 0.2 told: finer lives leave as much of their energy open."""
     asked = scene_of(*CIRCUIT)
     found = simulate(asked, trace=False)
-    true = simulate(replace(asked, numerics=replace(asked.numerics, accuracy=1e-5, error="none")), trace=False)
-    off = relative_errors(found.performance, true.performance)["oil_cooler_duty"]
+    true = finer_figures(asked, asked.numerics.accuracy / 1e-5, asked.numerics.closing)
+    off = relative_errors(found.performance, true)["oil_cooler_duty"]
     assert off <= min(asked.numerics.accuracy, max(found.error["oil_cooler_duty"], 0.1 * asked.numerics.accuracy))
 
 
@@ -271,8 +274,7 @@ def test_net_flow_is_right_where_an_area_changes_within_a_step_at_discharge():
 def test_a_finer_life_takes_what_the_last_turn_made_of_the_lines():
     """A cycle closed before its line was there: a life beside the same line told 0.03 of 0.24 accuracies."""
     asked = scene_of("rotor profile", 502, 24)
-    finer = replace(asked.numerics, accuracy=asked.numerics.accuracy / 50.0, error="none", closing="coupled")
-    true = simulate(replace(asked, numerics=finer), trace=False).performance
+    true = finer_figures(asked, 50.0)
     of_closed = replace(asked, numerics=replace(asked.numerics, rtol=0.3 * asked.numerics.accuracy))  # not again
     found = simulate(of_closed, trace=False)
     off = relative_errors(found.performance, true)

@@ -59,7 +59,8 @@ IMPORTS = {  # of what an effect's file has
     "study/datasheet/air_rating.py": {"air_package"},
     "study/datasheet/air_sheet.py": {"air_package"},
     "study/datasheet/stages_air.py": {"air_package"},
-    "study/stages/package.py": {"air_package"},
+    "study/stages/figures.py": {"air_package"},
+    "study/stages/read.py": {"air_package"},
     "template/gas.py": {"oil_drag"},
 }
 

@@ -10,6 +10,7 @@ from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import ClosingTask
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.figures.errors import relative_errors, worst
+from screwsim.inputs.declare import LEAF
 from screwsim.model import leases
 from screwsim.numerics.settings import ERRORS, ErrorOption, NumericsSettings
 from screwsim.outputs import Figures
@@ -45,7 +46,7 @@ def asking(error, **changes):
 
 
 def test_a_scene_may_name_every_estimate_and_each_names_functions_that_are_there():
-    offered = next(each for each in fields(NumericsSettings) if each.name == "error").metadata["limits"]["options"]
+    offered = next(each for each in fields(NumericsSettings) if each.name == "error").metadata[LEAF].limits["options"]
     assert tuple(ERRORS) == offered
     assert {name for error in ERRORS.values() for name in error.by} == set(ESTIMATES)
 

@@ -26,6 +26,7 @@ ACCURACY = 3e-4
 BALANCES = ("mass", "energy", "entropy", "oil_mass")
 SIZE = {"suction_volume": "8 l", "discharge_volume": "3 l", "suction_area": "40 cm^2", "discharge_area": "15 cm^2"}
 BEHIND = ValveSurroundings(capacity=8e-8, impedance=1.3e5, frequency=1200.0, rho=45.0)
+OF_LOW_SPEED = ValveSurroundings(capacity=6e-8, impedance=1.5e4, frequency=130.0, rho=3.8)
 PHASE = 2.0 * np.pi * np.arange(64) / 64
 WIDE = 2.0 * np.pi * np.arange(128) / 128
 
@@ -43,11 +44,13 @@ def test_an_open_valve_is_held_up_by_its_pressure_and_an_orifice_beyond():
     assert drop == pytest.approx([2e3, 1.0 / (2.0 * 45.0 * 1e-6)])
 
 
-@each_row("swing", [0.3, 1.5, 6.0])
+@each_row("swing", [0.3, 1.5, 6.0, 40.0])
 @each_row("valve", [Valve(), Valve(area=5e-4), Valve(area=5e-4, pressure=3e3)])
-def test_nothing_flows_back_and_the_mean_passes(swing, valve):
+@each_row("behind", [BEHIND, OF_LOW_SPEED])
+def test_nothing_flows_back_and_the_mean_passes(swing, valve, behind):
+    """Turning slowly, up to 40 % of the mean were missing: of the search's damped steps 60 were too few."""
     given = 0.2 * (1.0 + swing * np.cos(PHASE) + 0.3 * swing * np.sin(3.0 * PHASE))
-    flow, _ = valve_flow(valve, given, BEHIND)
+    flow, _ = valve_flow(valve, given, behind)
     assert flow.min() >= 0.0
     assert flow.mean() == pytest.approx(given.mean(), rel=1e-9)
 

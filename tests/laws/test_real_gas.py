@@ -126,7 +126,7 @@ def test_where_a_gas_condenses_it_is_saturated():
     result = run(WET)
     gas = build_gas(make(WET))
     T, rho = states(result)
-    wet = rho > [float(gas._kernels["vapour"](t)) if t < 374.0 else np.inf for t in T]
+    wet = rho > [float(gas._kernels["saturated_vapour"](t)) if t < 374.0 else np.inf for t in T]
     assert 10 < np.count_nonzero(wet) < len(T) - 10
     p_sat = np.array([gas.saturation_pressure(t) for t in T[wet]])
     # the trace interpolates p and T between steps that are good to rtol

@@ -6,7 +6,7 @@ from test_suction_line import LINE, SOLUBLE_RATE
 
 from screwsim.cycle.balances import streams_of
 from screwsim.model.slots import OF_GAS, SUCTION_IN, SUCTION_OUT
-from screwsim.solve.returned_flow import misread_return
+from screwsim.solve.misread_intake import misread_return
 
 SLOW, COARSE, FINE = {"operation.speed": "600 rpm"}, 3e-4, 3e-6
 MORE = 1e-3  # of what flows back

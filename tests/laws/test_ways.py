@@ -7,6 +7,7 @@ from scenes import make
 
 from screwsim.cycle.ways import WAYS, SimultaneousClosing
 from screwsim.explain import explain
+from screwsim.inputs.declare import LEAF
 from screwsim.numerics.settings import CLOSINGS, Closing, NumericsSettings
 from screwsim.simulate import simulate
 
@@ -42,7 +43,7 @@ def asking(closing, **changes):
 
 
 def test_a_scene_may_name_every_closing_and_each_names_ways_that_are_there():
-    offered = next(each for each in fields(NumericsSettings) if each.name == "closing").metadata["limits"]["options"]
+    offered = next(each for each in fields(NumericsSettings) if each.name == "closing").metadata[LEAF].limits["options"]
     assert tuple(CLOSINGS) == offered
     assert {way for closing in CLOSINGS.values() for way in closing.ways} == set(WAYS)
 

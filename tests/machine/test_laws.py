@@ -8,6 +8,7 @@ import pytest
 from scenes import make
 
 from screwsim.explain import explain
+from screwsim.inputs.declare import LEAF
 from screwsim.machine.geometry import Geometry
 from screwsim.machine.kinds import check_machine
 from screwsim.machine.laws import LAWS, PaperLaw
@@ -50,7 +51,7 @@ def scene(monkeypatch):
 
 @pytest.mark.parametrize("section", [VolumeLaw, SuctionPort, DischargePort])
 def test_every_section_offers_every_law_and_each_is_read_in_one_way(section):
-    options = next(each for each in fields(section) if each.name == "law").metadata["limits"]["options"]
+    options = next(each for each in fields(section) if each.name == "law").metadata[LEAF].limits["options"]
     assert options == tuple(LAWS)
     assert [law.by_formula + law.from_file + law.from_rotors for law in LAWS.values()] == [1] * len(LAWS)
 

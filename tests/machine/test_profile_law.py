@@ -14,8 +14,7 @@ from screwsim.effects import catalogue
 from screwsim.effects.base import FlowPath
 from screwsim.inputs.faults import UsageError
 from screwsim.machine import laws, profile_law
-from screwsim.machine.profile_law import laid_curves
-from screwsim.machine.profile_tables import BEND, KINK
+from screwsim.machine.profile_law import BEND, KINK, laid_curves
 from screwsim.machine.protocol import BLOW_HOLE
 from screwsim.machine.rotors.flanks import FEW, female_flanks, male_flanks
 from screwsim.machine.rotors.rotors import MOST_CACHED

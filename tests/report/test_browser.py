@@ -22,9 +22,9 @@ from report_fakes import (
 from scipy.interpolate import CubicSpline
 
 from screwsim.outputs import Figures
-from screwsim.report import rotors_page
-from screwsim.report.families import curves_of_slice, layout_of, optimum
-from screwsim.report.page import data, report, tables
+from screwsim.report import families, rotors_page
+from screwsim.report.page import data, tables
+from screwsim.report.page import pages as pages_of
 from screwsim.report.page.uncertain import inputs_lines
 from screwsim.report.rotors_scene import curves_of
 from screwsim.results import open_results
@@ -59,7 +59,7 @@ def pages(tmp_path_factory):
     made = {}
     for number, (kind, (text, simulate)) in enumerate(FILES.items()):
         path = file(folder / f"{number}.h5", text, simulate)
-        made[kind] = path, report(path, folder / f"{number}.html")
+        made[kind] = path, pages_of(path, folder / f"{number}.html")[0]
     return made
 
 
@@ -163,7 +163,7 @@ def test_a_click_on_a_point_shows_its_case(window, pages):
         assert seen.drawn("loop") > 20 and seen.drawn("temperatures") > 20
         peak = seen.page.evaluate("Math.max(...document.getElementById('loop').data[0].y)")
         assert peak == pytest.approx(results.cycle["pressure"][2, 4].max() * 1e-5, rel=1e-4)
-        assert figures_shown(seen) == [tuple(row) for row in tables.figures(results, data.selection(results), case)]
+        assert figures_shown(seen) == [row[:4] for row in tables.figures(results, data.selection(results).place(case))]
 
 
 def figures_shown(seen) -> list[tuple[str, ...]]:
@@ -187,7 +187,7 @@ def test_a_case_whose_intervals_leave_out_an_input_says_so(window, tmp_path):
     path = file(tmp_path / "x.h5", RATIO, tolerant)
     results = open_results(path)
     cases = results.axes["oil_supply.ratio"].size
-    with Seen(window, report(path, tmp_path / "x.html")) as seen:
+    with Seen(window, pages_of(path, tmp_path / "x.html")[0]) as seen:
         for case in (cases - 1, 0):
             seen.page.evaluate(f"pick({case})")
             lines = seen.page.locator("#contributors li").all_inner_texts()
@@ -206,10 +206,10 @@ def test_the_script_writes_numbers_as_the_tables_do(window, pages):
 def test_the_optima_are_those_of_the_printed_figure(window, pages):
     path, html = pages["sweep with cycles"]
     results = open_results(path)
-    layout = layout_of(results)
-    assert layout is not None
-    curves = curves_of_slice(results, layout, {}, None, "isothermal_efficiency")
-    wanted = [optimum(curve.x, curve.y) for curve in curves]
+    family = families.family_of(results)
+    assert family is not None
+    curves = families.curves_of(family, "isothermal_efficiency")
+    wanted = [families.optimum(curve.x, curve.y) for curve in curves]
     with Seen(window, html) as seen:
         script = "document.getElementById('overview').data.find((t) => t.name === 'optimum')"
         x, y = (seen.page.evaluate(f"Array.from({script}.{axis})") for axis in "xy")

@@ -14,7 +14,7 @@ from seek_fakes import RPM, choosing
 
 from screwsim.report import front, plot, samples
 from screwsim.report.page import page_of
-from screwsim.report.page.best import best_table
+from screwsim.report.page.tables import best_table
 from screwsim.results import open_results
 from screwsim.scene import loads
 from screwsim.study.optimize import optimize

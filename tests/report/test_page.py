@@ -28,7 +28,7 @@ from screwsim.cli import exit_code
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.report import page
-from screwsim.report.page import data, pack, report, tables
+from screwsim.report.page import data, pack, pages, tables
 from screwsim.results import open_results
 from screwsim.study.claims import claims_of
 
@@ -38,7 +38,7 @@ PAPER = "Chernov et al. 2015, Fig. 1"
 
 def text_of(path, tmp_path, claims=()) -> str:
     """Return the page of a results file."""
-    return Path(report(path, tmp_path / "x.html", claims)).read_text(encoding="utf-8")
+    return Path(pages(path, tmp_path / "x.html", claims)[0]).read_text(encoding="utf-8")
 
 
 def unpacked(text: str, name: str) -> str:
@@ -85,8 +85,8 @@ def test_scene_digest_and_history_are_told(text, pump):
 
 
 def test_figures_are_written_as_the_table_of_run_writes_them(tmp_path):
-    rows = tables.figures(open_results(path := file(tmp_path / "x.h5", SCENE)), data.Selection((), ()), 0)
-    found = {name: (number, unit) for name, number, unit, _ in rows}
+    rows = tables.figures(open_results(path := file(tmp_path / "x.h5", SCENE)), ())
+    found = {name: (number, unit) for name, number, unit, *_ in rows}
     performance = open_results(path).performance
     assert found["shaft power"] == (f"{performance['shaft_power'] / 1e3:.5g}", "kW")
     assert found["isothermal efficiency"][1] == "%"
@@ -230,7 +230,7 @@ def test_the_page_lies_beside_the_file_by_default(tmp_path, capsys):
 def test_a_page_that_cannot_be_written_is_one_line(tmp_path):
     path = file(tmp_path / "x.h5", SCENE)
     with pytest.raises(UsageError, match="cannot be written") as fault:
-        report(path, path / "x.html")
+        pages(path, path / "x.html")
     assert "\n" not in str(fault.value)
 
 

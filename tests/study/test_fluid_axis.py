@@ -62,8 +62,7 @@ def test_the_names_are_read_by_others(swept):
 def test_fluids_are_curves_of_one_figure(swept):
     results = swept[2]
     assert [name for name, _ in sweeps.plans(results)] == ["efficiency", "performance"]
-    layout = families.layout_of(results)
-    assert [curve.text for curve in families.curves_of_slice(results, layout, {}, None, "cop")] == ["R134a", "R454B"]
+    assert [curve.text for curve in families.curves_of(families.family_of(results), "cop")] == ["R134a", "R454B"]
 
 
 def fakes(path, fluids, stop=None):

@@ -10,7 +10,7 @@ from screwsim.cli import exit_code
 from screwsim.scene import loads
 from screwsim.scene.operation import P_D, P_S
 from screwsim.study.datasheet.gas_sheet import rating_request
-from screwsim.study.datasheet.rated import _case_scene
+from screwsim.study.datasheet.rated import case_scene
 from screwsim.study.inputs import ends_of
 from screwsim.study.part_load import SPEED_PATH
 from screwsim.template import new_scene, request_of
@@ -106,7 +106,7 @@ def test_points_without_a_rise_of_the_pressure_are_left_out(booster):
     scene = screwsim.load(booster, [LAX, "sweep.operation.speed=[2950 rpm]"])
     ranges = {**NONE, "--suction": "10 bar..20 bar", "--discharge": "15 bar..25 bar"}
     asked = rating_request(scene, ranges, ())
-    cases = {(p, q): _case_scene(asked, p, q) for p in asked.across.values for q in asked.down.values}
+    cases = {(p, q): case_scene(asked, p, q) for p in asked.across.values for q in asked.down.values}
     assert {place for place, case in cases.items() if case is None} == {(p, q) for p, q in cases if q < 1.2 * p}
     assert all(isinstance(case, screwsim.Scene) for case in cases.values() if case is not None)
 

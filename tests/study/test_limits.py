@@ -15,7 +15,7 @@ from screwsim.cli import exit_code
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.results import atomic
 from screwsim.scene.grid import MOST_CASES
-from screwsim.study.progress import OccasionalLine, Progress, TolerantProgress, for_terminal
+from screwsim.study.progress import OccasionalLine, Progress, TerminalBar, for_terminal
 from screwsim.study.sensitivity import sensitivity
 from screwsim.study.spans import Span
 from screwsim.study.sweep import run_sweep
@@ -178,7 +178,7 @@ def test_a_terminal_that_goes_fails_no_sweep(error, letters, tmp_path, monkeypat
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(sys, "stderr", Gone(error, letters))
     out = sys.stdout
-    assert isinstance(for_terminal(), TolerantProgress)
+    assert isinstance(for_terminal(), TerminalBar)
     summary = run_sweep(grid_scene(), tmp_path / "out.h5", jobs=1, simulate=fake_simulate, progress=for_terminal())
     assert summary.cases == 120 and sys.stdout is out and isinstance(sys.stderr, Gone)
 

@@ -10,7 +10,7 @@ import pytest
 
 import screwsim
 from screwsim.study.parallel import parallel_map
-from screwsim.study.progress import NotebookBar, Progress, TolerantProgress, for_program
+from screwsim.study.progress import NotebookBar, Progress, for_program
 from screwsim.study.seek.trials import ReportedSimulation
 from screwsim.study.validation import sibling
 
@@ -80,7 +80,7 @@ def test_a_study_that_ends_early_says_how_far_it_came(drawn):
 
 
 def test_a_bar_is_there_in_a_notebook_alone(drawn, monkeypatch):
-    assert isinstance(for_program("x"), TolerantProgress) and isinstance(for_program("x", True), TolerantProgress)
+    assert isinstance(for_program("x"), NotebookBar) and isinstance(for_program("x", True), NotebookBar)
     assert type(for_program("x", False)) is Progress
     for plain in (SimpleNamespace(kernel=None), None):  # a shell of IPython, a module that nobody runs
         monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda plain=plain: plain))

@@ -254,7 +254,7 @@ class Canned(BatchWorkers):
         self._table = table_of([choosing(with_values(scene(), {"oil_supply.ratio": 1.5}))], keep_cycle=False)
 
     def answers(self, task, payloads):
-        return [self._table.rows(np.zeros(len(work.places), int)) for work in payloads]
+        return [self._table.rows(np.zeros(len(work), int)) for work in payloads]
 
 
 def test_the_file_holds_all_cases_and_what_was_aimed_at(tmp_path):

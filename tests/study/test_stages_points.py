@@ -77,7 +77,7 @@ def test_paths_of_both_stages_vary_together_and_so_does_what_lies_between(plant,
 def test_values_reach_their_stage_and_the_line_between(plant):
     between = {"kind": "cooler", "outlet_temperature": "300 K"}
     chain = read_stages(plant(intercooler=between))
-    changed = points.chain_with(chain, {"second.operation.speed": 5.0, "intercooler.outlet_temperature": 290.0})
+    changed = chain.with_values({"second.operation.speed": 5.0, "intercooler.outlet_temperature": 290.0})
     assert (changed.second.operation.speed, changed.intercooler.outlet_temperature) == (5.0, 290.0)
     assert changed.first.operation.speed == chain.first.operation.speed
     assert not changed.sweep

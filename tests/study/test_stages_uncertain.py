@@ -14,7 +14,6 @@ from screwsim.cli import exit_code
 from screwsim.scene import value_at, with_values
 from screwsim.scene.types import COVERAGE
 from screwsim.study.stages import read_stages, run_stages, uncertain
-from screwsim.study.stages.axes import chain_with
 from screwsim.study.stages.points import KeptPoints, sweep_stages
 from screwsim.study.stages.uncertain import tolerances_of, with_uncertainty
 
@@ -68,7 +67,7 @@ def test_standard_uncertainties_are_those_of_whole_solutions_at_other_inputs(pla
         stage, _, path = name.partition(".")
         value = float(value_at(getattr(chain, stage), path))
         step = 0.5 * tolerance.standard_at(value)
-        high, low = (run_stages(chain_with(chain, {name: value + way * step})).performance for way in (1.0, -1.0))
+        high, low = (run_stages(chain.with_values({name: value + way * step})).performance for way in (1.0, -1.0))
         for figure in COMPARED:
             changes[figure][name] = high[figure] - low[figure]
     for figure in COMPARED:

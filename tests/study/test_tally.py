@@ -7,7 +7,7 @@ import time
 import pytest
 
 from screwsim.study.parallel import parallel_map
-from screwsim.study.progress import CountingProgress, Progress, TolerantProgress
+from screwsim.study.progress import CountingProgress, Progress
 from screwsim.study.tally import SHOWN_EVERY, Place, Tally, no_mark
 
 
@@ -121,7 +121,7 @@ def test_a_study_on_workers_shows_points_before_a_chunk_is_finished_and_each_of_
 
 
 def test_what_was_solved_in_a_chunk_that_was_never_finished_is_counted():
-    counted = TolerantProgress(Progress())
+    counted = CountingProgress()
     counted.start(7, 1)
     counted.advance(1, 0)
     counted.solving(3)

@@ -173,7 +173,7 @@ def test_an_input_without_a_derivative_is_told_and_in_no_figure(paper_point, mon
 def test_a_data_sheet_says_how_sure_its_own_point_is(paper_point, monkeypatch):
     scene = screwsim.load(paper_point, ["operation.speed=1000 rpm ± 3 %", "uncertainty.model=bitzer"])
     empty = Sheet("heading", "title", [], [], None, [])
-    monkeypatch.setattr("screwsim.study.datasheet._sheet_of_kind", lambda *given: empty)
+    monkeypatch.setattr("screwsim.study.datasheet._sheet_of_scene", lambda *given: empty)
     sheet = sheet_of(scene)
     told = dict(sheet.lines)
     half = sheet.document["uncertainty"]["figures"]["shaft_power"]["expanded"]

@@ -26,11 +26,13 @@ NOTHING = 1e-9  # numbers below it count as zero
 Numbers = Mapping[str, Any]  # numbers of figures, or texts
 
 
-def known(subject: str, what: str, asked: str, find: Callable[[], Numbers], within: float) -> dict[str, Any]:
+def known(
+    subject: str, what: str, asked: str, find: Callable[[], Numbers], within: float | Callable[[Numbers], list[str]]
+) -> dict[str, Any]:
     """Return the result of `find` for the question `asked`, a text with everything that determines it.
 
     It is kept in the file of a `subject`. Numbers computed again may differ from the stored ones by `within` of
-    themselves. `what` is for readers of the file.
+    themselves; or it tells which stored ones are too far from what was found. `what` is for readers of the file.
     """
     file = FOLDER / f"{subject}.json"
     rows = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
@@ -50,7 +52,10 @@ def known(subject: str, what: str, asked: str, find: Callable[[], Numbers], with
     if how == "stored":
         return stored
     found = {key: _short(value) for key, value in find().items()}
-    far = [key for key in {**found, **stored} if not _alike(found.get(key), stored.get(key), within)]
+    if callable(within):
+        far = within(stored)
+    else:
+        far = [key for key in {**found, **stored} if not _alike(found.get(key), stored.get(key), within)]
     assert not far, f"{file.name}, {what}: {', '.join(f'{key} {found.get(key)}, not {stored.get(key)}' for key in far)}"
     return found
 

@@ -1,10 +1,13 @@
 """Stored figures of much more accurate solutions, and of other integrators (`known`)."""
 
+from collections.abc import Mapping
 from types import SimpleNamespace
+from typing import Any
 
 from known import known
 from true_error import reference
 
+from screwsim.figures.errors import relative_errors
 from screwsim.outputs import Figures
 from screwsim.scene import Scene, scene_text
 from screwsim.simulate import simulate
@@ -40,3 +43,31 @@ def known_solution(scene: Scene) -> SimpleNamespace:
     subject = "radau" if asked.integrator == "scipy-radau" else "true_figures"
     what = f"{asked.integrator}, {asked.accuracy:g}"
     return SimpleNamespace(performance=Figures(known(subject, what, scene_text(scene), find, asked.accuracy)))
+
+
+def known_finer(scene: Scene, within: float, only: tuple[str, ...] = ()) -> Figures:
+    """Return the figures of a scene, or some only, stored or computed: it is a much more accurate one than another.
+
+    Computed again they may differ by `within`, as errors of figures are counted: those of machines that deliver little
+    vary with the last bits of a processor by more than of themselves.
+    """
+    solved: list[Figures] = []
+
+    def find() -> dict[str, object]:
+        found = simulate(scene, trace=False)
+        assert found.status == "ok", found.message
+        solved.append(found.performance)
+        return {
+            name: float(value)
+            for name, value in found.performance.items()
+            if value is not None and (name in only or not only)
+        }
+
+    def too_far(stored: Mapping[str, Any]) -> list[str]:
+        (found,) = solved
+        off = relative_errors(found, Figures(stored))
+        missing = [name for name, value in found.items() if value is not None and not only and name not in stored]
+        return [name for name, error in off.items() if error is not None and error > within] + missing
+
+    what = f"{scene.numerics.closing}, {scene.numerics.accuracy:g}"
+    return Figures(known("finer", what, scene_text(scene), find, too_far))

@@ -60,8 +60,8 @@ SHOWN = {"shafts leak as a nozzle (M274)": "shafts as a nozzle", "gaps dry": "ga
 FILMS = (  # laws and rules of machine.yaml, for the machine of 160 mm
     "effects.mechanical=off",
     "effects.oil_drag={tip_gap: 26.1 um, tip_land: 2 mm, end_gap: 26.1 um, end_solidity: 0.63}",
-    "effects.bearings={friction: two_term, load: gas, radial_area: 70.4 cm^2, axial_area: 30 cm^2, "
-    "mean_diameter: 98 mm, f_0: 2, f_1: 0.0004}",
+    "effects.bearings={friction: two_term, load: rotors, shaft_diameter: 70 mm, mean_diameter: 98 mm, f_0: 2, "
+    "f_1: 0.0004}",
 )
 FITTED_AT = {"operation.evaporating_temperature": 275.15, "operation.condensing_temperature": 318.15}  # K, 2/45 °C
 UNIT = 1e3 / (100.0 * CFM)  # J/m^3 of 1 kW/100 cfm

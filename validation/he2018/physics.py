@@ -16,7 +16,7 @@ FRICTION = (  # as in validation/cagi/machine.yaml, for rotors of 160 mm
     "effects.mechanical=off",
     "effects.hydromechanical={acceleration_factor: 1, viscous_coefficient: 0}",
     "effects.oil_drag={tip_gap: 26.1 um, tip_land: 2 mm, end_gap: 26.1 um, end_solidity: 0.63}",
-    "effects.bearings={friction: two_term, load: gas, radial_area: 70.4 cm^2, axial_area: 30 cm^2, "
+    "effects.bearings={friction: two_term, load: gas, radial_area: 18 cm^2, axial_area: 26 cm^2, "  # of M146
     "mean_diameter: 98 mm, f_0: 2, f_1: 0.0004}",
 )
 FIRST = (*DRY, *NO_LINE, COARSE)  # the machine as first taken, but for where its oil comes in

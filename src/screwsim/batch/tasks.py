@@ -38,7 +38,7 @@ IN_STEP = LANES  # the same for courses, whose points take similar turns; more w
 ON_GPU = 1024  # tasks at a time on a GPU, and turns in one call
 Turns = Callable[[Sequence[side_by_side.TurnRequest]], list[Any]]
 OnSwitch = Callable[[greenlet, greenlet], None]
-During = Callable[[Sequence[greenlet]], AbstractContextManager[None]]  # called with the tasks for which a call is made
+During = Callable[[Sequence[greenlet]], AbstractContextManager[Any]]  # called with the tasks for which a call is made
 
 
 @dataclass(eq=False)
@@ -69,7 +69,7 @@ def together(
     """
     default, most = (ON_GPU, ON_GPU) if gpu else (IN_FLIGHT, LANES)
     turns = _turns_on_gpu if gpu else _turns if lanes else _one_by_one
-    return _Scheduler(tasks, max(1, in_flight or default), during or _plain, most, turns, handed_on).run()
+    return _Scheduler(tasks, max(1, in_flight or default), during or nullcontext, most, turns, handed_on).run()
 
 
 def simulate_courses(courses: Iterable[Iterable[Scene]], trace: bool = False, gpu: bool = False) -> list[list[Result]]:
@@ -110,13 +110,6 @@ def _device_errors() -> Iterator[None]:
         yield
     except (CannotCompile, DeviceError) as why:
         raise UsageError(f"this scene cannot be solved on a GPU: {why}; leave it to the processor") from None
-
-
-_nothing = nullcontext()
-
-
-def _plain(tasks: Sequence[greenlet]) -> AbstractContextManager[None]:
-    return _nothing
 
 
 class _Scheduler:

@@ -6,19 +6,21 @@
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from screwsim.effects.base import Sought, Span
 from screwsim.effects.parts.made import AT_END
+from screwsim.fluid.settings import OilSettings
 from screwsim.inputs.declare import FoundWithCycle
+from screwsim.numerics.frozen import with_changes
 from screwsim.numerics.identity_cache import IdentityCache
 from screwsim.outputs.customary import celsius
 from screwsim.scene.lines import lines
-from screwsim.scene.types import ActiveEffect, Scene
+from screwsim.scene.types import ActiveEffect, OilSupply, Scene
 
-MIXTURE = "mixture_discharge_temperature"
+MIXTURE, OIL_SUPPLY = "mixture_discharge_temperature", "oil_supply"
 LOG = 20.0  # [K] change of the coordinate that makes a factor e of the oil flow
 LEAST_OIL, MOST_OIL, FIRST_OIL = 0.02, 60.0, 2.0  # oil per gas by mass: limits and first guess
 OIL = Span(LOG * math.log(LEAST_OIL), LOG * math.log(MOST_OIL))
@@ -34,31 +36,90 @@ class CoordinateChange(NamedTuple):
     open: float
 
 
-def oil_ratio_is_open(scene: Scene) -> bool:
-    """Tell whether the oil-to-gas ratio is to be found."""
-    supply = scene.oil_supply
-    return supply is not None and (supply.discharge_temperature is not None or supply.flow is not None)
+@dataclass(frozen=True)
+class _OilRatio(Sought):
+    """The oil-to-gas ratio, open where the scene states a discharge temperature or the pump's flow in its place.
+
+    `T_oil` [K] is the temperature at which the oil is injected.
+    """
+
+    supply: OilSupply
+    oil: OilSettings | None
+    T_oil: float
+
+    @property
+    def is_open(self) -> bool:
+        return self.supply.discharge_temperature is not None or self.supply.flow is not None
+
+    @property
+    def stands(self) -> float | None:
+        return LOG * math.log(self.supply.ratio) if self.supply.ratio else None
+
+    def span(self, facts: Any, suction_pressure: Callable[[], float]) -> Span:
+        return OIL
+
+    def first(self, span: Span) -> float:
+        return LOG * math.log(FIRST_OIL)
+
+    def placed(self, x: float) -> dict[str, Any]:
+        return {"ratio": FoundWithCycle(math.exp(x / LOG))}
+
+    def off(self, figures: Mapping[str, Any], oil_follows: bool) -> tuple[float, float] | None:
+        if self.supply.flow is not None:
+            share = self._flow_share(figures)
+            return None if share is None else (-LOG * math.log(share), LOG)
+        wanted, T = self.supply.discharge_temperature or 0.0, figures.get(MIXTURE)
+        least = 1e-3 * (wanted - self.T_oil)
+        return None if T is None else (LOG * math.log(max(T - self.T_oil, least) / (wanted - self.T_oil)), LOG)
+
+    def idle(self, figures: Mapping[str, Any], x: float, lowest: bool) -> str:
+        ratio, T = math.exp(x / LOG), figures.get(MIXTURE)
+        if self.supply.flow is not None:
+            share = self._flow_share(figures)
+            if share is None:
+                return ""
+            what = f"with {ratio:.3g} kg of oil per kg of gas, the {'least' if share > 1.0 else 'most'} ratio tried"
+            return f"{what}, {share:.3g} times oil_supply.flow is injected (choose another oil_supply.flow)"
+        if T is None:
+            return ""
+        what = f"no oil flow brings the mixture to {celsius(self.supply.discharge_temperature or 0.0)}"
+        end = f"with {ratio:.3g} kg per kg of gas it reaches {celsius(T)}"
+        return f"{what}: {end} (choose another oil_supply.discharge_temperature or oil temperature)"
+
+    def _flow_share(self, figures: Mapping[str, Any]) -> float | None:
+        """Return the injected oil flow over the requested one; None where no oil is injected."""
+        flow = figures.get("oil_mass_flow")
+        assert self.oil is not None and self.supply.flow is not None
+        return flow / (self.oil.at(self.T_oil).density * self.supply.flow) if flow and flow > 0.0 else None
 
 
 @IdentityCache
-def _open(effects: Mapping[str, ActiveEffect]) -> dict[str, Sought]:
+def _of_effects(effects: Mapping[str, ActiveEffect]) -> dict[str, Sought]:
     """Return the parameters of the effects that leave a number open, by effect name."""
     every = ((name, active.parameters) for name, active in effects.items())
     return {name: parameters for name, parameters in every if isinstance(parameters, Sought) and parameters.is_open}
 
 
+def _open(scene: Scene, T_oil: float | None = None) -> dict[str, Sought]:
+    """Return what a scene leaves open, the oil's ratio first, by effect name or `OIL_SUPPLY`.
+
+    `T_oil` [K]: that of the injected oil, if it is not the one that the scene states.
+    """
+    supply = scene.oil_supply
+    if supply is None:
+        return _of_effects(scene.effects)
+    ratio = _OilRatio(supply, scene.oil, (supply.temperature or 0.0) if T_oil is None else T_oil)
+    return ({OIL_SUPPLY: ratio} if ratio.is_open else {}) | _of_effects(scene.effects)
+
+
 def has_open_values(scene: Scene) -> bool:
     """Tell whether a scene leaves any parameter open."""
-    return oil_ratio_is_open(scene) or bool(_open(scene.effects))
+    return bool(_open(scene))
 
 
 def coordinate_ranges(scene: Scene) -> list[Span]:
     """Return the range of each coordinate, in the order of `current_coordinates`."""
-    return [*([OIL] if oil_ratio_is_open(scene) else ()), *_of_effects(scene).values()]
-
-
-def _of_effects(scene: Scene) -> dict[str, Span]:
-    return {name: one.span(scene, lambda: lines(scene).p_s) for name, one in _open(scene.effects).items()}
+    return [one.span(scene, lambda: lines(scene).p_s) for one in _open(scene).values()]
 
 
 def completed(scene: Scene, near: Sequence[float] | None = None) -> Scene:
@@ -67,39 +128,25 @@ def completed(scene: Scene, near: Sequence[float] | None = None) -> Scene:
     if None not in standing_now:
         return scene
     if near is None or len(near) != len(standing_now):
-        near = list(_guesses(scene))
+        near = [one.first(span) for one, span in zip(_open(scene).values(), coordinate_ranges(scene), strict=True)]
     return with_coordinates(scene, near)
-
-
-def _guesses(scene: Scene) -> Iterator[float]:
-    if oil_ratio_is_open(scene):
-        yield LOG * math.log(FIRST_OIL)
-    for name, span in _of_effects(scene).items():
-        yield _open(scene.effects)[name].first(span)
 
 
 def current_coordinates(scene: Scene) -> list[float | None]:
     """Return the current value of each coordinate [K]; None where it has none yet."""
-    found: list[float | None] = []
-    if oil_ratio_is_open(scene):
-        assert scene.oil_supply is not None
-        ratio = scene.oil_supply.ratio
-        found.append(LOG * math.log(ratio) if ratio else None)
-    return found + [one.stands for one in _open(scene.effects).values()]
+    return [one.stands for one in _open(scene).values()]
 
 
 def with_coordinates(scene: Scene, at: Sequence[float]) -> Scene:
     """Return a scene with its coordinates at the given values, limited to their ranges."""
-    wanted = [span.kept(x) for span, x in zip(coordinate_ranges(scene), at, strict=True)]
-    if oil_ratio_is_open(scene):
-        ratio = FoundWithCycle(math.exp(wanted.pop(0) / LOG))
-        assert scene.oil_supply is not None
-        scene = replace(scene, oil_supply=replace(scene.oil_supply, ratio=ratio))
     effects = {**scene.effects}
-    for (name, one), x in zip(_open(scene.effects).items(), wanted, strict=True):
-        parameters: Any = one
-        effects[name] = replace(effects[name], parameters=replace(parameters, **one.placed(x)))
-    return replace(scene, effects=effects) if wanted else scene
+    for (name, one), span, x in zip(_open(scene).items(), coordinate_ranges(scene), at, strict=True):
+        found = one.placed(span.kept(x))
+        if name == OIL_SUPPLY:
+            scene = replace(scene, oil_supply=with_changes(scene.oil_supply, **found))
+        else:
+            effects[name] = with_changes(effects[name], parameters=with_changes(effects[name].parameters, **found))
+    return replace(scene, effects=effects) if _of_effects(scene.effects) else scene
 
 
 def required_changes(
@@ -112,9 +159,8 @@ def required_changes(
     with that of the discharge, so that the oil does not hold the latter.
     """
     found = []
-    for span, x, off in zip(
-        coordinate_ranges(scene), current_coordinates(scene), _deviations(scene, figures, T_oil, follows), strict=True
-    ):
+    for span, one in zip(coordinate_ranges(scene), _open(scene, T_oil).values(), strict=True):
+        off, x = one.off(figures, follows), one.stands
         if off is None or x is None:
             return None
         step, scale = off
@@ -123,57 +169,10 @@ def required_changes(
     return found
 
 
-def _deviations(
-    scene: Scene, figures: Mapping[str, Any], T_oil: float, follows: bool
-) -> Iterator[tuple[float, float] | None]:
-    """Yield (approximate error [K], change [K] that makes a factor e of its flow) of each coordinate."""
-    if oil_ratio_is_open(scene):
-        yield _oil_deviation(scene, figures, T_oil)
-    for one in _open(scene.effects).values():
-        yield one.off(figures, follows)
-
-
-def _oil_deviation(scene: Scene, figures: Mapping[str, Any], T_oil: float) -> tuple[float, float] | None:
-    """Return (approximate error [K], change [K] that makes a factor e of its flow) of the oil's coordinate."""
-    assert scene.oil_supply is not None
-    if scene.oil_supply.flow is not None:
-        share = _oil_flow_share(scene, figures, T_oil)
-        return None if share is None else (-LOG * math.log(share), LOG)
-    wanted, T = scene.oil_supply.discharge_temperature or 0.0, figures.get(MIXTURE)
-    least = 1e-3 * (wanted - T_oil)
-    return None if T is None else (LOG * math.log(max(T - T_oil, least) / (wanted - T_oil)), LOG)
-
-
-def _oil_flow_share(scene: Scene, figures: Mapping[str, Any], T_oil: float) -> float | None:
-    """Return the injected oil flow over the requested one; None where no oil is injected."""
-    flow = figures.get("oil_mass_flow")
-    assert scene.oil is not None and scene.oil_supply is not None and scene.oil_supply.flow is not None
-    return flow / (scene.oil.at(T_oil).density * scene.oil_supply.flow) if flow and flow > 0.0 else None
-
-
 def warnings(scene: Scene, figures: Mapping[str, Any]) -> Iterator[str]:
     """Yield a warning for each open parameter at an end of its range: no value gives the requested figure."""
-    ends = list(zip(coordinate_ranges(scene), current_coordinates(scene), strict=True))
-    if oil_ratio_is_open(scene):
-        span, x = ends.pop(0)
-        if x is not None and span.at_end(x):
-            yield from _of_oil(scene, figures, math.exp(x / LOG))
-    for one, (span, x) in zip(_open(scene.effects).values(), ends, strict=True):
+    for one, span in zip(_open(scene).values(), coordinate_ranges(scene), strict=True):
+        x = one.stands
         words = one.idle(figures, x, x - span.low < span.high - x) if x is not None and span.at_end(x) else ""
         if words:
             yield words
-
-
-def _of_oil(scene: Scene, figures: Mapping[str, Any], ratio: float) -> Iterator[str]:
-    """Yield that the smallest or largest oil-to-gas ratio does not give the requested figure."""
-    supply, T = scene.oil_supply, figures.get(MIXTURE)
-    assert supply is not None
-    if supply.flow is not None:
-        share = _oil_flow_share(scene, figures, supply.temperature or 0.0)
-        if share is not None:
-            what = f"with {ratio:.3g} kg of oil per kg of gas, the {'least' if share > 1.0 else 'most'} ratio tried"
-            yield f"{what}, {share:.3g} times oil_supply.flow is injected (choose another oil_supply.flow)"
-    elif T is not None:
-        what = f"no oil flow brings the mixture to {celsius(supply.discharge_temperature or 0.0)}"
-        end = f"with {ratio:.3g} kg per kg of gas it reaches {celsius(T)}"
-        yield f"{what}: {end} (choose another oil_supply.discharge_temperature or oil temperature)"

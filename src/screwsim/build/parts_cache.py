@@ -138,15 +138,14 @@ def _built(name: str, active: ActiveEffect, numbers: Mapping[str, float], geomet
     built = active.effect.build(active.parameters, geometry)
     built = checked_parts(built) if "." in name else list(built)
     if active.effect.numbers is not None:
-        built = [_with(part, numbers) if isinstance(part, TakesNumbers) else part for part in built]
+        built = [
+            with_changes(part, values={**part.values, **numbers}) if isinstance(part, TakesNumbers) else part
+            for part in built
+        ]
     if not geometry.expands:
         return built
     life, pitch = geometry.life, geometry.pitch
     return [part.mirrored(life, pitch) if isinstance(part, FlowPath) else part for part in built]
-
-
-def _with(part: TakesNumbers, numbers: Mapping[str, float]) -> TakesNumbers:
-    return with_changes(part, values={**part.values, **numbers})
 
 
 def surroundings_of(scene: Scene, at: Lines) -> Around:

@@ -17,7 +17,7 @@ from typing import Annotated, Any
 
 import typer
 
-from screwsim.cli import files, measured, points, process, seek, studies
+from screwsim.cli import files, points, process, seek, studies
 from screwsim.cli.declare import summary
 from screwsim.cli.export import app as export_app
 from screwsim.cli.machine import datasheet, startup
@@ -64,7 +64,7 @@ _POINTS = (points.run, points.sweep, points.explain, points.accuracy)
 _STUDIES = (studies.optimum, studies.sensitivity, studies.performance_map, studies.compare, studies.calibrate)
 _FILES = (files.explore, files.rotors, files.plot, files.scene, files.report, files.validate, files.schema)
 _SEEK = (seek.find, seek.optimize)
-_MEASURED = (measured.diagnose, measured.plan, studies.tolerance, startup)
+_MEASURED = (seek.diagnose, seek.plan, studies.tolerance, startup)
 for _command in (new, *_POINTS, datasheet, *_SEEK, *_STUDIES, *_MEASURED, *_FILES):
     app.command("map" if _command is studies.performance_map else None)(_command)
 app.add_typer(export_app, name="export", short_help=str(export_app.info.help).rstrip("."))

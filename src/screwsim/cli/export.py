@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from screwsim.export.map_table import MapTable
     from screwsim.export.polynomials import Polynomials
     from screwsim.scene import Scene
-    from screwsim.study.progress import Progress
 
 app = typer.Typer(
     help="Write files for other tools: FMU, maps for system simulation, rotor loads.",
@@ -37,11 +37,7 @@ FIGURE_NAMES = option(
 )
 LARGEST_ERROR = option("E", "Largest relative error allowed in the map (default: 0.005).", "--error")
 MOST_CASES = option("N", "Largest number of grid points to simulate (default: 5000).", "--most-cases", min=2)
-RANGES_REMEDY = "narrow the ranges, or allow more --most-cases"
-
-
-def _bar() -> Progress:
-    return progress_bar("export")
+_BAR = partial(progress_bar, "export")
 
 
 def _announce_polynomials(scene: Scene, inputs: Sequence[Input]) -> None:
@@ -60,12 +56,13 @@ def _announce_map(scene: Scene, inputs: Sequence[Input]) -> None:
 
 def print_map_and_files(table: MapTable, files: list[str], as_json: bool) -> int:
     """Print a map and its files; return the exit code, not ok where its error exceeds the requested one."""
-    from screwsim.printing.export import accuracy_shortfall, map_document, print_map
+    from screwsim.printing.export import map_document, print_map
 
     print_document_or_text(as_json, map_document, print_map, table, files)
-    if why := accuracy_shortfall(table, RANGES_REMEDY):
-        return options.print_error(f"export: {why}", NOT_ALL_OK)
-    return OK
+    if table.met:
+        return OK
+    why = f"the error {table.error:.2g} is above the {table.wanted:g} requested"
+    return options.print_error(f"export: {why} (narrow the ranges, or allow more --most-cases)", NOT_ALL_OK)
 
 
 @app.command()
@@ -99,7 +96,7 @@ def fmu(
     if not sources_only:
         compiler()  # reports a missing compiler before the map is simulated
     told = _announce_polynomials if kind == "polynomial" else _announce_map
-    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _bar, told)
+    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _BAR, told)
     if kind == "polynomial":
         from screwsim.export.polynomial_table import polynomial_table
 
@@ -129,7 +126,7 @@ def modelica(
     from screwsim.results.protection import protect_unmarked
 
     protect_unmarked(output, WRITTEN_MARK)
-    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _bar, _announce_map)
+    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _BAR, _announce_map)
     name = identifier(output.stem)
     written = [_write_content(output, package(table, name))]
     if name != output.stem:
@@ -157,7 +154,7 @@ def comma_separated(
     from screwsim.results.protection import protect_unmarked
 
     protect_unmarked(output, TITLE_SEPARATOR)
-    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _bar, _announce_map)
+    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _BAR, _announce_map)
     return print_map_and_files(table, [_write_content(output, csv_table(table))], as_json)
 
 
@@ -204,7 +201,7 @@ def tespy(
     from screwsim.results.protection import protect_other_json
 
     protect_other_json(output, "for", "fluid", "maps")
-    with swept_results(source, over, overrides, without, jobs, _bar(), _announce_map) as results:
+    with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_map) as results:
         document = tespy_document(results)
     rows = [(each["at"], [each["largest_error"][name] for name in FIGURES]) for each in document["maps"]]
     if any(sum(each["dissipation_ratio_range"]) < 0.0 for each in document["maps"]):
@@ -229,7 +226,7 @@ def energyplus(
     from screwsim.export.polynomials import document, polynomials, rated_temperatures, swept_results
 
     made_for.protect_other_objects(output)
-    with swept_results(source, over, overrides, without, jobs, _bar(), _announce_map) as results:
+    with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_map) as results:
         found = polynomials(results, [made_for.power_of(results.figures), made_for.CAPACITY])
     objects = made_for.energyplus_objects(found, output.stem)
     text = output.suffix.lower() == ".idf"
@@ -259,23 +256,17 @@ def en12900(
 ) -> int:
     """Write the coefficients of EN 12900 and AHRI 540 with rating tables."""
     options.check_target(output, ".csv", ".json")
-    from screwsim.export.en12900 import (
-        FIGURES,
-        OPTIONAL_FIGURES,
-        en12900_csv,
-        en12900_document,
-        other_convention,
-        protect_other_coefficients,
-    )
+    from screwsim.export import en12900 as made_for
     from screwsim.export.polynomials import polynomials, swept_results
 
-    protect_other_coefficients(output)
-    with swept_results(source, over, overrides, without, jobs, _bar(), _announce_map) as results:
-        found = polynomials(results, [*FIGURES, *(name for name in OPTIONAL_FIGURES if name in results.figures)])
-    if other := other_convention(found):
+    made_for.protect_other_coefficients(output)
+    with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_map) as results:
+        optional = (name for name in made_for.OPTIONAL_FIGURES if name in results.figures)
+        found = polynomials(results, [*made_for.FIGURES, *optional])
+    if other := made_for.other_convention(found):
         typer.echo(f"export: {other}", err=True)
-    document = en12900_document(found, ip)
-    file = _write_content(output, en12900_csv(found, ip) if output.suffix.lower() == ".csv" else document)
+    document = made_for.en12900_document(found, ip)
+    file = _write_content(output, made_for.en12900_csv(found, ip) if output.suffix.lower() == ".csv" else document)
     return _print_polynomials_and_files(document, list(found.units), _polynomial_errors(found), [file], as_json)
 
 

@@ -5,7 +5,6 @@ import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, option, switch
@@ -33,25 +32,20 @@ def _creep_speed(text: str) -> float:
 @contextmanager
 def _shown_speed() -> Iterator[Callable[[float], None]]:
     """Give a function that shows how far a start has come, by its speed over the steady one, on a terminal."""
-    from screwsim.study.progress import OverwrittenLine, Progress, TolerantProgress
+    from screwsim.study.progress import CountingProgress, OverwrittenLine
 
     on_terminal = sys.stderr is not None and sys.stderr.isatty()
-    shown = TolerantProgress(OverwrittenLine("startup, % of the steady speed")) if on_terminal else Progress()
-    reached: int | None = None  # nothing is shown of a start that is refused
+    shown = OverwrittenLine("startup, % of the steady speed") if on_terminal else CountingProgress()
 
     def told(share: float) -> None:
-        nonlocal reached
-        if reached is None:
+        if not shown.counts[1]:  # nothing is shown of a start that is refused
             shown.start(100, 0)
-            reached = 0
-        now = max(reached, min(100, int(100.0 * share)))
-        shown.advance(now - reached, 0)
-        reached = now
+        shown.advance(max(0, min(100, int(100.0 * share)) - shown.counts[0]), 0)
 
     try:
         yield told
     finally:
-        if reached is not None:
+        if shown.counts[1]:
             shown.stop()
 
 
@@ -111,28 +105,17 @@ def datasheet(
     as_json: bool = AS_JSON,
 ) -> int:
     """Rate a machine, or two stages, over operating states, at part load and within limits; air by ISO 1217."""
-    from screwsim.study.stages import is_stages
-
-    if is_stages(scene_file):
-        from screwsim.study.datasheet import sheet_of_stages
-        from screwsim.study.stages import read_stages
-
-        options.refuse_for_stages(scene_file, "rate", {"--without": without})
-        chain = read_stages(scene_file, overrides or ())
-        options.report_sweeps_of_stages(chain, scene_file)
-        made = partial(sheet_of_stages, chain)
-    else:
-        from screwsim.study.datasheet import sheet_of
-
-        made = partial(sheet_of, options.loaded_scene(scene_file, overrides, without))
+    rated = options.loaded_scene_or_stages(scene_file, "rate", overrides, without)
     if output is not None:
         from screwsim.report.datasheet import check_sheet
 
         check_sheet(output)
     from screwsim.printing.machine import print_sheet
+    from screwsim.study.datasheet import sheet_of
 
     with options.counted_progress("datasheet", "parts") as shown:
-        sheet = made(
+        sheet = sheet_of(
+            rated,
             evaporating=evaporating,
             condensing=condensing,
             suction=suction,

@@ -84,9 +84,10 @@ def progress_bar(title: str = "sweep", names: Sequence[str] = ()) -> Progress:
 @contextlib.contextmanager
 def counted_progress(title: str, what: str) -> Iterator[Progress]:
     """Give a progress display; after Ctrl-C, say on stderr how much was done, in a word for the points (`machines`)."""
-    from screwsim.study.progress import TolerantProgress
+    from screwsim.study.progress import CountingProgress
 
-    counted = TolerantProgress(progress_bar(title))
+    shown = progress_bar(title)
+    counted = shown if isinstance(shown, CountingProgress) else CountingProgress()
     try:
         yield counted
     except KeyboardInterrupt:

@@ -52,10 +52,13 @@ def run(
     scene = options.loaded_point(scene_file, overrides, without)
     if output is not None:
         options.check_place(output)
-    points, left_out = _read_measured(scene, measured), _knock_out_groups(scene, knock_out, together)
+    from screwsim.study.knock_out import each_alone, read_groups
+
+    points = _read_measured(scene, measured) if measured else ()
+    left_out = (*read_groups(scene, together or ()), *(each_alone(scene) if knock_out else ()))
     result = _simulated(scene, left_out, traced=output is not None)
     if output is not None:
-        from screwsim.study.point import save_point
+        from screwsim.study.local import save_point
 
         options.check_place(output)  # again: a file that has appeared meanwhile is kept
         save_point(output, scene, result)
@@ -120,27 +123,16 @@ def _print_point(scene: Scene, result: Result, changed: Sequence[str], short: bo
         print_uncertainty(result)
 
 
-def _read_measured(scene: Scene, texts: Sequence[str] | None) -> tuple[MeasuredFigure, ...]:
+def _read_measured(scene: Scene, texts: Sequence[str]) -> tuple[MeasuredFigure, ...]:
     """Return the measured values; mistakes are reported before anything is simulated."""
-    if not texts:
-        return ()
     from screwsim.study.measured import read_measured
 
     return read_measured(scene, texts)
 
 
-def _knock_out_groups(scene: Scene, each: bool, together: Sequence[str] | None) -> tuple[LeftOut, ...]:
-    """Return what to leave out in turn: the named groups, then each effect by itself."""
-    if not (each or together):
-        return ()
-    from screwsim.study.knock_out import each_alone, read_groups
-
-    return (*read_groups(scene, together or ()), *(each_alone(scene) if each else ()))
-
-
 def _run_stages(file: str, output: Path | None, overrides: Texts, as_json: bool) -> int:
     from screwsim.printing.stages import print_stages
-    from screwsim.study.point import with_slopes
+    from screwsim.study.local import with_slopes
     from screwsim.study.stages import read_stages, run_stages
     from screwsim.study.stages.store import point_results, save_chain
     from screwsim.study.stages.uncertain import with_uncertainty

@@ -71,14 +71,7 @@ def performance_map(
     as_json: bool = AS_JSON,
 ) -> int:
     """Fit the ten AHRI 540 / EN 12900 coefficients to a sweep over both temperatures, or evaluate them."""
-    from screwsim.printing.performance_map import (
-        map_document,
-        points_document,
-        print_maps,
-        print_points,
-        protect_other_maps,
-        write_maps,
-    )
+    from screwsim.printing import performance_map as printed
     from screwsim.results import open_results
     from screwsim.study.map_points import points_at
     from screwsim.study.performance_map import performance_maps
@@ -86,15 +79,15 @@ def performance_map(
     results = open_results(results_file)
     options.check_target(output, ".csv", ".json")
     if output is not None:
-        protect_other_maps(output)
+        printed.protect_other_maps(output)
     maps = performance_maps(results, tuple(dict.fromkeys(figures or ())))
     found = points_at(results, maps, points or ())
     if found:
-        options.print_document_or_text(as_json, points_document, print_points, results, found)
+        options.print_document_or_text(as_json, printed.points_document, printed.print_points, results, found)
     else:
-        options.print_document_or_text(as_json, map_document, print_maps, results, maps)
+        options.print_document_or_text(as_json, printed.map_document, printed.print_maps, results, maps)
     if output is not None:
-        write_maps(output, results, maps)
+        printed.write_maps(output, results, maps)
         options.print_files([output], as_json)
     return OK if found or not any(each.message or each.not_ok for each in maps) else NOT_ALL_OK
 

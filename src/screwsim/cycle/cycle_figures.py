@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 from screwsim.cycle import suction_line
@@ -59,29 +60,21 @@ class CycleFigures:
     found: Mapping[str, Any] = field(default_factory=dict)  # the figures known so far
 
 
-def pitch_at(problem: Problem, life: Trajectory, q: Array) -> Pitch:
-    """Return one pitch of all chambers of a life; its lines are as the chambers meet them, in plenums with these."""
-    geometry = problem.parts.geometry
-    own = {SUCTION: float(life.R[R_SUCTION + PRESSURE]), DISCHARGE: problem.lines.p_d}
-    met = [chamber_end_pressure(problem, life, to) or p for to, p in own.items()]
-    return pitch_of(life, geometry, min(met), float(q[Q_WORK]) / geometry.pitch, max(met))
-
-
-class LazyPitch:
-    """One pitch of all chambers of a life, computed on the first call.
+def lazy_pitch(problem: Problem, life: Trajectory, q: Array) -> Callable[[], Pitch]:
+    """Return a function that returns one pitch of all chambers of a life, computed on the first call.
 
     It holds no reference to its readers, so that an unused life is freed at once.
     """
 
-    def __init__(self, problem: Problem, life: Trajectory, q: Array) -> None:
-        self._of = problem, life, q
-        self._found: Pitch | None = None
+    @cache
+    def pitch() -> Pitch:
+        """Return the pitch; its lines are as the chambers meet them, in plenums with these."""
+        geometry = problem.parts.geometry
+        own = {SUCTION: float(life.R[R_SUCTION + PRESSURE]), DISCHARGE: problem.lines.p_d}
+        met = [chamber_end_pressure(problem, life, to) or p for to, p in own.items()]
+        return pitch_of(life, geometry, min(met), float(q[Q_WORK]) / geometry.pitch, max(met))
 
-    def __call__(self) -> Pitch:
-        """Return the pitch."""
-        if self._found is None:
-            self._found = pitch_at(*self._of)
-        return self._found
+    return pitch
 
 
 def cycle_figures(
@@ -116,7 +109,7 @@ def cycle_figures(
         oil_discharge_temperature=_oil_discharge_temperature(problem, life, q) if oil is not None else None,
         oil_viscosity_at=lambda T: oil.at(T).viscosity if oil is not None else None,
         oil_density_at=lambda T: oil.at(T).density if oil is not None else None,
-        pitch=pitch or LazyPitch(problem, life, q),
+        pitch=pitch or lazy_pitch(problem, life, q),
         set_speed=parts.omega if parts.set_speed is None else parts.set_speed,
         turn=turn,
         leaked_oil_flow=_leaked_oil(problem, life),

@@ -7,16 +7,13 @@ Source: docs/explanation/closing.md.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
 from dataclasses import replace
-
-import numpy as np
 
 from screwsim.cycle.problem import ClosingTask
 from screwsim.cycle.relaxation import relax
 from screwsim.cycle.search import FALLBACK_NAME, search_and_close
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
-from screwsim.cycle.solution import Array, ClosingCriteria, CorrectedState, CycleSolution, Expectation, Start
+from screwsim.cycle.solution import ClosingCriteria, CorrectedState, CycleSolution, Expectation, Start
 from screwsim.model.slots import Q_WORK, R_TRAPPED
 from screwsim.numerics.settings import CLOSINGS, TOGETHER, WAVEFORMS
 from screwsim.outputs.variables import NOT_CLOSED
@@ -48,10 +45,6 @@ class Way(ABC):
     def share(self, cycle: CycleSolution, criteria: ClosingCriteria) -> float:
         """Return the factor on the wanted tolerance of a step with which the balances closed."""
 
-    @abstractmethod
-    def stopped(self, cycle: CycleSolution, states: int, chambers: int) -> Iterable[Array]:
-        """Return the candidates, `states` numbers each, for the state at which a failed cycle stopped."""
-
 
 class WaveformRelaxation(Way):
     """Waveform relaxation: one chamber's life is integrated among stored earlier ones."""
@@ -79,10 +72,6 @@ class WaveformRelaxation(Way):
         """Return the factor relative to the tolerance that waveform relaxation starts with."""
         return cycle.rtol / (criteria.histories_factor * criteria.rtol)
 
-    def stopped(self, cycle: CycleSolution, states: int, chambers: int) -> Iterable[Array]:
-        """Return the state of the one chamber."""
-        return [cycle.y[:states]]
-
 
 class SimultaneousClosing(Way):
     """Simultaneous closing: all chambers are integrated together over a pitch."""
@@ -107,11 +96,6 @@ class SimultaneousClosing(Way):
     def share(self, cycle: CycleSolution, criteria: ClosingCriteria) -> float:
         """Return 1: what pitches needed says nothing about waveform relaxation."""
         return 1.0
-
-    def stopped(self, cycle: CycleSolution, states: int, chambers: int) -> Iterable[Array]:
-        """Return the states of all chambers if they stopped in the first pitch, else that of the first chamber."""
-        first = cycle.turns * chambers <= 1.0
-        return np.reshape(cycle.y, (-1, states)) if first else [cycle.y[:states]]
 
 
 WAYS: dict[str, Way] = {WAVEFORMS: WaveformRelaxation(), TOGETHER: SimultaneousClosing()}

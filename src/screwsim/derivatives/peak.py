@@ -18,8 +18,6 @@ Array = np.ndarray
 POINTS = 7  # of a step, for an interpolating polynomial
 SAMPLES = 0.5 * (1.0 - np.cos(np.pi * (np.arange(POINTS) + 0.5) / POINTS))  # Chebyshev points, as shares of a step
 THROUGH = np.linalg.inv(np.vander(SAMPLES))  # maps values to coefficients of that polynomial, highest power first
-POWERS = np.arange(POINTS - 1.0, 0.0, -1.0)
-BELOW = np.eye(POINTS - 2, k=-1)
 SEARCH_POINTS = 9  # points of a step, ends included, at which a higher top is looked for ...
 ROUNDING = 1e-12  # ... if its end values and its bend allow one: relative error of that bound
 REAL = 1e-9  # imaginary part up to which a root counts as real
@@ -76,24 +74,6 @@ def _highest(life: Trajectory, times: Array, i: int, limits: tuple[float, float]
     low, high = float(times[i]), float(times[i + 1])
     of_step = THROUGH @ life.pressures_at(low + (high - low) * SAMPLES)
     from_, to = (min(1.0, max(0.0, (each - low) / (high - low))) for each in limits)
-    turns = [float(each.real) for each in _turns(of_step) if abs(each.imag) < REAL and from_ < each.real < to]
-    coefficients = of_step.tolist()
-    return max((_value(coefficients, each), low + (high - low) * each) for each in (from_, to, *turns))
-
-
-def _turns(of_step: Array) -> Array:
-    """Return where the slope of a polynomial vanishes: eigenvalues of its companion matrix, as in `np.roots`."""
-    slope = of_step[:-1] * POWERS
-    if not slope[0]:
-        return np.roots(slope)
-    companion = BELOW.copy()
-    companion[0] = -slope[1:] / slope[0]
-    return np.linalg.eigvals(companion)
-
-
-def _value(coefficients: list[float], x: float) -> float:
-    """Return the value of a polynomial, the highest power first."""
-    found = 0.0
-    for each in coefficients:
-        found = found * x + each
-    return found
+    found = np.roots(np.polyder(of_step))
+    turns = [float(each.real) for each in found if abs(each.imag) < REAL and from_ < each.real < to]
+    return max((float(np.polyval(of_step, each)), low + (high - low) * each) for each in (from_, to, *turns))

@@ -240,35 +240,28 @@ def _refused(problem: Problem) -> str:
     return ONE_CHAMBER if problem.composition.chambers == 1 else ""
 
 
-class CycleResponses(NamedTuple):
-    """The response of the cycle to numbers, one per column: states, cells, quadratures, and unknowns in coordinates.
-
-    `lives` returns the response of its dense output, numbers first; it is computed on first use.
-    """
-
-    response: Response
-    unknowns: Array
-    lives: Callable[[], Array]
-
-    def by(self, j: int) -> CycleResponse:
-        """Return the response to one of the numbers."""
-        return CycleResponse(self.response.of(j), self.unknowns[:, j], lambda: self.lives()[j])
-
-
 class CycleResponse(NamedTuple):
-    """The response of the cycle to one number, otherwise like `CycleResponses`."""
+    """The response of the cycle to one number or several: states, cells, quadratures, and unknowns in coordinates.
+
+    Several have a column each. `life` returns the response of the dense output, numbers first; it is computed on first
+    use.
+    """
 
     response: Response
     unknowns: Array
     life: Callable[[], Array]
 
+    def by(self, j: int) -> CycleResponse:
+        """Return the response to one of several numbers."""
+        return CycleResponse(self.response.of(j), self.unknowns[:, j], lambda: self.life()[j])
 
-def _moved(pitch: CollocatedPitch, response: Response, unknowns: Array) -> CycleResponses:
+
+def _moved(pitch: CollocatedPitch, response: Response, unknowns: Array) -> CycleResponse:
     """Return the response with its dense output still to be computed."""
-    return CycleResponses(response, unknowns, cache(lambda: pitch.life(response.start, response.nodes)))
+    return CycleResponse(response, unknowns, cache(lambda: pitch.life(response.start, response.nodes)))
 
 
-def responses(cycle: CollocatedCycle, directions: Sequence[Direction], all_directions: Directions) -> CycleResponses:
+def responses(cycle: CollocatedCycle, directions: Sequence[Direction], all_directions: Directions) -> CycleResponse:
     """Return the response of the cycle and its unknowns to directions (at least one), a column each."""
     linear, off, pitch = along(cycle, directions), np.zeros((len(cycle.unknowns_in), len(directions))), cycle.pitch
     held = _moved(pitch, linear.by_changes, off.copy())

@@ -1,29 +1,61 @@
 """Bearings: friction of rolling bearings of both rotors, under stated loads or those of the gas.
 
 What: P = Σ_rotors ω_r M; `simple`: M = ½ μ_f F d; `two_term`: M = n_b M_0 + f_1 F d_m, M_0 from f_0 (ν n)^(2/3) d_m³
-(M143). F: radial and axial load added as vectors; stated, or the means of the gas forces (M146).
+(M143). F: radial and axial load added as vectors; stated; the means of the gas forces on stated areas (M146), an upper
+limit; or what the gas on flanks and end faces and the contact load each rotor with, of rotors with a profile (M158).
 Source: SKF, Rolling bearings (general catalogue), estimating the frictional moment: μ_f 0.0010 to 0.0020 by kind of
 bearing; load-independent and load-dependent moment: A. Palmgren, Grundlagen der Wälzlagertechnik, 1957.
-Assumptions: the female rotor carries `female_load` times the male's load and has bearings of the same size; no seals.
+Assumptions: without `load: rotors` the female rotor carries `female_load` times the male's load; its bearings have the
+same size; no seals, balance pistons or weights; the bearings of a rotor share its load as one.
 The loss heats nothing that the chamber model sees: it is dissipated at ambient temperature.
-Parameters: friction, load, the loads or areas, friction_coefficient and bore, or mean_diameter, f_0, f_1, count.
+Parameters: friction, load, the loads, areas or shaft_diameter, female_load, friction_coefficient and bore, or
+mean_diameter, f_0, f_1, count.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import hypot, pi
 
-from screwsim.effects.base import Effect, Faults, PowerLoss
+import numpy as np
+
+from screwsim.effects.base import Effect, Faults, PowerLoss, Reading
 from screwsim.effects.oil_drag import declared_film_temperature, film_temperature
 from screwsim.effects.parts.usual import FRICTION, Sized
 from screwsim.inputs.declare import choice, count, number, optional, quantity
-from screwsim.inputs.faults import Fault
+from screwsim.inputs.faults import Fault, UsageError
+from screwsim.machine.profile_law import LaidCurves
 from screwsim.machine.protocol import DIAMETER, ROTORS
-from screwsim.outputs import power_figure
+from screwsim.machine.rotors.contact import slope_at_pitch
+from screwsim.machine.rotors.loads import expanded, pressed_areas, rotor_loads, thick_shaft
+from screwsim.machine.rotors.rotors import MOST_CACHED
+from screwsim.outputs import Figure, names_of, over, power_figure
 
 LEAST_FILM = 2000.0  # ν n [mm²/s · 1/min] below which M_0 no longer depends on ν n (Palmgren)
 _OF_FRICTION = {"simple": ("friction_coefficient", "bore"), "two_term": ("mean_diameter", "f_0", "f_1")}
 _EXAMPLES = {"friction_coefficient": "0.0018", "bore": "60 mm", "mean_diameter": "85 mm", "f_0": "2", "f_1": "0.0004"}
-_OF_LOAD = {"stated": ("radial_load", "axial_load"), "gas": ("radial_area", "axial_area")}
+ROTOR_LOADS = "rotors"
+_OF_LOAD = {"stated": ("radial_load", "axial_load"), "gas": ("radial_area", "axial_area"), ROTOR_LOADS: ()}
+_CALLED = (f".load: {ROTOR_LOADS}",)
+FIGURES = (
+    power_figure("bearing_power", "friction of the bearings"),
+    *(
+        figure
+        for rotor in ("male", "female")
+        for figure in (
+            Figure(
+                f"{rotor}_radial_load", "N", f"mean radial load of the {rotor} rotor on its bearings", needs=_CALLED
+            ),
+            Figure(
+                f"{rotor}_axial_load",
+                "N",
+                f"mean axial load of the {rotor} rotor on its bearings, towards the suction end",
+                over("male_radial_load"),
+                _CALLED,
+            ),
+        )
+    ),
+)
+LOADS = names_of(FIGURES)[1:]
 
 
 @dataclass(frozen=True)
@@ -35,13 +67,25 @@ class Parameters:
         ("simple", "two_term"),
         "simple",
     )
-    load: str = choice("stated: loads are given; gas: mean gas forces on stated areas", ("stated", "gas"), "stated")
+    load: str = choice(
+        "stated: loads are given; gas: mean gas forces on stated areas, an upper limit; rotors: what presses on the "
+        "surfaces of rotors with a profile (M158)",
+        tuple(_OF_LOAD),
+        "stated",
+    )
     radial_load: float | None = quantity("force", "radial load on the male rotor (load: stated)", None, ge=0.0)
     axial_load: float | None = quantity("force", "axial load on the male rotor (load: stated)", None, ge=0.0)
     radial_area: float | None = quantity("area", "projected radial area of one chamber (load: gas)", None, ge=0.0)
     axial_area: float | None = quantity("area", "projected axial area of one chamber (load: gas)", None, ge=0.0)
-    female_load: float = number(
-        "load on the female rotor over that on the male", 1.0, ge=0.0, le=1e3, hardly=(None, 3.0)
+    shaft_diameter: float | None = optional(
+        "length", "of both shafts at the end faces, where no gas presses (load: rotors; default: no shaft)"
+    )
+    female_load: float | None = number(
+        "load on the female rotor over that on the male (load: stated or gas; default: 1)",
+        None,
+        ge=0.0,
+        le=1e3,
+        hardly=(None, 3.0),
     )
     friction_coefficient: float | None = number(
         "mu_f, on the bore (friction: simple)", None, ge=0.0, le=10.0, hardly=(None, 0.1)
@@ -80,6 +124,25 @@ def load_on_male(parameters: Parameters, figures) -> float:
     return abs(excess) * hypot(parameters.radial_area or 0.0, parameters.axial_area or 0.0)
 
 
+@lru_cache(maxsize=MOST_CACHED)
+def _areas_by_angle(laid: LaidCurves, shaft: float, points: int) -> tuple[np.ndarray, list[dict[str, np.ndarray]]]:
+    """Return the angles [rad] of all chambers (columns) at even points of a pitch (rows), and the areas that press."""
+    pitch = laid.rotors.pair.pitch
+    angle = np.arange(points)[:, None] * (pitch / points) + pitch * np.arange(round(laid.life / pitch))
+    own = angle - laid.born + laid.rotors.start
+    return angle, [of.at(own) for of in pressed_areas(laid.rotors, (shaft, shaft))]
+
+
+def loads_on_rotors(parameters: Parameters, laid: LaidCurves, figures) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return the radial and axial loads of male and female rotor [N] by angle, axial ones towards suction (M158)."""
+    pitch = figures.pitch()
+    angle, areas = _areas_by_angle(laid, parameters.shaft_diameter or 0.0, len(pitch.angle))
+    life = expanded(pitch.low_pressure, laid.born, angle.T.ravel(), pitch.pressure.T.ravel())
+    excess = life.reshape(pitch.pressure.T.shape).T - pitch.low_pressure
+    found = rotor_loads(laid.rotors, areas, excess).values()
+    return [(np.hypot(own["total_x"], own["total_y"]), -own["thrust"]) for own in found]
+
+
 def moment(parameters: Parameters, speed: float, load: float, figures) -> float:
     """Return the friction moment of the bearings of one rotor [N m] (M143)."""
     if parameters.friction == "simple":
@@ -90,22 +153,37 @@ def moment(parameters: Parameters, speed: float, load: float, figures) -> float:
     return parameters.count * idle + (parameters.f_1 or 0.0) * load * d_m
 
 
-def build(parameters: Parameters, machine) -> list[PowerLoss]:
+def build(parameters: Parameters, machine) -> list[PowerLoss | Reading]:
     ratio = machine.settings.male_lobes / machine.settings.female_lobes
+
+    def loads(figures) -> tuple[float, float]:
+        """Return the loads on male and female rotor [N]."""
+        if parameters.load == ROTOR_LOADS:
+            male, female = loads_on_rotors(parameters, machine.profile, figures)
+            return float(np.hypot(*male).mean()), float(np.hypot(*female).mean())
+        load = load_on_male(parameters, figures)
+        return load, (1.0 if parameters.female_load is None else parameters.female_load) * load
 
     def power(figures) -> float:
         """Return the friction power of all bearings [W] (M143)."""
-        load, male, female = load_on_male(parameters, figures), figures.omega, ratio * figures.omega
-        of_male = male * moment(parameters, male, load, figures)
-        return of_male + female * moment(parameters, female, parameters.female_load * load, figures)
+        speeds = figures.omega, ratio * figures.omega
+        both = zip(speeds, loads(figures), strict=True)
+        return sum(speed * moment(parameters, speed, load, figures) for speed, load in both)
 
-    return [PowerLoss("bearing_power", power, friction=True)]
+    def read(figures) -> dict[str, float]:
+        """Return the loads of the bearings (M158)."""
+        both = loads_on_rotors(parameters, machine.profile, figures)
+        return dict(zip(LOADS, (float(load.mean()) for rotor in both for load in rotor), strict=True))
+
+    found: list[PowerLoss | Reading] = [PowerLoss("bearing_power", power, friction=True)]
+    return [*found, Reading(LOADS, read)] if parameters.load == ROTOR_LOADS else found
 
 
 def check(parameters: Parameters, facts) -> Faults:
     for chosen, table in ((parameters.friction, _OF_FRICTION), (parameters.load, _OF_LOAD)):
         for word, names in table.items():
             yield from _belonging(parameters, chosen, word, names)
+    yield from _of_rotors(parameters, facts.machine)
     if parameters.friction == "two_term":
         if facts.oil is None or facts.oil_supply is None:
             what = "two_term needs oil and oil_supply, absent here (write those, or friction: simple)"
@@ -114,6 +192,34 @@ def check(parameters: Parameters, facts) -> Faults:
             yield Fault("oil.viscosity", "is missing (effects.bearings.friction: two_term needs it, or oil.name)")
     elif parameters.film_temperature is not None:
         yield Fault("effects.bearings.film_temperature", "applies only to friction: two_term (remove it)")
+
+
+def _of_rotors(parameters: Parameters, machine) -> Faults:
+    """Yield what `load: rotors` lacks, and what is given with it or without it in vain."""
+    path = "effects.bearings"
+    if parameters.load != ROTOR_LOADS:
+        if parameters.shaft_diameter is not None:
+            yield Fault(
+                f"{path}.shaft_diameter", f"applies only to {ROTOR_LOADS}, and {parameters.load} is chosen (remove it)"
+            )
+    elif machine.expands or not machine.volume.from_rotors:
+        what = "needs the rotors of a compressor with a profile (machine.volume.law: profile), absent here"
+        yield Fault(f"{path}.load", f"{ROTOR_LOADS} {what} (write stated or gas)")
+    elif parameters.female_load is not None:
+        yield Fault(f"{path}.female_load", f"is found by load: {ROTOR_LOADS} (remove it)")
+
+
+def check_geometry(parameters: Parameters, geometry) -> Faults:
+    if parameters.load != ROTOR_LOADS or geometry.profile is None:
+        return
+    rotors, shaft = geometry.profile.rotors, parameters.shaft_diameter or 0.0
+    if thick := thick_shaft(rotors, (shaft, shaft)):
+        yield Fault("effects.bearings.shaft_diameter", thick)
+    try:
+        for leading in (True, False):
+            slope_at_pitch(rotors, leading)
+    except UsageError as error:
+        yield Fault("effects.bearings.load", f"{ROTOR_LOADS}: {error} (write stated or gas)")
 
 
 def _belonging(parameters: Parameters, chosen: str, word: str, names: tuple[str, ...]) -> Faults:
@@ -130,13 +236,14 @@ def _belonging(parameters: Parameters, chosen: str, word: str, names: tuple[str,
 EFFECT = Effect(
     name="bearings",
     title="friction of rolling bearings",
-    equations=("M143", "M146"),
+    equations=("M143", "M146", "M158"),
     source="SKF catalogue; Palmgren 1957",
     parameters=Parameters,
     build=build,
     check=check,
+    check_geometry=check_geometry,
     needs=frozenset({ROTORS}),
-    figures=(power_figure("bearing_power", "friction of the bearings"),),
+    figures=FIGURES,
     usual={ROTORS: FRICTION},
     sizes=(Sized("bore", DIAMETER, 10.0, (0.05, 1.0)), Sized("mean_diameter", DIAMETER, 10.0, (0.05, 1.5))),
 )

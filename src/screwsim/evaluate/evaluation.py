@@ -1,9 +1,10 @@
 """A closed cycle as it is evaluated: what several readers need is computed once, on first use."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals, streams_of
-from screwsim.cycle.cycle_figures import CycleFigures, LazyPitch, cycle_figures, oil_lift, power_losses, shaft_power
+from screwsim.cycle.cycle_figures import CycleFigures, cycle_figures, lazy_pitch, oil_lift, power_losses, shaft_power
 from screwsim.cycle.feedback import image, turn_of
 from screwsim.cycle.held_work import missed_work
 from screwsim.cycle.pitch import Pitch
@@ -58,9 +59,9 @@ class Evaluation:
         return self.lazy_pitch()
 
     @once
-    def lazy_pitch(self) -> LazyPitch:
+    def lazy_pitch(self) -> Callable[[], Pitch]:
         """The same, computed on call."""
-        return LazyPitch(self.problem, self.life, self.q)
+        return lazy_pitch(self.problem, self.life, self.q)
 
     @once
     def known(self) -> CycleFigures:

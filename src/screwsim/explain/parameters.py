@@ -103,7 +103,7 @@ def _range(leaf: Leaf, size: Size | None) -> str:
 def _text(leaf: Leaf, end: float | None) -> str:
     if end is None:
         return ""
-    return text_of(leaf, end) if leaf.dimension is None else readable_quantity(leaf.dimension, end)
+    return _readable(leaf, end)
 
 
 def _span(low: str, high: str) -> str:
@@ -124,52 +124,42 @@ def parameters(scene: Scene, names: Sequence[str] = ()) -> str:
 
 def _section_or_effect(scene: Scene, name: str, known: dict[str, Effect], kind: str) -> Iterator[str]:
     head, _, rest = name.partition(".")
-    if rest and (head in SECTIONS or head in known):
-        heading, *_ = _section_or_effect(scene, head, known, kind)
-        yield heading
-        section = head in SECTIONS
-        keys = list(section_keys(head, kind) if section else effect_keys_of(head, known[head], kind))
-        asked = [key for key in keys if key.path == rest or key.path.startswith(f"{rest}.")]
-        if not asked:
-            raise UsageError(f"--parameters {head}.{rest}: {unknown_key(rest, [key.path for key in keys])}")
-        yield from _rows(scene, head if section else f"effects.{head}", asked)
-        return
-    if name in SECTIONS:
-        yield f"{name}{_absent_section(scene, name)}"
-        yield from _rows(scene, name, section_keys(name, kind))
-        return
+    if head not in SECTIONS and head not in known:  # the name of a module of one's own has dots, too
+        head, rest = name, ""
+    if head in SECTIONS:
+        under, keys = head, section_keys(head, kind)
+        yield head if getattr(scene, head) is not None else f"{head} (not in this scene)"
+    else:
+        effect = _effect(head, known, kind)
+        under, keys = f"effects.{head}", effect_keys_of(head, effect, kind)
+        yield f"{under} ({'simulated' if head in scene.effects else 'left out'}): {effect.title}"
+    asked = [key for key in keys if not rest or key.path == rest or key.path.startswith(f"{rest}.")]
+    if rest and not asked:
+        raise UsageError(f"--parameters {name}: {unknown_key(rest, [key.path for key in keys])}")
+    yield from _rows(scene, under, asked)
+
+
+def _effect(name: str, known: dict[str, Effect], kind: str) -> Effect:
+    """Return an effect of that machine, or one of one's own; raise UsageError for others."""
     if name not in known and name in catalogue():
         raise UsageError(
             f"--parameters {name}: is not an effect of a {kind} (screwsim explain lists the possible ones)"
         )
     if name not in known and "." not in name:
         raise UsageError(f"--parameters {name}: {unknown_key(name, [*SECTIONS, *known])}")
-    effect = known.get(name) or _own_keys(name)
-    state = "simulated" if name in scene.effects else "left out"
-    yield f"effects.{name} ({state}): {effect.title}"
-    yield from _rows(scene, f"effects.{name}", effect_keys_of(name, effect, kind))
-
-
-def _own_keys(name: str) -> Effect:
     try:
-        return find_effect(name)
+        return known.get(name) or find_effect(name)
     except (KeyError, ImportError) as error:
         raise UsageError(f"--parameters {name}: cannot be imported ({error})") from None
 
 
-def _absent_section(scene: Scene, name: str) -> str:
-    return " (not in this scene)" if getattr(scene, name) is None else ""
-
-
-def _rows(scene: Scene, under: str, keys: Iterable[Key]) -> Iterator[str]:
+def _rows(scene: Scene, under: str, keys: Sequence[Key]) -> Iterator[str]:
     """Yield a row on each key, ending with the scene's value."""
-    none = True
     for key in keys:
-        none = False
         about = [key.meaning, f"unit: {key.unit}", f"default: {key.default}"]
         about += [] if key.range == ABSENT else [f"range: {key.range}"]
         yield row(key.path, "; ".join([*about, *_scene_value(scene, f"{under}.{key.path}", key)]))
-    if none:
+    if not keys:
         yield "  no keys"
 
 
@@ -177,9 +167,7 @@ def _scene_value(scene: Scene, path: str, key: Key) -> Iterator[str]:
     value = value_at(scene, path)
     if value is None or value == "":
         return
-    kind = key.leaf.dimension
-    found = kind is None or isinstance(value, FoundWithCycle)
-    text = text_of(key.leaf, value) if found or kind is None else readable_quantity(kind, value)
+    text = _readable(key.leaf, value)
     follows = " (follows)" if is_derived(value) and text != key.default else ""
     yield f"here: {text}{follows}".replace(" ", NO_BREAK)
 
@@ -207,8 +195,9 @@ def parameters_text(values: Any, skip: tuple[str, ...] = ("law",)) -> str:
 def _value_text(leaf: Leaf, value: Any) -> str:
     if leaf.dimension is not None and is_derived(value):  # its digits were not written by a user
         return f"{to_customary(leaf.dimension, value):.6g} {customary_unit(leaf.dimension)}"
-    return (
-        text_of(leaf, value)
-        if leaf.dimension is None or isinstance(value, FoundWithCycle)
-        else readable_quantity(leaf.dimension, value)
-    )
+    return _readable(leaf, value)
+
+
+def _readable(leaf: Leaf, value: Any) -> str:
+    as_such = leaf.dimension is None or isinstance(value, FoundWithCycle)
+    return text_of(leaf, value) if as_such or leaf.dimension is None else readable_quantity(leaf.dimension, value)

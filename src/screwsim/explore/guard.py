@@ -6,15 +6,10 @@ Under any other address a token is required too.
 """
 
 import hmac
-from collections.abc import Awaitable, Callable, MutableMapping
 from dataclasses import dataclass
-from typing import Any
 from urllib.parse import parse_qs
 
-Scope = MutableMapping[str, Any]
-Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
-Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
-App = Callable[[Scope, Receive, Send], Awaitable[None]]
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 LARGEST_BODY = 64_000  # [byte] of the body of a request
 SAFE_FETCH_SITES = ("same-origin", "none")  # Sec-Fetch-Site of requests by the user or by our own page
@@ -60,7 +55,7 @@ def _is_navigation(scope: Scope, headers: dict[str, str]) -> bool:
 class Guard:
     """Middleware that passes requests not refused by `AccessRules`, and no body beyond `LARGEST_BODY`."""
 
-    def __init__(self, app: App, rules: AccessRules) -> None:
+    def __init__(self, app: ASGIApp, rules: AccessRules) -> None:
         self._app, self._rules = app, rules
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -78,7 +73,7 @@ def _limited_receiver(receive: Receive) -> Receive:
     """Return a receiver that reports a disconnect once a body, sent in parts, exceeds `LARGEST_BODY`."""
     taken = 0
 
-    async def bounded() -> MutableMapping[str, Any]:
+    async def bounded() -> Message:
         nonlocal taken
         message = await receive()
         taken += len(message.get("body", b""))

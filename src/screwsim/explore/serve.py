@@ -15,18 +15,18 @@ from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
 
 import uvicorn
 from starlette.applications import Starlette
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
+from starlette.types import ASGIApp
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from screwsim.explore.answer import FILE, unpack_message
 from screwsim.explore.changes import SceneArguments, open_base
-from screwsim.explore.guard import AccessRules, App, Guard
+from screwsim.explore.guard import AccessRules, Guard
 from screwsim.explore.page import page_text
 from screwsim.explore.pages import LONGEST_MESSAGE, InvalidMessage, Page, RateLimit
 from screwsim.explore.worker import Job
@@ -107,13 +107,13 @@ def prepared_server(
     rules: AccessRules,
     workers: int | None = None,
     patience: Timeouts = Timeouts(),  # noqa: B008
-) -> App:
+) -> ASGIApp:
     """Return the server of a scene."""
     count = workers or max(1, min(cores(), MOST_WORKERS))
     return application(ServerState(page_text(base, slopes=count > 1), WorkerPool(base, count, patience)), rules)
 
 
-def configured(app: App) -> uvicorn.Config:
+def configured(app: ASGIApp) -> uvicorn.Config:
     """Return the server's configuration: all inputs are bounded, and only its own faults are logged."""
     return uvicorn.Config(
         app,
@@ -161,7 +161,7 @@ class ServerState:
     files: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(2))
 
 
-def application(desk: ServerState, rules: AccessRules) -> App:
+def application(desk: ServerState, rules: AccessRules) -> ASGIApp:
     """Return the server as an ASGI application."""
 
     @asynccontextmanager
@@ -239,7 +239,10 @@ async def _file_response(desk: ServerState, request: Request) -> Response:
     if kind not in FILE_TYPES:
         return PlainTextResponse("there is no such file\n", 404, HEADERS)
     try:
-        changes = _changes((await request.body()).decode(), request.headers.get("content-type", ""))
+        settings = (await request.body()).decode()
+        if request.headers.get("content-type", "").startswith("text/plain"):  # a form: settings={…}
+            settings = settings.partition("=")[2].strip()
+        changes = json.loads(settings)
     except (ValueError, RecursionError):
         return PlainTextResponse("the settings are not JSON\n", 400, HEADERS)
     except ClientDisconnect:
@@ -247,17 +250,6 @@ async def _file_response(desk: ServerState, request: Request) -> Response:
     async with desk.files:
         worker = await desk.crew.lend()
         found = await desk.crew.solve(worker, Job(kind, changes, {}), lambda: False, lambda text: None)
-    return _file(kind, found)
-
-
-def _changes(body: str, kind: str) -> Any:
-    """Return the settings sent by a form or a script."""
-    if kind.startswith("text/plain"):  # a form: settings={…}
-        body = body.partition("=")[2].strip()
-    return json.loads(body)
-
-
-def _file(kind: str, found: bytes) -> Response:
     head, _ = unpack_message(found)
     if head["kind"] != FILE:
         return PlainTextResponse(f"{head['message']}\n", 422, HEADERS)

@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from multiprocessing import forkserver
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -70,9 +70,7 @@ class Worker:
     patience: Timeouts
     process: Any = None
     pipe: Connection | None = None
-    starts: int = 0
     compiling: bool = False
-    jobs: int = field(default=0)
 
     def start(self) -> None:
         """Start the process; it prepares itself in the meantime."""
@@ -84,7 +82,6 @@ class Worker:
         self.process.start()
         its.close()
         self.pipe, self.compiling = mine, False
-        self.starts += 1
 
     def stop(self) -> None:
         """Kill the process."""
@@ -118,7 +115,6 @@ class Worker:
             self.start()
         assert self.pipe is not None
         self.pipe.send(job)
-        self.jobs += 1
         began, compiled = time.monotonic(), 0.0
         last = began
         while True:

@@ -67,9 +67,7 @@ def evaluate(grid: Grid, x: Array) -> tuple[Array, Array]:
 
 def slopes(x: Array, values: Array, axis: int) -> Array:
     """Return the slopes of values along an axis with nodes x, from a cubic spline; they are linear in the values."""
-    y = np.moveaxis(np.asarray(values, float), axis, 0)
-    found = _run(np.asarray(x, float), y.reshape(len(x), -1), limited=False)
-    return np.moveaxis(found.reshape(y.shape), 0, axis)
+    return _slopes(x, np.asarray(values, float), np.ones(np.shape(values)[:-1], bool), axis, limited=False)
 
 
 def basis(t: Array, width: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:

@@ -16,7 +16,7 @@ from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_continuous, shown_value
-from screwsim.study.spans import read_ranges, spans_between
+from screwsim.study.spans import read_ranges, read_spans
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 _DERIVED: dict[str, dict[str, int]] = {
@@ -96,7 +96,7 @@ def read_inputs(
     Raise UsageError, in which `option` names where they were given.
     """
     if isinstance(over, Mapping) and over:
-        return _inputs(scene, {each.path: (each.low, each.high) for each in spans_between(scene, over, ranged=True)})
+        return _inputs(scene, {each.path: (each.low, each.high) for each in read_spans(scene, over, ranged=True)})
     if over:
         ranges = read_ranges(scene, tuple(over), option, "operation.speed=1500 rpm..4500 rpm")
         return _inputs(scene, {each.path: (each.low, each.high) for each in ranges})

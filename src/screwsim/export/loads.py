@@ -17,11 +17,11 @@ import numpy as np
 
 from screwsim.build import build_parts
 from screwsim.export.rotor_loads import Pressures, loads_of, pressures_of
-from screwsim.export.rotor_surface import Surface, chamber_angles, surfaces
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import TWIN_SCREW, twin_screw
 from screwsim.machine.profile_law import laid_curves
 from screwsim.machine.rotors.pair import Array
+from screwsim.machine.rotors.surface import Surface, chamber_angles, surfaces
 from screwsim.model.parts import Parts
 from screwsim.outputs import Result
 from screwsim.results.atomic import make_folder, replacing, write_csv, write_text

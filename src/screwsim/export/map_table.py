@@ -21,25 +21,29 @@ from screwsim.scene.fields import unknown_key
 class MapTable(Brief):
     """A map: `grid` over the inputs' coordinates; relative `errors` of the outputs, and how they were found.
 
-    `cases` is the number of cases simulated, `not_ok` that of nodes without a closed cycle; `why` says what became of
-    the first node or check point without one. `warnings` are those of the simulated cases, each with their number.
-    `met` tells whether the requested error is kept.
+    `cases` is the number of cases simulated; `why` says what became of the first node or check point without a closed
+    cycle. `warnings` are those of the simulated cases, each with their number. `met` tells whether the requested error
+    is kept.
     """
 
     title: str
     inputs: tuple[Input, ...]
     outputs: tuple[Output, ...]
     grid: Grid
-    errors: tuple[float, ...]
-    checked: int
-    how: str
-    cases: int
-    not_ok: int
     wanted: float | None
     scene_yaml: str
+    errors: tuple[float, ...] = (math.inf,)
+    checked: int = 0
+    how: str = ""
+    cases: int = 0
     why: str = ""
     warnings: tuple[tuple[int, str], ...] = ()
     about: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def not_ok(self) -> int:
+        """The number of nodes without a closed cycle."""
+        return int((~self.grid.sound).sum())
 
     @property
     def error(self) -> float:

@@ -79,6 +79,8 @@ def tabulated_map(
     UsageError where nothing closes.
     """
     check_names(inputs, outputs)
+    head = title_on_one_line(scene.title), tuple(inputs), tuple(outputs)
+    text = scene_text(replace(scene, sweep={}, joints=()))
     solve = _Solver(scene, outputs, jobs, progress, simulate)
     nodes = [evenly_spaced_nodes(variable, 5 if len(inputs) <= FEW_INPUTS else 3) for variable in inputs]
     points = _drawn_check_points(inputs)
@@ -89,7 +91,7 @@ def tabulated_map(
         if not sound.any():
             why = solve.why or "choose other ranges"
             raise UsageError(f"no map: none of {sound.size} points closed ({why})")
-        table = _table(scene, inputs, outputs, nodes, values, sound, wanted)
+        table = MapTable(*head, grid_of(nodes, values, sound), wanted, text)
         errors, checked, open_ = _errors(table, points, at_points, sound_points)
         if checked and max(errors) <= SAFETY_SHARE * wanted:
             break
@@ -106,8 +108,8 @@ def tabulated_map(
         raise UsageError(f"no map: {why}")
     how = f"largest at {checked} random points inside, simulated as a check"
     how += f" (at {open_} more no cycle closed, although it did at all surrounding nodes)" if open_ else ""
-    table = replace(table, cases=solve.cases, why=solve.why, warnings=kinds_of(solve.warnings))
-    return replace(table, errors=tuple(errors), checked=checked, how=how)
+    found = replace(table, errors=tuple(errors), checked=checked, how=how)
+    return replace(found, cases=solve.cases, why=solve.why, warnings=kinds_of(solve.warnings))
 
 
 def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable:
@@ -137,14 +139,12 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable
         raise UsageError(f"{results.path}: none of its cases closed")
     across = zip(inputs, axes, orders, strict=True)
     nodes = [variable.coordinate(np.asarray(axis.values, float)[order]) for variable, axis, order in across]
-    table = _table(None, inputs, outputs, nodes, values, sound, None)
     errors, checked = _errors_of_leaving_out(nodes, values, sound, outputs)
     how = f"largest at {checked} nodes when every second one of an axis is left out: for a table twice as coarse"
     how = how if checked else "unknown, as no axis has five values"
-    title, yaml = title_on_one_line(results.attributes["title"]), results.scene_yaml
-    table = replace(table, title=title, scene_yaml=yaml, why=_first_reason(results))
-    table = replace(table, warnings=kinds_of(warnings_of_cases(results)))
-    return replace(table, errors=errors, checked=checked, how=how, cases=sound.size)
+    head = title_on_one_line(results.attributes["title"]), tuple(inputs), tuple(outputs)
+    grid, why, warnings = grid_of(nodes, values, sound), _first_reason(results), kinds_of(warnings_of_cases(results))
+    return MapTable(*head, grid, None, results.scene_yaml, errors, checked, how, sound.size, why, warnings)
 
 
 def _first_reason(results: Results) -> str:
@@ -160,22 +160,6 @@ def _input_of(axis: Axis) -> Input:
     log = axis.units == "Pa" and high >= 2.0 * low > 0.0
     meaning = input_meaning(axis.long_name)
     return Input(axis.path, input_name(axis.path), axis.units, meaning, low, high, float(values[0]), log)
-
-
-def _table(
-    scene: Scene | None,
-    inputs: Sequence[Input],
-    outputs: Sequence[Output],
-    nodes: Sequence[Array],
-    values: Array,
-    sound: Array,
-    wanted: float | None,
-) -> MapTable:
-    grid = grid_of(nodes, values, sound)
-    title = "" if scene is None else title_on_one_line(scene.title)
-    text = "" if scene is None else scene_text(replace(scene, sweep={}, joints=()))
-    not_ok = int((~sound).sum())
-    return MapTable(title, tuple(inputs), tuple(outputs), grid, (math.inf,), 0, "", 0, not_ok, wanted, text)
 
 
 def _drawn_check_points(inputs: Sequence[Input]) -> Array:

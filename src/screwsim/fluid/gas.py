@@ -32,7 +32,9 @@ import numpy as np
 
 from screwsim.fluid.limits import Outside
 from screwsim.fluid.reservoir import Reservoir
+from screwsim.inputs.faults import QuantityNotFound
 from screwsim.numerics.kernel import Kernel
+from screwsim.outputs.customary import in_bar
 
 
 class CommonGas(Protocol):
@@ -71,6 +73,55 @@ class CommonGas(Protocol):
         """Return the index of an extreme state to which `why_outside` objects; None where there is none."""
         extremes = sorted({int(T.argmin()), int(T.argmax()), int(rho.argmax()), int((rho * T).argmax())})
         return next((i for i in extremes if self.why_outside(float(T[i]), float(rho[i])) is not None), None)
+
+
+class CompiledGas(CommonGas, Protocol):
+    """A gas whose states are computed by compiled kernels, `_kernels` by name, and searched along isobars by `_found`.
+
+    `_found(p, wanted, entropy)` returns (T, ρ) at an entropy, else enthalpy; ρ is not positive where there is none.
+    """
+
+    def _at(self: Any, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
+        """Return (T, ρ) at p and an enthalpy or entropy. Raises QuantityNotFound below the equation's range."""
+        T, rho = self._found(p, wanted, entropy)
+        if not rho > 0.0:
+            what = f"s = {wanted:.6g} J/(kg K)" if entropy else f"h = {wanted:.6g} J/kg"
+            raise QuantityNotFound(
+                f"{self._called} at {in_bar(p)}, {what} is below the range of the equation; use warmer gas or oil"
+            )
+        return T, rho
+
+    def temperature(self: Any, p: float, h: float) -> float:
+        """Return temperature [K] at p [Pa] and specific enthalpy h [J/kg]; T_sat within a pure fluid's dome."""
+        return float(self._at(p, h, False)[0])
+
+    def _port_state(self: Any, p: float, T: float, rho: float) -> tuple[float, ...]:
+        _p, h, _c_v, _tpt, a, choke, choked = self._kernels["state"](T, rho)
+        return p, rho, h, a, choke, choked
+
+    def port_state(self: Any, p: float, T: float) -> tuple[float, ...]:
+        """Return (p, ρ, h, 1/k, drop and ψ² of choking) of a plenum at p [Pa], T [K]."""
+        return self._port_state(p, T, self.density(p, T))
+
+    def port_state_of_enthalpy(self: Any, p: float, h: float) -> tuple[float, ...]:
+        """Return the same as `port_state`, at p [Pa] and specific enthalpy h [J/kg]."""
+        return self._port_state(p, *self._at(p, h, False))
+
+    def isentrope(self: Any, p: float, s: float) -> tuple[float, float, float]:
+        """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet states in equilibrium.
+
+        Raises QuantityNotFound where there is no such state.
+        """
+        T, rho = self._at(p, s, True)
+        return T, rho, float(self._kernels["state"](T, rho)[1])
+
+    def isentropic_work(self: Any, p_1: float, p_2: float, T: float) -> float:
+        """Return the isentropic enthalpy rise [J/kg] from (p_1, T) to p_2, with condensate in equilibrium."""
+        return self.isentrope(p_2, self.entropy(p_1, T))[2] - self.enthalpy(p_1, T)
+
+    def isentropic_work_of_enthalpy(self: Any, p_1: float, p_2: float, h: float) -> float:
+        """Return the isentropic enthalpy rise [J/kg] from p_1 and specific enthalpy h, wet or not, to p_2."""
+        return self.isentrope(p_2, float(self._kernels["specific_entropy"](*self._at(p_1, h, False))))[2] - h
 
 
 class Gas(CommonGas, Protocol):

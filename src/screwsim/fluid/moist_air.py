@@ -18,11 +18,11 @@ from typing import Any, TypeVar
 from screwsim.codegen.modules import load
 from screwsim.fluid import moist_states as states
 from screwsim.fluid import water
-from screwsim.fluid.gas import CommonGas
+from screwsim.fluid.gas import CompiledGas
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.limits import Outside
 from screwsim.fluid.real_gas import RealGas
-from screwsim.inputs.faults import QuantityNotFound, UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.numerics.kept_text import flat_module
 from screwsim.numerics.kernel import Kernel
 from screwsim.numerics.roots import brentq
@@ -35,7 +35,7 @@ TYPICAL = 300.0  # [K] temperature of the representative heat capacities
 
 
 @dataclass(frozen=True)
-class MoistAir(CommonGas):
+class MoistAir(CompiledGas):
     """Dry air with a `share` of water [kg per kg of both]; `c_water` is c_v [J/(kg K)] of ideal vapour, None if real.
 
     All specific properties are per kilogram of the mixture.
@@ -45,6 +45,7 @@ class MoistAir(CommonGas):
     share: float
     c_water: float | None = None
     varies = True  # exponent and choking vary with the condensate
+    _called = "moist air"
 
     # ---- kernels ---------------------------------------------------------------------------------------------
 
@@ -60,7 +61,7 @@ class MoistAir(CommonGas):
 
     @property
     def _text(self) -> Mapping[str, Kernel]:
-        return _kernels(self.dry.state, self.dry.specific_entropy, self.c_water is None)
+        return states.kernels(self.dry.state, self.dry.specific_entropy, self.c_water is None)
 
     @property
     def state(self) -> Kernel:
@@ -89,8 +90,15 @@ class MoistAir(CommonGas):
         return {**self.dry.values, "y_water": self.share, "u_water": -h, "s_water": -s, **own}
 
     @cached_property
-    def _compiled(self) -> Callable[..., Any]:
-        return _caller(self)
+    def _kernels(self) -> Mapping[str, Callable[..., Any]]:
+        """The compiled kernels by name, of their arguments but the gas's values, which are appended."""
+        module, values = _module(self.dry.state, self.dry.specific_entropy, self.c_water is None), self.values
+
+        def bound(kernel: Kernel) -> Callable[..., Any]:
+            function, rest = getattr(module, kernel.flat_name), [values[x] for x in kernel.arguments if x in values]
+            return lambda *given: function(*given, *rest)
+
+        return {name: bound(kernel) for name, kernel in self._text.items()}
 
     # ---- constants -------------------------------------------------------------------------------------------
 
@@ -114,49 +122,26 @@ class MoistAir(CommonGas):
 
     def density(self, p: float, T: float) -> float:
         """Return density [kg/m³] of the mixture, condensate included, at p [Pa], T [K]."""
-        return float(self._compiled("density", p, T, self.R))
+        return float(self._kernels["density"](p, T, self.R))
 
     def enthalpy(self, p: float, T: float) -> float:
         """Return specific enthalpy [J/kg] at p [Pa], T [K]."""
-        return float(self._compiled("state", T, self.density(p, T))[1])
+        return float(self._kernels["state"](T, self.density(p, T))[1])
 
     def entropy(self, p: float, T: float) -> float:
         """Return specific entropy [J/(kg K)] at p [Pa], T [K]."""
-        return float(self._compiled("specific_entropy", T, self.density(p, T)))
+        return float(self._kernels["specific_entropy"](T, self.density(p, T)))
 
-    def _at(self, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
-        """Return (T, ρ) at p and a given enthalpy or entropy."""
-        T, rho = self._compiled("at_pressure", p, wanted, entropy, T_LOW, T_HIGH, self.R)
-        if not rho > 0.0:
-            what = f"s = {wanted:.6g} J/(kg K)" if entropy else f"h = {wanted:.6g} J/kg"
-            raise QuantityNotFound(
-                f"moist air at {in_bar(p)}, {what} is below the range of the equation; use warmer gas or oil"
-            )
-        return T, rho
-
-    def temperature(self, p: float, h: float) -> float:
-        """Return temperature [K] at p [Pa] and specific enthalpy h [J/kg]."""
-        return float(self._at(p, h, False)[0])
-
-    def _port_state(self, p: float, T: float, rho: float) -> tuple[float, ...]:
-        _p, h, _c_v, _tpt, a, choke, choked = self._compiled("state", T, rho)
-        return p, rho, h, a, choke, choked
-
-    def port_state(self, p: float, T: float) -> tuple[float, ...]:
-        """Return (p, ρ, h, 1/k, drop and ψ² of choking) of a plenum at p [Pa], T [K]."""
-        return self._port_state(p, T, self.density(p, T))
-
-    def port_state_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
-        """Return the same as `port_state`, at p [Pa] and specific enthalpy h [J/kg]."""
-        return self._port_state(p, *self._at(p, h, False))
+    def _found(self, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
+        return self._kernels["at_pressure"](p, wanted, entropy, T_LOW, T_HIGH, self.R)
 
     # ---- water -----------------------------------------------------------------------------------------------
 
     def liquid_share(self, T: float, rho: float) -> float:
         """Return the share of the mixture that is liquid at T [K], ρ [kg/m³] (M325)."""
-        if self._compiled("phase", T, rho) == 0:
+        if self._kernels["phase"](T, rho) == 0:
             return 0.0
-        return max(self.share - float(self._compiled("saturated_density", T, (1.0 - self.share) * rho)) / rho, 0.0)
+        return max(self.share - float(self._kernels["saturated_density"](T, (1.0 - self.share) * rho)) / rho, 0.0)
 
     def condensed(self, p: float, T: float) -> float:
         """Return the share of the mixture that is liquid at p [Pa], T [K] (M325)."""
@@ -179,19 +164,6 @@ class MoistAir(CommonGas):
         ends = DRIEST, water.T_MOST - 1e-6
         return float(brentq(beyond, *ends)) if beyond(ends[0]) < 0.0 < beyond(ends[1]) else None
 
-    # ---- work ------------------------------------------------------------------------------------------------
-
-    def isentropic_work(self, p_1: float, p_2: float, T: float) -> float:
-        """Return the isentropic enthalpy rise [J/kg] from (p_1, T) to p_2, with condensate in equilibrium."""
-        return self._rise(p_2, self.entropy(p_1, T), self.enthalpy(p_1, T))
-
-    def isentropic_work_of_enthalpy(self, p_1: float, p_2: float, h: float) -> float:
-        """Return the isentropic enthalpy rise [J/kg] from p_1 and specific enthalpy h to p_2."""
-        return self._rise(p_2, float(self._compiled("specific_entropy", *self._at(p_1, h, False))), h)
-
-    def _rise(self, p: float, s: float, h: float) -> float:
-        return float(self._compiled("state", *self._at(p, s, True))[1]) - h
-
     # ---- limits ----------------------------------------------------------------------------------------------
 
     def why_outside(self, T: float, rho: float) -> Outside | None:
@@ -200,28 +172,8 @@ class MoistAir(CommonGas):
 
 
 @lru_cache(maxsize=8)
-def _kernels(dry: Kernel, dry_entropy: Kernel, real: bool) -> Mapping[str, Kernel]:
-    return states.kernels(dry, dry_entropy, real)
-
-
-@lru_cache(maxsize=8)
 def _module(dry: Kernel, dry_entropy: Kernel, real: bool) -> Any:
-    return load(flat_module(tuple(_kernels(dry, dry_entropy, real).values())), "fluid")
-
-
-def _caller(gas: MoistAir) -> Callable[..., Any]:
-    """Return a function that calls a compiled kernel by name, appending the gas's values to the given arguments."""
-    module, values = _module(gas.dry.state, gas.dry.specific_entropy, gas.c_water is None), gas.values
-    asked = {
-        name: (getattr(module, kernel.flat_name), [values[each] for each in kernel.arguments if each in values])
-        for name, kernel in gas._text.items()
-    }
-
-    def call(name: str, *given: float) -> Any:
-        function, rest = asked[name]
-        return function(*given, *rest)
-
-    return call
+    return load(flat_module(tuple(states.kernels(dry, dry_entropy, real).values())), "fluid")
 
 
 def after_draining(gas: Gas, p: float, T: float) -> tuple[float, Gas | MoistAir]:
@@ -233,7 +185,7 @@ def saturated_ratio(gas: MoistAir, p: float, T: float) -> float:
     """Return vapour per dry air [kg/kg] at saturation at p [Pa], T [K]; infinite where water boils (M325)."""
     if T >= water.T_MOST or p <= water.saturation(T)[0]:
         return math.inf
-    return float(gas._compiled("saturated_ratio", p, T))
+    return float(gas._kernels["saturated_ratio"](p, T))
 
 
 def moist_air(dry: IdealGas | RealGas, p: float, T: float, humidity: float) -> IdealGas | RealGas | MoistAir:

@@ -6,6 +6,7 @@ enthalpy and entropy follow from p_s alone. In equilibrium Ï_v minimises f at Ï
 """
 
 import re
+from functools import lru_cache
 from typing import Any
 
 from screwsim.fluid import water
@@ -171,6 +172,7 @@ AT_PRESSURE = '''def at_pressure(p, wanted, of_entropy, low, high, R{values}):
 '''
 
 
+@lru_cache(maxsize=8)
 def kernels(dry_state: Kernel, dry_entropy: Kernel, real: bool) -> dict[str, Kernel]:
     """Return the kernels of moist air by name, made from state and entropy of its dry air."""
     of, own = f"moist air {'real' if real else 'ideal'}", "" if real else ", c_water"

@@ -11,7 +11,6 @@ known oil, write its own numbers.
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 ZERO_CELSIUS = 273.15
 AT_40, AT_100, AT_15 = (ZERO_CELSIUS + t for t in (40.0, 100.0, 15.0))
@@ -25,28 +24,6 @@ ESTER = "POE_"  # names of polyol esters begin so
 def is_ester(name: str) -> bool:
     """Tell whether a stored oil is a polyol ester."""
     return name.startswith(ESTER)
-
-
-class Oil(Protocol):
-    """Properties of an oil by temperature T [K], in SI units; `low`, `high`: range of the viscosity data [K]."""
-
-    @property
-    def low(self) -> float: ...
-
-    @property
-    def high(self) -> float: ...
-
-    def density_at(self, T: float) -> float:
-        """Return the density [kg/m³]."""
-        raise NotImplementedError
-
-    def heat_capacity_at(self, T: float) -> float:
-        """Return the specific heat capacity [J/(kg K)]."""
-        raise NotImplementedError
-
-    def viscosity_at(self, T: float) -> float:
-        """Return the dynamic viscosity [Pa s]; outside `low` … `high` an extrapolation."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True)
@@ -77,7 +54,7 @@ class MeasuredOil:
 class Grade:
     """An oil of an ISO grade by its data sheet: ν at 40 and 100 °C [mm²/s], ρ at 15 °C and its slope [kg/(m³ K)].
 
-    `heat_capacity` are a and b of c = a + b (T − 273.15 K) [J/(kg K)].
+    `heat_capacity` are a and b of c = a + b (T − 273.15 K) [J/(kg K)]; `low`, `high`: range of the viscosity [K].
     """
 
     at_40: float
@@ -146,7 +123,7 @@ _PAO = {
 }
 _PAG = {32: 6.9, 46: 9.6, 68: 13.2, 100: 18.8, 150: 26.3, 220: 37.0}
 
-OILS: dict[str, Oil] = {
+OILS: dict[str, MeasuredOil | Grade] = {
     "POE_ACD100FY": MeasuredOil(
         density=(1186.31, -0.731369),
         heat_capacity=(1304.0, 1.035, 2.801e-3),

@@ -20,10 +20,10 @@ from screwsim.fluid.blend_dome import blend_wet
 from screwsim.fluid.blend_flash import dome
 from screwsim.fluid.description import PSEUDO_PURE, Description, describe
 from screwsim.fluid.dome import margin_kernel
-from screwsim.fluid.gas import CommonGas
+from screwsim.fluid.gas import CompiledGas
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.fluid.oils import ZERO_CELSIUS
-from screwsim.fluid.real_kernels import compiled, entropy_of, state_of, two_phases
+from screwsim.fluid.real_kernels import compiled, kernels_of, two_phases
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.saturation import saturation
 from screwsim.fluid.settings import EQUILIBRIUM, REFUSE
@@ -37,7 +37,7 @@ TYPICAL = 300.0  # [K] temperature of the representative heat capacities
 
 
 @dataclass(frozen=True)
-class RealGas(CommonGas):
+class RealGas(CompiledGas):
     """A fluid by one of CoolProp's names, or a blend; `two_phase` is 'refuse' or 'equilibrium'."""
 
     fluid: str
@@ -87,7 +87,7 @@ class RealGas(CommonGas):
     @property
     def state(self) -> Kernel:
         """Kernel (T, rho) → p, h, c_v, T ∂p/∂T, 1/k, drop and ψ² of choking."""
-        return state_of(self.fluid, self.two_phase)
+        return kernels_of(self.fluid, self.two_phase)[0]
 
     @property
     def phased_state(self) -> tuple[Kernel, Kernel] | None:
@@ -98,7 +98,7 @@ class RealGas(CommonGas):
     @property
     def specific_entropy(self) -> Kernel:
         """Kernel (T, rho) → s [J/(kg K)]."""
-        return entropy_of(self.fluid, self.two_phase)
+        return kernels_of(self.fluid, self.two_phase)[1]
 
     @property
     def margin(self) -> Kernel:
@@ -144,7 +144,7 @@ class RealGas(CommonGas):
         found = saturation(self.fluid)
         if found.always_gas or p > found.p_c or p < self.saturation_pressure(found.T_low):
             return None
-        return float(self._kernels["temperature"](p))
+        return float(self._kernels["saturation_temperature"](p))
 
     def nearest_vapour(self, p: float, T: float) -> float:
         """Return T, or 1 K above saturation where there is no vapour at p [Pa] and T [K]; for first guesses."""
@@ -158,7 +158,7 @@ class RealGas(CommonGas):
 
         A few temperatures are asked for again and again.
         """
-        found, pressure = saturation(self.fluid), self._kernels["pressure"]
+        found, pressure = saturation(self.fluid), self._kernels["saturation_pressure"]
         return lru_cache(maxsize=64)(lambda T: float(pressure(max(T, found.T_low))[0]) if T < found.T_c else inf)
 
     def density(self, p: float, T: float) -> float:
@@ -175,15 +175,13 @@ class RealGas(CommonGas):
             )
         return _vapour_density(self, p, T)
 
-    def _at(self, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
-        """Return (T, ρ) at p and an enthalpy or entropy: vapour, two phases or liquid. Raises Unfound below these."""
-        T, rho = _at_pressure(self, p, wanted, entropy)
-        if not rho > 0.0:
-            what = f"s = {wanted:.6g} J/(kg K)" if entropy else f"h = {wanted:.6g} J/kg"
-            raise QuantityNotFound(
-                f"{self.known.name} at {in_bar(p)}, {what} is below the range of the equation; use warmer gas or oil"
-            )
-        return T, rho
+    def _found(self, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
+        """Return (T, ρ) at p and an enthalpy or entropy: vapour, two phases or liquid; ρ ≤ 0 below these."""
+        return _at_pressure(self, p, wanted, entropy)
+
+    @property
+    def _called(self) -> str:
+        return self.known.name
 
     def enthalpy(self, p: float, T: float) -> float:
         """Return specific enthalpy [J/kg] at p [Pa], T [K]."""
@@ -192,18 +190,6 @@ class RealGas(CommonGas):
     def entropy(self, p: float, T: float) -> float:
         """Return specific entropy [J/(kg K)] at p [Pa], T [K]."""
         return _vapour_energies(self, p, T)[1]
-
-    def temperature(self, p: float, h: float) -> float:
-        """Return temperature [K] at p [Pa] and specific enthalpy h [J/kg]; T_sat within the dome."""
-        return self._at(p, h, False)[0]
-
-    def _port_state(self, p: float, T: float, rho: float) -> tuple[float, ...]:
-        _p, h, _c_v, _tpt, a, choke, choked = self._kernels["state"](T, rho)
-        return p, rho, h, a, choke, choked
-
-    def port_state(self, p: float, T: float) -> tuple[float, ...]:
-        """Return (p, ρ, h, 1/k, drop and ψ² of choking) of a plenum at p [Pa], T [K]."""
-        return self._port_state(p, T, self.density(p, T))
 
     def port_state_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
         """Return the same as `port_state`, at p [Pa] and specific enthalpy h [J/kg]; in equilibrium where that is wet.
@@ -222,37 +208,30 @@ class RealGas(CommonGas):
         Raises UsageError where that is wet or vapour.
         """
         T, rho = self._at(p, h, False)
-        if T >= saturation(self.fluid).T_c or rho < self._kernels["liquid"](T) * (1.0 - LIQUID):
+        if T >= saturation(self.fluid).T_c or rho < self._kernels["saturated_liquid"](T) * (1.0 - LIQUID):
             raise UsageError(f"{self.known.name} at {in_bar(p)}, h = {h:.6g} J/kg is not a liquid; give a colder state")
         return self._reservoir(p, T, rho)
 
     def _reservoir(self, p: float, T: float, rho: float) -> Reservoir:
         """Return a reservoir of a single phase, also on the border to two phases."""
-        _p, h, _c_v, _tpt, exponent, choke, choked = self._kernels["single state"](T, rho)
-        return Reservoir(p, T, rho, h, float(self._kernels["entropy"](T, rho)), exponent, choke, choked)
+        _p, h, _c_v, _tpt, exponent, choke, choked = self._kernels["single_state"](T, rho)
+        return Reservoir(p, T, rho, h, float(self._kernels["specific_entropy"](T, rho)), exponent, choke, choked)
 
     def isentrope(self, p: float, s: float) -> tuple[float, float, float]:
         """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet states in equilibrium.
 
         Raises Unfound where a fluid with glide would be wet and two phases are refused.
         """
-        T, rho = self._at(p, s, True)
+        T, rho, h = super().isentrope(p, s)
         below = self.known.glides and not self.equilibrium and T < saturation(self.fluid).T_c
-        vapour, liquid = (self._kernels[what](T) for what in ("vapour", "liquid")) if below else (rho, rho)
+        border = ("saturated_vapour", "saturated_liquid")
+        vapour, liquid = (self._kernels[what](T) for what in border) if below else (rho, rho)
         if vapour * (1.0 + AT_SATURATION) < rho < liquid * (1.0 - LIQUID):
             what = f"{self.known.name} at {in_bar(p)}, s = {s:.6g} J/(kg K), at the end of an isentrope, is wet"
             raise QuantityNotFound(f"{what}; use warmer gas in the suction line, or gas.two_phase: equilibrium")
-        return T, rho, float(self._kernels["state"](T, rho)[1])
+        return T, rho, h
 
     # ---- work ------------------------------------------------------------------------------------------------
-
-    def isentropic_work(self, p_1: float, p_2: float, T: float) -> float:
-        """Return the isentropic enthalpy rise [J/kg] from (p_1, T) to p_2, with condensate in equilibrium."""
-        return self.isentrope(p_2, self.entropy(p_1, T))[2] - self.enthalpy(p_1, T)
-
-    def isentropic_work_of_enthalpy(self, p_1: float, p_2: float, h: float) -> float:
-        """Return the isentropic enthalpy rise [J/kg] from p_1 and specific enthalpy h, wet or not, to p_2."""
-        return self.isentrope(p_2, float(self._kernels["entropy"](*self._at(p_1, h, False))))[2] - h
 
     def isothermal_obstacle(self, p_1: float, p_2: float, T: float) -> str | None:
         """Return why there is no isothermal compression from p_1 to p_2 at T, or None."""
@@ -285,15 +264,15 @@ class RealGas(CommonGas):
             return Outside(Limit.COLD, f"{known.name} at {in_celsius(T)} is too cold: it {self._gas_only}")
         if T < found.T_low:
             return Outside(Limit.COLD, f"{at} below the equation's lowest temperature, {in_celsius(found.T_low)}")
-        if T < found.T_c and rho >= self._kernels["vapour"](T) * (1.0 + AT_SATURATION):
+        if T < found.T_c and rho >= self._kernels["saturated_vapour"](T) * (1.0 + AT_SATURATION):
             if self.equilibrium:
                 return self._beyond(T, rho)
-            saturated = f"{self._kernels['vapour'](T):.6g} kg/m3 at {in_bar(self.saturation_pressure(T))}"
+            saturated = f"{self._kernels['saturated_vapour'](T):.6g} kg/m3 at {in_bar(self.saturation_pressure(T))}"
             what = f"{known.name} condenses at {in_celsius(T)}, {rho:.6g} kg/m3 (saturated vapour: {saturated})"
             return Outside(Limit.GLIDING if known.pseudo_pure else Limit.WET, what)
         if T > known.T_max:
             return Outside(Limit.HOT, f"{at} above the equation's highest temperature, {in_celsius(known.T_max)}")
-        p = float(self._kernels["single state"](T, rho)[0])
+        p = float(self._kernels["single_state"](T, rho)[0])
         p_max = min(known.p_max, P_MOST) if found.always_gas else known.p_max
         if p > p_max:
             what = f"{known.name} at {in_bar(p)} is above the equation's highest pressure, {in_bar(p_max)}"
@@ -306,7 +285,7 @@ class RealGas(CommonGas):
 
     def _beyond(self, T: float, rho: float) -> Outside | None:
         """Return that a blend's table does not cover a wet state; None where it does, and for a liquid."""
-        if not self.known.blend or rho > self._kernels["liquid"](T):
+        if not self.known.blend or rho > self._kernels["saturated_liquid"](T):
             return None
         low, high = (float(edge) for edge in dome(self.fluid).edges[[0, -1]])
         if low <= T < high:
@@ -326,7 +305,7 @@ def _vapour_density(gas: RealGas, p: float, T: float) -> float:
 def _vapour_energies(gas: RealGas, p: float, T: float) -> tuple[float, float]:
     """Return specific enthalpy [J/kg] and entropy [J/(kg K)] of the vapour at p [Pa], T [K]."""
     rho = gas.density(p, T)
-    return float(gas._kernels["state"](T, rho)[1]), float(gas._kernels["entropy"](T, rho))
+    return float(gas._kernels["state"](T, rho)[1]), float(gas._kernels["specific_entropy"](T, rho))
 
 
 @lru_cache(maxsize=64)

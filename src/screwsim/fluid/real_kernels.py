@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from functools import lru_cache
-from types import ModuleType
 from typing import Any
 
 from screwsim.codegen.modules import load
@@ -23,53 +22,28 @@ def two_phases(fluid: str, two_phase: str) -> EquilibriumKernels | None:
     return blend_equilibrium_kernels(fluid) if two_phase == EQUILIBRIUM else None
 
 
-def state_of(fluid: str, two_phase: str) -> Kernel:
-    """Return the kernel (T, rho) → state."""
+def kernels_of(fluid: str, two_phase: str) -> tuple[Kernel, Kernel]:
+    """Return the kernels (T, rho) → state and (T, rho) → s [J/(kg K)]."""
     known = two_phases(fluid, two_phase)
-    return state_kernel(fluid) if known is None else known.state
-
-
-def entropy_of(fluid: str, two_phase: str) -> Kernel:
-    """Return the kernel (T, rho) → s [J/(kg K)]."""
-    known = two_phases(fluid, two_phase)
-    return entropy_kernel(fluid) if known is None else known.entropy
-
-
-@lru_cache(maxsize=64)
-def border(fluid: str, two_phase: str) -> ModuleType:
-    """Return the compiled module of a fluid for use from Python."""
-    known = saturation_kernels(fluid)
-    single = state_kernel(fluid), entropy_kernel(fluid)
-    slots = {
-        "single_state": single[0].flat_name,
-        "single_entropy": single[1].flat_name,
-        "saturated_vapour": known.vapour.flat_name,
-        "saturated_liquid": known.liquid.flat_name,
-        "saturation_temperature": known.temperature.flat_name,
-        "saturation_pressure": known.pressure.flat_name,
-        "margin": margin_kernel(fluid).flat_name,
-    }
-    equilibrium = two_phases(fluid, two_phase)
-    kernels = single if equilibrium is None else (*single, equilibrium.state, equilibrium.entropy)
-    kernels += (known.vapour, known.liquid, known.temperature, known.pressure)
-    calling = (isobar.density, isobar.at_pressure, limits.first_outside)
-    return load(flat_module((*kernels, margin_kernel(fluid)), calling, slots), "fluid")
+    return (state_kernel(fluid), entropy_kernel(fluid)) if known is None else (known.state, known.entropy)
 
 
 @lru_cache(maxsize=64)
 def compiled(fluid: str, two_phase: str) -> dict[str, Callable[..., Any]]:
-    """Return the compiled kernels of a fluid by the quantity that they return."""
-    module, known = border(fluid, two_phase), saturation_kernels(fluid)
+    """Return the compiled kernels of a fluid by the quantity that they return, for use from Python."""
+    known, (state, entropy) = saturation_kernels(fluid), kernels_of(fluid, two_phase)
     kernels = {
-        "state": state_of(fluid, two_phase),
-        "single state": state_kernel(fluid),
-        "entropy": entropy_of(fluid, two_phase),
-        "vapour": known.vapour,
-        "liquid": known.liquid,
-        "pressure": known.pressure,
-        "temperature": known.temperature,
-        "density": isobar.density,
-        "at_pressure": isobar.at_pressure,
-        "first_outside": limits.first_outside,
+        "single_state": state_kernel(fluid),
+        "single_entropy": entropy_kernel(fluid),
+        "state": state,
+        "specific_entropy": entropy,
+        "saturated_vapour": known.vapour,
+        "saturated_liquid": known.liquid,
+        "saturation_temperature": known.temperature,
+        "saturation_pressure": known.pressure,
+        "margin": margin_kernel(fluid),
     }
-    return {what: getattr(module, kernel.flat_name) for what, kernel in kernels.items()}
+    calling = {"density": isobar.density, "at_pressure": isobar.at_pressure, "first_outside": limits.first_outside}
+    slots = {name: kernel.flat_name for name, kernel in kernels.items()}
+    module = load(flat_module(tuple(kernels.values()), tuple(calling.values()), slots), "fluid")
+    return {name: getattr(module, kernel.flat_name) for name, kernel in (kernels | calling).items()}

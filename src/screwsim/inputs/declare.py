@@ -15,8 +15,7 @@ import dataclasses
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
-from typing import Any, NamedTuple, TypedDict, Unpack
+from typing import Any, TypedDict, Unpack
 
 REQUIRED: Any = dataclasses.MISSING
 
@@ -104,6 +103,36 @@ KINDS = {
 
 Bounds = tuple[float | None, float | None]
 UNBOUNDED: Bounds = (None, None)
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """One input: its kind (a name of `KINDS`, or number, count, choice, fluid, word, file), default [SI] and limits.
+
+    `hardly` gives the bounds [SI] of usual values, `remedy` what to write in place of a value out of range; `otherwise`
+    names neighbouring inputs that may replace this one; an `auto` input may be solved for with the cycle.
+    """
+
+    kind: str
+    doc: str
+    default: Any
+    limits: Mapping[str, Any]
+    hardly: Bounds = UNBOUNDED
+    remedy: str = ""
+    otherwise: tuple[str, ...] = ()
+    auto: bool = False
+
+    @property
+    def required(self) -> bool:
+        return self.default is dataclasses.MISSING
+
+    @property
+    def dimension(self) -> Kind | None:
+        """Return the dimension of a quantity, None for anything else."""
+        return KINDS.get(self.kind)
+
+
+LEAF = "leaf"  # key of a declared field's metadata, whose value is its `Leaf`
 LIMITS = ("gt", "ge", "lt", "le", "options", "own", "curve")  # what a field may have beside its plausible range
 
 
@@ -121,18 +150,9 @@ def _field(
     if wrong:
         known = ", ".join((*Limits.__annotations__,))
         raise TypeError(f"{', '.join(wrong)}: no such keyword of a declared field; known: {known}")
-    metadata = {
-        "kind": kind,
-        "doc": doc,
-        "hardly": hardly,
-        "remedy": remedy,
-        "otherwise": otherwise,
-        "auto": auto,
-        "limits": {name: value for name, value in limits.items() if value is not None},
-    }
-    if default is REQUIRED:
-        return dataclasses.field(metadata=metadata, kw_only=True)
-    return dataclasses.field(default=default, metadata=metadata, kw_only=True)
+    stated = {name: value for name, value in limits.items() if value is not None}
+    leaf = Leaf(kind, doc, default, stated, hardly, remedy, otherwise, auto)
+    return dataclasses.field(default=default, metadata={LEAF: leaf}, kw_only=True)
 
 
 class Limits(TypedDict, total=False):
@@ -204,17 +224,8 @@ def file(doc: str, default: Any = None, curve: str | None = None) -> Any:
     return _field("file", default, doc, curve=curve)
 
 
-class Input(NamedTuple):
-    """One declared field of a scene with its value [SI]."""
-
-    path: str
-    kind: str
-    doc: str
-    value: Any
-
-
-def inputs_of(part: Any, path: str = "") -> Iterator[Input]:
-    """Yield every declared field below a part of a scene, depth first."""
+def inputs_of(part: Any, path: str = "") -> Iterator[tuple[str, Leaf, Any]]:
+    """Yield (dotted path, description, value [SI]) of every declared field below a part of a scene, depth first."""
     if isinstance(part, Mapping):
         for name, active in part.items():
             yield from inputs_of(active.parameters, f"{path}.{name}")
@@ -222,28 +233,12 @@ def inputs_of(part: Any, path: str = "") -> Iterator[Input]:
     for field in dataclasses.fields(part):
         value = getattr(part, field.name)
         inner = f"{path}.{field.name}" if path else field.name
-        if "kind" in field.metadata:
-            yield Input(inner, field.metadata["kind"], field.metadata["doc"], value)
+        if LEAF in field.metadata:
+            yield inner, field.metadata[LEAF], value
         elif field.name == "effects" or dataclasses.is_dataclass(value):
             yield from inputs_of(value, inner)
 
 
 def files_in(part: Any) -> tuple[str, ...]:
     """Return the files named by declared fields below a part of a scene, in the order of `inputs_of`."""
-    if isinstance(part, Mapping):
-        return tuple(each for active in part.values() for each in files_in(active.parameters))
-    found: list[str] = []
-    for name, declared in _fields_with_files(type(part)):
-        value = getattr(part, name)
-        if declared:
-            found += [value] if value else []
-        elif name == "effects" or dataclasses.is_dataclass(value):
-            found += files_in(value)
-    return tuple(found)
-
-
-@cache
-def _fields_with_files(kind: type) -> tuple[tuple[str, bool], ...]:
-    """Return the names of fields that may name files: declared ones, and ones that may be parts themselves."""
-    every = ((field.name, field.metadata.get("kind")) for field in dataclasses.fields(kind))
-    return tuple((name, what is not None) for name, what in every if what in (None, "file"))
+    return tuple(value for _, leaf, value in inputs_of(part) if leaf.kind == "file" and value)

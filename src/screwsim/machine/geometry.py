@@ -120,25 +120,22 @@ class Geometry(MachineGeometry):
         if self.profile is None:
             return None
         turned, rotors = self.life - angle if self.expands else angle, self.profile.rotors
-        slope = rotors.sections.male_slope(turned - self.profile.born + rotors.start, rotors.wrap, rotors.length)
+        slope = rotors.male_slope(turned - self.profile.born + rotors.start)
         return -slope if self.expands else slope
 
     def volume_law(self) -> VolumeKernels:
         """Return the volume law; for an expander, mirrored (M150)."""
-        law = self._volume_law()
+        law = self.settings.volume.read_by.volume(self)
         if not self.expands:
             return law
         breakpoints, own = (tuple(self.life - at for at in each) for each in (law.breakpoints, law.own_breakpoints))
         return replace(law, mirror=self.life, breakpoints=breakpoints, own_breakpoints=own)
 
-    def _volume_law(self) -> VolumeKernels:
-        return self.settings.volume.read_by.volume(self)
-
     def suction_law(self) -> AreaLaw:
         """Return the area law of the suction port, over the angle of a compressor."""
         law = self.settings.suction_port
         assert law is not None  # checked with the scene
-        return law.read_by.suction(self)
+        return law.read_by.suction(self, law)
 
     def discharge_law(self) -> AreaLaw:
         """Return the area law of the discharge port, over the angle of a compressor."""
@@ -148,7 +145,7 @@ class Geometry(MachineGeometry):
     def _discharge(self) -> AreaLaw:
         law = self.settings.discharge_port
         assert law is not None  # checked with the scene
-        return law.read_by.discharge(self)
+        return law.read_by.discharge(self, law)
 
     def widest_discharge(self) -> float:
         """Return the angle at which the discharge port is widest [rad]; the end of the life without a port."""
@@ -157,7 +154,7 @@ class Geometry(MachineGeometry):
     def opening_angle(self, ratio: float) -> float | None:
         """Return the angle [rad] at which a compressor's chamber has its largest volume over a ratio; None: never."""
         own = self.profile.injection if self.profile is not None else self.settings.volume.injection_angle or TURN
-        return moved_port.opening_angle(self._volume_law(), own, self.life, ratio)
+        return moved_port.opening_angle(self.settings.volume.read_by.volume(self), own, self.life, ratio)
 
 
 def wall_speeds(machine: TwinScrew) -> dict[str, float]:

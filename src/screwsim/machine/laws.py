@@ -19,7 +19,8 @@ from screwsim.numerics.spline import features, read_curve, slope_oscillation, ta
 
 if TYPE_CHECKING:
     from screwsim.machine.geometry import Geometry
-    from screwsim.machine.profile_tables import Table
+    from screwsim.machine.profile_law import Table
+    from screwsim.machine.settings import DischargePort, SuctionPort
 
 ROUNDED = 1e-6  # [degree] allowance for rounded angles of rows
 COARSE_AREAS = np.radians(10.0 - ROUNDED)  # tables of areas at least this coarse have a breakpoint at every row ...
@@ -78,11 +79,11 @@ class Law(ABC):
         """Return the law of the volume, over the angle of a compressor."""
 
     @abstractmethod
-    def suction(self, geometry: Geometry) -> AreaLaw:
+    def suction(self, geometry: Geometry, port: SuctionPort) -> AreaLaw:
         """Return the law of the suction port, over the angle of a compressor."""
 
     @abstractmethod
-    def discharge(self, geometry: Geometry) -> AreaLaw:
+    def discharge(self, geometry: Geometry, port: DischargePort) -> AreaLaw:
         """Return the law of the discharge port, over the angle of a compressor."""
 
 
@@ -96,20 +97,16 @@ class PaperLaw(Law):
         breakpoints = (values["phi_A"], LIFE - values["phi_A"])
         return VolumeKernels(paper_law.volume, paper_law.volume_slope, values, breakpoints)
 
-    def suction(self, geometry: Geometry) -> AreaLaw:
+    def suction(self, geometry: Geometry, port: SuctionPort) -> AreaLaw:
         """Return the paper's law of the suction port (M17)."""
-        law = geometry.settings.suction_port
-        assert law is not None  # checked with the scene
-        phi_B, area = float(law.phi_B or 0.0), float(law.area or 0.0)
+        phi_B, area = float(port.phi_B or 0.0), float(port.area or 0.0)
         breakpoints, rows = (phi_B, TURN - phi_B, TURN), ((0.0, 0.5 * TURN, TURN), (0.0, area, 0.0))
         return AreaLaw(paper_law.suction_area, {"S_suc": area, "phi_B": phi_B}, breakpoints, rows)
 
-    def discharge(self, geometry: Geometry) -> AreaLaw:
+    def discharge(self, geometry: Geometry, port: DischargePort) -> AreaLaw:
         """Return the paper's law of the discharge port (M18)."""
-        law = geometry.settings.discharge_port
-        assert law is not None  # checked with the scene
-        opens, phi_C = float(law.opens or 0.0), float(law.phi_C or 0.0)
-        values = {"S_dis": float(law.area or 0.0), "phi_dis": opens, "phi_C": phi_C}
+        opens, phi_C = float(port.opens or 0.0), float(port.phi_C or 0.0)
+        values = {"S_dis": float(port.area or 0.0), "phi_dis": opens, "phi_C": phi_C}
         rows = (opens, 0.5 * (opens + LIFE), LIFE), (0.0, values["S_dis"], 0.0)
         return AreaLaw(paper_law.discharge_area, values, (opens, phi_C, LIFE - (phi_C - opens)), rows)
 
@@ -125,17 +122,13 @@ class TableLaw(Law):
         ends, rows = (float(angles[0]), float(angles[-1])), volume_rows(angles, volumes)
         return VolumeKernels(volume, volume_slope, {"V_min": law.dead}, ends, tables, rows)
 
-    def suction(self, geometry: Geometry) -> AreaLaw:
+    def suction(self, geometry: Geometry, port: SuctionPort) -> AreaLaw:
         """Return the table of the suction port (M14)."""
-        law = geometry.settings.suction_port
-        assert law is not None  # checked with the scene
-        return _rows(*read_curve(str(law.file), "area_m2"))
+        return _rows(*read_curve(str(port.file), "area_m2"))
 
-    def discharge(self, geometry: Geometry) -> AreaLaw:
+    def discharge(self, geometry: Geometry, port: DischargePort) -> AreaLaw:
         """Return the table of the discharge port (M14), moved to the built-in volume ratio if one is stated (M394)."""
-        law, ratio = geometry.settings.discharge_port, geometry.settings.built_in_volume_ratio
-        assert law is not None  # checked with the scene
-        rows = read_curve(str(law.file), "area_m2")
+        rows, ratio = read_curve(str(port.file), "area_m2"), geometry.settings.built_in_volume_ratio
         return _rows(*(rows if ratio is None else moved_port.moved_area(*rows, geometry.opening_angle(ratio), ratio)))
 
 
@@ -150,13 +143,13 @@ class ProfileLaw(PaperLaw):
         laws, tables = (volume, volume_slope), {"volume_curve": table.curve}
         return VolumeKernels(*laws, values, table.ends, tables, table.breakpoints)
 
-    def suction(self, geometry: Geometry) -> AreaLaw:
+    def suction(self, geometry: Geometry, port: SuctionPort) -> AreaLaw:
         """Return the area that the lobes leave open at the suction end."""
-        return super().suction(geometry) if geometry.profile is None else _laid(geometry.profile.suction)
+        return super().suction(geometry, port) if geometry.profile is None else _laid(geometry.profile.suction)
 
-    def discharge(self, geometry: Geometry) -> AreaLaw:
+    def discharge(self, geometry: Geometry, port: DischargePort) -> AreaLaw:
         """Return the area that the lobes leave open at the discharge end."""
-        return super().discharge(geometry) if geometry.profile is None else _laid(geometry.profile.discharge)
+        return super().discharge(geometry, port) if geometry.profile is None else _laid(geometry.profile.discharge)
 
 
 LAWS: dict[str, Law] = {

@@ -60,7 +60,10 @@ def moved_area(angles: Array, areas: Array, opens: float | None, ratio: float) -
     crossed = np.flatnonzero(above[1:] & ~above[:-1])  # once: one rises or stays, the other does not rise beyond it
     meets = [_first(lambda angle: by_edge(angle) > by_rest(angle), rows[i], rows[i + 1]) for i in crossed]
     rows = np.unique([*rows, *meets])
-    return _with_start(rows, np.array([min(by_edge(each), by_rest(each)) for each in rows]), float(angles[0]))
+    moved = np.array([min(by_edge(each), by_rest(each)) for each in rows])
+    if angles[0] < rows[0]:  # shut up to its first row
+        rows, moved = np.insert(rows, 0, angles[0]), np.insert(moved, 0, moved[0])
+    return rows, moved
 
 
 def _first(holds: Callable[[float], bool], low: float, high: float) -> float:
@@ -77,10 +80,3 @@ def _curve(angles: Array, areas: Array) -> Callable[[float], float]:
         return lambda angle: float(areas[0])
     packed = pack_curve(angles, areas)
     return lambda angle: float(table_value(angle, packed, 0))
-
-
-def _with_start(angles: Array, areas: Array, start: float) -> tuple[Array, Array]:
-    """Return a table that is shut from `start` [rad] up to its first row."""
-    if start >= angles[0]:
-        return angles, areas
-    return np.insert(angles, 0, start), np.insert(areas, 0, areas[0])

@@ -53,6 +53,14 @@ def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2
     raise RuntimeError(f"no zero found in {MOST} steps, last tried at {x}")
 
 
+def bisected(below: Callable[[float], bool], low: float, high: float) -> tuple[float, float]:
+    """Return an interval halved sixty times, `below` holding up to some place in it and not beyond."""
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if below(middle) else (low, middle)
+    return low, high
+
+
 def _interpolated_step(x: tuple[float, float, float], f: tuple[float, float, float]) -> float:
     """Return the step to the zero of the line, or the hyperbola, through the last places."""
     (x_before, x_now, x_across), (f_before, f_now, f_across) = x, f

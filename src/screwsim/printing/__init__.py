@@ -11,6 +11,7 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, engineering_temperature, scale, shown_name, small_number_text
 from screwsim.outputs import STATUSES, Result, sorted_entries, words_of_effects
 from screwsim.outputs.customary import with_printed_units
+from screwsim.outputs.display import picked
 from screwsim.printing.tables import WIDTH, absent_figures, plain_table, wrapped
 from screwsim.printing.uncertain import ranges_text, uncertainty_ranges
 from screwsim.results.atomic import write_text
@@ -215,29 +216,25 @@ def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
     from screwsim.results.warning_kinds import cases_with_warnings, warning_summary
     from screwsim.scene import case_values
 
-    document = {
-        name: getattr(summary, name) for name in ("path", "cases", "ok", "not_closed", "failed", "reused", "seconds")
-    }
     results = open_results(summary.path)
     status = results.performance["status"].ravel()
     bad = status.nonzero()[0][:MOST_FAILURES]
     messages = results.performance.texts_at("message", bad)
-    document["failures"] = []
-    for case, message in zip(bad.tolist(), messages, strict=True):
-        told = {"case": case, "status": STATUSES[status[case]], "values": case_values(scene, case), "message": message}
-        document["failures"].append(told)
-    found = warning_summary(results)
-    document["warned"] = found.cases
-    document["warned_by_status"] = {
-        name: int((cases_with_warnings(results).ravel() & (status == code)).sum()) for code, name in enumerate(STATUSES)
+    found, warned = warning_summary(results), cases_with_warnings(results).ravel()
+    return {
+        **picked(summary, "path", "cases", "ok", "not_closed", "failed", "reused", "seconds"),
+        "failures": [
+            {"case": case, "status": STATUSES[status[case]], "values": case_values(scene, case), "message": message}
+            for case, message in zip(bad.tolist(), messages, strict=True)
+        ],
+        "warned": found.cases,
+        "warned_by_status": {name: int((warned & (status == code)).sum()) for code, name in enumerate(STATUSES)},
+        "warnings": [
+            {"cases": kind.cases, "case": kind.first, "values": case_values(scene, kind.first), "warning": kind.text}
+            for kind in found.kinds
+        ],
+        **({"uncertainty": uncertainty_ranges(results)} if len(results.uncertainty) else {}),
     }
-    document["warnings"] = [
-        {"cases": kind.cases, "case": kind.first, "values": case_values(scene, kind.first), "warning": kind.text}
-        for kind in found.kinds
-    ]
-    if len(results.uncertainty):
-        document["uncertainty"] = uncertainty_ranges(results)
-    return document
 
 
 def _status_counts(document: Mapping[str, Any]) -> str:

@@ -50,7 +50,7 @@ def print_diagnosis(found: Diagnosis) -> None:
     """Print the hypotheses, the most probable first, and what the points cannot distinguish."""
     fit = found.fit
     print_scene_title(fit.title or fit.scene.title)
-    points = [point for point in fit.points if point.fitted]
+    points = fit.fitted
     figures = sum(len(point.measured) for point in points)
     count = f"{len(points)} points, {figures} measured figures, {found.solutions} solutions"
     say(

@@ -94,10 +94,3 @@ def print_loads(found: ExportedLoads, result: Result, files: Sequence[str]) -> N
 
 def _percent(error: float) -> str:
     return "not known" if known_error(error) is None else f"{100.0 * error:.2g} %"
-
-
-def accuracy_shortfall(table: MapTable, remedy: str) -> str:
-    """Return why a map is not as accurate as requested; empty if it is."""
-    if table.met:
-        return ""
-    return f"the error {table.error:.2g} is above the {table.wanted:g} requested ({remedy})"

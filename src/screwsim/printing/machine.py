@@ -7,10 +7,8 @@ import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from screwsim.figures import declared
-from screwsim.outputs.customary import printed_celsius
+from screwsim.figures.engineering import figure_text, shown_name
 from screwsim.outputs.display import picked
-from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import WIDTH, plain_table, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.atomic import protect_others, write_csv
 from screwsim.screen import say
@@ -123,16 +121,10 @@ def print_tolerance(scene: Scene, found: ToleranceStudy) -> None:
 def _spreads(found: ToleranceStudy) -> list[str]:
     rows = []
     for each in found.spreads:
-        values = (each.nominal, each.low, each.high)
-        (nominal, unit), (low, _), (high, _) = (_in_unit(each.figure, value) for value in values)
+        texts = (figure_text(each.figure, value) for value in (each.nominal, each.low, each.high))
+        (nominal, unit), (low, _), (high, _) = (text.partition(" ")[::2] for text in texts)
         spread = f"{100.0 * each.deviation / abs(each.nominal):.4f}"
         shares = (f"{100.0 * share:.0f}" for share in each.shares.values())
         rows.append((shown_name(each.figure), nominal, unit, spread, low, high, *shares))
     shares = (f"{name.replace('_', ' ')} %" for name in found.grades)
     return plain_table(("figure", "nominal", "", "sd %", "lowest", "highest", *shares), rows, left=1)
-
-
-def _in_unit(name: str, value: float) -> tuple[str, str]:
-    """Return a figure as number and unit, a temperature in °C."""
-    number, unit = engineering(name, value)
-    return (printed_celsius(value), "°C") if declared(name).units == "K" else (number, unit)

@@ -49,7 +49,7 @@ def print_plan(found: Plan) -> None:
     """Print the points in their order, and how well each parameter is known with them."""
     fit = found.fit
     print_scene_title(fit.title or fit.scene.title)
-    there = sum(point.fitted for point in fit.points)
+    there = len(fit.fitted)
     say(wrapped(f"{there} point{'s' * (there != 1)}, {found.candidates} candidates, {found.solutions} solutions"))
     print_left_out(found.reasons)
     if not found.steps:

@@ -35,10 +35,8 @@ def sensitivity_document(scene: Scene, found: Sensitivity) -> dict[str, Any]:
         "confidence": CONFIDENCE,
         "figures": {
             share.figure: {
-                "mean": share.mean,
-                "standard_deviation": share.deviation,
-                "noise": share.noise,
-                "message": share.message,
+                **picked(share, "mean", standard_deviation="deviation"),
+                **picked(share, "noise", "message"),
                 "indices": {index.path: index._asdict() for index in share.indices},
             }
             for share in found.shares

@@ -62,8 +62,8 @@ def page(sheet: Any) -> str:
         "HEADING": escape(sheet.heading),
         "STYLE": "".join(source.joinpath("page", f"{name}.css").read_text("utf-8") for name in ("theme", "page")),
         "LINES": "".join(lines),
-        "TABLES": _side_by_side("tables", [_table(table) for table in sheet.tables], len(sheet.tables)),
-        "DRAWINGS": _side_by_side("drawings", [_figure(each) for each in sheet.drawings], len(sheet.drawings)),
+        "TABLES": _side_by_side("tables", [_table(table) for table in sheet.tables]),
+        "DRAWINGS": _side_by_side("drawings", [_figure(each) for each in sheet.drawings]),
         "VERDICT": _verdict(sheet.verdict),
         "NOTES": "".join(f"<li>{escape(note)}</li>" for note in sheet.notes),
     }
@@ -71,8 +71,8 @@ def page(sheet: Any) -> str:
     return "".join(parts.get(piece, piece) if i % 2 else piece for i, piece in enumerate(pieces))
 
 
-def _side_by_side(name: str, parts: Sequence[str], count: int) -> str:
-    many = " many" if count >= SIDE_BY_SIDE_FROM else ""
+def _side_by_side(name: str, parts: Sequence[str]) -> str:
+    many = " many" if len(parts) >= SIDE_BY_SIDE_FROM else ""
     return f'<div class="{name}{many}">{"".join(parts)}</div>' if parts else ""
 
 

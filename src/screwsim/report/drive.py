@@ -18,6 +18,7 @@ from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, 
 
 RPM = 30.0 / math.pi
 MM = 1e3  # [mm/m]
+ORDERS = range(1, 4)  # harmonics of the lobe frequency that are drawn
 MOST_TWIST = math.radians(3.0)  # [rad] drawn
 
 
@@ -33,15 +34,15 @@ class DrivePoint(NamedTuple):
 
 def draw_campbell(cases: Mapping[str, Sequence[DrivePoint]], lobes: int, folder: Path, name: str) -> list[str]:
     """Write the Campbell diagram of named drives over the speed (PNG, PDF); return the paths."""
-    return write_all({name: partial(campbell_figure, cases, lobes, "", 3)}, folder)
+    return write_all({name: partial(campbell_figure, cases, lobes)}, folder)
 
 
-def campbell_figure(cases: Mapping[str, Sequence[DrivePoint]], lobes: int, title: str, orders: int) -> Any:
+def campbell_figure(cases: Mapping[str, Sequence[DrivePoint]], lobes: int) -> Any:
     """Draw frequencies over the speed with the lobe harmonics, and the amplitude of the coupling torque."""
     figure, (left, right) = subplots(DOUBLE, 84.0, 1, 2, sharex=True)
     longest = max(points[-1].speed for points in cases.values()) * RPM
     highest = 1.6 * max(p.frequency for points in cases.values() for p in points if p.frequency is not None)
-    for order in range(1, orders + 1):
+    for order in ORDERS:
         ends = np.array([0.0, longest])
         left.plot(ends, ends * order * lobes / 60.0, color=GREY, linewidth=0.6, zorder=1)
         at = min(0.93 * longest, 0.93 * highest * 60.0 / (order * lobes))
@@ -52,7 +53,7 @@ def campbell_figure(cases: Mapping[str, Sequence[DrivePoint]], lobes: int, title
         n, look = np.array([p.speed for p in known]) * RPM, {"color": COLOURS[i], "linestyle": DASHES[i]}
         frequency = np.array([p.frequency for p in known], float)
         left.plot(n, frequency, label=name, **look)
-        for order in range(1, orders + 1):
+        for order in ORDERS:
             at = crossing(n, frequency - order * lobes * n / 60.0)
             if at is not None:
                 left.plot([at], [order * lobes * at / 60.0], "o", color=COLOURS[i], markersize=3.5)
@@ -69,7 +70,6 @@ def campbell_figure(cases: Mapping[str, Sequence[DrivePoint]], lobes: int, title
         axes.set_xlabel("speed $n$ (rpm)")
         plain_ticks(axes.xaxis, most=6)
     plain_ticks(left.yaxis)
-    note(figure, title)
     return figure
 
 

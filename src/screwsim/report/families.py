@@ -1,7 +1,8 @@
 """Families of curves from the grid of a sweep: the choice of the x axis and of the curve parameter; their optima."""
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -43,21 +44,44 @@ class Curve(NamedTuple):
         return bool(np.isfinite(self.low).any())
 
 
-class Layout(NamedTuple):
-    """Indices of the axes of a grid: x, the curve parameter (None: a single curve), all others."""
+class Family(NamedTuple):
+    """The curves of a figure: of which sweep, over which axis x, by which axis (None: a single curve).
 
+    All other axes are held at `held` {axis: index}, which `constant` says in words and `suffix` in the figure's name.
+    """
+
+    results: Results
     x: int
-    curves: int | None
-    rest: tuple[int, ...]
+    by: int | None
+    held: Mapping[int, int] = MappingProxyType({})
+    constant: str = ""
+    suffix: str = ""
+
+    @property
+    def x_axis(self) -> Axis:
+        """Axis x of the sweep."""
+        return self.results.axis_list[self.x]
+
+    @property
+    def by_axis(self) -> Axis | None:
+        """Axis that distinguishes the curves."""
+        return None if self.by is None else self.results.axis_list[self.by]
+
+    def part(self, values: Any) -> np.ndarray:
+        """Return the values of the cases that are drawn, on the axes that are not held."""
+        return np.asarray(values)[tuple(self.held.get(i, slice(None)) for i in range(np.ndim(values)))]
+
+    def rows(self, values: Any) -> np.ndarray:
+        """Return the values of the cases that are drawn as an array (curves, x)."""
+        part = self.part(values)
+        return (part.T if self.by is not None and self.x < self.by else part).reshape(-1, len(self.x_axis.values))
 
 
 def efficiency_name(results: Results) -> str | None:
     """Return the efficiency with more values, isothermal before isentropic; None where neither has any."""
     found = {name: int(np.isfinite(results.performance[name]).sum()) for name in EFFICIENCIES}
-    isothermal, isentropic = found.values()
-    if not isothermal and not isentropic:
-        return None
-    return "isothermal_efficiency" if isothermal >= isentropic else "isentropic_efficiency"
+    best = max(EFFICIENCIES, key=lambda name: found[name])  # of equal ones the first
+    return best if found[best] else None
 
 
 def is_joint_sample(results: Results) -> bool:
@@ -65,20 +89,20 @@ def is_joint_sample(results: Results) -> bool:
     return any(axis.joined for axis in results.axis_list)
 
 
-def layout_of(results: Results, by_fluid: bool = True) -> Layout | None:
-    """Return the axis x (the oil ratio, else the longest numeric one) and the axis that distinguishes curves.
+def family_of(results: Results, by_fluid: bool = True) -> Family | None:
+    """Return the curves over the oil ratio, else over the longest numeric axis; None without one.
 
-    With `by_fluid` the latter is the fluid, if it varies.
+    With `by_fluid` they are distinguished by the fluid, if it varies.
     """
     axes = results.axis_list
     lengths = [len(axis.values) if is_numeric(axis) else 0 for axis in axes]
     if not axes or max(lengths) < FEWEST or is_joint_sample(results):
         return None
-    return _layout(axes, _preferred(axes, lengths, RATIO), by_fluid)
+    return _family(results, _preferred(axes, lengths, RATIO), by_fluid)
 
 
-def outcome_layout(results: Results) -> Layout | None:
-    """Return the layout over the speed if the oil ratio is an outcome that varies along it; else None."""
+def outcome_family(results: Results) -> Family | None:
+    """Return the curves over the speed if the oil ratio is an outcome that varies along it; else None."""
     axes = results.axis_list
     paths = [axis.path for axis in axes]
     if SPEED not in paths or RATIO in paths or is_joint_sample(results) or "oil_ratio" not in results.performance:
@@ -91,16 +115,17 @@ def outcome_layout(results: Results) -> Layout | None:
         return None
     span = np.nanmax(finite, axis=1) - np.nanmin(finite, axis=1)
     varies = np.any(span > _VARIES * np.nanmax(np.abs(finite), axis=1))
-    return _layout(axes, place) if varies else None
+    return _family(results, place) if varies else None
 
 
-def _layout(axes: tuple[Axis, ...], x: int, by_fluid: bool = True) -> Layout:
+def _family(results: Results, x: int, by_fluid: bool = True) -> Family:
+    axes = results.axis_list
     others = [i for i, axis in enumerate(axes) if i != x and len(axis.values) > 1]
     lengths = [len(axis.values) if i in others else 0 for i, axis in enumerate(axes)]
     told_apart = next((i for i in others if by_fluid and axes[i].path == FLUID), None)  # all fluids in one figure
-    curves = told_apart if told_apart is not None else _preferred(axes, lengths, SPEED) if others else None
-    rest = tuple(i for i in range(len(axes)) if i not in (x, curves))
-    return Layout(x, curves, rest)
+    return Family(
+        results, x, told_apart if told_apart is not None else _preferred(axes, lengths, SPEED) if others else None
+    )
 
 
 def _preferred(axes: tuple[Axis, ...], lengths: list[int], path: str) -> int:
@@ -109,39 +134,34 @@ def _preferred(axes: tuple[Axis, ...], lengths: list[int], path: str) -> int:
     return next(long_enough, int(np.argmax(lengths)))
 
 
-def slices(results: Results, layout: Layout) -> Iterator[tuple[str, str, dict[int, int]]]:
-    """Yield (suffix of its name, constants in words, {axis: index}) of each figure, one per value of the other axes."""
-    axes = results.axis_list
-    for number, indices in enumerate(itertools.product(*(range(len(axes[i].values)) for i in layout.rest)), start=1):
-        chosen = dict(zip(layout.rest, indices, strict=True))
-        constant = ", ".join(value_of(axes[i], index) for i, index in chosen.items())
-        yield f"_{number}" if layout.rest and constant else "", constant, chosen
+def slices(family: Family) -> Iterator[Family]:
+    """Yield the curves of each figure, one figure per value of the other axes."""
+    axes = family.results.axis_list
+    rest = [i for i in range(len(axes)) if i not in (family.x, family.by)]
+    for number, indices in enumerate(itertools.product(*(range(len(axes[i].values)) for i in rest)), start=1):
+        held = dict(zip(rest, indices, strict=True))
+        constant = ", ".join(value_of(axes[i], index) for i, index in held.items())
+        yield family._replace(held=held, constant=constant, suffix=f"_{number}" if constant else "")
 
 
-def curves_of_slice(
-    results: Results, layout: Layout, chosen: dict[int, int], x_name: str | None, y_name: str
-) -> list[Curve]:
-    """Return the curves of one slice: figure `y_name` over the axis x, or over the figure `x_name`.
+def curves_of(family: Family, y_name: str, x_name: str | None = None) -> list[Curve]:
+    """Return the curves of one figure: `y_name` over the axis x, or over the figure `x_name`.
 
     Cases without a value are left out, and so are curves of fewer than two points. A figure that no case calls for has
     no curves.
     """
+    results, axis = family.results, family.x_axis
     if y_name not in results.performance:
         return []
-    axis = results.axis_list[layout.x]
-    at = np.broadcast_to(shown_axis(axis).of(axis.values), (_count(results, layout), len(axis.values)))
-    x = at
-    if x_name is not None:
-        x = _rows(results, layout, chosen, shown_figure(results, x_name).of(results.performance[x_name]))
-    y = _rows(results, layout, chosen, shown_figure(results, y_name).of(results.performance[y_name]))
+    shown, values = shown_figure(results, y_name), results.performance[y_name]
     half = COVERAGE * results.uncertainty[y_name] if y_name in results.uncertainty else np.full(results.shape, np.nan)
-    ends = (results.performance[y_name] - half, results.performance[y_name] + half)
-    low, high = (_rows(results, layout, chosen, shown_figure(results, y_name).of(end)) for end in ends)
-    closed = _rows(results, layout, chosen, np.asarray(results.status) == "ok")
-    failed = _rows(results, layout, chosen, np.asarray(results.status) == "failed")
-    warned = _rows(results, layout, chosen, cases_with_warnings(results)) & closed
+    y, low, high = (family.rows(shown.of(each)) for each in (values, values - half, values + half))
+    at = np.broadcast_to(shown_axis(axis).of(axis.values), y.shape)
+    x = at if x_name is None else family.rows(shown_figure(results, x_name).of(results.performance[x_name]))
+    closed, failed = (family.rows(np.asarray(results.status) == word) for word in ("ok", "failed"))
+    warned = family.rows(cases_with_warnings(results)) & closed
     curves = []
-    for i, text in enumerate(_texts(results, layout)):
+    for i, text in enumerate(_texts(family)):
         kept = np.flatnonzero(np.isfinite(x[i]) & np.isfinite(y[i]) & ~failed[i])
         kept = kept[np.argsort(at[i][kept], kind="stable")]
         if len(kept) < FEWEST:
@@ -152,9 +172,9 @@ def curves_of_slice(
     return curves
 
 
-def left_out(results: Results, chosen: dict[int, int], curves: list[Curve]) -> str:
+def left_out(family: Family, curves: list[Curve]) -> str:
     """Return the note on cases missing from the figure; empty if all are shown."""
-    return missing_words(part_of_slice(results.status, chosen).size, sum(len(curve.x) for curve in curves))
+    return missing_words(family.part(family.results.status).size, sum(len(curve.x) for curve in curves))
 
 
 def missing_words(cases: int, shown: int) -> str:
@@ -184,37 +204,20 @@ def with_warnings(curves: list[Curve]) -> int:
     return sum(int(np.count_nonzero(curve.warned)) for curve in curves)
 
 
-def _count(results: Results, layout: Layout) -> int:
-    return 1 if layout.curves is None else results.shape[layout.curves]
-
-
-def part_of_slice(values: Any, chosen: dict[int, int]) -> np.ndarray:
-    """Return the values of one slice, on the axes that it leaves."""
-    return np.asarray(values)[tuple(chosen.get(i, slice(None)) for i in range(np.ndim(values)))]
-
-
-def _rows(results: Results, layout: Layout, chosen: dict[int, int], values: np.ndarray) -> np.ndarray:
-    """Return the values of one slice as an array (curves, x)."""
-    part = part_of_slice(values, chosen)
-    if layout.curves is not None and layout.x < layout.curves:
-        part = part.T
-    return part.reshape(_count(results, layout), -1)
-
-
-def _texts(results: Results, layout: Layout) -> list[str]:
-    if layout.curves is None:
+def _texts(family: Family) -> list[str]:
+    axis = family.by_axis
+    if axis is None:
         return [""]
-    axis = results.axis_list[layout.curves]
     if not is_numeric(axis):
         return [str(value) for value in axis.values]
     return [short(shown_axis(axis).of(value)) for value in axis.values]
 
 
-def curves_heading(results: Results, layout: Layout) -> tuple[str, str]:
+def curves_heading(family: Family) -> tuple[str, str]:
     """Return the heading of the curves' labels (with its unit), and a note that replaces it if it is too long."""
-    if layout.curves is None:
+    axis = family.by_axis
+    if axis is None:
         return "", ""
-    axis = results.axis_list[layout.curves]
     words = shown_axis(axis).quantity if is_numeric(axis) else choice_words(axis)
     return (words, "") if "$" in words or len(words) <= _SHORT_HEADING else ("", f"along the curves: {words}")
 

@@ -27,8 +27,14 @@ def plans(results: Results) -> Iterator[Plan]:
 
 
 def objective_names(results: Results) -> list[str]:
-    """Return the figures that are objectives."""
+    """Return the figures that are objectives; none where the file was not written by a search for an optimum."""
     return [name.removeprefix(AIM) for name in results.optimum if name.startswith(AIM)]
+
+
+def front_of(results: Results) -> np.ndarray:
+    """Return the evaluations of the Pareto front, ordered by the first objective."""
+    front = np.flatnonzero(results.optimum["front"] == 1)
+    return front[np.argsort(results.optimum[AIM + objective_names(results)[0]][front], kind="stable")]
 
 
 def _columns(results: Results, name: str) -> tuple[Display, np.ndarray]:

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 
 from screwsim.report import families
-from screwsim.report.families import Layout, curves_of_slice, is_log, left_out, part_of_slice, slices
+from screwsim.report.families import Family, curves_of, is_log, left_out, slices
 from screwsim.report.quantities import is_numeric, short, shown_axis, shown_figure
 from screwsim.report.style import SINGLE, log_scale, note, plain_ticks, subplots
 from screwsim.report.sweeps import Plan
 from screwsim.results import Results
+from screwsim.results.schema import Axis
 
 OPTIMUM_FIGURES = "efficiency"
 _FEWEST = 3  # least number of values on each axis of a map
@@ -26,27 +27,26 @@ _OPTIMA_SHOWN = 14  # approximate number of optima with a circle; the line is th
 
 def plans(results: Results) -> Iterator[Plan]:
     """Yield maps for each slice of a sweep over two numeric axes with three values or more each."""
-    layout = families.layout_of(results, by_fluid=False)
-    if layout is None or layout.curves is None or families.outcome_layout(results) is not None:
+    whole = families.family_of(results, by_fluid=False)
+    if whole is None or whole.by is None or families.outcome_family(results) is not None:
         return
-    across = [results.axis_list[i] for i in (layout.x, layout.curves)]
-    if not all(is_numeric(axis) and len(axis.values) >= _FEWEST for axis in across):
+    if not all(is_numeric(axis) and len(axis.values) >= _FEWEST for axis in _axes(whole)):
         return
-    for suffix, constant, chosen in slices(results, layout):
+    for family in slices(whole):
         for name, word in (("map", families.efficiency_name(results)), *((f"map_{each}", each) for each in _COOLING)):
-            if word is not None and len(curves_of_slice(results, layout, chosen, None, word)) >= _FEWEST:
-                yield f"{name}{suffix}", partial(_draw, results, layout, chosen, constant, word)
+            if word is not None and len(curves_of(family, word)) >= _FEWEST:
+                yield f"{name}{family.suffix}", partial(_draw, family, word)
 
 
-def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: str, name: str) -> Any:
+def _draw(family: Family, name: str) -> Any:
     """Draw filled contours with a scale; the map is white where a case has no result."""
     figure, axes = subplots(SINGLE, 76.0)
-    found = draw_contours(axes, results, layout, chosen, name)
-    curves = curves_of_slice(results, layout, chosen, None, name)
+    found = draw_contours(axes, family, name)
+    curves = curves_of(family, name)
     optima = "○ optimum of a row, by a parabola through three points" if found else ""
     counts = ((families.not_closed(curves), "not closed"), (families.with_warnings(curves), "with warnings"))
     told = [f"{count} cases {words}" if count > 1 else f"1 case {words}" for count, words in counts if count]
-    note(figure, constant, optima, *told, left_out(results, chosen, curves), _error_words(results, name))
+    note(figure, family.constant, optima, *told, left_out(family, curves), _error_words(family.results, name))
     return figure
 
 
@@ -59,9 +59,9 @@ def _error_words(results: Results, name: str) -> str:
     return f"numerical error at most {short(float(f'{np.nanmax(errors) * shown.factor:.1g}'))} {unit}".rstrip()
 
 
-def draw_contours(axes: Any, results: Results, layout: Layout, chosen: dict[int, int], name: str) -> int:
+def draw_contours(axes: Any, family: Family, name: str) -> int:
     """Draw filled contours into axes, with their scale beside them; return how many optima are marked."""
-    x, y, z = _surface(results, layout, chosen, name)
+    x, y, z = _surface(family, name)
     points = np.array([(x[j], y[i]) for i, j in np.argwhere(~np.ma.getmaskarray(z))])
     x, y, z = _refined(x, y, z)
     levels = _levels(z)
@@ -71,13 +71,13 @@ def draw_contours(axes: Any, results: Results, layout: Layout, chosen: dict[int,
     bar = axes.figure.colorbar(filled, ax=axes, ticks=levels[:: 1 + len(levels) // 10], pad=0.03, aspect=28)
     bar.ax.tick_params(which="both", length=2.0)
     bar.ax.minorticks_off()
-    bar.set_label(shown_figure(results, name).label)
+    bar.set_label(shown_figure(family.results, name).label)
     if len(points) <= _POINTS_SHOWN:
         axes.plot(*points.T, ".", color="black", markersize=1.6, clip_on=False, in_layout=False)
-    found = _optima(axes, results, layout, chosen, name) if OPTIMUM_FIGURES in name else 0
-    for axis, set_label, place in ((axes.xaxis, axes.set_xlabel, layout.x), (axes.yaxis, axes.set_ylabel, _y(layout))):
-        set_label(shown_axis(results.axis_list[place]).label)
-        values = shown_axis(results.axis_list[place]).of(results.axis_list[place].values)
+    found = _optima(axes, family, name) if OPTIMUM_FIGURES in name else 0
+    for axis, swept in zip((axes.xaxis, axes.yaxis), _axes(family), strict=True):
+        axis.set_label_text(shown_axis(swept).label)
+        values = shown_axis(swept).of(swept.values)
         if is_log(values):
             log_scale(axes, float(np.max(values) / np.min(values)), axis.axis_name)
         else:
@@ -109,21 +109,19 @@ def _refined(x: np.ndarray, y: np.ndarray, z: Any) -> tuple[np.ndarray, np.ndarr
     return fine_x, fine_y, surface
 
 
-def _surface(results: Results, layout: Layout, chosen: dict[int, int], name: str) -> tuple[Any, Any, Any]:
+def _surface(family: Family, name: str) -> tuple[Any, Any, Any]:
     """Return the sorted values of both axes and the figure (y, x), masked where a case failed."""
-    across = [results.axis_list[i] for i in (layout.x, _y(layout))]
-    x, y = (shown_axis(axis).of(axis.values) for axis in across)
+    results = family.results
+    x, y = (shown_axis(axis).of(axis.values) for axis in _axes(family))
     values = shown_figure(results, name).of(results.performance[name])
     values = np.where(np.asarray(results.status) == "failed", np.nan, values)
-    part = part_of_slice(values, chosen)
-    part = part.T if layout.x < _y(layout) else part
     columns, rows = np.argsort(x), np.argsort(y)
-    return x[columns], y[rows], np.ma.masked_invalid(part[rows][:, columns])
+    return x[columns], y[rows], np.ma.masked_invalid(family.rows(values)[rows][:, columns])
 
 
-def _y(layout: Layout) -> int:
-    assert layout.curves is not None
-    return layout.curves
+def _axes(family: Family) -> tuple[Axis, Axis]:
+    assert family.by_axis is not None
+    return family.x_axis, family.by_axis
 
 
 def _levels(z: Any) -> np.ndarray:
@@ -136,9 +134,9 @@ def _levels(z: Any) -> np.ndarray:
     return np.asarray(MaxNLocator(_LEVELS, steps=[1, 2, 5, 10]).tick_values(low, high))
 
 
-def _optima(axes: Any, results: Results, layout: Layout, chosen: dict[int, int], name: str) -> int:
+def _optima(axes: Any, family: Family, name: str) -> int:
     """Draw a circle at the optimum of each row and a line through them; return their number."""
-    x, y, z = _surface(results, layout, chosen, name)
+    x, y, z = _surface(family, name)
     points = []
     for height, row in zip(y, z, strict=True):
         there = ~np.ma.getmaskarray(row)

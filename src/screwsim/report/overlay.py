@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.report import families
-from screwsim.report.families import Curve, Layout, curves_of_slice, slices
+from screwsim.report.families import Curve, Family, curves_of, slices
 from screwsim.report.quantities import PRESSURE, VOLUME, shown_axis, shown_figure
 from screwsim.report.style import COLOURS, DASHES, DOUBLE, note, panels, plain_ticks, subplots, write_all
 from screwsim.report.sweeps import OTHER_FIGURES, label_axes, label_curves, thinned
@@ -30,26 +30,22 @@ def draw_overlay(a: Results, b: Results, folder: str | Path) -> list[str]:
 def plans(a: Results, b: Results) -> Mapping[str, Callable[[], Any]]:
     """Return the figures that both files have data for, by name."""
     found: dict[str, Callable[[], Any]] = {}
-    layouts = families.layout_of(a), families.layout_of(b)
-    layout, other = layouts
-    if layout is not None and other is not None and _same(a, b, layout, other):
-        common = _common_curves(a, b, layout)
+    one, other = families.family_of(a), families.family_of(b)
+    same = [axis.path for axis in a.axis_list] == [axis.path for axis in b.axis_list]
+    if same and one is not None and other is not None and (one.x, one.by) == (other.x, other.by):
+        one, other = next(slices(one)), next(slices(other))  # further axes are at their first values
+        common = _common_curves(one, other)
         if common[0]:  # no figure may have two points along an axis in both
-            found["comparison"] = partial(_curves, a, b, layout, *common)
+            found["comparison"] = partial(_curves, one, b, *common)
     traces = chosen_trace(a), chosen_trace(b)
     if None not in traces:
         found["comparison_cycles"] = partial(_cycles, a, b, *traces)
     return found
 
 
-def _same(a: Results, b: Results, one: Layout, other: Layout) -> bool:
-    """Tell whether both files are swept over the same axes, so that their curves can be compared."""
-    return [axis.path for axis in a.axis_list] == [axis.path for axis in b.axis_list] and one == other
-
-
-def _curves(a: Results, b: Results, layout: Layout, panels_of: Mapping[str, Pair], kept: str) -> Any:
-    """Draw figures over the common axis of both sweeps, one panel each, with further axes at their first values."""
-    _, constant, _ = next(slices(a, layout))
+def _curves(family: Family, b: Results, panels_of: Mapping[str, Pair], kept: str) -> Any:
+    """Draw figures over the common axis of both sweeps, one panel each."""
+    a = family.results
     figure, places = panels(len(panels_of), 22.0, 52.0)
     for axes, (name, pair) in zip(places, panels_of.items(), strict=True):
         texts = list(dict.fromkeys(curve.text for curves in pair for curve in curves))
@@ -61,22 +57,21 @@ def _curves(a: Results, b: Results, layout: Layout, panels_of: Mapping[str, Pair
                 if curve.banded:
                     axes.fill_between(curve.x, curve.low, curve.high, color=colour, alpha=0.16, linewidth=0.0)
         x = [curve.x for curves in pair for curve in curves]
-        label_axes(axes, shown_axis(a.axis_list[layout.x]).label, shown_figure(a, name).label, x)
-    heading, words = families.curves_heading(a, layout)
-    _head(figure, a, b, constant, words, kept)
-    if layout.curves is not None:
+        label_axes(axes, shown_axis(family.x_axis).label, shown_figure(a, name).label, x)
+    heading, words = families.curves_heading(family)
+    _head(figure, a, b, family.constant, words, kept)
+    if family.by is not None:
         label_curves(zip(places, (of_a for of_a, _ in panels_of.values()), strict=True), heading)
     return figure
 
 
-def _common_curves(a: Results, b: Results, layout: Layout) -> tuple[dict[str, Pair], str]:
+def _common_curves(one: Family, other: Family) -> tuple[dict[str, Pair], str]:
     """Return the curves of both files by figure, B's in the units of A, and words on curves left out."""
-    _, _, chosen = next(slices(a, layout))
     pairs: dict[str, Pair] = {}
-    for name in filter(None, (families.efficiency_name(a), *OTHER_FIGURES)):
-        of_a, of_b = (curves_of_slice(each, layout, chosen, None, name) for each in (a, b))
+    for name in filter(None, (families.efficiency_name(one.results), *OTHER_FIGURES)):
+        of_a, of_b = (curves_of(each, name) for each in (one, other))
         if of_a and of_b:
-            pairs[name] = of_a, _in_units(a, b, name, of_b)
+            pairs[name] = of_a, _in_units(one.results, other.results, name, of_b)
     thin = [thinned(of_a) for of_a, _ in pairs.values()]
     shown = {curve.text for curves, _ in thin for curve in curves}
 

@@ -106,8 +106,7 @@ def sealing_figure(rotors: Rotors) -> Any:
     psi = chain.psi[order] - np.where(np.arange(n) < n - trail, pair.pitch, 0.0)
     x, y = MM * chain.x[order], MM * chain.y[order]
     z = MM * rotors.h * (psi.max() - psi)  # points of larger ψ mesh nearer the inlet
-    figure = style.new_figure(SINGLE, 92.0)
-    figure.set_layout_engine("none")
+    figure = style.new_figure(SINGLE, 92.0, "none")
     axes = figure.add_axes((0.02, 0.06, 0.86, 0.92), projection="3d")
     walls = (x.min() - 4.0, y.max() + 4.0, z.min() - 4.0)
     for line in ((np.full(n, walls[0]), y, z), (x, np.full(n, walls[1]), z), (x, y, np.full(n, walls[2]))):
@@ -198,8 +197,12 @@ def _panel(axes: Any, named: dict[str, tuple[Any, float]], label: str) -> None:
 
 def slide_figure(rotors: Rotors, volume_ratio: float, axial_ratio: float | None, slide: SlideValve) -> Any:
     """Draw the slot to suction and the discharge port over the angle; volume and volume ratio over the position."""
+
+    def curves_at(position: float) -> Curves:
+        return make_curves(rotors, volume_ratio, axial_ratio, replace(slide, position=position))
+
     figure, (upper, lower) = subplots(DOUBLE, 118.0, 2, 2, gridspec_kw={"width_ratios": (1.7, 1.0)})
-    known = [make_curves(rotors, volume_ratio, axial_ratio, replace(slide, position=x)) for x in POSITIONS]
+    known = [curves_at(position) for position in POSITIONS]
     for i, (x, curves) in enumerate(zip(POSITIONS, known, strict=True)):
         style = {"color": COLOURS[i], "linestyle": DASHES[i], "label": f"{100 * x:.0f} %"}
         if curves.slot is not None:
@@ -219,23 +222,15 @@ def slide_figure(rotors: Rotors, volume_ratio: float, axial_ratio: float | None,
     lower[0].set_xlabel("angle of the chamber's life (°)")
     upper[0].legend(title="position", loc="upper left")
     lower[0].legend(line, ["axial part alone"], loc="upper left")
-    _over_position(rotors, volume_ratio, axial_ratio, slide, (upper[1], lower[1]))
-    return figure
-
-
-def _over_position(
-    rotors: Rotors, volume_ratio: float, axial_ratio: float | None, slide: SlideValve, panels: Any
-) -> None:
     moved = np.linspace(LEAST_TRAVEL, 1.0, 21)
-    found = [
-        closed_in(rotors, make_curves(rotors, volume_ratio, axial_ratio, replace(slide, position=x))) for x in moved
-    ]
+    found = [closed_in(rotors, curves_at(position)) for position in moved]
     full = closed_in(rotors, make_curves(rotors, volume_ratio, axial_ratio))
     labels = (100.0, "closed-in volume (% of the largest)"), (1.0, "volume ratio")
-    for axes, k, (factor, label) in zip(panels, (0, 1), labels, strict=True):
+    for k, (axes, (factor, label)) in enumerate(zip((upper[1], lower[1]), labels, strict=True)):
         axes.plot(100.0 * moved, [factor * each[k] for each in found], color=COLOURS[0])
         axes.plot(0.0, factor * full[k], "o", color=COLOURS[0], markersize=3.5, label="full load, slot shut")
         axes.set(ylabel=label, xlim=(-4.0, 100.0), ylim=(0.0, None))
         plain_ticks(axes.yaxis, most=5)
-    panels[0].legend(loc="lower left")
-    panels[1].set_xlabel("position (% of the travel)")
+    upper[1].legend(loc="lower left")
+    lower[1].set_xlabel("position (% of the travel)")
+    return figure

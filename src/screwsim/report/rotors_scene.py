@@ -11,8 +11,7 @@ import numpy as np
 from screwsim.inputs.declare import plain
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import TWIN_SCREW, twin_screw
-from screwsim.machine.profile_law import Interface, LaidCurves, laid_curves
-from screwsim.machine.profile_tables import Table
+from screwsim.machine.profile_law import Interface, LaidCurves, Table, laid_curves
 from screwsim.machine.protocol import END_GAP, GAPS
 from screwsim.machine.rotors import leakage
 from screwsim.machine.rotors.curves import Curve, closed_in

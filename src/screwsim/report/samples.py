@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.report import families
-from screwsim.report.families import FEWEST, Layout, efficiency_name, missing_words, part_of_slice, slices
+from screwsim.report.families import FEWEST, Family, efficiency_name, missing_words, slices
 from screwsim.report.quantities import is_numeric, shown_axis, shown_figure
 from screwsim.report.style import COLOURS, GREY, note, panels, plain_ticks
 from screwsim.report.sweeps import OTHER_FIGURES, Plan, case_remarks, label_axes, mark_cases
@@ -21,53 +21,57 @@ _MOST = 5000  # most points drawn in a panel
 
 def plans(results: Results) -> Iterator[Plan]:
     """Yield the figures over words, or the scatter figure of a design in which several quantities vary together."""
-    yield from _plans_of_design(results) if families.is_joint_sample(results) else _plans_over_words(results)
+    if not families.is_joint_sample(results):
+        yield from _plans_over_words(results)
+        return
+    name, shown = efficiency_name(results), varied_columns(results)
+    if not len(results.optimum) and name and shown:
+        yield "samples", partial(_over_each, results, shown, name)
 
 
 def _plans_over_words(results: Results) -> Iterator[Plan]:
     """Yield the figures over the longest axis of words (over fluids, if they vary); none where numbers vary."""
     axes = results.axis_list
     lengths = [0 if is_numeric(axis) else len(axis.values) + (axis.path == families.FLUID) * 10_000 for axis in axes]
-    if families.layout_of(results) is not None or max(lengths, default=0) < FEWEST:
+    if families.family_of(results) is not None or max(lengths, default=0) < FEWEST:
         return
     place = int(np.argmax(lengths))
-    layout = Layout(place, None, tuple(number for number in range(len(axes)) if number != place))
-    for suffix, constant, chosen in slices(results, layout):
+    for family in slices(Family(results, place, None)):
         names = filter(None, (efficiency_name(results), *OTHER_FIGURES))
-        shown = [name for name in names if _has_value(results, chosen, name).any()]
+        shown = [name for name in names if _has_value(family, name).any()]
         if shown and len(axes[place].values) >= FEWEST:
             name = axes[place].path.rpartition(".")[2]
-            yield f"{name}{suffix}", partial(_over_words, results, place, chosen, constant, shown)
+            yield f"{name}{family.suffix}", partial(_over_words, family, shown)
 
 
-def _has_value(results: Results, chosen: dict[int, int], name: str) -> np.ndarray:
+def _has_value(family: Family, name: str) -> np.ndarray:
     """Return for which words a figure has a value."""
+    results = family.results
     if name not in results.performance:
         return np.zeros(1, bool)
-    return np.isfinite(part_of_slice(results.performance[name], chosen)) & (
-        part_of_slice(results.status, chosen) != "failed"
-    )
+    return np.isfinite(family.part(results.performance[name])) & (family.part(results.status) != "failed")
 
 
-def _over_words(results: Results, place: int, chosen: dict[int, int], constant: str, shown: list[str]) -> Any:
+def _over_words(family: Family, shown: list[str]) -> Any:
     """Draw each figure in one panel, with the words from top to bottom in their order."""
-    words = [str(value) for value in results.axis_list[place].values]
+    results, status = family.results, family.part(family.results.status)
+    words = [str(value) for value in family.x_axis.values]
     figure, places = panels(len(shown), 10.0, 16.0 + 5.0 * len(words), sharey=True)
-    closed = part_of_slice(results.status, chosen) == "ok"
-    warned = part_of_slice(cases_with_warnings(results), chosen) & closed
+    closed = status == "ok"
+    warned = family.part(cases_with_warnings(results)) & closed
     for axes, name in zip(places, shown, strict=True):
-        how, kept = shown_figure(results, name), _has_value(results, chosen, name)
-        values = how.of(part_of_slice(results.performance[name], chosen))
+        how, kept = shown_figure(results, name), _has_value(family, name)
+        values = how.of(family.part(results.performance[name]))
         _panel(axes, values[kept], np.flatnonzero(kept), closed[kept], warned[kept])
         axes.set_xlabel(how.label)
         axes.set_yticks(range(len(words)), words)
         axes.set_ylim(len(words) - 0.4, -0.6)
         axes.grid(axis="y", color=GREY, linewidth=0.3, linestyle=(0, (1, 3)))
         axes.tick_params(axis="y", which="both", left=False, right=False)
-    found = int(np.max([_has_value(results, chosen, name).sum() for name in shown]))
-    open_ = ~closed & (part_of_slice(results.status, chosen) != "failed")
+    found = int(np.max([_has_value(family, name).sum() for name in shown]))
+    open_ = ~closed & (status != "failed")
     told = case_remarks(int(np.count_nonzero(open_)), int(np.count_nonzero(warned)))
-    note(figure, constant, *told, missing_words(len(words), found))
+    note(figure, family.constant, *told, missing_words(len(words), found))
     return figure
 
 
@@ -76,12 +80,6 @@ def _panel(axes: Any, x: np.ndarray, y: np.ndarray, closed: np.ndarray, warned: 
     span = max(float(np.ptp(x)), 0.01 * float(np.max(np.abs(x))), 1e-9)
     axes.set_xlim(x.min() - _MARGIN * span, x.min() + (1.0 + _MARGIN) * span)
     plain_ticks(axes.xaxis)
-
-
-def _plans_of_design(results: Results) -> Iterator[Plan]:
-    name = efficiency_name(results)
-    if not len(results.optimum) and name and (shown := varied_columns(results)):
-        yield "samples", partial(_over_each, results, shown, name)
 
 
 def varied_columns(results: Results) -> list[tuple[Axis, np.ndarray]]:

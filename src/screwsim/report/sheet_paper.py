@@ -119,8 +119,7 @@ class Paper:
         return [self._figure(number) for number in range(len(self.pages))]
 
     def _figure(self, number: int) -> Any:
-        figure = new_figure(WIDE, HIGH)
-        figure.set_layout_engine("none")
+        figure = new_figure(WIDE, HIGH, "none")
         figure.set_dpi(DPI)  # drawings are fitted by the widths of their letters, in whole pixels
         for call in self.pages[number]:
             call(figure)

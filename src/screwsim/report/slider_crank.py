@@ -60,18 +60,17 @@ def functions_figure(nominal: Links, points: tuple[Array, Array]) -> Any:
 
 def surface_figure(alpha: Array, nominal: Links) -> Any:
     """Draw the standard deviation over ± 5 % of both lengths with the 5 % plane, right and as tabulated."""
-    figure = style.new_figure(DOUBLE, 82.0)
-    figure.set_layout_engine("none")
+    figure = style.new_figure(DOUBLE, 82.0, "none")
     for i, name in enumerate(("right", "tabulated")):
-        axes: Any = figure.add_axes((0.01 + 0.49 * i, 0.0, 0.46, 0.97), projection="3d", computed_zorder=False)
-        _surface(axes, FUNCTIONS[name], alpha, nominal)
-        axes.set_title(f"({'ab'[i]}) {_NAMES[name]}; plane: 5 % of it", y=0.97)
-        axes.set_zlim(0.0, 5.5)
+        _surface(figure, 0.01 + 0.49 * i, f"({'ab'[i]}) {_NAMES[name]}", FUNCTIONS[name], alpha, nominal).set_zlim(
+            0.0, 5.5
+        )
     return figure
 
 
-def _surface(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
-    """Draw one surface of deviations and its plane."""
+def _surface(figure: Any, left: float, title: str, function: Any, alpha: Array, nominal: Links) -> Any:
+    """Draw one surface of deviations and its plane into axes from `left` on, which are returned."""
+    axes: Any = figure.add_axes((left, 0.0, 0.46, 0.97), projection="3d", computed_zorder=False)
     errors = np.linspace(-LENGTH_SHARE, LENGTH_SHARE, 41)
     rods, cranks = np.meshgrid(100.0 * errors, 100.0 * errors)
     found, level = MM * surface(function, alpha, nominal, errors), MM * plane(function, alpha, nominal, LENGTH_SHARE)
@@ -86,6 +85,8 @@ def _surface(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
     axes.set_box_aspect((1.0, 1.0, 0.8), zoom=0.9)
     axes.view_init(elev=22.0, azim=-62.0)
     style.look_in_space(axes, 5)
+    axes.set_title(f"{title}; plane: 5 % of it", y=0.97)
+    return axes
 
 
 def _part_above(found: Array, level: float) -> Array:
@@ -125,12 +126,9 @@ def draw_machine(nominal: Links, drawn: tuple[Sequence[Grade], Array, Mapping[st
 
 def law_figure(nominal: Links) -> Any:
     """Draw the standard deviation of dx/dα over ± 5 % of both lengths: surface with the 5 % plane, and contours."""
-    figure = style.new_figure(DOUBLE, 82.0)
-    figure.set_layout_engine("none")
+    figure = style.new_figure(DOUBLE, 82.0, "none")
     alpha, right = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False), FUNCTIONS["right"]
-    solid: Any = figure.add_axes((0.01, 0.0, 0.46, 0.97), projection="3d", computed_zorder=False)
-    _surface(solid, right, alpha, nominal)
-    solid.set_title("(a) d$x$/d$α$; plane: 5 % of it", y=0.97)
+    _surface(figure, 0.01, f"(a) {_NAMES['right']}", right, alpha, nominal)
     flat = figure.add_axes((0.6, 0.15, 0.37, 0.72))
     _contours(flat, right, alpha, nominal)
     flat.set(title="(b) the same, relative to the law", ylabel="error of the crank (%)")

@@ -75,12 +75,12 @@ def journal() -> Iterator[None]:
         yield
 
 
-def new_figure(width: float, height: float) -> Any:
-    """Return an empty figure of a given size [mm] on its own canvas."""
+def new_figure(width: float, height: float, layout: Any = "constrained") -> Any:
+    """Return an empty figure of a given size [mm] on its own canvas; with the layout "none" all places are given."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width * MM, height * MM), layout="constrained")
+    figure = Figure(figsize=(width * MM, height * MM), layout=layout)
     FigureCanvasAgg(figure)
     return figure
 

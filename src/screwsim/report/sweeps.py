@@ -11,7 +11,7 @@ import numpy as np
 
 from screwsim.report import families
 from screwsim.report.annotate import label_along, label_ends
-from screwsim.report.families import Curve, Layout, curves_of_slice, is_log, left_out, slices
+from screwsim.report.families import Curve, Family, curves_of, is_log, left_out, slices
 from screwsim.report.quantities import RATIO, SPEED, shown_axis, shown_figure
 from screwsim.report.style import DOUBLE, SINGLE, line_style, log_scale, new_figure, note, panels, plain_ticks, subplots
 from screwsim.results import Results
@@ -36,79 +36,79 @@ _POINTS_SHOWN = 60  # most computed points in a panel that are marked
 
 def plans(results: Results) -> Iterator[Plan]:
     """Yield the figures over the axes of a sweep, or over the oil ratio that is an outcome; none without numbers."""
-    layout, outcome = families.layout_of(results), families.outcome_layout(results)
+    whole, outcome = families.family_of(results), families.outcome_family(results)
     name = families.efficiency_name(results)
     if outcome is not None and name is not None:
-        for suffix, constant, chosen in slices(results, outcome):
-            if curves_of_slice(results, outcome, chosen, "oil_ratio", name):
-                yield f"efficiency_ratio{suffix}", partial(_over_ratio, results, outcome, chosen, constant, name)
-    if layout is None or outcome is not None:
+        for family in slices(outcome):
+            if curves_of(family, name, "oil_ratio"):
+                yield f"efficiency_ratio{family.suffix}", partial(_over_ratio, family, name)
+    if whole is None or outcome is not None:
         return
-    for suffix, constant, chosen in slices(results, layout):
-        if name and curves_of_slice(results, layout, chosen, None, name):
-            yield f"efficiency{suffix}", partial(_efficiency, results, layout, chosen, constant, name)
-        if any(curves_of_slice(results, layout, chosen, None, other) for other in OTHER_FIGURES):
-            yield f"performance{suffix}", partial(_performance, results, layout, chosen, constant)
+    for family in slices(whole):
+        if name and curves_of(family, name):
+            yield f"efficiency{family.suffix}", partial(_efficiency, family, name)
+        if any(curves_of(family, other) for other in OTHER_FIGURES):
+            yield f"performance{family.suffix}", partial(_performance, family)
 
 
-def _efficiency(results: Results, layout: Layout, chosen: dict[int, int], constant: str, name: str) -> Any:
+def _efficiency(family: Family, name: str) -> Any:
     """Draw an efficiency over x, with the optimum of each curve marked (the paper's Fig. 1)."""
-    curves, kept = thinned(every := curves_of_slice(results, layout, chosen, None, name))
+    results = family.results
+    curves, kept = thinned(every := curves_of(family, name))
     figure, axes = subplots(SINGLE, 70.0)
     found = draw_curves(axes, curves, optima=True)
-    x_label = shown_axis(results.axis_list[layout.x]).label
-    label_axes(axes, x_label, shown_figure(results, name).label, [c.x for c in curves])
-    heading, words = families.curves_heading(results, layout)
+    label_axes(axes, shown_axis(family.x_axis).label, shown_figure(results, name).label, [c.x for c in curves])
+    heading, words = families.curves_heading(family)
     told = (*remarks(curves, found), families.band_words(results, curves))
-    note(figure, constant, words, kept, *told, left_out(results, chosen, every))
-    if layout.curves is not None:
+    note(figure, family.constant, words, kept, *told, left_out(family, every))
+    if family.by is not None:
         label_curves([(axes, curves)], heading)
     return figure
 
 
-def _performance(results: Results, layout: Layout, chosen: dict[int, int], constant: str) -> Any:
+def _performance(family: Family) -> Any:
     """Draw the other figures over x, one panel each."""
-    every = {name: curves for name in OTHER_FIGURES if (curves := curves_of_slice(results, layout, chosen, None, name))}
+    results, x_label = family.results, shown_axis(family.x_axis).label
+    every = {name: curves for name in OTHER_FIGURES if (curves := curves_of(family, name))}
     shown = {name: thinned(curves)[0] for name, curves in every.items()}
-    x_label = shown_axis(results.axis_list[layout.x]).label
     figure, places = panels(len(shown), 18.0, 52.0)
     for axes, (name, curves) in zip(places, shown.items(), strict=True):
         draw_curves(axes, curves, optima=False)
         label_axes(axes, x_label, shown_figure(results, name).label, [c.x for c in curves])
     widest = max(every.values(), key=len)
-    heading, words = families.curves_heading(results, layout)
+    heading, words = families.curves_heading(family)
     drawn, kept = thinned(widest)
     told = (kept, *remarks(drawn, 0), families.band_words(results, drawn))
-    note(figure, constant, words, *told, left_out(results, chosen, widest))
-    if layout.curves is not None:
+    note(figure, family.constant, words, *told, left_out(family, widest))
+    if family.by is not None:
         label_curves(zip(places, shown.values(), strict=True), heading)
     return figure
 
 
-def _over_ratio(results: Results, layout: Layout, chosen: dict[int, int], constant: str, name: str) -> Any:
+def _over_ratio(family: Family, name: str) -> Any:
     """Draw the efficiency over d, with the speed along the curve, and both over the speed."""
+    results = family.results
     figure = new_figure(DOUBLE, 82.0)
     places = figure.add_gridspec(2, 2, width_ratios=(1.15, 1.0))
     main, upper, lower = (figure.add_subplot(place) for place in (places[:, 0], places[0, 1], places[1, 1]))
-    over_ratio = curves_of_slice(results, layout, chosen, "oil_ratio", name)
+    over_ratio = curves_of(family, name, "oil_ratio")
     found = draw_curves(main, over_ratio, optima=True)
     label_axes(main, RATIO.label, shown_figure(results, name).label, [curve.x for curve in over_ratio])
     main.margins(x=0.06)
     main.autoscale(axis="x")
-    for axes, figure_name in ((upper, name), (lower, "oil_ratio")):
-        curves = curves_of_slice(results, layout, chosen, None, figure_name)
+    over_speed = [(upper, curves_of(family, name)), (lower, curves_of(family, "oil_ratio"))]
+    for (axes, curves), figure_name in zip(over_speed, (name, "oil_ratio"), strict=True):
         draw_curves(axes, curves, optima=False)
         label_axes(axes, SPEED.label, shown_figure(results, figure_name).quantity, [curve.x for curve in curves])
     upper.set_xlabel("")
     upper.tick_params(labelbottom=False)
-    heading, words = families.curves_heading(results, layout)
+    heading, words = families.curves_heading(family)
     told = (*remarks(over_ratio, found), families.band_words(results, over_ratio))
-    note(figure, constant, words, *told, left_out(results, chosen, over_ratio))
-    if layout.curves is None:
+    note(figure, family.constant, words, *told, left_out(family, over_ratio))
+    if family.by is None:
         label_along(main, over_ratio[0].x, over_ratio[0].y, [f"{speed:.0f} rpm" for speed in over_ratio[0].at])
-        return figure
-    names = ((upper, name), (lower, "oil_ratio"))
-    label_curves(((axes, curves_of_slice(results, layout, chosen, None, shown)) for axes, shown in names), heading)
+    else:
+        label_curves(over_speed, heading)
     return figure
 
 

@@ -76,11 +76,9 @@ def best_case(results: Results) -> tuple[int, ...] | None:
     if not there.any():
         return None
     closed = there & (np.asarray(results.status) == "ok")
-    name = efficiency_name(results)
-    score = results.performance[name] if name else np.zeros(results.shape)
-    score = np.where(np.isfinite(score) & (closed if closed.any() else there), score, -np.inf)
-    if not np.isfinite(score).any():
-        score = np.where(closed if closed.any() else there, 0.0, -np.inf)
+    among, name = closed if closed.any() else there, efficiency_name(results)
+    score = np.where(among, results.performance[name] if name else 0.0, np.nan)
+    score = np.where(np.isfinite(score), score, -np.inf) if np.isfinite(score).any() else among
     return tuple(int(i) for i in np.unravel_index(np.argmax(score), results.shape))
 
 

@@ -35,7 +35,8 @@ def _draw_panel(axes: Any, panel: Mapping[str, Any]) -> None:
     ours = theirs = bands = 0
     for series in panel["series"]:
         if series["upper"] is not None:
-            _band(axes, series, bands)
+            look = {"color": OWN_COLOURS[bands % len(OWN_COLOURS)], "label": series["name"] or "_nolegend_"}
+            axes.fill_between(series["x"], series["y"], series["upper"], alpha=0.2, linewidth=0.0, **look)
             bands += 1
         elif series["theirs"]:
             mark = {"fmt": MARKERS[theirs % len(MARKERS)], "markersize": 4.0, "capsize": 1.5, "elinewidth": 0.6}
@@ -58,9 +59,3 @@ def _draw_panel(axes: Any, panel: Mapping[str, Any]) -> None:
     longest = max(map(len, labels), default=1) + HANDLE_CHARACTERS
     columns = max(1, min(3, LEGEND_CHARACTERS // longest))
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=columns, columnspacing=1.2)
-
-
-def _band(axes: Any, series: Mapping[str, Any], index: int) -> None:
-    colour = OWN_COLOURS[index % len(OWN_COLOURS)]
-    label = series["name"] or "_nolegend_"
-    axes.fill_between(series["x"], series["y"], series["upper"], color=colour, alpha=0.2, linewidth=0.0, label=label)

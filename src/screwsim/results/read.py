@@ -256,8 +256,7 @@ def _group(path: Path, file: Any, name: str, axes: tuple[Axis, ...], stage: str 
     if name == "inputs":
         known = tuple(each for each in known if stored.is_scale(stored.member(group, each)))
     shape = () if name == "knock_out" else tuple(len(axis.values) for axis in axes)
-    own = _own_length(group, OWN.get(name))
-    about = _about_all(group, known, _Shapes(name, shape, own))
+    about = _about_all(group, known, name, shape)
     return Group(path, name, about, dict(_scales(group, about)) if name == "error" else {}, stage)
 
 
@@ -279,29 +278,19 @@ def _own_length(group: Any, coordinate: str | None) -> tuple[int, ...]:
     return found
 
 
-@dataclass(frozen=True)
-class _Shapes:
-    """Shapes that the variables of a group may have: over the axes, then over the group's own coordinate."""
-
-    group: str
-    axes: tuple[int, ...]
-    own: tuple[int, ...]
-
-    def check(self, name: str, data: Any) -> None:
-        """Raise MalformedFile for a variable of another shape, or for texts where none may be."""
-        found, numbers = stored.shape(data), stored.is_numbers(data)
-        if self.group == "inputs":
-            fits = numbers and len(found) <= 1
-        elif not numbers:  # a single text
-            fits = len(found) == 1 and not self.axes and not self.own
-        elif name in OWN.values():  # in another group it would be two things in one dataset
-            fits = name == OWN.get(self.group) and found == self.own
-        else:
-            fits = found == (*self.axes, *self.own)
-        if not fits:
-            raise MalformedFile(
-                f"is not a results file: {data.name} has the shape {found}, which does not match the axes"
-            )
+def _check_shape(name: str, data: Any, group: str, axes: tuple[int, ...], own: tuple[int, ...]) -> None:
+    """Raise MalformedFile for a variable that is not over the axes and the group's own coordinate, or for texts."""
+    found, numbers = stored.shape(data), stored.is_numbers(data)
+    if group == "inputs":
+        fits = numbers and len(found) <= 1
+    elif not numbers:  # a single text
+        fits = len(found) == 1 and not axes and not own
+    elif name in OWN.values():  # in another group it would be two things in one dataset
+        fits = name == OWN.get(group) and found == own
+    else:
+        fits = found == (*axes, *own)
+    if not fits:
+        raise MalformedFile(f"is not a results file: {data.name} has the shape {found}, which does not match the axes")
 
 
 def _axes(group: Any) -> tuple[Axis, ...]:
@@ -322,15 +311,18 @@ def _axes(group: Any) -> tuple[Axis, ...]:
     return found
 
 
-def _about_all(group: Any, axes: tuple[str, ...], shapes: _Shapes) -> dict[str, Variable]:
-    """Return unit and meaning of all variables except axes, tables of texts and bare dimensions."""
-    every = stored.names(group)
+def _about_all(group: Any, axes: tuple[str, ...], kind: str, shape: tuple[int, ...]) -> dict[str, Variable]:
+    """Return unit and meaning of all variables except axes, tables of texts and bare dimensions.
+
+    `kind` is the group's name for any stage, `shape` that of its axes.
+    """
+    every, own = stored.names(group), _own_length(group, OWN.get(kind))
     texts = {f"{name}_text" for name in every}
     found = {}
     for name in every:
         data = None if name in axes or name in texts else stored.member(group, name)
         if data is not None and stored.has_attribute(data, "units"):
-            shapes.check(name, data)
+            _check_shape(name, data, kind, shape, own)
             found[name] = _about(data)
     return found
 

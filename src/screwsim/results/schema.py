@@ -35,7 +35,6 @@ RELATIVE_TO = "relative_to"  # attribute of an error: its scale (`outputs.Scale`
 MODEL_ERROR = "model_error"  # attribute: the model error from the validation that the scene names, as JSON
 SCHEMA = 1  # to be raised when a reader of older files would misread a newer one
 _LIBRARIES = ("numpy", "scipy", "llvmlite", "CoolProp")
-_NUMERIC = {"number": "1", "count": "1", **{name: kind.si for name, kind in KINDS.items()}}
 _SCENE_UNITS = {cf_unit(kind.si): kind.si for kind in KINDS.values()}
 
 
@@ -99,11 +98,11 @@ def axes_along(swept: grid.Swept, leaf_of: Callable[[str], Leaf]) -> tuple[Axis,
 
 def numeric_inputs(scene: Scene) -> Iterator[tuple[str, Variable, float]]:
     """Yield (path, unit and meaning, value [SI]) of each numeric input; NaN where it is not given or is to be found."""
-    for path, kind, doc, value in inputs_of(scene):
-        if kind in _NUMERIC:
+    for path, leaf, value in inputs_of(scene):
+        if leaf.dimension is not None or leaf.kind in ("number", "count"):
             # what is to be found holds where the search begins
             given = None if isinstance(value, FoundWithCycle) else value
-            yield path, Variable(_NUMERIC[kind], doc), np.nan if given is None else float(given)
+            yield path, Variable(grid.unit_of(leaf), leaf.doc), np.nan if given is None else float(given)
 
 
 def digest(text: str) -> str:

@@ -1,6 +1,5 @@
 """Scenes: from a YAML file to a typed scene in SI units, with each fault at its line; and the grid of a sweep."""
 
-from screwsim.scene.argument import scene_of
 from screwsim.scene.checks import cross_check
 from screwsim.scene.fields import value_at
 from screwsim.scene.grid import (
@@ -15,7 +14,7 @@ from screwsim.scene.grid import (
     with_values,
 )
 from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy
-from screwsim.scene.load import load, loads
+from screwsim.scene.load import load, loads, scene_of
 from screwsim.scene.schema import schema
 from screwsim.scene.types import Scene
 from screwsim.scene.write import scene_text

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from functools import cache, lru_cache
 from typing import Any
 
-from screwsim.inputs.declare import KINDS, UNBOUNDED, Bounds, Kind
+from screwsim.effects import catalogue
+from screwsim.inputs.declare import KINDS, LEAF, Leaf
 from screwsim.inputs.suggestions import names_containing, nearest, paths_ending_in
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW, find_machine
 from screwsim.scene.types import Scene
@@ -21,33 +22,6 @@ NOT_SECTIONS = ("effects", "sweep", "joints", "text", "folder", "losses", "uncer
 SWEEPABLE = {*KINDS, "number", "count", "choice", "fluid"}
 FIXED = {"machine.kind", "operation.ambient_pressure"}  # another scene; gauge pressures depend on the ambient one
 _MANY = 4  # most paths that a message lists
-
-
-@dataclass(frozen=True)
-class Leaf:
-    """One input: its kind (a name of `KINDS`, or number, count, choice, fluid, word, file), default [SI] and limits.
-
-    `hardly` gives the bounds [SI] of usual values, `remedy` what to write in place of a value out of range; `otherwise`
-    names neighbouring inputs that may replace this one; an `auto` input may be solved for with the cycle.
-    """
-
-    kind: str
-    doc: str
-    default: Any
-    limits: Mapping[str, Any]
-    hardly: Bounds = UNBOUNDED
-    remedy: str = ""
-    otherwise: tuple[str, ...] = ()
-    auto: bool = False
-
-    @property
-    def required(self) -> bool:
-        return self.default is dataclasses.MISSING
-
-    @property
-    def dimension(self) -> Kind | None:
-        """Return the dimension of a quantity, None for anything else."""
-        return KINDS.get(self.kind)
 
 
 @dataclass(frozen=True)
@@ -75,10 +49,8 @@ def section_of(cls: type, required: bool = True) -> Section:
 
 
 def _describe(cls: type, item: Any, hint: Any) -> Leaf | Section:
-    if "kind" in item.metadata:
-        meta = item.metadata
-        about = {name: meta[name] for name in ("hardly", "remedy", "otherwise", "auto")}
-        return Leaf(meta["kind"], meta["doc"], item.default, meta["limits"], **about)
+    if LEAF in item.metadata:
+        return item.metadata[LEAF]
     optional = isinstance(hint, types.UnionType) or typing.get_origin(hint) is typing.Union
     inner = [part for part in typing.get_args(hint) if part is not type(None)] if optional else [hint]
     if not inner or not all(dataclasses.is_dataclass(part) for part in inner):
@@ -166,12 +138,11 @@ def value_at(scene: Scene, path: str) -> Any:
 def sweep_leaf(
     path: str,
     parameters: Mapping[str, type],
-    known: Iterable[str] = (),
     kind: str = TWIN_SCREW,
     before: str = "",
     fixed: tuple[str, ...] = (),
 ) -> Leaf:
-    """Return the leaf of a path that may be varied; raise `Refused`. `known` are names of effects not active.
+    """Return the leaf of a path that may be varied; raise `Refused`.
 
     `before` stands before the paths that a refusal names, and those that begin with `fixed` are not offered.
     """
@@ -182,7 +153,7 @@ def sweep_leaf(
     if leaf is not None:
         raise Refused("cannot be varied (only quantities, numbers, choices and the fluid can)")
     head, _, rest = path.partition(".")
-    inactive = next((name for name in known if rest == name or rest.startswith(f"{name}.")), None)
+    inactive = next((name for name in catalogue() if rest == name or rest.startswith(f"{name}.")), None)
     if head == "effects" and inactive is not None and inactive not in parameters:
         raise Refused(f"the effect {inactive} is not active (name it under effects, or remove this axis)")
     below = [name for name in leaves if name.startswith(f"{path}.")]

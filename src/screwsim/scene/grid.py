@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple, Protocol, TypeVar
 
-from screwsim.effects import catalogue
 from screwsim.inputs.faults import UsageError
 from screwsim.numerics.frozen import with_changes
 from screwsim.scene.checks import cross_check
@@ -173,7 +172,7 @@ def leaf_of(scene: Scene, path: str, before: str = "", fixed: tuple[str, ...] = 
     """
     try:
         parameters = {name: type(active.parameters) for name, active in scene.effects.items()}
-        leaf = sweep_leaf(path, parameters, catalogue(), scene.machine.kind, before, fixed)
+        leaf = sweep_leaf(path, parameters, scene.machine.kind, before, fixed)
     except Refused as refusal:
         raise UsageError(f"{path}: {refusal}") from None
     parent = path.rpartition(".")[0]

@@ -64,13 +64,8 @@ def _superheated(T: float, superheat: float | None) -> float:
 
 def saturates(scene: Scene) -> bool:
     """Tell whether the gas is a real one that can condense on compression: it enters below its critical temperature."""
-    return condenses(scene.gas) and _saturates(scene.gas.name, lines(scene).T_s)
-
-
-@lru_cache(maxsize=64)
-def _saturates(fluid: str, T_s: float) -> bool:
-    known = constants.limits(fluid)
-    return known is not None and T_s < known.T_critical
+    known = constants.limits(scene.gas.name) if condenses(scene.gas) else None
+    return known is not None and lines(scene).T_s < known.T_critical
 
 
 def suction_enthalpy(scene: Scene) -> float:

@@ -26,7 +26,7 @@ from screwsim.scene.tolerances import read_tolerances, split_tolerances
 from screwsim.scene.types import STANDARD_ATMOSPHERE, FixedDict, Scene
 from screwsim.scene.units import Refused, gauge_pressures_over, parse_quantity
 from screwsim.scene.values import shown
-from screwsim.scene.write import DICT_NAME, scene_text, yaml_text
+from screwsim.scene.write import DICT_NAME, flow_text, scene_text, yaml_text
 from screwsim.scene.yaml_tree import (
     OVERRIDE,
     LocatedFault,
@@ -42,9 +42,37 @@ from screwsim.scene.yaml_tree import (
 
 SET = "--set "  # prefix of an override in messages
 MOST_BASES = 32  # longest chain of bases
+_SCENES = "a path, a dict as in the file, YAML text, or a Scene of screwsim.load"
 FILE_OR_DICT = Kind(
     lambda given: isinstance(given, Mapping) or FILE.holds(given), "neither the path of a file nor a dict"
 )
+
+
+def scene_of(given: Any) -> Scene:
+    """Return the scene given as a path, a dict, YAML text, or a scene itself.
+
+    A text counts as YAML if it has more than one line, or if it has a colon or brace and is not the name of a file.
+    Files named in a dict or a text are relative to the working directory. Raise `SceneError` with all faults, and
+    `UsageError` for anything else.
+    """
+    if isinstance(given, Scene):
+        return given
+    if isinstance(given, str):
+        yaml = (": " in given or given.lstrip().startswith("{")) and not os.path.exists(given)
+        return loads(given) if "\n" in given or yaml else load(given)
+    if isinstance(given, os.PathLike | Mapping):
+        return load(given)
+    raise UsageError(f"{type(given).__name__} is not a scene (pass {_SCENES})")
+
+
+def changed_scene(scene: Scene, values: Mapping[str, Any], without: Iterable[str] = ()) -> Scene:
+    """Return the scene with other values at dotted paths, read and checked as by `--set`, and without some effects.
+
+    A text is read as in a file ('3000 rpm', 'off'); None removes a value. Raise `SceneError` or `UsageError`.
+    """
+    texts = {path: value if isinstance(value, str) else flow_text(value, path) for path, value in values.items()}
+    overrides = [f"{path}={text}" for path, text in texts.items()]
+    return loads(scene.text or scene_text(scene), "<scene>", scene.folder, overrides, without, told="with_: ")
 
 
 @checked_arguments(path=FILE_OR_DICT, stage=TEXT)

@@ -39,7 +39,7 @@ def read_sweep(
     parameters = {name: effect.effect.parameters for name, effect in active.items()}
 
     def leaf_of(path: str) -> Leaf:
-        leaf = sweep_leaf(path, parameters, catalogue(), kind)
+        leaf = sweep_leaf(path, parameters, kind)
         _refuse_absent_section(path, root)
         return leaf
 

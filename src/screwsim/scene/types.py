@@ -311,7 +311,7 @@ class Scene(Brief):
         A text is read as in a file, with its unit; None removes a value, 'off' an effect. Raise `SceneError`, with one
         line per fault, or `UsageError`.
         """
-        from screwsim.scene.argument import changed_scene
+        from screwsim.scene.load import changed_scene
 
         return changed_scene(
             self, {**(values or {}), **{name.replace("__", "."): value for name, value in more.items()}}
@@ -319,7 +319,7 @@ class Scene(Brief):
 
     def without(self, *effects: str) -> Scene:
         """Return this scene without some of its effects."""
-        from screwsim.scene.argument import changed_scene
+        from screwsim.scene.load import changed_scene
 
         return changed_scene(self, {}, effects)
 

@@ -161,10 +161,11 @@ def _outside_gas_range(problem: Problem, cycle: CycleSolution) -> bool:
     """Return whether closing stopped at, or left a cycle with, a state outside the gas's equation of state.
 
     If all chambers stopped in their first pitch, the state of any of them counts: every fallback starts there too.
+    Otherwise that of the first one does.
     """
     gas, c = problem.parts.gas, problem.composition
     if cycle.failed:
-        stopped = way_of(cycle).stopped(cycle, len(c.states), c.chambers)
+        stopped = cycle.y.reshape(-1, len(c.states))[: None if cycle.turns * c.chambers <= 1.0 else 1]
         return any(gas.why_outside(float(y[S_T]), float(y[S_RHO])) is not None for y in stopped)
     return gas.first_outside(*cycle.trajectory.ends) is not None
 

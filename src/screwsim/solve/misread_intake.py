@@ -1,4 +1,4 @@
-"""Errors by what a chamber misreads of the gas that it takes in, while a line holds its pressure.
+"""Errors by what a chamber misreads of the gas that it takes in or gives back, while a line holds its pressure.
 
 Steps are long there. What the stages of a step make of the port's flow fits the gas, but its heat may be wrong:
 
@@ -7,7 +7,8 @@ Steps are long there. What the stages of a step make of the port's flow fits the
   it gives or takes, at another temperature.
 
 A chamber that is too cold holds too much gas. No error of the states shows it, and finer lives take nearly the same
-steps. Where the flow is read at that port, what the port makes good is an error of the flow itself.
+steps. Where the flow is read at that port, what the port makes good is an error of the flow itself. Sums of what flows
+back to a suction line err by the same stages, which no balance shows and finer steps remove slowly.
 Source: ours; docs/explanation/errors.md.
 """
 
@@ -31,6 +32,7 @@ from screwsim.solve.sums_met_twice import EQUAL, MetTwice, shifts_to_neighbours
 Array = np.ndarray
 SOME = 0.05  # wanted accuracies: what is misread of the trapped gas that is left alone
 NODES, WEIGHTS = gauss(2)  # of a step
+RETURN_NODES, RETURN_WEIGHTS = gauss(4)  # the same for what returns to a line
 GAS_RATE = SAMPLED.index("mass_rate")
 TRAPPED = "trapped_mass"
 
@@ -114,6 +116,23 @@ def misread_by_all(problem: Problem, life: Trajectory, q: Array) -> Misread:
     return Misread(exchanged * float((spread * warmer) @ _kept(problem, life, steps, -(back + given))), 0.0)
 
 
+def misread_return(problem: Problem, life: Trajectory, q: Array) -> float:
+    """Return the gas [kg/life] by which a life with quadratures q sums too much or too little back to suction.
+
+    The flow through the ports is read a second time, from the change of the chamber's gas less what other paths bring.
+    It is 0 for a gas whose two phases are followed, and where oil gives off gas (that is no flow of a path).
+    """
+    if _not_read(problem):
+        return 0.0
+    c, widths = problem.composition, np.diff(life.times[: life.steps + 1])
+    column = c.first_stream + c.width * slots.SUCTION_OUT + slots.OF_GAS
+    backward = np.diff(life.quads[: life.steps, column], prepend=0.0) < 0.0  # all chambers together keep no such sums
+    steps = np.flatnonzero(backward) if backward.any() else np.arange(life.steps)
+    back, _ = _flows_at(problem, life, steps, RETURN_NODES)
+    read = float(((back * widths[steps, None]) @ RETURN_WEIGHTS).sum()) / problem.parts.omega
+    return abs(read - float(streams_of(c, q)[slots.SUCTION_OUT, slots.OF_GAS]))
+
+
 def _steps(problem: Problem, life: Trajectory) -> Array:
     """Return the numbers of the steps, the first ones, in which a chamber is open to that line."""
     geometry = problem.parts.geometry
@@ -123,9 +142,7 @@ def _steps(problem: Problem, life: Trajectory) -> Array:
 
 def _sums(life: Trajectory, steps: Array, columns: int | slice) -> Array:
     """Return what the first steps sum in columns of the quadratures, each by itself."""
-    sums = life.quads[: len(steps), columns].copy()
-    sums[1:] -= life.quads[: max(len(steps) - 1, 0), columns]
-    return sums
+    return np.diff(life.quads[: len(steps), columns], axis=0, prepend=0.0)
 
 
 def _exchanged(problem: Problem, life: Trajectory, steps: Array, at_most: Array, summed: Array) -> Array:
@@ -151,19 +168,22 @@ def _not_read(problem: Problem) -> bool:
 
 def _flows_read(problem: Problem, life: Trajectory, steps: Array) -> tuple[Array, Array]:
     """Return the gas [kg] in each step that flows back to the line, and to other chambers, by the dense output."""
-    c, omega = problem.composition, problem.parts.omega
+    widths = (life.times[steps + 1] - life.times[steps])[:, None]
+    back, gaps = ((flow * widths) @ WEIGHTS / problem.parts.omega for flow in _flows_at(problem, life, steps, NODES))
+    return back, gaps
+
+
+def _flows_at(problem: Problem, life: Trajectory, steps: Array, nodes: Array) -> tuple[Array, Array]:
+    """Return the flows [kg/s] back to the line, and to other chambers, at nodes of steps (steps, nodes)."""
+    c = problem.composition
     ports = [i for i, end in enumerate(c.ends[: len(c.plenum_paths)]) if end == SUCTION]
     begun, widths = life.times[steps, None], (life.times[steps + 1] - life.times[steps])[:, None]
-    sampled, flows = life.sample((begun + widths * NODES).ravel())
+    sampled, flows = life.sample((begun + widths * nodes).ravel())
     through = flows[:, ports].sum(axis=1)
-    balanced = omega * sampled[:, GAS_RATE] - (flows.sum(axis=1) - through)
+    balanced = problem.parts.omega * sampled[:, GAS_RATE] - (flows.sum(axis=1) - through)
+    back = np.where(through != 0.0, np.minimum(balanced, 0.0), 0.0)
     gaps = np.minimum(flows[:, len(c.plenum_paths) :], 0.0).sum(axis=1)
-
-    def summed(flow: Array) -> Array:
-        """Return the integral over each step."""
-        return (flow.reshape(-1, len(NODES)) * widths) @ WEIGHTS / omega
-
-    return summed(np.where(through != 0.0, np.minimum(balanced, 0.0), 0.0)), summed(gaps)
+    return back.reshape(-1, len(nodes)), gaps.reshape(-1, len(nodes))
 
 
 def _kept(problem: Problem, life: Trajectory, steps: Array, out: Array) -> Array:

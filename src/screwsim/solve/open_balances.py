@@ -15,8 +15,8 @@ from screwsim.evaluate.evaluation import Evaluation
 from screwsim.figures.errors import error_of, flow_errors
 from screwsim.model.slots import OF_GAS, OF_OIL, SUCTION_OUT
 from screwsim.outputs import Figures, names_of
+from screwsim.solve.misread_intake import misread_return
 from screwsim.solve.outflow_heat import misread_of_gas, misread_of_oil
-from screwsim.solve.returned_flow import misread_return
 
 OIL_SHARE = 0.5  # share of carried oil left open beyond the bound by which its flow errs; measured: at most 0.4
 FLASH_SHARE = 0.25  # share of a residual of dissolved gas by which flashed gas errs; measured: at most 0.2

@@ -45,10 +45,9 @@ def misread_of_oil(problem: Problem, life: Trajectory) -> OilMisread:
     out before, misread as much: both count over the oil that stays in the line. Where no gas is delivered, what flows
     back is the line's own, too, and they count over all that flows out.
     """
-    c, n = problem.composition, life.steps
+    c = problem.composition
     first, last = (c.first_stream + c.width * stream for stream in (slots.DISCHARGE_IN, slots.DISCHARGE_OUT + 1))
-    sums = life.quads[:n, first:last].copy()
-    sums[1:] -= life.quads[: n - 1, first:last]
+    sums = np.diff(life.quads[: life.steps, first:last], axis=0, prepend=0.0)
     back, out = sums[:, : c.width], sums[:, c.width :]
     steps, flowed = np.flatnonzero(out[:, slots.OF_OIL] < 0.0), -float(out[:, slots.OF_OIL].sum())
     if not flowed > 0.0:

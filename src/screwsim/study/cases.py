@@ -13,6 +13,8 @@ from functools import partial
 from itertools import tee
 from typing import Any
 
+import numpy as np
+
 from screwsim.inputs.faults import in_one_line
 from screwsim.outputs import Result
 from screwsim.results.table import Table, table_of
@@ -152,32 +154,20 @@ class Blocks:
     def __init__(self, shape: Sequence[int], longest: int = BLOCK_CASES) -> None:
         self.cases = math.prod(shape)
         self._row = shape[-1] if shape else 1
-        self._parts = -(-self._row // longest)  # blocks per row
-        self._size = max(1, longest // self._row) * self._row  # cases per block where rows are short
-        long = self._parts > 1
-        self.count = self.cases // self._row * self._parts if long else -(-self.cases // self._size)
+        parts = -(-self._row // longest)  # blocks per row
+        size = max(1, longest // self._row) * self._row  # cases per block where rows are short
+        starts = np.arange(0, self.cases, size if parts == 1 else self._row)
+        self._edges = np.append(np.add.outer(starts, np.arange(parts) * self._row // parts), self.cases)
+        self.count = len(self._edges) - 1
 
     def cases_of(self, blocks: range) -> range:
         """Return the cases of consecutive blocks."""
-        return range(self._start(blocks.start), self._start(blocks.stop))
-
-    def _start(self, block: int) -> int:
-        if self._parts == 1:
-            return min(block * self._size, self.cases)
-        row, part = divmod(block, self._parts)
-        return row * self._row + part * self._row // self._parts
+        return range(int(self._edges[blocks.start]), int(self._edges[blocks.stop]))
 
     def blocks_of(self, cases: range) -> range | None:
         """Return the blocks that make up consecutive cases; None when these are not whole blocks."""
-        first, last = (self._block_from(edge) for edge in (cases.start, cases.stop))
-        found = range(first, last)
-        return found if self.cases_of(found) == cases else None
-
-    def _block_from(self, case: int) -> int:
-        if self._parts == 1:
-            return -(-case // self._size)
-        row, place = divmod(case, self._row)
-        return row * self._parts + -(-place * self._parts // self._row)
+        found = range(*np.searchsorted(self._edges, (cases.start, cases.stop)).tolist())
+        return found if found.stop <= self.count and self.cases_of(found) == cases else None
 
     def order(self, block: int) -> list[int]:
         """Return the positions in a block in order of simulation: every other row reversed, so neighbours follow."""

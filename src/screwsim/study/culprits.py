@@ -3,36 +3,17 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Sequence
-from concurrent.futures import BrokenExecutor, Executor, wait
-from dataclasses import dataclass, replace
+from concurrent.futures import BrokenExecutor, Executor
+from dataclasses import replace
 from typing import Any
 
 from screwsim.study.cases import Block
-from screwsim.study.workers import (
-    POLL_INTERVAL,
-    WORKER_DIED,
-    Chunks,
-    ChunkWork,
-    DeathGuard,
-    LostChunk,
-    drain,
-    stop_executor,
-    submit,
-    worker_died,
-)
+from screwsim.study.workers import WORKER_DIED, Chunks, ChunkWork, LostChunk, drain, stop_executor
 
 _HUNG = "ran longer than {:g} s and was ended (allow more with --case-limit, or run this case alone)"
 _UNEXPLAINED = "worker died {} times on the block of this case, but on none of its cases alone"
 _TRIES = 3  # of a block whose worker dies although no case alone kills it: something else may have killed it
-
-
-@dataclass(frozen=True)
-class WorkerDeath:
-    """Death of a worker, after so many seconds."""
-
-    seconds: float
 
 
 class _SingleTaskWorker:
@@ -62,18 +43,15 @@ class _SingleTaskWorker:
         return self._executor
 
     def run(self, blocks: Sequence[Block]) -> Any:
-        """Return the outcome of blocks, or a Death."""
-        began = time.monotonic()
-        executor = self._start()
-        guard, future = DeathGuard(executor), submit(executor, self._work.task, blocks)
-        while not wait([future], POLL_INTERVAL).done:
-            guard.look()
-            self._work.tick()
-        if not worker_died(future):
-            return future.result()
+        """Return the outcome of blocks, or the `LostChunk` that killed the worker."""
+        outcomes: list[Any] = []
+        work = replace(self._work, payload=lambda _: blocks, finish=lambda _, outcome: outcomes.append(outcome))
+        lost = drain(Chunks([range(1)], 1, lambda: 1), work, self._start())
+        if not lost:
+            return outcomes[0]
         self._start().shutdown()
         self._executor = None
-        return WorkerDeath(time.monotonic() - began)
+        return lost[0]
 
 
 def run_chunks(chunks: Chunks, work: ChunkWork, limit: float | None) -> None:
@@ -93,7 +71,7 @@ def run_chunks(chunks: Chunks, work: ChunkWork, limit: float | None) -> None:
 
 def _finish_alone(lost: LostChunk, alone: _SingleTaskWorker, work: ChunkWork, limit: float | None) -> bool:
     """Finish a chunk alone; return whether one of its cases kills the worker."""
-    hung = limit is not None and lost.seconds >= limit
+    hung = _hanging_culprit(lost, limit)
     guilty = False
     for number, block in zip(lost.blocks, work.payload(lost.blocks), strict=True):
         outcome, failed = _marked_outcome(block, alone, limit, hung)
@@ -106,8 +84,8 @@ def _marked_outcome(block: Block, alone: _SingleTaskWorker, limit: float | None,
     """Return the outcome of a block with its culprits marked failed; `hung`: search for them before it is run."""
     unexplained = 0
     while True:
-        outcome = WorkerDeath(0.0) if hung else alone.run([block])
-        if not isinstance(outcome, WorkerDeath):
+        outcome = LostChunk(range(0), 0.0) if hung else alone.run([block])
+        if not isinstance(outcome, LostChunk):
             return outcome, bool(block.failed)
         found = _culprit_of(block, alone, limit)
         unexplained += not (found or hung)
@@ -124,19 +102,19 @@ def _culprit_of(block: Block, alone: _SingleTaskWorker, limit: float | None) -> 
             continue
         one = Block([block.values[place]], [0])
         death = alone.run([one])
-        if not isinstance(death, WorkerDeath):
+        if not isinstance(death, LostChunk):
             continue
         # twice: rules out a cause from outside
-        if _hanging_culprit(death, limit) or isinstance(alone.run([one]), WorkerDeath):
+        if _hanging_culprit(death, limit) or isinstance(alone.run([one]), LostChunk):
             return {place: _why(death, limit)}
     return _culprit_in_chain(block, alone, limit)
 
 
-def _hanging_culprit(death: WorkerDeath, limit: float | None) -> bool:
+def _hanging_culprit(death: LostChunk, limit: float | None) -> bool:
     return limit is not None and death.seconds >= limit
 
 
-def _why(death: WorkerDeath, limit: float | None) -> str:
+def _why(death: LostChunk, limit: float | None) -> str:
     return _HUNG.format(limit) if _hanging_culprit(death, limit) else WORKER_DIED
 
 
@@ -144,14 +122,14 @@ def _culprit_in_chain(block: Block, alone: _SingleTaskWorker, limit: float | Non
     """Return the case that kills its worker only after those before it: the end of the shortest chain that does."""
     shortest, longest = 1, len(block.order)
     death = alone.run([block])
-    if not isinstance(death, WorkerDeath):
+    if not isinstance(death, LostChunk):
         return {}
     while shortest < longest:
         middle = (shortest + longest) // 2
         chosen = block.order[:middle]
         failed = {place: block.failed[old] for place, old in enumerate(chosen) if old in block.failed}
         outcome = alone.run([Block([block.values[place] for place in chosen], range(middle), failed)])
-        if isinstance(outcome, WorkerDeath):
+        if isinstance(outcome, LostChunk):
             longest, death = middle, outcome
         else:
             shortest = middle + 1

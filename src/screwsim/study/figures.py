@@ -63,22 +63,16 @@ def _abbreviates(text: str, name: str) -> bool:
 
 
 def figure_of(scene: Varied, text: str, option: str = "--figure") -> str:
-    """Return the figure of a scene that a text names; raise UsageError with the scene's figures where it has none."""
-    if not isinstance(scene, Scene):
-        return figure_of_stages(text, option)
-    here = figures_of(scene)
+    """Return the figure of a scene, or of two stages together, that a text names.
+
+    Raise UsageError with the figures there are where it has none of that name.
+    """
+    alone = isinstance(scene, Scene)
+    here = figures_of(scene) if alone else tuple(STAGES)
     name = figure_named(text, here, option=option)
     if name not in here:
-        what = f"is not a figure of this scene: it needs {needs_of(name)}"
+        what = f"is not a figure of this scene: it needs {needs_of(name)}" if alone else "is not a figure of two stages"
         raise UsageError(f"{option} {text}: {what} (use one of {', '.join(here)})")
-    return name
-
-
-def figure_of_stages(text: str, option: str = "--figure") -> str:
-    """Return the figure of two stages together that a text names; raise UsageError with all of them."""
-    name = figure_named(text, STAGES, option=option)
-    if name not in STAGES:
-        raise UsageError(f"{option} {text}: is not a figure of two stages (use one of {', '.join(STAGES)})")
     return name
 
 

@@ -1,8 +1,7 @@
 """Goals and bounds of figures as people write them: 'cooling_capacity=500 kW', 'discharge_temperature<90 degC'."""
 
 import re
-from collections.abc import Callable, Iterable
-from functools import partial
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from screwsim.figures import declared
@@ -16,7 +15,6 @@ from screwsim.study.figures import figure_of
 from screwsim.study.varied import Varied
 
 MORE_UNITS = {"W": {"MW": 1e6}, "m3 s-1": {"L/min": 1.0 / 60000.0}, "m3": {"L": 1e-3}}
-NamedFigure = Callable[[str, str], str]  # from a figure as people write it, and the option, to its name
 MOST_EFFICIENCY = 1.5  # a number without a unit from this one on is meant in %
 
 
@@ -41,8 +39,7 @@ class Bound(NamedTuple):
 
 def read_goals(scene: Scene, texts: Iterable[str]) -> tuple[Goal, ...]:
     """Return the goals of texts FIGURE=VALUE; raise UsageError in one line."""
-    here = partial(figure_of, scene)
-    split = (_split_condition(here, text, "--for", "=", "cooling_capacity=500 kW") for text in texts)
+    split = (_split_condition(scene, text, "--for", "=", "cooling_capacity=500 kW") for text in texts)
     found = [Goal(figure, value) for figure, _, value in split]
     refuse_twice("--for", [goal.figure for goal in found])
     if not found:
@@ -52,25 +49,20 @@ def read_goals(scene: Scene, texts: Iterable[str]) -> tuple[Goal, ...]:
 
 def read_bounds(scene: Varied, texts: Iterable[str], option: str = "--subject-to") -> tuple[Bound, ...]:
     """Return the bounds of texts FIGURE<VALUE or FIGURE>VALUE of an option; raise UsageError in one line."""
-    return read_bounds_of(partial(figure_of, scene), texts, option)
-
-
-def read_bounds_of(named: NamedFigure, texts: Iterable[str], option: str) -> tuple[Bound, ...]:
-    """Return the same as `read_bounds` for figures that `named` returns for a text and an option."""
     example = "discharge_temperature<90 degC"
     plain = (text.replace("<=", "<").replace(">=", ">") for text in texts)
-    found = [Bound(*_split_condition(named, text, option, "<>", example)) for text in plain]
+    found = [Bound(*_split_condition(scene, text, option, "<>", example)) for text in plain]
     refuse_twice(option, [f"{bound.figure}{bound.sign}" for bound in found])
     return tuple(found)
 
 
-def _split_condition(named: NamedFigure, text: str, option: str, signs: str, example: str) -> tuple[str, str, float]:
+def _split_condition(scene: Varied, text: str, option: str, signs: str, example: str) -> tuple[str, str, float]:
     """Return figure, sign and value [SI] of a text."""
     match = re.fullmatch(rf"\s*([^=<>]+?)\s*([{signs}])\s*([^=<>]+?)\s*", text)
     if match is None:
         shape = " or ".join(f"FIGURE{sign}VALUE" for sign in signs)
         raise UsageError(f"{option} {text}: is not {shape} (write e.g. {option} '{example}')")
-    figure = named(match[1], option)
+    figure = figure_of(scene, match[1], option)
     return figure, match[2], read_figure(figure, match[3], f"{option} {text}")
 
 

@@ -61,8 +61,13 @@ def ends_of(text: str) -> tuple[str, str] | None:
     low, dots, high = (part.strip() for part in text.partition(".."))
     if not (dots and low and high) or "..." in text or ".." in high:  # 0...5 is not taken for 0 to 0.5
         return None
-    unit = re.fullmatch(rf"{NUMBER}\s*(.*)", high)
-    return f"{low} {unit[1]}".strip() if unit and re.fullmatch(NUMBER, low) else low, high
+    return f"{low} {unit_behind(high)}".strip() if re.fullmatch(NUMBER, low) else low, high
+
+
+def unit_behind(text: str) -> str:
+    """Return what follows the number with which a text begins; '' for a text that begins with none."""
+    match = re.fullmatch(rf"{NUMBER}\s*(.*)", text)
+    return match[1].strip() if match else ""
 
 
 def check_fit(scene: Varied, values: dict[str, Any], where: str) -> None:
@@ -82,6 +87,11 @@ def shown_value(scene: Varied, path: str, value: Any, digits: int = 5) -> str:
     """Return a value [SI] of a path with its customary unit; a temperature in °C, as precise as in K."""
     unit = with_printed_units(in_customary(scene, path, value)[1])
     return f"{shown_number(scene, path, value, digits)} {unit}".strip()
+
+
+def shown_range(scene: Varied, path: str, low: Any, high: Any) -> str:
+    """Return two values [SI] of a path as `shown_value` does, with dots between them."""
+    return " … ".join(shown_value(scene, path, end) for end in (low, high))
 
 
 def shown_number(scene: Varied, path: str, value: Any, digits: int = 4) -> str:

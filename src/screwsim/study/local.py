@@ -1,4 +1,4 @@
-"""Local sensitivities: how each figure of a scene changes with each of its numbers, at the stated point.
+"""One operating point: simulated for programs, and how each figure changes with each number of the scene there.
 
 Derivatives are exact where the cycle can be linearised (`derivatives`), and differences of closed cycles elsewhere; the
 result names the method used for each number.
@@ -8,21 +8,24 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 from screwsim.derivatives.collocation import FINE, QUICK
 from screwsim.derivatives.solving import scene_derivatives
 from screwsim.figures import declared
-from screwsim.inputs.arguments import FLAG, TEXTS, as_list, checked_arguments, instance
+from screwsim.inputs.arguments import FLAG, TEXTS, as_list, checked_arguments, instance, one_of
 from screwsim.inputs.declare import is_derived
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.outputs.derivatives import DIFFERENCES, EXACT, ROUGH
+from screwsim.outputs.derivatives import DIFFERENCES, EXACT, ROUGH, Derivatives
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_of
 from screwsim.scene.fields import FIXED, Leaf, leaves_of, value_at
 from screwsim.scene.types import FoundWithCycle
-from screwsim.simulate import simulate
+from screwsim.simulate import Trace
+from screwsim.simulate import simulate as simulated
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import DISCRETE_KINDS, check_continuous, shown_value
 from screwsim.study.optimum import results_at
@@ -122,7 +125,7 @@ def sensitivities(
     names = tuple(dict.fromkeys(figure_of(scene, name) for name in as_list(figures)))
     paths = as_list(paths)
     values = _requested_numbers(scene, paths, numbers) if paths else numbers
-    result = simulate(scene, trace=False) if result is None else result
+    result = simulated(scene, trace=False) if result is None else result
     if result.status != "ok":
         return Sensitivities(result)
     exact = scene_derivatives(scene, values, FINE if fine else QUICK)
@@ -217,3 +220,40 @@ def _shifts(leaf: Leaf, value: float) -> tuple[float, float]:
     up = step if most is None or value + step <= most else 0.0
     down = step if least is None or value - step >= least else 0.0
     return up, -down
+
+
+@checked_arguments(trace=one_of(True, False, "ledger"))
+def simulate(scene: Scene | str | os.PathLike[str] | Mapping[str, Any], trace: Trace = True) -> Result:
+    """Return the result of one scene; impossible physics gives a status and a partial result, never an exception.
+
+    The scene is what `load` returns, the path of a file, YAML text, or a dict laid out as the file is. With `trace` the
+    result has the cycle over the angle and the ledger, with 'ledger' the ledger alone; without it the ledger is left
+    out where the scene says `numerics.error: none`. `result.derivatives` are computed on first use. Raises UsageError
+    when the scene asks for a fluid that is not available.
+    """
+    scene = scene_of(scene)
+    result = simulated(scene, trace)
+    return replace(
+        result, derivatives=Derivatives(partial(sensitivities, scene, result=result), result.performance, scene)
+    )
+
+
+def kept_slopes(scene: Scene, result: Result) -> Sensitivities | None:
+    """Return the derivatives of a result that its scene keeps (`output.derivatives`); None for none."""
+    if not scene.output.keeps_slopes or result.status != "ok":
+        return None
+    found = sensitivities(scene, result=result)
+    return found if found.derivatives else None
+
+
+def save_point(file: Path, scene: Scene, result: Result) -> None:
+    """Write a result to a file, with the derivatives that its scene keeps."""
+    from screwsim.results import save
+
+    save(file, scene, result, derivatives=kept_slopes(scene, result))
+
+
+def with_slopes(scene: Scene, result: Result) -> Result:
+    """Return a result together with the derivatives that its scene keeps."""
+    found = kept_slopes(scene, result)
+    return result if found is None else replace(result, derivatives=Derivatives.of(found, result.performance))

@@ -25,6 +25,7 @@ from screwsim.scene.units import NUMBER, Refused
 from screwsim.scene.values import within
 from screwsim.study.figures import figure_of
 from screwsim.study.goals import read_figure, refuse_twice
+from screwsim.study.inputs import unit_behind
 from screwsim.study.local import Sensitivities, sensitivities
 from screwsim.study.optimum import results_at
 
@@ -151,7 +152,7 @@ def _read(scene: Scene, text: str) -> MeasuredFigure:
         half, factor = split_coverage(behind[0] if behind else "", COVERAGE)
     except Refused as refusal:
         raise UsageError(f"{where}: {refusal}") from None
-    unit = _unit(half)
+    unit = unit_behind(half)
     if unit not in ("", "%") and re.fullmatch(NUMBER, value):
         value = f"{value} {unit}"  # 132 ± 2 kW
     number = read_figure(figure, value, where)
@@ -160,20 +161,15 @@ def _read(scene: Scene, text: str) -> MeasuredFigure:
     return MeasuredFigure(figure, number, _size(figure, number, value, half, where) / factor if behind else None)
 
 
-def _unit(text: str) -> str:
-    match = re.fullmatch(rf"{NUMBER}\s*(.*)", text)
-    return match[1].strip() if match else ""
-
-
 def _size(figure: str, number: float, value: str, text: str, where: str) -> float:
     """Return an uncertainty [SI] from its text; percent are of the value.
 
     For a figure that is itself stated in percent, as an efficiency, they are percentage points.
     """
-    unit, own = _unit(text), _unit(value)
+    unit, own = unit_behind(text), unit_behind(value)
     if not unit and own:  # 132 kW ± 2
         text = f"{text} {'K' if declared(figure).units == 'K' else own}"
-    if _unit(text) in ("degC", "°C"):
+    if unit_behind(text) in ("degC", "°C"):
         raise UsageError(f"{where}: an uncertainty is a difference (write kelvin, e.g. ± 2 K)")
     if unit == "%" and declared(figure).units == "K":
         raise UsageError(f"{where}: a percentage of a temperature depends on its zero (write kelvin, e.g. ± 2 K)")

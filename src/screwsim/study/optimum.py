@@ -11,13 +11,12 @@ from screwsim.inputs.faults import UsageError, in_one_line
 from screwsim.outputs import Result
 from screwsim.scene import Scene, case_count, case_values
 from screwsim.scene.grid import with_sweep_over
-from screwsim.study.beyond import LOWER, UPPER, refusal_beyond, value_beyond
 from screwsim.study.figures import figure_of
-from screwsim.study.inputs import check_continuous, check_fit, ends_of, read_text, shown_value, usual_efficiency
+from screwsim.study.inputs import check_continuous, check_fit, ends_of, read_text, shown_range, usual_efficiency
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
 from screwsim.study.search import COARSE_POINTS, Maximum, SearchPoint, find_maximum
-from screwsim.study.spans import LOGARITHMIC_FROM
+from screwsim.study.spans import LOWER, UPPER, Span, refusal_beyond
 from screwsim.study.varied import Varied, accuracy_of, case, faults_of, solved, with_accuracy, with_values
 from screwsim.study.workers import WORKER_DIED
 
@@ -29,25 +28,18 @@ TIGHTER, TIGHTEST = 0.1, 1e-6  # of numerics.accuracy, and least accuracy, where
 Simulate = Callable[[Any], Result]  # of a scene, or of two in series
 
 
-@dataclass(frozen=True)
-class Question:
+@dataclass(frozen=True, kw_only=True)
+class Question(Span):
     """The question: the best `figure` over a path between two values [SI]."""
 
-    path: str
     figure: str
-    low: float
-    high: float
     minimum: bool = False
-
-    @property
-    def logarithmic(self) -> bool:
-        return self.low > 0.0 and self.high / self.low >= LOGARITHMIC_FROM
 
     def coordinate(self, value: float) -> float:
         """Return the search coordinate of a value [SI]."""
         return math.log(value) if self.logarithmic else value
 
-    def value(self, coordinate: float) -> float:
+    def value_at(self, coordinate: float) -> float:
         """Return the value [SI] at a search coordinate, within the range."""
         found = math.exp(coordinate) if self.logarithmic else coordinate
         return min(max(found, self.low), self.high)
@@ -111,9 +103,8 @@ def question(
     texts = ((first, min), (last, max))
     ends = [choose(axis) if text is None else read_text(scene, path, text) for text, choose in texts]
     if not ends[0] < ends[1]:
-        shown = " … ".join(shown_value(scene, path, end) for end in ends)
-        raise UsageError(f"{path}: the range {shown} is empty ({lower})")
-    return Question(path, figure, ends[0], ends[1], minimum)
+        raise UsageError(f"{path}: the range {shown_range(scene, path, *ends)} is empty ({lower})")
+    return Question(path, *ends, figure=figure, minimum=minimum)
 
 
 def _with_range(text: str, first: str | None, last: str | None) -> tuple[str, str | None, str | None]:
@@ -139,7 +130,7 @@ def optimum(
 ) -> list[Best]:
     """Return the best value for each point of the scene's axes other than the path (one point without axes)."""
     rest = with_sweep_over(scene, [path for path in scene.sweep if path != asked.path])
-    middle = {asked.path: asked.value(0.5 * (asked.coordinate(asked.low) + asked.coordinate(asked.high)))}
+    middle = {asked.path: asked.value_at(0.5 * (asked.coordinate(asked.low) + asked.coordinate(asked.high)))}
     check_fit(case(rest, 0), middle, asked.path)
     count = case_count(rest)
     if simulate is None:
@@ -197,7 +188,7 @@ class _Trials:
     def point(self, x: float) -> SearchPoint:
         """Return the figure at a coordinate, negated for a minimum; NaN without a closed solution."""
         self.count += 1
-        scene, name = with_values(self.scene, {self.asked.path: self.asked.value(x)}), self.asked.figure
+        scene, name = with_values(self.scene, {self.asked.path: self.asked.value_at(x)}), self.asked.figure
         result = simulated_if_valid(scene, self.simulate)
         if result.status != "ok":
             self.reasons[x] = result.told
@@ -214,13 +205,12 @@ class _Trials:
 
     def beyond(self, border: str) -> str:
         """Return why there is no solution just beyond a border of the range; '' where there is one."""
-        path, value = self.asked.path, value_beyond(self.asked, border)
 
-        def solved() -> Result:
+        def solved(value: float) -> Result:
             self.count += 1
-            return simulated_if_valid(with_values(self.scene, {path: value}), self.simulate)
+            return simulated_if_valid(with_values(self.scene, {self.asked.path: value}), self.simulate)
 
-        return refusal_beyond(self.scene, path, value, solved)
+        return refusal_beyond(self.scene, self.asked, border, solved)
 
     def beside(self, x: float, within: float) -> str:
         """Return why the nearest solution within a distance of a coordinate failed; '' where none did."""
@@ -288,12 +278,12 @@ def _best_of_trials(
         "ok",
         some,
         place,
-        asked.value(top.point.x),
+        asked.value_at(top.point.x),
         sign * top.point.y,
         top.point.error,
-        asked.value(top.low),
-        asked.value(top.high),
-        tuple((asked.value(point.x), sign * point.y) for point in top.others),
+        asked.value_at(top.low),
+        asked.value_at(top.high),
+        tuple((asked.value_at(point.x), sign * point.y) for point in top.others),
         **counts,
         beyond=beyond,
         warnings=trials.warned[top.point.x],

@@ -72,19 +72,13 @@ def parallel_map(
             for number in range(count):
                 finish(range(number, number + 1), ([function(number)], 0.0))
         else:
-            task = partial(_answers, pickled_work(partial(_counted, function, tally.mark)))
+            task = partial(_answers, pickled_work((function, tally.mark)))
             work = ChunkWork(LocalPool(jobs), task, lambda numbers: numbers, finish, tally.tick)
             while lost := drain(chunks, work):
                 _run_alone(lost, work, lambda number: ([died(number)], 0.0))
     finally:
         tally.stop()
     return [answers[number] for number in range(count)]
-
-
-def _counted(function: Callable[[int], Answer], mark: Callable[[], None], number: int) -> Answer:
-    answer = function(number)
-    mark()
-    return answer
 
 
 def _run_alone(lost: Sequence[LostChunk], work: ChunkWork, died: Callable[[int], Any]) -> None:
@@ -95,13 +89,17 @@ def _run_alone(lost: Sequence[LostChunk], work: ChunkWork, died: Callable[[int],
             work.finish(alone, died(number))
 
 
-def _answers(function: bytes, numbers: range) -> tuple[list[Any], float]:
-    """Return the answers for numbers, and the time taken [s]."""
-    began, call = time.perf_counter(), _unpacked(function)
-    return [call(number) for number in numbers], time.perf_counter() - began
+def _answers(work: bytes, numbers: range) -> tuple[list[Any], float]:
+    """Return the answers for numbers, and the time taken [s]; `work` is the function, and what counts an answer."""
+    began, (function, mark) = time.perf_counter(), unpacked(work)
+    answers = []
+    for number in numbers:
+        answers.append(function(number))
+        mark()
+    return answers, time.perf_counter() - began
 
 
-_unpacked = lru_cache(maxsize=1)(pickle.loads)
+unpacked = lru_cache(maxsize=1)(pickle.loads)
 
 
 class BatchWorkers:

@@ -61,9 +61,11 @@ def read_part(path: Path, traces: bool = True, cases: bool = True) -> Table:
         about = json.loads(stored["about"].tobytes())
         names = [name for name in stored.files if traces and name.startswith(_TRACE_PREFIX)]
         numbers = stored["numbers"] if cases else [none] * len(TEXT_NAMES)
-        ledger = stored["ledger"] if cases and about["ledger"] else [none] * len(about["ledger"])
-        slopes = stored["slopes"] if cases and about["slopes"] else [none] * len(about["slopes"])
-        changes = stored["changes"] if cases and about["changes"] else [none] * len(about["changes"])
+
+        def by_name(part: str) -> dict[str, np.ndarray]:
+            rows = stored[part] if cases and about[part] else [none] * len(about[part])
+            return dict(zip(about[part], rows, strict=True))
+
         return Table(
             status=stored["status"] if cases else none,
             figures=stored["figures"] if cases else none,
@@ -72,12 +74,12 @@ def read_part(path: Path, traces: bool = True, cases: bool = True) -> Table:
             states=tuple(about["states"]),
             angle=stored["angle"],
             traces={name.removeprefix(_TRACE_PREFIX): stored[name] if cases else none for name in names},
-            ledger=dict(zip(about["ledger"], ledger, strict=True)),
+            ledger=by_name("ledger"),
             about=_figures(about),
             inputs=tuple(about["inputs"]),
-            changes=dict(zip(about["changes"], changes, strict=True)),
+            changes=by_name("changes"),
             numbers=dict(about["by"]),
-            slopes=dict(zip(about["slopes"], slopes, strict=True)),
+            slopes=by_name("slopes"),
         )
 
 

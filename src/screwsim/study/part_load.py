@@ -5,7 +5,6 @@ the wanted loads are interpolated, solved, and corrected where they miss. Where 
 each wanted load is met again at the ratio with the best COP there.
 """
 
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -16,7 +15,7 @@ from screwsim.numerics.pchip import Pchip
 from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, with_values
 from screwsim.scene.fields import value_at
-from screwsim.simulate import simulate_many
+from screwsim.study.parallel import WarmSimulation
 
 SPEED_PATH = "operation.speed"
 LOADS = (1.0, 0.75, 0.5, 0.25)
@@ -230,16 +229,12 @@ def _parabola_top(cop: dict[float, float]) -> float:
 
 def _solver(scene: Scene, control: Control, others: Mapping[str, float] = _NONE) -> Solve:
     """Return a solver of the scene at a setting, with other values set; each cycle starts from the one before."""
-    cases: deque[Scene] = deque()
-    results = simulate_many(iter(cases.popleft, None), trace=False)
+    simulate = WarmSimulation()
 
     def solve(setting: float) -> Result:
         case = with_values(scene, {**others, control.path: setting})
         faults = cross_check(case)
-        if faults:
-            return Result("failed", message=str(faults[0]))
-        cases.append(case)
-        return next(results)
+        return Result("failed", message=str(faults[0])) if faults else simulate(case)
 
     return solve
 

@@ -42,7 +42,8 @@ class Progress:
 class CountingProgress(Progress):
     """Base of progresses that count points, those of chunks that are not finished among them, and time their work [s].
 
-    Each finished point refreshes the report.
+    Each finished point refreshes the report. Nothing is shown once its output has failed: a terminal that is gone is no
+    fault of a study.
     """
 
     def __init__(self, title: str = "", clock: Callable[[], float] = time.monotonic) -> None:
@@ -50,6 +51,7 @@ class CountingProgress(Progress):
         self._clock = clock
         self._cases = self._reused = self._done = self._failed = self._ahead = self._most = 0
         self._began = 0.0
+        self._gone = False
 
     @property
     def counts(self) -> tuple[int, int]:
@@ -59,9 +61,14 @@ class CountingProgress(Progress):
     def start(self, cases: int, reused: int) -> None:
         self._cases, self._reused, self._done, self._most = cases, reused, reused, reused
         self._began = self._clock()
+        self._show(self._begin)
 
     def advance(self, cases: int, failed: int) -> None:
-        self._finish(cases, failed)
+        shown = min(self._ahead, cases)
+        self._ahead -= shown
+        self._done += cases - shown
+        self._failed += failed
+        self._most = max(self._most, self._done)
         self.tick()
 
     def solving(self, cases: int) -> None:
@@ -72,53 +79,30 @@ class CountingProgress(Progress):
     def more(self, cases: int) -> None:
         self._cases += cases
 
-    def _finish(self, cases: int, failed: int) -> None:
-        shown = min(self._ahead, cases)
-        self._ahead -= shown
-        self._done += cases - shown
-        self._failed += failed
-        self._most = max(self._most, self._done)
+    def tick(self) -> None:
+        self._show(self._refresh)
+
+    def stop(self) -> None:
+        self._show(self._end)
+
+    def _show(self, show: Callable[[], None]) -> None:
+        if self._gone:
+            return
+        try:
+            show()
+        except (OSError, ValueError):  # ValueError: the file is closed
+            self._gone = True
+            with suppress(OSError, ValueError):
+                self._end()  # restores stdout and stderr
+
+    def _begin(self) -> None: ...
+
+    def _refresh(self) -> None: ...
+
+    def _end(self) -> None: ...
 
     def _failures(self, before: str = ", ") -> str:
         return f"{before}{self._failed} not ok" if self._failed else ""
-
-
-class TolerantProgress(CountingProgress):
-    """Count, and forward to another progress until its output fails: a terminal that is gone is no fault of a study."""
-
-    def __init__(self, told: Progress) -> None:
-        super().__init__()
-        self._told = told
-
-    def start(self, cases: int, reused: int) -> None:
-        super().start(cases, reused)
-        self._try(lambda: self._told.start(cases, reused))
-
-    def advance(self, cases: int, failed: int) -> None:
-        self._finish(cases, failed)
-        self._try(lambda: self._told.advance(cases, failed))
-
-    def solving(self, cases: int) -> None:
-        super().solving(cases)
-        self._try(lambda: self._told.solving(cases))
-
-    def more(self, cases: int) -> None:
-        super().more(cases)
-        self._try(lambda: self._told.more(cases))
-
-    def tick(self) -> None:
-        self._try(self._told.tick)
-
-    def stop(self) -> None:
-        self._try(self._told.stop)
-
-    def _try(self, call: Callable[[], None]) -> None:
-        try:
-            call()
-        except (OSError, ValueError):  # ValueError: the file is closed
-            told, self._told = self._told, Progress()
-            with suppress(OSError, ValueError):
-                told.stop()  # restores stdout and stderr
 
 
 class TerminalBar(CountingProgress):
@@ -132,7 +116,7 @@ class TerminalBar(CountingProgress):
         super().__init__(title)
         self._bar: Any = None
 
-    def start(self, cases: int, reused: int) -> None:
+    def _begin(self) -> None:
         from rich.console import Console
 
         class Told(Console):
@@ -141,7 +125,6 @@ class TerminalBar(CountingProgress):
 
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-        super().start(cases, reused)
         columns = (
             TextColumn(self._title),
             BarColumn(bar_width=None),  # takes up the rest of the line
@@ -151,11 +134,11 @@ class TerminalBar(CountingProgress):
             TextColumn("{task.fields[failures]}"),
         )
         self._bar = Progress(*columns, console=Told(stderr=True), auto_refresh=False, expand=True)
-        self._bar.add_task(self._title, total=cases, completed=reused, rate="", failures="")
+        self._bar.add_task(self._title, total=self._cases, completed=self._reused, rate="", failures="")
         self._bar.start()
         self._bar.refresh()
 
-    def tick(self) -> None:
+    def _refresh(self) -> None:
         elapsed = self._clock() - self._began
         rate = (
             f"{digits((self._done - self._reused) / elapsed)} points/s" if elapsed and self._done > self._reused else ""
@@ -164,7 +147,7 @@ class TerminalBar(CountingProgress):
         self._bar.update(task, completed=self._done, total=self._cases, rate=rate, failures=self._failures(""))
         self._bar.refresh()
 
-    def stop(self) -> None:
+    def _end(self) -> None:
         if self._bar is not None:
             self._bar.stop()
 
@@ -176,12 +159,11 @@ class OccasionalLine(CountingProgress):
         super().__init__(title, clock)
         self._next = first
 
-    def start(self, cases: int, reused: int) -> None:
-        super().start(cases, reused)
-        if 0 < reused < cases:
-            tell(f"{self._title}: continues with {reused} of {cases} that were there")
+    def _begin(self) -> None:
+        if 0 < self._reused < self._cases:
+            tell(f"{self._title}: continues with {self._reused} of {self._cases} that were there")
 
-    def tick(self) -> None:
+    def _refresh(self) -> None:
         passed = self._clock() - self._began
         if passed < self._next or self._done >= self._cases:
             return
@@ -220,28 +202,23 @@ class OverwrittenLine(CountingProgress):
         super().__init__(title)
         self._every = every
         self._told = 0.0
+        self._shown = ""
 
-    def advance(self, cases: int, failed: int) -> None:
-        super().advance(cases, failed)
-        self._write_now_and_then()
-
-    def solving(self, cases: int) -> None:
-        if cases != self._ahead:
-            super().solving(cases)
-            self._write_now_and_then()
-
-    def _write_now_and_then(self) -> None:
+    def _refresh(self) -> None:
         now = self._clock()
-        if now - self._told >= self._every:
+        if self._text() != self._shown and now - self._told >= self._every:
             self._told = now
             self._write("")
 
-    def stop(self) -> None:
+    def _end(self) -> None:
         self._write("\n")
 
     def _write(self, end: str) -> None:
-        told = f"\r{self._title}: {self._done} of {self._cases}{self._failures()}"
-        print(told, end=end, file=sys.stderr, flush=True)
+        self._shown = self._text()
+        print(f"\r{self._shown}", end=end, file=sys.stderr, flush=True)
+
+    def _text(self) -> str:
+        return f"{self._title}: {self._done} of {self._cases}{self._failures()}"
 
 
 class NotebookBar(CountingProgress):
@@ -260,15 +237,14 @@ class NotebookBar(CountingProgress):
         self._drawn = 0.0
         self._there = False
 
-    def start(self, cases: int, reused: int) -> None:
-        super().start(cases, reused)
+    def _begin(self) -> None:
         self._draw([])
 
-    def tick(self) -> None:
+    def _refresh(self) -> None:
         if self._there and time.monotonic() - self._drawn >= self._every:
             self._draw(self._pace())
 
-    def stop(self) -> None:
+    def _end(self) -> None:
         if self._there:
             self._draw([])
 
@@ -312,11 +288,11 @@ def in_notebook() -> bool:
 def for_program(title: str, wanted: bool | None = None) -> Progress:
     """Return the progress of a program's call: by default a bar in notebooks only; on request also a bar or a line."""
     if wanted is not False and in_notebook():
-        return TolerantProgress(NotebookBar(title))
+        return NotebookBar(title)
     if not wanted:
         return Progress()
     found = for_terminal(title)
-    return found if isinstance(found, TolerantProgress) else TolerantProgress(OverwrittenLine(title))
+    return found if isinstance(found, TerminalBar) else OverwrittenLine(title)
 
 
 def progress_of(title: str, asked: Progress | bool | None) -> Progress:
@@ -335,7 +311,7 @@ def for_terminal(title: str = "sweep", names: Sequence[str] = ()) -> Progress:
         return Progress()
     try:
         if sys.stderr.isatty():
-            return TolerantProgress(TerminalBar(title))
+            return TerminalBar(title)
     except ValueError:  # stderr is closed
         return Progress()
     return StepLines(title, names) if names else OccasionalLine(title)

@@ -73,7 +73,7 @@ def _text_over_base(
         put(tree, path, text_of(leaf_of(found, path), value), found.effects)
     if not SIZE_PATHS.isdisjoint(values):
         tree["title"] = quoted(found.title)
-    lines = [f"base: {quoted(os.path.relpath(os.path.realpath(file), os.path.realpath(folder)))}", "sweep: null"]
+    lines = [f"base: {quoted(_relative(file, folder))}", "sweep: null"]
     return "\n".join([*lines, *lines_of(tree)]) + "\n"
 
 
@@ -112,8 +112,9 @@ def fitted_text(found: Calibration, folder: Path) -> str:
 
 def quality_in_words(found: Calibration) -> str:
     """Return the quality of the fit, in a few words."""
-    fitted = sum(point.fitted for point in found.fit.points)
-    text = f"chi squared {found.chi_squared:.3g} with {found.freedom} degrees of freedom, {fitted} points"
+    text = (
+        f"chi squared {found.chi_squared:.3g} with {found.freedom} degrees of freedom, {len(found.fit.fitted)} points"
+    )
     return text if found.status == "ok" else f"{text}; {found.status}"
 
 

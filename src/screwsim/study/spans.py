@@ -1,20 +1,28 @@
-"""Paths that a study varies between two values: as given, or bounded by the scene and the schema."""
+"""Paths that a study varies between two values: as given, or bounded by the scene and the schema; and what lies beyond.
+
+A best value at the end of its range may be bettered beyond it, unless nothing can be simulated there.
+"""
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from screwsim.inputs.arguments import ends_of as ordered_ends
 from screwsim.inputs.declare import UNBOUNDED
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import kind_of
+from screwsim.outputs import Result
 from screwsim.scene import Scene
 from screwsim.scene.sizes import sizes_of
-from screwsim.study.inputs import check_continuous, ends_of, read_text, shown_value
-from screwsim.study.varied import Varied, leaf_of, value_at
+from screwsim.scene.values import text_of
+from screwsim.study.inputs import check_continuous, ends_of, read_text, shown_range
+from screwsim.study.varied import Varied, leaf_of, read_value, value_at
 
 LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on a search uses the logarithm
 RANGE_FACTOR = 20.0  # without a range: the largest factor above and below the scene's value
+STEP_BEYOND = 0.01  # of the range, beyond its end
+LOWER, UPPER = "lower border", "upper border"
 
 
 def value_between(low: float, high: float, place: float, logarithmic: bool) -> float:
@@ -61,54 +69,74 @@ class Span:
         """Place from which a search starts: that of the scene's value, the middle where it has none."""
         return 0.5 if self.start is None else self.place(self.start)
 
+    def beyond(self, border: str) -> float:
+        """Return the value [SI] that lies a hundredth of the range beyond one of its borders."""
+        end, step = (self.high, STEP_BEYOND) if border == UPPER else (self.low, -STEP_BEYOND)
+        if self.logarithmic:
+            return float(end * (self.high / self.low) ** step)
+        return float(end + step * (self.high - self.low))
 
-def read_spans(scene: Varied, texts: Iterable[str], *, ranged: bool, sizes: Sequence[float] = ()) -> tuple[Span, ...]:
+
+def refusal_beyond(scene: Varied, span: Span, border: str, solved: Callable[[float], Result]) -> str:
+    """Return why there is no solution beyond a border of a range; '' where there is one.
+
+    `solved` simulates the value [SI] there; it is called only where the path may have it.
+    """
+    leaf, value = leaf_of(scene, span.path), span.beyond(border)
+    try:
+        read_value(scene, span.path, value if leaf.dimension is None else text_of(leaf, value))
+    except UsageError as refused:
+        return str(refused)
+    result = solved(value)
+    return "" if result.status == "ok" else result.told
+
+
+def border_note(border: str, beyond: str, remedy: str = "") -> str:
+    """Return what a best value at a border of its range means: nothing lies beyond, or the range is to be widened."""
+    if beyond:
+        return f"at the {border} of the range, beyond which there is no solution: {beyond}"
+    return f"at the {border} of the range; a better value may lie beyond, so widen it{remedy}"
+
+
+def read_spans(
+    scene: Varied,
+    vary: Iterable[str] | Mapping[str, tuple[float, float] | None],
+    *,
+    ranged: bool,
+    sizes: Sequence[float] = (),
+) -> tuple[Span, ...]:
     """Return the spans of the texts of --vary, PATH=LOW..HIGH or PATH alone; raise UsageError in one line.
 
     Without a stated range it is that of `sizes` (a catalogue), of the sweep's axis, or of the schema, which does
-    not count with `ranged`.
+    not count with `ranged`. Of a mapping they are those of paths between two values [SI] each, where None stands for
+    the range of the schema.
     """
-    return _spans(
-        scene,
-        texts,
-        "--vary",
-        "operation.speed=1000 rpm..4500 rpm",
-        lambda path: _default_range(scene, path, ranged, sizes),
-    )
+    if isinstance(vary, Mapping):
+        return tuple(_span_between(scene, path, ends, ranged) for path, ends in vary.items())
+    default = partial(_default_range, scene, ranged, sizes)
+    return read_ranges(scene, vary, "--vary", "operation.speed=1000 rpm..4500 rpm", default)
+
+
+def _span_between(scene: Varied, path: str, ends: tuple[float, float] | None, ranged: bool) -> Span:
+    check_continuous(scene, path)
+    if ends is None and not ranged:
+        ends = schema_range(scene, path) if isinstance(scene, Scene) else None
+        if ends is None:
+            raise UsageError(f"{path}: has no range (give two values [SI], the lower one first)")
+    return span_of(scene, path, *ordered_ends(path, ends))
 
 
 def read_ranges(
-    scene: Varied, texts: Iterable[str], option: str = "--path", example: str = "machine.rotor_diameter=120 mm..136 mm"
-) -> tuple[Span, ...]:
-    """Return the spans of the texts PATH=LOW..HIGH of an option; raise UsageError in one line."""
-    return _spans(scene, texts, option, example)
-
-
-def spans_between(scene: Varied, vary: Mapping[str, tuple[float, float] | None], *, ranged: bool) -> tuple[Span, ...]:
-    """Return the spans of paths between two values [SI] each; raise UsageError in one line.
-
-    None stands for the range of the schema, which does not count with `ranged`.
-    """
-    found = []
-    for path, ends in vary.items():
-        check_continuous(scene, path)
-        whole = ends
-        if ends is None and not ranged and isinstance(scene, Scene):
-            whole = schema_range(scene, path)
-        if whole is None and not ranged:
-            raise UsageError(f"{path}: has no range (give two values [SI], the lower one first)")
-        found.append(span_of(scene, path, *ordered_ends(path, whole)))
-    return tuple(found)
-
-
-def _spans(
     scene: Varied,
     texts: Iterable[str],
-    option: str,
-    example: str,
+    option: str = "--path",
+    example: str = "machine.rotor_diameter=120 mm..136 mm",
     default: Callable[[str], tuple[float, float]] | None = None,
 ) -> tuple[Span, ...]:
-    """Return the spans of texts, `default` giving the range [SI] of one that states none."""
+    """Return the spans of the texts PATH=LOW..HIGH of an option; raise UsageError in one line.
+
+    `default` gives the range [SI] of a text that is a path alone.
+    """
     found: dict[str, Span] = {}
     for text in texts:
         path, equals, ends = (part.strip() for part in text.partition("="))
@@ -126,7 +154,7 @@ def _spans(
         else:
             raise UsageError(stated)
         if not low < high:
-            shown = " … ".join(shown_value(scene, path, end) for end in (low, high))
+            shown = shown_range(scene, path, low, high)
             raise UsageError(f"{option} {path}: the range {shown} is empty (LOW must be below HIGH)")
         found[path] = span_of(scene, path, low, high)
     if not found:
@@ -141,7 +169,7 @@ def span_of(scene: Varied, path: str, low: float, high: float) -> Span:
     return Span(path, low, high, float(start) if inside else None)
 
 
-def _default_range(scene: Varied, path: str, ranged: bool, sizes: Sequence[float]) -> tuple[float, float]:
+def _default_range(scene: Varied, ranged: bool, sizes: Sequence[float], path: str) -> tuple[float, float]:
     """Return the range [SI] of a path for which none is stated."""
     axis = sizes or scene.sweep.get(path, ())
     if len(axis) > 1:

@@ -21,7 +21,7 @@ from screwsim.results.schema import axes_of, digest, identity_of
 from screwsim.results.table import same_angles
 from screwsim.results.write import Draft
 from screwsim.scene import grid
-from screwsim.scene.argument import scene_of
+from screwsim.scene.load import scene_of
 from screwsim.scene.types import Scene
 from screwsim.study.agreement import FileWatch, requirements_of
 from screwsim.study.cases import (
@@ -39,7 +39,7 @@ from screwsim.study.culprits import run_chunks
 from screwsim.study.limit import CASE_LIMIT, checked_limit
 from screwsim.study.progress import Progress, progress_of
 from screwsim.study.shards import Parts
-from screwsim.study.tally import Tally, place_of
+from screwsim.study.tally import Place, Tally
 from screwsim.study.workers import Chunks, ChunkWork, LocalPool, Pool, cores
 from screwsim.version import release
 
@@ -244,7 +244,8 @@ class _Sweep:
         longest = (CHUNK_TRACES if keep else CHUNK_CASES) // size
         self._chunks = Chunks(todo, longest, pool.workers, self._beside.blocks(size))
         base = replace(self.scene, sweep={}, joints=(), text="")
-        tally = self._tally = Tally(self._progress, place_of(pool, alone=limit is None))
+        place = Place.HERE if limit is None else Place.BESIDE if isinstance(pool, LocalPool) else Place.ELSEWHERE
+        tally = self._tally = Tally(self._progress, place)
         try:
             job = Job(base, tuple(self.scene.sweep), self._many, self._warm_up, keep, limit, *self._beside, tally.mark)
             tally.start(self.blocks.cases, reused)
@@ -312,7 +313,7 @@ def default_simulate_many(scene: Scene) -> SimulateMany:
 
         many = partial(simulate_with, with_uncertainty, many)
     if scene.output.keeps_slopes:
-        from screwsim.study.point import with_slopes
+        from screwsim.study.local import with_slopes
 
         many = partial(simulate_with, with_slopes, many)
     return many

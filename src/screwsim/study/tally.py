@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from enum import Enum
 
 from screwsim.study.progress import Progress
-from screwsim.study.workers import LocalPool, Pool
 
 SHOWN_EVERY = 0.2  # [s] between two redraws in a process that solves its cases itself
 
@@ -45,11 +44,6 @@ class Place(Enum):
     HERE = 0
     BESIDE = 1
     ELSEWHERE = 2
-
-
-def place_of(pool: Pool, *, alone: bool) -> Place:
-    """Return where the cases of a pool are solved; `alone`: in this process, whatever the pool."""
-    return Place.HERE if alone else Place.BESIDE if isinstance(pool, LocalPool) else Place.ELSEWHERE
 
 
 class Tally:

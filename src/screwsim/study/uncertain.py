@@ -10,7 +10,7 @@ Source: JCGM 100:2008, Evaluation of measurement data (GUM), section 5; ASME V&V
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -34,18 +34,11 @@ LEAST_COUNT = 8
 RANGE_MARGIN = 0.01  # of a value: margin by which it may lie outside the validated range
 
 
-class Toleranced(Protocol):
-    """What has inputs with tolerances: a scene, or two of them in series."""
+class Tolerances(NamedTuple):
+    """Tolerances of inputs by their paths, and the inputs that err together; a scene has both as well."""
 
-    @property
-    def uncertain(self) -> Mapping[str, Tolerance]:
-        """The tolerance of each input by its path."""
-        ...
-
-    @property
-    def correlated(self) -> tuple[tuple[str, ...], ...]:
-        """The inputs that err together."""
-        ...
+    uncertain: Mapping[str, Tolerance]
+    correlated: tuple[tuple[str, ...], ...]
 
 
 class Contributor(NamedTuple):
@@ -143,7 +136,7 @@ def uncertainty(
 
 
 def spreads_of(
-    scene: Toleranced, values: Mapping[str, float], derivatives: Mapping[str, Mapping[str, float]]
+    scene: Scene | Tolerances, values: Mapping[str, float], derivatives: Mapping[str, Mapping[str, float]]
 ) -> dict[str, FigureUncertainty]:
     """Return the uncertainties of figures from their derivatives [SI] by the uncertain inputs at `values` [SI].
 
@@ -154,7 +147,7 @@ def spreads_of(
     return {name: _figure_uncertainty(scene, values, slopes, groups) for name, slopes in complete.items()}
 
 
-def groups_of(scene: Toleranced) -> tuple[tuple[str, ...], ...]:
+def groups_of(scene: Scene | Tolerances) -> tuple[tuple[str, ...], ...]:
     """Return the groups of inputs with a tolerance, correlated ones together, in the order of the scene."""
     group_of = {path: group for group in scene.correlated for path in group}
     return tuple(dict.fromkeys(group_of.get(path, (path,)) for path in scene.uncertain))
@@ -226,7 +219,10 @@ def _outside(known: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]
 
 
 def _figure_uncertainty(
-    scene: Toleranced, values: Mapping[str, float], slopes: Mapping[str, float], groups: Sequence[tuple[str, ...]]
+    scene: Scene | Tolerances,
+    values: Mapping[str, float],
+    slopes: Mapping[str, float],
+    groups: Sequence[tuple[str, ...]],
 ) -> FigureUncertainty:
     """Return the uncertainty of a figure with these derivatives by path."""
     changes = {}

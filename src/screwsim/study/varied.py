@@ -4,74 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from screwsim import scene as scenes
 from screwsim.outputs import Result
 from screwsim.scene import Scene
 from screwsim.scene.fields import Leaf
-from screwsim.scene.types import Joint
+
+if TYPE_CHECKING:
+    from screwsim.study.stages.read import StageChain
 
 Kind = TypeVar("Kind", bound="Varied")
-
-
-class Series(Protocol):
-    """Two scenes in series (`study.stages`): their inputs have their stage before the path."""
-
-    @property
-    def title(self) -> str: ...
-
-    @property
-    def sweep(self) -> Mapping[str, tuple[Any, ...]]: ...
-
-    @property
-    def joints(self) -> tuple[Joint, ...]: ...
-
-    @property
-    def accuracy(self) -> float:
-        """Accuracy asked of the figures: that of the less accurate stage."""
-        ...
-
-    @property
-    def usual_figure(self) -> str:
-        """The figure that is made greatest where none is named."""
-        ...
-
-    @property
-    def beside(self) -> tuple[str, ...]:
-        """Figures that are told beside the one that is sought."""
-        ...
-
-    def leaf_of(self, path: str) -> Leaf:
-        """Return the description of an input; raise UsageError where it cannot vary."""
-        ...
-
-    def read_value(self, path: str, raw: Any) -> Any:
-        """Return a value as written in YAML in SI; raise UsageError."""
-        ...
-
-    def with_values(self: Kind, values: Mapping[str, Any]) -> Kind:
-        """Return the same without a sweep, with other values [SI]."""
-        ...
-
-    def with_accuracy(self: Kind, accuracy: float) -> Kind | None:
-        """Return the same with another accuracy in both stages; None where one states its tolerance of a step."""
-        ...
-
-    def value_at(self, path: str) -> Any:
-        """Return the value [SI] of an input, None where it is absent."""
-        ...
-
-    def faults(self) -> Sequence[str]:
-        """Return what does not fit together in either, its stage before the path."""
-        ...
-
-    def solved(self) -> Result:
-        """Return the figures of both together."""
-        ...
-
-
-Varied = Scene | Series
+Varied: TypeAlias = "Scene | StageChain"
 
 
 def leaf_of(of: Varied, path: str) -> Leaf:
@@ -118,6 +62,6 @@ def with_accuracy(of: Kind, accuracy: float) -> Kind | None:
     return replace(of, numerics=replace(of.numerics, accuracy=accuracy))
 
 
-def solved(of: Series) -> Result:
+def solved(of: StageChain) -> Result:
     """Return the figures of two in series."""
     return of.solved()

@@ -86,15 +86,10 @@ def new_scene(kind: str, asked: SceneRequest) -> str:
         loads(text, f"new {kind}")
     except SceneError as error:
         place, _, what = error.lines[0].partition(": ")
-        port = refrigeration.refused_port(what) if asked.economizer else ""
-        port = port or _no_viscosity(what, asked)
+        told = refrigeration.refused_port(what) if asked.economizer else ""
+        if not told and ".gas_viscosity: " in what:
+            lacks = "CoolProp has no viscosity of it, which the gaps need"
+            told = f"--fluid {asked.fluid}: {lacks} (choose a similar gas)"
         such = f"such {'an' if kind[0] in 'aeiou' else 'a'} {kind}"
-        raise UsageError(port or f"{such} is not possible: {what or place}") from None
+        raise UsageError(told or f"{such} is not possible: {what or place}") from None
     return text
-
-
-def _no_viscosity(what: str, asked: SceneRequest) -> str:
-    """Return the message that a gas's viscosity, needed for gaps, is unknown; empty for other faults."""
-    if ".gas_viscosity: " not in what:
-        return ""
-    return f"--fluid {asked.fluid}: CoolProp has no viscosity of it, which the gaps need (choose a similar gas)"

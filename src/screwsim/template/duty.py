@@ -1,4 +1,7 @@
-"""The duty of a refrigeration machine: its states, a superheat from which the gas stays dry, flow and power."""
+"""The duty of a refrigeration machine: its states, a superheat from which the gas stays dry, flow and power.
+
+Above its critical point carbon dioxide has a gas cooler in place of a condenser, with a pressure of its own.
+"""
 
 import math
 from typing import NamedTuple
@@ -8,7 +11,6 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs.customary import in_celsius
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes
-from screwsim.template.gas_cooler import refused_screw
 from screwsim.template.request import Condition, condition_of, quantity_after_comma
 
 EFFICIENCIES = 0.91, 0.74  # lambda and eta_s of mean curves (validation/bitzer), for estimates of flow and power
@@ -16,6 +18,11 @@ CONDITION_SHARES = 0.5, 0.8  # of the way from triple to critical point: a condi
 SUPERHEATS = 10.0, 15.0, 20.0, 25.0, 30.0, 40.0  # [K] of which the first that keeps the gas dry is the default
 UNUSUAL_SUPERHEATS = 50.0, 60.0, 80.0, 100.0  # [K] proposed where none of those suffices
 DRY = 5e3  # [J/kg] least enthalpy above the dew point that the compressed gas has by default: some 5 K
+
+CARBON_DIOXIDE = ("carbondioxide", "co2", "r744")
+WARMEST_OUTLET = 333.15  # [K] at the outlet of the gas cooler, to which the correlation was fitted
+FITTED_EVAPORATION = 263.15, 293.15  # [K] evaporation, likewise
+PRESSURE_SOURCE = "Liao, Zhao, Jakobsen 2000 (Appl. Therm. Eng. 20, 831)"
 
 
 class Duty(NamedTuple):
@@ -115,3 +122,56 @@ def conditions(duty: Duty) -> dict[str, str]:
         "superheat": duty.superheat,
         "subcooling": f"{min(5.0, 0.5 * (duty.T_c - duty.T_e)):g} K",
     }
+
+
+def is_carbon_dioxide(fluid: str) -> bool:
+    """Return whether a fluid is carbon dioxide, by any of its names."""
+    return fluid.lower() in CARBON_DIOXIDE
+
+
+def needs_gas_cooler(fluid: str, condition: Condition) -> bool:
+    """Return whether the warm side of a condition lies at or above the critical temperature of carbon dioxide."""
+    limits = constants.limits(fluid)
+    return limits is not None and is_carbon_dioxide(fluid) and condition.high >= limits.T_critical
+
+
+def best_pressure(T_e: float, T_out: float) -> float:
+    """Return the pressure [Pa] of a gas cooler at which the COP is highest; evaporation and outlet in K.
+
+    Source: Liao, Zhao, Jakobsen, Applied Thermal Engineering 20 (2000) 831-841, for evaporation from -10 to 20 °C and
+    30 to 60 °C at the outlet.
+    """
+    e, c = T_e - ZERO_CELSIUS, T_out - ZERO_CELSIUS
+    return 1e5 * ((2.778 - 0.0157 * e) * c + 0.381 * e - 9.34)
+
+
+def range_note(T_e: float) -> str:
+    """Return that the best pressure is extrapolated, where evaporation [K] is beyond what it was fitted to; else ''."""
+    low, high = FITTED_EVAPORATION
+    if low <= T_e <= high:
+        return ""
+    return f" (extrapolated: fitted to {low - ZERO_CELSIUS:.0f} to {high - ZERO_CELSIUS:.0f} degC of evaporation)"
+
+
+def refuse_too_warm(text: str, condition: Condition) -> None:
+    """Raise UsageError where the outlet of the gas cooler is warmer than where its pressure is known."""
+    if condition.high > WARMEST_OUTLET:
+        warmest = f"{WARMEST_OUTLET - ZERO_CELSIUS:.0f} degC"
+        what = f"the outlet of the gas cooler is above {warmest}, to which its best pressure is known"
+        remedy = "write a colder one, and change operation.gas_cooler in the file"
+        raise UsageError(f"--condition {text}: {what} ({remedy})")
+
+
+def refused_screw(fluid: str, text: str, example: str) -> str:
+    """Return why a screw is not written for a condition that needs a gas cooler, with what is; '' for any other."""
+    condition = condition_of(text, "temperature", example)
+    if not needs_gas_cooler(fluid, condition):
+        return ""
+    limits = constants.limits(fluid)
+    assert limits is not None
+    critical = f"{limits.T_critical - ZERO_CELSIUS:.1f} degC"
+    what = (
+        f"{fluid} condenses up to {critical}, and needs a gas cooler above, for whose pressures hardly a screw is built"
+    )
+    remedy = f"screwsim new reciprocating --fluid {fluid} --condition '{text}' writes a cylinder with one"
+    return f"{what} ({remedy}; or choose a colder condition)"

@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 from screwsim.fluid.transport import transport
 from screwsim.inputs.faults import UsageError
-from screwsim.template import gas_cooler, sizes
+from screwsim.template import duty as duties
+from screwsim.template import sizes
 from screwsim.template.duty import Duty, conditions, duty_of
 from screwsim.template.request import SceneRequest, condition_of, refuse_option
 from screwsim.template.texts import filled
@@ -97,14 +98,14 @@ def reciprocating(asked: SceneRequest) -> str:
     refuse_option("--oil", asked.oil, "no oil is injected into a cylinder (remove it)")
     fluid, speed, example = asked.fluid or "R134a", asked.speed or 1450.0 * RPM, "-10/40 degC, 20 K"
     condition = asked.condition or example
-    dense = gas_cooler.is_carbon_dioxide(fluid)
+    dense = duties.is_carbon_dioxide(fluid)
     of = CARBON_DIOXIDE if dense else KNOWN
     flow = asked.flow or (SMALL_FLOW if dense else FLOW)
     stated = condition_of(condition, "temperature", example)
     pressure = None
-    if gas_cooler.needs_gas_cooler(fluid, stated):
-        gas_cooler.refuse_too_warm(condition, stated)
-        pressure = gas_cooler.best_pressure(stated.low, stated.high)
+    if duties.needs_gas_cooler(fluid, stated):
+        duties.refuse_too_warm(condition, stated)
+        pressure = duties.best_pressure(stated.low, stated.high)
     duty = duty_of(fluid, flow, condition, example, pressure, lossless=True)
     s = (2.0 * math.pi * flow / speed / of.swept) ** (1.0 / 3.0)
     faster = s * speed / of.speed  # mean piston speed over the known one
@@ -179,7 +180,7 @@ def _warm_side(duty: Duty, cooled: bool) -> dict[str, str]:
         lines = (
             "superheat: {superheat}",
             "# Above its critical point CO2 does not condense. This pressure gives the best COP by",
-            f"# {gas_cooler.BY}{gas_cooler.range_note(duty.T_e)};",
+            f"# {duties.PRESSURE_SOURCE}{duties.range_note(duty.T_e)};",
             "# a sweep of operation.gas_cooler.pressure finds that of this machine.",
             f"gas_cooler: {{{{pressure: {pressure}, outlet_temperature: {{condensing}}}}}}",
         )

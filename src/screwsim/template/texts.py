@@ -1,7 +1,6 @@
 """The texts of new scenes: template files in this folder, in which `$name` is replaced by a value."""
 
 from collections.abc import Mapping
-from functools import cache
 from importlib.resources import files
 from string import Template
 
@@ -13,14 +12,10 @@ from screwsim.template import sizes
 from screwsim.template.request import SceneRequest
 
 
-@cache
-def _template(name: str) -> Template:
-    return Template(files("screwsim.template").joinpath(f"{name}.template").read_text(encoding="utf-8"))
-
-
 def filled(name: str, values: Mapping[str, str]) -> str:
     """Return a text with its values filled in; each name must have one."""
-    return _template(name).substitute(values)
+    text = files("screwsim.template").joinpath(f"{name}.template").read_text(encoding="utf-8")
+    return Template(text).substitute(values)
 
 
 def sized(flow: float, speed: float) -> sizes.Size:
@@ -79,8 +74,6 @@ def flooded(size: sizes.Size, leaves: float) -> str:
         "shaft": sizes.mm(0.105 * big),
         "shaft_clearance": sizes.um(42e-6 * size.clearance),
         "shaft_passage": sizes.mm(0.015 * big, 2),
-        "radial_area": f"{158.0 * big**2:.3g} cm^2",
-        "axial_area": f"{67.0 * big**2:.3g} cm^2",
         "bearing": sizes.mm(0.147 * big),
         "land": sizes.mm(0.003 * big, 2),
     }

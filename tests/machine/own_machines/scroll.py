@@ -17,8 +17,7 @@ import numpy as np
 
 from screwsim.effects.parts.gap import ramp
 from screwsim.inputs.declare import choice, count, quantity, word
-from screwsim.machine.profile_law import Interface
-from screwsim.machine.profile_tables import Table
+from screwsim.machine.profile_law import Interface, Table
 from screwsim.machine.protocol import (
     CONTACT_GAP,
     PORTS,

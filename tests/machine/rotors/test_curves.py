@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from screwsim.machine.profile_tables import area_table
+from screwsim.machine.profile_law import area_table
 from screwsim.machine.rotors import curves as module
 from screwsim.machine.rotors import ports
 from screwsim.machine.rotors.curves import make_curves

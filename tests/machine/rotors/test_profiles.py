@@ -16,7 +16,6 @@ from screwsim.machine.rotors.export import lobe_csv, profile_csv
 from screwsim.machine.rotors.fairing import faired_curve
 from screwsim.machine.rotors.pair import Chain, Pair
 from screwsim.machine.rotors.rotors import make_rotors
-from screwsim.machine.rotors.sections import sections
 from screwsim.machine.rotors.settings import Profile
 from screwsim.study.validation import sibling
 
@@ -48,9 +47,8 @@ def test_an_exported_lobe_gives_the_same_machine(pairs, name):
     first, last = rotors.chain.edges
     x, y = (line[first : last + 1 : 2] for line in rotors.chain.male)
     chain = imported.from_male(rotors.pair, x, y)
-    again, cut = sections(rotors.pair, chain), rotors.sections
     phi = np.linspace(-1.5, 4.0, 50)
-    expected, found = (part.volume(phi, rotors.wrap, rotors.length) for part in (cut, again))
+    expected, found = (each.volume(phi) for each in (rotors, replace(rotors, chain=chain)))
     assert found == pytest.approx(expected, abs=(6e-5 if name == "a" else 2e-5) * rotors.largest[1])
     assert check_profile(rotors.pair, chain) == []
 
@@ -62,9 +60,9 @@ def test_a_lobe_whose_frame_is_turned_is_the_same_lobe(pairs, angle):
     first, last = rotors.chain.edges
     x, y = (line[first : last + 1 : 2] for line in rotors.chain.male)
     turned = math.cos(angle) * x - math.sin(angle) * y, math.sin(angle) * x + math.cos(angle) * y
-    cut, again = (sections(rotors.pair, imported.from_male(rotors.pair, *points)) for points in ((x, y), turned))
+    chains = (imported.from_male(rotors.pair, *points) for points in ((x, y), turned))
     phi = np.linspace(-1.5, 4.0, 50)
-    expected, found = (part.volume(phi, rotors.wrap, rotors.length) for part in (cut, again))
+    expected, found = (replace(rotors, chain=chain).volume(phi) for chain in chains)
     assert found == pytest.approx(expected, abs=2e-5 * rotors.largest[1])
 
 
@@ -105,7 +103,7 @@ def test_noise_of_a_tenth_of_a_micrometre_is_smoothed(pairs):
     px, py = (line[first : last + 1][keep] + 1e-7 * random.standard_normal(len(keep)) for line in (x, y))
     chain = imported.from_male(rotors.pair, px, py, 0.2 * MM)
     assert check_profile(rotors.pair, chain) == []
-    largest = sections(rotors.pair, chain).volume(np.array([rotors.largest[0]]), rotors.wrap, rotors.length)[0]
+    largest = replace(rotors, chain=chain).volume(np.array([rotors.largest[0]]))[0]
     assert largest == pytest.approx(rotors.largest[1], rel=1e-3)
 
 

@@ -10,7 +10,6 @@ from each_row import each_row
 from scipy.integrate import solve_bvp
 
 from screwsim.machine.slider_crank import rod as law
-from screwsim.machine.slider_crank import rod_strength as strength
 
 DATA = Path(__file__).parents[3] / "validation" / "slider_crank" / "rod.csv"
 DESIGN = {
@@ -20,7 +19,7 @@ DESIGN = {
 ROD = law.FlexibleRod(
     **{name: DESIGN[name] for name in ("width", "thickness", "flexible", "length", "crank_radius")}, modulus=206e9
 )
-LOAD = strength.SchmidtLoad(**{name: DESIGN[name] for name in ("bore", "p_min", "delta", "theta")})
+LOAD = law.SchmidtLoad(**{name: DESIGN[name] for name in ("bore", "p_min", "delta", "theta")})
 ALPHA = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
 LOADS = (-250.0, -165.0, -1.0, 0.0, 1.0, 128.0, 2000.0)
 
@@ -174,14 +173,14 @@ def test_mean_of_the_pressure_is_the_second_term_of_the_force():
 
 
 def test_a_given_pressure_trace_loads_the_rod_as_the_formula_does():
-    trace = strength.pressure_load(LOAD.pressure(ALPHA), LOAD.mean_pressure, DESIGN["bore"])
+    trace = law.pressure_load(LOAD.pressure(ALPHA), LOAD.mean_pressure, DESIGN["bore"])
     np.testing.assert_array_equal(trace, LOAD.load(ALPHA))
 
 
 def test_printed_safety_is_within_reach_of_spring_steels():
     bending = law.bend(ROD, ALPHA, LOAD.load(ALPHA))
     low, high = (
-        strength.safety(bending, strength.Fatigue(limit=limit, concentration=factor)).factor
+        law.safety(bending, law.Fatigue(limit=limit, concentration=factor)).factor
         for limit, factor in ((400e6, 2.0), (700e6, 1.0))
     )
     assert low < DESIGN["safety_factor"] < high
@@ -189,7 +188,7 @@ def test_printed_safety_is_within_reach_of_spring_steels():
 
 def test_safety_is_limit_over_amplitude_where_nothing_else_counts():
     bending = law.bend(ROD, ALPHA, np.zeros_like(ALPHA))
-    found = strength.safety(bending, strength.Fatigue(limit=500e6, concentration=1.0))
+    found = law.safety(bending, law.Fatigue(limit=500e6, concentration=1.0))
     assert (found.mean, found.z) == (pytest.approx(0.0, abs=1.0), 0.0)
     assert found.factor == pytest.approx(500e6 / bending.stress.max(), rel=1e-12)
 
@@ -198,22 +197,22 @@ def test_safety_does_not_know_which_dead_centre_is_zero():
     turned = law.bend(ROD, ALPHA, LOAD.load(ALPHA + math.pi))
     other = law.bend(ROD, ALPHA + math.pi, LOAD.load(ALPHA + math.pi))
     here = law.bend(ROD, ALPHA, LOAD.load(ALPHA))
-    material = strength.Fatigue()
-    assert strength.safety(other, material).factor == pytest.approx(strength.safety(here, material).factor, rel=1e-12)
-    assert strength.safety(turned, material).factor == pytest.approx(strength.safety(here, material).factor, rel=1e-9)
+    material = law.Fatigue()
+    assert law.safety(other, material).factor == pytest.approx(law.safety(here, material).factor, rel=1e-12)
+    assert law.safety(turned, material).factor == pytest.approx(law.safety(here, material).factor, rel=1e-9)
 
 
 def test_contact_force_is_the_integral_of_its_linear_distribution():
     a, s = 0.027, np.linspace(-0.0135, 0.0135, 200001)
     for H, M in ((5.0, 0.01), (5.0, 0.0225), (5.0, 0.06), (0.0, 0.06), (-4.0, 0.03)):
         exact = np.trapezoid(np.abs(H / a + 12.0 * M * s / a**3), s)
-        assert strength.contact_force(np.array(H), np.array(M), a) == pytest.approx(exact, rel=1e-6)
+        assert law.contact_force(np.array(H), np.array(M), a) == pytest.approx(exact, rel=1e-6)
 
 
 def test_printed_friction_is_not_that_of_side_forces():
     """3 W would need a coefficient of friction above 2."""
     bending = law.bend(ROD, ALPHA, LOAD.load(ALPHA))
-    unit = strength.friction_power(bending, DESIGN["guide"], ROD.crank_radius, 100.0 * math.pi, 1.0)
+    unit = law.friction_power(bending, DESIGN["guide"], ROD.crank_radius, 100.0 * math.pi, 1.0)
     assert DESIGN["friction_power"] / unit > 2.0
 
 

@@ -28,6 +28,7 @@ FINE = 8  # factor by which a curve's angles are refined for the first search of
 AROUND = np.linspace(-1.0, 1.0, 9)  # places around the lowest one at which the curve is evaluated again ...
 REFINED = 3  # ... this many times
 MOST_STEPS = 60
+WHOLE_STEPS = 30  # Newton steps taken whole, 14 at most in what was seen: damped ones passed each angle's corner alone
 CONVERGED = 1e-11  # residual over the largest flow
 LEAST_SHARE = 1e-4  # smallest damping factor of a Newton step; below it the step is taken regardless
 MOST_CHANGE = 0.4  # largest change of a shut plenum's pressure in a turn, over the pressure that drives the leaks
@@ -91,7 +92,7 @@ def valve_flow(
 
     z = np.full(points, mean) if start is None else start
     left, p, slope, size = residual(z)
-    for _ in range(MOST_STEPS):
+    for step in range(MOST_STEPS):
         if size <= CONVERGED * largest:
             break
         shut = z <= 0.0
@@ -100,7 +101,7 @@ def valve_flow(
         change, share = np.linalg.solve(slopes, -left), 1.0
         while True:
             trial = residual(z + share * change)
-            if trial[3] < size or share < LEAST_SHARE:
+            if step < WHOLE_STEPS or trial[3] < size or share < LEAST_SHARE:
                 break
             share *= 0.5
         z, (left, p, slope, size) = z + share * change, trial

@@ -23,7 +23,9 @@ def page_text(base: SceneArguments, slopes: bool = True) -> str:
         _SCRIPTS,
         title=with_printed_units(base.scene.title) or base.file,
         file=base.file,
-        document=_embedded({**document(base), "slopes": slopes}),
+        document=json.dumps({**document(base), "slopes": slopes}, allow_nan=False).replace(
+            "<", "\\u003c"
+        ),  # ends no element
     )
 
 
@@ -39,8 +41,3 @@ def document(base: SceneArguments) -> dict[str, Any]:
         "machine": machine(base.scene.machine),
         "figures": [about_figure(figure) for figure in known().values()],
     }
-
-
-def _embedded(data: Any) -> str:
-    """Return JSON that cannot end an HTML element."""
-    return json.dumps(data, allow_nan=False).replace("<", "\\u003c")  # JSON is ASCII otherwise

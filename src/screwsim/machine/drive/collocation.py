@@ -63,18 +63,23 @@ def curves_of(spectra: Any, n: int = POINTS) -> Array:
     return (spectra.real * weights) @ cosine.T - (spectra.imag * weights) @ sine.T
 
 
-def linearised(train: Train, x: Array) -> Array:
-    """Return the matrices (harmonics, 2, 2) of the linearised equations of each harmonic, without the mean."""
+def linearised(train: Train, x: Array) -> tuple[Array, Array]:
+    """Return the matrices of the equations linearised about the means of speed, twist and no-load speed.
+
+    Those of the means themselves (3, 3) come first, then those of each harmonic of speed and twist (harmonics, 2, 2).
+    """
     u, twist, no_load = float(np.mean(x[:POINTS])), float(np.mean(x[POINTS:-1])), float(x[-1])
     K = float(train.coupling.stiffness(twist))
-    by_motor = float(train.motor.slopes(u, no_load)[0])
+    by_motor, by_no_load = (float(slope) for slope in train.motor.slopes(u, no_load))
+    last = [-1.0 / u, 0.0, 0.0] if train.holds_mean else [0.0, 0.0, 1.0 / train.speed]
+    means = np.array([[0.0, -K, 0.0], [-by_motor, K, -by_no_load], last])
     i_k = 1j * np.arange(1, POINTS // 2 + 1) * 2.0 * math.pi / train.pitch
     spring = K + train.damping * u * i_k
     rows = [
         [train.rotor_inertia * u * i_k, -spring],
         [train.motor_inertia * u * i_k - by_motor, train.motor_inertia * (u * i_k) ** 2 - by_motor * u * i_k + spring],
     ]
-    return np.moveaxis(np.array(rows), 2, 0)
+    return means, np.moveaxis(np.array(rows), 2, 0)
 
 
 def solved(linear: Array, spectra: Array) -> Array:
@@ -85,15 +90,6 @@ def solved(linear: Array, spectra: Array) -> Array:
     found[0, 1:] = (d * first - b * second) / determinant
     found[1, 1:] = (a * second - c * first) / determinant
     return curves_of(found)
-
-
-def linearised_mean(train: Train, x: Array) -> Array:
-    """Return the matrix of the linearised equations of the means of speed, twist and no-load speed."""
-    u, twist, no_load = float(np.mean(x[:POINTS])), float(np.mean(x[POINTS:-1])), float(x[-1])
-    K = float(train.coupling.stiffness(twist))
-    by_motor, by_no_load = (float(slope) for slope in train.motor.slopes(u, no_load))
-    last = [-1.0 / u, 0.0, 0.0] if train.holds_mean else [0.0, 0.0, 1.0 / train.speed]
-    return np.array([[0.0, -K, 0.0], [-by_motor, K, -by_no_load], last])
 
 
 def sizes(x: Array, omega: float) -> Array:

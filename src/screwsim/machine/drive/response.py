@@ -101,7 +101,9 @@ def respond(train: Train, load: Array, omega: float) -> Response:
     no_load = train.motor.no_load_speed(start, mean) if train.holds_mean else train.speed
     n = POINTS
     x = np.concatenate([np.full(n, start), np.full(n, twist), [no_load]])
-    return _response(train, _solution_by_continuation(train, x, torque, omega), torque)
+    x = _solution_by_continuation(train, x, torque, omega)
+    (u, motor, coupling), no_load = motion(train, x), float(x[-1])
+    return Response(train, u, motor, x[n:-1], coupling, train.motor.torque(motor, no_load), torque, no_load)
 
 
 def _solution_by_continuation(train: Train, x: Array, torque: Array, omega: float) -> Array:
@@ -125,11 +127,6 @@ def _solution_by_continuation(train: Train, x: Array, torque: Array, omega: floa
                 "(choose more inertia, more damping, or a speed farther from resonance)"
             )
     return x
-
-
-def _response(train: Train, x: Array, torque: Array) -> Response:
-    (u, motor, coupling), no_load = motion(train, x), float(x[-1])
-    return Response(train, u, motor, x[POINTS:-1], coupling, train.motor.torque(motor, no_load), torque, no_load)
 
 
 def _newton(train: Train, x: Array, torque: Array, omega: float, left: list[int]) -> Array | None:
@@ -162,8 +159,7 @@ def _speed_margin(u: Array, change: Array, least: float) -> Array:
 def _by_harmonics(train: Train, x: Array, torque: Array, omega: float) -> Array | None:
     """Return the solution by accelerated corrections of the drive linearised about its mean; None where they fail."""
     n, x, accelerate, best, kept = POINTS, x.copy(), Anderson(DEPTH), np.inf, None
-    linear, means, scale = collocation.linearised(train, x), collocation.linearised_mean(train, x), sizes(x, omega)
-    before = 0.0
+    (means, linear), scale, before = collocation.linearised(train, x), sizes(x, omega), 0.0
     for _ in range(MOST_CORRECTIONS):
         left = residual(train, x, torque, omega)
         spectra = collocation.spectra_of(left[:-1].reshape(2, n))

@@ -11,6 +11,7 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.pair import Array, Chain, Pair
+from screwsim.numerics.roots import bisected
 
 POINTS = 801  # points per segment: areas and volumes are exact to 1e-6 (error ∝ POINTS⁻²); odd: one lies on a tip
 Segment = tuple[Array, Array, Array]  # ψ, X, Y
@@ -96,10 +97,7 @@ def _contact_of_tips(pair: Pair, r3: float, r4: float) -> float:
             "machine.profile: the male and the female tip never touch (choose smaller tip radii, "
             "or a larger female_diameter)"
         )
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if first * gap(middle) > 0.0 else (low, middle)
-    return 0.5 * (low + high)
+    return 0.5 * sum(bisected(lambda theta: first * gap(theta) > 0.0, low, high))
 
 
 def _tip_centre(r2: float, Re: float, ux: float) -> float:

@@ -114,11 +114,11 @@ def _both_ends(rotors: Rotors, psi: list[float]) -> list[float]:
 
 def _volume_curves(rotors: Rotors) -> tuple[Curve, Curve, Curve]:
     grid = _grid(rotors, [*_both_ends(rotors, section_breakpoints(rotors)), rotors.largest[0]])
-    phi, male = grid[0], rotors.sections.male_slope(grid[0], rotors.wrap, rotors.length)
+    phi = grid[0]
     return (
         _curve(rotors, grid, "m^3", rotors.volume(phi)),
         _curve(rotors, grid, "m^3/rad", rotors.volume_slope(phi)),
-        _curve(rotors, grid, "m^3/rad", male),
+        _curve(rotors, grid, "m^3/rad", rotors.male_slope(phi)),
     )
 
 

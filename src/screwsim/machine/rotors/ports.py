@@ -116,14 +116,14 @@ def radial_suction(
     for tip, width, radius in groove_tips(pair, chain, h):
         far = np.minimum(phi + width, phi_close)
         near = np.minimum(phi, phi_close)
-        areas.append(radius * h * (_strip(far, tip.start, wrap) - _strip(near, tip.start, wrap)))
+        # a helix lies on the bore from where it enters it, at the tip's start, to the end of the wrap
+        areas.append(radius * h * (length_below(far - tip.start, wrap) - length_below(near - tip.start, wrap)))
     return areas[0], areas[1]
 
 
-def _strip(x: Array, start: float, wrap: float) -> Array:
-    """Return ∫ up to x of the angle over which a helix lies on the bore: it enters at `start`, ends with the wrap."""
-    on = np.maximum(x - start, 0.0)
-    return 0.5 * on**2 - 0.5 * np.maximum(on - wrap, 0.0) ** 2
+def length_below(x: Array, span: float) -> Array:
+    """Return ∫ up to x of the length of [0, span] that lies below it."""
+    return 0.5 * np.maximum(x, 0.0) ** 2 - 0.5 * np.maximum(x - span, 0.0) ** 2
 
 
 class GrooveTip(NamedTuple):

@@ -20,6 +20,7 @@ from screwsim.machine.rotors.leakage import BlowHoleOpening, blow_hole_opening, 
 from screwsim.machine.rotors.pair import Array, Chain, Pair
 from screwsim.machine.rotors.sections import TURN, Sections, sections
 from screwsim.machine.rotors.settings import CIRCULAR, POINTS, RACK, Profile, check_settings
+from screwsim.numerics.roots import bisected
 
 MOST_CACHED = 64  # rotors that a process caches, with their curves; a study of profiles makes ever new ones
 
@@ -69,12 +70,21 @@ class Rotors:
         return math.ceil(self.life / self.pair.pitch - 1e-9)
 
     def volume(self, phi: Array) -> Array:
-        """Return V [m³] at φ [rad]."""
-        return self.sections.volume(phi, self.wrap, self.length)
+        """Return V(φ) = (L/τ) ∫ a dψ over [φ − τ, φ] [m³]."""
+        return self.h * (self.sections.integral_at(phi) - self.sections.integral_at(phi - self.wrap))
 
     def volume_slope(self, phi: Array) -> Array:
         """Return dV/dφ [m³/rad], the exact derivative of `volume`."""
-        return self.sections.volume_slope(phi, self.wrap, self.length)
+        return self.h * (self.sections.area_at(phi) - self.sections.area_at(phi - self.wrap))
+
+    def male_slope(self, phi: Array) -> Array:
+        """Return ∂V/∂φ of the male rotor alone [m³/rad]; times pressure it is the gas torque on it.
+
+        The rest of `volume_slope` is the female rotor's; divided by k it refers to the female shaft.
+        """
+        psi, area = self.sections.psi, self.sections.a_male
+        now, behind = (np.interp(x, psi, area, left=0.0, right=0.0) for x in (phi, phi - self.wrap))
+        return self.h * (now - behind)
 
     @cached_property
     def largest(self) -> tuple[float, float]:
@@ -82,12 +92,9 @@ class Rotors:
         grid = np.linspace(self.start, self.wrap, 721)
         i = int(np.argmax(self.volume(grid)))
         low, high = float(grid[max(i - 1, 0)]), float(grid[min(i + 1, 720)])
-        for _ in range(60):  # bisection of dV/dφ, which falls through zero
-            middle = 0.5 * (low + high)
-            rising = self.sections.slope_of(middle, self.wrap, self.length) > 0.0
-            low, high = (middle, high) if rising else (low, middle)
+        low, high = bisected(lambda phi: float(self.volume_slope(np.array(phi))) > 0.0, low, high)
         angle = 0.5 * (low + high)
-        return float(angle), float(self.volume(np.array([angle]))[0])
+        return angle, float(self.volume(np.array(angle)))
 
     def discharge_angle(self, volume_ratio: float, name: str = "built_in_volume_ratio") -> float:
         """Return φ_dis [rad] at which the volume is the largest one over the built-in ratio.
@@ -99,16 +106,13 @@ class Rotors:
         wanted = float(self.largest[1] / volume_ratio)
         i = int(np.searchsorted(-volume, -wanted))
         low, high = float(grid[max(i - 1, 0)]), float(grid[min(i, len(grid) - 1)])
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            above = self.sections.volume_of(middle, self.wrap, self.length) > wanted
-            low, high = (middle, high) if above else (low, middle)
+        low, high = bisected(lambda phi: float(self.volume(np.array(phi))) > wanted, low, high)
         if self.wrap - high < math.radians(10.0):
             raise UsageError(
                 f"machine.{name}: {volume_ratio:.4g} leaves the port 10 deg before the end of discharge "
                 "(choose a smaller ratio)"
             )
-        return float(0.5 * (low + high))
+        return 0.5 * (low + high)
 
     def coefficients(self) -> dict[str, tuple[float, str, str]]:
         """Return {name: (value, unit, meaning)} of the pair."""

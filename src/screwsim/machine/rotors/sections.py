@@ -7,7 +7,6 @@ Source: docs/reference/rotors.md. Lengths in m, angles in rad.
 """
 
 import math
-from bisect import bisect_right
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,46 +64,6 @@ class Sections:
         step = inside - self.psi[i]
         slope = (self.a[i + 1] - self.a[i]) / (self.psi[i + 1] - self.psi[i])
         return self.integral[i] + step * (self.a[i] + 0.5 * step * slope)
-
-    def volume(self, phi: Array, wrap: float, length: float) -> Array:
-        """Return V(φ) = (L/τ) ∫ a dψ over [φ − τ, φ] [m³]."""
-        return length / wrap * (self.integral_at(phi) - self.integral_at(phi - wrap))
-
-    def volume_slope(self, phi: Array, wrap: float, length: float) -> Array:
-        """Return dV/dφ [m³/rad], the exact derivative of `volume`."""
-        return length / wrap * (self.area_at(phi) - self.area_at(phi - wrap))
-
-    def volume_of(self, phi: float, wrap: float, length: float) -> float:
-        """Return `volume` at one angle, quickly, for searches."""
-        return length / wrap * (self._integral_of(phi) - self._integral_of(phi - wrap))
-
-    def slope_of(self, phi: float, wrap: float, length: float) -> float:
-        """Return `volume_slope` at one angle."""
-        return length / wrap * (self._area_of(phi) - self._area_of(phi - wrap))
-
-    def _integral_of(self, psi: float) -> float:
-        nodes, a, integral, last = self.psi, self.a, self.integral, len(self.psi) - 1
-        inside = min(max(psi, float(nodes[0])), float(nodes[last]))
-        i = min(max(bisect_right(nodes, inside) - 1, 0), last - 1)
-        step, low, first = inside - float(nodes[i]), float(nodes[i]), float(a[i])
-        slope = (float(a[i + 1]) - first) / (float(nodes[i + 1]) - low)
-        return float(integral[i]) + step * (first + 0.5 * step * slope)
-
-    def _area_of(self, psi: float) -> float:
-        nodes, a = self.psi, self.a
-        if not nodes[0] <= psi <= nodes[-1]:
-            return 0.0
-        i = min(bisect_right(nodes, psi) - 1, len(nodes) - 2)
-        low, first = float(nodes[i]), float(a[i])
-        return (float(a[i + 1]) - first) / (float(nodes[i + 1]) - low) * (psi - low) + first
-
-    def male_slope(self, phi: Array, wrap: float, length: float) -> Array:
-        """Return ∂V/∂φ of the male rotor alone [m³/rad]; times pressure it is the gas torque on it.
-
-        The rest of `volume_slope` is the female rotor's; divided by k it refers to the female shaft.
-        """
-        now, behind = (np.interp(x, self.psi, self.a_male, left=0.0, right=0.0) for x in (phi, phi - wrap))
-        return length / wrap * (now - behind)
 
 
 Branches = tuple[tuple[Array, Array], tuple[Array, Array]]

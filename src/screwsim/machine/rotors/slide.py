@@ -16,7 +16,7 @@ import numpy as np
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.leakage import TURN
 from screwsim.machine.rotors.pair import Array
-from screwsim.machine.rotors.ports import groove_tips
+from screwsim.machine.rotors.ports import groove_tips, length_below
 from screwsim.machine.rotors.rotors import Rotors
 from screwsim.machine.rotors.settings import SlideValve
 from screwsim.numerics.roots import brentq
@@ -119,8 +119,8 @@ def slot_areas(rotors: Rotors, at: PlacedSlide, phi: Array) -> tuple[Array, Arra
     areas, h = [], rotors.h
     for (tip, width, radius), span in zip(groove_tips(rotors.pair, rotors.chain, h), at.spans, strict=True):
         first, last = (z / h - phi + tip.end for z in (low, high))
-        whole = _under(last, span) - _under(first, span)
-        ahead = _under(last - width, span) - _under(first - width, span)
+        whole = length_below(last, span) - length_below(first, span)
+        ahead = length_below(last - width, span) - length_below(first - width, span)
         areas.append(radius * h * np.maximum(whole - ahead, 0.0))
     return areas[0], areas[1]
 
@@ -132,8 +132,3 @@ def slot_breakpoints(rotors: Rotors, at: PlacedSlide) -> list[float]:
         corners = [min(max(z, 0.0), rotors.length) / rotors.h for z in (at.stop, at.stop + at.moved)]
         found += [z + tip.end - w - back for z in corners for w in (0.0, width) for back in (0.0, span)]
     return found
-
-
-def _under(x: Array, span: float) -> Array:
-    """Return ∫ up to x of the length of [0, span] that lies below it."""
-    return 0.5 * np.maximum(x, 0.0) ** 2 - 0.5 * np.maximum(x - span, 0.0) ** 2

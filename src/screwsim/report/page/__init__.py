@@ -8,16 +8,9 @@ from typing import Any
 
 from screwsim.inputs.faults import UsageError
 
-__all__ = ["pages", "report"]
-
 _NEEDED = ("jinja2", "plotly")
 _SCRIPTS = ("dom", "numbers", "theme", "unpack", "drawing", "overview", "ledger", "case", "start")
 _POLICY = "style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; default-src 'none'"
-
-
-def report(path: str | Path, output: str | Path, claims: Sequence[Any] = ()) -> str:
-    """Write the page of a results file, of two stages also those of each (`pages`), and return its path."""
-    return pages(path, output, claims)[0]
 
 
 def pages(path: str | Path, output: str | Path, claims: Sequence[Any] = ()) -> list[str]:
@@ -48,14 +41,15 @@ def page_of(results: Any, claims: Sequence[Any] = (), stages: Mapping[str, str] 
     from plotly.offline import get_plotlyjs
 
     from screwsim.outputs.customary import with_printed_units
+    from screwsim.report.front import objective_names
     from screwsim.report.page import data, tables
-    from screwsim.report.page.best import best_table, is_optimisation
     from screwsim.report.page.pack import compressed
-    from screwsim.report.page.uncertain import model_lines
+    from screwsim.report.page.uncertain import inputs_lines, model_lines
     from screwsim.results.read import stored_scenes
 
-    shown, sought = data.selection(results), is_optimisation(results)
+    shown, sought = data.selection(results), objective_names(results)
     document = data.document(results, shown)
+    first = shown.place(document["start"]["case"])
     return rendered(
         __name__,
         _SCRIPTS,
@@ -68,13 +62,12 @@ def page_of(results: Any, claims: Sequence[Any] = (), stages: Mapping[str, str] 
         quantities=sum(len(axis.joined) or 1 for axis in results.axis_list),
         axes=tables.axes(results),
         headline="" if sought else tables.headline_efficiency(results),
-        best=best_table(results) if sought else None,
+        best=tables.best_table(results) if sought else None,
         warnings=tables.warnings(results),
         notes=tables.notes(results, shown),
-        figures=tables.figures(results, shown, document["start"]["case"]),
+        figures=tables.figures(results, first),
         model=model_lines(results),
-        halves=tables.half_intervals(results, shown, document["start"]["case"]),
-        inputs=tables.inputs(results, shown, document["start"]["case"]),
+        inputs=inputs_lines(results, first),
         uncertain=document["inputs"] is not None,
         ranges=tables.ranges(results) if results.axis_list else [],
         checks=list(tables.checks(results)),

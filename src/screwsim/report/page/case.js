@@ -118,11 +118,10 @@ function at(angles, values, angle) {
   return values[k - 1] + share * (values[k] - values[k - 1]);
 }
 
+// Height and name of each line's pressure.
 function pressureLevels() {
-  return [["suction_pressure", "suction"], ["discharge_pressure", "discharge"]].map(([name, words]) => {
-    const figure = figureNamed(name);
-    return figure && Number.isFinite(figure.read[picked]) ? level(figure.read[picked] * figure.factor, words) : null;
-  }).filter((each) => each);
+  const lines = ["suction", "discharge"].map((name) => [figureNamed(`${name}_pressure`), name]);
+  return lines.filter(([figure]) => figure && Number.isFinite(figure.read[picked])).map(([figure, name]) => [figure.read[picked] * figure.factor, name]);
 }
 
 function drawLoop() {
@@ -134,15 +133,16 @@ function drawLoop() {
     hoverinfo: "skip", marker: { symbol: "circle-open", size: 9, color: colour("c1"), line: { width: 2 } },
   });
   const levels = pressureLevels();
+  const names = levels.map((level) => levelName(...level));
   const target = document.getElementById("loop");
   Plotly.react(target, [loop, marks], layout({
     xaxis: { ...axisLook(traces.volume.label, false), rangemode: "tozero" },
     yaxis: { ...axisLook(traces.pressure.label, false), range: [0, top[picked]] },
     margin: { l: 54, r: 74, t: 30, b: 46 },
-    shapes: levels.map((each) => each.shape),
-    annotations: levels.map((each) => each.annotation),
+    shapes: levels.map(([height]) => levelLine(height)),
+    annotations: names,
     showlegend: false,
-  }), CONFIG).then(() => Plotly.relayout(target, { annotations: [...levels.map((each) => each.annotation), ...clearNames(target, V, p, places, levels.map((each) => each.shape.y0))] }));
+  }), CONFIG).then(() => Plotly.relayout(target, { annotations: [...names, ...clearNames(target, V, p, places, levels.map(([height]) => height))] }));
 }
 
 // Names of points where they cover neither the curve nor level lines nor each other; a name without such a place is left out.
@@ -198,34 +198,28 @@ function dense(points) {
   });
 }
 
-function angleAxis() {
-  return { ...axisLook(data.cycle.angle_label, false), dtick: window.innerWidth < 640 ? 180 : 120, range: [data.cycle.angle[0], data.cycle.angle.at(-1)] };
-}
-
-function angleMarks() {
-  return marksOf().map(([, where]) => ({
-    type: "line", x0: where, x1: where, yref: "paper", y0: 0, y1: 1, line: { color: colour("soft"), width: 1, dash: "dot" },
-  }));
-}
-
-function markNames() {
-  return marksOf().map(([name, where]) => ({
-    x: where, xanchor: "right", xshift: -3, yref: "paper", y: 1, yanchor: "top", text: name, showarrow: false, font: { size: 12, color: colour("soft") },
-  }));
+// Draw curves over the angle, with lines and names at the marked angles.
+function drawOverAngle(id, drawn, title, legend) {
+  const { angle, angle_label: label } = data.cycle;
+  Plotly.react(id, drawn, layout({
+    xaxis: { ...axisLook(label, false), dtick: window.innerWidth < 640 ? 180 : 120, range: [angle[0], angle.at(-1)] },
+    yaxis: axisLook(title, false),
+    shapes: marksOf().map(([, where]) => ({
+      type: "line", x0: where, x1: where, yref: "paper", y0: 0, y1: 1, line: { color: colour("soft"), width: 1, dash: "dot" },
+    })),
+    annotations: marksOf().map(([name, where]) => ({
+      x: where, xanchor: "right", xshift: -3, yref: "paper", y: 1, yanchor: "top", text: name, showarrow: false, font: { size: 12, color: colour("soft") },
+    })),
+    ...legend,
+  }), CONFIG);
 }
 
 function drawTemperatures() {
   const { angle, traces } = data.cycle;
   const names = [["gas_temperature", "gas", "c1", "solid"], ["oil_temperature", "oil", "c3", "dash"]].filter(([name]) => traces[name]);
   const drawn = names.map(([name, words, tint, dash]) => lineTrace(angle, traceOf(traces[name], picked), words, colour(tint), dash, "%{x:.4~g}°, %{y:.5~g} °C"));
-  Plotly.react("temperatures", drawn, layout({
-    xaxis: angleAxis(),
-    yaxis: axisLook(traces.gas_temperature.label, false),
-    shapes: angleMarks(),
-    annotations: markNames(),
-    showlegend: drawn.length > 1,
-    legend: { x: 0, xanchor: "left", y: 1, yanchor: "bottom", orientation: "h" },
-  }), CONFIG);
+  const legend = { x: 0, xanchor: "left", y: 1, yanchor: "bottom", orientation: "h" };
+  drawOverAngle("temperatures", drawn, traces.gas_temperature.label, { showlegend: drawn.length > 1, legend });
 }
 
 function drawFlows() {
@@ -241,14 +235,7 @@ function drawFlows() {
     const label = side ? `${words}, ${side}` : words;
     return { ...lineTrace(flows.angle, values, label, ordered(i, paths.length), DASHES[j], "%{x:.4~g}°, %{y:.4~g} g/s"), visible: hidden(words) };
   }));
-  Plotly.react("flows", drawn, layout({
-    xaxis: angleAxis(),
-    yaxis: axisLook(`mass flow (${Object.values(flows.traces)[0].unit})`, false),
-    shapes: angleMarks(),
-    annotations: markNames(),
-    showlegend: true,
-    legend: below(),
-  }), CONFIG);
+  drawOverAngle("flows", drawn, `mass flow (${Object.values(flows.traces)[0].unit})`, { showlegend: true, legend: below() });
 }
 
 function ledgerOf() {

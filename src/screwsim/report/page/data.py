@@ -8,9 +8,8 @@ import numpy as np
 from screwsim.figures.engineering import SCALES, figure_scales, shown_name
 from screwsim.outputs import LEDGER_ENTRY, STATUSES, ledger_entries, words_of_effects
 from screwsim.report import quantities
-from screwsim.report.families import efficiency_name, is_log, layout_of, outcome_layout
-from screwsim.report.front import objective_names
-from screwsim.report.page.best import front_of, is_optimisation
+from screwsim.report.families import efficiency_name, family_of, is_log, outcome_family
+from screwsim.report.front import front_of, objective_names
 from screwsim.report.page.pack import bytes_of, floats, quantised, reduce_angles
 from screwsim.report.page.uncertain import half_of, inputs_document
 from screwsim.report.quantities import PRESSURE, TEMPERATURE, Display, is_numeric, shown_axis, shown_figure
@@ -41,6 +40,11 @@ class Selection(NamedTuple):
     def part(self) -> tuple[slice, ...]:
         """Slices that take the shown cases from an array on the axes."""
         return tuple(slice(None, None, stride) for stride in self.strides)
+
+    def place(self, case: int) -> tuple[int, ...]:
+        """Return the place of a shown case on the axes of the results."""
+        places = np.unravel_index(case, self.shape) if self.shape else ()
+        return tuple(int(place) * stride for place, stride in zip(places, self.strides, strict=True))
 
     def of(self, values: np.ndarray) -> np.ndarray:
         """Return the shown cases (cases,), the last axis fastest."""
@@ -187,10 +191,9 @@ def _packed(angle: np.ndarray, traces: dict[str, np.ndarray], wanted: float) -> 
 def _all_marks(results: Results, shown: Selection, angle: np.ndarray, traces: Any) -> list[dict[str, float]]:
     """Return the marked angles [degree] by name, one mapping per case, or a single one where all agree."""
     found = []
-    for case, index in enumerate(np.ndindex(shown.shape)):
-        there = tuple(place * stride for place, stride in zip(index, shown.strides, strict=True))
+    for case in range(math.prod(shown.shape)):
         values = {name: trace[case] for name, trace in traces.items()}
-        found.append(marks_of(results, there, angle, values))
+        found.append(marks_of(results, shown.place(case), angle, values))
     return found if any(marks != found[0] for marks in found) else found[:1]
 
 
@@ -224,19 +227,19 @@ def _first_view(results: Results, shown: Selection) -> dict[str, Any]:
     """
     name = efficiency_name(results)
     case = 0
-    if is_optimisation(results) and len(front := front_of(results)):
-        name = objective_names(results)[0]
+    if (sought := objective_names(results)) and len(front := front_of(results)):
+        name = sought[0]
         row = int(front[0]) // shown.strides[0]
         case = row * int(np.prod(shown.shape[1:], dtype=int))
     elif name is not None:
         score = shown.of(results.performance[name])
         closed = np.isfinite(score) & (shown.of(results.status) == "ok")
         case = int(np.argmax(np.where(closed, score, -np.inf))) if closed.any() else 0
-    outcome = outcome_layout(results)
-    layout = outcome or layout_of(results)
+    outcome = outcome_family(results)
+    family = outcome or family_of(results)
     return {
         "case": case,
         "figure": name,
-        "x": "oil_ratio" if outcome else layout.x if layout else _word_axis(results),
-        "curves": layout.curves if layout else None,
+        "x": "oil_ratio" if outcome else family.x if family else _word_axis(results),
+        "curves": family.by if family else None,
     }

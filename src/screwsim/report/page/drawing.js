@@ -80,16 +80,13 @@ function below() {
   return { orientation: "h", yref: "container", y: 0, yanchor: "bottom", x: 0, font: { size: 12 }, title: { side: "top" } };
 }
 
-// A dashed line across the drawing at a height, with its name at the right.
-function level(height, name) {
+// A dashed line across the drawing at a height, and its name at the right.
+function levelLine(height) {
+  return { type: "line", xref: "paper", x0: 0, x1: 1, y0: height, y1: height, layer: "below", line: { color: colour("soft"), width: 1, dash: "dash" } };
+}
+
+function levelName(height, name) {
   return {
-    shape: {
-      type: "line", xref: "paper", x0: 0, x1: 1, y0: height, y1: height, layer: "below",
-      line: { color: colour("soft"), width: 1, dash: "dash" },
-    },
-    annotation: {
-      xref: "paper", x: 1.005, y: height, text: name, showarrow: false, xanchor: "left", yanchor: "middle",
-      font: { size: 12, color: colour("soft") },
-    },
+    xref: "paper", x: 1.005, y: height, text: name, showarrow: false, xanchor: "left", yanchor: "middle", font: { size: 12, color: colour("soft") },
   };
 }

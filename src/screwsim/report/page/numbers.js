@@ -6,10 +6,7 @@ function general(value, digits) {
   if (value === 0) return "0";
   const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
   const power = Number(exponent);
-  if (power < -4 || power >= digits) {
-    const sign = power < 0 ? "-" : "+";
-    return `${trimmed(mantissa)}e${sign}${String(Math.abs(power)).padStart(2, "0")}`;
-  }
+  if (power < -4 || power >= digits) return timesTen(trimmed(mantissa), power);
   return trimmed(value.toFixed(digits - 1 - power));
 }
 
@@ -17,12 +14,15 @@ function trimmed(text) {
   return text.includes(".") ? text.replace(/0+$/, "").replace(/\.$/, "") : text;
 }
 
+function timesTen(mantissa, power) {
+  return `${mantissa}e${power < 0 ? "-" : "+"}${String(Math.abs(power)).padStart(2, "0")}`;
+}
+
 // A residue or an error as %.1e of C writes it.
 function small(value) {
   if (!Number.isFinite(value)) return "";
   const [mantissa, exponent] = value.toExponential(1).split("e");
-  const power = Number(exponent);
-  return `${mantissa}e${power < 0 ? "-" : "+"}${String(Math.abs(power)).padStart(2, "0")}`;
+  return timesTen(mantissa, Number(exponent));
 }
 
 // A figure [SI] as number and unit, like the table of `screwsim run`.

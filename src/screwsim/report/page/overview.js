@@ -234,9 +234,9 @@ function mapAxes() {
 
 function mapDrawing(across, up, notes) {
   const [x, y] = [data.axes[across], data.axes[up]];
-  const z = y.values.map((_, row) => casesAlong(across, up, row).map((number) => drawnValue(choice.figure, number)));
-  const cases = y.values.flatMap((_, row) => casesAlong(across, up, row));
-  const dots = thinned(cases.filter((number) => drawnValue(choice.figure, number) !== null), notes);
+  const rows = y.values.map((_, row) => casesAlong(across, up, row));
+  const z = rows.map((row) => row.map((number) => drawnValue(choice.figure, number)));
+  const dots = thinned(rows.flat().filter((number) => drawnValue(choice.figure, number) !== null), notes);
   fixedWords(notes, [across, up]);
   const contours = {
     type: "contour",
@@ -304,7 +304,7 @@ function thinned(cases, notes) {
 function fixedWords(notes, shown) {
   const places = placesOf(picked);
   const fixed = data.axes.map((axis, i) => i).filter((i) => !shown.includes(i) && sizeOf(i) > 1);
-  if (fixed.length) notes.push(`At ${fixed.map((i) => `${data.axes[i].words} ${valueOf(i, places[i])}`).join(", ")}, as selected below.`);
+  if (fixed.length) notes.push(`At ${fixed.map((i) => `${data.axes[i].words} ${inWords(data.axes[i], places[i])}`).join(", ")}, as selected below.`);
 }
 
 function leftOut(notes, wanted, traces) {

@@ -1,4 +1,4 @@
-"""The page's words and tables: cases, figures, balances against their bounds, and the origin of the results."""
+"""The page's words and tables: cases, figures, balances with their bounds, best evaluations, origin of the results."""
 
 import hashlib
 from collections.abc import Iterator
@@ -9,15 +9,17 @@ import numpy as np
 from screwsim.figures.engineering import engineering, figure_text, shown_name, small_number_text
 from screwsim.outputs import BALANCE, STATUSES
 from screwsim.report.families import efficiency_name
-from screwsim.report.page.best import is_optimisation
+from screwsim.report.front import front_of, objective_names
 from screwsim.report.page.data import Selection
-from screwsim.report.page.uncertain import half_of, half_text, inputs_lines
+from screwsim.report.page.uncertain import half_of, half_text
 from screwsim.report.quantities import is_numeric, shown_axis, value_of
 from screwsim.results import Results
+from screwsim.results.optimum import AIM, ERROR
 from screwsim.results.warning_kinds import cases_with_warnings, warning_kinds_of_file
 from screwsim.screen import printable
 
 MOST_KINDS = 8  # of warnings, listed for a sweep
+MOST_BEST = 12  # evaluations of a front that are shown, evenly spread along its first objective; all are in the file
 _BALANCES = ("mass", "energy", "entropy", "oil_mass")
 _VERSIONS = ("python_version", "numpy_version", "scipy_version", "llvmlite_version", "coolprop_version")
 
@@ -29,6 +31,15 @@ class BalanceCheck(NamedTuple):
     largest: str
     bound: str
     verdict: str
+
+
+class BestTable(NamedTuple):
+    """The best of an optimisation: what was sought, heads with classes and rows of a table, and a line below it."""
+
+    sought: str
+    heads: list[tuple[str, str]]
+    rows: list[list[str]]
+    note: str
 
 
 def counts(results: Results) -> list[tuple[str, int]]:
@@ -62,36 +73,24 @@ def axes(results: Results) -> Iterator[str]:
         how, ends = shown_axis(axis), (int(np.argmin(axis.values)), int(np.argmax(axis.values)))
         low, high = (value_of(axis, end).rpartition(" = ")[2] for end in ends)
         yield f"{how.words}: {count}, {low} to {high}" if low != high else f"{how.words}: {low}"
-    if not is_optimisation(results):
+    if not objective_names(results):
         joined = (axis for axis in results.axis_list if axis.joined)
         yield from (f"{len(axis.values)} cases in which these vary together" for axis in joined)
 
 
-def figures(results: Results, shown: Selection, case: int) -> list[tuple[str, str, str, str]]:
-    """Return name, number, unit and estimated error of each figure of one case, as in the table of `run`."""
+def figures(results: Results, index: tuple[int, ...]) -> list[tuple[str, str, str, str, str]]:
+    """Return name, number, unit and estimated error of each figure of one case, as in the table of `run`.
+
+    The last is half the interval due to the inputs' tolerances, in the unit of the number.
+    """
     rows = []
     for name in results.figures:
-        value = float(shown.of(results.performance[name])[case])
+        value, error = (float(each[name][index]) for each in (results.performance, results.error))
         if np.isfinite(value):
-            number, error = engineering(results.figure(name), value), float(shown.of(results.error[name])[case])
-            rows.append((shown_name(name), *number, small_number_text(error) if np.isfinite(error) else ""))
+            written, half = engineering(results.figure(name), value), float(half_of(results, name)[index])
+            told = small_number_text(error) if np.isfinite(error) else ""
+            rows.append((shown_name(name), *written, told, half_text(half, value, written)))
     return rows
-
-
-def half_intervals(results: Results, shown: Selection, case: int) -> dict[str, str]:
-    """Return half the interval due to the inputs' tolerances of each figure of one case, in the unit of its value."""
-    found = {}
-    for name in results.uncertainty:
-        value, half = (float(shown.of(each)[case]) for each in (results.performance[name], half_of(results, name)))
-        if np.isfinite(half):
-            found[shown_name(name)] = half_text(half, value, engineering(results.figure(name), value))
-    return found
-
-
-def inputs(results: Results, shown: Selection, case: int) -> list[str]:
-    """Return for one case which inputs with tolerances contribute most to some figures."""
-    index = tuple(int(i) * step for i, step in zip(np.unravel_index(case, shown.shape), shown.strides, strict=True))
-    return inputs_lines(results, index)
 
 
 def ranges(results: Results) -> Iterator[tuple[str, str, str, str, str]]:
@@ -104,16 +103,12 @@ def ranges(results: Results) -> Iterator[tuple[str, str, str, str, str]]:
             low, high = (figure_text(about, float(end)) for end in (finite.min(), finite.max()))
             errors = results.error[name][np.isfinite(results.error[name]) & there]
             half = half_of(results, name)
-            where = np.nanargmax(half) if np.isfinite(half).any() else None
-            most = "" if where is None else _half_at(results, name, float(half.flat[where]), float(values.flat[where]))
+            where, most = int(np.argmax(np.nan_to_num(half))), ""
+            if np.isfinite(half.flat[where]):
+                number, unit = engineering(about, float(values.flat[where]))
+                text = half_text(float(half.flat[where]), float(values.flat[where]), (number, unit))
+                most = f"{text} {'K' if unit.startswith('K') else unit}".strip()
             yield shown_name(name), low, high, small_number_text(float(errors.max())) if errors.size else "", most
-
-
-def _half_at(results: Results, name: str, half: float, value: float) -> str:
-    """Return half an interval with its unit; for a temperature in kelvin."""
-    number, unit = engineering(results.figure(name), value)
-    shown_unit = "K" if unit.startswith("K") else unit
-    return f"{half_text(half, value, (number, unit))} {shown_unit}".strip()
 
 
 def checks(results: Results) -> Iterator[BalanceCheck]:
@@ -206,3 +201,37 @@ def notes(results: Results, shown: Selection) -> list[str]:
         first = str(np.asarray(results.messages).reshape(-1)[failed[0]]).splitlines()
         lines.append(f"{failed.size} cases failed; the first says: {first[0] if first else 'nothing'}")
     return lines
+
+
+def best_table(results: Results) -> BestTable:
+    """Return what an optimisation sought and found."""
+    names, front = objective_names(results), front_of(results)
+    evaluations, *points = results.axis_list
+    varied = [axis for axis in evaluations.joined or (evaluations,) if is_numeric(axis)]
+    spread = np.linspace(0, len(front) - 1, min(len(front), MOST_BEST)).round().astype(int)
+    shown = front[spread]
+    words = [shown_axis(axis) for axis in varied]
+    heads = [(head, "n") for head in (*map(shown_name, names), "error", *(how.words for how in words), "evaluation")]
+    rows = [
+        [
+            *(figure_text(results.figure(name), float(results.optimum[AIM + name][int(row)])) for name in names),
+            f"{_largest_error(results, names, int(row)):.0e}",
+            *(how.value(float(axis.values[row])).rpartition(" = ")[2] for how, axis in zip(words, varied, strict=True)),
+            str(row),
+        ]
+        for row in shown
+    ]
+    some = f"{len(shown)} of the {len(front)}" if len(shown) < len(front) else f"the {len(front)}"
+    many = f"{some} evaluations that no other beats in all aims; " if len(names) > 1 else ""
+    over = f" over {len(points[0].values)} operating points" if points and len(points[0].values) > 1 else ""
+    lowest = [results.optimum.about[AIM + name].long_name.endswith("lowest") for name in names]
+    senses = zip(names, lowest, strict=True)
+    wanted = " and ".join(f"{'lowest' if least else 'highest'} {shown_name(name)}" for name, least in senses)
+    sought = f"Search for the {wanted}{over}, {len(evaluations.values)} evaluations"
+    return BestTable(sought, heads, rows, f"{many}error: estimated numerical error of an aim, relative")
+
+
+def _largest_error(results: Results, names: list[str], row: int) -> float:
+    """Return the largest relative error among the objectives of an evaluation."""
+    sizes = ((results.optimum[ERROR + name][row], abs(results.optimum[AIM + name][row])) for name in names)
+    return max((float(error / size) for error, size in sizes if size), default=0.0)

@@ -44,10 +44,6 @@ function sizeOf(i) {
 }
 
 // One value of an axis, in words.
-function valueOf(i, place) {
-  return inWords(data.axes[i], place);
-}
-
 function inWords(axis, place) {
   if (axis.joined) return `${axis.texts[place]}: ${axis.joined.map((each) => `${each.words} ${inWords(each, place)}`).join(", ")}`;
   if (axis.texts) return axis.texts[place];
@@ -55,7 +51,7 @@ function inWords(axis, place) {
 }
 
 function caseWords(number) {
-  return placesOf(number).map((place, i) => `${data.axes[i].words} ${valueOf(i, place)}`).join(", ");
+  return placesOf(number).map((place, i) => `${data.axes[i].words} ${inWords(data.axes[i], place)}`).join(", ");
 }
 
 function statusOf(number) {

@@ -16,7 +16,7 @@ from screwsim.outputs import Figure
 from screwsim.outputs.customary import in_celsius
 from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene, leaf_of, lines
-from screwsim.scene.fields import Leaf, leaf_paths, unknown_key
+from screwsim.scene.fields import Leaf, leaves_of, unknown_key
 from screwsim.scene.numerals import odd_number, odd_number_text
 from screwsim.scene.tolerances import COVERAGE_FACTOR, split_coverage
 from screwsim.scene.units import NUMBER, Refused, gauge_pressures_over, parse_quantity, tidy_unit
@@ -248,9 +248,8 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
     if in_brackets is not None:
         raise Refused(f"is not known (a unit stands in square brackets: {in_brackets[1]} [{in_brackets[2]}])")
     if "." not in name:
-        parameters = {each: type(active.parameters) for each, active in scene.effects.items()}
-        leaves = leaf_paths(parameters, scene.machine.kind)
-        raise Refused(unknown_key(name, [*figures, "name", "use", *leaves], "a scene path or a figure"))
+        known_names = [*figures, "name", "use", *leaves_of(scene)]
+        raise Refused(unknown_key(name, known_names, "a scene path or a figure"))
     leaf = leaf_of(scene, name)
     if unit and leaf.dimension is None:
         raise Refused("has no unit (remove the brackets)")

@@ -32,7 +32,6 @@ from screwsim.study.calibration.machine import (
     Group,
     fit_of_unchanged,
     inputs_of,
-    places_of,
     prepare,
     residual_shifts,
     unchanged_machine,
@@ -193,7 +192,7 @@ def diagnose(
     asked = fit_of_unchanged(fit, machine, simulate)
     groups, priors = inputs_of(fit, machine)
     prepare(asked, simulate)
-    points = [point for point in asked.points if point.fitted]
+    points = asked.fitted
     answers = parallel_map(
         partial(unchanged_point, asked, groups, priors, before, simulate),
         len(points),
@@ -246,9 +245,9 @@ def unchanged_point(
     number: int,
 ) -> UnchangedPoint:
     """Return one point of the unchanged machine, with its slopes."""
-    point = [point for point in fit.points if point.fitted][number]
+    point = fit.fitted[number]
     asked = Objective(replace(fit, points=(point,)), simulate)
-    places = places_of(fit, values)
+    places = fit.places(values)
     outcome = asked.outcome(places)
     count = len(point.measured)
     empty = np.zeros((count, len(groups) + len(priors)))
@@ -272,7 +271,7 @@ def _linearised(
     white = whitener(np.vstack([point.inputs for point in points]))
     residuals = white @ np.concatenate([point.residuals for point in points])
     slopes = (white @ np.vstack([point.slopes for point in points])).T
-    return LinearMachine(fit, simulate, before, places_of(fit, before), white, residuals, slopes)
+    return LinearMachine(fit, simulate, before, fit.places(before), white, residuals, slopes)
 
 
 def _judged(machine: LinearMachine, unchanged: float, odds: float, jobs: int | None) -> Judgement:

@@ -4,7 +4,7 @@ A chain needs some hundred thousand evaluations; polynomials over the relevant r
 estimated from each solution's deviation from the fit to the others.
 """
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
@@ -15,6 +15,7 @@ from screwsim.study.calibration.fit import Fit
 from screwsim.study.calibration.residuals import Array, Objective, Simulate
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
+from screwsim.study.workers import WORKER_DIED
 
 PER_TERM = 2  # solutions per coefficient
 Key = tuple[str, str]  # name of the point, figure
@@ -61,11 +62,25 @@ def emulate(
 ) -> Emulator | None:
     """Return polynomials of all measured figures over a region of places; None where too few solutions have figures."""
     places = places_within(fit, low, high)
-    call = partial(figures_at, fit, places, simulate)
-    rows = parallel_map(
-        call, len(places), died=lambda number: FigureRow((), "worker died"), jobs=jobs, progress=progress
+    return fitted(fit, low, high, places, solved_rows([fit], places, simulate, jobs, progress))
+
+
+def solved_rows(
+    fits: Sequence[Fit], places: Array, simulate: Simulate | None, jobs: int | None, progress: Progress | None
+) -> list[FigureRow]:
+    """Return the figures of one fit after the other at all places."""
+    return parallel_map(
+        partial(_solved_row, fits, places, simulate),
+        len(fits) * len(places),
+        died=lambda number: FigureRow((), WORKER_DIED),
+        jobs=jobs,
+        progress=progress,
     )
-    return fitted(fit, low, high, places, rows)
+
+
+def _solved_row(fits: Sequence[Fit], places: Array, simulate: Simulate | None, number: int) -> FigureRow:
+    fit, place = divmod(number, len(places))
+    return figures_at(fits[fit], places[place], simulate)
 
 
 def places_within(fit: Fit, low: Array, high: Array) -> Array:
@@ -78,10 +93,10 @@ def places_within(fit: Fit, low: Array, high: Array) -> Array:
     return low + (high - low) * np.vstack([np.full(size, 0.5), cube])
 
 
-def figures_at(fit: Fit, places: Array, simulate: Simulate | None, number: int) -> FigureRow:
-    """Return the figures of every point at one set of places."""
+def figures_at(fit: Fit, places: Array, simulate: Simulate | None) -> FigureRow:
+    """Return the figures of every point at one set of places (parameters,)."""
     asked = Objective(fit, simulate)
-    values, found, why = asked.values(places[number]), [], ""
+    values, found, why = asked.values(places), [], ""
     for point in fit.points:
         result = asked.solved(point, values)
         why = why or ("" if result.status == "ok" else f"{point.name}: {result.told}")
@@ -102,9 +117,3 @@ def fitted(fit: Fit, low: Array, high: Array, places: Array, rows: list[FigureRo
     left_out = (values - design @ coefficients) / np.maximum(1.0 - leverage, 1e-6)[:, None]
     off = np.sqrt(np.mean(left_out**2, axis=0))
     return Emulator(keys, low, high, coefficients, off, len(rows) * len(fit.points), len(rows) - int(sum(whole)))
-
-
-def measured_values(fit: Fit) -> tuple[Mapping[Key, float], Mapping[Key, float]]:
-    """Return measured values and their standard uncertainties [SI]."""
-    pairs = [((point.name, name), each) for point in fit.points for name, each in point.measured.items()]
-    return {key: each.value for key, each in pairs}, {key: each.uncertainty for key, each in pairs}

@@ -158,9 +158,14 @@ class Fit:
     together: tuple[tuple[int, ...], ...] = ()
 
     @property
-    def held(self) -> tuple[int, ...]:
-        """Indices of the parameters that have a prior."""
-        return tuple(i for i, parameter in enumerate(self.parameters) if parameter.prior is not None)
+    def fitted(self) -> tuple[Point, ...]:
+        """The points that are fitted; all others are only predicted."""
+        return tuple(point for point in self.points if point.fitted)
+
+    @property
+    def held(self) -> dict[int, Prior]:
+        """The priors of the parameters that have one, by index."""
+        return {i: each.prior for i, each in enumerate(self.parameters) if each.prior is not None}
 
     @cached_property
     def whitener(self) -> NDArray[np.float64]:
@@ -170,7 +175,7 @@ class Fit:
         """
         correlation = np.eye(len(self.held))
         for group in self.together:
-            rows = [self.held.index(i) for i in group]
+            rows = [list(self.held).index(i) for i in group]
             correlation[np.ix_(rows, rows)] = GROUP_CORRELATION
             correlation[rows, rows] = 1.0
         return np.asarray(np.linalg.inv(np.linalg.cholesky(correlation)), float)
@@ -195,6 +200,10 @@ class Fit:
         held = (replace(parameter, prior=prior_of(self.scene, parameter)) for parameter in self.parameters)
         together = correlated_groups(self.scene, self.parameters)
         return replace(self, parameters=tuple(held), together=together)
+
+    def places(self, values: Mapping[str, float]) -> NDArray[np.float64]:
+        """Return the places 0 … 1 of values [SI] of the parameters between their bounds."""
+        return np.array([parameter.place(values[parameter.path]) for parameter in self.parameters])
 
     def short_names(self) -> dict[str, str]:
         """Return short names of the parameters by path: the last words that tell them apart."""

@@ -1,7 +1,7 @@
 """The unchanged machine of a fit, the response of its points to inputs, and points that are not measured yet."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -11,12 +11,13 @@ from screwsim.figures import declared
 from screwsim.inputs.declare import FoundWithCycle
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.scene import Scene, cross_check, value_at
+from screwsim.scene import Scene, cross_check, value_at, with_values
 from screwsim.scene.yaml_tree import LocatedFault, LocatedFaults, Position
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Point
 from screwsim.study.calibration.residuals import Array, Simulate
 from screwsim.study.local import sensitivities
+from screwsim.study.optimum import simulator
 from screwsim.study.uncertain import groups_of
 
 Group = tuple[str, ...]  # paths of correlated inputs, one or more
@@ -45,10 +46,7 @@ def fit_of_unchanged(fit: Fit, machine: Scene, simulate: Simulate | None) -> Fit
 def prepare(fit: Fit, simulate: Simulate | None) -> None:
     """Compile what the points need, before workers are forked."""
     if simulate is None and fit.points:
-        from screwsim.scene import with_values
-        from screwsim.simulate import warm_up
-
-        warm_up(with_values(fit.scene, fit.points[0].values))
+        simulator(with_values(fit.scene, fit.points[0].values))
 
 
 def inputs_of(fit: Fit, machine: Scene) -> tuple[tuple[Group, ...], dict[Group, float]]:
@@ -56,9 +54,8 @@ def inputs_of(fit: Fit, machine: Scene) -> tuple[tuple[Group, ...], dict[Group, 
 
     A parameter's prior replaces the tolerances of its path and of those that follow it.
     """
-    held = [each for each in fit.parameters if each.prior is not None]
-    priors = {(each.path,): each.prior.deviation for each in held if each.prior is not None}
-    known = {path for each in held for path in each.values(0.0)}
+    priors = {(fit.parameters[i].path,): prior.deviation for i, prior in fit.held.items()}
+    known = {path for i in fit.held for path in fit.parameters[i].values(0.0)}
     groups = (tuple(path for path in group if path not in known) for group in groups_of(machine))
     return tuple(group for group in groups if group), priors
 
@@ -81,11 +78,6 @@ def residual_shifts(scene: Scene, point: Point, groups: Sequence[Group], result:
                 total[row] += found.derivatives.get(figure, {}).get(path, 0.0) * standard / measured.uncertainty
         every.append(total)
     return every
-
-
-def places_of(fit: Fit, values: Mapping[str, float]) -> Array:
-    """Return the places of the parameters between their bounds, 0 … 1."""
-    return np.array([parameter.place(values[parameter.path]) for parameter in fit.parameters])
 
 
 class TypicalUncertainty(NamedTuple):

@@ -32,7 +32,6 @@ from screwsim.study.calibration.machine import (
     TypicalUncertainty,
     fit_of_unchanged,
     inputs_of,
-    places_of,
     points_of,
     prepare,
     residual_shifts,
@@ -171,7 +170,7 @@ def plan(
     groups = tuple(rest for group in groups if (rest := tuple(path for path in group if path not in own)))
     asked = fit_of_unchanged(fit, machine, simulate)
     prepare(asked, simulate)
-    measured = [point for point in fit.points if point.fitted and point.measured]
+    measured = [point for point in fit.fitted if point.measured]
     points = [*measured, *candidates]
     answers = parallel_map(
         partial(point_information, asked, points, typical_uncertainties(fit), groups, values, simulate),
@@ -223,7 +222,7 @@ def _planned(
     before, steps = deviations(known), []
     for point, answer in picked:
         more = known + answer.information
-        gain = 0.5 * (log_determinant(known, size) - log_determinant(more, size))
+        gain = 0.5 * float(log_determinant(known, size) - log_determinant(more, size))
         steps.append(PlannedPoint(replace(point, measured=answer.measured), gain, deviations(more)))
         known = more
     return before, tuple(steps)
@@ -241,8 +240,9 @@ def _prior_information(
         diagonal.append(UNIFORM_INFORMATION if prior is None else (one.slope(value) / prior.deviation_at(value)) ** 2)
     known, held = np.diag([*diagonal, *[1.0] * inputs]), replace(fit, scene=machine).with_priors()
     if held.together:
-        of = held.whitener @ np.diag([known[i, i] ** 0.5 for i in held.held])
-        known[np.ix_(held.held, held.held)] = of.T @ of
+        rows = list(held.held)
+        of = held.whitener @ np.diag([known[i, i] ** 0.5 for i in rows])
+        known[np.ix_(rows, rows)] = of.T @ of
     return known, tuple(even)
 
 
@@ -257,7 +257,7 @@ def point_information(
 ) -> PointInformation:
     """Return the information of one point; a candidate without stated uncertainties is measured like the others."""
     point = points[number]
-    asked, places = Objective(fit, simulate), places_of(fit, values)
+    asked, places = Objective(fit, simulate), fit.places(values)
     result = asked.solved(point, values)
     if not point.measured:
         point = replace(point, measured={name: Measurement(0.0, 1.0) for name in usual})
@@ -284,18 +284,13 @@ def _as_measured(point: Point, figures: Figures, usual: Mapping[str, TypicalUnce
 
 
 def covariance(information: Array, asked: int) -> Array:
-    """Return the covariance of the first `asked` unknowns."""
-    return np.asarray(np.linalg.inv(information)[:asked, :asked], float)
+    """Return the covariance of the first `asked` unknowns, from information (…, unknowns, unknowns)."""
+    return np.asarray(np.linalg.inv(information)[..., :asked, :asked], float)
 
 
-def log_determinant(information: Array, asked: int) -> float:
-    """Return the logarithm of the determinant of the covariance of the first `asked` unknowns."""
-    return float(np.linalg.slogdet(covariance(information, asked))[1])
-
-
-def log_determinants_with(known: Array, pieces: Array, asked: int) -> Array:
-    """Return the `log_determinant` with each of the `pieces` (n, unknowns, unknowns) added to what is known."""
-    return np.linalg.slogdet(np.linalg.inv(known + pieces)[:, :asked, :asked])[1]
+def log_determinant(information: Array, asked: int) -> Array:
+    """Return the logarithm of the determinant (…) of the covariance of the first `asked` unknowns."""
+    return np.linalg.slogdet(covariance(information, asked))[1]
 
 
 def optimal_choice(known: Array, pieces: Sequence[Array], asked: int, count: int) -> list[int]:
@@ -310,7 +305,7 @@ def optimal_choice(known: Array, pieces: Sequence[Array], asked: int, count: int
             others = sorted(set(range(len(pieces))).difference(picked))
             if not others:
                 break
-            found = log_determinants_with(rest, every[others], asked)
+            found = log_determinant(rest + every[others], asked)
             best = int(np.argmin(found))
             if found[best] < here - LEAST_IMPROVEMENT:
                 picked[place], improved = others[best], True
@@ -321,7 +316,7 @@ def greedy_choice(known: Array, pieces: Sequence[Array], asked: int, among: Sequ
     """Return up to `count` of the indices `among`, each the one that minimises the spread after those before it."""
     left, picked, information, every = list(among), [], known, np.array(pieces)
     while left and len(picked) < count:
-        best = left.pop(int(np.argmin(log_determinants_with(information, every[left], asked))))
+        best = left.pop(int(np.argmin(log_determinant(information + every[left], asked))))
         picked.append(best)
         information = information + pieces[best]
     return picked

@@ -14,8 +14,8 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.study.calibration.answers import QUANTILES, ParameterInterval, Posterior, PredictiveCheck
-from screwsim.study.calibration.emulator import Emulator, Key, emulate, figures_at, measured_values
-from screwsim.study.calibration.fit import Fit, Parameter
+from screwsim.study.calibration.emulator import Emulator, Key, emulate, figures_at
+from screwsim.study.calibration.fit import Fit, Parameter, Prior
 from screwsim.study.calibration.residuals import Array, Simulate
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.progress import Progress
@@ -64,7 +64,7 @@ class _LogPosterior:
         count = len(self.fit.parameters)
         places = np.array(at[..., :count])
         for i in self._bound:
-            places[..., i] = _places_of_off(self.fit.parameters[i], at[..., i])
+            places[..., i] = _places_of_off(self.fit.parameters[i], self.fit.held[i], at[..., i])
         return places, np.exp(np.clip(at[..., count:], -30.0, 30.0)) * self.scale
 
     @property
@@ -75,9 +75,8 @@ class _LogPosterior:
         """Return the first part of states, from places (n, parameters)."""
         found = np.array(places)
         for i in self._bound:
-            parameter = self.fit.parameters[i]
-            assert parameter.prior is not None
-            found[:, i] = [parameter.prior.off(parameter.value(place)) for place in places[:, i].tolist()]
+            parameter, prior = self.fit.parameters[i], self.fit.held[i]
+            found[:, i] = [prior.off(parameter.value(place)) for place in places[:, i].tolist()]
         return found
 
     def __call__(self, at: Array) -> Array:
@@ -101,10 +100,8 @@ class _LogPosterior:
         """
         total = np.zeros(len(places))
         off = np.zeros((len(self.fit.held), len(places)))
-        for row, i in enumerate(self.fit.held):
+        for row, (i, prior) in enumerate(self.fit.held.items()):
             parameter = self.fit.parameters[i]
-            prior = parameter.prior
-            assert prior is not None
             values = [parameter.value(float(place)) for place in places[:, i]]
             off[row] = [prior.off(value) for value in values]
             if (
@@ -116,10 +113,8 @@ class _LogPosterior:
         return total - 0.5 * np.sum(off**2, axis=0)
 
 
-def _places_of_off(parameter: Parameter, off: Array) -> Array:
-    """Return the places at which a held parameter is so many standard deviations off its prior's mean."""
-    prior = parameter.prior
-    assert prior is not None
+def _places_of_off(parameter: Parameter, prior: Prior, off: Array) -> Array:
+    """Return the places at which a parameter is so many standard deviations off its prior's mean."""
     by = prior.deviation * off
     values = prior.mean * np.exp(np.clip(by, -700.0, 700.0)) if prior.logarithmic else prior.mean + by
     if parameter.logarithmic:
@@ -145,7 +140,7 @@ def posterior(
     if not found.values:
         return Posterior(found.fit, "failed", f"there is no fit to start from: {found.message}")
     reach = np.maximum(REGION_WIDTH * _errors(found), LEAST_REGION)
-    places = np.array([parameter.place(found.values[parameter.path]) for parameter in found.fit.parameters])
+    places = found.fit.places(found.values)
     low, high = np.maximum(0.0, places - reach), np.minimum(1.0, places + reach)
     solutions = failed = widened = 0
     while True:
@@ -186,14 +181,14 @@ def _widened(low: Array, high: Array, cut: np.ndarray) -> tuple[Array, Array]:
 
 
 def _problem(fit: Fit, emulator: Emulator) -> _LogPosterior:
-    values, uncertainties = measured_values(fit)
-    fitted = {point.name for point in fit.points if point.fitted}
+    measured = [each for point in fit.points for each in point.measured.values()]  # as the emulator has them
+    fitted = {point.name for point in fit.fitted}
     figures = tuple(dict.fromkeys(figure for point, figure in emulator.keys if point in fitted))
     which = np.array([figures.index(figure) if figure in figures else 0 for _, figure in emulator.keys])
-    uncertainty = np.array([uncertainties[key] for key in emulator.keys])
+    uncertainty = np.array([each.uncertainty for each in measured])
     used = np.array([point in fitted for point, _ in emulator.keys])
     scale = np.array([np.median(uncertainty[used & (which == i)]) for i in range(len(figures))])
-    value = np.array([values[key] for key in emulator.keys])
+    value = np.array([each.value for each in measured])
     return _LogPosterior(fit, emulator, figures, which, used, value, uncertainty, scale)
 
 
@@ -212,7 +207,7 @@ class _Chain:
 def _sampled_chain(emcee: Any, problem: _LogPosterior, found: Calibration, most: int) -> _Chain:
     """Return states of the posterior, after as many steps as convergence takes, or the most allowed."""
     generator = np.random.default_rng(found.fit.seed)
-    places = np.array([parameter.place(found.values[parameter.path]) for parameter in found.fit.parameters])
+    places = found.fit.places(found.values)
     width = problem.emulator.high - problem.emulator.low
     walkers = WALKERS * problem.size
     spread = np.minimum(0.05 * width, _errors(found))
@@ -267,21 +262,25 @@ def _posterior_of_chain(
     elif shift is not None and shift > TOLERATED_SHIFT:
         what = f"the polynomials may shift the results by up to {shift:.2g} standard deviations"
         told.append(f"{what} (narrow the bounds)")
-    rest: dict[str, Any] = {
-        "samples": samples,
-        "widths": widths,
-        "r_hat": chain.r_hat,
-        "autocorrelation": chain.autocorrelation,
-        "steps": chain.steps,
-        "effective": chain.states.shape[0] * chain.states.shape[1] / chain.autocorrelation,
-        "off": off,
-        "solutions": made[0] + CHECKED_DRAWS * len(fit.points),
-        "failed": made[1] + bad,
-        "region": (problem.emulator.low, problem.emulator.high),
-    }
     predicted = tuple(_predictions(problem, places, widths, generator))
-    status = "not converged" if told else "ok"
-    return Posterior(fit, status, "; ".join(told), parameters, discrepancies, predicted, **rest)
+    return Posterior(
+        fit,
+        "not converged" if told else "ok",
+        "; ".join(told),
+        parameters,
+        discrepancies,
+        predicted,
+        samples=samples,
+        widths=widths,
+        r_hat=chain.r_hat,
+        autocorrelation=chain.autocorrelation,
+        steps=chain.steps,
+        effective=chain.states.shape[0] * chain.states.shape[1] / chain.autocorrelation,
+        off=off,
+        solutions=made[0] + CHECKED_DRAWS * len(fit.points),
+        failed=made[1] + bad,
+        region=(problem.emulator.low, problem.emulator.high),
+    )
 
 
 def _emulator_error(
@@ -293,7 +292,7 @@ def _emulator_error(
     shifted by more of its own standard deviation.
     """
     some, widths = problem.parted(draws[:CHECKED_DRAWS])
-    rows = [figures_at(problem.fit, some, simulate, number) for number in range(len(some))]
+    rows = [figures_at(problem.fit, places, simulate) for places in some]
     known = np.array([bool(np.isfinite(row.figures).all()) for row in rows])
     if not known.any():
         return None, None, len(rows)

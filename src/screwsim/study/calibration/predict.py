@@ -8,21 +8,18 @@ of the fit's points.
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.study.calibration.answers import QUANTILES, Posterior, Prediction, Predictions
-from screwsim.study.calibration.emulator import FigureRow, figures_at, fitted, places_within
+from screwsim.study.calibration.emulator import fitted, places_within, solved_rows
 from screwsim.study.calibration.fit import Fit, Measurement, Point
 from screwsim.study.calibration.machine import points_of, typical_uncertainties
 from screwsim.study.calibration.posterior import CHECKED_DRAWS, TOLERATED_ERROR, posterior
 from screwsim.study.calibration.residuals import Array, Simulate
 from screwsim.study.calibration.solve import Calibration
-from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
-from screwsim.study.workers import WORKER_DIED
 
 
 def points_to_predict(fit: Fit, file: str | os.PathLike[str], option: str = "predict") -> tuple[Point, ...]:
@@ -49,7 +46,7 @@ def posterior_with_predictions(
 
 def known_figures(fit: Fit, points: Sequence[Point]) -> tuple[str, ...]:
     """Return the figures that the fitted points measure; raise UsageError where others are to be predicted."""
-    known = tuple(dict.fromkeys(name for point in fit.points if point.fitted for name in point.measured))
+    known = tuple(dict.fromkeys(name for point in fit.fitted for name in point.measured))
     for point in points:
         for name in point.measured:
             if name not in known:
@@ -84,13 +81,7 @@ def predict(
     spreads = [spread.name for spread in found.discrepancies]
     widths = found.widths[:, [spreads.index(name) for name in figures]]
     places = np.vstack([places_within(fit, low, high), draws[:CHECKED_DRAWS]])
-    rows = parallel_map(
-        partial(_solved_row, asked, places, simulate),
-        len(asked) * len(places),
-        died=lambda number: FigureRow((), WORKER_DIED),
-        jobs=jobs,
-        progress=progress,
-    )
+    rows = solved_rows(asked, places, simulate, jobs, progress)
     generator = np.random.default_rng([fit.seed, 1])
     told: list[Prediction] = []
     reasons: dict[str, str] = {}
@@ -117,11 +108,6 @@ def predict(
 
 
 _NO_MEASUREMENT = Measurement(0.0, 1.0)
-
-
-def _solved_row(asked: Sequence[Fit], places: Array, simulate: Simulate | None, number: int) -> FigureRow:
-    point, place = divmod(number, len(places))
-    return figures_at(asked[point], places, simulate, place)
 
 
 def _point_predictions(

@@ -18,7 +18,8 @@ from screwsim.scene.values import limits_text, shown, text_of, within
 from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose, join
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Parameter, Point, Prior, Tie, prior_of
-from screwsim.study.inputs import DISCRETE_KINDS, shown_value
+from screwsim.study.inputs import DISCRETE_KINDS, shown_range, shown_value
+from screwsim.study.varied import with_accuracy
 
 ACCURACY = 1e-4  # of the solutions of a fit, where neither the fit nor its scene asks for a better one
 HEAD_FIELDS = {
@@ -113,11 +114,8 @@ def _is_file(root: Node, key: str, name: str, problems: LocatedFaults) -> bool:
 
 def _with_fit_accuracy(scene: Scene, accuracy: float | None) -> Scene:
     """Return the scene with the accuracy of a fit, unless it states a tolerance of its own."""
-    numerics = scene.numerics
-    if numerics.rtol is not None:
-        return scene
-    wanted = min(numerics.accuracy, ACCURACY) if accuracy is None else accuracy
-    return replace(scene, numerics=replace(numerics, accuracy=wanted))
+    wanted = min(scene.numerics.accuracy, ACCURACY) if accuracy is None else accuracy
+    return with_accuracy(scene, wanted) or scene
 
 
 def _parameters(root: Node, scene: Scene, problems: LocatedFaults) -> tuple[Parameter, ...]:
@@ -173,13 +171,12 @@ def _parameter(path: str, node: Node, scene: Scene, problems: LocatedFaults) -> 
     if given is None or len(problems) > before:
         return None
     low, high, start = given["from"], given["to"], given["start"]
+    ends = shown_range(scene, path, low, high)
     if not low < high:
         problems.add(node.place, where, "from is not below to (swap them)")
     elif start is not None and not low <= start <= high:
-        ends = f"{shown_value(scene, path, low)} … {shown_value(scene, path, high)}"
         problems.add(node.value["start"].place, join(where, "start"), f"lies outside {ends} (move it)")
     elif prior is not None and not low <= prior.mean <= high:
-        ends = f"{shown_value(scene, path, low)} … {shown_value(scene, path, high)}"
         what = f"lies outside {ends} (move it, or widen from and to)"
         problems.add(node.value["prior"].value["mean"].place, join(where, "prior.mean"), what)
     elif given["spacing"] == "log" and not low > 0.0:
@@ -188,7 +185,6 @@ def _parameter(path: str, node: Node, scene: Scene, problems: LocatedFaults) -> 
     _check_ties(found, leaf, node, scene, problems)
     known = prior_of(scene, found)
     if len(problems) == before and known is not None and not low <= known.mean <= high:
-        ends = f"{shown_value(scene, path, low)} … {shown_value(scene, path, high)}"
         what = f"is {shown_value(scene, path, known.mean)} with a tolerance in the scene, outside {ends}"
         problems.add(node.place, where, f"{what} (widen from and to, or write prior: none)")
     return found
@@ -262,7 +258,7 @@ def _check(fit: Fit, rows: list[tuple[Point, Position]], root: Node, fixed: bool
     for point, place in rows:
         for fault in cross_check(fit.at(point, start)):
             problems.add(place, fault.path, fault.what)
-    data = sum(len(point.measured) for point in fit.points if point.fitted)
+    data = sum(len(point.measured) for point in fit.fitted)
     priors = sum(prior_of(fit.scene, parameter) is not None for parameter in fit.parameters)
     if not data or (fixed and data + priors < len(fit.parameters)):
         what = f"{data} measured figures and {priors} priors cannot determine {len(fit.parameters)} parameters"

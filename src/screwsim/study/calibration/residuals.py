@@ -5,7 +5,7 @@ that the search turns back, and a difference across it is taken to the other sid
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -28,16 +28,15 @@ DIFFERENCE_STEP = 0.01  # of the bounds' distance, to each side: far above the s
 
 @dataclass(frozen=True)
 class Residuals:
-    """Outcome of one set of parameters: residuals of fitted points and priors, figures by point, reasons of failures.
+    """Outcome of one set of parameters: residuals of fitted points and priors, results by point, reasons of failures.
 
-    `unsolved` marks the residuals of figures without a solution; `warnings` are those of the points that warn.
+    `unsolved` marks the residuals of figures without a solution.
     """
 
     residuals: Array
-    figures: tuple[Figures, ...]  # of each fitted point; empty where it failed
+    results: Mapping[str, Result]  # by name of the fitted point; without figures where it failed
     reasons: Mapping[str, str]  # by name of the point
     unsolved: NDArray[np.bool_]
-    warnings: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # by name of the point
 
     @property
     def known(self) -> Array:
@@ -67,10 +66,6 @@ class Objective:
     _slopes: tuple[tuple[bytes, int], Array] | None = None
     _warm: dict[str, Simulate] = field(default_factory=dict)
 
-    @property
-    def points(self) -> list[Point]:
-        return [point for point in self.fit.points if point.fitted]
-
     def values(self, places: Array) -> dict[str, float]:
         """Return the parameters [SI] at places."""
         inside = np.clip(places, 0.0, 1.0)
@@ -84,20 +79,15 @@ class Objective:
 
     def _outcome(self, places: Array) -> Residuals:
         values = self.values(places)
-        found = [self.solved(point, values) for point in self.points]
-        pairs = zip(self.points, found, strict=True)
-        every = [(result.performance.get(name), one) for point, result in pairs for name, one in point.measured.items()]
+        found = {point.name: self.solved(point, values) for point in self.fit.fitted}
+        pairs = ((found[point.name].performance, point.measured.items()) for point in self.fit.fitted)
+        every = [(figures.get(name), one) for figures, measured in pairs for name, one in measured]
         residuals = [_residual(value, measured) for value, measured in every]
         unsolved = [value is None for value, _ in every] + [False] * len(self.fit.held)
-        held = [self.fit.parameters[i] for i in self.fit.held]
-        off = [each.prior.off(values[each.path]) for each in held if each.prior is not None]
+        off = [prior.off(values[self.fit.parameters[i].path]) for i, prior in self.fit.held.items()]
         residuals += (self.fit.whitener @ off).tolist() if self.fit.together else off
-        why = {point.name: result.why_not(point.measured) for point, result in zip(self.points, found, strict=True)}
-        reasons = {name: reason for name, reason in why.items() if reason}
-        pairs = zip(self.points, found, strict=True)
-        warned = {point.name: result.warnings for point, result in pairs if result.warnings}
-        figures = tuple(result.performance for result in found)
-        outcome = Residuals(np.array(residuals), figures, reasons, np.array(unsolved, bool), warned)
+        reasons = reasons_of(self.fit.fitted, found)
+        outcome = Residuals(np.array(residuals), found, reasons, np.array(unsolved, bool))
         cost = float(np.sum(outcome.residuals**2))
         if self.best is None or cost < self.best[0]:
             self.best = cost, np.array(places), outcome
@@ -125,13 +115,12 @@ class Objective:
         if self._slopes is None or self._slopes[0] != (places.tobytes(), sides):
             outcome, values = self.outcome(places), self.values(places)
             self.jacobians += 1
-            pairs = zip(self.points, outcome.figures, strict=True)
+            pairs = ((point, outcome.results[point.name].performance) for point in self.fit.fitted)
             rows = [self.point_slopes(point, places, figures, sides) for point, figures in pairs]
             priors = np.zeros((len(self.fit.held), len(places)))
-            for row, index in enumerate(self.fit.held):
+            for row, (index, prior) in enumerate(self.fit.held.items()):
                 each = self.fit.parameters[index]
-                assert each.prior is not None
-                priors[row, index] = each.prior.slope(values[each.path]) * each.slope(values[each.path])
+                priors[row, index] = prior.slope(values[each.path]) * each.slope(values[each.path])
             rows.append(np.asarray(self.fit.whitener @ priors, float) if self.fit.together else priors)
             self._slopes = (places.tobytes(), sides), np.vstack(rows)
         return self._slopes[1]
@@ -180,6 +169,12 @@ class Objective:
             if len(pairs) > 1:
                 column[row] = (pairs[-1][1] - pairs[0][1]) / (pairs[-1][0] - pairs[0][0]) / measured.uncertainty
         return column
+
+
+def reasons_of(points: Iterable[Point], results: Mapping[str, Result]) -> dict[str, str]:
+    """Return why points have no result, or lack figures that are measured there, by their names."""
+    why = {point.name: results[point.name].why_not(point.measured) for point in points}
+    return {name: reason for name, reason in why.items() if reason}
 
 
 def _residual(value: float | None, measured: Measurement) -> float:

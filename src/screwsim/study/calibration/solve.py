@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 
 from screwsim.inputs.faults import Interrupted
-from screwsim.outputs import Figures
 from screwsim.outputs.display import About, Brief
-from screwsim.scene import Scene, scene_text, with_values
+from screwsim.scene import Scene, scene_text
 from screwsim.study.calibration.descent import LEAST_GAIN, least_squares
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, TOLERANCE_REMEDY, Fit, Measurement, Point
 from screwsim.study.calibration.identifiability import Certainty, active_bounds, certainty
-from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Residuals, Simulate
+from screwsim.study.calibration.machine import prepare
+from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Residuals, Simulate, reasons_of
 from screwsim.study.inputs import shown_value
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
@@ -116,8 +116,7 @@ def start_places(fit: Fit) -> Array:
     """Return the places where the starts begin (starts, parameters): the stated values, then a Latin hypercube."""
     from scipy.stats import qmc
 
-    stated = fit.first_start()
-    first = np.array([[parameter.place(stated[parameter.path]) for parameter in fit.parameters]])
+    first = fit.places(fit.first_start())[None]
     if fit.starts == 1:
         return first
     cube = qmc.LatinHypercube(len(fit.parameters), rng=np.random.default_rng(fit.seed))
@@ -126,7 +125,7 @@ def start_places(fit: Fit) -> Array:
 
 def cost_in_words(fit: Fit) -> str:
     """Return in a line the approximate number of solutions, for one to three Jacobians, and how to need fewer."""
-    points = sum(point.fitted for point in fit.points)
+    points = len(fit.fitted)
     jacobian = points * (2 if fit.slopes == EXACT else 2 * len(fit.parameters) + 1)
     least = fit.starts * jacobian
     many = f"{fit.starts} start{'s' * (fit.starts > 1)}"
@@ -145,11 +144,8 @@ def calibrate(
     """
     fit = fit.with_priors()
     places = start_places(fit)
-    if simulate is None:
-        from screwsim.simulate import warm_up
-
-        warm_up(with_values(fit.machine(fit.first_start()), fit.points[0].values))  # before the fork
-    else:
+    prepare(replace(fit, scene=fit.machine(fit.first_start())), simulate)
+    if simulate is not None:
         fit = replace(fit, slopes=DIFFERENCES)
     answers: dict[int, Start] = {}
     with TemporaryDirectory(prefix="screwsim-") as folder:
@@ -194,7 +190,7 @@ def run_start(fit: Fit, places: Array, simulate: Simulate | None, folder: str, n
     began = np.clip(places[number], 1e-6, 1.0 - 1e-6)
     asked = Objective(fit, simulate, Path(folder) / f"{number}.json")
     first = asked.outcome(began)
-    if np.all(first.unsolved[: sum(len(point.measured) for point in asked.points)]):
+    if np.all(first.unsolved[: sum(len(point.measured) for point in asked.fit.fitted)]):
         return _failed_start(began, next(iter(first.reasons.values())), asked)
     if _search(asked, began, confirmed=False):
         return _start(asked, began, "ok", "")
@@ -242,7 +238,7 @@ def _calibration_of_starts(
 ) -> Calibration:
     """Return the answer from the results of the starts."""
     counts: dict[str, Any] = {name: sum(getattr(start, name) for start in starts) for name in ("solutions", "failed")}
-    best = best_start(starts, sum(len(point.measured) for point in fit.points if point.fitted))
+    best = best_start(starts, sum(len(point.measured) for point in fit.fitted))
     if not np.isfinite(best.cost):
         reason = f"no start has a solution: {best.message} (change starts or bounds)"
         nothing = (None, None, 0, 0.0, (), (), {})
@@ -315,16 +311,12 @@ def _compared(
     asked: Objective, outcome: Residuals, values: dict[str, float]
 ) -> tuple[tuple[ComparedMeasurement, ...], dict[str, str], dict[str, tuple[str, ...]]]:
     """Return every measured figure beside the computed one, also at points not fitted, with reasons and warnings."""
-    fitted = dict(zip((point.name for point in asked.points), outcome.figures, strict=True))
-    compared, reasons, warned = [], dict(outcome.reasons), dict(outcome.warnings)
-    for point in asked.fit.points:
-        if point.fitted:
-            figures = fitted[point.name]
-        else:
-            result = asked.solved(point, values)
-            figures: Figures = result.performance
-            reason = result.why_not(point.measured)
-            reasons |= {point.name: reason} if reason else {}
-            warned |= {point.name: result.warnings} if result.warnings else {}
-        compared += [ComparedMeasurement(point, name, each, figures.get(name)) for name, each in point.measured.items()]
-    return tuple(compared), reasons, warned
+    fitted, others = asked.fit.fitted, [point for point in asked.fit.points if not point.fitted]
+    results = {**outcome.results, **{point.name: asked.solved(point, values) for point in others}}
+    compared = (
+        ComparedMeasurement(point, name, each, results[point.name].performance.get(name))
+        for point in asked.fit.points
+        for name, each in point.measured.items()
+    )
+    warned = {name: result.warnings for name, result in results.items() if result.warnings}
+    return tuple(compared), reasons_of((*fitted, *others), results), warned

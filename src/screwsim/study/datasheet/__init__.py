@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from screwsim.build import package_of
 from screwsim.figures import declared
@@ -11,11 +11,13 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import EFFICIENCY, Result
 from screwsim.results.left_out import left_out_words
 from screwsim.scene import Scene
+from screwsim.study.datasheet.air_year import Demand, read_profile
+from screwsim.study.datasheet.bounds import limits_of
 from screwsim.study.datasheet.sheet import Sheet
 from screwsim.study.progress import Progress
 from screwsim.study.stages.read import StageChain
 
-__all__ = ["Sheet", "sheet_of", "sheet_of_stages"]
+__all__ = ["Sheet", "sheet_of"]
 
 
 BY_TEMPERATURE, BY_PRESSURE = ("--evaporating", "--condensing"), ("--suction", "--discharge")
@@ -32,8 +34,29 @@ FIGURES = (
 )
 
 
+class SheetOptions(NamedTuple):
+    """What is asked of a sheet: ranges by option, and limits, heating and profile as `sheet_of` takes them."""
+
+    ranges: Mapping[str, str | None]
+    limits: Sequence[str]
+    heating: bool
+    profile: str | None
+    jobs: int | None
+    progress: Progress | None
+
+    @property
+    def of_points(self) -> dict[str, Any]:
+        """The options that no air package takes."""
+        return {**self.ranges, "--limit": tuple(self.limits) or None, "--heating": self.heating or None}
+
+    @property
+    def demands(self) -> tuple[Demand, ...]:
+        """The demands of the profile; raise UsageError where it cannot be read."""
+        return () if self.profile is None else read_profile(self.profile)
+
+
 def sheet_of(
-    scene: Scene,
+    subject: Scene | StageChain,
     *,
     evaporating: str | None = None,
     condensing: str | None = None,
@@ -45,60 +68,72 @@ def sheet_of(
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> Sheet:
-    """Return the data sheet of a scene; raise UsageError, in one line, where the scene leaves open what is rated.
+    """Return the data sheet of a scene, or of two stages in series.
+
+    Raises UsageError, in one line, where the scene leaves open what is rated, or for what does not belong to it.
 
     For a refrigeration machine `evaporating` and `condensing` are ranges ('-10 degC..10 degC') that replace those of
     the scene's sweep; for a gas compressor or an expander, whose scenes state pressures, `suction` and `discharge` are
     ('4 bar..6 bar'). `limits` state what must hold ('discharge_temperature<110 degC'); `heating` adds the tables of a
-    heat pump. An air package takes none of these, but a `profile`, a CSV file of flows and hours. Where the scene
-    states tolerances, or names the validation of its model, lines give the resulting uncertainties of its own point.
+    heat pump. An air package (of two stages: air with two motors) takes none of these, but a `profile`, a CSV file of
+    flows and hours. Where a scene states tolerances, or names the validation of its model, lines give the resulting
+    uncertainties of its own point.
     """
     given = (evaporating, condensing, suction, discharge)
     ranges = dict(zip((*BY_TEMPERATURE, *BY_PRESSURE), given, strict=True))
-    sheet = _sheet_of_kind(scene, ranges, limits, heating, profile, jobs, progress)
-    return _sheet_with_uncertainty(scene, sheet) if scene.uncertain or scene.model_error else sheet
+    asked = SheetOptions(ranges, limits, heating, profile, jobs, progress)
+    if isinstance(subject, Scene):
+        sheet = _sheet_of_scene(subject, asked)
+        return _sheet_with_uncertainty(subject, sheet) if subject.uncertain or subject.model_error else sheet
+    return _stages_with_uncertainty(subject, _sheet_of_stages(subject, asked))
 
 
-def sheet_of_stages(
-    chain: StageChain,
-    *,
-    evaporating: str | None = None,
-    condensing: str | None = None,
-    suction: str | None = None,
-    discharge: str | None = None,
-    limits: Sequence[str] = (),
-    heating: bool = False,
-    profile: str | None = None,
-    jobs: int | None = None,
-    progress: Progress | None = None,
-) -> Sheet:
-    """Return the data sheet of two stages in series; raise UsageError, in one line, for what does not belong to them.
+def _sheet_of_scene(scene: Scene, asked: SheetOptions) -> Sheet:
+    if package_of(scene) is not None and scene.gas.name.lower() == "air":
+        from screwsim.study.datasheet.air_rating import rating as air_rating
+        from screwsim.study.datasheet.air_sheet import air_sheet
 
-    Refrigeration plants take `evaporating`, `condensing` and `heating`, other gases `suction` and `discharge`, air with
-    two motors a `profile`, all with the meaning that `sheet_of` gives them.
-    """
-    given = (evaporating, condensing, suction, discharge)
-    ranges = dict(zip((*BY_TEMPERATURE, *BY_PRESSURE), given, strict=True))
+        _refuse_unused_options(asked.of_points, "the scene is an air package")
+        demands = asked.demands
+        return air_sheet(scene, air_rating(scene, asked.progress), demands)
+    _refuse_unused_options({"--profile": asked.profile}, "the scene is not one")
+    from screwsim.study.datasheet.rated import rating
+
+    ranges, bounds = asked.ranges, limits_of(scene, asked.limits)
+    operation = scene.operation
+    states_lines = operation.condensing_temperature is not None or operation.gas_cooler is not None
+    if states_lines and not scene.machine.expands:
+        from screwsim.study.datasheet.refrigeration_sheet import rating_request, refrigeration_sheet
+
+        _refuse_unused_options({name: ranges[name] for name in BY_PRESSURE}, "the scene states saturation temperatures")
+        request = rating_request(scene, ranges["--evaporating"], ranges["--condensing"], bounds)
+        return refrigeration_sheet(rating(request, asked.jobs, asked.progress), asked.heating)
+    from screwsim.study.datasheet import gas_sheet
+
+    options = gas_sheet.options_of(scene)
+    stated = "pressures" if "--suction" in options else "saturation temperatures"
+    unused: dict[str, Any] = {name: text for name, text in ranges.items() if name not in options}
+    _refuse_unused_options({**unused, "--heating": asked.heating or None}, f"the scene states {stated}")
+    request = gas_sheet.rating_request(scene, ranges, bounds)
+    return gas_sheet.gas_sheet(rating(request, asked.jobs, asked.progress))
+
+
+def _sheet_of_stages(chain: StageChain, asked: SheetOptions) -> Sheet:
     from screwsim.study.datasheet import stages_rating as rating
     from screwsim.study.datasheet.stages_air import air_stages_sheet, is_air_package
 
     if is_air_package(chain):
-        from screwsim.study.datasheet.air_year import read_profile
-
-        unused = {**ranges, "--limit": tuple(limits) or None, "--heating": heating or None}
-        _refuse_unused_options(unused, "the stages compress air as a package")
-        demands = () if profile is None else read_profile(profile)
-        return _stages_with_uncertainty(chain, air_stages_sheet(chain, demands, jobs, progress))
-    _refuse_unused_options({"--profile": profile}, "the two stages are not one (air, and a motor in both)")
-    from screwsim.study.datasheet.bounds import limits_of_stages
+        _refuse_unused_options(asked.of_points, "the stages compress air as a package")
+        return air_stages_sheet(chain, asked.demands, asked.jobs, asked.progress)
+    _refuse_unused_options({"--profile": asked.profile}, "the two stages are not one (air, and a motor in both)")
     from screwsim.study.datasheet.stages_sheet import stages_sheet
 
     options = rating.axis_options(chain)
-    unused = {name: text for name, text in ranges.items() if name not in options}
-    unused |= {} if rating.refrigerates(chain) else {"--heating": heating or None}
+    unused: dict[str, Any] = {name: text for name, text in asked.ranges.items() if name not in options}
+    unused |= {} if rating.refrigerates(chain) else {"--heating": asked.heating or None}
     _refuse_unused_options(unused, f"these two stages are rated over {' and '.join(options)}")
-    asked = rating.rating_request(chain, ranges, limits_of_stages(chain, limits))
-    return _stages_with_uncertainty(chain, stages_sheet(rating.rating(asked, jobs, progress), heating))
+    request = rating.rating_request(chain, asked.ranges, limits_of(chain, asked.limits))
+    return stages_sheet(rating.rating(request, asked.jobs, asked.progress), asked.heating)
 
 
 def _stages_with_uncertainty(chain: StageChain, sheet: Sheet) -> Sheet:
@@ -150,47 +185,6 @@ def _model_uncertainty(result: Result, model: Mapping[str, Any]) -> str:
         parts.append(f"{shown_name(name)} {ends} {unit}")
     outside = f"; this scene lies outside: {'; '.join(model['outside'])}" if model["outside"] else ""
     return f"computed less measured, {', '.join(parts) or 'no figure of this scene'} by validate {model['of']}{outside}"
-
-
-def _sheet_of_kind(
-    scene: Scene,
-    ranges: Mapping[str, str | None],
-    limits: Sequence[str],
-    heating: bool,
-    profile: str | None,
-    jobs: int | None,
-    progress: Progress | None,
-) -> Sheet:
-    if package_of(scene) is not None and scene.gas.name.lower() == "air":
-        from screwsim.study.datasheet.air_rating import rating as air_rating
-        from screwsim.study.datasheet.air_sheet import air_sheet
-        from screwsim.study.datasheet.air_year import read_profile
-
-        _refuse_unused_options(
-            {**ranges, "--limit": tuple(limits) or None, "--heating": heating or None}, "the scene is an air package"
-        )
-        demands = () if profile is None else read_profile(profile)
-        return air_sheet(scene, air_rating(scene, progress), demands)
-    _refuse_unused_options({"--profile": profile}, "the scene is not one")
-    from screwsim.study.datasheet.bounds import limits_of
-    from screwsim.study.datasheet.rated import rating
-
-    bounds = limits_of(scene, limits)
-    operation = scene.operation
-    states_lines = operation.condensing_temperature is not None or operation.gas_cooler is not None
-    if states_lines and not scene.machine.expands:
-        from screwsim.study.datasheet.refrigeration_sheet import rating_request, refrigeration_sheet
-
-        _refuse_unused_options({name: ranges[name] for name in BY_PRESSURE}, "the scene states saturation temperatures")
-        asked = rating_request(scene, ranges["--evaporating"], ranges["--condensing"], bounds)
-        return refrigeration_sheet(rating(asked, jobs, progress), heating)
-    from screwsim.study.datasheet import gas_sheet
-
-    options = gas_sheet.options_of(scene)
-    stated = "pressures" if "--suction" in options else "saturation temperatures"
-    unused: dict[str, Any] = {name: text for name, text in ranges.items() if name not in options}
-    _refuse_unused_options({**unused, "--heating": heating or None}, f"the scene states {stated}")
-    return gas_sheet.gas_sheet(rating(gas_sheet.rating_request(scene, ranges, bounds), jobs, progress))
 
 
 def _refuse_unused_options(given: Mapping[str, Any], why: str) -> None:

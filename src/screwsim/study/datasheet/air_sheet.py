@@ -163,16 +163,24 @@ def _verdict(found: Regulation | None) -> tuple[str, str, bool | None] | None:
 
 
 def _notes(scene: Scene, points: list[Point]) -> Iterator[str]:
+    yield from inlet_note(scene)
+    if scene.gas.relative_humidity:
+        yield HUMID_FIGURES
+    yield from point_notes([(f"{point.speed / RPM:.0f} rpm", point) for point in points])
+    yield DISCLAIMER
+
+
+def inlet_note(scene: Scene) -> Iterator[str]:
+    """Yield a note where the inlet of a package is another than that of data sheets."""
     at = lines(scene)
     if abs(at.p_s - REFERENCE_INLET[0]) > 1e-3 * REFERENCE_INLET[0] or abs(at.T_s - REFERENCE_INLET[1]) > 0.1:
         yield "rated at an inlet other than the 1 bar and 20 °C at which data sheets are compared"
-    if scene.gas.relative_humidity:
-        yield HUMID_FIGURES
-    for point in points:
-        if not point.ok:
-            yield f"{point.speed / RPM:.0f} rpm: {point.result.told}"
-    yield from warning_lines([(f"{point.speed / RPM:.0f} rpm", point.result.warnings) for point in points])
-    yield DISCLAIMER
+
+
+def point_notes(points: Sequence[tuple[str, Point]]) -> Iterator[str]:
+    """Yield failures and warnings of points, each with its name."""
+    yield from (f"{name}: {point.result.told}" for name, point in points if not point.ok)
+    yield from warning_lines([(name, point.result.warnings) for name, point in points])
 
 
 def _figures(point: Point) -> dict[str, Any]:

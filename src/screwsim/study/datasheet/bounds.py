@@ -9,9 +9,7 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import figure_text, quantity, shown_name
 from screwsim.scene import Scene
 from screwsim.scene.units import ZERO_CELSIUS
-from screwsim.study.figures import figure_of_stages
-from screwsim.study.goals import read_bounds, read_bounds_of
-from screwsim.study.stages.axes import STAGE_NAMES
+from screwsim.study.goals import read_bounds
 from screwsim.study.stages.read import StageChain
 
 MOTOR = "motor"
@@ -53,25 +51,22 @@ def limit_text(figure: str, value: float) -> str:
     return quantity(about.shown or about.units, value)
 
 
-def limits_of(scene: Scene, texts: Sequence[str]) -> tuple[Bound, ...]:
-    """Return the limits stated in texts, and the motor's rated power where the scene has one; raise UsageError."""
-    stated = read_bounds(scene, texts, "--limit")
-    found = [Bound(each.figure, 1 if each.sign == "<" else -1, each.value) for each in stated]
-    motor = motor_of(scene)
-    power = "output_power" if scene.machine.expands else "shaft_power"
-    if motor is not None and not any(bound.figure == power for bound in found):
-        found.append(Bound(power, 1, float(motor.rated_power), RATED))
-    return tuple(found)
+def limits_of(subject: Scene | StageChain, texts: Sequence[str]) -> tuple[Bound, ...]:
+    """Return the limits stated in texts, and the rated power of each motor of a scene or of two stages.
 
-
-def limits_of_stages(chain: StageChain, texts: Sequence[str]) -> tuple[Bound, ...]:
-    """Return the limits stated in texts for figures of two stages, and the rated power of each motor."""
-    stated = read_bounds_of(figure_of_stages, texts, "--limit")
+    Raises UsageError for a text that states none.
+    """
+    stated = read_bounds(subject, texts, "--limit")
     found = [Bound(each.figure, 1 if each.sign == "<" else -1, each.value) for each in stated]
-    for stage, scene in zip(STAGE_NAMES, (chain.first, chain.second), strict=True):
-        motor, power = motor_of(scene), f"{stage}_shaft_power"
+    if isinstance(subject, Scene):
+        powers = (("output_power" if subject.machine.expands else "shaft_power", subject, RATED),)
+    else:
+        stages = subject.by_stage.items()
+        powers = tuple((f"{stage}_shaft_power", scene, f"{stage}.{RATED}") for stage, scene in stages)
+    for power, scene, source in powers:
+        motor = motor_of(scene)
         if motor is not None and not any(bound.figure == power for bound in found):
-            found.append(Bound(power, 1, float(motor.rated_power), f"{stage}.{RATED}"))
+            found.append(Bound(power, 1, float(motor.rated_power), source))
     return tuple(found)
 
 

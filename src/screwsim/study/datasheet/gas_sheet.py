@@ -6,6 +6,7 @@ of the speed where the scene sweeps that, or a range of it is requested.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from screwsim.figures.engineering import quantity
@@ -19,7 +20,7 @@ from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet import rated as rating
 from screwsim.study.datasheet import tables
 from screwsim.study.datasheet.bounds import Bound, motor_of
-from screwsim.study.datasheet.rated import Axis, Rating, RatingRequest, celsius, pressure_ratio
+from screwsim.study.datasheet.rated import Axis, SceneRating, SceneRequest, celsius, pressure_ratio
 from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
 from screwsim.study.datasheet.tables import DUTY, HOUR, KW, PERCENT, Column
 from screwsim.study.part_load import CONTROL_ENDS, GAS, RATIO_PATH, SPEED_PATH, controls, ratios
@@ -49,10 +50,10 @@ EXAMPLES = {
 VALUES_PER_RANGE = 5  # values per range
 
 
-def gas_sheet(rated: Rating) -> Sheet:
+def gas_sheet(rated: SceneRating) -> Sheet:
     """Return the sheet of a rating."""
     scene, expands = rated.asked.scene, _expands(rated)
-    heading = f"{'Expander' if expands else 'Gas compressor'}, rating by {' and '.join(_axes_in_words(rated))}"
+    heading = f"{'Expander' if expands else 'Gas compressor'}, rating by {' and '.join(rated.asked.axes_in_words)}"
     meant = DISCLAIMER.replace("of ISO 1217 ", "") if expands else DISCLAIMER
     notes = [*tables.notes_of(rated, _own_point(rated), meant)]
     if not expands:
@@ -63,7 +64,6 @@ def gas_sheet(rated: Rating) -> Sheet:
         title=with_printed_units(scene.title),
         lines=list(_lines(rated)),
         tables=list(_tables(rated)),
-        verdict=None,
         notes=notes,
         drawings=list(_drawings(rated)),
         document=_document(rated),
@@ -71,7 +71,7 @@ def gas_sheet(rated: Rating) -> Sheet:
     )
 
 
-def _expands(rated: Rating) -> bool:
+def _expands(rated: SceneRating) -> bool:
     return rated.asked.scene.machine.expands
 
 
@@ -94,13 +94,13 @@ class NormalFlow(Column):
         return None if wet is None else wet * dry_share(found)
 
 
-def _own_point(rated: Rating) -> str:
-    at, speed = lines(rated.asked.scene), rated.asked.scene.operation.speed
-    what = f"{quantity('Pa', at.p_s)}, {celsius(at.T_s):.4g} °C to {quantity('Pa', at.p_d)}"
-    return f"{what} at {quantity('rad s-1', speed)}" if _expands(rated) else what
+def _own_point(rated: SceneRating) -> str:
+    scene = rated.asked.scene
+    what = f"{tables.inlet_in_words(scene)} to {quantity('Pa', lines(scene).p_d)}"
+    return f"{what} at {quantity('rad s-1', scene.operation.speed)}" if _expands(rated) else what
 
 
-def _lines(rated: Rating) -> Iterator[tuple[str, str]]:
+def _lines(rated: SceneRating) -> Iterator[tuple[str, str]]:
     scene, found = rated.asked.scene, rated.own.performance if rated.own.status == "ok" else {}
     yield from tables.machine_line(scene, found)
     humidity = scene.gas.relative_humidity
@@ -125,7 +125,7 @@ def _temperature(scene: Scene) -> str:
     return f"{celsius(lines(scene).T_s):.4g} °C at the inlet"
 
 
-def _point(rated: Rating, found: Mapping[str, Any]) -> str:
+def _point(rated: SceneRating, found: Mapping[str, Any]) -> str:
     if not found:
         return rated.own.told
     flow, power, efficiency, filled, *_ = _columns(rated)
@@ -140,14 +140,14 @@ def _point(rated: Rating, found: Mapping[str, Any]) -> str:
     return ", ".join([*words, f"filling factor {filled.cell(found)}"])
 
 
-def _power_words(rated: Rating) -> str:
+def _power_words(rated: SceneRating) -> str:
     electrical = motor_of(rated.asked.scene) is not None
     if _expands(rated):
         return "of electrical power given" if electrical else "given at the shaft"
     return "of electrical power" if electrical else "at the shaft"
 
 
-def _columns(rated: Rating) -> tuple[Column, ...]:
+def _columns(rated: SceneRating) -> tuple[Column, ...]:
     """Return the columns with a table each; the first four are flow, power, efficiency and filling of the chambers."""
     scene, own, expands = rated.asked.scene, rated.own.performance, _expands(rated)
     electrical = motor_of(scene) is not None
@@ -175,41 +175,20 @@ def _columns(rated: Rating) -> tuple[Column, ...]:
     return tuple(columns)
 
 
-def _sides(rated: Rating) -> tuple[str, str]:
-    asked, expands = rated.asked, _expands(rated)
-    across = "speed" if asked.across.path == SPEED_PATH else "inlet" if expands else "suction"
-    if asked.across.path == EVAPORATING:
-        across = "evaporating"
-    down = "outlet" if expands else "discharge"
-    return across, "condensing" if asked.down.path.endswith("temperature") else down
-
-
-def _axes_in_words(rated: Rating) -> Iterator[str]:
-    """Yield the meaning of both axes, in words."""
-    for axis, side in zip((rated.asked.across, rated.asked.down), _sides(rated), strict=True):
-        kind = "temperature" if axis.path.endswith("temperature") else "pressure"
-        yield side if axis.path == SPEED_PATH else f"{side} {kind}"
-
-
-def _tables(rated: Rating) -> Iterator[Table]:
-    across, down = _sides(rated)
+def _tables(rated: SceneRating) -> Iterator[Table]:
     columns = _columns(rated)
-    yield from tables.tables_of(rated, columns, down)
-    yield from tables.envelope_table(rated, across, list(_axes_in_words(rated))[1])
+    yield from tables.tables_of(rated, columns)
+    yield from tables.envelope_table(rated)
     if _expands(rated):
         return
-    note = tables.part_load_note(
-        rated, f"mass flow relative to that of the scene itself, at {_own_point(rated)}", "η_s"
-    )
-    flow, power, efficiency, _, discharge, *_ = columns
-    word = power.title.split()[0].lower()
-    shown = ("flow kg/h", flow), (f"{word} kW", power), ("η_s %", efficiency), ("discharge °C", discharge)
-    yield from tables.part_load_table(rated, shown, ("η_s there", efficiency), note)
+    load = f"mass flow relative to that of the scene itself, at {_own_point(rated)}"
+    discharge = ("discharge °C", columns[4])
+    note = tables.part_load_note(rated, load, "η_s")
+    yield from tables.part_load_table(rated, columns, (discharge,), note, "η_s there")
 
 
-def _drawings(rated: Rating) -> Iterator[Drawing]:
+def _drawings(rated: SceneRating) -> Iterator[Drawing]:
     asked = rated.asked
-    across, _ = _sides(rated)
     columns = _columns(rated)
     below = list(enumerate(asked.down.values))
     rows = []
@@ -217,12 +196,12 @@ def _drawings(rated: Rating) -> Iterator[Drawing]:
         cases = ((with_values(asked.scene, {asked.across.path: value, asked.down.path: each}), j) for j, each in below)
         rows.append((tables.shown_at(asked.across, value), sorted((pressure_ratio(one), (i, j)) for one, j in cases)))
     for column in (columns[1], columns[2]):
-        yield from tables.drawing(rated, column, "pressure ratio", across, rows)
+        yield from tables.drawing(rated, column, "pressure ratio", asked.sides[0], rows)
     title = columns[2].title
     yield from tables.part_load_drawing(rated, columns[2], f"Part load: {title[0].lower()}{title[1:]}")
 
 
-def _document(rated: Rating) -> dict[str, Any]:
+def _document(rated: SceneRating) -> dict[str, Any]:
     scene = rated.asked.scene
     return {
         "kind": "expander" if _expands(rated) else "gas",
@@ -243,7 +222,7 @@ def options_of(scene: Scene) -> dict[str, str]:
     return {"--suction": P_S, "--discharge": P_D}
 
 
-def rating_request(scene: Scene, ranges: Mapping[str, str | None], bounds: Sequence[Bound]) -> RatingRequest:
+def rating_request(scene: Scene, ranges: Mapping[str, str | None], bounds: Sequence[Bound]) -> SceneRequest:
     """Return what is rated of a scene, given ranges of its lines' options; raise UsageError."""
     (first, inlet), (second, outlet) = options_of(scene).items()
     expands = scene.machine.expands
@@ -254,19 +233,18 @@ def rating_request(scene: Scene, ranges: Mapping[str, str | None], bounds: Seque
         speeds = rating.swept_values(scene, SPEED_PATH) or tuple(share * base.operation.speed for share in SPEED_SHARES)
         across = Axis(SPEED_PATH, speeds)
     else:
-        across = _line(scene, base, inlet, ranges.get(first), first)
-    down = _line(scene, base, outlet, ranges.get(second), second)
-    if expands:
-        return RatingRequest(base, across, down, tuple(bounds), (), aim=GAS)
-    return RatingRequest(base, across, down, tuple(bounds), tuple(controls(scene)), ratios(scene), GAS)
+        across = axis_values(base, inlet, ranges.get(first), first, rating.swept_values(scene, inlet))
+    down = axis_values(base, outlet, ranges.get(second), second, rating.swept_values(scene, outlet))
+    asked = SceneRequest(scenes=(base,), across=across, down=down, bounds=bounds, controls=(), aim=GAS)
+    return asked if expands else replace(asked, controls=controls(scene), ratios=ratios(scene))
 
 
-def _line(scene: Scene, base: Scene, path: str, text: str | None, option: str) -> Axis:
+def axis_values(base: Scene, path: str, text: str | None, option: str, swept: tuple[float, ...]) -> Axis:
+    """Return an axis: over a range, at swept values [SI], or around the scene's own one; raise UsageError."""
     if text is not None:
-        return Axis(
-            path, rating.evenly_spaced(*rating.read_range(base, path, text, option, EXAMPLES[path]), VALUES_PER_RANGE)
-        )
-    return Axis(path, rating.swept_values(scene, path) or values_around_own(base, path))
+        ends = rating.read_range(base, path, text, option, EXAMPLES[path])
+        return Axis(path, rating.evenly_spaced(*ends, VALUES_PER_RANGE))
+    return Axis(path, swept or values_around_own(base, path))
 
 
 def values_around_own(base: Scene, path: str) -> tuple[float, ...]:

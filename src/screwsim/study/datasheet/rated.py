@@ -6,10 +6,11 @@ and outlet for expanders.
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence, Set
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
@@ -21,10 +22,11 @@ from screwsim.simulate import simulate_many
 from screwsim.study.datasheet.bounds import Bound, EnvelopeRange, envelope, motor_of
 from screwsim.study.inputs import ends_of, read_text, shown_value
 from screwsim.study.parallel import parallel_map
-from screwsim.study.part_load import LOADS, REFRIGERATION, Control, LoadFigures, PartLoad, part_load
+from screwsim.study.part_load import LOADS, REFRIGERATION, SPEED_PATH, Control, LoadFigures, PartLoad, part_load
 from screwsim.study.progress import Progress
 from screwsim.study.workers import WORKER_DIED
 
+DEAD = Result("failed", message=WORKER_DIED)
 LEAST_LIFT = 10.0  # [K]
 LEAST_RATIO = 1.2  # of pressures, below which no point is computed
 OPTIONS = {
@@ -34,6 +36,14 @@ OPTIONS = {
     P_S: "--suction",
     P_D: "--discharge",
 }
+SIDES = {
+    EVAPORATING: "evaporating",
+    CONDENSING: "condensing",
+    GAS_COOLER_P: "gas cooler",
+    P_S: "suction",
+    P_D: "discharge",
+}
+EXPANDER_SIDES = SIDES | {P_S: "inlet", P_D: "outlet", SPEED_PATH: "speed"}
 
 
 class Axis(NamedTuple):
@@ -42,103 +52,113 @@ class Axis(NamedTuple):
     path: str
     values: tuple[float, ...]
 
-
-class Asked(Protocol):
-    """What is rated over two axes: a scene, or two of them in series."""
-
     @property
-    def across(self) -> Axis:
-        """The axis across the tables."""
-        ...
-
-    @property
-    def down(self) -> Axis:
-        """The axis down the tables."""
-        ...
-
-    @property
-    def bounds(self) -> Sequence[Bound]:
-        """The limits."""
-        ...
-
-    @property
-    def controls(self) -> Sequence[Control]:
-        """The controls of the capacity."""
-        ...
-
-    @property
-    def ratios(self) -> Sequence[float]:
-        """The built-in volume ratios from which the best is found at each part load."""
-        ...
-
-    @property
-    def inverts(self) -> bool:
-        """Whether the losses of inverters are included at other speeds."""
-        ...
-
-    def shown(self, path: str, value: float, digits: int = 5) -> str:
-        """Return a setting [SI] of a control in words."""
-        ...
+    def kind(self) -> str:
+        """Temperature, or else pressure."""
+        return "temperature" if self.path.endswith("temperature") else "pressure"
 
 
-class Rated(Protocol):
-    """What was found of it: results at its own point, over both axes, of each control, and the envelope."""
+@dataclass(frozen=True, kw_only=True)
+class RatingRequest(ABC):
+    """What is rated: scenes without a sweep, the axes across and down their tables, limits, controls.
 
-    @property
-    def asked(self) -> Asked:
-        """What is rated."""
-        ...
+    `scenes` are that of a machine, or those of both stages; `ratios` the built-in volume ratios from which the best is
+    found at each part load.
+    """
 
-    @property
-    def own(self) -> Result:
-        """The result at its own point."""
-        ...
-
-    @property
-    def points(self) -> Mapping[tuple[int, int], Result]:
-        """The results by the indices on both axes."""
-        ...
-
-    @property
-    def loads(self) -> Sequence[PartLoad]:
-        """The results of each control."""
-        ...
-
-    @property
-    def reach(self) -> Sequence[EnvelopeRange]:
-        """The envelope."""
-        ...
-
-
-class RatingRequest(NamedTuple):
-    """What is rated: a scene without a sweep, the axes across and down its tables, limits, controls."""
-
-    scene: Scene
+    scenes: tuple[Scene, ...]
     across: Axis
     down: Axis
-    bounds: tuple[Bound, ...]
-    controls: tuple[Control, ...]
-    ratios: tuple[float, ...] = ()  # built-in volume ratios from which the best is found at each part load
+    bounds: Sequence[Bound]
+    controls: Sequence[Control]
+    ratios: Sequence[float] = ()
     aim: LoadFigures = REFRIGERATION
 
     @property
+    def sides(self) -> tuple[str, str]:
+        """The meaning of the axes across and down, in a word each."""
+        words = EXPANDER_SIDES if self.scenes[0].machine.expands else SIDES
+        return words[self.across.path], words[self.down.path]
+
+    @property
+    def axes_in_words(self) -> tuple[str, str]:
+        """The meaning of both axes, in words."""
+        across, down = (
+            side if axis.path == SPEED_PATH else f"{side} {axis.kind}"
+            for axis, side in zip((self.across, self.down), self.sides, strict=True)
+        )
+        return across, down
+
+    @property
+    def has_motors(self) -> bool:
+        """Whether every scene names a motor."""
+        return all(motor_of(scene) is not None for scene in self.scenes)
+
+    @property
     def inverts(self) -> bool:
-        """Whether the losses of an inverter are included at other speeds."""
-        motor = motor_of(self.scene)
-        return motor is not None and motor.inverts
+        """Whether the losses of all inverters are included at other speeds."""
+        return all(motor is not None and motor.inverts for motor in map(motor_of, self.scenes))
+
+    @property
+    def by_lift(self) -> bool:
+        """Whether both axes are temperatures of saturation, between which a refrigeration machine works."""
+        return self.aim == REFRIGERATION and (self.across.path, self.down.path) == (EVAPORATING, CONDENSING)
+
+    def is_small(self, across: float, down: float) -> bool:
+        """Return whether the axes alone show too small a lift or pressure ratio, which a scene may not allow."""
+        if self.by_lift:
+            return down - across < LEAST_LIFT
+        if (self.across.path, self.down.path) != (P_S, P_D):
+            return False
+        return (across / down if self.scenes[0].machine.expands else down / across) < LEAST_RATIO
+
+    @abstractmethod
+    def shown(self, path: str, value: float, digits: int = 5) -> str:
+        """Return a setting [SI] of a control in words."""
+
+    @abstractmethod
+    def column(self, across: float) -> list[Result | None]:
+        """Return the results at a value across the table; None where no point is computed."""
+
+    @abstractmethod
+    def part_load(self, control: Control, full: float) -> PartLoad:
+        """Return the results of a control; `full` is the capacity [SI] of load 1."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneRequest(RatingRequest):
+    """What is rated of one machine."""
+
+    @property
+    def scene(self) -> Scene:
+        """The machine's scene."""
+        return self.scenes[0]
 
     def shown(self, path: str, value: float, digits: int = 5) -> str:
         """Return a setting [SI] of a control in words."""
         return shown_value(self.scene, path, value, digits)
 
+    def column(self, across: float) -> list[Result | None]:
+        """Return the results at a value across the table; None where no point is computed."""
+        cases = [case_scene(self, across, down) for down in self.down.values]
+        solved = simulate_many([case for case in cases if isinstance(case, Scene)], trace=False)
+        return [next(solved) if isinstance(case, Scene) else case for case in cases]
+
+    def part_load(self, control: Control, full: float) -> PartLoad:
+        """Return the results of a control; `full` is the capacity [SI] of load 1."""
+        return part_load(self.scene, control, full, LOADS, self.ratios, self.aim)
+
+
+Request = TypeVar("Request", bound=RatingRequest, covariant=True)
+
 
 @dataclass(frozen=True)
-class Rating:
-    """Results: at the scene's own point, by the indices on both axes, of each control; and the envelope."""
+class Rating(Generic[Request]):
+    """Results: at the scenes' own point, by the indices on both axes, of each control; and the envelope."""
 
-    asked: RatingRequest
+    asked: Request
     own: Result
-    points: dict[tuple[int, int], Result]
+    points: Mapping[tuple[int, int], Result]
     loads: Sequence[PartLoad]
     reach: Sequence[EnvelopeRange]
 
@@ -146,6 +166,16 @@ class Rating:
     def ok(self) -> bool:
         """Whether every possible point closed."""
         return self.own.status == "ok" and all(result.status == "ok" for result in self.points.values())
+
+
+SceneRating = Rating[SceneRequest]
+
+
+class Part(NamedTuple):
+    """A part of a rating, which one worker computes, and what stands for it where that dies."""
+
+    work: Callable[[], Any]
+    lost: Any
 
 
 def without_sweep(scene: Scene, known: Set[str], over: str) -> Scene:
@@ -190,52 +220,61 @@ def evenly_spaced(first: float, last: float, count: int) -> tuple[float, ...]:
     return tuple(first + (last - first) * i / (count - 1) for i in range(count))
 
 
-def rating(asked: RatingRequest, jobs: int | None = None, progress: Progress | None = None) -> Rating:
+def rating(asked: SceneRequest, jobs: int | None = None, progress: Progress | None = None) -> SceneRating:
     """Return the rating; columns of the table and controls are computed by `jobs` workers.
 
     Raises UsageError, in one line, where no point of the table can be computed.
     """
     _check_table(asked)
     (own,) = simulate_many([asked.scene], trace=False)
-    full = own.performance.get(asked.aim.load) if own.status == "ok" else None
-    count, many = len(asked.across.values), len(asked.controls) if full else 0
-    work = partial(_rating_part, asked, full)
-    found = parallel_map(
-        work, count + many, died=partial(_part_of_dead_worker, asked, count), jobs=jobs, progress=progress
-    )
-    points = {(i, j): result for i, column in enumerate(found[:count]) for j, result in enumerate(column) if result}
-    axes = asked.across.values, asked.down.values
-    closed = {place: result.performance for place, result in points.items() if result.status == "ok"}
-    figures = {(i, j): closed.get((i, j)) for i in range(count) for j in range(len(axes[1]))}
-    reach = tuple(envelope(figures, axes, asked.bounds))
-    return Rating(asked, own, points, found[count:], reach)
+    return rating_around(asked, own, (), jobs, progress)[0]
 
 
-def _rating_part(asked: RatingRequest, full: float | None, number: int) -> Any:
-    """Return what one worker computes: the results of a column by its index, beyond these the part load of a control.
+def rating_around(
+    asked: Request, own: Result, more: Sequence[Part], jobs: int | None, progress: Progress | None
+) -> tuple[Rating[Request], list[Any]]:
+    """Return a rating around the results at the scenes' own point, and the answers of `more` parts.
 
-    A column has None where no point is computed.
+    Without a capacity at that point there is neither part load nor any of these.
     """
-    count = len(asked.across.values)
-    if number >= count:
-        return part_load(asked.scene, asked.controls[number - count], full, LOADS, asked.ratios, asked.aim)
-    across = asked.across.values[number]
-    cases = [_case_scene(asked, across, down) for down in asked.down.values]
-    solved = simulate_many([case for case in cases if isinstance(case, Scene)], trace=False)
-    return [next(solved) if isinstance(case, Scene) else case for case in cases]
+    full = own.performance.get(asked.aim.load) if own.status == "ok" else None
+    across, down = asked.across.values, asked.down.values
+    parts = [Part(partial(asked.column, value), [DEAD] * len(down)) for value in across]
+    if full:
+        parts += [
+            Part(partial(asked.part_load, each, full), PartLoad(each, (), (), WORKER_DIED)) for each in asked.controls
+        ]
+        parts += more
+    found = answers_of(parts, jobs, progress)
+    points = {
+        (i, j): result for i, column in enumerate(found[: len(across)]) for j, result in enumerate(column) if result
+    }
+    closed = {place: result.performance for place, result in points.items() if result.status == "ok"}
+    figures = {place: closed.get(place) for place in itertools.product(range(len(across)), range(len(down)))}
+    reach = tuple(envelope(figures, (across, down), asked.bounds))
+    end = len(found) - len(more) if full else len(found)
+    return Rating(asked, own, points, found[len(across) : end], reach), found[end:]
 
 
-def _check_table(asked: RatingRequest) -> None:
+def answers_of(parts: Sequence[Part], jobs: int | None, progress: Progress | None) -> list[Any]:
+    """Return the answers of parts, computed by `jobs` workers."""
+    work = partial(_answer, [part.work for part in parts])
+    return parallel_map(work, len(parts), died=lambda number: parts[number].lost, jobs=jobs, progress=progress)
+
+
+def _answer(works: Sequence[Callable[[], Any]], number: int) -> Any:
+    return works[number]()
+
+
+def _check_table(asked: SceneRequest) -> None:
     """Raise UsageError where no point of the table is one of the machine."""
     invalid = ""
     for across, down in itertools.product(asked.across.values, asked.down.values):
-        case = _case_scene(asked, across, down)
+        case = case_scene(asked, across, down)
         if isinstance(case, Scene):
             return
         invalid = invalid or (case.message if case is not None else "")
-    small = f"lifts are below {LEAST_LIFT:g} K"
-    if not _by_lift(asked):
-        small = f"pressure ratios are below {LEAST_RATIO:g}"
+    small = f"lifts are below {LEAST_LIFT:g} K" if asked.by_lift else f"pressure ratios are below {LEAST_RATIO:g}"
     options = [OPTIONS[axis.path] for axis in (asked.across, asked.down) if axis.path in OPTIONS]
     raise UsageError(
         f"datasheet: no point of the table can be computed: {invalid or f'all {small}'} "
@@ -243,28 +282,10 @@ def _check_table(asked: RatingRequest) -> None:
     )
 
 
-def _by_lift(asked: RatingRequest) -> bool:
-    return asked.aim == REFRIGERATION and asked.down.path == CONDENSING
-
-
-def _is_small(asked: RatingRequest, across: float, down: float) -> bool:
-    """Return whether the axes alone show too small a lift or pressure ratio, which a point's scene may not allow."""
-    if (asked.across.path, asked.down.path) == (P_S, P_D) and asked.scene.machine.expands:
-        across, down = down, across
-    return is_small(asked.across, asked.down, across, down, _by_lift(asked))
-
-
-def is_small(first: Axis, second: Axis, low: float, high: float, by_lift: bool) -> bool:
-    """Return whether values of two axes differ too little: temperatures `by_lift`, else pressures of both lines."""
-    if by_lift:
-        return high - low < LEAST_LIFT
-    return (first.path, second.path) == (P_S, P_D) and high / low < LEAST_RATIO
-
-
-def _case_scene(asked: RatingRequest, across: float, down: float) -> Scene | Result | None:
+def case_scene(asked: SceneRequest, across: float, down: float) -> Scene | Result | None:
     """Return the scene of a point; a failed result where it is invalid, None for too small a lift or pressure ratio."""
     values = {asked.across.path: across, asked.down.path: down}
-    if _is_small(asked, across, down):
+    if asked.is_small(across, down):
         return None
     faults = faults_of(asked.scene, values)
     if faults:
@@ -277,12 +298,6 @@ def pressure_ratio(scene: Scene) -> float:
     """Return the higher over the lower pressure of a scene's lines, in the direction that the machine is meant for."""
     at = lines(scene)
     return at.p_s / at.p_d if scene.machine.expands else at.p_d / at.p_s
-
-
-def _part_of_dead_worker(asked: RatingRequest, count: int, number: int) -> Any:
-    if number >= count:
-        return PartLoad(asked.controls[number - count], (), (), WORKER_DIED)
-    return [Result("failed", message=WORKER_DIED)] * len(asked.down.values)
 
 
 def celsius(T: float) -> float:

@@ -11,14 +11,17 @@ from screwsim.figures.engineering import quantity
 from screwsim.fluid.composition import is_blend
 from screwsim.outputs.customary import with_printed_units
 from screwsim.scene import Scene, value_at
+from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet import tables
-from screwsim.study.datasheet.bounds import Bound, motor_of
+from screwsim.study.datasheet.bounds import Bound
 from screwsim.study.datasheet.rated import (
     Axis,
     Rating,
     RatingRequest,
+    SceneRating,
+    SceneRequest,
     celsius,
     evenly_spaced,
     faults_of,
@@ -50,16 +53,15 @@ PEAK_FIGURES = DISCHARGE, "discharge_pressure", "shaft_power"
 DISCLAIMER = "computed, not measured: no tolerance of EN 12900 or AHRI 540 applies, and no third party verified it"
 
 
-def refrigeration_sheet(rated: Rating, heating: bool = False) -> Sheet:
+def refrigeration_sheet(rated: SceneRating, heating: bool = False) -> Sheet:
     """Return the sheet of a rating; for a heat pump with the heat of its condenser."""
     scene = rated.asked.scene
     return Sheet(
         heading="Refrigeration compressor, rating by evaporating and condensing temperature",
-        title=with_printed_units(rated.asked.scene.title),
+        title=with_printed_units(scene.title),
         lines=list(_lines(rated, heating)),
         tables=list(tables_of(rated, heating)),
-        verdict=None,
-        notes=list(tables.notes_of(rated, own_point(rated), DISCLAIMER)),
+        notes=list(tables.notes_of(rated, own_point(rated.asked), DISCLAIMER)),
         drawings=list(_drawings(rated)),
         document={
             "kind": "refrigeration",
@@ -73,20 +75,13 @@ def refrigeration_sheet(rated: Rating, heating: bool = False) -> Sheet:
     )
 
 
-def _lines(rated: Rating, heating: bool) -> Iterator[tuple[str, str]]:
+def _lines(rated: SceneRating, heating: bool) -> Iterator[tuple[str, str]]:
     scene, found = rated.asked.scene, rated.own.performance if rated.own.status == "ok" else {}
     yield from tables.machine_line(scene, found)
-    operation = scene.operation
-    name = scene.gas.name
-    quality = operation.suction.quality
-    suction = f"superheat {operation.superheat or 0.0:.4g} K" if quality is None else f"suction quality {quality:.4g}"
-    below = f", subcooling {operation.subcooling or 0.0:.4g} K" if operation.gas_cooler is None else ""
-    dew = "; temperatures are dew points" if is_blend(name) else ""
-    yield "refrigerant", f"{name}, {suction}{below}{dew}"
-    yield "point", f"{own_point(rated)}: {_point(rated, found)}"
+    yield refrigerant_line(rated.asked)
+    yield "point", f"{own_point(rated.asked)}: {tables.point_in_words(rated, columns_of(rated))}"
     if heating and found:
-        capacity, cop = heating_columns(rated)
-        yield "heating", f"{capacity.cell(found)} kW from the condenser, without the oil cooler; COP {cop.cell(found)}"
+        yield heating_line(rated)
     yield from _economizer_line(rated, found)
     yield from tables.power_lines(scene, found)
     yield from tables.oil_line(scene, found)
@@ -94,7 +89,7 @@ def _lines(rated: Rating, heating: bool) -> Iterator[tuple[str, str]]:
     yield from tables.control_line(rated)
 
 
-def _economizer_line(rated: Rating, found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+def _economizer_line(rated: SceneRating, found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Yield what an economizer's port draws at the scene's own point, and what it adds to the capacity."""
     if all(found.get(name) is not None for name in (ECONOMIZER_FLOW, ECONOMIZER_T, ECONOMIZER_P, ECONOMIZER_GAIN)):
         flow, temperature = economizer_columns(rated)
@@ -103,23 +98,25 @@ def _economizer_line(rated: Rating, found: Mapping[str, Any]) -> Iterator[tuple[
         yield "economizer", f"{flow.cell(found)} kg/h at {at}; it adds {gain}"
 
 
-def _point(rated: Rating, found: Mapping[str, Any]) -> str:
-    if not found:
-        return rated.own.told
-    capacity, power, cop, *_ = columns_of(rated)
-    word = power.title.split(" [")[0].lower()
-    return f"{capacity.cell(found)} kW of cooling, {power.cell(found)} kW of {word}, COP {cop.cell(found)}"
+def refrigerant_line(asked: RatingRequest) -> tuple[str, str]:
+    """Return the refrigerant, its state at the inlet, and its subcooling behind the last machine."""
+    cold, hot, name = asked.scenes[0].operation, asked.scenes[-1].operation, asked.scenes[0].gas.name
+    quality = cold.suction.quality
+    suction = f"superheat {cold.superheat or 0.0:.4g} K" if quality is None else f"suction quality {quality:.4g}"
+    below = f", subcooling {hot.subcooling or 0.0:.4g} K" if hot.gas_cooler is None else ""
+    return "refrigerant", f"{name}, {suction}{below}{'; temperatures are dew points' if is_blend(name) else ''}"
 
 
-def _drawings(rated: Rating) -> Iterator[Drawing]:
-    asked = rated.asked
-    columns = columns_of(rated)
-    by = "condensing" if asked.down.path == CONDENSING else "gas cooler"
-    places = [(celsius(x), i) for i, x in enumerate(asked.across.values)]
-    down = enumerate(asked.down.values)
-    rows = [(tables.shown_at(asked.down, value), [(x, (i, j)) for x, i in places]) for j, value in down]
-    for column in (columns[0], columns[2]):
-        yield from tables.drawing(rated, column, "evaporating temperature [°C]", by, rows)
+def heating_line(rated: Rating[Any]) -> tuple[str, str]:
+    """Return the heat of the condenser at the own point, and its COP."""
+    capacity, cop = (column.cell(rated.own.performance) for column in heating_columns(rated))
+    coolers = "the oil cooler" if len(rated.asked.scenes) == 1 else "the oil coolers"
+    return "heating", f"{capacity} kW from the condenser, without {coolers}; COP {cop}"
+
+
+def _drawings(rated: SceneRating) -> Iterator[Drawing]:
+    asked, columns = rated.asked, columns_of(rated)
+    yield from tables.drawings_over_across(rated, (columns[0], columns[2]))
     yield from tables.part_load_drawing(rated, columns[2], f"Part load: {columns[2].title}")
     if len(rated.reach) > 1 and asked.down.path == CONDENSING:
         corners = [(each.at, each.low) for each in rated.reach]
@@ -131,14 +128,16 @@ def _drawings(rated: Rating) -> Iterator[Drawing]:
 
 def rating_request(
     scene: Scene, evaporating: str | None, condensing: str | None, bounds: Sequence[Bound]
-) -> RatingRequest:
+) -> SceneRequest:
     """Return what is rated of a scene; raise UsageError where it varies something else, or a range is invalid."""
     second = GAS_COOLER_P if scene.operation.gas_cooler is not None else CONDENSING
     over = f"{EVAPORATING}, {second} and controls of the capacity"
     base = without_sweep(scene, {EVAPORATING, second, RATIO_PATH, *CONTROL_ENDS}, over)
     across = axis_values(base, EVAPORATING, evaporating, "--evaporating", swept_values(scene, EVAPORATING))
     down = axis_values(base, second, condensing, "--condensing", swept_values(scene, second))
-    return RatingRequest(base, across, down, tuple(bounds), tuple(controls(scene)), ratios(scene))
+    return SceneRequest(
+        scenes=(base,), across=across, down=down, bounds=bounds, controls=controls(scene), ratios=ratios(scene)
+    )
 
 
 def axis_values(base: Scene, path: str, text: str | None, option: str, swept: tuple[float, ...]) -> Axis:
@@ -160,28 +159,28 @@ def axis_values(base: Scene, path: str, text: str | None, option: str, swept: tu
     return Axis(path, tuple(value for value in values if not faults_of(base, {path: value})) or (own,))
 
 
-def own_point(rated: Rating) -> str:
-    operation = rated.asked.scene.operation
-    evaporating = f"{celsius(operation.evaporating_temperature or 0.0):.4g} °C"
-    cooler = operation.gas_cooler
-    if cooler is not None:
-        outlet = celsius(cooler.outlet_temperature)
-        return f"{evaporating} and a gas cooler at {quantity('Pa', cooler.pressure)} that leaves {outlet:.4g} °C"
-    return f"{evaporating} / {celsius(operation.condensing_temperature or 0.0):.4g} °C"
+def own_point(asked: RatingRequest) -> str:
+    """Return the own point in words, of one machine or of two in series: both saturation temperatures, as stated."""
+    cold, hot = asked.scenes[0].operation, asked.scenes[-1].operation
+    inlet = tables.inlet_in_words(asked.scenes[0])
+    if cold.evaporating_temperature is not None:
+        inlet = f"{celsius(cold.evaporating_temperature):.4g} °C"
+    if hot.gas_cooler is not None:
+        leaves = celsius(hot.gas_cooler.outlet_temperature)
+        return f"{inlet} and a gas cooler at {quantity('Pa', hot.gas_cooler.pressure)} that leaves {leaves:.4g} °C"
+    if hot.condensing_temperature is not None:
+        return f"{inlet} / {celsius(hot.condensing_temperature):.4g} °C"
+    return f"{inlet} to {quantity('Pa', lines(asked.scenes[-1]).p_d)}"
 
 
-def columns_of(rated: Rating) -> tuple[Column, ...]:
+def columns_of(rated: SceneRating) -> tuple[Column, ...]:
     """Return the columns with a table each: capacity, power, COP, flow, discharge temperature, oil, economizer."""
-    scene, own = rated.asked.scene, rated.own.performance
+    own = rated.own.performance
     kw = tables.decimals_of(KW * (own.get(CAPACITY) or DEFAULT_CAPACITY))
     flow = tables.decimals_of(HOUR * (own.get(FLOW) or 1.0))
-    power, cop = ELECTRICAL if motor_of(scene) is not None else SHAFT
-    word = "Electrical power" if power in ELECTRICAL else "Shaft power"
-    duty = (Column(DUTY, "Oil cooler duty [kW]", KW, kw),) if tables.is_oil_cooled(scene) else ()
+    duty = (Column(DUTY, "Oil cooler duty [kW]", KW, kw),) if tables.is_oil_cooled(rated.asked.scene) else ()
     return (
-        Column(CAPACITY, "Cooling capacity [kW]", KW, kw),
-        Column(power, f"{word} [kW]", KW, kw),
-        Column(cop, f"COP of the {word.lower()}", 1.0, 2),
+        *main_columns(rated, kw),
         Column(FLOW, "Mass flow [kg/h]", HOUR, flow),
         Column(DISCHARGE, "Discharge temperature [°C]", 1.0, 1, celsius=True),
         *duty,
@@ -189,7 +188,16 @@ def columns_of(rated: Rating) -> tuple[Column, ...]:
     )
 
 
-def economizer_columns(rated: Rating) -> tuple[Column, ...]:
+def main_columns(rated: Rating[Any], kw: int) -> tuple[Column, Column, Column]:
+    """Return the columns of capacity, power (with `kw` decimals) and COP, of the motors' power where all have one."""
+    size = tables.decimals_of(KW * (rated.own.performance.get(CAPACITY) or DEFAULT_CAPACITY))
+    power, cop = ELECTRICAL if rated.asked.has_motors else SHAFT
+    word = "Electrical power" if power in ELECTRICAL else "Shaft power"
+    capacity = Column(CAPACITY, "Cooling capacity [kW]", KW, size)
+    return capacity, Column(power, f"{word} [kW]", KW, kw), Column(cop, f"COP of the {word.lower()}", 1.0, 2)
+
+
+def economizer_columns(rated: SceneRating) -> tuple[Column, ...]:
     """Return the additional columns of a machine with an economizer: what its port draws, and at which temperature."""
     own = rated.own.performance
     if own.get(ECONOMIZER_FLOW) is None:
@@ -198,30 +206,21 @@ def economizer_columns(rated: Rating) -> tuple[Column, ...]:
     return flow, Column(ECONOMIZER_T, "Economizer temperature [°C]", 1.0, 1, celsius=True)
 
 
-def heating_columns(rated: Rating) -> tuple[Column, ...]:
+def heating_columns(rated: Rating[Any]) -> tuple[Column, Column]:
     """Return the additional columns of a heat pump: heating capacity, and its COP on the same power."""
     kw = tables.decimals_of(KW * (rated.own.performance.get(HEATING) or DEFAULT_CAPACITY))
-    motor = motor_of(rated.asked.scene) is not None
-    word = "electrical" if motor else "shaft"
-    heat = Column(HEATING, "Heating capacity [kW]", KW, kw)
-    return heat, Column(HEATING_COPS[motor], f"COP of heating, of the {word} power", 1.0, 2)
+    motors = rated.asked.has_motors
+    cop = f"COP of heating, of the {'electrical' if motors else 'shaft'} power"
+    return Column(HEATING, "Heating capacity [kW]", KW, kw), Column(HEATING_COPS[motors], cop, 1.0, 2)
 
 
-def tables_of(rated: Rating, heating: bool) -> Iterator[Table]:
+def tables_of(rated: SceneRating, heating: bool) -> Iterator[Table]:
     """Yield all tables of the sheet, with those of heating where requested."""
-    condensing = rated.asked.down.path == CONDENSING
     columns = columns_of(rated)
-    shown = (*columns, *heating_columns(rated)) if heating else columns
-    yield from tables.tables_of(rated, shown, "condensing" if condensing else "gas cooler")
-    side = "condensing temperature" if condensing else "pressure of the gas cooler"
-    yield from tables.envelope_table(rated, "evaporating", side)
-    load = f"cooling capacity relative to that of the scene itself, at {own_point(rated)}"
+    yield from tables.tables_of(rated, (*columns, *heating_columns(rated)) if heating else columns)
+    cooled = rated.asked.down.path == GAS_COOLER_P
+    yield from tables.envelope_table(rated, "pressure of the gas cooler" if cooled else "")
+    load = f"cooling capacity relative to that of the scene itself, at {own_point(rated.asked)}"
     note = tables.part_load_note(rated, load, "COP")
-    capacity, power, cop, _, discharge, *_ = columns
-    part = (
-        ("capacity kW", capacity),
-        (f"{power.title.split()[0].lower()} kW", power),
-        ("COP", cop),
-        ("discharge °C", discharge),
-    )
-    yield from tables.part_load_table(rated, part, ("COP there", cop), note)
+    discharge = ("discharge °C", columns[4])
+    yield from tables.part_load_table(rated, columns, (discharge,), note, "COP there")

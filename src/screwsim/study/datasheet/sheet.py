@@ -58,8 +58,8 @@ class Sheet:
     title: str
     lines: Sequence[tuple[str, str]]
     tables: Sequence[Table]
-    verdict: tuple[str, str, bool | None] | None
-    notes: Sequence[str]
+    verdict: tuple[str, str, bool | None] | None = None
+    notes: Sequence[str] = ()
     drawings: Sequence[Drawing] = ()
     document: Mapping[str, Any] = field(default_factory=dict)
     ok: bool = True

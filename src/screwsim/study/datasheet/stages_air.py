@@ -19,14 +19,21 @@ from screwsim.outputs.customary import with_printed_units
 from screwsim.scene import grid
 from screwsim.scene.lines import lines
 from screwsim.study.datasheet.air_rating import Point, Rating
-from screwsim.study.datasheet.air_sheet import DISCLAIMER, FAN_CONTROL, HEADS, REFERENCE_INLET, drawings_of, point_row
+from screwsim.study.datasheet.air_sheet import (
+    DISCLAIMER,
+    FAN_CONTROL,
+    HEADS,
+    drawings_of,
+    inlet_note,
+    point_notes,
+    point_row,
+)
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.bounds import motor_of
-from screwsim.study.datasheet.rated import celsius
-from screwsim.study.datasheet.sheet import Sheet, Table, warning_lines
-from screwsim.study.datasheet.stages_sheet import DOCUMENT_FIGURES
-from screwsim.study.datasheet.stages_table import (
-    BAR,
+from screwsim.study.datasheet.rated import Part, answers_of, celsius
+from screwsim.study.datasheet.sheet import Sheet, Table
+from screwsim.study.datasheet.stages_sheet import (
+    DOCUMENT_FIGURES,
     RPM,
     between_line,
     each_stage_table,
@@ -36,8 +43,7 @@ from screwsim.study.datasheet.stages_table import (
     stage_documents,
     swept_line,
 )
-from screwsim.study.datasheet.tables import KW, NONE, Column
-from screwsim.study.parallel import parallel_map
+from screwsim.study.datasheet.tables import BAR, KW, NONE, Column
 from screwsim.study.part_load import SPEED_PATH
 from screwsim.study.progress import Progress
 from screwsim.study.stages import ChainResult
@@ -61,7 +67,7 @@ NO_VERDICT = "10 CFR 431.345 is not applied to two stages, and zero flow is not 
 
 def is_air_package(chain: StageChain) -> bool:
     """Return whether two stages compress air, and both state a motor."""
-    return chain.first.gas.name.lower() == AIR and all(motor_of(scene) for scene in (chain.first, chain.second))
+    return chain.first.gas.name.lower() == AIR and all(map(motor_of, chain.by_stage.values()))
 
 
 def air_stages_sheet(
@@ -102,21 +108,12 @@ def _rated(
             f"datasheet: two stages of air are rated at values of {' or '.join(SPEEDS)}, or of both in one group of "
             f"zip, but the file varies {name} (remove that axis, or compute its points with screwsim sweep)"
         )
-    own = {name: scene.operation.speed for name, scene in zip(SPEEDS, (chain.first, chain.second), strict=True)}
+    own = {f"{name}.{SPEED_PATH}": scene.operation.speed for name, scene in chain.by_stage.items()}
     cases = [{**own, **grid.case_values(chain, i)} for i in range(grid.case_count(chain))]
     cases.sort(key=lambda case: [-case[name] for name in SPEEDS])
-    base = replace(chain, sweep={}, joints=())
-    work = partial(_solved, base, cases)
-    found = parallel_map(work, len(cases), died=_dead_worker, jobs=jobs, progress=progress)
+    base, dead = replace(chain, sweep={}, joints=()), ChainResult("failed", WORKER_DIED)
+    found = answers_of([Part(partial(solved_with, base, case), dead) for case in cases], jobs, progress)
     return [(float(case[SPEEDS[0]]), float(case[SPEEDS[1]])) for case in cases], found
-
-
-def _solved(base: StageChain, cases: Sequence[dict[str, float]], number: int) -> ChainResult:
-    return solved_with(base, cases[number])
-
-
-def _dead_worker(number: int) -> ChainResult:
-    return ChainResult("failed", WORKER_DIED)
 
 
 def _stage_tables(
@@ -145,8 +142,8 @@ def _lines(chain: StageChain, rated: Rating, own: ChainResult) -> Iterator[tuple
     yield from swept_line(own)
     yield from between_line(chain, rated.full.result)
     yield from motor_lines(chain, own)
-    fans = [getattr(package_of(scene), "fan", None) for scene in (chain.first, chain.second)]
-    stated = [(name, fan) for name, fan in zip(STAGE_NAMES, fans, strict=True) if fan is not None]
+    fans = ((name, getattr(package_of(scene), "fan", None)) for name, scene in chain.by_stage.items())
+    stated = [(name, fan) for name, fan in fans if fan is not None]
     parts = [f"{quantity('W', fan.power)}, {FAN_CONTROL[fan.control]}" for _, fan in stated]
     if len(stated) > 1:
         parts = [f"{name} scene {part}" for (name, _), part in zip(stated, parts, strict=True)]
@@ -165,15 +162,10 @@ def _loss(found: Result) -> str:
 
 
 def _notes(chain: StageChain, speeds: Sequence[tuple[float, float]], points: Sequence[Point]) -> Iterator[str]:
-    low = lines(chain.first)
-    if abs(low.p_s - REFERENCE_INLET[0]) > 1e-3 * REFERENCE_INLET[0] or abs(low.T_s - REFERENCE_INLET[1]) > 0.1:
-        yield "rated at an inlet other than the 1 bar and 20 °C at which data sheets are compared"
+    names = (f"{RPM * own[0]:.0f} and {RPM * own[1]:.0f} rpm" for own in speeds)
+    yield from inlet_note(chain.first)
     yield from ignored_model_errors(chain)
-    names = [f"{RPM * own[0]:.0f} and {RPM * own[1]:.0f} rpm" for own in speeds]
-    for name, point in zip(names, points, strict=True):
-        if not point.ok:
-            yield f"{name}: {point.result.told}"
-    yield from warning_lines([(name, point.result.warnings) for name, point in zip(names, points, strict=True)])
+    yield from point_notes(list(zip(names, points, strict=True)))
     yield NO_VERDICT
     yield DISCLAIMER
 

@@ -6,11 +6,11 @@ from typing import Any
 from screwsim.figures.engineering import shown_name
 from screwsim.outputs.customary import with_printed_units
 from screwsim.scene import grid
-from screwsim.scene.units import ZERO_CELSIUS, customary_unit, to_customary
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, warning_lines
 from screwsim.study.datasheet.stages_air import STAGE_HEADS, is_air_package
 from screwsim.study.datasheet.stages_rating import refrigerates
 from screwsim.study.datasheet.tables import HOUR, KW, NONE, PERCENT, Column, decimals_of, document_figures
+from screwsim.study.inputs import in_customary
 from screwsim.study.stages.axes import leaf_in_chain
 from screwsim.study.stages.points import ChainPoint
 from screwsim.study.stages.read import StageChain
@@ -71,29 +71,21 @@ def _columns(chain: StageChain, points: Sequence[ChainPoint]) -> list[Column]:
     return [*main, *(column for column in STAGE_HEADS if any(column.figure in each for each in figures))]
 
 
-def _scaled(chain: StageChain, name: str, value: Any) -> tuple[Any, str]:
-    """Return a value [SI] of a path in its customary unit, and that unit: °C for temperatures."""
-    kind = leaf_in_chain(chain, name).dimension
-    if kind is None:
-        return value, ""
-    if kind.name == "temperature":
-        return round(value - ZERO_CELSIUS, 9) + 0.0, "°C"
-    return to_customary(kind, float(value)), customary_unit(kind)
-
-
 def _head(chain: StageChain, name: str) -> str:
-    unit = with_printed_units(_scaled(chain, name, 1.0)[1])
+    unit = with_printed_units(in_customary(chain, name, 1.0)[1])
     words = name.replace(".operation.", ".").replace(".", " ").replace("_", " ")
     return f"{words} [{unit}]" if unit else words
 
 
 def _cell(chain: StageChain, name: str, value: Any) -> str:
-    number, _ = _scaled(chain, name, value)
+    number, _ = in_customary(chain, name, value)
     return f"{number:.5g}" if isinstance(number, int | float) else str(number)
 
 
 def _where(chain: StageChain, point: ChainPoint) -> str:
-    parts = ((name, _cell(chain, name, value), _scaled(chain, name, value)[1]) for name, value in point.values.items())
+    parts = (
+        (name, _cell(chain, name, value), in_customary(chain, name, value)[1]) for name, value in point.values.items()
+    )
     return ", ".join(f"{name} {cell} {with_printed_units(unit)}".rstrip() for name, cell, unit in parts)
 
 
@@ -155,7 +147,7 @@ def _curve(
 ) -> Curve:
     good = [point for point in points if point.result.status == "ok" and point.result.performance.get(column.figure)]
     pairs = sorted(
-        (float(_scaled(chain, path, point.values[path])[0]), column.value(point.result.performance) or 0.0)
+        (float(in_customary(chain, path, point.values[path])[0]), column.value(point.result.performance) or 0.0)
         for point in good
     )
     name = ", ".join(f"{_head(chain, one)} {_cell(chain, one, value)}" for one, value in beside)

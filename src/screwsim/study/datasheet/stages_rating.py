@@ -8,14 +8,13 @@ second stage alone is varied, which moves the intermediate pressure and so shows
 without a solution keeps its status and the reason. Columns of the table, the control and that variation run on all
 cores.
 
-A rating offers what `tables` needs of any (`rated.Rated`), so tables, envelope, part load, drawings and documents are
-those of single machines.
+A rating is one of those in `rated`: tables, envelope, part load, drawings and documents are those of single machines.
 """
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,13 +23,9 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
-from screwsim.study.datasheet import rated
-from screwsim.study.datasheet.bounds import Bound, EnvelopeRange, envelope, motor_of
-from screwsim.study.datasheet.gas_sheet import EXAMPLES
-from screwsim.study.datasheet.gas_sheet import values_around_own as pressures_around
-from screwsim.study.datasheet.rated import Axis
-from screwsim.study.datasheet.refrigeration_sheet import axis_values
-from screwsim.study.parallel import parallel_map
+from screwsim.study.datasheet import gas_sheet, refrigeration_sheet
+from screwsim.study.datasheet.bounds import Bound
+from screwsim.study.datasheet.rated import DEAD, Axis, Part, Rating, RatingRequest, rating_around
 from screwsim.study.part_load import (
     GAS,
     LOADS,
@@ -39,7 +34,6 @@ from screwsim.study.part_load import (
     SLOWEST_SPEED,
     SPEED_PATH,
     Control,
-    LoadFigures,
     PartLoad,
     curve_and_steps,
 )
@@ -48,58 +42,41 @@ from screwsim.study.stages import ChainResult, run_stages
 from screwsim.study.stages.axes import STAGE_NAMES
 from screwsim.study.stages.points import solved_with
 from screwsim.study.stages.read import StageChain
-from screwsim.study.workers import WORKER_DIED
 
 FIRST, SECOND = (f"{stage}." for stage in STAGE_NAMES)
 BOTH = "speed of both stages"
 SECOND_SHARES = (0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3)  # of the second stage's speed
 
 
-class ChainRequest(NamedTuple):
-    """What is rated: two stages without a sweep, the axes across (first stage) and down (second), limits, control."""
+@dataclass(frozen=True, kw_only=True)
+class ChainRequest(RatingRequest):
+    """What is rated of two stages: the axis across is one of the first stage, that down one of the second."""
 
     chain: StageChain
-    across: Axis
-    down: Axis
-    bounds: tuple[Bound, ...]
-    controls: tuple[Control, ...]
-    aim: LoadFigures
-    ratios: tuple[float, ...] = ()
-
-    @property
-    def inverts(self) -> bool:
-        """Whether the losses of both inverters are included at other speeds."""
-        return all(motor is not None and motor.inverts for motor in map(motor_of, self.scenes))
-
-    @property
-    def scenes(self) -> tuple[Scene, Scene]:
-        """The scenes of both stages."""
-        return self.chain.first, self.chain.second
 
     def shown(self, path: str, value: float, digits: int = 5) -> str:
         """Return a setting of the control in words: a share of both speeds."""
         return f"{100.0 * value:.{digits}g} %"
 
+    def column(self, across: float) -> list[Result | None]:
+        """Return the results at a value across the table; None where no point is computed."""
+        first, second = FIRST + self.across.path, SECOND + self.down.path
+        return [
+            None if self.is_small(across, down) else solved_with(self.chain, {first: across, second: down}).as_result()
+            for down in self.down.values
+        ]
+
+    def part_load(self, control: Control, full: float) -> PartLoad:
+        """Return the results of both speeds in proportion; `full` is the capacity [SI] of load 1."""
+        return curve_and_steps(partial(_at_share, self.chain, STAGE_NAMES), control, full, LOADS, self.aim)
+
 
 @dataclass(frozen=True)
-class ChainRating:
-    """Results: both stages at their own point, by the indices on both axes, of the control; and the envelope.
+class ChainRating(Rating[ChainRequest]):
+    """The rating of two stages, with both at their own point, and results at shares of the second stage's speed."""
 
-    `by_second` has the results at shares of the second stage's speed.
-    """
-
-    asked: ChainRequest
     both: ChainResult
-    own: Result
-    points: Mapping[tuple[int, int], Result]
-    loads: Sequence[PartLoad]
-    reach: Sequence[EnvelopeRange]
     by_second: Sequence[tuple[float, Result]]
-
-    @property
-    def ok(self) -> bool:
-        """Whether every possible point closed."""
-        return self.own.status == "ok" and all(result.status == "ok" for result in self.points.values())
 
 
 def refrigerates(chain: StageChain) -> bool:
@@ -130,11 +107,16 @@ def rating_request(chain: StageChain, ranges: Mapping[str, str | None], bounds: 
         )
     base = replace(chain, sweep={}, joints=())
     low, high = _over_both(base)
-    across = _axis(chain, low, (FIRST, inlet), ranges.get(first), first)
-    down = _axis(chain, high, (SECOND, outlet), ranges.get(second), second)
     settings = np.linspace(1.0, SLOWEST_SPEED, SETTING_COUNT).tolist()
-    aim = REFRIGERATION if refrigerates(chain) else GAS
-    return ChainRequest(base, across, down, tuple(bounds), (Control(BOTH, SPEED_PATH, tuple(settings)),), aim)
+    return ChainRequest(
+        chain=base,
+        scenes=tuple(base.by_stage.values()),
+        across=_axis(chain, low, (FIRST, inlet), ranges.get(first), first),
+        down=_axis(chain, high, (SECOND, outlet), ranges.get(second), second),
+        bounds=bounds,
+        controls=(Control(BOTH, SPEED_PATH, tuple(settings)),),
+        aim=REFRIGERATION if refrigerates(chain) else GAS,
+    )
 
 
 def _over_both(chain: StageChain) -> tuple[Scene, Scene]:
@@ -151,18 +133,13 @@ def _over_both(chain: StageChain) -> tuple[Scene, Scene]:
 def _axis(chain: StageChain, scene: Scene, name: tuple[str, str], text: str | None, option: str) -> Axis:
     stage, path = name
     swept = tuple(sorted(map(float, chain.sweep.get(stage + path, ()))))
-    if path in (EVAPORATING, CONDENSING, GAS_COOLER_P):
-        return axis_values(scene, path, text, option, swept)
-    if text is not None:
-        ends = rated.read_range(scene, path, text, option, EXAMPLES[path])
-        return Axis(path, rated.evenly_spaced(*ends, 5))
-    return Axis(path, swept or pressures_around(scene, path))
+    kind = gas_sheet if path in (P_S, P_D) else refrigeration_sheet
+    return kind.axis_values(scene, path, text, option, swept)
 
 
 def rating(asked: ChainRequest, jobs: int | None = None, progress: Progress | None = None) -> ChainRating:
     """Return the rating; raise UsageError, in one line, where no point of the table can be computed."""
-    cases = [(i, j) for i in range(len(asked.across.values)) for j in range(len(asked.down.values))]
-    if not any(_is_computed(asked, i, j) for i, j in cases):
+    if all(asked.is_small(*case) for case in itertools.product(asked.across.values, asked.down.values)):
         low = "temperatures" if asked.aim == REFRIGERATION else "pressures"
         raise UsageError(
             f"datasheet: no point of the table can be computed: the {low} of both ends are too near to each other "
@@ -174,56 +151,17 @@ def rating(asked: ChainRequest, jobs: int | None = None, progress: Progress | No
     if strange:
         known = ", ".join(own.performance)
         raise UsageError(f"--limit {strange[0]}: is not a figure of these two stages (use one of {known})")
-    full = own.performance.get(asked.aim.load) if own.status == "ok" else None
-    columns = len(asked.across.values)
-    more = len(asked.controls) + 1 if full else 0
-    found = parallel_map(
-        partial(_rating_part, asked, full),
-        columns + more,
-        died=partial(_part_of_dead_worker, asked),
-        jobs=jobs,
-        progress=progress,
-    )
-    points = {(i, j): result for i, column in enumerate(found[:columns]) for j, result in enumerate(column) if result}
-    closed = {at: result.performance for at, result in points.items() if result.status == "ok"}
-    reach = envelope({at: closed.get(at) for at in cases}, (asked.across.values, asked.down.values), asked.bounds)
-    loads = found[columns : columns + len(asked.controls)] if full else ()
-    return ChainRating(asked, both, own, points, loads, tuple(reach), found[-1] if full else ())
+    more = [Part(partial(_by_second, asked.chain), [(share, DEAD) for share in SECOND_SHARES])]
+    found, further = rating_around(asked, own, more, jobs, progress)
+    return ChainRating(asked, own, found.points, found.loads, found.reach, both, further[0] if further else ())
 
 
-def _is_computed(asked: ChainRequest, i: int, j: int) -> bool:
-    by_lift = asked.across.path == EVAPORATING and asked.down.path == CONDENSING
-    return not rated.is_small(asked.across, asked.down, asked.across.values[i], asked.down.values[j], by_lift)
-
-
-def _rating_part(asked: ChainRequest, full: float | None, number: int) -> Any:
-    """Return what one worker computes: a column, then the part load of a control, at last the second stage's speeds."""
-    columns = len(asked.across.values)
-    if number < columns:
-        return [_at_point(asked, number, j) for j in range(len(asked.down.values))]
-    if number < columns + len(asked.controls):
-        control = asked.controls[number - columns]
-        return curve_and_steps(partial(_at_share, asked.chain, STAGE_NAMES), control, full, LOADS, asked.aim)
-    return [(share, _at_share(asked.chain, STAGE_NAMES[1:], share)) for share in SECOND_SHARES]
-
-
-def _at_point(asked: ChainRequest, i: int, j: int) -> Result | None:
-    if not _is_computed(asked, i, j):
-        return None
-    at = {FIRST + asked.across.path: asked.across.values[i], SECOND + asked.down.path: asked.down.values[j]}
-    return solved_with(asked.chain, at).as_result()
+def _by_second(chain: StageChain) -> list[tuple[float, Result]]:
+    """Return the results at shares of the second stage's speed, which move the intermediate pressure."""
+    return [(share, _at_share(chain, STAGE_NAMES[1:], share)) for share in SECOND_SHARES]
 
 
 def _at_share(chain: StageChain, stages: Sequence[str], share: float) -> Result:
     """Return the result at a share of the speeds of stages."""
     speeds = {name: getattr(chain, name).operation.speed for name in stages}
     return solved_with(chain, {f"{name}.{SPEED_PATH}": share * speed for name, speed in speeds.items()}).as_result()
-
-
-def _part_of_dead_worker(asked: ChainRequest, number: int) -> Any:
-    columns, dead = len(asked.across.values), Result("failed", message=WORKER_DIED)
-    if number < columns:
-        return [dead] * len(asked.down.values)
-    if number < columns + len(asked.controls):
-        return PartLoad(asked.controls[number - columns], (), (), WORKER_DIED)
-    return [(share, dead) for share in SECOND_SHARES]

@@ -1,37 +1,37 @@
 """The sheet of two stages over two axes: refrigeration by both saturation temperatures, other gases by both pressures.
 
-Tables, envelope, limits, part load, drawings and the document are those of `tables`; what is special to two stages is
-the table of each stage, the line between them, and the table of the intermediate pressure.
+Tables, envelope, limits, part load, drawings and the document are those of `tables`. What is special to two stages is
+the table of the intermediate pressure; and, as on sheets of air, a table of each stage's figures, the line between
+them, and their motors.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
+from math import sqrt
 from typing import Any
 
 import numpy as np
 
 from screwsim.figures.engineering import quantity
-from screwsim.fluid.composition import is_blend
 from screwsim.outputs import Result
 from screwsim.outputs.customary import with_printed_units
+from screwsim.scene import Scene
 from screwsim.scene.lines import lines
-from screwsim.scene.operation import CONDENSING, EVAPORATING
 from screwsim.study.datasheet import gas_sheet, refrigeration_sheet, tables
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.rated import celsius
+from screwsim.study.datasheet.refrigeration_sheet import (
+    heating_columns,
+    heating_line,
+    main_columns,
+    own_point,
+    refrigerant_line,
+)
 from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
 from screwsim.study.datasheet.stages_rating import ChainRating, refrigerates
-from screwsim.study.datasheet.stages_table import (
-    BAR,
-    RPM,
-    between_line,
-    each_stage_table,
-    ignored_model_errors,
-    motor_lines,
-    own_document,
-    stage_documents,
-    swept_line,
-)
-from screwsim.study.datasheet.tables import HOUR, KW, PERCENT, Column
+from screwsim.study.datasheet.tables import BAR, BLANK, DUTY, HOUR, KW, NONE, PERCENT, Column, Lines
+from screwsim.study.stages import ChainResult
+from screwsim.study.stages.axes import COOLS, FLASHES, NOTHING, STAGE_NAMES
+from screwsim.study.stages.read import StageChain
 
 CAPACITY, FLOW, INTERMEDIATE = "cooling_capacity", "gas_mass_flow", "intermediate_pressure"
 DISCHARGES = "first_discharge_temperature", "discharge_temperature"
@@ -44,7 +44,28 @@ DOCUMENT_FIGURES = (
     "isothermal_efficiency", "isentropic_efficiency", "free_air_delivered", "package_input_power",
     "package_specific_power", "package_isentropic_efficiency",
 )  # fmt: skip
+INTERMEDIATE_COLUMN = "between bar", Column(INTERMEDIATE, "", BAR, 3)  # with its head
 PEAK_FIGURES = (*DISCHARGES, "first_shaft_power", "second_shaft_power")
+MINUTE, RPM = 6e4, 9.549296585513721  # from m³/s to L/min, rad/s
+EACH_STAGE = (  # figures of a stage, a row each
+    Column("displacement_flow", "swept volume [m³/h]", HOUR, 1),
+    Column("suction_pressure", "suction pressure [bar]", BAR, 3),
+    Column("suction_temperature", "suction temperature [°C]", 1.0, 1, celsius=True),
+    Column("discharge_pressure", "discharge pressure [bar]", BAR, 3),
+    Column("pressure_ratio", "pressure ratio", 1.0, 2),
+    Column("gas_mass_flow", "mass flow [kg/h]", HOUR, 0),
+    Column("shaft_power", "shaft power [kW]", KW, 2),
+    Column("electrical_power", "electrical power [kW]", KW, 2),
+    Column("volumetric_efficiency", "volumetric efficiency [%]", PERCENT, 1),
+    Column("isentropic_efficiency", "isentropic efficiency [%]", PERCENT, 1),
+    Column("discharge_temperature", "discharge temperature [°C]", 1.0, 1, celsius=True),
+    Column("separator_temperature", "separator temperature [°C]", 1.0, 1, celsius=True),
+    Column("oil_flow_volume", "oil [L/min]", MINUTE, 1),
+    Column("oil_supply_temperature", "oil temperature [°C]", 1.0, 1, celsius=True),
+    Column(DUTY, "oil cooler duty [kW]", KW, 2),
+)
+BETWEEN = {NOTHING: "no cooler", COOLS: "a cooler", FLASHES: "a flash tank, whose vapour mixes in"}
+STAGE_FIGURES = tuple(column.figure for column in EACH_STAGE)
 
 
 def stages_sheet(rated: ChainRating, heating: bool = False) -> Sheet:
@@ -52,13 +73,12 @@ def stages_sheet(rated: ChainRating, heating: bool = False) -> Sheet:
     chain, cold = rated.asked.chain, refrigerates(rated.asked.chain)
     kind = "Two-stage refrigeration compressors" if cold else "Two-stage gas compressors"
     disclaimer = refrigeration_sheet.DISCLAIMER if cold else gas_sheet.DISCLAIMER
-    notes = [*ignored_model_errors(chain), *tables.notes_of(rated, _own_point(rated), disclaimer)]
+    notes = [*ignored_model_errors(chain), *tables.notes_of(rated, own_point(rated.asked), disclaimer)]
     return Sheet(
-        heading=f"{kind}, rating by {' and '.join(_axes_in_words(rated))}",
+        heading=f"{kind}, rating by {' and '.join(rated.asked.axes_in_words)}",
         title=with_printed_units(chain.title),
         lines=list(_lines(rated, heating)),
         tables=list(_tables(rated, heating)),
-        verdict=None,
         notes=notes,
         drawings=list(_drawings(rated)),
         document=_document(rated),
@@ -66,88 +86,37 @@ def stages_sheet(rated: ChainRating, heating: bool = False) -> Sheet:
     )
 
 
-def _axes_in_words(rated: ChainRating) -> Iterator[str]:
-    for axis, word in zip((rated.asked.across, rated.asked.down), _sides(rated), strict=True):
-        yield f"{word} {'temperature' if axis.path.endswith('temperature') else 'pressure'}"
-
-
-def _sides(rated: ChainRating) -> tuple[str, str]:
-    asked = rated.asked
-    down = {CONDENSING: "condensing"}.get(asked.down.path, "gas cooler" if refrigerates(asked.chain) else "discharge")
-    return "evaporating" if asked.across.path == EVAPORATING else "suction", down
-
-
-def _own_point(rated: ChainRating) -> str:
-    cold, hot = rated.asked.chain.first.operation, rated.asked.chain.second.operation
-    low, high = lines(rated.asked.chain.first), lines(rated.asked.chain.second)
-    inlet = f"{quantity('Pa', low.p_s)}, {celsius(low.T_s):.4g} °C"
-    if cold.evaporating_temperature is not None:
-        inlet = f"{celsius(cold.evaporating_temperature):.4g} °C"
-    if hot.gas_cooler is not None:
-        leaves = celsius(hot.gas_cooler.outlet_temperature)
-        return f"{inlet} and a gas cooler at {quantity('Pa', high.p_d)} that leaves {leaves:.4g} °C"
-    if hot.condensing_temperature is not None:
-        return f"{inlet} / {celsius(hot.condensing_temperature):.4g} °C"
-    return f"{inlet} to {quantity('Pa', high.p_d)}"
-
-
 def _lines(rated: ChainRating, heating: bool) -> Iterator[tuple[str, str]]:
     chain = rated.asked.chain
-    found = rated.own.performance if rated.own.status == "ok" else {}
     yield from swept_line(rated.both)
-    yield ("refrigerant", _refrigerant(rated)) if refrigerates(chain) else ("gas", chain.first.gas.name)
+    yield refrigerant_line(rated.asked) if refrigerates(chain) else ("gas", chain.first.gas.name)
     yield from between_line(chain, rated.own)
-    yield "point", f"{_own_point(rated)}: {_point(rated, found)}"
-    if heating and found:
-        capacity, cop = _heating_columns(rated)
-        yield "heating", f"{capacity.cell(found)} kW from the condenser, without the oil coolers; COP {cop.cell(found)}"
+    yield "point", f"{own_point(rated.asked)}: {_point(rated)}"
+    if heating and rated.own.status == "ok":
+        yield heating_line(rated)
     yield from motor_lines(chain, rated.both)
     yield from tables.limit_lines(rated, PEAK_FIGURES)
     yield from tables.control_line(rated)
 
 
-def _refrigerant(rated: ChainRating) -> str:
-    cold, hot = rated.asked.chain.first.operation, rated.asked.chain.second.operation
-    name, quality = rated.asked.chain.first.gas.name, cold.suction.quality
-    suction = f"superheat {cold.superheat or 0.0:.4g} K" if quality is None else f"suction quality {quality:.4g}"
-    below = f", subcooling {hot.subcooling or 0.0:.4g} K" if hot.gas_cooler is None else ""
-    return f"{name}, {suction}{below}{'; temperatures are dew points' if is_blend(name) else ''}"
-
-
-def _point(rated: ChainRating, found: Mapping[str, Any]) -> str:
-    if not found:
-        return rated.own.told
-    main, power, best, *_ = _columns(rated)
-    word = power.title.split(" [")[0].lower()
-    if refrigerates(rated.asked.chain):
-        return f"{main.cell(found)} kW of cooling, {power.cell(found)} kW of {word}, COP {best.cell(found)}"
-    return f"{main.cell(found)} kg/h, {power.cell(found)} kW of {word}, η_s {best.cell(found)} %"
-
-
-def _has_motors(rated: ChainRating) -> bool:
-    return all(motor_of(scene) is not None for scene in rated.asked.scenes)
+def _point(rated: ChainRating) -> str:
+    columns, found = _columns(rated), rated.own.performance
+    if refrigerates(rated.asked.chain) or rated.own.status != "ok":
+        return tables.point_in_words(rated, columns)
+    flow, power, best = (column.cell(found) for column in columns[:3])
+    return f"{flow} kg/h, {power} kW of {tables.power_in_words(columns)}, η_s {best} %"
 
 
 def _columns(rated: ChainRating) -> tuple[Column, ...]:
     """Return the columns with a table each; the first three are capacity (or flow), power, COP (or efficiency)."""
-    own, cold, motors = rated.own.performance, refrigerates(rated.asked.chain), _has_motors(rated)
+    own, cold = rated.own.performance, refrigerates(rated.asked.chain)
     kw = tables.decimals_of(KW * (own.get("shaft_power") or 1e5))
     mass = Column(
         FLOW, "Mass flow into the first stage [kg/h]", HOUR, tables.decimals_of(HOUR * (own.get(FLOW) or 1.0))
     )
-    power = Column(
-        *(("electrical_power", "Electrical power [kW]") if motors else ("shaft_power", "Shaft power [kW]")), KW, kw
-    )
-    if cold:
-        capacity = Column(CAPACITY, "Cooling capacity [kW]", KW, tables.decimals_of(KW * (own.get(CAPACITY) or 1e5)))
-        cop, word = ("electrical_cop", "electrical") if motors else ("cop", "shaft")
-        head = (capacity, power, Column(cop, f"COP of the {word} power", 1.0, 2))
-    else:
-        head = (
-            mass,
-            power,
-            Column("isentropic_efficiency", "Isentropic efficiency of the shaft power [%]", PERCENT, 1),
-        )
+    capacity, power, cop = main_columns(rated, kw)
+    efficiency = Column("isentropic_efficiency", "Isentropic efficiency of the shaft power [%]", PERCENT, 1)
+    head = (capacity, power, cop) if cold else (mass, power, efficiency)
     rest = [Column(INTERMEDIATE, "Intermediate pressure [bar]", BAR, 3)]
     rest += [mass] if cold else []
     for which in ("first", "second"):
@@ -161,51 +130,29 @@ def _columns(rated: ChainRating) -> tuple[Column, ...]:
     return (*head, *rest)
 
 
-def _heating_columns(rated: ChainRating) -> tuple[Column, ...]:
-    motors = _has_motors(rated)
-    kw = tables.decimals_of(KW * (rated.own.performance.get("heating_capacity") or 1e5))
-    cop, word = ("electrical_heating_cop", "electrical") if motors else ("heating_cop", "shaft")
-    return (
-        Column("heating_capacity", "Heating capacity [kW]", KW, kw),
-        Column(cop, f"COP of heating, of the {word} power", 1.0, 2),
-    )
-
-
 def _tables(rated: ChainRating, heating: bool) -> Iterator[Table]:
-    across, down = _sides(rated)
-    columns = _columns(rated)
-    yield from each_stage_table(rated.both, f"Each stage at {_own_point(rated)}")
-    yield from tables.tables_of(rated, (*columns, *_heating_columns(rated)) if heating else columns, down)
-    yield from tables.envelope_table(rated, across, list(_axes_in_words(rated))[1])
-    main, power, best, *_ = columns
-    cold = refrigerates(rated.asked.chain)
-    what = "cooling capacity" if cold else "mass flow"
-    note = f"load: {what} relative to that at {_own_point(rated)}; setting: share of the speeds of both stages"
-    shown = (
-        ("capacity kW" if cold else "flow kg/h", main),
-        (f"{power.title.split()[0].lower()} kW", power),
-        ("COP" if cold else "η_s %", best),
-        ("between bar", Column(INTERMEDIATE, "", BAR, 3)),
-        ("discharge °C", Column(DISCHARGES[1], "", 1.0, 1, celsius=True)),
-    )
-    yield from tables.part_load_table(rated, shown, ("", best), note)
+    columns, own = _columns(rated), own_point(rated.asked)
+    yield from each_stage_table(rated.both, f"Each stage at {own}")
+    yield from tables.tables_of(rated, (*columns, *heating_columns(rated)) if heating else columns)
+    yield from tables.envelope_table(rated)
+    what = "cooling capacity" if refrigerates(rated.asked.chain) else "mass flow"
+    note = f"load: {what} relative to that at {own}; setting: share of the speeds of both stages"
+    discharge = ("discharge °C", Column(DISCHARGES[1], "", 1.0, 1, celsius=True))
+    yield from tables.part_load_table(rated, columns, (INTERMEDIATE_COLUMN, discharge), note)
     yield from _intermediate_table(rated, columns)
 
 
 def _intermediate_table(rated: ChainRating, columns: tuple[Column, ...]) -> Iterator[Table]:
     """Yield how the intermediate pressure and the efficiency depend on the speed of the second stage."""
-    main, power, best, *_ = columns
     speed = RPM * rated.asked.chain.second.operation.speed
-    shown = (Column(INTERMEDIATE, "", BAR, 3), main, power, best)
+    heads, shown = zip(INTERMEDIATE_COLUMN, *tables.main_heads(rated, columns), strict=True)
     rows = [
         [f"{speed * share:.0f}", f"{PERCENT * share:.0f}", *(column.cell(one.performance) for column in shown)]
         for share, one in rated.by_second
     ]
     if rows:
-        cold = refrigerates(rated.asked.chain)
-        heads = ["second stage rpm", "% of its speed", "between bar", "capacity kW" if cold else "flow kg/h"]
-        heads += [f"{power.title.split()[0].lower()} kW", "COP" if cold else "η_s %"]
-        yield Table("Intermediate pressure by the speed of the second stage", heads, rows, _best_note(rated, best))
+        title, note = "Intermediate pressure by the speed of the second stage", _best_note(rated, columns[2])
+        yield Table(title, ("second stage rpm", "% of its speed", *heads), rows, note)
 
 
 def _best_note(rated: ChainRating, best: Column) -> str:
@@ -243,23 +190,15 @@ def best_intermediate(by_second: Any, figure: str) -> tuple[float, float, bool] 
 
 
 def _drawings(rated: ChainRating) -> Iterator[Drawing]:
-    asked, (across, down), columns = rated.asked, _sides(rated), _columns(rated)
-    hot = asked.across.path.endswith("temperature")
-    places = [(celsius(x) if hot else BAR * x, i) for i, x in enumerate(asked.across.values)]
-    rows = [
-        (tables.shown_at(asked.down, value), [(x, (i, j)) for x, i in places])
-        for j, value in enumerate(asked.down.values)
-    ]
-    label = f"{across} {'temperature [°C]' if hot else 'pressure [bar]'}"
-    for column in (columns[0], columns[2], columns[3]):
-        yield from tables.drawing(rated, column, label, down, rows)
+    columns = _columns(rated)
+    yield from tables.drawings_over_across(rated, (columns[0], columns[2], columns[3]))
     yield from tables.part_load_drawing(rated, columns[2], f"Part load: {columns[2].title}")
 
 
 def _document(rated: ChainRating) -> dict[str, Any]:
     chain = rated.asked.chain
     found = tables.document_of(rated, DOCUMENT_FIGURES)
-    by_second = [{"share": share, **_point_document(one)} for share, one in rated.by_second]
+    by_second = [{"share": share, **tables.document_figures(one, DOCUMENT_FIGURES)} for share, one in rated.by_second]
     return {
         "kind": f"two_stage_{'refrigeration' if refrigerates(chain) else 'gas'}",
         "title": chain.title,
@@ -272,5 +211,82 @@ def _document(rated: ChainRating) -> dict[str, Any]:
     }
 
 
-def _point_document(one: Result) -> dict[str, Any]:
-    return tables.document_figures(one, DOCUMENT_FIGURES)
+def each_stage_table(found: ChainResult, title: str) -> Iterator[Table]:
+    """Yield the table of both stages beside each other; nothing where they have no results."""
+    if found.status != "ok":
+        return
+    figures = [each.performance for each in found.stages]
+    loads = [_motor_load(scene, each) for scene, each in zip(found.scenes, found.stages, strict=True)]
+    rows = [["speed [rpm]", *(f"{RPM * scene.operation.speed:.0f}" for scene in found.scenes)]]
+    for column in EACH_STAGE:
+        if any(column.figure in each for each in figures):
+            rows.append([column.title, *(column.cell(each) for each in figures)])
+        if column.figure == "electrical_power" and any(loads):
+            rows.append(["load of its motor [%]", *(load or NONE for load in loads)])
+    yield Table(title, (BLANK, *(f"{name} stage" for name in STAGE_NAMES)), rows, left=1)
+
+
+def _motor_load(scene: Scene, found: Result) -> str:
+    motor = motor_of(scene)
+    return "" if motor is None else f"{PERCENT * found.performance.shaft_power / motor.rated_power:.0f}"
+
+
+def between_line(chain: StageChain, found: Result) -> Lines:
+    """Yield what lies between both stages, and the pressure there beside the geometric mean of both ends."""
+    between, p = chain.intercooler, found.performance.get("intermediate_pressure")
+    words = BETWEEN[between.kind]
+    if between.outlet_temperature is not None:
+        words += f" to {celsius(between.outlet_temperature):.4g} °C"
+    if between.pressure_drop > 0.0:
+        words += f", pressure drop {quantity('Pa', between.pressure_drop)}"
+    if p is not None:
+        T = found.performance.get("intermediate_temperature")
+        at = "" if T is None else f" ({celsius(T):.1f} °C)"
+        mean = sqrt(lines(chain.first).p_s * lines(chain.second).p_d)
+        words += f"; {quantity('Pa', p)}{at}, geometric mean of both ends {quantity('Pa', mean)}"
+        heat = found.performance.get("intercooler_heat")
+        words += f"; the cooler takes {KW * heat:.1f} kW" if between.cools and heat is not None else ""
+    yield "between", words
+
+
+def motor_lines(chain: StageChain, found: ChainResult) -> Lines:
+    """Yield the rating of each motor, and its load at the own point."""
+    loads = [f", {_motor_load(*each)} % of it at the point" for each in zip(found.scenes, found.stages, strict=False)]
+    parts = []
+    for number, (name, scene) in enumerate(chain.by_stage.items()):
+        motor = motor_of(scene)
+        if motor is not None:
+            load = loads[number] if number < len(loads) else ""
+            parts.append(f"{name} stage {quantity('W', motor.rated_power)} rated at the shaft{load}")
+    if parts:
+        yield "motors", "; ".join(parts)
+
+
+def swept_line(found: ChainResult) -> Lines:
+    """Yield the swept volume and the speed of each stage."""
+    if len(found.scenes) == len(found.stages) and found.stages:
+        swept = (quantity("m3 s-1", each.performance["displacement_flow"]) for each in found.stages)
+        speeds = (f"{RPM * scene.operation.speed:.4g} rpm" for scene in found.scenes)
+        parts = zip(STAGE_NAMES, swept, speeds, strict=True)
+        yield "stages", ", ".join(f"{name} {volume} swept at {speed}" for name, volume, speed in parts)
+
+
+def stage_documents(found: ChainResult) -> list[dict[str, Any]]:
+    """Return the figures of each stage [SI] for programs, with their estimated errors."""
+    return [_with_errors(tables.document_figures(each, STAGE_FIGURES), each, STAGE_FIGURES) for each in found.stages]
+
+
+def _with_errors(document: dict[str, Any], found: Result, names: Sequence[str]) -> dict[str, Any]:
+    return document | {"error": {name: found.error[name] for name in names if found.error.get(name) is not None}}
+
+
+def own_document(found: Result, names: Sequence[str]) -> dict[str, Any]:
+    """Return figures of the whole [SI] at its own point for programs, with their estimated errors."""
+    return _with_errors(tables.document_figures(found, names), found, names)
+
+
+def ignored_model_errors(chain: StageChain) -> Iterator[str]:
+    """Yield a note where a scene names the validation of its model, which does not hold for two stages together."""
+    for name, scene in chain.by_stage.items():
+        if scene.model_error:
+            yield f"the model error of the {name} scene is ignored (screwsim run of that scene shows it)"

@@ -10,14 +10,15 @@ from screwsim.figures.engineering import quantity, shown_name
 from screwsim.outputs import Result
 from screwsim.outputs.display import picked
 from screwsim.scene import Scene
+from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING
 from screwsim.study.datasheet.bounds import exceeded_bounds, limit_text, motor_of
-from screwsim.study.datasheet.rated import Axis, Rated, celsius
+from screwsim.study.datasheet.rated import Axis, Rating, celsius
 from screwsim.study.datasheet.sheet import Curve, Drawing, Table, warning_lines
 from screwsim.study.inputs import shown_value
-from screwsim.study.part_load import SPEED_PATH, LoadStep, PartLoad
+from screwsim.study.part_load import REFRIGERATION, SPEED_PATH, LoadStep, PartLoad
 
-KW, HOUR, PERCENT = 1e-3, 3600.0, 100.0
+KW, HOUR, PERCENT, BAR = 1e-3, 3600.0, 100.0, 1e-5
 NONE, BLANK, MARK = "–", "\u00a0", "*"
 DUTY = "oil_cooler_duty"
 Lines = Iterator[tuple[str, str]]
@@ -56,7 +57,7 @@ def shown_at(axis: Axis, value: float) -> str:
     return quantity("rad s-1" if axis.path.endswith("speed") else "Pa", value)
 
 
-def place_of(rated: Rated, i: int, j: int) -> str:
+def place_of(rated: Rating, i: int, j: int) -> str:
     """Return a point of the table in words."""
     asked = rated.asked
     first, second = (shown_at(axis, axis.values[k]) for axis, k in zip((asked.across, asked.down), (i, j), strict=True))
@@ -64,11 +65,37 @@ def place_of(rated: Rated, i: int, j: int) -> str:
     return f"{first.removesuffix(f' {unit}')}/{second}" if first.endswith(f" {unit}") else f"{first}, {second}"
 
 
-def tables_of(rated: Rated, columns: Sequence[Column], side: str) -> Iterator[Table]:
-    """Yield the table of each column; `side` heads the values down."""
+def inlet_in_words(scene: Scene) -> str:
+    """Return pressure and temperature of the suction line."""
+    at = lines(scene)
+    return f"{quantity('Pa', at.p_s)}, {celsius(at.T_s):.4g} °C"
+
+
+def point_in_words(rated: Rating, columns: Sequence[Column]) -> str:
+    """Return the three main figures of a refrigeration machine at its own point; why it has none."""
+    if rated.own.status != "ok":
+        return rated.own.told
+    capacity, power, cop = (column.cell(rated.own.performance) for column in columns[:3])
+    return f"{capacity} kW of cooling, {power} kW of {power_in_words(columns)}, COP {cop}"
+
+
+def power_in_words(columns: Sequence[Column]) -> str:
+    """Return which power the second of the main columns has: 'shaft power'."""
+    return columns[1].title.split(" [")[0].lower()
+
+
+def main_heads(rated: Rating, columns: Sequence[Column]) -> list[tuple[str, Column]]:
+    """Return the heads of the three main columns of a sheet: capacity or flow, power, COP or efficiency."""
+    first, best = ("capacity kW", "COP") if rated.asked.aim == REFRIGERATION else ("flow kg/h", "η_s %")
+    power = f"{columns[1].title.split()[0].lower()} kW"
+    return list(zip((first, power, best), columns, strict=False))
+
+
+def tables_of(rated: Rating, columns: Sequence[Column]) -> Iterator[Table]:
+    """Yield the table of each column."""
     asked = rated.asked
     across = (shown_at(asked.across, value) for value in asked.across.values)
-    heads = [side, *(value.replace(" ", BLANK) for value in across)]
+    heads = [asked.sides[1], *(value.replace(" ", BLANK) for value in across)]
     for column in columns:
         cells = [
             [_cell(rated, column, i, j) for i in range(len(asked.across.values))] for j in range(len(asked.down.values))
@@ -79,7 +106,7 @@ def tables_of(rated: Rated, columns: Sequence[Column], side: str) -> Iterator[Ta
         yield Table(column.title, heads, rows, f"{MARK} beyond a limit" if marked else "")
 
 
-def _cell(rated: Rated, column: Column, i: int, j: int) -> tuple[str, bool]:
+def _cell(rated: Rating, column: Column, i: int, j: int) -> tuple[str, bool]:
     """Return the text at one point of a table, and whether the point lies beyond a limit."""
     result = rated.points.get((i, j))
     if result is None or result.status != "ok":
@@ -89,11 +116,15 @@ def _cell(rated: Rated, column: Column, i: int, j: int) -> tuple[str, bool]:
 
 
 def part_load_table(
-    rated: Rated, columns: Sequence[tuple[str, Column]], best: tuple[str, Column], note: str
+    rated: Rating, main: Sequence[Column], more: Sequence[tuple[str, Column]], note: str, there: str = ""
 ) -> Iterator[Table]:
-    """Yield the table of part loads: columns with their heads, and the best built-in ratio with its column."""
+    """Yield the table of part loads: the three main columns of a sheet, more of them with their heads.
+
+    The best built-in ratio comes with the third of the main columns, whose head is then `there`.
+    """
+    columns = [*main_heads(rated, main), *more]
     heads = ["control", "load %", "setting", *(head for head, _ in columns)]
-    heads += ["best Vi", best[0]] if rated.asked.ratios else []
+    heads += ["best Vi", there] if rated.asked.ratios else []
     rows = []
     for load in rated.loads:
         for k, step in enumerate(load.steps):
@@ -101,24 +132,25 @@ def part_load_table(
             cells = [column.cell(step.result.performance) for _, column in columns]
             if rated.asked.ratios:
                 better = step.best.performance if step.best is not None else {}
-                cells += [NONE if step.ratio is None else f"{step.ratio:.2f}", best[1].cell(better)]
+                cells += [NONE if step.ratio is None else f"{step.ratio:.2f}", main[2].cell(better)]
             rows.append([load.control.name if k == 0 else "", f"{100.0 * step.load:.0f}", setting, *cells])
     if rows:
         yield Table("Part load at equal loads", heads, rows, note, left=1, across=True)
 
 
-def envelope_table(rated: Rated, first: str, side: str) -> Iterator[Table]:
-    """Yield the table of the envelope: `first` heads the values across, `side` names the quantity within limits."""
+def envelope_table(rated: Rating, side: str = "") -> Iterator[Table]:
+    """Yield the table of the envelope; `side` names the quantity within limits, by default its axis."""
     asked, rows = rated.asked, []
     for each in rated.reach:
         ends = (each.low, each.high)
         shown = (f"{celsius(at):.1f} °C" if asked.down.path == CONDENSING else quantity("Pa", at) for at in ends)
         rows.append([shown_at(asked.across, each.at), *shown, each.below, each.above])
     if rows:
-        yield Table(f"Envelope: {side} within all limits", (first, "from", "to", "lower end", "upper end"), rows)
+        heads = (asked.sides[0], "from", "to", "lower end", "upper end")
+        yield Table(f"Envelope: {side or asked.axes_in_words[1]} within all limits", heads, rows)
 
 
-def part_load_note(rated: Rated, load: str, best: str) -> str:
+def part_load_note(rated: Rating, load: str, best: str) -> str:
     """Return the note on what a part load is a share of, and what the best built-in volume ratio maximises."""
     note, ratios = f"load: {load}", rated.asked.ratios
     if not ratios:
@@ -128,7 +160,7 @@ def part_load_note(rated: Rated, load: str, best: str) -> str:
     return f"{note}{_missed_ratios(rated)}"
 
 
-def _missed_ratios(rated: Rated) -> str:
+def _missed_ratios(rated: Rating) -> str:
     """Return at which built-in volume ratios no best one was sought, and why; empty where there are none."""
     missed = {ratio: why for load in rated.loads for step in load.steps for ratio, why in step.missed.items()}
     if not missed:
@@ -138,8 +170,20 @@ def _missed_ratios(rated: Rated) -> str:
     return f"; not all points were solved at {named}, so a better one may be missed ({why})"
 
 
+def drawings_over_across(rated: Rating, columns: Sequence[Column]) -> Iterator[Drawing]:
+    """Yield a drawing of each column over the axis across, with one curve per value down."""
+    asked = rated.asked
+    hot = asked.across.kind == "temperature"
+    places = [(celsius(x) if hot else BAR * x, i) for i, x in enumerate(asked.across.values)]
+    down = enumerate(asked.down.values)
+    rows = [(shown_at(asked.down, value), [(x, (i, j)) for x, i in places]) for j, value in down]
+    label = f"{asked.axes_in_words[0]} [{'°C' if hot else 'bar'}]"
+    for column in columns:
+        yield from drawing(rated, column, label, asked.sides[1], rows)
+
+
 def drawing(
-    rated: Rated, column: Column, x_label: str, by: str, rows: Sequence[tuple[str, Sequence[tuple[float, TablePlace]]]]
+    rated: Rating, column: Column, x_label: str, by: str, rows: Sequence[tuple[str, Sequence[tuple[float, TablePlace]]]]
 ) -> Iterator[Drawing]:
     """Yield a drawing of a column, with one curve per row (name, [(x, place)]) of two points or more.
 
@@ -156,7 +200,7 @@ def drawing(
         yield Drawing(column.title, x_label, column.title, curves)
 
 
-def part_load_drawing(rated: Rated, column: Column, title: str) -> Iterator[Drawing]:
+def part_load_drawing(rated: Rating, column: Column, title: str) -> Iterator[Drawing]:
     """Yield a drawing over the load, with one curve per control; nothing where none has two points."""
     parts = [load for load in rated.loads if len(load.curve) > 1]
     if parts:
@@ -181,7 +225,7 @@ def document_figures(result: Result, names: Sequence[str]) -> dict[str, Any]:
     return picked(result, "status", "message", "warnings") | found
 
 
-def document_of(rated: Rated, names: Sequence[str]) -> dict[str, Any]:
+def document_of(rated: Rating, names: Sequence[str]) -> dict[str, Any]:
     """Return points, limits, envelope and part load for programs (SI units)."""
     asked = rated.asked
     first, second = (axis.path.removeprefix("operation.").replace(".", "_") for axis in (asked.across, asked.down))
@@ -245,7 +289,7 @@ def oil_line(scene: Scene, found: Mapping[str, Any]) -> Lines:
         yield "oil", _oil(scene, found)
 
 
-def limit_lines(rated: Rated, figures: Sequence[str]) -> Lines:
+def limit_lines(rated: Rating, figures: Sequence[str]) -> Lines:
     """Yield the limits, and the highest values of figures over the table."""
     stated = ", ".join(f"{bound.words} ({bound.source})" for bound in rated.asked.bounds)
     yield "limits", stated or "none stated (--limit 'discharge_temperature<110 degC')"
@@ -254,7 +298,7 @@ def limit_lines(rated: Rated, figures: Sequence[str]) -> Lines:
         yield "highest", f"over the table: {', '.join(highest)}"
 
 
-def control_line(rated: Rated) -> Lines:
+def control_line(rated: Rating) -> Lines:
     """Yield the controls of the capacity."""
     yield "control", ", ".join(control.name for control in rated.asked.controls) or "none that the scene names"
 
@@ -282,7 +326,7 @@ def _oil(scene: Scene, found: Mapping[str, Any]) -> str:
     return f"{text}; its cooler takes {KW * duty:.1f} kW" if is_oil_cooled(scene) else f"{text}; no cooler"
 
 
-def _highest(rated: Rated, figure: str) -> str:
+def _highest(rated: Rating, figure: str) -> str:
     every = [(result.performance.get(figure), at) for at, result in rated.points.items() if result.status == "ok"]
     known = [(value, at) for value, at in every if value is not None]
     if not known:
@@ -291,7 +335,7 @@ def _highest(rated: Rated, figure: str) -> str:
     return f"{limit_text(figure, value)} at {place_of(rated, i, j)}"
 
 
-def notes_of(rated: Rated, own: str, meant: str) -> Iterator[str]:
+def notes_of(rated: Rating, own: str, meant: str) -> Iterator[str]:
     """Yield failures and warnings of points, each once with its place; `own` is the scene's point in words."""
     every = [(own, rated.own)]
     every += [(place_of(rated, i, j), result) for (i, j), result in rated.points.items()]

@@ -15,7 +15,6 @@ from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
 from screwsim.results.atomic import make_folder
 from screwsim.scene import Scene, scene_text
-from screwsim.study.beyond import LOWER, UPPER, refusal_beyond, value_beyond
 from screwsim.study.goals import Bound
 from screwsim.study.inputs import check_fit, shown_figure, shown_value
 from screwsim.study.optimize.evaluate import SimulatedPoint, simulated
@@ -29,7 +28,7 @@ from screwsim.study.parallel import BatchWorkers, WarmSimulation
 from screwsim.study.progress import Progress, progress_of
 from screwsim.study.search import Maximum
 from screwsim.study.seek import rounded
-from screwsim.study.spans import read_spans
+from screwsim.study.spans import LOWER, UPPER, Span, read_spans, refusal_beyond
 from screwsim.study.stages import scene_or_stages
 from screwsim.study.tally import Place, Tally
 from screwsim.study.varied import Varied, solved, with_values
@@ -82,7 +81,7 @@ class Optimum(Brief):
     reach: Mapping[str, EquallyGoodRange] = field(default_factory=dict)
     others: tuple[tuple[float, float], ...] = ()
     points: tuple[SimulatedPoint, ...] = ()
-    scene: Varied | None = None
+    scene: "Varied | None" = None
     warnings: Mapping[int, tuple[str, ...]] = field(default_factory=dict)  # of evaluations on the front that warn
 
     @property
@@ -226,8 +225,8 @@ def _optimum_of(record: Record, top: Maximum | None, simulate: Simulate) -> Opti
     points = tuple(simulated(asked, rounded(asked.scene, found.values), simulate))
     lower = () if top is None else top.others
     others = tuple((asked.spans[0].value(each.x), float(signs[0] * -each.y)) for each in lower)
-    reach = {span.path: _equally_good_range(found, feasible, i, best, top) for i, span in enumerate(asked.spans)}
-    reach = {path: _with_beyond(found, path, one, simulate) for path, one in reach.items()}
+    ranges = [_equally_good_range(found, feasible, i, best, top) for i in range(len(asked.spans))]
+    reach = {span.path: _with_beyond(found, span, one, simulate) for span, one in zip(asked.spans, ranges, strict=True)}
     return replace(found, reach=reach, others=others, points=points, scene=found.scene_at(best))
 
 
@@ -265,15 +264,13 @@ def _equally_good_range(
     return EquallyGoodRange(span.value(low), span.value(high), border)
 
 
-def _with_beyond(found: Optimum, path: str, reach: EquallyGoodRange, simulate: Simulate) -> EquallyGoodRange:
+def _with_beyond(found: Optimum, span: Span, reach: EquallyGoodRange, simulate: Simulate) -> EquallyGoodRange:
     """Add to a range at whose border the best lies why there is no solution beyond it."""
     if not reach.border:
         return reach
-    asked = found.asked
-    value = value_beyond(next(span for span in asked.spans if span.path == path), reach.border)
 
-    def solved() -> Result:
-        points = simulated(asked, {**found.values, path: value}, simulate)
+    def solved(value: float) -> Result:
+        points = simulated(found.asked, {**found.values, span.path: value}, simulate)
         return next((point.result for point in points if point.result.status != "ok"), points[0].result)
 
-    return replace(reach, beyond=refusal_beyond(asked.scene, path, value, solved))
+    return replace(reach, beyond=refusal_beyond(found.asked.scene, span, reach.border, solved))

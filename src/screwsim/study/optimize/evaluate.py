@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.figures import declared
-from screwsim.figures.errors import error_scale
-from screwsim.outputs import STATUSES, Figures, Result
-from screwsim.results.table import Table, columns_of, names_of
+from screwsim.figures import Performance
+from screwsim.figures.errors import error_in_unit
+from screwsim.outputs import STATUSES, Result
+from screwsim.results.table import Table
 from screwsim.scene import Scene
 from screwsim.study.goals import Goal
 from screwsim.study.optimize.points import OperatingPoint, OperatingPoints
@@ -112,7 +112,7 @@ def evaluation_of(asked: Question, table: Table, row: int) -> Evaluation:
         texts = table.texts["message"]
         why = f"{STATUSES[table.status[bad[0]]].replace('_', ' ')}: {texts.words[texts.number[bad[0]]]}"
         return Evaluation(nothing, nothing, (math.nan,) * len(asked.bounds), why)
-    found = {name: np.array([value_of(table, each, name) for each in rows]) for name in asked.figures}
+    found = {name: table.column("performance", name)[rows] for name in asked.figures}
     wide = {name: np.array([error_of(asked.scene, table, each, name) for each in rows]) for name in asked.figures}
     pairs = [weighted_mean(asked.points, aim.figure, found[aim.figure], wide[aim.figure]) for aim in asked.aims]
     excess = tuple(float(max(map(bound.excess, found[bound.figure]))) for bound in asked.bounds)  # at the worst point
@@ -129,26 +129,14 @@ def weighted_mean(points: OperatingPoints, name: str, values: np.ndarray, errors
     return float(weights @ values), float(weights @ errors)
 
 
-def value_of(table: Table, row: int, name: str, group: str = "performance") -> float:
-    """Return a figure of a row, NaN where it has none."""
-    place = columns_of(names_of(table.about)).get((group, name))
-    return math.nan if place is None else float(table.figures[row, place])
-
-
 def error_of(scene: Varied, table: Table, row: int, name: str) -> float:
     """Return the estimated error of a figure in its own unit; from the wanted accuracy where nothing is estimated."""
-    scale = declared(name, Figures() if not table.about else _Declarations(table)).scale
-    known = {each.name: value for each in table.about if not math.isnan(value := value_of(table, row, each.name))}
-    relative = value_of(table, row, name, "error")
+    about = {each.name: each for each in table.about}
+    groups = ((each, float(table.column("performance", each)[row])) for each in about)
+    known = Performance({each: None if math.isnan(value) else value for each, value in groups}, about)
+    relative = float(table.column("error", name)[row])
     relative = accuracy_of(scene) if math.isnan(relative) else relative
-    return float(error_scale(name, scale, known) * relative)
-
-
-class _Declarations:
-    """Declarations of the figures of a table, in the form that `figures.declared` needs."""
-
-    def __init__(self, table: Table) -> None:
-        self.about = {each.name: each for each in table.about}
+    return error_in_unit(name, known, {name: relative}) or 0.0
 
 
 def total_violation(asked: Question, evaluation: Evaluation) -> float:

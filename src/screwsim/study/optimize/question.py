@@ -12,7 +12,7 @@ from screwsim.study.figures import figure_of
 from screwsim.study.goals import Bound, read_bounds
 from screwsim.study.inputs import check_continuous, usual_efficiency
 from screwsim.study.optimize.points import SINGLE_POINT, OperatingPoints, read_points
-from screwsim.study.spans import Span, read_spans, spans_between
+from screwsim.study.spans import Span, read_spans
 from screwsim.study.varied import Varied
 
 EVALUATIONS_PER_PATH = 100  # evaluations per path, where no number is given
@@ -71,8 +71,7 @@ def question(
     is to maximise the usual efficiency.
     """
     aims = _aims(scene, maximize, minimize)
-    named = isinstance(vary, Mapping)
-    spans = spans_between(scene, vary, ranged=True) if named else read_spans(scene, _listed(vary), ranged=True)
+    spans = read_spans(scene, vary if isinstance(vary, Mapping) else _listed(vary), ranged=True)
     if not spans:
         raise UsageError("nothing varies (give one path or more with its range)")
     bounds = [each if isinstance(each, Bound) else read_bounds(scene, [each])[0] for each in _listed(subject_to)]

@@ -5,13 +5,11 @@ cases of an interrupted run are its first answers. A batch is cut into blocks wh
 cut depends on the batch alone, so that answers depend neither on the number of workers nor on interruptions.
 """
 
-import pickle
 import re
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
-from typing import NamedTuple
+from functools import partial
 
 import numpy as np
 
@@ -19,11 +17,11 @@ from screwsim.outputs import Result
 from screwsim.results.table import Table, join, table_of, warnings_at
 from screwsim.scene import Scene
 from screwsim.study.limit import CASE_LIMIT, TimeLimit
+from screwsim.study.local import with_slopes
 from screwsim.study.optimize.evaluate import Evaluation, evaluation_of, simulated
 from screwsim.study.optimize.question import Question
 from screwsim.study.optimum import Simulate
-from screwsim.study.parallel import BatchWorkers, WarmSimulation
-from screwsim.study.point import with_slopes
+from screwsim.study.parallel import BatchWorkers, WarmSimulation, unpacked
 from screwsim.study.progress import Progress
 from screwsim.study.shards import Parts
 from screwsim.study.tally import Place, Tally
@@ -135,7 +133,7 @@ class Record:
 
     def _solved(self, places: np.ndarray, blocks: Sequence[np.ndarray]) -> list[Table]:
         """Return the results of blocks; where a worker died over a block, its evaluations are tried one by one."""
-        tables = self.crew.answers(_block, [_SentBlock(self._job, places[rows]) for rows in blocks])
+        tables = self.crew.answers(partial(_block, self._job), [places[rows] for rows in blocks])
         for number, table in enumerate(tables):
             if table is None and len(blocks[number]) == 1:
                 dead = [Result("failed", message=WORKER_DIED)] * len(self.asked.points.points)
@@ -156,22 +154,12 @@ def nearest_neighbour_order(places: np.ndarray) -> np.ndarray:
     return np.array(order)
 
 
-class _SentBlock(NamedTuple):
-    """A block as it is sent: question and simulation, pickled once for workers, and the places (n, paths)."""
-
-    job: _Job | bytes
-    places: np.ndarray
-
-
-_unpacked = lru_cache(maxsize=1)(pickle.loads)
-
-
-def _block(work: _SentBlock) -> Table:
-    """Return the results of a block, one operating point per row."""
-    asked, simulate, limit, mark = work.job if isinstance(work.job, tuple) else _unpacked(work.job)
+def _block(job: _Job | bytes, block: np.ndarray) -> Table:
+    """Return the results of a block of places (n, paths), one operating point per row."""
+    asked, simulate, limit, mark = job if isinstance(job, tuple) else unpacked(job)
     simulate = simulate or WarmSimulation()
     results: list[Result] = []
-    for places in work.places:
+    for places in block:
         with TimeLimit(limit):
             values = asked.values(places)
             machine = with_values(asked.scene, values)

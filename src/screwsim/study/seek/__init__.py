@@ -10,18 +10,18 @@ from screwsim.inputs.arguments import NUMBER, NUMBERS, TEXTS, as_list, checked_a
 from screwsim.inputs.arguments import shown as shown_argument
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, case, case_count, case_values, scene_text, with_values
-from screwsim.scene.argument import scene_of
 from screwsim.scene.grid import with_sweep_over
+from screwsim.scene.load import scene_of
 from screwsim.study.figures import figure_of
 from screwsim.study.goals import Goal, read_figure, read_goals
 from screwsim.study.inputs import check_fit, read_text, shown_value
-from screwsim.study.optimum import Simulate
+from screwsim.study.optimum import Simulate, simulator
 from screwsim.study.parallel import WarmSimulation, parallel_map
 from screwsim.study.progress import Progress, progress_of
 from screwsim.study.seek import one_goal, several_goals
 from screwsim.study.seek.answer import GoalSeekAnswer, answer_of_trials, next_size, read_catalogue
 from screwsim.study.seek.trials import ReportedSimulation, Trial, Trials
-from screwsim.study.spans import Span, read_spans, spans_between
+from screwsim.study.spans import Span, read_spans
 from screwsim.study.varied import Varied
 from screwsim.study.workers import WORKER_DIED
 
@@ -56,10 +56,7 @@ def question(scene: Scene, vary: VaryArgument, goals: GoalsArgument, catalogue: 
     path = next((str(each).partition("=")[0].strip() for each in vary), "")
     sizes = read_catalogue(scene, path, catalogue) if isinstance(catalogue, str) and catalogue else catalogue
     sizes = tuple(sorted(map(float, sizes)))
-    if isinstance(vary, Mapping):
-        spans = spans_between(scene, vary, ranged=False)
-    else:
-        spans = read_spans(scene, vary, ranged=False, sizes=sizes)
+    spans = read_spans(scene, vary, ranged=False, sizes=sizes)
     if len(spans) > len(wanted):
         more, remedy = f"{len(spans)} paths vary for {_count(wanted)}", "screwsim optimize finds the best solution"
         raise UsageError(f"--vary: {more} (vary as many as there are --for; {remedy}, --subject-to the goals)")
@@ -133,9 +130,7 @@ def find_each(
     check_fit(case(rest, 0), varied, ", ".join(varied))
     count = case_count(rest)
     if simulate is None and count > 1 and jobs != 1:
-        from screwsim.simulate import warm_up
-
-        warm_up(with_values(case(rest, 0), varied))  # before the fork
+        simulator(with_values(case(rest, 0), varied))  # compiled before the fork
     return parallel_map(
         partial(_answer_at_point, rest, asked, simulate),
         count,

@@ -1,8 +1,7 @@
 """The answer to a goal seek: values with errors, figures, how near a failed search came; the next size up."""
 
-import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,17 +13,15 @@ from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene
 from screwsim.scene.units import NUMBER
-from screwsim.study.beyond import LOWER, UPPER
 from screwsim.study.goals import Goal
-from screwsim.study.inputs import read_text, shown_figure, shown_value
+from screwsim.study.inputs import read_text, shown_figure, shown_range, shown_value, unit_behind
 from screwsim.study.seek import one_goal, several_goals
 from screwsim.study.seek.trials import Trial, Trials
-from screwsim.study.spans import Span
+from screwsim.study.spans import LOWER, UPPER, Span
 
 SAME_SIZE = 1e-9  # relative difference below which a size equals the value
 BOUND_DISTANCE = 1e-6  # of a range: distance from its end that counts as at the end
 CLEAR_ERRORS = 4.0  # errors of a figure from which on two solutions determine its slope
-BOUND_NAMES = (LOWER, UPPER)
 
 
 @dataclass(frozen=True)
@@ -82,7 +79,6 @@ def answer_of_trials(trials: Trials, met: Trial | None, at: Mapping[str, Any]) -
     if best is None:
         return GoalSeekAnswer("failed", **head, message=told, **_counts(trials))
     names = [goal.figure for goal in trials.goals]
-    assert best.off is not None
     head |= {
         "values": trials.values(best.places),
         "figures": {goal.figure: off + goal.value for goal, off in zip(trials.goals, best.off, strict=True)},
@@ -102,9 +98,9 @@ def _counts(trials: Trials) -> dict[str, Any]:
 
 
 def _active_bounds(trials: Trials, trial: Trial) -> dict[str, str]:
-    ends = {span.path: BOUND_NAMES[place > 0.5] for span, place in zip(trials.spans, trial.places, strict=True)}
-    near = {span.path: min(place, 1.0 - place) for span, place in zip(trials.spans, trial.places, strict=True)}
-    return {path: end for path, end in ends.items() if near[path] <= BOUND_DISTANCE}
+    pairs = zip(trials.spans, trial.places, strict=True)
+    ended = ((span.path, place) for span, place in pairs if min(place, 1.0 - place) <= BOUND_DISTANCE)
+    return {path: UPPER if place > 0.5 else LOWER for path, place in ended}
 
 
 def uncertainties(trials: Trials, met: Trial) -> dict[str, float | None]:
@@ -121,9 +117,7 @@ def uncertainties(trials: Trials, met: Trial) -> dict[str, float | None]:
 def _slope(trials: Trials, met: Trial) -> np.ndarray | None:
     """Return the slope of the one figure, over its size, from the nearest solution that clearly differs."""
     (size,) = trials.sizes
-    assert met.off is not None
     for other in sorted(trials.closed, key=lambda trial: abs(trial.places[0] - met.places[0])):
-        assert other.off is not None
         rise, run = other.off[0] - met.off[0], other.places[0] - met.places[0]
         if run and abs(rise) > CLEAR_ERRORS * (met.errors[0] + other.errors[0]):
             return np.array([[rise / size / run]])
@@ -134,20 +128,17 @@ def why_missed(trials: Trials, best: Trial) -> str:
     """Return why nothing meets the goals, and how near the search came, in one line."""
     scene, goals = trials.scene, trials.goals
     wanted = " and ".join(f"{shown_name(goal.figure)} {figure_text(goal.figure, goal.value)}" for goal in goals)
-    ranges = ", ".join(
-        f"{span.path} {shown_value(scene, span.path, span.low)} … {shown_value(scene, span.path, span.high)}"
-        for span in trials.spans
-    )
+    ranges = ", ".join(f"{span.path} {shown_range(scene, span.path, span.low, span.high)}" for span in trials.spans)
     why = _jump_in_words(trials) or _flat_in_words(trials)
     if why:
         return f"nothing within {ranges} gives {wanted}: {why}"
-    assert best.off is not None
     came = ", ".join(figure_text(goal.figure, off + goal.value) for goal, off in zip(goals, best.off, strict=True))
     borders = _active_bounds(trials, best)
     at = {path: f", its {border}" for path, border in borders.items()}
     values = trials.values(best.places).items()
     where = ", ".join(f"{path} {shown_value(scene, path, value)}{at.get(path, '')}" for path, value in values)
-    refusals = [trials.refusal_beyond(best, path, border) for path, border in borders.items()]
+    ended = [span for span in trials.spans if span.path in borders]
+    refusals = [trials.refusal_beyond(best, span, borders[span.path]) for span in ended]
     end = " (change what else limits it)"
     if len(trials.spans) == 1 and one_goal.failing_beside(trials, best):
         end = ", next to values that fail (change what else limits it)"
@@ -163,7 +154,7 @@ def _jump_in_words(trials: Trials) -> str:
         return ""
     (span,), (goal,) = trials.spans, trials.goals
     low, high = (shown_value(trials.scene, span.path, span.value(end.places[0]), 7) for end in ends)
-    a, b = (figure_text(goal.figure, (end.off or (math.nan,))[0] + goal.value) for end in ends)
+    a, b = (figure_text(goal.figure, end.off[0] + goal.value) for end in ends)
     why = f", where solutions fail: {trials.reasons[-1]}" if trials.reasons else ""
     return f"it jumps from {a} at {low} to {b} at {high}{why}"
 
@@ -183,14 +174,13 @@ def _is_flat(trials: Trials) -> bool:
 
 
 def _off(trials: Trials) -> list[float]:
-    return [(trial.off or (math.nan,))[0] for trial in trials.closed]
+    return [trial.off[0] for trial in trials.closed]
 
 
 def read_catalogue(scene: Scene, path: str, text: str) -> tuple[float, ...]:
     """Return the sizes [SI] of '140, 163, 204 mm', ascending; a unit holds for all earlier numbers without one."""
     parts = [part.strip() for part in text.split(",")]
-    last = re.fullmatch(rf"{NUMBER}\s*(.*)", parts[-1])
-    unit = last[1].strip() if last else ""
+    unit = unit_behind(parts[-1])
     whole = [f"{part} {unit}" if re.fullmatch(NUMBER, part) and unit else part for part in parts]
     try:
         sizes = [read_text(scene, path, part) for part in whole if part]
@@ -211,12 +201,12 @@ def next_size(trials: Trials, met: Trial | None, sizes: Iterable[float]) -> Size
         return None
     sizes = list(sizes)
     row = sorted(trials.closed, key=lambda trial: trial.places)
-    ends: Sequence[float] = [(trial.off or (0.0,))[0] for trial in row]
+    ends = [trial.off[0] for trial in row]
     span, direction = trials.spans[0], 1.0 if len(ends) < 2 or ends[-1] >= ends[0] else -1.0
     least = sizes[0] if met is None else span.value(met.places[0])
     for size in (each for each in sizes if each >= least * (1.0 - SAME_SIZE)):
         trial = trials.at(span.place(size))
-        if trial.off is None or trial.result is None:
+        if not trial.closed or trial.result is None:
             continue
         if direction * trial.off[0] >= 0.0 or trials.met(trial):
             return Size(size, trial.off[0] + trials.goals[0].value, trial.result)

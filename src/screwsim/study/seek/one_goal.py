@@ -36,13 +36,8 @@ def solve(trials: Trials) -> Trial | None:
 def nearest_bracket(trials: Trials) -> Bracket | None:
     """Return the neighbours between which the figure passes its goal, those nearest to it; None without any."""
     row = sorted(trials.closed, key=lambda trial: trial.places)
-    pairs = [pair for pair in itertools.pairwise(row) if _residual(pair[0]) * _residual(pair[1]) <= 0.0]
-    return min(pairs, key=lambda pair: min(abs(_residual(each)) for each in pair), default=None)
-
-
-def _residual(trial: Trial) -> float:
-    assert trial.off is not None
-    return trial.off[0]
+    pairs = [pair for pair in itertools.pairwise(row) if pair[0].off[0] * pair[1].off[0] <= 0.0]
+    return min(pairs, key=lambda pair: min(abs(each.off[0]) for each in pair), default=None)
 
 
 def _secant_walk(trials: Trials) -> None:
@@ -65,11 +60,11 @@ def _secant_walk(trials: Trials) -> None:
 
 def _secant_place(trials: Trials, best: Trial) -> float:
     """Return where a secant through the two best solutions meets the goal; at first, assuming proportionality."""
-    here, off = best.places[0], _residual(best)
+    here, off = best.places[0], best.off[0]
     others = sorted((each for each in trials.closed if each is not best), key=trials.far)
     if others:
         other = others[0]
-        slope = (_residual(other) - off) / (other.places[0] - here)
+        slope = (other.off[0] - off) / (other.places[0] - here)
         step = -off / slope if slope else math.copysign(WIDEST, 0.5 - here)
     else:
         span, goal = trials.spans[0], trials.goals[0]
@@ -91,7 +86,7 @@ def _scan(trials: Trials) -> None:
     if nearest_bracket(trials) is not None:
         return
     row = sorted(trials.closed, key=lambda trial: trial.places)
-    number = min(range(len(row)), key=lambda i: abs(_residual(row[i])))
+    number = min(range(len(row)), key=lambda i: abs(row[i].off[0]))
     if not 0 < number < len(row) - 1:
         return
 
@@ -99,7 +94,7 @@ def _scan(trials: Trials) -> None:
         if nearest_bracket(trials) is not None:  # a bracket is known
             return 0.0
         trial = trials.at(float(place))
-        return abs(_residual(trial)) if trial.closed else max(abs(_residual(each)) for each in row)
+        return abs(trial.off[0]) if trial.closed else max(abs(each.off[0]) for each in row)
 
     ends = row[number - 1].places[0], row[number + 1].places[0]
     minimize_scalar(off, bounds=ends, method="bounded", options={"xatol": EXTREMUM_ACCURACY})
@@ -152,9 +147,9 @@ def _places_within(trials: Trials, ends: Bracket, halve: bool) -> Iterator[float
     low, high = ends[0].places[0], ends[1].places[0]
     if not halve:
         row = sorted(trials.closed, key=trials.far)[:3]
-        guess = _inverse_interpolation([(_residual(each), each.places[0]) for each in row])
+        guess = _inverse_interpolation([(each.off[0], each.places[0]) for each in row])
         if guess is None or not low < guess < high:
-            a, b = _residual(ends[0]), _residual(ends[1])
+            a, b = ends[0].off[0], ends[1].off[0]
             guess = low - a * (high - low) / (b - a)
         margin = 1e-3 * (high - low)  # so that the other end moves, too
         yield min(max(guess, low + margin), high - margin)

@@ -4,11 +4,10 @@ from dataclasses import dataclass, field
 
 from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
-from screwsim.study.beyond import refusal_beyond, value_beyond
 from screwsim.study.goals import Bound, Goal
 from screwsim.study.optimum import Simulate, absolute_error, simulated_if_valid
 from screwsim.study.progress import Progress
-from screwsim.study.spans import Span
+from screwsim.study.spans import Span, refusal_beyond
 
 MET_TOLERANCE = 0.5  # of the estimated errors of the figures: distance within which a goal is met
 GOAL_ROUNDING = 1e-9  # of a goal
@@ -16,16 +15,16 @@ GOAL_ROUNDING = 1e-9  # of a goal
 
 @dataclass(frozen=True)
 class Trial:
-    """One solution: its places, each figure [SI] minus its goal, its estimated errors; `off` None: failed."""
+    """One solution: its places, each figure [SI] minus its goal, its estimated errors; without `off` it failed."""
 
     places: tuple[float, ...]
-    off: tuple[float, ...] | None
+    off: tuple[float, ...] = ()
     errors: tuple[float, ...] = ()
     result: Result | None = None
 
     @property
     def closed(self) -> bool:
-        return self.off is not None
+        return bool(self.off)
 
 
 @dataclass
@@ -61,22 +60,21 @@ class Trials:
         """Number of all solutions."""
         return len(self.known) + self.beyond
 
-    def refusal_beyond(self, trial: Trial, path: str, border: str) -> str:
+    def refusal_beyond(self, trial: Trial, span: Span, border: str) -> str:
         """Return why there is no solution beyond the border of a range at which a trial lies; '' where there is one."""
-        value = value_beyond(next(span for span in self.spans if span.path == path), border)
 
-        def solved() -> Result:
+        def solved(value: float) -> Result:
             self.beyond += 1
-            return simulated_if_valid(with_values(self.scene_at(trial.places), {path: value}), self.simulate)
+            return simulated_if_valid(with_values(self.scene_at(trial.places), {span.path: value}), self.simulate)
 
-        return refusal_beyond(self.scene, path, value, solved)
+        return refusal_beyond(self.scene, span, border, solved)
 
     def _solved(self, places: tuple[float, ...]) -> Trial:
         scene, names = self.scene_at(places), [goal.figure for goal in self.goals]
         result = simulated_if_valid(scene, self.simulate)
         if why := result.why_not(names):
             self.reasons.append(why)
-            return Trial(places, None, result=result)
+            return Trial(places, result=result)
         off = tuple(float(result.performance[goal.figure]) - goal.value for goal in self.goals)
         return Trial(places, off, tuple(absolute_error(result, name, scene) for name in names), result)
 
@@ -88,14 +86,14 @@ class Trials:
     def met(self, trial: Trial) -> bool:
         """Return whether a solution meets its goals within their estimated errors, or the tolerance."""
         least = max(self.tolerance, GOAL_ROUNDING)
-        return trial.off is not None and all(
+        return trial.closed and all(
             abs(off) <= max(MET_TOLERANCE * error, least * abs(goal.value))
             for off, error, goal in zip(trial.off, trial.errors, self.goals, strict=True)
         )
 
     def far(self, trial: Trial) -> float:
         """Return the distance of a solution from its goals: the sum of squares over the sizes of the goals."""
-        if trial.off is None:
+        if not trial.closed:
             return float("inf")
         return sum((off / size) ** 2 for off, size in zip(trial.off, self.sizes, strict=True))
 

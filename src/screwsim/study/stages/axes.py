@@ -1,25 +1,19 @@
-"""Inputs of two stages that may vary: `first.PATH`, `second.PATH` and `intercooler.KEY`, and a chain with other values.
+"""Inputs of two stages that may vary, `first.PATH`, `second.PATH` and `intercooler.KEY`; what lies between both stages.
 
 What the chain solves for cannot be varied: the discharge line of the first stage and the suction line of the second.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import fields, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
+from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import UsageError
-from screwsim.scene import Scene, with_values
 from screwsim.scene.fields import Leaf, section_of, unknown_key
 from screwsim.scene.grid import leaf_of
-from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.operation import line_axis_faults
-from screwsim.scene.units import Refused, gauge_pressures_over
-from screwsim.scene.values import convert
-from screwsim.study.figures import figures_of
-from screwsim.study.inputs import ISENTROPIC
-from screwsim.study.stages.package import AIR
+from screwsim.scene.units import Refused
 
 if TYPE_CHECKING:
     from screwsim.study.stages.read import StageChain
@@ -37,6 +31,40 @@ SOLVED = {  # beginnings of paths that the chain replaces by what it finds
     ),
     "second": ("operation.suction.", "operation.evaporating_temperature", "operation.superheat"),
 }
+NOTHING, COOLS, FLASHES = "none", "cooler", "economizer"
+INTERCOOLER_KINDS = {  # what lies between both stages, in words
+    NOTHING: "The second stage draws in the gas as the first one delivers it (M201).",
+    COOLS: "A cooler cools the gas to {T} if it is warmer (M201).",
+    FLASHES: "Vapour from a flash tank between condenser and evaporator mixes with the gas (M202).",
+}
+
+
+@dataclass(frozen=True)
+class Intercooler:
+    """What lies between the discharge line of the first stage and the suction line of the second."""
+
+    kind: str = choice(
+        "none; cooler: the gas is cooled; economizer: vapour of a flash tank mixes in (two-stage expansion)",
+        tuple(INTERCOOLER_KINDS),
+        "none",
+    )
+    outlet_temperature: float | None = quantity(
+        "temperature", "of the gas after the cooler (if it arrives warmer)", None, gt=0.0
+    )
+    pressure_drop: float = quantity("pressure_difference", "between both lines", 0.0, ge=0.0)
+
+    @property
+    def cools(self) -> bool:
+        """Whether the gas is cooled."""
+        return self.kind == COOLS
+
+    @property
+    def flashes(self) -> bool:
+        """Whether vapour of a flash tank mixes in."""
+        return self.kind == FLASHES
+
+
+LEAVES = {name: leaf for name, leaf in section_of(Intercooler).fields.items() if isinstance(leaf, Leaf)}
 
 
 def names_in_chain(path: str) -> tuple[str, ...]:
@@ -58,7 +86,7 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
     if path.startswith(SOLVED[stage]):
         line = "discharge line" if stage == STAGE_NAMES[0] else "suction line"
         raise Refused(f"belongs to the {line}, which follows from the other stage (remove this axis)")
-    scene = _scene(chain, stage)
+    scene = chain.by_stage[stage]
     for fault in line_axis_faults(scene, (path,)):
         raise Refused(fault.what.replace("(vary operation.", f"(vary {stage}.operation."))
     try:
@@ -68,54 +96,10 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
         raise Refused(what.replace("of the scene)", f"of that scene after {stage}.)")) from None
 
 
-def leaf_named(chain: StageChain, name: str) -> Leaf:
-    """Return the same as `leaf_in_chain`; raise UsageError that names the input for one that may not vary."""
-    try:
-        return leaf_in_chain(chain, name)
-    except Refused as refusal:
-        raise UsageError(f"{name}: {refusal}") from None
-
-
-def value_read(chain: StageChain, name: str, raw: Any) -> Any:
-    """Return a value as written in YAML ('1000 rpm', 3) in SI, checked like the field; raise UsageError."""
-    leaf, scene = leaf_named(chain, name), chain.second if name.startswith(STAGE_NAMES[1]) else chain.first
-    try:
-        with gauge_pressures_over(scene.operation.ambient_pressure):
-            return convert(leaf, raw, scene.folder)
-    except Refused as refusal:
-        raise UsageError(f"{name}: {refusal}") from None
-
-
-def usual_figure(chain: StageChain) -> str:
-    """Return the figure by which a chain is judged: the COP of a plant, the efficiency of an air package, of others."""
-    scenes = chain.first, chain.second
-    motors = all("electrical_power" in figures_of(scene) for scene in scenes)
-    if condensate_enthalpy(chain.second) is not None:
-        return "electrical_cop" if motors else "cop"
-    return "package_isentropic_efficiency" if motors and chain.first.gas.name.lower() == AIR else ISENTROPIC
-
-
 def _leaf_between(chain: StageChain, key: str) -> Leaf:
-    known = [each.name for each in fields(chain.intercooler) if each.name != "kind"]
+    known = [name for name in LEAVES if name != "kind"]
     if key not in known:
         raise Refused(unknown_key(key, known))
     if getattr(chain.intercooler, key) is None:
         raise Refused("is not stated (it belongs to kind: cooler; write it first)")
-    leaf = section_of(type(chain.intercooler)).fields[key]
-    assert isinstance(leaf, Leaf)
-    return leaf
-
-
-def _scene(chain: StageChain, stage: str) -> Scene:
-    return chain.first if stage == STAGE_NAMES[0] else chain.second
-
-
-def chain_with(chain: StageChain, values: Mapping[str, Any]) -> StageChain:
-    """Return a chain without a sweep, with other values [SI] at its paths; what is wrong shows when it is solved."""
-    changed = replace(chain, sweep={}, joints=())
-    for stage in STAGE_NAMES:
-        own = {name.partition(".")[2]: value for name, value in values.items() if name.startswith(f"{stage}.")}
-        if own:
-            changed = replace(changed, **{stage: with_values(_scene(changed, stage), own)})
-    between = {name.partition(".")[2]: value for name, value in values.items() if name.startswith(f"{BETWEEN}.")}
-    return replace(changed, intercooler=replace(changed.intercooler, **between)) if between else changed
+    return LEAVES[key]

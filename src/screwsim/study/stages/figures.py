@@ -8,6 +8,8 @@ import numpy as np
 
 from screwsim.build import build_gas
 from screwsim.cycle.problem import Inlet
+from screwsim.effects.air_package import AIR, FREE_AIR
+from screwsim.effects.parts.rating import isentropic_power
 from screwsim.evaluate.performance import beyond_suction_gas, efficiencies, parted
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
@@ -18,7 +20,6 @@ from screwsim.outputs import Figures, Result
 from screwsim.scene import Scene, suction_enthalpy
 from screwsim.scene.lines import Lines, condensate_enthalpy
 from screwsim.study.stages.axes import STAGE_NAMES
-from screwsim.study.stages.package import air_figures
 from screwsim.study.stages.read import StageChain
 from screwsim.study.stages.result import (
     FiguresAndReasons,
@@ -28,6 +29,7 @@ from screwsim.study.stages.result import (
     figures_of_both,
 )
 
+NO_INPUT_POWER = "the input power of both stages is not positive"
 SEPARATOR_FIGURES = ("separator_temperature", "oil_cooler_duty")  # figures of each stage's separator
 
 
@@ -91,7 +93,7 @@ def chain_figures(ends: ChainEnds, pair: StagePair) -> tuple[Figures, Mapping[st
     comes, taken = pair.flows
     cooled, reasons = _capacities(ends, pair, flow, power, port_state[2], drawn)
     electrical, unknown = electrical_figures(pair.results, cooled, reasons)
-    package, why = air_figures(pair, port_state[1], (ends.low.p_s, ends.high.p_d))
+    package, why = _air_figures(pair, port_state[1], (ends.low.p_s, ends.high.p_d))
     notes = {**notes, **reasons, **unknown, **why}
     found = dict[str, Any](
         intermediate_pressure=p,
@@ -152,3 +154,23 @@ def _cooler_figures(pair: StagePair) -> dict[str, float | None]:
     stages = zip(STAGE_NAMES, pair.scenes, (result.performance for result in pair.results), strict=True)
     oiled = [(which, p) for which, scene, p in stages if scene.oil_supply is not None]
     return {f"{which}_{name}": p.get(name) for name in SEPARATOR_FIGURES for which, p in oiled}
+
+
+def _air_figures(pair: StagePair, density: float, ends: tuple[float, float]) -> FiguresAndReasons:
+    """Return the figures of a package by ISO 1217 (M340, M345–M347), and why some are None.
+
+    Its inlet is the suction of the first stage, its outlet the discharge of the second; filters, valves, coolers and
+    fans are those that `effects.air_package` of each scene names, whose lines are those of that stage with its parts.
+    There are no figures where the gas is not air or a stage has no motor. `density` [kg/m³] is that of the air at the
+    inlet, `ends` are the pressures [Pa] at inlet and outlet.
+    """
+    figures = [result.performance for result in pair.results]
+    if pair.scenes[0].gas.name.lower() != AIR or any(each.get("electrical_power") is None for each in figures):
+        return {}, {}
+    flow = figures[0].gas_mass_flow / density
+    power = sum(each.electrical_power + (each.get("fan_power") or 0.0) for each in figures)
+    own = {FREE_AIR: flow, "package_input_power": power}
+    names = ("package_specific_power", "package_isentropic_efficiency")
+    if not power > 0.0:
+        return {**own, **dict.fromkeys(names)}, dict.fromkeys(names, NO_INPUT_POWER)
+    return {**own, **dict(zip(names, (power / flow, isentropic_power(flow, *ends) / power), strict=True))}, {}

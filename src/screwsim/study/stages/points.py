@@ -20,7 +20,6 @@ from screwsim.results.atomic import refused
 from screwsim.scene import Scene, grid
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
-from screwsim.study.stages.axes import chain_with
 from screwsim.study.stages.read import StageChain
 from screwsim.study.stages.result import ChainResult, figures_of_both
 from screwsim.study.stages.solve import run_stages
@@ -50,7 +49,7 @@ class ChainPoint(NamedTuple):
 def solved_with(chain: StageChain, values: Mapping[str, Any]) -> ChainResult:
     """Return the result of both stages with other values [SI] at their paths; a failed one where these do not fit."""
     try:
-        return run_stages(chain_with(chain, values))
+        return run_stages(chain.with_values(values))
     except UsageError as error:
         return ChainResult("failed", str(error))
 
@@ -163,7 +162,7 @@ def sweep_stages(
 
 def _solved(base: StageChain, values: Sequence[Mapping[str, Any]], number: int) -> PointResults:
     found = solved_with(base, values[number])
-    return point_results(with_uncertainty(chain_with(base, values[number]), found), _without_curves)
+    return point_results(with_uncertainty(base.with_values(values[number]), found), _without_curves)
 
 
 def _without_curves(_: Scene, result: Result) -> Result:

@@ -7,35 +7,37 @@ import textwrap
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import Any, Self
 
 from screwsim.build import build_parts, package_of
+from screwsim.effects.air_package import AIR
 from screwsim.effects.base import Plenum
 from screwsim.explain import WIDTH, explain
 from screwsim.fluid.composition import is_blend
-from screwsim.inputs.declare import KINDS, choice, quantity
+from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
 from screwsim.outputs import Result
-from screwsim.scene import Scene, load, scene_of, value_at
+from screwsim.scene import Scene, load, scene_of, value_at, with_values
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.lines import condensate_enthalpy, lines
 from screwsim.scene.schema import DRAFT, OWN_PARAMETER, axis_definitions, leaf_schema, mapping, sweep_schema
 from screwsim.scene.sections import read_section
 from screwsim.scene.sweep import read_sweep_of
 from screwsim.scene.types import Joint
-from screwsim.scene.units import gauge_pressures_over, readable_quantity, to_customary
-from screwsim.scene.values import shown
+from screwsim.scene.units import Refused, gauge_pressures_over, readable_quantity, to_customary
+from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
+from screwsim.study.figures import figures_of
+from screwsim.study.inputs import ISENTROPIC
 from screwsim.study.stages.axes import (
     BETWEEN,
+    INTERCOOLER_KINDS,
+    LEAVES,
     STAGE_NAMES,
-    chain_with,
+    Intercooler,
     leaf_in_chain,
-    leaf_named,
     names_in_chain,
-    usual_figure,
-    value_read,
 )
 
 STAGES_KEY = "stages"
@@ -46,39 +48,6 @@ AFTERCOOLERS = (  # why neither scene may name one, and what to do, of each stag
     ("intercooler: {kind: cooler, outlet_temperature: …, pressure_drop: …}", "add its loss to that of a valve"),
 )
 UNLOADED_STAGE = "is unloaded and blows off what it moves, so that the pair delivers nothing"
-
-
-NOTHING, COOLS, FLASHES = "none", "cooler", "economizer"
-INTERCOOLER_KINDS = {  # what lies between both stages, in words
-    NOTHING: "The second stage draws in the gas as the first one delivers it (M201).",
-    COOLS: "A cooler cools the gas to {T} if it is warmer (M201).",
-    FLASHES: "Vapour from a flash tank between condenser and evaporator mixes with the gas (M202).",
-}
-
-
-@dataclass(frozen=True)
-class Intercooler:
-    """What lies between the discharge line of the first stage and the suction line of the second."""
-
-    kind: str = choice(
-        "none; cooler: the gas is cooled; economizer: vapour of a flash tank mixes in (two-stage expansion)",
-        tuple(INTERCOOLER_KINDS),
-        "none",
-    )
-    outlet_temperature: float | None = quantity(
-        "temperature", "of the gas after the cooler (if it arrives warmer)", None, gt=0.0
-    )
-    pressure_drop: float = quantity("pressure_difference", "between both lines", 0.0, ge=0.0)
-
-    @property
-    def cools(self) -> bool:
-        """Whether the gas is cooled."""
-        return self.kind == COOLS
-
-    @property
-    def flashes(self) -> bool:
-        """Whether vapour of a flash tank mixes in."""
-        return self.kind == FLASHES
 
 
 @dataclass(frozen=True)
@@ -96,9 +65,14 @@ class StageChain:
     joints: tuple[Joint, ...] = ()
 
     @property
+    def by_stage(self) -> dict[str, Scene]:
+        """The scene of each stage, by its name, the first one first."""
+        return dict(zip(STAGE_NAMES, (self.first, self.second), strict=True))
+
+    @property
     def accuracy(self) -> float:
         """Accuracy that is asked of the figures: that of the less accurate stage."""
-        return max(scene.numerics.accuracy for scene in (self.first, self.second))
+        return max(scene.numerics.accuracy for scene in self.by_stage.values())
 
     @property
     def beside(self) -> tuple[str, ...]:
@@ -108,26 +82,44 @@ class StageChain:
     @property
     def usual_figure(self) -> str:
         """The figure that is made greatest where none is named: COP, or efficiency, of what is paid for."""
-        return usual_figure(self)
+        motors = all("electrical_power" in figures_of(scene) for scene in self.by_stage.values())
+        if condensate_enthalpy(self.second) is not None:
+            return "electrical_cop" if motors else "cop"
+        return "package_isentropic_efficiency" if motors and self.first.gas.name.lower() == AIR else ISENTROPIC
 
     def leaf_of(self, path: str) -> Leaf:
         """Return the description of an input; raise UsageError where it cannot vary."""
-        return leaf_named(self, path)
+        try:
+            return leaf_in_chain(self, path)
+        except Refused as refusal:
+            raise UsageError(f"{path}: {refusal}") from None
 
     def read_value(self, path: str, raw: Any) -> Any:
         """Return a value as written in YAML in SI, checked like the field; raise UsageError."""
-        return value_read(self, path, raw)
+        leaf, scene = self.leaf_of(path), self.second if path.startswith(STAGE_NAMES[1]) else self.first
+        try:
+            with gauge_pressures_over(scene.operation.ambient_pressure):
+                return convert(leaf, raw, scene.folder)
+        except Refused as refusal:
+            raise UsageError(f"{path}: {refusal}") from None
 
-    def with_values(self, values: Mapping[str, Any]) -> StageChain:
-        """Return a chain without a sweep, with other values [SI]."""
-        return chain_with(self, values)
+    def with_values(self, values: Mapping[str, Any]) -> Self:
+        """Return a chain without a sweep, with other values [SI] at its paths; solving tells what does not fit."""
+        own: dict[str, dict[str, Any]] = {part: {} for part in (*STAGE_NAMES, BETWEEN)}
+        for name, value in values.items():
+            part, _, path = name.partition(".")
+            own[part][path] = value
+        scenes = ((scene, own[stage]) for stage, scene in self.by_stage.items())
+        first, second = (with_values(scene, values) if values else scene for scene, values in scenes)
+        between = replace(self.intercooler, **own[BETWEEN])
+        return replace(self, first=first, second=second, intercooler=between, sweep={}, joints=())
 
-    def with_accuracy(self, accuracy: float) -> StageChain | None:
+    def with_accuracy(self, accuracy: float) -> Self | None:
         """Return a chain with this accuracy in both stages, in one its own where that is finer.
 
         None where one states its tolerance of a step.
         """
-        scenes = self.first, self.second
+        scenes = self.by_stage.values()
         if any(scene.numerics.rtol is not None for scene in scenes):
             return None
         first, second = (
@@ -139,7 +131,7 @@ class StageChain:
     def value_at(self, path: str) -> Any:
         """Return the value [SI] of an input, None where it is absent."""
         stage, _, own = path.partition(".")
-        scenes = dict(zip(STAGE_NAMES, (self.first, self.second), strict=True))
+        scenes = self.by_stage
         return value_at(scenes[stage], own) if stage in scenes else getattr(self.intercooler, own, None)
 
     def faults(self) -> tuple[str, ...]:
@@ -298,10 +290,8 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
 
 def stages_schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of a file of stages; the scenes that it names have their own."""
-    section = section_of(Intercooler)
-    leaves = {name: leaf for name, leaf in section.fields.items() if isinstance(leaf, Leaf)}
     cooled = {"properties": {"kind": {"const": "cooler"}}, "required": ["kind"]}
-    between = mapping({name: leaf_schema(leaf) for name, leaf in leaves.items()}, (), section.doc) | {
+    between = mapping({name: leaf_schema(leaf) for name, leaf in LEAVES.items()}, (), section_of(Intercooler).doc) | {
         "if": cooled,
         "then": {"required": ["outlet_temperature"]},
         "else": {"properties": {"outlet_temperature": {"type": "null"}}},
@@ -317,15 +307,15 @@ def stages_schema() -> dict[str, Any]:
         "title": {"type": ["string", "null"]},
         STAGES_KEY: files,
         "intercooler": between,
-        "sweep": _sweep_schema(leaves),
+        "sweep": _sweep_schema(),
     }
     schema = {"$schema": DRAFT, "title": "screwsim stages"} | mapping(properties, [STAGES_KEY])
     return schema | {"$defs": axis_definitions()}
 
 
-def _sweep_schema(between: Mapping[str, Leaf]) -> dict[str, Any]:
-    """Return the schema of the sweep of a two-stage file; `between` are the inputs of its intercooler."""
-    more = {f"{BETWEEN}.{name}": leaf for name, leaf in between.items() if name != "kind"}
+def _sweep_schema() -> dict[str, Any]:
+    """Return the schema of the sweep of a two-stage file."""
+    more = {f"{BETWEEN}.{name}": leaf for name, leaf in LEAVES.items() if name != "kind"}
     own = OWN_PARAMETER.replace("^", f"^({'|'.join(STAGE_NAMES)})\\.", 1)
     return sweep_schema(names_in_chain, more, own)
 
@@ -348,7 +338,7 @@ def explain_stages(chain: StageChain) -> str:
     )
     head = [chain.title] if chain.title else []
     blocks = [*head, textwrap.fill(found, WIDTH)]
-    for name, scene in zip(STAGE_NAMES, (chain.first, chain.second), strict=True):
+    for name, scene in chain.by_stage.items():
         title = f"The {name} stage"
         blocks += [f"{title}\n{'=' * len(title)}", str(explain(scene))]
     return "\n\n".join(blocks)

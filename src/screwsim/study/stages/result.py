@@ -13,11 +13,10 @@ from screwsim.outputs import STAGES, Figures, Result
 from screwsim.outputs.customary import in_celsius
 from screwsim.outputs.display import picked
 from screwsim.scene import Scene
-from screwsim.study.stages.axes import STAGE_NAMES
+from screwsim.study.stages.axes import STAGE_NAMES, Intercooler
 
 if TYPE_CHECKING:
     from screwsim.study.stages.figures import StagePair
-    from screwsim.study.stages.read import Intercooler
 
 PRESSURE_STEP = 1.02  # factor of the pressure between the stages, for the slopes by that pressure
 TEMPERATURE_STEP = 1.0  # K, warming of the first stage's gas, for the slopes by its temperature

@@ -14,8 +14,8 @@ A point that has no result keeps its reason, in the stages as well.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import fields, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -28,11 +28,10 @@ from screwsim.results.read import SCENE_AT_POINT, read_attributes
 from screwsim.results.schema import Axis, Subject, axes_along, digest, identity_of, numeric_inputs, subject_of
 from screwsim.results.table import InMemory, table_of
 from screwsim.results.write import StageTables, write_tables
-from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.types import Scene
 from screwsim.scene.values import text_of
 from screwsim.scene.write import quoted, scene_text, sweep_lines
-from screwsim.study.stages.axes import BETWEEN, SOLVED, STAGE_NAMES, leaf_in_chain
+from screwsim.study.stages.axes import BETWEEN, LEAVES, SOLVED, STAGE_NAMES, leaf_in_chain
 
 if TYPE_CHECKING:
     from screwsim.study.stages.read import StageChain
@@ -72,7 +71,7 @@ def save_chain(
     one = not chain.sweep
     axes = axes_along(chain, lambda name: leaf_in_chain(chain, name))
     parts = []
-    for number, (stage, scene) in enumerate(_scenes(chain)):
+    for number, (stage, scene) in enumerate(chain.by_stage.items()):
         own = [each.stages[number] for each in results]
         table = table_of(own, keep_cycle=one, keep_slopes=one and scene.output.keeps_slopes)
         known = tuple(each for each in subject_of(scene).inputs if _is_input(chain, stage, each[0]))
@@ -97,7 +96,7 @@ def subject_of_chain(chain: StageChain) -> Subject:
     """Return two stages as the subject of the figures of both together."""
     inputs = (
         (f"{stage}.{path}", variable, value)
-        for stage, scene in _scenes(chain)
+        for stage, scene in chain.by_stage.items()
         for path, variable, value in numeric_inputs(scene)
         if _is_input(chain, stage, path)
     )
@@ -108,7 +107,7 @@ def subject_of_chain(chain: StageChain) -> Subject:
 def identity_of_chain(chain: StageChain) -> dict[str, str]:
     """Return what distinguishes the results of one chain from those of another (`results.identity`)."""
     found = {"values of both stages": digest(repr((chain.intercooler, dict(chain.sweep), chain.joints)))}
-    for stage, scene in _scenes(chain):
+    for stage, scene in chain.by_stage.items():
         for name, text in identity_of(replace(scene, sweep={}, joints=())).items():
             found[f"{stage} {name}" if name.startswith(OWN_IDENTITY) else name] = text
     return found
@@ -118,18 +117,13 @@ def chain_text(chain: StageChain) -> str:
     """Return the YAML text of a chain, for files of its scenes named after their stages."""
     named = ", ".join(f"{stage}.yaml" for stage in STAGE_NAMES)
     lines = [f"title: {quoted(chain.title)}"] if chain.title else []
-    leaves = section_of(type(chain.intercooler)).fields
     lines += [f"stages: [{named}]", f"{BETWEEN}:"]
-    for name, leaf in leaves.items():
+    for name, leaf in LEAVES.items():
         value = getattr(chain.intercooler, name)
-        if isinstance(leaf, Leaf) and value is not None:
+        if value is not None:
             lines.append(f"  {name}: {text_of(leaf, value)}")
     lines += sweep_lines(chain, lambda name: leaf_in_chain(chain, name))
     return "\n".join(lines) + "\n"
-
-
-def _scenes(chain: StageChain) -> Iterator[tuple[str, Scene]]:
-    yield from zip(STAGE_NAMES, (chain.first, chain.second), strict=True)
 
 
 def _is_input(chain: StageChain, stage: str, path: str) -> bool:
@@ -145,8 +139,7 @@ def _own_axis(stage: str, axis: Axis) -> Axis:
 
 def _between(chain: StageChain) -> Iterator[tuple[str, Variable, float]]:
     """Yield the numbers of what lies between both stages, with unit and meaning."""
-    leaves: Mapping[str, object] = section_of(type(chain.intercooler)).fields
-    for each in fields(chain.intercooler):
-        leaf, value = leaves[each.name], getattr(chain.intercooler, each.name)
-        if isinstance(leaf, Leaf) and leaf.kind in KINDS and value is not None:
-            yield f"{BETWEEN}.{each.name}", Variable(KINDS[leaf.kind].si, leaf.doc), float(value)
+    for name, leaf in LEAVES.items():
+        value = getattr(chain.intercooler, name)
+        if leaf.kind in KINDS and value is not None:
+            yield f"{BETWEEN}.{name}", Variable(KINDS[leaf.kind].si, leaf.doc), float(value)

@@ -16,19 +16,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import STAGES, Result
 from screwsim.scene import Scene, lines, value_at
 from screwsim.scene.lines import Lines
 from screwsim.scene.operation import P_D, P_S, QUALITY, T_S
-from screwsim.scene.types import Tolerance
 from screwsim.study.local import Sensitivities, sensitivities
-from screwsim.study.stages.axes import SOLVED, STAGE_NAMES, chain_with
+from screwsim.study.stages.axes import SOLVED, STAGE_NAMES
 from screwsim.study.stages.figures import StagePair, chain_figures, delivery_temperature
 from screwsim.study.stages.solve import ChainSolver, Stop
-from screwsim.study.uncertain import Uncertainty, groups_of, spreads_of
+from screwsim.study.uncertain import Tolerances, Uncertainty, groups_of, spreads_of
 
 if TYPE_CHECKING:
     from screwsim.study.stages.read import StageChain
@@ -40,22 +39,15 @@ PRESSURE_STEP = 1e-4  # of the pressure between the stages
 Slopes = dict[str, dict[str, float]]  # derivative [SI] of each figure by each input
 
 
-class ChainTolerances(NamedTuple):
-    """Tolerances of both scenes' inputs, with their stage before the path, and the inputs that err together."""
-
-    uncertain: Mapping[str, Tolerance]
-    correlated: tuple[tuple[str, ...], ...]
-
-
-def tolerances_of(chain: StageChain) -> ChainTolerances:
-    """Return the tolerances of a chain's inputs, without those of the line between both, which is solved for."""
+def tolerances_of(chain: StageChain) -> Tolerances:
+    """Return the tolerances of a chain's inputs, their stage before the path, but for the line that is solved for."""
     uncertain, correlated = {}, []
-    for stage, scene in zip(STAGE_NAMES, (chain.first, chain.second), strict=True):
+    for stage, scene in chain.by_stage.items():
         own = {path: each for path, each in scene.uncertain.items() if not path.startswith(SOLVED[stage])}
         uncertain |= {f"{stage}.{path}": each for path, each in own.items()}
         groups = (tuple(f"{stage}.{path}" for path in group if path in own) for group in scene.correlated)
         correlated += [group for group in groups if group]
-    return ChainTolerances(uncertain, tuple(correlated))
+    return Tolerances(uncertain, tuple(correlated))
 
 
 def with_uncertainty(chain: StageChain, found: ChainResult) -> ChainResult:
@@ -98,7 +90,7 @@ class _LinearChain:
 
     def at(self, name: str, value: float, dp: float) -> tuple[ChainSolver, StagePair]:
         """Return both stages with another value [SI] of an input ('' for none), and the pressure moved by dp [Pa]."""
-        solver = ChainSolver(chain_with(self.chain, {name: value}) if name else self.chain)
+        solver = ChainSolver(self.chain.with_values({name: value}) if name else self.chain)
         here, drop = self.pair, solver.chain.intercooler.pressure_drop
         p, low, high = here.p + dp, lines(self.chain.first), lines(self.chain.second)
         own = self._own(name, value)
@@ -122,7 +114,7 @@ class _LinearChain:
 class _Derivatives:
     """Derivatives of the figures of both together (`whole`) and of each stage, by the inputs at `values` [SI]."""
 
-    def __init__(self, linear: _LinearChain, tolerances: ChainTolerances) -> None:
+    def __init__(self, linear: _LinearChain, tolerances: Tolerances) -> None:
         self._tolerances, self._linear = tolerances, linear
         self.values: dict[str, float] = {}
         self.whole: Slopes = {}
@@ -164,7 +156,7 @@ class _Derivatives:
                 yield name, own.method.get(name.partition(".")[2], of_line)
 
 
-def _linear_chain(chain: StageChain, found: ChainResult, tolerances: ChainTolerances) -> _LinearChain:
+def _linear_chain(chain: StageChain, found: ChainResult, tolerances: Tolerances) -> _LinearChain:
     """Return the linear chain at a solution; raise UsageError where a stage has no derivative by its lines."""
     (one, other), (first, second) = found.scenes, found.stages
     solver, p = ChainSolver(chain), float(found.performance.intermediate_pressure)

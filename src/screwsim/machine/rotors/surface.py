@@ -81,44 +81,30 @@ def _kept_points(rotors: Rotors, pieces: int) -> Array:
     return np.unique(np.clip(np.concatenate([even, marked]), 0, len(way) - 1))
 
 
-def chamber_angles(surface: Surface, rotors: Rotors, phi: float, z: Array) -> Array:
-    """Return φ [rad] of the chamber at each piece (lobes, profile, z) when the tip of lobe 0 is at `phi` at the inlet.
+def section_ages(surface: Surface, rotors: Rotors, phi: Array) -> Array:
+    """Return φ [rad] of the chamber at each piece (lobes, profile, angles), in the section at the inlet.
 
-    Below `rotors.start` the chamber is not born yet, and is open to suction.
+    `phi` (angles,) are those of the tip of lobe 0. Below `rotors.start` the chamber is not born yet, and is open to
+    suction. In a section at z the angle is that of the section at the inlet z/h before, and the chamber older by z/h.
     """
     pair, female = rotors.pair, surface.outward < 0.0
     contact = 0.5 * (surface.psi[1:] + surface.psi[:-1])[None, :, None]
     lobe = np.arange(surface.lobes)[:, None, None] * pair.pitch
-    behind = (z / rotors.h)[None, None, :]
-    own = phi - lobe - behind
-    own = contact - np.mod(contact - own, surface.meets)  # the last one before the point's contact
+    own = contact - np.mod(contact - (phi - lobe), surface.meets)  # the last one before the point's contact
     region, changes = surface.region[None, :, None], surface.changes[None, :, None]
     back = (region == 2) | ((region == 1) & ((own >= changes) if female else (own < changes)))
-    return own + behind - pair.pitch * back
+    return own - pair.pitch * back
 
 
-def positions(surface: Surface, rotors: Rotors, phi: float, z: Array) -> tuple[Array, Array]:
-    """Return x, y [m] of the points (lobes, profile, z) in the machine's frame, with the rotor at `phi`."""
-    lobe = np.arange(surface.lobes)[:, None, None] * surface.pitch
-    turned = lobe + surface.turns * (phi - z / rotors.h)[None, None, :]
+def chamber_angles(surface: Surface, rotors: Rotors, phi: float, z: Array) -> Array:
+    """Return φ [rad] of the chamber at each piece (lobes, profile, z), with the tip of lobe 0 at `phi` at the inlet."""
+    behind = z / rotors.h
+    return section_ages(surface, rotors, phi - behind) + behind
+
+
+def sections_of(surface: Surface, phi: Array) -> tuple[Array, Array]:
+    """Return x, y [m] of the points (lobes, profile, angles) from the rotor's axis, in a section at angles `phi`."""
+    turned = np.arange(surface.lobes)[:, None, None] * surface.pitch + surface.turns * phi
     c, s = np.cos(turned), np.sin(turned)
     x, y = surface.x[None, :, None], surface.y[None, :, None]
-    return surface.centre + c * x - s * y, s * x + c * y
-
-
-def areas(surface: Surface, x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
-    """Return the outward vector areas [m²] of the pieces between points (lobes, profile, z)."""
-    z = np.broadcast_to(z, x.shape)
-    one = [a[:, 1:, 1:] - a[:, :-1, :-1] for a in (x, y, z)]
-    two = [a[:, :-1, 1:] - a[:, 1:, :-1] for a in (x, y, z)]
-    factor = 0.5 * surface.outward
-    return (
-        factor * (one[1] * two[2] - one[2] * two[1]),
-        factor * (one[2] * two[0] - one[0] * two[2]),
-        factor * (one[0] * two[1] - one[1] * two[0]),
-    )
-
-
-def centres(a: Array) -> Array:
-    """Return the centres of the pieces between points (lobes, profile, z)."""
-    return 0.25 * (a[:, 1:, 1:] + a[:, :-1, :-1] + a[:, :-1, 1:] + a[:, 1:, :-1])
+    return c * x - s * y, s * x + c * y
