@@ -25,11 +25,12 @@ class NumbersRecipe:
 
 
 class StoredNumber(NamedTuple):
-    """A number of P that is stored in parts: its index, which holder has it, and what reads it there."""
+    """A number of P that is stored in parts: its index, which holder has it, under which name, and how."""
 
     place: int
     holder: int
-    read: Callable[[Any], float]
+    name: str
+    by_key: bool  # whether the holder is a mapping
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ that affect more than calls of kernels, must be the same.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from operator import attrgetter, itemgetter
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -56,7 +56,7 @@ def stored_numbers(parts: Parts, law: Any, numbers: Mapping[int, tuple[Any, str]
     if len(by_id) < len(holders) or not all(id(holder) in by_id for holder, _ in numbers.values()):
         return None
     return tuple(
-        StoredNumber(place, by_id[id(holder)], (itemgetter if isinstance(holder, Mapping) else attrgetter)(name))
+        StoredNumber(place, by_id[id(holder)], name, isinstance(holder, Mapping))
         for place, (holder, name) in numbers.items()
     )
 
@@ -78,7 +78,9 @@ def renumbered(before: Parts, composition: Composition, parts: Parts) -> Composi
     if _structure(parts, law) != _structure(before, recipe.law):
         return None
     holders, P = list(_holders(parts, law)), operating_numbers(recipe, parts)
-    P[[each.place for each in recipe.held]] = [each.read(holders[each.holder]) for each in recipe.held]
+    P[[each.place for each in recipe.held]] = [
+        holders[at][name] if by_key else getattr(holders[at], name) for _, at, name, by_key in recipe.held
+    ]
     angles = angles_of(parts, law)
     own = any("." in name for name, _ in parts.all(FlowPath))
     found = composition.breakpoints
