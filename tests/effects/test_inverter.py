@@ -169,8 +169,8 @@ def test_an_inverter_beside_a_constant_efficiency_is_refused():
 
 
 def test_a_weakened_field_is_warned_of():
-    assert inverter.told(DRIVE, inverter.turning(DRIVE, 0.5 * RATED, RATED, 1.01 * SPEED)) == ()
-    (warning,) = inverter.told(DRIVE, inverter.turning(DRIVE, 0.5 * RATED, RATED, 1.5 * SPEED))
+    assert inverter.told(inverter.turning(DRIVE, 0.5 * RATED, RATED, 1.01 * SPEED)) == ()
+    (warning,) = inverter.told(inverter.turning(DRIVE, 0.5 * RATED, RATED, 1.5 * SPEED))
     assert "its field is weakened" in warning
 
 

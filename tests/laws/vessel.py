@@ -14,8 +14,8 @@ from scenes import DROP, scene_dict
 from screwsim.build import build_parts
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.model.compose import compose
-from screwsim.model.contexts import ChamberContext
 from screwsim.model.slots import PORT_STATE
+from screwsim.model.trajectory import ChamberContext
 from screwsim.scene import loads
 
 VOLUME, AREA = 6e-4, 1e-6  # m³, m²: a pin hole, so that the vessel takes seconds

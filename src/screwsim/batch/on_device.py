@@ -17,9 +17,9 @@ import numpy as np
 from screwsim.batch.driver import Driver
 from screwsim.codegen.kinds import FLOAT, INTEGER, Kind, array, words_of
 from screwsim.inputs.faults import UsageError
-from screwsim.model.contexts import ChamberContext
 from screwsim.model.run import Machinery
 from screwsim.model.side_by_side import AXES, TURN, WHOLE, Answer, TurnRequest, arrays_of
+from screwsim.model.trajectory import ChamberContext
 from screwsim.numerics.rodas import TOO_MANY_STEPS
 
 Array = np.ndarray

@@ -15,9 +15,9 @@ from screwsim.codegen.kinds import FLOAT, INTEGER, LANES, Kind
 from screwsim.codegen.program import CannotCompile
 from screwsim.derivatives.pitch import CollocatedPitch, RateNumbers
 from screwsim.derivatives.slices import NODES
-from screwsim.model.contexts import CoupledContext
 from screwsim.model.run import Machinery
 from screwsim.model.side_by_side import address, aligned
+from screwsim.model.trajectory import CoupledContext
 from screwsim.numerics.reused_arrays import empty
 
 Array = np.ndarray

@@ -51,7 +51,7 @@ OF_HEAT = "package_discharge_temperature", "aftercooler_duty", "package_heat"
 NO_POWER = "the package's input power is not positive"
 
 FREE_AIR = "free_air_delivered"
-_always = (
+FIGURES = (
     Figure(
         FREE_AIR,
         "m3 s-1",
@@ -65,8 +65,6 @@ _always = (
     efficiency("package_isentropic_efficiency", "isentropic power of ISO 1217 over input power", by_flow=True),
     Figure("package_discharge_pressure", "Pa", "pressure at the package's outlet"),
     Figure("package_pressure_loss", "Pa", "pressure loss of the package after the machine", over("discharge_pressure")),
-)
-_named = (
     Figure(
         "intake_pressure_loss",
         "Pa",
@@ -79,7 +77,6 @@ _named = (
     power_figure("aftercooler_duty", "heat removed by the aftercooler", needs=(".aftercooler",)),
     power_figure("package_heat", "heat that leaves the package by other ways than its air", needs=SEPARATED),
 )
-FIGURES = (*_always, *_named)
 OF_WATER = (  # computed with the package's water balance (M361)
     Figure(
         "package_vapour_flow",

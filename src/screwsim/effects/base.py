@@ -38,8 +38,7 @@ from screwsim.effects.parts.lines import (
 )
 from screwsim.effects.parts.made import LineFlow, Made, Pulsation, Sought, Span, Turn
 from screwsim.effects.parts.oil import OilContent, OilGas, OilPort, OilRoom, OilSolution
-from screwsim.effects.parts.plenums import Drawn, Plenum, Site
-from screwsim.effects.parts.readings import Given, PowerLoss, Reading, Shaft
+from screwsim.effects.parts.readings import Drawn, Given, Plenum, PowerLoss, Reading, Shaft, Site
 from screwsim.effects.parts.usual import Sized, Usual
 from screwsim.fluid.settings import OilProperties
 from screwsim.inputs.faults import Fault

@@ -185,9 +185,9 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
 
 def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
     """Return the vapour drawn and its gain in cooling capacity (M102, M440)."""
-    site, ratio = drawn.site, drawn.ratio
+    site, ratio, T = drawn.site, drawn.ratio, saturation(parameters, drawn.site.fluid)
     found: dict[str, float | str | None] = {
-        "economizer_temperature": saturation(parameters, site.fluid),
+        "economizer_temperature": T,
         "economizer_pressure": drawn.reservoir.p,
         "economizer_mass_flow": drawn.flow,
         "economizer_flow_ratio": ratio,
@@ -196,9 +196,12 @@ def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
     h_c, q_0 = site.liquid_enthalpy, site.refrigerating_effect
     if h_c is None or q_0 is None or ratio is None:
         return found
-    wanted = h_c - _cold_liquid(parameters, site)
-    p, T = drawn.reservoir.p, saturation(parameters, site.fluid) + parameters.superheat
-    evaporating = max(ratio, 0.0) * (constants.vapour_enthalpy(site.fluid, p, T) - h_c)
+    if parameters.boils:
+        wanted = h_c - constants.saturated_liquid_enthalpy(site.fluid, T)
+    else:
+        wanted = h_c - constants.liquid_enthalpy(site.fluid, site.p_d, T + parameters.approach)
+    vapour = constants.vapour_enthalpy(site.fluid, drawn.reservoir.p, T + parameters.superheat)
+    evaporating = max(ratio, 0.0) * (vapour - h_c)
     if parameters.backflow == EVAPORATES:
         evaporating = evaporating - drawn.brought / drawn.suction_flow
         found[HEAT_LOSS] = max(-evaporating, 0.0) * drawn.suction_flow  # beyond what evaporates the drawn gas
@@ -226,14 +229,6 @@ def warnings(found: Mapping[str, Any]) -> Iterator[str]:
             "liquid takes up"
         )
         yield f"{what} of the shaft power ({remedy})"
-
-
-def _cold_liquid(parameters: Parameters, site: Site) -> float:
-    """Return the enthalpy [J/kg] of the liquid as cold as the economizer can make it."""
-    T = saturation(parameters, site.fluid)
-    if parameters.boils:
-        return constants.saturated_liquid_enthalpy(site.fluid, T)
-    return constants.liquid_enthalpy(site.fluid, site.p_d, T + parameters.approach)
 
 
 def check(parameters: Parameters, facts) -> Faults:

@@ -93,10 +93,6 @@ def _work(excess: np.ndarray, slope: np.ndarray) -> np.ndarray:
     return -(excess * slope).sum(axis=1)
 
 
-def _pressing(excess: np.ndarray) -> np.ndarray:
-    return excess.sum(axis=1)
-
-
 def on_rotors(parameters: Parameters, pitch, ratio: float) -> tuple[float | None, float | None]:
     """Return the mean torques on male and female shaft [N m]; `ratio`: female over male lobes (M145).
 
@@ -131,7 +127,7 @@ def rotor_torques(parameters: Parameters, pitch, ratio: float) -> tuple[np.ndarr
 
 def force(area: float | None, pitch) -> np.ndarray | None:
     """Return the gas force [N] on each chamber's area [m²] at the points of a pitch (M146); None without one."""
-    return None if area is None else area * _pressing(pitch.pressure - pitch.low_pressure)
+    return None if area is None else area * (pitch.pressure - pitch.low_pressure).sum(axis=1)
 
 
 def build(parameters: Parameters, machine) -> list[Reading]:
@@ -142,14 +138,14 @@ def build(parameters: Parameters, machine) -> list[Reading]:
         """Return the figures of torque and forces (M144–M147)."""
         pitch = figures.pitch()
         (low, high), (_, most) = pitch.extremes(
-            lambda p, slope: _work(p - pitch.low_pressure, slope), lambda p, _: _pressing(p - pitch.low_pressure)
+            lambda p, slope: _work(p - pitch.low_pressure, slope), lambda p, _: (p - pitch.low_pressure).sum(axis=1)
         )
         within = pitch.within()
         excess = within.pressure - pitch.low_pressure
         values: list[float | None] = [pitch.torque_mean, high - low]
         values += within.harmonics(_work(excess, within.slope), len(WHICH))
         values += on_rotors(parameters, pitch, ratio)
-        mean = within.mean(_pressing(excess))
+        mean = within.mean(excess.sum(axis=1))
         for area in (areas[way] for way in FORCES):
             values += [None, None] if area is None else [area * mean, area * most]
         return dict(zip(names_of(FIGURES), values, strict=True))

@@ -190,7 +190,7 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
         if drive is not None:
             at = inverter.turning(drive, load, rated, figures.omega)
             share = max(share, at.torque)  # below rated speed the torque is more
-            beyond = (*beyond, *inverter.told(drive, at))
+            beyond = (*beyond, *inverter.told(at))
         if share <= OVERLOAD:
             return "", beyond
         what = f"the motor's load is {1e-3 * load:.4g} kW, {load / rated:.3g} times effects.motor.rated_power"

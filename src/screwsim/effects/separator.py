@@ -119,22 +119,17 @@ def build(parameters: Parameters, machine) -> list[Separator]:
             return found._replace(duty=cooler.duty or 0.0, supply=uncooled, open=open_, share=share, gain=gain)
         off = cooler.discharge_temperature - found.T_mixture
         if uncooled <= off / share:
-            idle = _idle(cooler, found)
+            idle = (
+                f"the oil cooler's thermostat keeps {in_celsius(cooler.discharge_temperature)} at discharge, and the "
+                f"mixture reaches only {in_celsius(found.T_mixture)} without any cooling; it would have to heat, so "
+                "its duty is 0 (lower effects.separator.cooler.discharge_temperature)"
+            )
             return found._replace(
                 duty=0.0, supply=uncooled, open=open_, share=share, gain=1.0 / (1.0 - share), told=idle
             )
         return found._replace(supply=off / share, open=(C + rise) * off, share=share, gain=1.0 / share)
 
     return [Separator(balance)]
-
-
-def _idle(cooler: Cooler, found: Separated) -> str:
-    T, kept = found.T_mixture, cooler.discharge_temperature or 0.0
-    return (
-        f"the oil cooler's thermostat keeps {in_celsius(kept)} at discharge, and the mixture reaches only "
-        f"{in_celsius(T)} without any cooling; it would have to heat, so its duty is 0 (lower "
-        "effects.separator.cooler.discharge_temperature)"
-    )
 
 
 def check(parameters: Parameters, facts) -> Faults:

@@ -19,27 +19,11 @@ from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import ImpossibleValue, UsageError
 from screwsim.model.parts import Parts
 from screwsim.numerics.identity_cache import IdentityCache
-from screwsim.outputs import (
-    AFTERCOOLED,
-    CHANGED,
-    CYCLE,
-    GLIDING,
-    HEATED,
-    HELD,
-    ITSELF,
-    PERFORMANCE,
-    STAGES,
-    SUBCRITICAL,
-    TIMES,
-    WALLED,
-    Figure,
-    Scale,
-    Variable,
-    cycle_variable,
-    shown_of,
-)
+from screwsim.outputs.core import AFTERCOOLED, CHANGED, GLIDING, HEATED, HELD, PERFORMANCE, STAGES, SUBCRITICAL, WALLED
+from screwsim.outputs.declared import ITSELF, TIMES, Figure, Scale, Variable
 from screwsim.outputs.display import ShownFigure
-from screwsim.outputs.figures import ListedFigures
+from screwsim.outputs.figures import ListedFigures, shown_of
+from screwsim.outputs.variables import CYCLE, cycle_variable
 from screwsim.scene.lines import saturates
 from screwsim.scene.types import ActiveEffect, Scene
 

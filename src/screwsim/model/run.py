@@ -15,9 +15,8 @@ import numpy as np
 from screwsim.codegen.calls import Context
 from screwsim.model import compiled, under_scipy
 from screwsim.model.composition import Composition
-from screwsim.model.contexts import ChamberContext, CoupledContext
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PORT_STATE
-from screwsim.model.trajectory import Trajectory
+from screwsim.model.trajectory import ChamberContext, CoupledContext, Trajectory
 from screwsim.model.turn_scheduler import scheduler
 from screwsim.numerics.compiling import clock
 from screwsim.numerics.frozen import with_changes

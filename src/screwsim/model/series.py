@@ -42,7 +42,9 @@ class Composer:
         key = id(parts.geometry), id(parts.effects)
         last = self._known.get(key)
         if last is not None and _same_structure(parts, last[0]):
-            return _with_numbers(last[1], parts)
+            P = operating_numbers(last[1].recipe, parts)
+            P[list(last[1].made)] = list(parts.made.values())
+            return with_changes(last[1], P=P)
         self._known.pop(key, None)
         found = None if self._last is None else renumbered(*self._last, parts)
         if found is None:
@@ -58,10 +60,3 @@ def _same_structure(parts: Parts, other: Parts) -> bool:
     """
     same = parts.geometry is other.geometry and parts.effects is other.effects and parts.gas == other.gas
     return same and differ_in_numbers_only(parts, other)
-
-
-def _with_numbers(composition: Composition, parts: Parts) -> Composition:
-    """Return a composition with the numbers of similar parts."""
-    P = operating_numbers(composition.recipe, parts)
-    P[list(composition.made)] = list(parts.made.values())
-    return with_changes(composition, P=P)

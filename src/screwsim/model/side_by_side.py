@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.codegen.kinds import FLOAT, FLOATS, INTEGER, INTEGERS, LANES, Kind
-from screwsim.model.contexts import ChamberContext
 from screwsim.model.run import Machinery
+from screwsim.model.trajectory import ChamberContext
 
 Array = np.ndarray
 TURN = "rodas__integrate_one"

@@ -1,4 +1,4 @@
-"""One life of a chamber as it was integrated, from which everything about a cycle is read.
+"""One life of a chamber as it was integrated, from which everything about a cycle is read; the arguments of kernels.
 
 It combines the dense output of its steps with the numbers used in integrating it, so that it stays readable whatever
 its workspace does next.
@@ -15,7 +15,6 @@ import numpy as np
 from screwsim.codegen.calls import Context, copied
 from screwsim.model import compiled, ledger
 from screwsim.model.composition import Composition
-from screwsim.model.contexts import ChamberContext
 from screwsim.model.slots import S_RHO
 from screwsim.model.trace import SAMPLED
 from screwsim.numerics.frozen import with_changes
@@ -23,6 +22,40 @@ from screwsim.numerics.frozen import with_changes
 Array = np.ndarray
 SIDE_STEP = 1e-6  # rad, half the difference for slopes of volumes
 KNOWN_LIVES = 4  # lives of a workspace whose flows into lines are kept: a turn, the closed cycle, and a finer one
+
+
+class ChamberContext(NamedTuple):
+    """For one chamber among neighbours with known histories.
+
+    `own` is the chamber's port state, then the phase in which its gas is held during a step (`slots.FREE`: none)
+    and the memory of its openings; `kept` are the numbers of steps of both histories, the new one first.
+    """
+
+    P: Array  # parameters
+    TAB: Array  # tables
+    R: Array  # run-time cells
+    t_old: Array  # times of the last turn's steps, and their dense output
+    d_old: Array
+    t_new: Array  # the same of the turn being integrated
+    d_new: Array
+    kept: Array
+    hints: Array  # where the last search in each history ended
+    state: Array  # scratch
+    own: Array
+
+
+class CoupledContext(NamedTuple):
+    """For all chambers together.
+
+    `port_states` has one for each chamber and a spare one, then the phase in which each chamber's gas is held
+    during a step. `work` holds flows between chambers, and derivatives (`network.chambers`).
+    """
+
+    P: Array
+    TAB: Array
+    R: Array
+    port_states: Array
+    work: Array
 
 
 class Trajectory(NamedTuple):

@@ -14,8 +14,6 @@ from screwsim.outputs.declared import (
     power_figure,
 )
 
-UNCHECKED_SCALE = Scale(unasked=True)
-
 _STAGES = (  # figures of two stages in series
     Figure("intermediate_pressure", "Pa", "pressure between the stages, in the first one's discharge line"),
     Figure("intermediate_temperature", "K", "saturation temperature of a pure refrigerant between the stages"),
@@ -71,7 +69,7 @@ _STAGES = (  # figures of two stages in series
         "flow_mismatch",
         "1",
         "relative difference between the flow into the second stage and what it takes in",
-        UNCHECKED_SCALE,
+        Scale(unasked=True),
     ),
 )
 STAGES = {figure.name: figure for figure in _STAGES}

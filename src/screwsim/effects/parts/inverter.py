@@ -151,7 +151,7 @@ def _check_course(terms: tuple[float, float, float, float], slack: float) -> Non
             )
 
 
-def told(inverter: Inverter, at: Turning) -> tuple[str, ...]:
+def told(at: Turning) -> tuple[str, ...]:
     """Return the warning of a motor beyond its rated speed, empty within it."""
     if at.speed <= WEAK:
         return ()

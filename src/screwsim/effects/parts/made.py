@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from math import inf, sqrt
 from typing import Any, NamedTuple
 
-from screwsim.effects.parts.plenums import Site
+from screwsim.effects.parts.readings import Site
 from screwsim.numerics.feedback_unknowns import FeedbackUnknown
 
 AT_END = 1e-6  # [K] distance from an end of a span that counts as being there

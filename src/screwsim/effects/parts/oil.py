@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from screwsim.effects.parts.plenums import Site
+from screwsim.effects.parts.readings import Site
 from screwsim.numerics.kernel import Kernel
 
 

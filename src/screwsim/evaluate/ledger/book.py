@@ -19,10 +19,9 @@ Rows = list[list[float]]  # sums of model.ledger as rates, one row for each flow
 
 
 class State(NamedTuple):
-    """A state of the gas: T [K], ρ [kg/m³], h [J/kg], s [J/(kg K)]."""
+    """A state of the gas: T [K], h [J/kg], s [J/(kg K)]."""
 
     T: float
-    rho: float
     h: float
     s: float
 
@@ -103,15 +102,11 @@ class LedgerCycle:
     def state(self, T: float, rho: float, h: float) -> State:
         """Return a state of the gas with its entropy."""
         c = self.composition
-        return State(T, rho, h, float(self.life.module.gas_entropy(T, rho, c.P, c.TAB)))
-
-    def pressure_behind(self, to: str) -> float | None:
-        """Return the mean pressure [Pa] at the chambers' end of a line (M184); None if it does not pulsate."""
-        return chamber_end_pressure(self.problem, self.life, to)
+        return State(T, h, float(self.life.module.gas_entropy(T, rho, c.P, c.TAB)))
 
     def behind(self, to: str, line: State) -> State:
         """Return the mean state at the chambers' end of a line: throttled where its pressure has an offset (M184)."""
-        p = self.pressure_behind(to)
+        p = chamber_end_pressure(self.problem, self.life, to)
         return line if p is None else self.at(p, line.h)
 
     def at(self, p: float, h: float) -> State:
@@ -137,7 +132,7 @@ class LedgerCycle:
             DISCHARGE: FlowEnd(DISCHARGE, discharge, DISCHARGE_LINE, kept=True),
         }
         for name, own in self.parts.plenums.items():
-            found[name] = FlowEnd(name, State(own.T, own.rho, own.h, own.s), f"{name}_plenum", kept=False)
+            found[name] = FlowEnd(name, State(own.T, own.h, own.s), f"{name}_plenum", kept=False)
         return [found[end] for end in self.composition.ends]
 
     def drawn(self) -> Iterator[tuple[float, Reservoir]]:

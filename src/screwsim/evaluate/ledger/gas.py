@@ -15,6 +15,7 @@ from math import log
 from typing import NamedTuple
 
 from screwsim.cycle import suction_line
+from screwsim.cycle.cycle_figures import chamber_end_pressure
 from screwsim.cycle.suction_line import Stream
 from screwsim.effects.base import DISCHARGE, SUCTION, LineLeak, OilSolution, Pulsation, SuctionChange, SuctionHeat
 from screwsim.evaluate.ledger.book import (
@@ -155,7 +156,8 @@ def mean_back(cycle: LedgerCycle, met: Streams, sucked: State) -> State:
     """Return the mean state of the gas that flows back, at the pressure where it arrives; without backflow `sucked`."""
     if not met.back.gas > 0.0:
         return sucked
-    return cycle.at(cycle.pressure_behind(SUCTION) or cycle.suction.pressure, met.back.enthalpy / met.back.gas)
+    p = chamber_end_pressure(cycle.problem, cycle.life, SUCTION) or cycle.suction.pressure
+    return cycle.at(p, met.back.enthalpy / met.back.gas)
 
 
 def enter_line(

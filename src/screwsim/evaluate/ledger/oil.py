@@ -61,7 +61,10 @@ def oil_rise(cycle: LedgerCycle, sums: OilSums, heats: Array, suction: State) ->
     for name, row in zip(c.heats, heats, strict=True):
         cycle.add(name, energy=float(row[kernels.HEAT]), entropy=float(row[kernels.HEAT_GENERATED]))
     lift = oil_lift(cycle.parts, known)
-    cycle.add(OIL_SUPPLY, energy=lift, exergy=known.oil_volume_flow * _throttled(cycle) + _kept(cycle))
+    kept = sum(
+        float(part.kept(known)) for _, part in cycle.parts.all(PowerLoss) if part.kept is not None
+    )  # as pressure
+    cycle.add(OIL_SUPPLY, energy=lift, exergy=known.oil_volume_flow * _throttled(cycle) + kept)
     for name, part in cycle.parts.all(Pulsation):
         if part.to == DISCHARGE and not cycle.parts.oil_room:  # loss of the oil on its way to the line (M187)
             through = known.oil_volume_flow + known.leaked_oil_flow
@@ -227,11 +230,6 @@ def _not_carried(cycle: LedgerCycle, sums: OilSums) -> float:
     entry += float(sums.oil[kernels.LOST] - cycle.T_0 * sums.oil[kernels.LOST_OVER_T])
     cycle.add(NOT_CONSERVED, exergy=float(entry))
     return rise
-
-
-def _kept(cycle: LedgerCycle) -> float:
-    """Return the power [W] that losses leave in the oil as pressure."""
-    return sum(float(part.kept(cycle.known)) for _, part in cycle.parts.all(PowerLoss) if part.kept is not None)
 
 
 def through_circuit(cycle: LedgerCycle, of: Evaluation, of_gas: float, of_oil: float) -> tuple[float, float]:

@@ -1,7 +1,7 @@
 """The surroundings of chambers, as text: volume and areas at an angle, port states of neighbours and pulsating lines.
 
 Source: docs/model.md M1–M13, M24, M184–M186. Neighbours are read from histories. Of all chambers together, over one
-lobe pitch, chamber j is at s + j pitch. A context is one of `contexts`.
+lobe pitch, chamber j is at s + j pitch. A context is one of `model.trajectory`.
 """
 
 from screwsim.model.network.flows import NUMBERS, needed
