@@ -28,7 +28,7 @@ from screwsim.inputs.arguments import (
 from screwsim.inputs.faults import UsageError
 from screwsim.report.datasheet import check_sheet, write_sheet
 from screwsim.results import Results, open_results
-from screwsim.scene import Scene, scene_of
+from screwsim.scene import SceneLike, scene_of
 from screwsim.study import compare as _compare
 from screwsim.study import optimum as _optimum
 from screwsim.study import performance_map as _map
@@ -48,7 +48,6 @@ from screwsim.study.progress import Progress, progress_of
 from screwsim.study.stages import scene_or_stages
 from screwsim.study.sweep import run_sweep
 
-SceneLike = Scene | str | os.PathLike[str] | Mapping[str, Any]
 ResultsLike = Results | str | os.PathLike[str]
 
 

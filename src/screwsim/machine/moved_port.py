@@ -57,7 +57,7 @@ def moved_area(angles: Array, areas: Array, opens: float | None, ratio: float) -
     above = np.array([by_edge(each) > by_rest(each) for each in rows])
     crossed = np.flatnonzero(above[1:] & ~above[:-1])  # once: one rises or stays, the other does not rise beyond it
     ends = (rows[i : i + 2].tolist() for i in crossed)
-    meets = [bisected(lambda angle: by_edge(angle) <= by_rest(angle), *both, FINE)[1] for both in ends]
+    meets = [bisected(lambda angle: by_edge(angle) <= by_rest(angle), low, high, FINE)[1] for low, high in ends]
     rows = np.unique([*rows, *meets])
     moved = np.array([min(by_edge(each), by_rest(each)) for each in rows])
     if angles[0] < rows[0]:  # shut up to its first row
