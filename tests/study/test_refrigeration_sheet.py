@@ -16,7 +16,7 @@ from screwsim.report.datasheet import page, write_sheet
 from screwsim.scene import with_values
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.simulate import simulate_many
-from screwsim.study.datasheet import sheet_of
+from screwsim.study.datasheet import SheetOptions, sheet_of
 from screwsim.study.datasheet.bounds import envelope, limits_of
 from screwsim.study.datasheet.rated import rating
 from screwsim.study.datasheet.refrigeration_sheet import rating_request, refrigeration_sheet
@@ -198,7 +198,8 @@ def test_a_machine_with_an_economizer_has_what_its_port_draws(tmp_path):
     """The liquid is cooled to 5 K (`approach`) above what evaporates: CoolProp's enthalpies give the gain."""
     file = tmp_path / "eco.yaml"
     file.write_text(new_scene("refrigeration", request_of(economizer=True)), encoding="utf-8")
-    found = sheet_of(screwsim.load(file), evaporating=RANGES[0], condensing="40 degC..45 degC", jobs=1)
+    ranges = {"--evaporating": RANGES[0], "--condensing": "40 degC..45 degC"}
+    found = sheet_of(screwsim.load(file), SheetOptions(ranges, jobs=1))
     tables = {table.title: table for table in found.tables}
     flow, temperature = tables["Economizer mass flow [kg/h]"], tables["Economizer temperature [°C]"]
     T = float(temperature.rows[0][1].rstrip("*\u00a0"))
@@ -280,7 +281,7 @@ def test_what_it_cannot_rate_is_told_in_one_line(scene, more, words, capsys):
 def test_a_sheet_is_made_from_python():
     scene = screwsim.load(CONFIGS / "air" / "fixed_speed_7.yaml")
     with pytest.raises(screwsim.UsageError, match="--evaporating: belongs to a refrigeration machine"):
-        sheet_of(scene, evaporating="0 degC..5 degC")
+        sheet_of(scene, SheetOptions({"--evaporating": "0 degC..5 degC"}))
 
 
 def test_at_each_part_load_the_best_built_in_ratio_is_found_at_that_load(monkeypatch):
