@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import digits, reading_unit, shown_name
+from screwsim.figures.engineering import reading_unit, shown_name
+from screwsim.outputs.customary import digits
 from screwsim.outputs.display import picked
 from screwsim.printing import write_json
 from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_wrapped, wrapped

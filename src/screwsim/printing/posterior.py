@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import digits, reading_unit, shown_name
+from screwsim.figures.engineering import reading_unit, shown_name
+from screwsim.outputs.customary import digits
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import print_left_out, print_table, print_wrapped, wrapped
 from screwsim.report.calibration import ParameterSample, draw_posterior

@@ -6,7 +6,8 @@ from itertools import groupby
 from typing import Any, NamedTuple
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import figure_text, quantity, shown_name
+from screwsim.figures.engineering import figure_text, shown_name
+from screwsim.outputs.customary import quantity
 from screwsim.scene import Scene
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.goals import Bound, read_bounds

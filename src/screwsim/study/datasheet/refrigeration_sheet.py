@@ -7,9 +7,8 @@ cooler replaces the condenser, its pressure replaces the condensing temperature.
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from screwsim.figures.engineering import quantity
 from screwsim.fluid.composition import is_blend
-from screwsim.outputs.customary import with_printed_units
+from screwsim.outputs.customary import quantity, with_printed_units
 from screwsim.scene import Scene, value_at
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P

@@ -6,8 +6,9 @@ Also the lines and notes that sheets of several kinds share: motor, oil, limits,
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from screwsim.figures.engineering import quantity, shown_name
+from screwsim.figures.engineering import shown_name
 from screwsim.outputs import Result
+from screwsim.outputs.customary import quantity
 from screwsim.outputs.display import picked
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
