@@ -22,7 +22,7 @@ from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.simulate import simulate_many
 from screwsim.study.datasheet.bounds import EnvelopeRange, envelope, motor_of
 from screwsim.study.goals import Bound
-from screwsim.study.inputs import ends_of, read_text, shown_value
+from screwsim.study.inputs import ends_of, read_text, shown_range, shown_value
 from screwsim.study.parallel import parallel_map
 from screwsim.study.part_load import LOADS, REFRIGERATION, SPEED_PATH, Control, LoadFigures, PartLoad, part_load
 from screwsim.study.progress import Progress
@@ -212,8 +212,8 @@ def read_range(base: Scene, path: str, text: str, option: str, example: str) -> 
     except UsageError as fault:
         raise UsageError(f"{option} {text}: {str(fault).removeprefix(path).removeprefix(': ')}") from None
     if not first < last:
-        ends = " … ".join(shown_value(base, path, end) for end in (first, last))
-        raise UsageError(f"{option} {text}: the range {ends} is empty (LOW must be below HIGH)")
+        shown = shown_range(base, path, first, last)
+        raise UsageError(f"{option} {text}: the range {shown} is empty (LOW must be below HIGH)")
     return first, last
 
 
