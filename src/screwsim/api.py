@@ -28,7 +28,7 @@ from screwsim.inputs.arguments import (
 from screwsim.inputs.faults import UsageError
 from screwsim.report.datasheet import check_sheet, write_sheet
 from screwsim.results import Results, open_results
-from screwsim.scene import Scene, scene_of
+from screwsim.scene import SceneLike, scene_of
 from screwsim.study import compare as _compare
 from screwsim.study import optimum as _optimum
 from screwsim.study import performance_map as _map
@@ -43,12 +43,11 @@ from screwsim.study.calibration.plan import plan as _plan
 from screwsim.study.calibration.predict import points_to_predict
 from screwsim.study.calibration.predict import posterior_with_predictions as _sampled
 from screwsim.study.calibration.solve import Calibration
-from screwsim.study.datasheet import Sheet, sheet_of
+from screwsim.study.datasheet import RANGE_OPTIONS, Sheet, SheetOptions, sheet_of
 from screwsim.study.progress import Progress, progress_of
 from screwsim.study.stages import scene_or_stages
 from screwsim.study.sweep import run_sweep
 
-SceneLike = Scene | str | os.PathLike[str] | Mapping[str, Any]
 ResultsLike = Results | str | os.PathLike[str]
 
 
@@ -106,19 +105,9 @@ def datasheet(
     """
     if output is not None:
         check_sheet(Path(output))
-    bar = progress_of("datasheet", progress)
-    found = sheet_of(
-        scene_or_stages(scene),
-        evaporating=evaporating,
-        condensing=condensing,
-        suction=suction,
-        discharge=discharge,
-        limits=limits,
-        heating=heating,
-        profile=None if profile is None else os.fspath(profile),
-        jobs=jobs,
-        progress=bar,
-    )
+    ranges = dict(zip(RANGE_OPTIONS, (evaporating, condensing, suction, discharge), strict=True))
+    told, bar = None if profile is None else os.fspath(profile), progress_of("datasheet", progress)
+    found = sheet_of(scene_or_stages(scene), SheetOptions(ranges, limits, heating, told, jobs, bar))
     if output is not None:
         write_sheet(found, Path(output))
     return found

@@ -2,7 +2,6 @@
 
 import math
 import operator
-import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import nullcontext
 from typing import Any, Literal
@@ -27,6 +26,7 @@ from screwsim.numerics.rodas import JACOBIANS, TAKEN
 from screwsim.numerics.trial import how_it_died
 from screwsim.outputs import Figures, Result
 from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
+from screwsim.scene import SceneLike
 from screwsim.scene.grid import first_by_fluid
 from screwsim.scene.load import scene_of
 from screwsim.scene.plausible import scene_warnings
@@ -64,7 +64,7 @@ def _balances_and_ledger(accurate: Accurate, trace: Trace) -> tuple[Figures, Led
     return balance, book
 
 
-def simulate(scene: Scene | str | os.PathLike[str] | Mapping[str, Any], trace: Trace = True) -> Result:
+def simulate(scene: SceneLike, trace: Trace = True) -> Result:
     """Return the result of one scene; impossible physics gives a status and a partial result, never an exception.
 
     The scene is one of `load`, the path of its file, its YAML text, or a dict as in the file. With `trace` True the

@@ -193,10 +193,10 @@ def sheet():
     """Return what stands for `sheet_of`: the one sheet that is asked for here, computed once."""
     made, asked = {}, datasheet.sheet_of
 
-    def sheet_of(scene, **how):
-        key = repr((scene, [(name, each) for name, each in how.items() if name != "progress"]))
+    def sheet_of(scene, how):
+        key = repr((scene, how._replace(progress=None)))
         if key not in made:
-            made[key] = asked(scene, **how)
+            made[key] = asked(scene, how)
         return made[key]
 
     return sheet_of

@@ -6,8 +6,8 @@ import numpy as np
 from each_row import each_row
 
 from screwsim.figures import known
-from screwsim.figures.engineering import SCALES, scale
 from screwsim.outputs import KNOCK_OUT, Figures, Result, effect_words
+from screwsim.outputs.customary import SCALES, scale
 from screwsim.printing import _numerics, engineering, plain, print_result
 from screwsim.printing.short import print_short
 from screwsim.printing.stages import print_stages

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import screwsim
-from screwsim.study.datasheet import sheet_of
+from screwsim.study.datasheet import SheetOptions, sheet_of
 
 AIR = Path(__file__).parents[2] / "configs" / "air"
 SCENE = AIR / "humid_package.yaml"
@@ -136,13 +136,13 @@ def test_two_aftercoolers_are_one_too_many():
 
 
 def test_a_sheet_tells_of_the_water_of_humid_air_alone():
-    humid = sheet_of(screwsim.load(SCENE, [f"{PACKAGE}.unloaded=null"]))
+    humid = sheet_of(screwsim.load(SCENE, [f"{PACKAGE}.unloaded=null"]), SheetOptions())
     told, point = dict(humid.lines), humid.document["points"][0]
     assert humid.ok and "relative humidity 60 %" in told["inlet"]
     assert f"{3600.0 * point['aftercooler_condensate_flow']:.1f} in the aftercooler" in told["water"]
     assert f"{point['package_dew_point'] - 273.15:.1f} °C at the outlet" in told["water"]
     assert any("humid air" in note for note in humid.notes)
-    none = sheet_of(screwsim.load(SCENE, [f"{PACKAGE}.unloaded=null", "gas.relative_humidity=0"]))
-    dry = sheet_of(screwsim.load(SCENE, [f"{PACKAGE}.unloaded=null", "gas.relative_humidity=null"]))
+    none = sheet_of(screwsim.load(SCENE, [f"{PACKAGE}.unloaded=null", "gas.relative_humidity=0"]), SheetOptions())
+    dry = sheet_of(screwsim.load(SCENE, [f"{PACKAGE}.unloaded=null", "gas.relative_humidity=null"]), SheetOptions())
     assert dry.lines == none.lines and dry.tables == none.tables and dry.notes == none.notes
     assert "water" not in dict(dry.lines) and not any("humid" in key for key in dry.document)

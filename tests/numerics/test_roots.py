@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from screwsim.numerics.roots import bracketed, brentq
+from screwsim.numerics.roots import bisected, bracketed, brentq
 
 FUNCTIONS = {
     "cubic": lambda a, x: x**3 - a,
@@ -72,3 +72,11 @@ def test_a_zero_is_good_enough_where_the_function_is_as_small_as_asked():
     found = bracketed(cubic, np.zeros(1), np.full(1, 2.0), 1e-14, np.full(1, 1e-3))
     assert abs(cubic(found)[0]) <= 1e-3
     assert len(calls) < 10
+
+
+def test_an_interval_is_halved_to_a_relative_width():
+    seen = []
+    low, high = bisected(lambda x: seen.append(x) or x < math.pi, 3.0, 4.0, 1e-6)
+    assert low < math.pi <= high and high - low <= 1e-6 * high < 2.0 * (high - low)
+    assert len(seen) == 19  # 2⁻¹⁹ is the first power below 1e-6 π
+    assert sum(bisected(lambda x: x < math.pi, 3.0, 4.0)) == pytest.approx(2.0 * math.pi, rel=1e-15)

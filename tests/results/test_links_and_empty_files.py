@@ -8,6 +8,7 @@ import pytest
 from screwsim.cli import exit_code
 from screwsim.inputs.faults import UsageError
 from screwsim.results.atomic import HDF5_SIGNATURE, has_content, link_target, protect_others, write_text
+from screwsim.results.protection import protect_other_heads
 from screwsim.results.write import Draft
 from screwsim.scene import load
 from screwsim.study.optimize import store
@@ -78,6 +79,15 @@ def test_a_file_with_one_byte_is_kept(tmp_path):
     mine.write_bytes(b"\x89")
     with pytest.raises(UsageError, match="is not a file of this kind"):
         protect_others(mine, HDF5_SIGNATURE)
+
+
+def test_a_table_whose_first_line_is_blank_is_kept(tmp_path):
+    mine = tmp_path / "mine.csv"
+    mine.write_text("\nmeasured,1\n", encoding="utf-8")
+    with pytest.raises(UsageError, match="is not a file of this kind"):
+        protect_other_heads(mine, lambda heads: "status" in heads)
+    mine.write_text("", encoding="utf-8")
+    protect_other_heads(mine, lambda heads: "status" in heads)
 
 
 @pytest.mark.parametrize("what", ["foreign", "run"])

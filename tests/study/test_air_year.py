@@ -4,7 +4,7 @@ import pytest
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
-from screwsim.study.datasheet import sheet_of
+from screwsim.study.datasheet import SheetOptions, sheet_of
 from screwsim.study.datasheet.air_rating import Point, Rating
 from screwsim.study.datasheet.air_year import Demand, read_profile, year, year_document, year_table
 
@@ -79,4 +79,4 @@ def test_no_other_machine_has_a_profile(pytestconfig):
     from screwsim import load
 
     with pytest.raises(UsageError, match="--profile: belongs to an air package"):
-        sheet_of(load(pytestconfig.rootpath / "configs" / "r134a" / "point.yaml"), profile="loads.csv")
+        sheet_of(load(pytestconfig.rootpath / "configs" / "r134a" / "point.yaml"), SheetOptions(profile="loads.csv"))

@@ -105,7 +105,7 @@ def test_normal_volume_of_humid_air_is_that_of_its_dry_air():
 def test_points_without_a_rise_of_the_pressure_are_left_out(booster):
     scene = screwsim.load(booster, [LAX, "sweep.operation.speed=[2950 rpm]"])
     ranges = {**NONE, "--suction": "10 bar..20 bar", "--discharge": "15 bar..25 bar"}
-    asked = rating_request(scene, ranges, ())
+    asked = rating_request(scene, ranges, {})
     cases = {(p, q): case_scene(asked, p, q) for p in asked.across.values for q in asked.down.values}
     assert {place for place, case in cases.items() if case is None} == {(p, q) for p, q in cases if q < 1.2 * p}
     assert all(isinstance(case, screwsim.Scene) for case in cases.values() if case is not None)
@@ -167,12 +167,12 @@ def test_the_sheet_of_a_bare_air_compressor_says_what_rates_a_package(capsys):
 
 def test_axes_are_the_sweeps_the_options_or_shares_of_the_scenes_own():
     gas = loads(new_scene("booster", request_of()))
-    own = rating_request(gas, NONE, ())
+    own = rating_request(gas, NONE, {})
     assert (own.across.path, own.down.path) == (P_S, P_D)
     assert own.across.values == pytest.approx([4e5, 4.5e5, 5e5, 5.5e5, 6e5])
     expands = loads(new_scene("expander", request_of()))
-    assert rating_request(expands, NONE, ()).across.path == SPEED_PATH
-    inlets = rating_request(expands, {**NONE, "--suction": "18 bar..22 bar"}, ())
+    assert rating_request(expands, NONE, {}).across.path == SPEED_PATH
+    inlets = rating_request(expands, {**NONE, "--suction": "18 bar..22 bar"}, {})
     assert inlets.across.path == P_S and inlets.across.values[0] == pytest.approx(18e5)
 
 

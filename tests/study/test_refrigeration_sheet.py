@@ -16,12 +16,13 @@ from screwsim.report.datasheet import page, write_sheet
 from screwsim.scene import with_values
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.simulate import simulate_many
-from screwsim.study.datasheet import sheet_of
-from screwsim.study.datasheet.bounds import Bound, envelope, limits_of
+from screwsim.study.datasheet import SheetOptions, sheet_of
+from screwsim.study.datasheet.bounds import envelope, limits_of
 from screwsim.study.datasheet.rated import rating
 from screwsim.study.datasheet.refrigeration_sheet import rating_request, refrigeration_sheet
 from screwsim.study.datasheet.sheet import warning_lines
 from screwsim.study.datasheet.tables import part_load_note
+from screwsim.study.goals import Bound
 from screwsim.study.part_load import NEAR, RATIO_PATH, Control, controls, part_load, ratios
 from screwsim.template import new_scene, request_of
 
@@ -197,7 +198,8 @@ def test_a_machine_with_an_economizer_has_what_its_port_draws(tmp_path):
     """The liquid is cooled to 5 K (`approach`) above what evaporates: CoolProp's enthalpies give the gain."""
     file = tmp_path / "eco.yaml"
     file.write_text(new_scene("refrigeration", request_of(economizer=True)), encoding="utf-8")
-    found = sheet_of(screwsim.load(file), evaporating=RANGES[0], condensing="40 degC..45 degC", jobs=1)
+    ranges = {"--evaporating": RANGES[0], "--condensing": "40 degC..45 degC"}
+    found = sheet_of(screwsim.load(file), SheetOptions(ranges, jobs=1))
     tables = {table.title: table for table in found.tables}
     flow, temperature = tables["Economizer mass flow [kg/h]"], tables["Economizer temperature [°C]"]
     T = float(temperature.rows[0][1].rstrip("*\u00a0"))
@@ -228,7 +230,7 @@ def test_the_only_point_that_fails_is_told_with_its_place(rated):
 
 def test_the_envelope_of_points_is_interpolated_between_them():
     p, T = "shaft_power", "discharge_temperature"
-    bounds = (Bound(p, 1, 10.0), Bound(T, 1, 100.0))
+    bounds = (Bound(p, "<", 10.0), Bound(T, "<", 100.0))
     one = [{p: 6.0, T: 80.0}, {p: 8.0, T: 90.0}, {p: 12.0, T: 130.0}]
     points = {(0, j): each for j, each in enumerate(one)} | {(1, 0): None, (1, 1): one[0], (1, 2): None}
     found = list(envelope(points, ((1.0, 2.0), (30.0, 40.0, 50.0)), bounds))
@@ -238,12 +240,12 @@ def test_the_envelope_of_points_is_interpolated_between_them():
 
 
 def test_ranges_are_those_of_the_scene_or_of_steps_around_its_point():
-    own = rating_request(screwsim.load(CONTROL), None, None, ())
+    own = rating_request(screwsim.load(CONTROL), None, None, {})
     assert [round(T - 273.15, 6) for T in own.across.values] == [-15, -10, -5, 0, 5, 10]
     assert [round(T - 273.15, 6) for T in own.down.values] == [30, 35, 40, 45, 50, 55]
-    swept = rating_request(screwsim.load(CONFIGS / "r134a" / "map.yaml"), None, None, ())
+    swept = rating_request(screwsim.load(CONFIGS / "r134a" / "map.yaml"), None, None, {})
     assert len(swept.across.values) == 6 and len(swept.down.values) == 5
-    cooled = rating_request(screwsim.load(CONFIGS / "co2" / "transcritical.yaml"), None, None, ())
+    cooled = rating_request(screwsim.load(CONFIGS / "co2" / "transcritical.yaml"), None, None, {})
     assert cooled.down.path == GAS_COOLER_P and cooled.down.values[3] == pytest.approx(90e5)
 
 
@@ -279,7 +281,7 @@ def test_what_it_cannot_rate_is_told_in_one_line(scene, more, words, capsys):
 def test_a_sheet_is_made_from_python():
     scene = screwsim.load(CONFIGS / "air" / "fixed_speed_7.yaml")
     with pytest.raises(screwsim.UsageError, match="--evaporating: belongs to a refrigeration machine"):
-        sheet_of(scene, evaporating="0 degC..5 degC")
+        sheet_of(scene, SheetOptions({"--evaporating": "0 degC..5 degC"}))
 
 
 def test_at_each_part_load_the_best_built_in_ratio_is_found_at_that_load(monkeypatch):

@@ -15,7 +15,7 @@ from screwsim.effects.parts.rating import isentropic_power
 from screwsim.fluid import constants
 from screwsim.outputs import Figures, Result
 from screwsim.scene import with_values
-from screwsim.study.datasheet import sheet_of
+from screwsim.study.datasheet import SheetOptions, sheet_of
 from screwsim.study.datasheet.air_sheet import FAN_CONTROL
 from screwsim.study.datasheet.stages_sheet import best_intermediate
 from screwsim.study.stages import read_stages, run_stages
@@ -75,7 +75,7 @@ def plant(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def rated(plant):
-    return sheet_of(read_stages(plant), limits=["discharge_temperature<20 degC"], jobs=1)
+    return sheet_of(read_stages(plant), SheetOptions(limits=["discharge_temperature<20 degC"], jobs=1))
 
 
 @pytest.fixture(scope="module")
@@ -88,7 +88,7 @@ def package(tmp_path_factory):
 def aired(package, tmp_path_factory):
     loads = tmp_path_factory.mktemp("loads") / "loads.csv"
     loads.write_text("flow [m^3/min], hours\n10, 1000\n", encoding="utf-8")
-    return sheet_of(read_stages(package), profile=str(loads), jobs=1)
+    return sheet_of(read_stages(package), SheetOptions(profile=str(loads), jobs=1))
 
 
 def table(sheet, title):
@@ -179,8 +179,8 @@ def test_the_best_intermediate_pressure_is_the_top_of_a_parabola_in_its_logarith
 
 def test_a_point_without_a_pressure_keeps_its_reason(tmp_path):
     low = {**LOW, "operation": {**LOW["operation"], "speed": "100 rpm"}}  # hardly delivers
-    sheet = sheet_of(read_stages(written(tmp_path, low, HIGH)), jobs=1, evaporating="-30 degC..-20 degC",
-                            condensing="35 degC..40 degC")  # fmt: skip
+    ranges = {"--evaporating": "-30 degC..-20 degC", "--condensing": "35 degC..40 degC"}
+    sheet = sheet_of(read_stages(written(tmp_path, low, HIGH)), SheetOptions(ranges, jobs=1))
     failed = [each for each in sheet.document["points"] if each["status"] != "ok"]
     assert failed and not sheet.ok
     assert any("failed" in note or "not closed" in note for note in sheet.notes)
@@ -192,7 +192,7 @@ def test_gas_is_rated_by_pressures(tmp_path):
     high = {name: value for name, value in AIR_HIGH.items() if not name.startswith("effects")}
     sweep = {"first.operation.suction.pressure": ["1 bar", "1.2 bar"], "second.operation.discharge.pressure": ["8 bar"]}
     path = written(tmp_path, low, high, sweep=sweep)
-    sheet = sheet_of(read_stages(path), jobs=1)
+    sheet = sheet_of(read_stages(path), SheetOptions(jobs=1))
     found = run_stages(read_stages(path, ["first.operation.suction.pressure=1.2 bar"])).performance
     assert number(table(sheet, "Mass flow").rows[0][2]) == pytest.approx(3600.0 * found.gas_mass_flow, rel=5e-3)
     assert sheet.document["kind"] == "two_stage_gas"
@@ -214,7 +214,7 @@ def test_a_packages_figures_are_those_of_iso_1217(package):
 @pytest.mark.parametrize("control", ["flow", "constant"])
 def test_the_fan_is_told_as_it_is_controlled(tmp_path, control):
     low = AIR_LOW | {"effects.air_package": {"rated_flow": "20 m^3/min", "fan": {"power": "1 kW", "control": control}}}
-    sheet = sheet_of(read_stages(written(tmp_path, low, AIR_HIGH)), jobs=1)
+    sheet = sheet_of(read_stages(written(tmp_path, low, AIR_HIGH)), SheetOptions(jobs=1))
     assert dict(sheet.lines)["fan"] == f"1 kW, {FAN_CONTROL[control]}"
 
 
@@ -223,7 +223,7 @@ def test_of_two_fans_each_has_its_scene(tmp_path):
     low, high = (
         each | {"effects.air_package": {"rated_flow": "20 m^3/min", "fan": fan}} for each in (AIR_LOW, AIR_HIGH)
     )
-    sheet = sheet_of(read_stages(written(tmp_path, low, high)), jobs=1)
+    sheet = sheet_of(read_stages(written(tmp_path, low, high)), SheetOptions(jobs=1))
     assert dict(sheet.lines)["fan"] == "first scene 1 kW, at every flow; second scene 1 kW, at every flow"
 
 
@@ -297,10 +297,10 @@ def test_what_does_not_belong_to_them_is_one_line(request, capsys, which, argume
 def test_other_axes_are_refused(tmp_path):
     path = written(tmp_path, LOW, HIGH, sweep={"first.operation.speed": ["2000 rpm", "3000 rpm"]})
     with pytest.raises(screwsim.UsageError, match=r"but the file varies first\.operation\.speed"):
-        sheet_of(read_stages(path), jobs=1)
+        sheet_of(read_stages(path), SheetOptions(jobs=1))
     path = written(tmp_path, AIR_LOW, AIR_HIGH, sweep={"first.operation.suction.pressure": ["1 bar", "0.9 bar"]})
     with pytest.raises(screwsim.UsageError, match=r"but the file varies first\.operation\.suction\.pressure"):
-        sheet_of(read_stages(path), jobs=1)
+        sheet_of(read_stages(path), SheetOptions(jobs=1))
 
 
 def test_the_command_writes_a_page_a_table_and_a_pdf(package, tmp_path, capsys):

@@ -13,7 +13,7 @@ from screwsim.results import open_results, save
 from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.table import join, table_of
 from screwsim.scene import case
-from screwsim.study.datasheet import Sheet, sheet_of
+from screwsim.study.datasheet import Sheet, SheetOptions, sheet_of
 from screwsim.study.part_files import is_whole, read_part, write_part
 from screwsim.study.sweep import run_sweep
 from screwsim.study.uncertain import uncertainty, with_uncertainty
@@ -174,7 +174,7 @@ def test_a_data_sheet_says_how_sure_its_own_point_is(paper_point, monkeypatch):
     scene = screwsim.load(paper_point, ["operation.speed=1000 rpm ± 3 %", "uncertainty.model=bitzer"])
     empty = Sheet("heading", "title", [], [], None, [])
     monkeypatch.setattr("screwsim.study.datasheet._sheet_of_scene", lambda *given: empty)
-    sheet = sheet_of(scene)
+    sheet = sheet_of(scene, SheetOptions())
     told = dict(sheet.lines)
     half = sheet.document["uncertainty"]["figures"]["shaft_power"]["expanded"]
     power = screwsim.simulate(scene, trace=False).performance.shaft_power
@@ -182,4 +182,4 @@ def test_a_data_sheet_says_how_sure_its_own_point_is(paper_point, monkeypatch):
     assert "isentropic efficiency -2.7 … +2.9 points" in told["model"]
     assert told["model"].endswith("this scene lies outside: speed 1000 rpm (2950 rpm)")
     assert sheet.document["uncertainty"]["figures"]["displacement_flow"]["contributors"][0]["share"] == 1.0
-    assert sheet_of(screwsim.load(paper_point)) == empty
+    assert sheet_of(screwsim.load(paper_point), SheetOptions()) == empty

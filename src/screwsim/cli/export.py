@@ -48,9 +48,9 @@ def _announce_polynomials(scene: Scene, inputs: Sequence[Input]) -> None:
 
 
 def _announce_map(scene: Scene, inputs: Sequence[Input]) -> None:
-    from screwsim.export.inputs import range_of
+    from screwsim.study.inputs import shown_range
 
-    ranges = ", ".join(f"{one.name} {range_of(scene, one)}" for one in inputs)
+    ranges = ", ".join(f"{one.name} {shown_range(scene, one.path, one.low, one.high)}" for one in inputs)
     typer.echo(f"export: simulating a map over {ranges}", err=True)
 
 

@@ -111,21 +111,11 @@ def datasheet(
 
         check_sheet(output)
     from screwsim.printing.machine import print_sheet
-    from screwsim.study.datasheet import sheet_of
+    from screwsim.study.datasheet import RANGE_OPTIONS, SheetOptions, sheet_of
 
+    ranges = dict(zip(RANGE_OPTIONS, (evaporating, condensing, suction, discharge), strict=True))
     with options.counted_progress("datasheet", "parts") as shown:
-        sheet = sheet_of(
-            rated,
-            evaporating=evaporating,
-            condensing=condensing,
-            suction=suction,
-            discharge=discharge,
-            limits=limits or (),
-            heating=heating,
-            profile=profile,
-            jobs=jobs,
-            progress=shown,
-        )
+        sheet = sheet_of(rated, SheetOptions(ranges, limits or (), heating, profile, jobs, shown))
     options.print_document_or_text(as_json, lambda found: found.document, print_sheet, sheet)
     if output is not None:
         from screwsim.report.datasheet import write_sheet

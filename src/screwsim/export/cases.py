@@ -11,13 +11,12 @@ from screwsim.export.case_units import CUBIC_FOOT, FAHRENHEIT, METRIC, PSI, SI, 
 from screwsim.figures.engineering import shown_name
 from screwsim.fluid.composition import own_blend
 from screwsim.fluid.constants import gas_constant
-from screwsim.inputs.faults import UsageError
 from screwsim.outputs import PERFORMANCE, Figure
 from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.results import Results
-from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, make_folder, write_csv
+from screwsim.results.atomic import make_folder, write_csv
+from screwsim.results.protection import protect_other_heads
 from screwsim.results.read import STAGES
-from screwsim.study.columns import first_line
 
 Array = np.ndarray
 FLOW, DISPLACED, LAMBDA = "gas_mass_flow", "displacement_flow", "volumetric_efficiency"
@@ -93,10 +92,7 @@ def _fluid(gas: Mapping[str, Any]) -> str:
 
 def protect_other_cases(path: Path) -> None:
     """Raise UsageError where the file at `path` is not such a table, as measured data: it would be lost."""
-    check_target_kind(path)
-    heads = first_line(path)
-    if heads and not _are_ours(heads):
-        raise UsageError(FOREIGN_FILE.format(path))
+    protect_other_heads(path, _are_ours)
 
 
 def _are_ours(heads: Sequence[str]) -> bool:

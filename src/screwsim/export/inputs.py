@@ -15,7 +15,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.study.figures import figure_of
-from screwsim.study.inputs import check_continuous, shown_value
+from screwsim.study.inputs import check_continuous
 from screwsim.study.spans import read_ranges, read_spans
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
@@ -161,11 +161,6 @@ def output_of(name: str, about: Mapping[str, object] | None = None) -> Output:
     """Return a figure as an output."""
     found = (about or {}).get(name) or declared(name)
     return Output(name, found.units, found.long_name)  # type: ignore[attr-defined]
-
-
-def range_of(scene: Scene, one: Input) -> str:
-    """Return the range of an input as people write it."""
-    return " … ".join(shown_value(scene, one.path, end) for end in (one.low, one.high))
 
 
 def evenly_spaced_nodes(one: Input, count: int) -> np.ndarray:

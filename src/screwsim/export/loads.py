@@ -26,7 +26,7 @@ from screwsim.model.parts import Parts
 from screwsim.outputs import Result
 from screwsim.results.atomic import make_folder, replacing, write_csv, write_text
 from screwsim.results.guarded import new_hdf5
-from screwsim.results.protection import protect_folder, protect_other_json
+from screwsim.results.protection import protect_other_json, protect_other_text
 from screwsim.scene import Scene
 
 HARMONICS = 20
@@ -149,10 +149,8 @@ def has_rotors(scene: Scene) -> bool:
 
 def protect_other_loads(folder: Path) -> None:
     """Raise UsageError where a folder holds other files under the names of curves, spectra or the whole document."""
-    groups = ("flows", "forces")
-    protect_folder(
-        folder, {f"{group}.csv": ANGLE for group in groups} | {f"{group}_spectrum.csv": ORDER for group in groups}
-    )
+    for group in ("flows", "forces"):
+        protect_other_text({folder / f"{group}.csv": ANGLE, folder / f"{group}_spectrum.csv": ORDER})
     protect_other_json(folder / WHOLE, "lobe_frequency", "curves", "spectra")
 
 

@@ -5,28 +5,7 @@ The same table serves the screen, the figures and the page.
 
 from screwsim.figures import declared
 from screwsim.outputs import EFFICIENCY, Figure
-from screwsim.outputs.customary import (
-    SCALES,
-    ZERO_CELSIUS,
-    digits,
-    engineering_temperature,
-    printed_celsius,
-    quantity,
-    scale,
-    small_number_text,
-)
-
-__all__ = [
-    "SCALES",
-    "digits",
-    "engineering",
-    "engineering_temperature",
-    "figure_scales",
-    "quantity",
-    "scale",
-    "shown_name",
-    "small_number_text",
-]
+from screwsim.outputs.customary import SCALES, ZERO_CELSIUS, digits, printed_celsius
 
 
 def shown_name(name: str) -> str:

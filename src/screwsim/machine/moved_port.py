@@ -12,6 +12,7 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.protocol import VolumeKernels
+from screwsim.numerics.roots import bisected
 from screwsim.numerics.spline import negligible_areas, pack_curve, table_value
 
 PATH = "machine.built_in_volume_ratio"
@@ -28,11 +29,8 @@ def opening_angle(volume: VolumeKernels, closes: float, end: float, ratio: float
     below = np.flatnonzero(values < wanted)
     if not len(below):
         return None
-
-    def under(angle: float) -> bool:
-        return float(volume.along(np.array([angle]))[0][0]) < wanted
-
-    return _first(under, float(rows[below[0] - 1]), float(rows[below[0]]))
+    low, high = rows[below[0] - 1 : below[0] + 1].tolist()
+    return bisected(lambda angle: float(volume.along(np.array([angle]))[0][0]) >= wanted, low, high, FINE)[1]
 
 
 def moved_area(angles: Array, areas: Array, opens: float | None, ratio: float) -> tuple[Array, Array]:
@@ -58,20 +56,13 @@ def moved_area(angles: Array, areas: Array, opens: float | None, ratio: float) -
     by_edge, by_rest = _curve(*edge), _curve(*rest)
     above = np.array([by_edge(each) > by_rest(each) for each in rows])
     crossed = np.flatnonzero(above[1:] & ~above[:-1])  # once: one rises or stays, the other does not rise beyond it
-    meets = [_first(lambda angle: by_edge(angle) > by_rest(angle), rows[i], rows[i + 1]) for i in crossed]
+    ends = (rows[i : i + 2].tolist() for i in crossed)
+    meets = [bisected(lambda angle: by_edge(angle) <= by_rest(angle), low, high, FINE)[1] for low, high in ends]
     rows = np.unique([*rows, *meets])
     moved = np.array([min(by_edge(each), by_rest(each)) for each in rows])
     if angles[0] < rows[0]:  # shut up to its first row
         rows, moved = np.insert(rows, 0, angles[0]), np.insert(moved, 0, moved[0])
     return rows, moved
-
-
-def _first(holds: Callable[[float], bool], low: float, high: float) -> float:
-    """Return the first angle [rad] of an interval at which a condition holds, which it then does up to the end."""
-    while high - low > FINE * high:
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if holds(middle) else (middle, high)
-    return high
 
 
 def _curve(angles: Array, areas: Array) -> Callable[[float], float]:

@@ -62,7 +62,7 @@ class Figure:
     the gas that flashes. `curve` names the swings of its curve, with whose square it goes: its error is at least
     twice theirs. `swing_of` names the trace to whose swing it is proportional: its error is at least that of
     reading the trace at two angles. `square_of` names two traces, with the mean square of whose difference it goes.
-    `shown` is the unit in which people write it (`engineering.SCALES`), if not the usual one of its SI unit.
+    `shown` is the unit in which people write it (`customary.SCALES`), if not the usual one of its SI unit.
     """
 
     name: str

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import engineering, engineering_temperature, scale, shown_name, small_number_text
+from screwsim.figures.engineering import engineering, shown_name
 from screwsim.outputs import STATUSES, Result, sorted_entries, words_of_effects
-from screwsim.outputs.customary import with_printed_units
+from screwsim.outputs.customary import engineering_temperature, scale, small_number_text, with_printed_units
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import WIDTH, absent_figures, plain_table, wrapped
 from screwsim.printing.uncertain import ranges_text, uncertainty_ranges

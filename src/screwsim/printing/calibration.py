@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import digits, reading_unit, shown_name
+from screwsim.figures.engineering import reading_unit, shown_name
+from screwsim.outputs.customary import digits
 from screwsim.outputs.display import picked
 from screwsim.printing import write_json
 from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.report.calibration import draw
 from screwsim.results.atomic import make_folder, write_text
-from screwsim.results.protection import protect_folder, protect_other_json
+from screwsim.results.protection import protect_other_json, protect_other_text
 from screwsim.results.warning_kinds import kinds_of
 from screwsim.screen import say
 from screwsim.study.calibration.fit import TOLERANCE_REMEDY, Parameter, Prior
@@ -240,7 +241,7 @@ def _correlations(found: Calibration) -> Iterator[str]:
 
 def check_folder(folder: Path) -> None:
     """Raise UsageError where a folder has a foreign file under the name of a calibration's scene or document."""
-    protect_folder(folder, {SCENE: FITTED_LINE})
+    protect_other_text({folder / SCENE: FITTED_LINE})
     protect_other_json(folder / DOCUMENT, "parameters", "chi_squared", "starts")
 
 

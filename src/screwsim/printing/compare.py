@@ -8,9 +8,9 @@ from itertools import compress
 from pathlib import Path
 from typing import Any
 
+from screwsim.figures.engineering import engineering, shown_name
 from screwsim.outputs import Figure
 from screwsim.outputs.customary import printed_celsius
-from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import print_table, wrapped
 from screwsim.report.overlay import draw_overlay
 from screwsim.report.quantities import short, shown_axis

@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import figure_text
-from screwsim.printing import engineering, shown_name
+from screwsim.figures.engineering import engineering, figure_text, shown_name
 from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.scene.grid import unit_of
 from screwsim.screen import say

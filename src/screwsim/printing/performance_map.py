@@ -5,8 +5,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from screwsim.figures.engineering import engineering
-from screwsim.printing import shown_name, write_json
+from screwsim.figures.engineering import engineering, shown_name
+from screwsim.printing import write_json
 from screwsim.printing.tables import print_scene_title, print_table, wrapped
 from screwsim.results import Results
 from screwsim.results.atomic import make_folder

@@ -12,11 +12,11 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import print_left_out, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, make_folder, write_csv
+from screwsim.results.protection import first_line
 from screwsim.scene import Scene
 from screwsim.screen import say
 from screwsim.study.calibration.data import CELSIUS, UNCERTAINTY_SUFFIX, units_of
 from screwsim.study.calibration.plan import Plan, point_name
-from screwsim.study.columns import first_line
 from screwsim.study.inputs import in_customary, unit_of_change
 
 MOST_DEVIATIONS = 6  # most points for which the table shows the deviations

@@ -7,19 +7,20 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import digits, reading_unit, shown_name
-from screwsim.inputs.faults import UsageError
+from screwsim.figures.engineering import reading_unit, shown_name
+from screwsim.outputs.customary import digits
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import print_left_out, print_table, print_wrapped, wrapped
 from screwsim.report.calibration import ParameterSample, draw_posterior
-from screwsim.results.atomic import FOREIGN_FILE, write_csv
+from screwsim.results.atomic import write_csv
+from screwsim.results.protection import protect_other_heads
 from screwsim.scene import leaf_of
 from screwsim.screen import say
 from screwsim.study.calibration.answers import LEVEL, Posterior, Predictions, PredictiveCheck
 from screwsim.study.calibration.fit import Fit
 from screwsim.study.calibration.posterior import UNDETERMINED_SHARE
 from screwsim.study.calibration.solve import Calibration
-from screwsim.study.columns import Column, first_line, protect_other_columns, write_columns
+from screwsim.study.columns import Column, protect_other_columns, write_columns
 from screwsim.study.inputs import in_customary, shown_number, shown_value
 
 PREDICTIONS, WIDTH = "predictions of a calibration's posterior", "discrepancy_"
@@ -175,9 +176,8 @@ def _notes(found: Posterior) -> Iterator[str]:
 
 def protect_other_samples(folder: Path) -> None:
     """Raise UsageError where a folder has a foreign file under the name of a posterior's samples or predictions."""
-    heads = first_line(folder / SAMPLES)
-    if not all("." in head or head.startswith(WIDTH) for head in heads):  # paths of parameters, then widths
-        raise UsageError(FOREIGN_FILE.format(folder / SAMPLES))
+    # paths of parameters, then widths
+    protect_other_heads(folder / SAMPLES, lambda heads: all("." in head or head.startswith(WIDTH) for head in heads))
     protect_other_columns(folder / PREDICTED, PREDICTIONS)
 
 

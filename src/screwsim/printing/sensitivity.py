@@ -5,11 +5,10 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import figure_text, figure_unit
+from screwsim.figures.engineering import figure_text, figure_unit, shown_name
 from screwsim.outputs import EFFICIENCY
 from screwsim.outputs.derivatives import DIFFERENCES, PACKAGE_FIGURES
 from screwsim.outputs.display import picked
-from screwsim.printing import shown_name
 from screwsim.printing.tables import print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.write import save
 from screwsim.scene import Scene, leaf_of

@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Iterator, Sequence
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import engineering, shown_name, small_number_text
+from screwsim.figures.engineering import engineering, shown_name
 from screwsim.outputs import Result
-from screwsim.outputs.customary import with_printed_units
+from screwsim.outputs.customary import small_number_text, with_printed_units
 from screwsim.printing import impossible_figures
 from screwsim.printing.tables import print_table, print_wrapped, wrapped
 from screwsim.screen import printable, say

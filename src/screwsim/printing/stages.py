@@ -5,8 +5,9 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
-from screwsim.figures.engineering import engineering, engineering_temperature, quantity, shown_name, small_number_text
+from screwsim.figures.engineering import engineering, shown_name
 from screwsim.outputs import EFFICIENCY, STAGES
+from screwsim.outputs.customary import engineering_temperature, quantity, small_number_text
 from screwsim.printing.tables import absent_figures, print_scene_title
 from screwsim.printing.uncertain import print_uncertainty
 from screwsim.screen import say

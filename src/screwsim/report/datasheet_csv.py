@@ -1,6 +1,5 @@
 """The points of a data sheet as a table: a row a point, its operating state and all its figures in customary units."""
 
-import csv
 import re
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -10,8 +9,8 @@ from typing import Any
 from screwsim.figures import declaration, declared
 from screwsim.figures.engineering import reading_unit
 from screwsim.inputs.declare import KINDS
-from screwsim.inputs.faults import UsageError
-from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, write_csv
+from screwsim.results.atomic import write_csv
+from screwsim.results.protection import protect_other_heads
 from screwsim.scene.fields import Leaf, leaf_paths
 from screwsim.scene.units import ZERO_CELSIUS, customary_unit, to_customary
 
@@ -27,13 +26,7 @@ SEPARATOR = "; "  # between limits, and between warnings
 
 def check_table(output: Path) -> None:
     """Raise UsageError where a file at `output` is not such a table."""
-    check_target_kind(output)
-    if not output.is_file() or not output.stat().st_size:
-        return
-    with output.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
-        heads = next(csv.reader(stream), [])
-    if not {STATUS, WARNINGS} <= set(heads):
-        raise UsageError(FOREIGN_FILE.format(output))
+    protect_other_heads(output, {STATUS, WARNINGS}.issubset)
 
 
 def write_table(document: Mapping[str, Any], output: Path) -> str:

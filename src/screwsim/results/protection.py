@@ -1,7 +1,8 @@
 """Protection of foreign files: an output replaces only a file of its own kind, so that `-o` destroys nothing else."""
 
+import csv
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from screwsim.inputs.faults import UsageError
@@ -9,18 +10,31 @@ from screwsim.results.atomic import FOREIGN_FILE, HDF5_SIGNATURE, check_target_k
 
 PAGE = '<meta name="generator" content="screwsim '  # how our pages identify themselves
 PDF = "/Creator (screwsim)"
-
-
-def protect_folder(folder: Path, begins: Mapping[str, str]) -> None:
-    """Raise UsageError where a folder has a file of one of these names that does not begin as ours do."""
-    for name, text in begins.items():
-        protect_others(folder / name, text.encode())
+LONGEST_LINE = 1 << 16  # characters read of a first line
 
 
 def protect_other_text(texts: Mapping[Path, str]) -> None:
-    """Raise UsageError where an existing file does not begin with the first line of the text to be written."""
+    """Raise UsageError where an existing file does not begin with the first line of the text of its path."""
     for path, text in texts.items():
         protect_others(path, text.splitlines()[0].encode())
+
+
+def protect_other_heads(path: Path, ours: Callable[[list[str]], bool]) -> None:
+    """Raise UsageError where the heads in the first line of a file at `path` are not `ours`."""
+    check_target_kind(path)
+    heads = first_line(path)
+    if heads and not ours(heads):
+        raise UsageError(FOREIGN_FILE.format(path))
+
+
+def first_line(path: Path) -> list[str]:
+    """Return the cells of the first line of a CSV file; none where there is no file, or it is empty."""
+    try:
+        with path.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
+            line = stream.readline(LONGEST_LINE)
+        return (next(csv.reader([line])) or [""]) if line else []
+    except (OSError, csv.Error):  # a file that cannot be read cannot be replaced either, which is reported then
+        return []
 
 
 def protect_unmarked(path: Path, mark: str) -> None:

@@ -14,7 +14,7 @@ from screwsim.scene.grid import (
     with_values,
 )
 from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy
-from screwsim.scene.load import load, loads, scene_of
+from screwsim.scene.load import SceneLike, load, loads, scene_of
 from screwsim.scene.schema import schema
 from screwsim.scene.types import Scene
 from screwsim.scene.write import scene_text

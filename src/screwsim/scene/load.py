@@ -42,6 +42,7 @@ from screwsim.scene.yaml_tree import (
 
 SET = "--set "  # prefix of an override in messages
 MOST_BASES = 32  # longest chain of bases
+SceneLike = Scene | str | os.PathLike[str] | Mapping[str, Any]  # what `scene_of` takes
 _SCENES = "a path, a dict as in the file, YAML text, or a Scene of screwsim.load"
 FILE_OR_DICT = Kind(
     lambda given: isinstance(given, Mapping) or FILE.holds(given), "neither the path of a file nor a dict"

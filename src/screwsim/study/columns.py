@@ -1,22 +1,18 @@
 """Results of a study on disk: named columns with units, as CSV or HDF5."""
 
-import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Variable
-from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, make_folder, replacing, write_csv
+from screwsim.results.atomic import make_folder, replacing, write_csv
 from screwsim.results.guarded import new_hdf5
 from screwsim.results.identity import version
 from screwsim.results.netcdf import Layout, number_attributes, set_attributes, text_lines
-from screwsim.results.protection import protect_other_hdf5
+from screwsim.results.protection import protect_other_hdf5, protect_other_heads
 from screwsim.results.schema import variable_name
-
-LONGEST_LINE = 1 << 16  # characters read of a first line
 
 
 class Column(NamedTuple):
@@ -34,20 +30,8 @@ def protect_other_columns(path: Path, title: str, *names: str) -> None:
     """
     if path.suffix.lower() != ".csv":
         protect_other_hdf5(path, "title", title)
-        return
-    check_target_kind(path)
-    heads = first_line(path)
-    if heads and not set(names) <= {head.partition(" [")[0] for head in heads}:
-        raise UsageError(FOREIGN_FILE.format(path))
-
-
-def first_line(path: Path) -> list[str]:
-    """Return the cells of the first line of a CSV file; none where there is no file, or it is empty."""
-    try:
-        with path.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
-            return next(csv.reader([stream.readline(LONGEST_LINE)]), [])
-    except (OSError, csv.Error):  # a file that cannot be read cannot be replaced either, which is reported then
-        return []
+    else:
+        protect_other_heads(path, lambda heads: set(names) <= {head.partition(" [")[0] for head in heads})
 
 
 def write_columns(path: Path, title: str, columns: Mapping[str, Column]) -> None:

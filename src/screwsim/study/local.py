@@ -5,12 +5,10 @@ result names the method used for each number.
 """
 
 import math
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from screwsim.derivatives.collocation import FINE, QUICK
 from screwsim.derivatives.solving import scene_derivatives
@@ -21,7 +19,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.derivatives import DIFFERENCES, EXACT, ROUGH, Derivatives
 from screwsim.outputs.display import About, Brief
-from screwsim.scene import Scene, scene_of
+from screwsim.scene import Scene, SceneLike, scene_of
 from screwsim.scene.fields import FIXED, Leaf, leaves_of, value_at
 from screwsim.scene.types import FoundWithCycle
 from screwsim.simulate import Trace
@@ -101,7 +99,7 @@ def numeric_paths(scene: Scene) -> tuple[dict[str, float], dict[str, str]]:
 
 @checked_arguments(paths=TEXTS, result=instance(Result, "what simulate returned"), fine=FLAG)
 def sensitivities(
-    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
+    scene: SceneLike,
     paths: Sequence[str] | None = None,
     figures: Sequence[str] | None = None,
     *,
@@ -223,7 +221,7 @@ def _shifts(leaf: Leaf, value: float) -> tuple[float, float]:
 
 
 @checked_arguments(trace=one_of(True, False, "ledger"))
-def simulate(scene: Scene | str | os.PathLike[str] | Mapping[str, Any], trace: Trace = True) -> Result:
+def simulate(scene: SceneLike, trace: Trace = True) -> Result:
     """Return the result of one scene; impossible physics gives a status and a partial result, never an exception.
 
     The scene is what `load` returns, the path of a file, YAML text, or a dict laid out as the file is. With `trace` the

@@ -1,6 +1,5 @@
 """Sweeps: simulate every point of a scene's grid on all cores, resumable after any interruption."""
 
-import os
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -20,7 +19,7 @@ from screwsim.results.read import count_statuses, open_results, read_attributes
 from screwsim.results.schema import axes_of, digest, identity_of
 from screwsim.results.table import same_angles
 from screwsim.results.write import Draft
-from screwsim.scene import grid
+from screwsim.scene import SceneLike, grid
 from screwsim.scene.load import scene_of
 from screwsim.scene.types import Scene
 from screwsim.study.agreement import FileWatch, requirements_of
@@ -83,7 +82,7 @@ class SweepSummary:
 
 @checked_arguments(scheduler=TEXT, case_limit=REAL, batch=FLAG, gpu=FLAG)
 def run_sweep(
-    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
+    scene: SceneLike,
     output: str | Path,
     *,
     jobs: int | None = None,
@@ -134,7 +133,7 @@ def run_sweep(
 
 @checked_arguments()
 def sweep(
-    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
+    scene: SceneLike,
     jobs: int | None = None,
     progress: Progress | bool | None = None,
     **options: Any,

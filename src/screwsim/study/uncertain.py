@@ -7,7 +7,6 @@ that the scene names states (study.validation.discrepancy), are separate, and ad
 Source: JCGM 100:2008, Evaluation of measurement data (GUM), section 5; ASME V&V 20-2009.
 """
 
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
@@ -18,7 +17,7 @@ from screwsim.inputs.arguments import checked_arguments, instance
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
-from screwsim.scene import Scene, leaf_of, scene_of, value_at
+from screwsim.scene import Scene, SceneLike, leaf_of, scene_of, value_at
 from screwsim.scene.model_errors import CONDITION_WORDS, RATIO, SPEED, shown_condition, stored_model_errors
 from screwsim.scene.types import COVERAGE, Tolerance
 from screwsim.scene.values import within
@@ -117,7 +116,7 @@ class Uncertainty(Brief):
 
 @checked_arguments(result=instance(Result, "what simulate returned"))
 def uncertainty(
-    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
+    scene: SceneLike,
     *,
     result: Result | None = None,
     jobs: int | None = 1,

@@ -5,8 +5,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.figures.engineering import SCALES, figure_scales, shown_name
+from screwsim.figures.engineering import figure_scales, shown_name
 from screwsim.outputs import LEDGER_ENTRY, STATUSES, ledger_entries, words_of_effects
+from screwsim.outputs.customary import SCALES
 from screwsim.report import quantities
 from screwsim.report.families import efficiency_name, family_of, is_log, outcome_family
 from screwsim.report.front import front_of, objective_names

@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.figures.engineering import engineering, figure_text, shown_name, small_number_text
+from screwsim.figures.engineering import engineering, figure_text, shown_name
 from screwsim.outputs import BALANCE, STATUSES
+from screwsim.outputs.customary import small_number_text
 from screwsim.report.families import efficiency_name
 from screwsim.report.front import front_of, objective_names
 from screwsim.report.page.data import Selection

@@ -12,7 +12,7 @@ import numpy as np
 from screwsim.figures import declaration
 from screwsim.results.atomic import replacing, write_csv
 from screwsim.results.guarded import new_hdf5
-from screwsim.results.protection import protect_folder, protect_other_hdf5
+from screwsim.results.protection import protect_other_hdf5, protect_other_text
 from screwsim.study.accuracy.measure import COMPARED_TRACES, MeasuredCase
 from screwsim.study.accuracy.words import sentence
 
@@ -25,7 +25,7 @@ UNITS = {"time": "s", "estimating_time": "s", "efficiency": "percent"}
 
 def protect_other_studies(folder: Path) -> None:
     """Raise UsageError where a folder holds other files under the names of a study's: they would be lost."""
-    protect_folder(folder, {TABLE: fields(MeasuredCase)[0].name})
+    protect_other_text({folder / TABLE: fields(MeasuredCase)[0].name})
     protect_other_hdf5(folder / DATA, "sentence")
 
 

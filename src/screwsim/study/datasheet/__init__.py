@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from screwsim.build import package_of
@@ -17,10 +18,10 @@ from screwsim.study.datasheet.sheet import Sheet
 from screwsim.study.progress import Progress
 from screwsim.study.stages.read import StageChain
 
-__all__ = ["Sheet", "sheet_of"]
-
+__all__ = ["Sheet", "SheetOptions", "sheet_of"]
 
 BY_TEMPERATURE, BY_PRESSURE = ("--evaporating", "--condensing"), ("--suction", "--discharge")
+RANGE_OPTIONS = *BY_TEMPERATURE, *BY_PRESSURE
 REFRIGERATES, STATES = "a refrigeration machine", "a machine whose lines are stated by pressures"
 AIR_PACKAGE = "an air package"
 OPTIONS_BY_KIND = (
@@ -35,14 +36,14 @@ FIGURES = (
 
 
 class SheetOptions(NamedTuple):
-    """What is asked of a sheet: ranges by option, and limits, heating and profile as `sheet_of` takes them."""
+    """What is asked of a sheet: ranges by option ('--evaporating'), limits, heating, profile; see `sheet_of`."""
 
-    ranges: Mapping[str, str | None]
-    limits: Sequence[str]
-    heating: bool
-    profile: str | None
-    jobs: int | None
-    progress: Progress | None
+    ranges: Mapping[str, str | None] = MappingProxyType({})
+    limits: Sequence[str] = ()
+    heating: bool = False
+    profile: str | None = None
+    jobs: int | None = None
+    progress: Progress | None = None
 
     @property
     def of_points(self) -> dict[str, Any]:
@@ -55,33 +56,18 @@ class SheetOptions(NamedTuple):
         return () if self.profile is None else read_profile(self.profile)
 
 
-def sheet_of(
-    subject: Scene | StageChain,
-    *,
-    evaporating: str | None = None,
-    condensing: str | None = None,
-    suction: str | None = None,
-    discharge: str | None = None,
-    limits: Sequence[str] = (),
-    heating: bool = False,
-    profile: str | None = None,
-    jobs: int | None = None,
-    progress: Progress | None = None,
-) -> Sheet:
+def sheet_of(subject: Scene | StageChain, asked: SheetOptions) -> Sheet:
     """Return the data sheet of a scene, or of two stages in series.
 
     Raises UsageError, in one line, where the scene leaves open what is rated, or for what does not belong to it.
 
-    For a refrigeration machine `evaporating` and `condensing` are ranges ('-10 degC..10 degC') that replace those of
-    the scene's sweep; for a gas compressor or an expander, whose scenes state pressures, `suction` and `discharge` are
+    For a refrigeration machine --evaporating and --condensing are ranges ('-10 degC..10 degC') that replace those of
+    the scene's sweep; for a gas compressor or an expander, whose scenes state pressures, --suction and --discharge are
     ('4 bar..6 bar'). `limits` state what must hold ('discharge_temperature<110 degC'); `heating` adds the tables of a
     heat pump. An air package (of two stages: air with two motors) takes none of these, but a `profile`, a CSV file of
     flows and hours. Where a scene states tolerances, or names the validation of its model, lines give the resulting
     uncertainties of its own point.
     """
-    given = (evaporating, condensing, suction, discharge)
-    ranges = dict(zip((*BY_TEMPERATURE, *BY_PRESSURE), given, strict=True))
-    asked = SheetOptions(ranges, limits, heating, profile, jobs, progress)
     sheet = _sheet_of_scene(subject, asked) if isinstance(subject, Scene) else _sheet_of_stages(subject, asked)
     own = _own_point(subject)
     return sheet if own is None else _with_uncertainty_lines(sheet, own)
@@ -104,8 +90,9 @@ def _sheet_of_scene(scene: Scene, asked: SheetOptions) -> Sheet:
     if states_lines and not scene.machine.expands:
         from screwsim.study.datasheet.refrigeration_sheet import rating_request, refrigeration_sheet
 
-        _refuse_unused_options({name: ranges[name] for name in BY_PRESSURE}, "the scene states saturation temperatures")
-        request = rating_request(scene, ranges["--evaporating"], ranges["--condensing"], bounds)
+        pressures = {name: ranges.get(name) for name in BY_PRESSURE}
+        _refuse_unused_options(pressures, "the scene states saturation temperatures")
+        request = rating_request(scene, ranges.get("--evaporating"), ranges.get("--condensing"), bounds)
         return refrigeration_sheet(rating(request, asked.jobs, asked.progress), asked.heating)
     from screwsim.study.datasheet import gas_sheet
 

@@ -5,8 +5,7 @@ from typing import Any
 
 from screwsim.effects.air_package import FREE_AIR
 from screwsim.effects.parts.rating import CFM, PSI, WEIGHTS
-from screwsim.figures.engineering import quantity
-from screwsim.outputs.customary import with_printed_units
+from screwsim.outputs.customary import quantity, with_printed_units
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.scene.units import ZERO_CELSIUS

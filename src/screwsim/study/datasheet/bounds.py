@@ -1,15 +1,16 @@
 """Limits of a machine, FIGURE<VALUE or FIGURE>VALUE, and the envelope within which all of them hold."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import Any, NamedTuple
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import figure_text, quantity, shown_name
+from screwsim.figures.engineering import figure_text, shown_name
+from screwsim.outputs.customary import quantity
 from screwsim.scene import Scene
 from screwsim.scene.units import ZERO_CELSIUS
-from screwsim.study.goals import read_bounds
+from screwsim.study.goals import Bound, read_bounds
 from screwsim.study.stages.read import StageChain
 
 MOTOR = "motor"
@@ -22,23 +23,15 @@ def motor_of(scene: Scene) -> Any:
     return None if named is None else named.parameters
 
 
-class Bound(NamedTuple):
-    """A limit: a figure, whether it must stay below (1) or above (-1) a value [SI], and where that is stated."""
+def excess_of(bound: Bound, found: Mapping[str, Any]) -> float:
+    """Return by how much [SI] a limit is exceeded; negative within it, NaN for a figure without a value."""
+    value = found.get(bound.figure)
+    return math.nan if value is None else bound.excess(float(value))
 
-    figure: str
-    sign: int
-    value: float
-    source: str = "--limit"
 
-    def excess(self, found: Mapping[str, Any]) -> float:
-        """Return by how much [SI] a limit is exceeded; negative within it, NaN for a figure without a value."""
-        value = found.get(self.figure)
-        return math.nan if value is None else self.sign * (float(value) - self.value)
-
-    @property
-    def words(self) -> str:
-        """The limit as people write it."""
-        return f"{shown_name(self.figure)} {'<' if self.sign > 0 else '>'} {limit_text(self.figure, self.value)}"
+def bound_words(bound: Bound) -> str:
+    """Return a limit as people write it."""
+    return f"{shown_name(bound.figure)} {bound.sign} {limit_text(bound.figure, bound.value)}"
 
 
 def limit_text(figure: str, value: float) -> str:
@@ -51,13 +44,12 @@ def limit_text(figure: str, value: float) -> str:
     return quantity(about.shown or about.units, value)
 
 
-def limits_of(subject: Scene | StageChain, texts: Sequence[str]) -> tuple[Bound, ...]:
-    """Return the limits stated in texts, and the rated power of each motor of a scene or of two stages.
+def limits_of(subject: Scene | StageChain, texts: Sequence[str]) -> dict[Bound, str]:
+    """Return the limits stated in texts, the rated power of each motor of a scene or of two stages, and where each is.
 
     Raises UsageError for a text that states none.
     """
-    stated = read_bounds(subject, texts, "--limit")
-    found = [Bound(each.figure, 1 if each.sign == "<" else -1, each.value) for each in stated]
+    found = dict.fromkeys(read_bounds(subject, texts, "--limit"), "--limit")
     if isinstance(subject, Scene):
         powers = (("output_power" if subject.machine.expands else "shaft_power", subject, RATED),)
     else:
@@ -66,8 +58,8 @@ def limits_of(subject: Scene | StageChain, texts: Sequence[str]) -> tuple[Bound,
     for power, scene, source in powers:
         motor = motor_of(scene)
         if motor is not None and not any(bound.figure == power for bound in found):
-            found.append(Bound(power, 1, float(motor.rated_power), source))
-    return tuple(found)
+            found[Bound(power, "<", float(motor.rated_power))] = source
+    return found
 
 
 class EnvelopeRange(NamedTuple):
@@ -83,7 +75,7 @@ class EnvelopeRange(NamedTuple):
 def envelope(
     points: Mapping[tuple[int, int], Mapping[str, Any] | None],
     axes: tuple[Sequence[float], Sequence[float]],
-    bounds: Sequence[Bound],
+    bounds: Iterable[Bound],
 ) -> Iterator[EnvelopeRange]:
     """Yield for each value across the longest run of points within all limits, with interpolated ends.
 
@@ -103,9 +95,9 @@ def envelope(
         yield EnvelopeRange(across, low, high, below, above)
 
 
-def exceeded_bounds(found: Mapping[str, Any], bounds: Sequence[Bound]) -> list[Bound]:
+def exceeded_bounds(found: Mapping[str, Any], bounds: Iterable[Bound]) -> list[Bound]:
     """Return the limits that figures exceed, or for which they have no value."""
-    return [bound for bound in bounds if not bound.excess(found) <= 0.0]
+    return [bound for bound in bounds if not excess_of(bound, found) <= 0.0]
 
 
 def _runs(inside: Sequence[bool]) -> Iterator[tuple[int, int]]:
@@ -116,7 +108,7 @@ def _runs(inside: Sequence[bool]) -> Iterator[tuple[int, int]]:
 
 
 def _run_end(
-    column: Sequence[Mapping[str, Any] | None], values: Sequence[float], j: int, outside: int, bounds: Sequence[Bound]
+    column: Sequence[Mapping[str, Any] | None], values: Sequence[float], j: int, outside: int, bounds: Iterable[Bound]
 ) -> tuple[float, str]:
     """Return the end of a run whose last point is j, and its cause."""
     if not 0 <= outside < len(column):
@@ -127,7 +119,7 @@ def _run_end(
         return values[j], "no result beyond"
     shares = {}
     for bound in exceeded_bounds(there, bounds):
-        a, b = bound.excess(here), bound.excess(there)
-        shares[bound.words] = -a / (b - a) if math.isfinite(b) and b > a else 0.0
+        a, b = excess_of(bound, here), excess_of(bound, there)
+        shares[bound_words(bound)] = -a / (b - a) if math.isfinite(b) and b > a else 0.0
     words = min(shares, key=lambda each: shares[each])
     return values[j] + shares[words] * (values[outside] - values[j]), words

@@ -5,13 +5,12 @@ sweeps these is rated at its values, another one at fixed shares of its own. An 
 of the speed where the scene sweeps that, or a range of it is requested.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from screwsim.figures.engineering import quantity
 from screwsim.fluid import constants
-from screwsim.outputs.customary import with_printed_units
+from screwsim.outputs.customary import quantity, with_printed_units
 from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, P_D, P_S
@@ -19,10 +18,11 @@ from screwsim.scene.types import STANDARD_ATMOSPHERE
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet import rated as rating
 from screwsim.study.datasheet import tables
-from screwsim.study.datasheet.bounds import Bound, motor_of
+from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.rated import Axis, SceneRating, SceneRequest, celsius, pressure_ratio
 from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
 from screwsim.study.datasheet.tables import DUTY, HOUR, KW, PERCENT, Column
+from screwsim.study.goals import Bound
 from screwsim.study.part_load import CONTROL_ENDS, GAS, RATIO_PATH, SPEED_PATH, controls, ratios
 
 FLOW, DISCHARGE = "gas_mass_flow", "discharge_temperature"
@@ -222,7 +222,7 @@ def options_of(scene: Scene) -> dict[str, str]:
     return {"--suction": P_S, "--discharge": P_D}
 
 
-def rating_request(scene: Scene, ranges: Mapping[str, str | None], bounds: Sequence[Bound]) -> SceneRequest:
+def rating_request(scene: Scene, ranges: Mapping[str, str | None], bounds: Mapping[Bound, str]) -> SceneRequest:
     """Return what is rated of a scene, given ranges of its lines' options; raise UsageError."""
     (first, inlet), (second, outlet) = options_of(scene).items()
     expands = scene.machine.expands

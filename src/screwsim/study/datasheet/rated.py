@@ -20,8 +20,9 @@ from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.simulate import simulate_many
-from screwsim.study.datasheet.bounds import Bound, EnvelopeRange, envelope, motor_of
-from screwsim.study.inputs import ends_of, read_text, shown_value
+from screwsim.study.datasheet.bounds import EnvelopeRange, envelope, motor_of
+from screwsim.study.goals import Bound
+from screwsim.study.inputs import ends_of, read_text, shown_range, shown_value
 from screwsim.study.parallel import parallel_map
 from screwsim.study.part_load import LOADS, REFRIGERATION, SPEED_PATH, Control, LoadFigures, PartLoad, part_load
 from screwsim.study.progress import Progress
@@ -63,14 +64,14 @@ class Axis(NamedTuple):
 class RatingRequest(ABC):
     """What is rated: scenes without a sweep, the axes across and down their tables, limits, controls.
 
-    `scenes` are that of a machine, or those of both stages; `ratios` the built-in volume ratios from which the best is
-    found at each part load.
+    `scenes` are that of a machine, or those of both stages; `bounds` are the limits and where each is stated; `ratios`
+    the built-in volume ratios from which the best is found at each part load.
     """
 
     scenes: tuple[Scene, ...]
     across: Axis
     down: Axis
-    bounds: Sequence[Bound]
+    bounds: Mapping[Bound, str]
     controls: Sequence[Control]
     ratios: Sequence[float] = ()
     aim: LoadFigures = REFRIGERATION
@@ -211,8 +212,8 @@ def read_range(base: Scene, path: str, text: str, option: str, example: str) -> 
     except UsageError as fault:
         raise UsageError(f"{option} {text}: {str(fault).removeprefix(path).removeprefix(': ')}") from None
     if not first < last:
-        ends = " … ".join(shown_value(base, path, end) for end in (first, last))
-        raise UsageError(f"{option} {text}: the range {ends} is empty (LOW must be below HIGH)")
+        shown = shown_range(base, path, first, last)
+        raise UsageError(f"{option} {text}: the range {shown} is empty (LOW must be below HIGH)")
     return first, last
 
 

@@ -4,18 +4,16 @@ A scene that sweeps these temperatures is rated at their values, another one at 
 cooler replaces the condenser, its pressure replaces the condensing temperature.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
-from screwsim.figures.engineering import quantity
 from screwsim.fluid.composition import is_blend
-from screwsim.outputs.customary import with_printed_units
+from screwsim.outputs.customary import quantity, with_printed_units
 from screwsim.scene import Scene, value_at
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet import tables
-from screwsim.study.datasheet.bounds import Bound
 from screwsim.study.datasheet.rated import (
     Axis,
     Rating,
@@ -31,6 +29,7 @@ from screwsim.study.datasheet.rated import (
 )
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
 from screwsim.study.datasheet.tables import DUTY, HOUR, KW, Column
+from screwsim.study.goals import Bound
 from screwsim.study.part_load import CONTROL_ENDS, RATIO_PATH, controls, ratios
 
 CAPACITY, FLOW, DISCHARGE = "cooling_capacity", "gas_mass_flow", "discharge_temperature"
@@ -127,7 +126,7 @@ def _drawings(rated: SceneRating) -> Iterator[Drawing]:
 
 
 def rating_request(
-    scene: Scene, evaporating: str | None, condensing: str | None, bounds: Sequence[Bound]
+    scene: Scene, evaporating: str | None, condensing: str | None, bounds: Mapping[Bound, str]
 ) -> SceneRequest:
     """Return what is rated of a scene; raise UsageError where it varies something else, or a range is invalid."""
     second = GAS_COOLER_P if scene.operation.gas_cooler is not None else CONDENSING

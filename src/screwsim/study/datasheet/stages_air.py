@@ -12,10 +12,9 @@ from typing import Any
 from screwsim.build import package_of
 from screwsim.effects.air_package import AIR
 from screwsim.effects.parts.rating import PSI
-from screwsim.figures.engineering import quantity
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.outputs.customary import with_printed_units
+from screwsim.outputs.customary import quantity, with_printed_units
 from screwsim.scene import grid
 from screwsim.scene.lines import lines
 from screwsim.study.datasheet.air_rating import Point, Rating

@@ -24,8 +24,8 @@ from screwsim.scene import Scene, with_values
 from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
 from screwsim.study.datasheet import gas_sheet, refrigeration_sheet
-from screwsim.study.datasheet.bounds import Bound
 from screwsim.study.datasheet.rated import DEAD, Axis, Part, Rating, RatingRequest, rating_around, swept_values
+from screwsim.study.goals import Bound
 from screwsim.study.part_load import (
     GAS,
     LOADS,
@@ -94,7 +94,7 @@ def axis_options(chain: StageChain) -> dict[str, str]:
     return dict((across, down))
 
 
-def rating_request(chain: StageChain, ranges: Mapping[str, str | None], bounds: Sequence[Bound]) -> ChainRequest:
+def rating_request(chain: StageChain, ranges: Mapping[str, str | None], bounds: Mapping[Bound, str]) -> ChainRequest:
     """Return what is rated, given ranges of the axes' options; raise UsageError in one line."""
     (first, inlet), (second, outlet) = axis_options(chain).items()
     names = FIRST + inlet, SECOND + outlet

@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.figures.engineering import quantity
 from screwsim.outputs import Result
-from screwsim.outputs.customary import with_printed_units
+from screwsim.outputs.customary import quantity, with_printed_units
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.study.datasheet import gas_sheet, refrigeration_sheet, tables

@@ -6,13 +6,14 @@ Also the lines and notes that sheets of several kinds share: motor, oil, limits,
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from screwsim.figures.engineering import quantity, shown_name
+from screwsim.figures.engineering import shown_name
 from screwsim.outputs import Result
+from screwsim.outputs.customary import quantity
 from screwsim.outputs.display import picked
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING
-from screwsim.study.datasheet.bounds import exceeded_bounds, limit_text, motor_of
+from screwsim.study.datasheet.bounds import bound_words, exceeded_bounds, limit_text, motor_of
 from screwsim.study.datasheet.rated import Axis, Rating, celsius
 from screwsim.study.datasheet.sheet import Curve, Drawing, Table, warning_lines
 from screwsim.study.inputs import shown_value
@@ -239,8 +240,8 @@ def document_of(rated: Rating, names: Sequence[str]) -> dict[str, Any]:
         "own_point": document_figures(rated.own, names),
         "points": points,
         "limits": [
-            {"figure": bound.figure, "below": bound.sign > 0, "value": bound.value, "from": bound.source}
-            for bound in asked.bounds
+            {"figure": bound.figure, "below": bound.sign == "<", "value": bound.value, "from": source}
+            for bound, source in asked.bounds.items()
         ],
         "envelope": [
             {first: each.at, second: [each.low, each.high], "ends": [each.below, each.above]} for each in rated.reach
@@ -303,7 +304,7 @@ def oil_line(scene: Scene, found: Mapping[str, Any]) -> Lines:
 
 def limit_lines(rated: Rating, figures: Sequence[str]) -> Lines:
     """Yield the limits, and the highest values of figures over the table."""
-    stated = ", ".join(f"{bound.words} ({bound.source})" for bound in rated.asked.bounds)
+    stated = ", ".join(f"{bound_words(bound)} ({source})" for bound, source in rated.asked.bounds.items())
     yield "limits", stated or "none stated (--limit 'discharge_temperature<110 degC')"
     highest = [f"{shown_name(name)} {_highest(rated, name)}" for name in figures if _highest(rated, name)]
     if highest:

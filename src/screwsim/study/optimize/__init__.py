@@ -1,12 +1,10 @@
 """Optimisation: the values of paths at which figures are best, over operating points, within bounds."""
 
 import math
-import os
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -15,7 +13,7 @@ from screwsim.inputs.arguments import TEXTS, checked_arguments, whole
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
 from screwsim.results.atomic import make_folder
-from screwsim.scene import Scene, scene_text
+from screwsim.scene import Scene, SceneLike, scene_text
 from screwsim.study.goals import Bound
 from screwsim.study.inputs import check_fit, shown_figure, shown_value
 from screwsim.study.optimize.evaluate import SimulatedPoint, simulated
@@ -117,7 +115,7 @@ class Optimum(Brief):
     vary=TEXTS, maximize=TEXTS, minimize=TEXTS, evaluations=whole(1, "no number of evaluations (pass 1 or more)")
 )
 def optimize(
-    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
+    scene: SceneLike,
     vary: Iterable[str] | Mapping[str, tuple[float, float]],
     maximize: Iterable[str] = (),
     minimize: Iterable[str] = (),

@@ -1,6 +1,5 @@
 """Goal seek: the values of paths at which figures have their wanted values, and machines sized that way."""
 
-import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -9,7 +8,7 @@ from typing import Any
 from screwsim.inputs.arguments import NUMBER, NUMBERS, TEXTS, as_list, checked_arguments
 from screwsim.inputs.arguments import shown as shown_argument
 from screwsim.inputs.faults import UsageError
-from screwsim.scene import Scene, case, case_count, case_values, scene_text, with_values
+from screwsim.scene import Scene, SceneLike, case, case_count, case_values, scene_text, with_values
 from screwsim.scene.grid import with_sweep_over
 from screwsim.scene.load import scene_of
 from screwsim.study.figures import figure_of
@@ -88,7 +87,7 @@ def _wanted(figure: str, value: Any) -> float:
 
 @checked_arguments(vary=TEXTS, goals=TEXTS, catalogue=NUMBERS)
 def find(
-    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
+    scene: SceneLike,
     vary: VaryArgument,
     goals: GoalsArgument,
     *,
