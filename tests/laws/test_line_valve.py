@@ -7,6 +7,7 @@ from scenes import make, run
 from scipy.integrate import solve_ivp
 
 from screwsim.effects.base import Made
+from screwsim.effects.parts import line_valve
 from screwsim.effects.parts.line_valve import (
     POINTS,
     Valve,
@@ -21,6 +22,7 @@ from screwsim.effects.plenums import Parameters
 from screwsim.effects.plenums import build as plenum_parts
 from screwsim.explain import explain
 from screwsim.numerics.feedback_unknowns import FeedbackUnknowns
+from screwsim.simulate import simulate
 
 ACCURACY = 3e-4
 BALANCES = ("mass", "energy", "entropy", "oil_mass")
@@ -50,9 +52,30 @@ def test_an_open_valve_is_held_up_by_its_pressure_and_an_orifice_beyond():
 def test_nothing_flows_back_and_the_mean_passes(swing, valve, behind):
     """Turning slowly, up to 40 % of the mean were missing: of the search's damped steps 60 were too few."""
     given = 0.2 * (1.0 + swing * np.cos(PHASE) + 0.3 * swing * np.sin(3.0 * PHASE))
-    flow, _ = valve_flow(valve, given, behind)
+    flow = valve_flow(valve, given, behind).flow
     assert flow.min() >= 0.0
     assert flow.mean() == pytest.approx(given.mean(), rel=1e-9)
+
+
+@each_row("capacity", [3e-9, 1.5e-9, 8e-10])
+@each_row("swing", [1.5, 6.0])
+def test_a_plenum_that_holds_next_to_nothing_is_approached_from_larger_ones(capacity, swing, monkeypatch):
+    given = 0.2 * (1.0 + swing * np.cos(PHASE) + 0.3 * swing * np.sin(3.0 * PHASE))
+    small = BEHIND._replace(capacity=capacity, frequency=20.0, impedance=3e4)
+    flow, _, converged = valve_flow(Valve(), given, small)
+    assert converged and flow.min() >= 0.0
+    assert flow.mean() == pytest.approx(given.mean(), rel=1e-9)
+    with monkeypatch.context() as alone:
+        alone.setattr(line_valve, "LARGER", np.array([1.0]))
+        assert not valve_flow(Valve(), given, small).converged
+
+
+def test_a_valve_whose_flow_is_not_found_is_told(monkeypatch):
+    found = line_valve.valve_flow
+    monkeypatch.setattr(line_valve, "valve_flow", lambda *asked: found(*asked)._replace(converged=False))
+    result = simulate(make(plenums(discharge_valve={})))
+    assert result.status == "failed"
+    assert result.message.startswith("the flow through the check valve of the discharge line was not found")
 
 
 @pytest.mark.parametrize("lag", [0.013, 0.05, 0.081])
@@ -84,7 +107,7 @@ def test_the_least_flow_of_an_orifice_is_that_of_as_many_angles_as_it_takes():
 def test_a_wide_valve_that_never_shuts_is_none():
     """p_k = w_k/(i k Ω C + 1/Z)."""
     given = 0.2 * (1.0 + 0.3 * np.cos(PHASE) + 0.1 * np.sin(2.0 * PHASE))
-    flow, pressure = valve_flow(Valve(), given, BEHIND)
+    flow, pressure, _ = valve_flow(Valve(), given, BEHIND)
     found = np.fft.rfft(pressure)[1:3] * 2.0 / POINTS
     k = np.array([1, 2])
     expected = 0.2 * np.array([0.3, -0.1j]) / (1j * k * BEHIND.frequency * BEHIND.capacity + 1.0 / BEHIND.impedance)

@@ -56,6 +56,10 @@ SPREADS = (
     "{half:.2g} m there: it has no single pressure, as M184 gives it (state the volume next to the port alone as "
     "effects.plenums.{to}_volume, or take its pulsation for an order of magnitude)"
 )
+UNFOUND = (
+    "the flow through the check valve of the {to} line was not found: the plenum holds next to nothing of what passes "
+    "in a lobe's time (choose a larger effects.plenums.{to}_volume, or leave the valve out)"
+)
 SHUT = "the {to} line takes up the whole pressure (choose a wider effects.plenums.{to}_area or a smaller {to}_loss)"
 WHICH = ("the", "twice the", "three times the", "four times the")  # of the harmonics among the figures
 
@@ -130,13 +134,14 @@ class ValvedState(NamedTuple):
     """State of a plenum with a check valve after a turn: offset, amplitudes, whether it stays shut, its least flow.
 
     Offset and amplitudes a_k − i b_k are over the line's pressure; the least flow [kg/s] counts along the valve,
-    and is that of a given net flow.
+    and is that of a given net flow. `found`: whether the flow through the valve was found.
     """
 
     offset: float
     amplitudes: Array
     shut: bool
     least: Callable[[float], float]
+    found: bool
 
 
 def answer(line: LineFlow, before: Array, capacity: float, frequency: float) -> Array:
@@ -214,7 +219,7 @@ class PlenumWithLine:
         impedance = 0.0 if self.area is None else line.sound / self.area
         capacity = (self.volume + line.open_volume) / line.sound**2
         behind = line_valve.ValveSurroundings(capacity, impedance, frequency, line.rho)
-        mean, least = max(float(flow.mean()), 0.0), _nothing_passes
+        mean, least, converged = max(float(flow.mean()), 0.0), _nothing_passes, True
         answering = (1.0 + held) * p * line.open_volume / line.sound**2 * frequency / (2.0 * pi)
         pressure = line_valve.closed(given, behind)
         level = valve.pressure - (0.0 if self.area is None else float(pressure.max()))
@@ -222,7 +227,8 @@ class PlenumWithLine:
             level, least = float(valve.drop(np.array([mean]), line.rho)[0][0]), _steadily
         elif mean > 0.0:
             passed = line_valve.valve_flow(valve, given, behind)
-            pressure, least = passed.pressure, partial(line_valve.least_flow, valve, given, behind, passed)
+            pressure, converged = passed.pressure, passed.converged
+            least = partial(line_valve.least_flow, valve, given, behind, passed)
             level = float(pressure.mean()) + abs(offset(line, self.area, self.loss)) * p
         near = abs(self.along * level / p - held) <= line_valve.MOST_CHANGE * (1.0 + held)
         across = 1.0 + held - (0.0 if near else self._far(turn) / p)  # a turn that may open the valve is allowed to
@@ -233,7 +239,8 @@ class PlenumWithLine:
             pressure = line_valve.closed(given + self.along * leaking * p * _wave(before, len(given)), behind, leaking)
         spectrum = np.fft.rfft(pressure)[1 : self.count + 1] * (2.0 / len(pressure))
         along = self.along * (stands if shut else level / p)
-        return ValvedState(along, self.along * spectrum / p, shut, _nothing_passes if shut else least)
+        least = _nothing_passes if shut else least
+        return ValvedState(along, self.along * spectrum / p, shut, least, shut or converged)
 
     def _far(self, turn: Turn) -> float:
         """Return the mean pressure [Pa] beyond the machine's other port."""
@@ -253,6 +260,11 @@ class PlenumWithLine:
         """Tell whether the check valve stays shut over the whole pitch."""
         mean = self._found(turn)[0]
         return mean is not None and mean.shut
+
+    def knows_flow(self, turn: Turn) -> bool:
+        """Tell whether the flow through the check valve was found after a turn; without one it always is."""
+        mean = self._found(turn)[0]
+        return mean is None or mean.found
 
     def locks_in(self, turn: Turn) -> bool:
         """Tell whether gas leaves the chambers only to the suction line, whose valve would stay shut, too (M240)."""
@@ -318,9 +330,10 @@ def build(parameters: Parameters, machine) -> list[Made | Pulsation | Reading]:
         return {name: value for one in behind for name, value in one.figures(figures.turn).items()}
 
     def judge(figures) -> tuple[str, tuple[str, ...]]:
-        """Return no text on a failure, and warnings of plenums too long to have one pressure."""
+        """Return a text on a valve whose flow was not found, and warnings of plenums too long to have one pressure."""
+        failures = [UNFOUND.format(to=one.to) for one in behind if not one.knows_flow(figures.turn)]
         found = (one.spread(figures.turn) for one in behind)
-        return "", tuple(each for each in found if each)
+        return "".join(failures[:1]), tuple(each for each in found if each)
 
     def traces(figures) -> dict[str, Any]:
         """Return the pressures [Pa] over a pitch."""

@@ -28,7 +28,8 @@ FINE = 8  # factor by which a curve's angles are refined for the first search of
 AROUND = np.linspace(-1.0, 1.0, 9)  # places around the lowest one at which the curve is evaluated again ...
 REFINED = 3  # ... this many times
 MOST_STEPS = 60
-WHOLE_STEPS = 30  # Newton steps taken whole, 14 at most in what was seen: damped ones passed each angle's corner alone
+WHOLE_STEPS = 30  # Newton steps taken whole, 14 in most cases: damped ones passed each angle's corner alone
+LARGER = 2.0 ** np.arange(14.0, -0.5, -0.5)  # capacities, over that of a plenum for which these steps do not converge
 CONVERGED = 1e-11  # residual over the largest flow
 LEAST_SHARE = 1e-4  # smallest damping factor of a Newton step; below it the step is taken regardless
 MOST_CHANGE = 0.4  # largest change of a shut plenum's pressure in a turn, over the pressure that drives the leaks
@@ -61,12 +62,21 @@ class ValveSurroundings(NamedTuple):
     frequency: float
     rho: float
 
+    @property
+    def when_shut(self) -> float:
+        """Slope of the pressure by how far a valve is shut [Pa s/kg], as that of an open one by its flow."""
+        return self.impedance + 1.0 / (self.capacity * self.frequency)
+
 
 class ValveFlow(NamedTuple):
-    """A pitch at evenly spaced angles: flow through the valve [kg/s], the plenum's pressure less its line's [Pa]."""
+    """A pitch at evenly spaced angles: flow through the valve [kg/s], the plenum's pressure less its line's [Pa].
+
+    `converged` tells whether both were found.
+    """
 
     flow: Array
     pressure: Array
+    converged: bool
 
 
 def valve_flow(
@@ -75,12 +85,25 @@ def valve_flow(
     """Return the flow through a valve over a pitch for a flow `given` [kg/s] to its plenum, of positive mean (M221).
 
     capacity · dp/dt = given − u, p = drop of the valve + impedance · (u − mean), u ≥ 0, at `points` (odd) evenly spaced
-    angles. `start` is the first guess of the flow.
+    angles. `start` is the first guess of the flow. A small plenum whose flow is not found from it is approached from
+    larger ones.
     """
     w, mean = resampled(np.asarray(given), points), float(np.mean(given))
+    z, p, converged = _newton(valve, w, behind, np.full(points, mean) if start is None else start)
+    if not converged:
+        larger = [behind._replace(capacity=capacity) for capacity in behind.capacity * LARGER]
+        z = np.full(points, mean)
+        for before, each in zip([larger[0], *larger[:-1]], larger, strict=True):
+            z = np.where(z > 0.0, z, z * before.when_shut / each.when_shut)  # the same pressure
+            z, p, converged = _newton(valve, w, each, z)
+    return ValveFlow(np.maximum(z, 0.0), p - behind.impedance * mean, converged)
+
+
+def _newton(valve: Valve, w: Array, behind: ValveSurroundings, z: Array) -> tuple[Array, Array, bool]:
+    """Return flows (below zero: how far shut), pressures [Pa] of the plenum, and whether Newton's method converged."""
+    points, largest = len(w), float(np.max(np.abs(w)))
     D = behind.capacity * behind.frequency * differentiation(2.0 * np.pi, points)
-    beyond = behind.impedance + 1.0 / (behind.capacity * behind.frequency)  # slope of the pressure when shut
-    largest = float(np.max(np.abs(w)))
+    beyond = behind.when_shut
 
     def residual(z: Array) -> tuple[Array, Array, Array, float]:
         """Return the residual, the pressure, the slope of the valve's drop, and the residual's largest magnitude."""
@@ -90,7 +113,6 @@ def valve_flow(
         left = D @ p + u - w
         return left, p, slope, float(max(left.max(), -left.min()))
 
-    z = np.full(points, mean) if start is None else start
     left, p, slope, size = residual(z)
     for step in range(MOST_STEPS):
         if size <= CONVERGED * largest:
@@ -105,7 +127,7 @@ def valve_flow(
                 break
             share *= 0.5
         z, (left, p, slope, size) = z + share * change, trial
-    return ValveFlow(np.maximum(z, 0.0), p - behind.impedance * mean)
+    return z, p, size <= CONVERGED * largest
 
 
 def least_flow(valve: Valve, given: Array, behind: ValveSurroundings, passed: ValveFlow, net: float) -> float:
