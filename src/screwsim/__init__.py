@@ -71,20 +71,34 @@ __all__ = [
     "uncertainty",
 ]
 
-_PUBLIC = {  # the names of each module
-    "screwsim.api": "calibrate compare datasheet diagnose optimum performance_map plan posterior tabulate",
-    "screwsim.inputs.faults": "Interrupted SceneError UsageError",
-    "screwsim.outputs": "Result",
-    "screwsim.results": "open_results",
-    "screwsim.scene": "Scene load loads schema",
-    "screwsim.study.local": "sensitivities simulate",
-    "screwsim.study.map_points": "evaluate_map",
-    "screwsim.study.optimize": "optimize",
-    "screwsim.study.seek": "find",
-    "screwsim.study.sweep": "run_sweep sweep",
-    "screwsim.study.uncertain": "uncertainty",
+_HOMES = {
+    "Interrupted": "screwsim.inputs.faults",
+    "Result": "screwsim.outputs",
+    "Scene": "screwsim.scene",
+    "SceneError": "screwsim.inputs.faults",
+    "UsageError": "screwsim.inputs.faults",
+    "calibrate": "screwsim.api",
+    "compare": "screwsim.api",
+    "datasheet": "screwsim.api",
+    "diagnose": "screwsim.api",
+    "evaluate_map": "screwsim.study.map_points",
+    "find": "screwsim.study.seek",
+    "load": "screwsim.scene",
+    "loads": "screwsim.scene",
+    "open_results": "screwsim.results",
+    "optimize": "screwsim.study.optimize",
+    "optimum": "screwsim.api",
+    "performance_map": "screwsim.api",
+    "plan": "screwsim.api",
+    "posterior": "screwsim.api",
+    "run_sweep": "screwsim.study.sweep",
+    "schema": "screwsim.scene",
+    "sensitivities": "screwsim.study.local",
+    "simulate": "screwsim.study.local",
+    "sweep": "screwsim.study.sweep",
+    "tabulate": "screwsim.api",
+    "uncertainty": "screwsim.study.uncertain",
 }
-_HOMES = {name: module for module, names in _PUBLIC.items() for name in names.split()}
 
 
 def __getattr__(name: str) -> Any:

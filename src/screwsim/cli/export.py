@@ -312,7 +312,10 @@ def _print_polynomials_and_files(
     from screwsim.printing import print_json
     from screwsim.printing.export import print_polynomials
 
-    print_json({**document, "files": files}) if as_json else print_polynomials(document, figures, rows, files)
+    if as_json:
+        print_json({**document, "files": files})
+    else:
+        print_polynomials(document, figures, rows, files)
     return OK
 
 

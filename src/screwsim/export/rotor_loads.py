@@ -78,7 +78,9 @@ class Loads:
 def loads_of(pressures: Pressures, spans: Spans = (0.0, 0.0), shafts: Diameters = (0.0, 0.0)) -> Loads:
     """Return the loads over one pitch of the male rotor.
 
-    `spans` [m] are the distances of the bearings outside of the end planes, suction first.
+    `spans` [m] are the distances of the bearings outside of the end planes, suction first; `shafts` [m] the diameters
+    of the shafts of male and female, which the gas on the end faces does not reach. Raise UsageError for a shaft that
+    is not thinner than the roots.
     """
     rotors = pressures.laid.rotors
     angle = np.arange(PITCH_POINTS) * rotors.pair.pitch / PITCH_POINTS

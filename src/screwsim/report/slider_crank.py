@@ -62,9 +62,9 @@ def surface_figure(alpha: Array, nominal: Links) -> Any:
     """Draw the standard deviation over ± 5 % of both lengths with the 5 % plane, right and as tabulated."""
     figure = style.new_figure(DOUBLE, 82.0, "none")
     for i, name in enumerate(("right", "tabulated")):
-        _surface(figure, 0.01 + 0.49 * i, f"({'ab'[i]}) {_NAMES[name]}", FUNCTIONS[name], alpha, nominal).set_zlim(
-            0.0, 5.5
-        )
+        title = f"({'ab'[i]}) {_NAMES[name]}"
+        axes = _surface(figure, 0.01 + 0.49 * i, title, FUNCTIONS[name], alpha, nominal)
+        axes.set_zlim(0.0, 5.5)
     return figure
 
 

@@ -30,7 +30,10 @@ Simulate = Callable[[Any], Result]  # of a scene, or of two in series
 
 @dataclass(frozen=True, kw_only=True)
 class Question(Span):
-    """The question: the best `figure` over a path between two values [SI]."""
+    """The question: the best `figure` over a path between two values [SI].
+
+    A search coordinate is the value or its logarithm, and no place 0 … 1 in the span.
+    """
 
     figure: str
     minimum: bool = False

@@ -204,6 +204,9 @@ class OverwrittenLine(CountingProgress):
         self._told = 0.0
         self._shown = ""
 
+    def _begin(self) -> None:
+        self._shown = self._text()  # nothing is written before a point is solved
+
     def _refresh(self) -> None:
         now = self._clock()
         if self._text() != self._shown and now - self._told >= self._every:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, Union
 
 from screwsim import scene as scenes
 from screwsim.outputs import Result
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from screwsim.study.stages.read import StageChain
 
 Kind = TypeVar("Kind", bound="Varied")
-Varied: TypeAlias = "Scene | StageChain"
+Varied: TypeAlias = Union[Scene, "StageChain"]
 
 
 def leaf_of(of: Varied, path: str) -> Leaf:

@@ -18,15 +18,12 @@ def page_text(base: SceneArguments, slopes: bool = True) -> str:
 
     `slopes` tells whether the server has a separate worker for derivatives.
     """
-    return rendered(
-        __name__,
-        _SCRIPTS,
-        title=with_printed_units(base.scene.title) or base.file,
-        file=base.file,
-        document=json.dumps({**document(base), "slopes": slopes}, allow_nan=False).replace(
-            "<", "\\u003c"
-        ),  # ends no element
-    )
+    text = json.dumps({**document(base), "slopes": slopes}, allow_nan=False)
+    embedded = text.replace(
+        "<", "\\u003c"
+    )  # JSON in a page must not end the element that it is in; it is ASCII otherwise
+    title = with_printed_units(base.scene.title) or base.file
+    return rendered(__name__, _SCRIPTS, title=title, file=base.file, document=embedded)
 
 
 def document(base: SceneArguments) -> dict[str, Any]:

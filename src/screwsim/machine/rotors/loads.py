@@ -10,7 +10,7 @@ tip (half of each, which equals the total of a pressure that falls evenly across
 
 Angles [rad] have the origin of `machine.rotors.rotors`, z runs from the suction end, moments are about that end. Gears,
 balance pistons and weights are not included. Integrating over a mesh of both surfaces, and virtual work, give the same
-(tests/export/test_loads.py). Units SI.
+(tests/export/test_rotor_balance.py, test_loads.py). Units SI.
 
 Source: pressures on flanks and end faces as in Stošić, Smith, Kovačević, Screw Compressors, 2005, ch. 4; ours.
 """

@@ -18,7 +18,7 @@ from screwsim.machine.rotors.pair import Array
 from screwsim.machine.rotors.rotors import Rotors
 
 TURN = 2.0 * math.pi
-ALONG, PROFILE = 160, 120  # pieces along the rotor, and of one pitch of the profile
+PROFILE = 120  # pieces of one pitch of the profile
 
 
 @dataclass(frozen=True, eq=False)

@@ -132,8 +132,8 @@ def _over_both(chain: StageChain) -> tuple[Scene, Scene]:
 
 def _axis(chain: StageChain, scene: Scene, name: tuple[str, str], text: str | None, option: str) -> Axis:
     stage, path = name
-    kind = gas_sheet if path in (P_S, P_D) else refrigeration_sheet
-    return kind.axis_values(scene, path, text, option, swept_values(chain, stage + path))
+    sheet = gas_sheet if path in (P_S, P_D) else refrigeration_sheet
+    return sheet.axis_values(scene, path, text, option, swept_values(chain, stage + path))
 
 
 def rating(asked: ChainRequest, jobs: int | None = None, progress: Progress | None = None) -> ChainRating:

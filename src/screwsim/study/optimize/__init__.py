@@ -80,7 +80,7 @@ class Optimum(Brief):
     reach: Mapping[str, EquallyGoodRange] = field(default_factory=dict)
     others: tuple[tuple[float, float], ...] = ()
     points: tuple[SimulatedPoint, ...] = ()
-    scene: "Varied | None" = None
+    scene: Varied | None = None
     warnings: Mapping[int, tuple[str, ...]] = field(default_factory=dict)  # of evaluations on the front that warn
 
     @property

@@ -50,6 +50,8 @@ def question(scene: Scene, vary: VaryArgument, goals: GoalsArgument, catalogue: 
     """
     vary = vary if isinstance(vary, Mapping) else as_list(vary)
     wanted, catalogue = _goals(scene, goals), catalogue if isinstance(catalogue, str) else tuple(catalogue)
+    if not wanted:
+        raise UsageError("--for: no goal is given (write e.g. --for 'cooling_capacity=500 kW')")
     if catalogue and len(vary) != 1:
         raise UsageError("--catalogue: applies to a single path (give one --vary with it)")
     path = next((str(each).partition("=")[0].strip() for each in vary), "")
