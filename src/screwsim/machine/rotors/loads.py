@@ -25,7 +25,7 @@ import numpy as np
 from screwsim.machine.rotors.contact import contact_force
 from screwsim.machine.rotors.pair import Array
 from screwsim.machine.rotors.rotors import MOST_CACHED, Rotors
-from screwsim.machine.rotors.surface import Surface, section_ages, sections_of, surfaces
+from screwsim.machine.rotors.surface import Surface, section_ages, surfaces, turns_of
 
 NAMES = ("male", "female")
 SECTIONS = 240  # per pitch
@@ -77,11 +77,12 @@ def _pressed(rotors: Rotors, surface: Surface, shaft: float) -> PressedAreas:
         return h * (up_to(angle) - up_to(np.maximum(angle - wrap, ages[0])))
 
     tilt = surface.turns / h  # axial force of a piece over its torque, by screw motion
-    columns = {f"force_{way}": along(sums[way]) for way in "xy"}
+    columns = {f"force_{way}": along(sums[f"force_{way}"]) for way in "xy"}
     columns |= {"axial_force": tilt * along(sums["torque"]), "torque": surface.outward * along(sums["torque"])}
     for way in "xy":
-        from_suction_end = h * (angle * along(sums[way]) - along(ages * sums[way]))  # Σ z F, as z = h (φ − age)
-        columns[f"moment_{way}"] = from_suction_end - tilt * along(sums[f"torque_{way}"])
+        force = sums[f"force_{way}"]
+        from_suction_end = h * (angle * along(force) - along(ages * force))  # Σ z F, as z = h (φ − age)
+        columns[f"moment_{way}"] = from_suction_end - tilt * along(sums[f"place_{way}"])
     columns |= {"suction_end_force": at(sums["end"], angle), "discharge_end_force": -at(sums["end"], angle - wrap)}
     columns |= {
         f"end_moment_{way}": at(sums[f"end_{way}"], angle - wrap) - at(sums[f"end_{way}"], angle) for way in "xy"
@@ -92,32 +93,39 @@ def _pressed(rotors: Rotors, surface: Surface, shaft: float) -> PressedAreas:
 def _sums_over_pieces(rotors: Rotors, surface: Surface, shaft: float) -> tuple[Array, dict[str, Array]]:
     """Return the angle of a chamber in a section, and by it the sums over the pieces of the profile that bound it.
 
-    x, y: components of the force [m] by unit of pressure and length; torque [m²]; torque_x, torque_y: times the place
-    of the piece [m³]; end: area of the sectors [m²]; end_x, end_y: their moments [m³].
+    force_x, force_y: components of the force [m] by unit of pressure and length; torque [m²]; place_x, place_y: the
+    torque times the place of the piece [m³]; end: area of the sectors [m²]; end_x, end_y: their moments [m³].
     """
     step = rotors.pair.pitch / SECTIONS
     phi = step * np.arange(SECTIONS)
     number = np.rint(section_ages(surface, rotors, phi) / step).astype(int)
     first = int(number.min()) - 1  # nothing presses there, nor at the last
-    x, y = sections_of(surface, phi)
-    x1, x2, y1, y2 = x[:, :-1], x[:, 1:], y[:, :-1], y[:, 1:]
-    torque = 0.5 * surface.outward * ((x2**2 + y2**2) - (x1**2 + y1**2))
-    face = _sectors(surface, x1, x2, y1, y2, shaft)
-    pieces = {
-        "x": surface.outward * (y1 - y2),
-        "y": surface.outward * (x2 - x1),
-        "torque": torque,
-        "torque_x": 0.5 * torque * (x1 + x2),
-        "torque_y": 0.5 * torque * (y1 + y2),
-        **dict(zip(("end", "end_x", "end_y"), face, strict=True)),
-    }
     count = int(number.max()) - first + 2
-    sums = {name: np.bincount((number - first).ravel(), values.ravel(), count) for name, values in pieces.items()}
-    return step * np.arange(first, first + count), sums
+    c, s = turns_of(surface, phi)
+    x1, x2, y1, y2 = surface.x[:-1], surface.x[1:], surface.y[:-1], surface.y[1:]
+    torque = 0.5 * surface.outward * ((x2**2 + y2**2) - (x1**2 + y1**2))
+    end, end_x, end_y = sectors(surface, shaft)
+    turning = {  # vectors in the rotor's frame
+        "force": (surface.outward * (y1 - y2), surface.outward * (x2 - x1)),
+        "place": (0.5 * torque * (x1 + x2), 0.5 * torque * (y1 + y2)),
+        "end": (end_x, end_y),
+    }
+    pieces = {name: values[None, :, None] + 0.0 * c for name, values in (("torque", torque), ("end", end))}
+    for name, (x, y) in turning.items():
+        x, y = x[None, :, None], y[None, :, None]
+        pieces |= {f"{name}_x": c * x - s * y, f"{name}_y": s * x + c * y}
+    at = (number - first).ravel()
+    return step * np.arange(first, first + count), {
+        name: np.bincount(at, values.ravel(), count) for name, values in pieces.items()
+    }
 
 
-def _sectors(surface: Surface, x1: Array, x2: Array, y1: Array, y2: Array, shaft: float) -> tuple[Array, Array, Array]:
-    """Return areas [m²] and first moments [m³] of an end face's sectors below pieces, less a shaft's radius [m]."""
+def sectors(surface: Surface, shaft: float) -> tuple[Array, Array, Array]:
+    """Return areas [m²] and first moments [m³] of an end face's sectors below pieces, less a shaft's radius [m].
+
+    In the rotor's frame, of the pieces of one pitch of the profile.
+    """
+    x1, x2, y1, y2 = surface.x[:-1], surface.x[1:], surface.y[:-1], surface.y[1:]
     whole = 0.5 * surface.outward * (x1 * y2 - x2 * y1)
     length1, length2 = np.hypot(x1, y1), np.hypot(x2, y2)
     turned = surface.outward * np.arctan2(x1 * y2 - x2 * y1, x1 * x2 + y1 * y2)

@@ -102,9 +102,7 @@ def chamber_angles(surface: Surface, rotors: Rotors, phi: float, z: Array) -> Ar
     return section_ages(surface, rotors, phi - behind) + behind
 
 
-def sections_of(surface: Surface, phi: Array) -> tuple[Array, Array]:
-    """Return x, y [m] of the points (lobes, profile, angles) from the rotor's axis, in a section at angles `phi`."""
+def turns_of(surface: Surface, phi: Array) -> tuple[Array, Array]:
+    """Return cosine and sine of the angle by which each lobe (lobes, 1, angles) is turned in a section at `phi`."""
     turned = np.arange(surface.lobes)[:, None, None] * surface.pitch + surface.turns * phi
-    c, s = np.cos(turned), np.sin(turned)
-    x, y = surface.x[None, :, None], surface.y[None, :, None]
-    return c * x - s * y, s * x + c * y
+    return np.cos(turned), np.sin(turned)
