@@ -122,6 +122,8 @@ def contours(results: Results | str | os.PathLike[str], figure: str | None = Non
     if whole is None or whole.by is None:
         raise UsageError(f"{found.path}: has fewer than two numeric axes (sweep two paths)")
     name = _figure(found, figure)
+    if name not in found.performance:
+        raise UsageError(f"{found.path}: has no values of {name} (pass one of {', '.join(found.figures)})")
     family = next(families.slices(whole))
     axes = _axes(ax)
     maps.draw_contours(axes, family, name)

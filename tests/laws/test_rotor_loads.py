@@ -66,6 +66,7 @@ def test_a_shaft_takes_thrust_off_the_discharge_ends():
     ("changes", "words"),
     [
         ({"shaft_diameter": "120 mm"}, "effects.bearings.shaft_diameter: 120 mm is not less than 96 mm, the male"),
+        ({"count": 4}, "effects.bearings.count: applies only to friction: two_term (remove it)"),
         ({"female_load": 1.0}, "effects.bearings.female_load: is found by load: rotors (remove it)"),
         ({"radial_area": "1 cm^2"}, "effects.bearings.radial_area: applies only to gas, and rotors is chosen"),
         ({"load": "stated"}, "effects.bearings.shaft_diameter: applies only to rotors, and stated is chosen"),

@@ -112,6 +112,11 @@ def test_contours_have_a_scale(swept, axes):
     assert len(axes.figure.axes) == 2
 
 
+def test_contours_of_a_figure_that_no_case_has_are_refused(swept):
+    with pytest.raises(UsageError, match="has no values of cooling_capacity"):
+        plot.contours(swept, "cooling_capacity")
+
+
 def test_settings_of_the_caller_stay(closed, axes):
     before = dict(matplotlib.rcParams)
     plot.pv(closed, ax=axes)

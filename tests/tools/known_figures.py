@@ -67,6 +67,7 @@ def known_finer(scene: Scene, within: float, only: tuple[str, ...] = ()) -> Figu
         (found,) = solved
         off = relative_errors(found, Figures(stored))
         missing = [name for name, value in found.items() if value is not None and not only and name not in stored]
+        missing += [name for name in stored if found.get(name) is None]
         return [name for name, error in off.items() if error is not None and error > within] + missing
 
     what = f"{scene.numerics.closing}, {scene.numerics.accuracy:g}"

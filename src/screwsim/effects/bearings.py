@@ -33,6 +33,7 @@ from screwsim.outputs import Figure, names_of, over, power_figure
 LEAST_FILM = 2000.0  # ν n [mm²/s · 1/min] below which M_0 no longer depends on ν n (Palmgren)
 _OF_FRICTION = {"simple": ("friction_coefficient", "bore"), "two_term": ("mean_diameter", "f_0", "f_1")}
 _EXAMPLES = {"friction_coefficient": "0.0018", "bore": "60 mm", "mean_diameter": "85 mm", "f_0": "2", "f_1": "0.0004"}
+USUAL_COUNT = 4  # bearings of a rotor
 ROTOR_LOADS = "rotors"
 _OF_LOAD = {"stated": ("radial_load", "axial_load"), "gas": ("radial_area", "axial_area"), ROTOR_LOADS: ()}
 _CALLED = (f".load: {ROTOR_LOADS}",)
@@ -98,7 +99,11 @@ class Parameters:
     f_1: float | None = number(
         "f_1, of the load-dependent moment (friction: two_term)", None, ge=0.0, le=1.0, hardly=(None, 0.01)
     )
-    count: int = count("bearings of one rotor, for the load-independent moment (friction: two_term)", 4, ge=1)
+    count: int | None = count(
+        f"bearings of one rotor, for the load-independent moment (friction: two_term; default: {USUAL_COUNT})",
+        None,
+        ge=1,
+    )
     film_temperature: float | None = declared_film_temperature(
         "temperature of the lubricating oil (friction: two_term; default: as in oil_drag)"
     )
@@ -150,7 +155,7 @@ def moment(parameters: Parameters, speed: float, load: float, figures) -> float:
     T, d_m = film_temperature(parameters.film_temperature, figures), parameters.mean_diameter or 0.0
     viscosity = figures.oil_viscosity_at(T) / figures.oil_density_at(T)
     idle = idle_moment(speed, viscosity, d_m, parameters.f_0 or 0.0)
-    return parameters.count * idle + (parameters.f_1 or 0.0) * load * d_m
+    return (parameters.count or USUAL_COUNT) * idle + (parameters.f_1 or 0.0) * load * d_m
 
 
 def build(parameters: Parameters, machine) -> list[PowerLoss | Reading]:
@@ -190,8 +195,10 @@ def check(parameters: Parameters, facts) -> Faults:
             yield Fault("effects.bearings.friction", what)
         elif not facts.oil.knows_viscosity:
             yield Fault("oil.viscosity", "is missing (effects.bearings.friction: two_term needs it, or oil.name)")
-    elif parameters.film_temperature is not None:
-        yield Fault("effects.bearings.film_temperature", "applies only to friction: two_term (remove it)")
+    else:
+        for name in ("film_temperature", "count"):
+            if getattr(parameters, name) is not None:
+                yield Fault(f"effects.bearings.{name}", "applies only to friction: two_term (remove it)")
 
 
 def _of_rotors(parameters: Parameters, machine) -> Faults:
