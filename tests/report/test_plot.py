@@ -113,7 +113,7 @@ def test_contours_have_a_scale(swept, axes):
 
 
 def test_contours_of_a_figure_that_no_case_has_are_refused(swept):
-    with pytest.raises(UsageError, match="has no values of cooling_capacity"):
+    with pytest.raises(screwsim.UsageError, match="has no values of cooling_capacity"):
         plot.contours(swept, "cooling_capacity")
 
 

@@ -203,8 +203,8 @@ def test_no_size_meets_a_goal_of_a_figure_that_the_size_does_nothing_to(flow):
         ([RANGE, "oil_supply.ratio=1..2"], ["gas_mass_flow=1 kg/s"], "--vary: 2 paths vary for 1 goal (vary as many"),
         ([RANGE], ["gas_mass_flow=1 kg/s", "shaft_power=9 kW"], "--for: 2 goals for 1 varied paths (vary as many"),
         ([RANGE], ["cooling_capacity=9 kW"], "--for cooling_capacity: is not a figure of this scene: it needs"),
-        ([], [], "--for: no goal is given (write e.g. --for"),
-        ({}, {}, "--for: no goal is given (write e.g. --for"),
+        ([], [], "no goal is given (write --for FIGURE=VALUE"),
+        ({}, {}, "no goal is given (write --for FIGURE=VALUE"),
     ],
 )
 def test_a_wrong_question_is_refused_in_one_line(vary, goals, message):

@@ -50,8 +50,6 @@ def question(scene: Scene, vary: VaryArgument, goals: GoalsArgument, catalogue: 
     """
     vary = vary if isinstance(vary, Mapping) else as_list(vary)
     wanted, catalogue = _goals(scene, goals), catalogue if isinstance(catalogue, str) else tuple(catalogue)
-    if not wanted:
-        raise UsageError("--for: no goal is given (write e.g. --for 'cooling_capacity=500 kW')")
     if catalogue and len(vary) != 1:
         raise UsageError("--catalogue: applies to a single path (give one --vary with it)")
     path = next((str(each).partition("=")[0].strip() for each in vary), "")
@@ -72,8 +70,8 @@ def _count(goals: Sequence[Goal]) -> str:
 
 
 def _goals(scene: Scene, goals: GoalsArgument) -> tuple[Goal, ...]:
-    if not isinstance(goals, Mapping):
-        return read_goals(scene, as_list(goals))
+    if not isinstance(goals, Mapping) or not goals:
+        return read_goals(scene, as_list(goals) if goals else ())
     named = {figure_of(scene, name, "goal"): value for name, value in goals.items()}
     return tuple(Goal(figure, _wanted(figure, value)) for figure, value in named.items())
 
