@@ -56,10 +56,6 @@ SPREADS = (
     "{half:.2g} m there: it has no single pressure, as M184 gives it (state the volume next to the port alone as "
     "effects.plenums.{to}_volume, or take its pulsation for an order of magnitude)"
 )
-UNFOUND = (
-    "the flow through the check valve of the {to} line was not found: the plenum holds next to nothing of what passes "
-    "in a lobe's time (choose a larger effects.plenums.{to}_volume, or leave the valve out)"
-)
 SHUT = "the {to} line takes up the whole pressure (choose a wider effects.plenums.{to}_area or a smaller {to}_loss)"
 WHICH = ("the", "twice the", "three times the", "four times the")  # of the harmonics among the figures
 
@@ -158,8 +154,7 @@ def _wave(amplitudes: Array, count: int) -> Array:
 @lru_cache(maxsize=4)
 def _harmonics(count: int, many: int) -> Array:
     """Return e^{i k φ} of `many` harmonics k at `count` evenly spaced angles φ of a pitch, a column each."""
-    phases = np.outer(np.arange(count), np.arange(1, many + 1))
-    return np.exp(2j * pi * phases / count)
+    return np.exp(2j * pi * np.outer(np.arange(count), np.arange(1, many + 1)) / count)
 
 
 def series(made: Mapping[str, float], to: str, count: int) -> Array:
@@ -239,8 +234,8 @@ class PlenumWithLine:
             pressure = line_valve.closed(given + self.along * leaking * p * _wave(before, len(given)), behind, leaking)
         spectrum = np.fft.rfft(pressure)[1 : self.count + 1] * (2.0 / len(pressure))
         along = self.along * (stands if shut else level / p)
-        least = _nothing_passes if shut else least
-        return ValvedState(along, self.along * spectrum / p, shut, least, shut or converged)
+        amplitudes = self.along * spectrum / p
+        return ValvedState(along, amplitudes, shut, _nothing_passes if shut else least, shut or converged)
 
     def _far(self, turn: Turn) -> float:
         """Return the mean pressure [Pa] beyond the machine's other port."""
@@ -331,7 +326,7 @@ def build(parameters: Parameters, machine) -> list[Made | Pulsation | Reading]:
 
     def judge(figures) -> tuple[str, tuple[str, ...]]:
         """Return a text on a valve whose flow was not found, and warnings of plenums too long to have one pressure."""
-        failures = [UNFOUND.format(to=one.to) for one in behind if not one.knows_flow(figures.turn)]
+        failures = [line_valve.UNFOUND.format(to=one.to) for one in behind if not one.knows_flow(figures.turn)]
         found = (one.spread(figures.turn) for one in behind)
         return "".join(failures[:1]), tuple(each for each in found if each)
 

@@ -34,6 +34,10 @@ CONVERGED = 1e-11  # residual over the largest flow
 LEAST_SHARE = 1e-4  # smallest damping factor of a Newton step; below it the step is taken regardless
 MOST_CHANGE = 0.4  # largest change of a shut plenum's pressure in a turn, over the pressure that drives the leaks
 LEAST_ACROSS = 0.002  # least pressure that counts as driving them, over the plenum's pressure
+UNFOUND = (
+    "the flow through the check valve of the {to} line was not found: the plenum holds next to nothing of what passes "
+    "in a lobe's time (choose a larger effects.plenums.{to}_volume, or leave the valve out)"
+)
 
 
 @dataclass(frozen=True)
