@@ -206,9 +206,7 @@ def _of_rotors(parameters: Parameters, machine) -> Faults:
     path = "effects.bearings"
     if parameters.load != ROTOR_LOADS:
         if parameters.shaft_diameter is not None:
-            yield Fault(
-                f"{path}.shaft_diameter", f"applies only to {ROTOR_LOADS}, and {parameters.load} is chosen (remove it)"
-            )
+            yield _given_in_vain("shaft_diameter", ROTOR_LOADS, parameters.load)
     elif machine.expands or not machine.volume.from_rotors:
         what = "needs the rotors of a compressor with a profile (machine.volume.law: profile), absent here"
         yield Fault(f"{path}.load", f"{ROTOR_LOADS} {what} (write stated or gas)")
@@ -237,7 +235,12 @@ def _belonging(parameters: Parameters, chosen: str, word: str, names: tuple[str,
             example = _EXAMPLES.get(name, "8 kN" if name.endswith("load") else "30 cm^2")
             yield Fault(path, f"is missing ({word} needs it, e.g. {name}: {example})")
         elif word != chosen and given:
-            yield Fault(path, f"applies only to {word}, and {chosen} is chosen (remove it)")
+            yield _given_in_vain(name, word, chosen)
+
+
+def _given_in_vain(name: str, word: str, chosen: str) -> Fault:
+    """Return the fault of a parameter that belongs to another option than the chosen one."""
+    return Fault(f"effects.bearings.{name}", f"applies only to {word}, and {chosen} is chosen (remove it)")
 
 
 EFFECT = Effect(

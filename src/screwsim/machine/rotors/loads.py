@@ -78,7 +78,8 @@ def _pressed(rotors: Rotors, surface: Surface, shaft: float) -> PressedAreas:
 
     tilt = surface.turns / h  # axial force of a piece over its torque, by screw motion
     columns = {f"force_{way}": along(sums[f"force_{way}"]) for way in "xy"}
-    columns |= {"axial_force": tilt * along(sums["torque"]), "torque": surface.outward * along(sums["torque"])}
+    torque = along(sums["torque"])
+    columns |= {"axial_force": tilt * torque, "torque": surface.outward * torque}
     for way in "xy":
         force = sums[f"force_{way}"]
         from_suction_end = h * (angle * along(force) - along(ages * force))  # Σ z F, as z = h (φ − age)
