@@ -39,7 +39,11 @@ ROOT = Path(__file__).parents[2]
 each = sibling(ROOT / "docs" / "tools" / "each_effect.py")
 PISTON = ROOT / "configs" / "slider_crank" / "r134a.yaml"
 ROTORS = ROOT / "configs" / "rotors" / "b.yaml"
-LOADED = "effects.bearings={load: rotors, friction_coefficient: 0.0018, bore: 60 mm}"
+ENDS = "suction: {distance: 40 mm, rating: 90 kN}, discharge: {distance: 40 mm, rating: 90 kN}, axial: {rating: 90 kN}"
+LOADED = (
+    "effects.bearings={load: rotors, friction_coefficient: 0.0018, bore: 60 mm, life_of_set: weibull, "
+    f"male: {{{ENDS}}}, female: {{{ENDS}}}}}"
+)
 CHECKED = "effects.check_valves={suction_area: 50 mm^2, discharge_area: 28 mm^2}"
 FULL = {  # what of an effect's parameters calls for the rest of its figures
     "plenums": ("effects.plenums.suction_volume=5 l",),
