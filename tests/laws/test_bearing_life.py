@@ -10,9 +10,11 @@ from each_row import each_row
 from screwsim import load, simulate
 from screwsim.effects.parts.bearing_life import TYPES, equivalent_load, life_of_set, mean_load, rating_life
 from screwsim.export.rotor_loads import loads_of, pressures_of
+from screwsim.figures.engineering import figure_text
 from screwsim.inputs.faults import SceneError
 from screwsim.machine.profile_law import laid_curves
 from screwsim.machine.rotors.loads import bearing_forces
+from screwsim.study.goals import read_figure
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 NAMES = ("male", "female")
@@ -183,6 +185,11 @@ def test_a_life_factor_multiplies_the_life(found):
     p = simulate(with_bearings(BOTH | {"male": longer})).performance
     assert p.male_axial_bearing_life == pytest.approx(2.5 * found.performance.male_axial_bearing_life, rel=1e-12)
     assert p.bearing_set_life > found.performance.bearing_set_life
+
+
+def test_people_read_and_ask_for_lives_in_hours():
+    assert figure_text("bearing_set_life", 4e4 * 3600.0) == "40000 h"
+    assert read_figure("bearing_set_life", "40000 h", "--for") == 4e4 * 3600.0
 
 
 def test_only_what_is_named_has_figures():
