@@ -229,7 +229,7 @@ def test_an_unlikely_bearing_is_told(changes, words):
         ({"thrust": "discharge"}, "male.axial: carries nothing, since thrust: discharge is chosen (remove one"),
         (
             {"suction": {"distance": "4 cm", "axial_factor": 1}},
-            "male.suction.axial_factor: applies only where the bearing carries the thrust (thrust: suction)",
+            "male.suction.axial_factor: applies only to thrust: suction (remove it, or write that)",
         ),
     ],
 )
@@ -242,9 +242,15 @@ def test_a_fault_is_found_with_its_remedy(male, words):
 @each_row(
     ("changes", "words"),
     [
-        ({"female": None}, "effects.bearings.female: is missing (life_of_set needs the bearings of both rotors)"),
-        ({"male": RADIAL}, "male.axial: is missing (life_of_set needs the bearing that carries the thrust)"),
-        ({"male": MALE | {"axial": {}}}, "male.axial.rating: is missing (life_of_set needs that of each bearing)"),
+        (
+            {"female": None},
+            "effects.bearings.female: is missing (life_of_set needs both rotors; write its bearings)",
+        ),
+        ({"male": RADIAL}, "male.axial: is missing (write its rating; life_of_set needs the bearing of the thrust)"),
+        (
+            {"male": MALE | {"axial": {}}},
+            "male.axial.rating: is missing (write rating: … kN; life_of_set needs",
+        ),
         ({"load": "stated"}, "effects.bearings.male: applies only to rotors, and stated is chosen (remove it)"),
     ],
 )

@@ -260,7 +260,7 @@ def _of_each_bearing(parameters: Parameters) -> Faults:
         if bearings is not None:
             yield from bearing_set.faults(name, bearings, whole)
         elif whole:
-            yield Fault(f"effects.bearings.{name}", "is missing (life_of_set needs the bearings of both rotors)")
+            yield Fault(f"effects.bearings.{name}", "is missing (life_of_set needs both rotors; write its bearings)")
 
 
 def check_geometry(parameters: Parameters, geometry) -> Faults:

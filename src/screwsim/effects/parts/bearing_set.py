@@ -144,10 +144,12 @@ def _figures_of(rotor: str) -> Iterator[Figure]:
     needs = (f".{rotor}",)
     for end in ENDS:
         of = f"radial load of the {rotor} rotor's {_OF[end]}"
-        yield Figure(f"{rotor}_{end}_bearing_load", "N", f"mean {of}", needs=needs)
-        yield Figure(f"{rotor}_{end}_bearing_load_peak", "N", f"largest {of}", needs=needs)
-    what = f"largest axial load of the {rotor} rotor on its bearings, either way"
-    yield Figure(f"{rotor}_axial_load_peak", "N", what, over("male_radial_load"), needs)
+        load = f"{rotor}_{end}_bearing_load"
+        yield Figure(load, "N", f"mean {of}", needs=needs)
+        yield Figure(f"{load}_peak", "N", f"largest {of}", needs=needs, swing_of=load)
+    # errors of peaks are taken for those of a swing, which is smaller
+    load, what = f"{rotor}_axial_load", f"largest axial load of the {rotor} rotor on its bearings, either way"
+    yield Figure(f"{load}_peak", "N", what, over("male_radial_load"), needs, swing_of=load)
     for place, bearing in _OF.items():
         own, path = f"{rotor}_{place}_bearing", f".{rotor}.{place}"
         what = f"equivalent dynamic load of the {rotor} rotor's {bearing}, by ISO 281"
@@ -241,17 +243,17 @@ def faults(rotor: str, bearings: RotorBearings, whole: bool) -> Iterator[Fault]:
         what = f"carries nothing, since thrust: {bearings.thrust} is chosen (remove one of the two)"
         yield Fault(f"{path}.axial", what)
     elif bearings.axial is None and bearings.thrust == AXIAL and whole:
-        yield Fault(f"{path}.axial", "is missing (life_of_set needs the bearing that carries the thrust)")
+        yield Fault(f"{path}.axial", "is missing (write its rating; life_of_set needs the bearing of the thrust)")
     for place, bearing in bearings.each.items():
         below, kind = f"{path}.{place}", TYPES[bearing.type]
         if bearing.rating is None and whole:
-            yield Fault(f"{below}.rating", "is missing (life_of_set needs that of each bearing)")
+            yield Fault(f"{below}.rating", "is missing (write rating: … kN; life_of_set needs that of each bearing)")
         if bearing.rating is None and bearing.life_factor is not None:
             yield Fault(f"{below}.life_factor", "applies only beside a rating (add that, or remove this)")
         factors = {name: getattr(bearing, name, None) for name in ("radial_factor", "axial_factor")}
         if place != bearings.thrust:
             for name in (name for name, value in factors.items() if value is not None):
-                yield Fault(f"{below}.{name}", f"applies only where the bearing carries the thrust (thrust: {place})")
+                yield Fault(f"{below}.{name}", f"applies only to thrust: {place} (remove it, or write that)")
         elif kind.radial_factor is None:
             others = ", ".join(name for name, other in TYPES.items() if other.radial_factor is not None)
             yield Fault(f"{below}.type", f"{bearing.type} carries no thrust (choose {others})")
