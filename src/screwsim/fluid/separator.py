@@ -84,7 +84,8 @@ class Separated(NamedTuple):
     `supply` [K] is the change of the oil's supply temperature that should close the circuit, `open` [W] the present
     residual of the circuit; both are zero where the supply temperature is stated. `share` is the response of the
     separator's temperature to the supply's, `gain` the change of the supply per error of the separator's temperature.
-    `why` says what rules the point out, `told` is a warning.
+    `load` is the duty over the most that the coolant takes; None where that is not bounded, or nothing. `why` says what
+    rules the point out, `told` is a warning.
     """
 
     T_mixture: float
@@ -96,6 +97,7 @@ class Separated(NamedTuple):
     open: float = 0.0
     share: float = 0.0
     gain: float = 0.0
+    load: float | None = None
     why: str = ""
     told: str = ""
 
