@@ -401,6 +401,16 @@ def test_a_warmer_coolant_makes_the_machine_warmer_only_where_the_thermostat_can
     assert 330.5 < warm < hot - 5.0
 
 
+def test_the_coolant_of_a_package_is_the_air_at_its_inlet():
+    size, file = "effects.separator.cooler.conductance=4 kW/K", "configs/air/fixed_speed_7.yaml"
+    hot = "operation.suction.temperature=45 degC"
+    p, same = (
+        simulate(load(file, [size, hot, *more])).performance
+        for more in ([], ["effects.separator.cooler.coolant_temperature=45 degC"])
+    )
+    assert p[MIXED] > 273.15 + 85.0 and dict(p) == dict(same)
+
+
 @each_row("cooler", [{"discharge_temperature": "330 K"}, {"outlet_temperature": "300 K"}])
 def test_a_coolant_as_warm_as_the_oil_is_led_past_by_a_thermostat(cooler):
     none = run(COOLED["none"])

@@ -21,7 +21,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import exp
 
-from screwsim.effects.base import CoolsOil, Effect, Faults, InSeparator, Separator
+from screwsim.effects.base import CoolsOil, Effect, Faults, InSeparator, LosesPressure, Separator
 from screwsim.effects.parts.usual import SEPARATOR
 from screwsim.fluid.separator import Separated, SeparatorInflow, separated
 from screwsim.fluid.settings import oil_temperature
@@ -84,7 +84,9 @@ class Cooler:
     conductance: float | None = quantity(
         "conductance", "heat transfer coefficient times area, which bounds its duty (absent: unbounded)", None, gt=0.0
     )
-    coolant_temperature: float | None = oil_temperature("temperature of the coolant that enters it, with conductance")
+    coolant_temperature: float | None = oil_temperature(
+        "temperature of the coolant that enters it (absent: the air at the inlet of effects.air_package)"
+    )
 
     @property
     def stated(self) -> list[str]:
@@ -166,11 +168,10 @@ def build(parameters: Parameters, machine) -> list[Separator]:
             return found._replace(supply=open_ / (C * back), open=open_, share=share, gain=left / back)
 
         uncooled, off = removing(cooler.duty or 0.0), cooler.misses(found.T_mixture, outflow.T_supply)
-        if cooler.conductance is None or cooler.coolant_temperature is None:
-            whole = None
-        else:
-            effectiveness = 1.0 - exp(-cooler.conductance / C)
-            most = effectiveness * C * (T - cooler.coolant_temperature)
+        whole = None
+        if cooler.conductance is not None:
+            effectiveness, coolant = 1.0 - exp(-cooler.conductance / C), cooler.coolant_temperature
+            most = effectiveness * C * (T - (outflow.T_inlet if coolant is None else coolant))
             found = found._replace(load=found.duty / most if most > 0.0 else None)
             whole = removing(most, effectiveness)
         if off is None:
@@ -195,7 +196,7 @@ def check(parameters: Parameters, facts) -> Faults:
     for name in stated[1:]:
         what = f"is given as well as {stated[0]} (state one of them, and null for the other)"
         yield Fault(f"{path}.cooler.{name}", what)
-    yield from _bounds(cooler, f"{path}.cooler")
+    yield from _bounds(cooler, f"{path}.cooler", facts)
     if cooler.conductance is not None:
         stated = stated or ["conductance"]
     if stated and facts.oil_supply.temperature is not None:
@@ -209,13 +210,15 @@ def check(parameters: Parameters, facts) -> Faults:
             yield Fault(f"effects.{name}.separator_temperature", what)
 
 
-def _bounds(cooler: Cooler, path: str) -> Faults:
+def _bounds(cooler: Cooler, path: str, facts) -> Faults:
     """Yield faults of a cooler's size: half of it stated, or beside a duty."""
-    size = {"conductance": "0.5 kW/K", "coolant_temperature": "30 degC"}
-    missing = [name for name in size if getattr(cooler, name) is None]
-    for name in missing if len(missing) == 1 else ():
-        (other,) = size.keys() - {name}
-        yield Fault(f"{path}.{name}", f"is missing, and {other} needs it (write e.g. {name}: {size[name]})")
+    packed = any(isinstance(active.parameters, LosesPressure) for active in facts.effects.values())
+    if cooler.conductance is None and cooler.coolant_temperature is not None:
+        what = "is missing, and coolant_temperature needs it (write e.g. conductance: 0.5 kW/K)"
+        yield Fault(f"{path}.conductance", what)
+    elif cooler.conductance is not None and cooler.coolant_temperature is None and not packed:
+        what = "is missing, and conductance needs it (write e.g. coolant_temperature: 30 degC)"
+        yield Fault(f"{path}.coolant_temperature", what)
     if cooler.conductance is not None and cooler.duty is not None:
         yield Fault(f"{path}.conductance", "is given as well as duty, which follows from it (remove one of the two)")
 

@@ -21,9 +21,9 @@ class SeparatorInflow(NamedTuple):
 
     `gas_flow` [kg/s] is what leaves as gas once the oil has reabsorbed the gas that it had released. `energy` [W] is
     the enthalpy flow of everything above that of gas with enthalpy `h_ref` [J/kg] and oil at the supply temperature
-    `T_supply`. `heating` [W] are the losses that heat gas and oil on their way, `friction` [W] those of bearings, seals
-    and gears. `supplied` [W] is what enters the chambers above `h_ref`: work, gas from other port states, heat of
-    walls.
+    `T_supply`; `T_inlet` [K] is that of the suction line's gas. `heating` [W] are the losses that heat gas and oil on
+    their way, `friction` [W] those of bearings, seals and gears. `supplied` [W] is what enters the chambers above
+    `h_ref`: work, gas from other port states, heat of walls.
     """
 
     gas: Any
@@ -33,6 +33,7 @@ class SeparatorInflow(NamedTuple):
     oil_flow: float
     oil_heat_capacity: float
     T_supply: float
+    T_inlet: float
     energy: float
     heating: float
     friction: float
