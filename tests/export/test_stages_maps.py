@@ -16,10 +16,12 @@ from screwsim.export.inputs import read_inputs, read_outputs
 from screwsim.export.polynomials import polynomials
 from screwsim.export.source import map_of
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
 from screwsim.study.map_points import evaluate_map, points_at
 from screwsim.study.performance_map import performance_maps
-from screwsim.study.stages import read_stages
+from screwsim.study.stages import points, read_stages
+from screwsim.study.stages.result import ChainResult, figures_of_both
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
 from scenes import scene_dict
@@ -140,6 +142,54 @@ def test_a_sweep_of_two_stages_is_a_table(swept, tmp_path):
     assert rows[0][:2] == ["evaporating_temperature [K]", "condensing_temperature [K]"]
     powers = [float(row[rows[0].index("shaft_power [W]")]) for row in rows[1:]]
     assert powers == pytest.approx(swept.performance["shaft_power"].ravel().tolist(), rel=1e-10)
+
+
+@pytest.fixture
+def summed(monkeypatch):
+    """Replace the solution of a point by one that is immediate: a power of the first speed and ten times the second."""
+
+    def answer(chain, values):
+        stage = Result("ok", performance=Figures(shaft_power=1.0))
+        power = chain.with_values(values)
+        whole = figures_of_both({"shaft_power": power.first.operation.speed + 10.0 * power.second.operation.speed})
+        return ChainResult("ok", stages=(stage, stage), scenes=(chain.first, chain.second), performance=whole)
+
+    monkeypatch.setattr(points, "solved_with", answer)
+
+
+FIRST_SPEED = "first.operation.speed"
+FALLING = {FIRST_SPEED: ["3000 rpm", "2000 rpm", "1000 rpm"], SPEED: ["1300 rpm", "1200 rpm", "700 rpm"]}
+TURNING = {FIRST_SPEED: ["3000 rpm", "1000 rpm", "2000 rpm"], SPEED: ["1300 rpm", "1200 rpm", "700 rpm"]}
+
+
+@pytest.mark.parametrize("stored", [False, True])
+def test_what_a_sweep_varies_together_is_one_input(plant, summed, tmp_path, stored):
+    """At 1500 rpm the second stage turns half-way between 700 and 1200 rpm, from the file and from its results."""
+    source, out = plant(sweep={"zip": [FALLING]}), tmp_path / "speeds.h5"
+    if stored:
+        assert exit_code(["sweep", source, "-o", str(out), "--jobs", "1"]) == 0
+    table = map_of(str(out) if stored else source, figures=["shaft_power"], jobs=1)
+    (speed,) = table.inputs
+    assert speed.name == "first_speed" and speed.long_name.endswith(f"first stage, with {SPEED} as in the sweep")
+    rpm = np.pi / 30.0
+    nodes = speed.at(table.grid.nodes[0])
+    powers = nodes + 10.0 * np.interp(
+        nodes, [1000.0 * rpm, 2000.0 * rpm, 3000.0 * rpm], [700 * rpm, 1200 * rpm, 1300 * rpm]
+    )
+    assert table.evaluate(first_speed=nodes)["shaft_power"].tolist() == pytest.approx(powers.tolist(), rel=1e-12)
+    if not stored:
+        assert table.met and float(table.evaluate(first_speed=1500.0 * rpm)["shaft_power"]) == pytest.approx(
+            (1500.0 + 9500.0) * rpm, rel=table.wanted
+        )
+
+
+@pytest.mark.parametrize("stored", [False, True])
+def test_what_turns_back_while_it_varies_together_is_no_input(plant, summed, tmp_path, stored):
+    source, out = plant(sweep={"zip": [TURNING]}), tmp_path / "speeds.h5"
+    if stored:
+        assert exit_code(["sweep", source, "-o", str(out), "--jobs", "1"]) == 0
+    with pytest.raises(UsageError, match=f"{FIRST_SPEED} varies together with {SPEED}, but"):
+        map_of(str(out) if stored else source, figures=["shaft_power"], jobs=1)
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,8 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from screwsim.figures import called_for, declared
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene
-from screwsim.scene.grid import unit_of
+from screwsim.scene.grid import Swept, joints_of, unit_of
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_continuous
 from screwsim.study.spans import read_ranges, read_spans
@@ -44,11 +44,20 @@ _NAMES = {
 }
 
 
+class Follower(NamedTuple):
+    """A path that varies together with an input: its values [SI] at ascending values of the input, linear between."""
+
+    path: str
+    at: tuple[float, ...]
+    values: tuple[float, ...]
+
+
 @dataclass(frozen=True)
 class Input:
     """One input of a map: its path in the scene, external name, unit and meaning, first and last value [SI].
 
-    Nodes are spaced by the logarithm where `log`. `value` is the scene's: the initial value of the input.
+    Nodes are spaced by the logarithm where `log`. `value` is the scene's: the initial value of the input. What a sweep
+    varies together with it `follows` it.
     """
 
     path: str
@@ -59,6 +68,12 @@ class Input:
     high: float
     value: float
     log: bool = False
+    follows: tuple[Follower, ...] = ()
+
+    def swept(self, x: np.ndarray) -> dict[str, tuple[float, ...]]:
+        """Return the values [SI] of its path, and of those that follow it, at values of the input."""
+        others = {path: tuple(map(float, np.interp(x, own, values))) for path, own, values in self.follows}
+        return {self.path: tuple(map(float, x)), **others}
 
     def coordinate(self, x: np.ndarray | float) -> np.ndarray:
         """Return the coordinates of values [SI] on the axis of the grid."""
@@ -125,7 +140,45 @@ def read_inputs(
         )
     for path in axes:
         check_continuous(scene, path)
-    return _inputs(scene, {path: (min(values), max(values)) for path, values in axes.items()})
+    together = {} if isinstance(scene, Scene) else _followers(scene, axes)
+    follow = {each.path for followers in together.values() for each in followers}
+    ends = {path: (min(values), max(values)) for path, values in axes.items() if path not in follow}
+    found = _inputs(scene, ends)
+    return tuple(with_followers(one, together.get(one.path, ())) for one in found)
+
+
+def _followers(scene: Swept, axes: Mapping[str, tuple[float, ...]]) -> dict[str, tuple[Follower, ...]]:
+    """Return what varies together with each path that leads others, where its values rise or fall throughout."""
+    found = {}
+    for joint in joints_of(scene):
+        leader, *others = joint.paths
+        numbers = {path: axes[path] for path in joint.paths if path in axes}
+        if not numbers:
+            continue
+        own = numbers.pop(leader, ())
+        followers = followers_of(own, numbers) if own and len(numbers) == len(others) else None
+        if followers is None:
+            what = f"{leader} varies together with {' and '.join(others)}, but neither rises nor falls throughout"
+            raise UsageError(f"no map: {what} (name ranges with --over, or vary them on axes of their own)")
+        found[leader] = followers
+    return found
+
+
+def followers_of(leader: Any, others: Mapping[str, Any]) -> tuple[Follower, ...] | None:
+    """Return the followers of a path's values [SI], their own by path; None where these neither rise nor fall."""
+    steps, order = np.diff(leader), np.argsort(leader)
+    if not (np.all(steps > 0.0) or np.all(steps < 0.0)):
+        return None
+    at, *columns = (tuple(map(float, np.asarray(values)[order])) for values in (leader, *others.values()))
+    return tuple(Follower(path, at, values) for path, values in zip(others, columns, strict=True))
+
+
+def with_followers(one: Input, followers: tuple[Follower, ...]) -> Input:
+    """Return an input with those that follow it, which its meaning tells."""
+    if not followers:
+        return one
+    told = " and ".join(each.path for each in followers)
+    return replace(one, follows=followers, long_name=f"{one.long_name}, with {told} as in the sweep")
 
 
 def _example(scene: Varied) -> str:

@@ -25,11 +25,13 @@ from screwsim.export.inputs import (
     Output,
     check_names,
     evenly_spaced_nodes,
+    followers_of,
     input_meaning,
     input_name,
     output_of,
     plain,
     title_on_one_line,
+    with_followers,
 )
 from screwsim.export.map_table import MapTable
 from screwsim.inputs.faults import UsageError
@@ -114,16 +116,15 @@ def tabulated_map(
 
 def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable:
     """Return the map in a sweep's results file, over all its axes; raise UsageError where there is none."""
-    if not results.axis_list or any(axis.joined for axis in results.axis_list):
-        raise UsageError(
-            f"{results.path}: holds no grid (a map needs a sweep over one or more axes, none of them joined)"
-        )
-    axes = [axis for axis in results.axis_list if len(axis.values) > 1]
-    if not axes:
+    if not results.axis_list:
+        raise UsageError(f"{results.path}: holds no grid (a map needs a sweep over one or more axes)")
+    varied = [axis for axis in results.axis_list if len(axis.values) > 1]
+    if not varied:
         raise UsageError(f"{results.path}: varies nothing, as each axis has one value (export a sweep over more)")
-    if any(axis.values.dtype.kind != "f" for axis in axes):
+    axes = [axis.joined[0] if axis.joined else axis for axis in varied]
+    if not _are_numbers(axes):
         raise UsageError(f"{results.path}: has a non-numeric axis (export a sweep of one of its values)")
-    inputs = [_input_of(axis) for axis in axes]
+    inputs = [_input_of(results, axis, whole.joined[1:]) for axis, whole in zip(axes, varied, strict=True)]
     orders = [np.argsort(np.asarray(axis.values, float)) for axis in axes]
     names = figures or [name for name in FIGURES if name in results.figures]
     outputs = [output_of(name, {name: results.figure(name)}) for name in names]
@@ -160,13 +161,26 @@ def _first_lack(results: Results, outputs: Sequence[Output]) -> str:
     return f"they have no {absent}; choose another --figure" if absent else ""
 
 
-def _input_of(axis: Axis) -> Input:
-    """Return the input that an axis of a sweep is; pressures over an octave or more are taken by their logarithm."""
+def _input_of(results: Results, axis: Axis, others: Sequence[Axis]) -> Input:
+    """Return the input that an axis of a sweep is; pressures over an octave or more are taken by their logarithm.
+
+    What varies together with it (`others`) follows it; raise UsageError where it has not one value for each.
+    """
     values = np.asarray(axis.values, float)
     low, high = float(values.min()), float(values.max())
     log = axis.units == "Pa" and high >= 2.0 * low > 0.0
     meaning = input_meaning(axis.path, axis.long_name)
-    return Input(axis.path, input_name(axis.path), axis.units, meaning, low, high, float(values[0]), log)
+    found = Input(axis.path, input_name(axis.path), axis.units, meaning, low, high, float(values[0]), log)
+    numbers = {each.path: each.values for each in others}
+    followers = () if not others else followers_of(values, numbers) if _are_numbers(others) else None
+    if followers is None:
+        what = f"{axis.path} varies together with {' and '.join(numbers)}, but does not rise or fall throughout"
+        raise UsageError(f"{results.path}: holds no grid: {what} (a map needs axes of their own)")
+    return with_followers(found, followers)
+
+
+def _are_numbers(axes: Sequence[Axis]) -> bool:
+    return all(axis.values.dtype.kind == "f" for axis in axes)
 
 
 def _drawn_check_points(inputs: Sequence[Input]) -> Array:
@@ -271,12 +285,17 @@ class _Solver:
 
     def grid(self, inputs: Sequence[Input], nodes: Sequence[Array]) -> tuple[Array, Array]:
         """Return values (nodes …, outputs) and which nodes closed."""
-        sweep = {variable.path: tuple(map(float, variable.at(u))) for variable, u in zip(inputs, nodes, strict=True)}
-        return self._swept(replace(self._scene, sweep=sweep, joints=()), tuple(map(len, nodes)))
+        each = [variable.swept(variable.at(u)) for variable, u in zip(inputs, nodes, strict=True)]
+        sweep = {path: values for one in each for path, values in one.items()}
+        joints = tuple(
+            Joint(variable.name, tuple(one)) for variable, one in zip(inputs, each, strict=True) if len(one) > 1
+        )
+        return self._swept(replace(self._scene, sweep=sweep, joints=joints), tuple(map(len, nodes)))
 
     def points(self, inputs: Sequence[Input], points: Array) -> tuple[Array, Array]:
         """Return values (points, outputs) and which of them closed."""
-        sweep = {variable.path: tuple(map(float, points[:, i])) for i, variable in enumerate(inputs)}
+        each = (variable.swept(points[:, i]) for i, variable in enumerate(inputs))
+        sweep = {path: values for one in each for path, values in one.items()}
         joint = Joint("case", tuple(sweep))
         return self._swept(replace(self._scene, sweep=sweep, joints=(joint,)), (len(points),))
 
