@@ -7,7 +7,6 @@ from typing import NamedTuple
 from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import EFFICIENCY
-from screwsim.scene import Scene
 from screwsim.scene.numerals import odd_number, odd_number_text
 from screwsim.scene.units import NUMBER
 from screwsim.study.calibration.data import CELSIUS, UNITS, ZERO
@@ -37,7 +36,7 @@ class Bound(NamedTuple):
         return figure - self.value if self.sign == "<" else self.value - figure
 
 
-def read_goals(scene: Scene, texts: Iterable[str]) -> tuple[Goal, ...]:
+def read_goals(scene: Varied, texts: Iterable[str]) -> tuple[Goal, ...]:
     """Return the goals of texts FIGURE=VALUE; raise UsageError in one line."""
     split = (_split_condition(scene, text, "--for", "=", "cooling_capacity=500 kW") for text in texts)
     found = [Goal(figure, value) for figure, _, value in split]
