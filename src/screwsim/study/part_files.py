@@ -102,18 +102,18 @@ def _is_sound(table: Table, cases: int) -> bool:
     """Return whether the contents of a part are consistent."""
     texts = [(words.number, len(words.words)) for words in table.texts.values()]
     numbers = (table.status, -1, len(STATUSES)), *((number, 0, count) for number, count in texts)
-    shapes: tuple[tuple[int, ...], ...] = (table.angle.shape, (), (len(table.inputs),), (len(table.numbers),))
-    each_row = dict(zip(MAPPING_FIELDS, shapes, strict=True))
-    mapped = [(part, name, values) for part in each_row for name, values in getattr(table, part).items()]
+    shapes = (table.angle.shape, (), (len(table.inputs),), (len(table.numbers),))  # of a row
+    pairs = zip(MAPPING_FIELDS, shapes, strict=True)
+    mapped = [(name, values, shape) for part, shape in pairs for name, values in getattr(table, part).items()]
     names = (*table.effects, *table.states, *table.inputs, *table.numbers, *table.numbers.values())
     return (
         table.figures.shape == (cases, len(columns_of(names_of(table.about))))
         and all(_in_range(values, cases, first, stop) for values, first, stop in numbers)
         and all(isinstance(word, str) for words in table.texts.values() for word in words.words)
-        and all(isinstance(name, str) for name in (*names, *(name for _, name, _ in mapped)))
+        and all(isinstance(name, str) for name in (*names, *(name for name, *_ in mapped)))
         and table.angle.ndim == 1
-        and all(values.shape == (cases, *each_row[part]) for part, _, values in mapped)
-        and all(real.dtype.kind == "f" for real in (table.figures, table.angle, *(values for *_, values in mapped)))
+        and all(values.shape == (cases, *shape) for _, values, shape in mapped)
+        and all(real.dtype.kind == "f" for real in (table.figures, table.angle, *(values for _, values, _ in mapped)))
     )
 
 
