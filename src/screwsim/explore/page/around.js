@@ -39,8 +39,7 @@ function askSweep() {
   const control = controlOf(document.getElementById("over").value);
   if (!control) return;
   const { low, high, log } = control;
-  const share = (i) => i / (COUNT - 1);
-  let x = Array.from({ length: COUNT }, (_, i) => (log ? low * (high / low) ** share(i) : low + (high - low) * share(i)));
+  let x = Array.from({ length: COUNT }, (_, i) => between([low, high], log, i / (COUNT - 1)));
   if (control.kind === "count") x = [...new Set(x.map(Math.round))];
   const before = sweep.control === control ? sweep : null;
   sweep = { control, x, all: x.map(() => ({})), begun: performance.now(), before: before && { x: before.x, all: before.all } };
