@@ -50,7 +50,7 @@ function askSweep() {
 // When the small sweep has shown that points cost little: by derivatives where the server has a worker for them.
 function askColours() {
   clearColours();
-  hideHalves();
+  showHalves();
   around = { id: 0, entries: [], values: [], left: 0 };
   if (!document.getElementById("coloured").value || !(sweep.pace <= SLOW)) return; // no pace yet: at the sweep's end
   const entries = liveNumbers().filter(({ control }) => control.kind === "number");
@@ -71,7 +71,7 @@ function askDifferences(entries) {
 function receiveSlopes(head) {
   if (head.id !== around.id) return;
   const slopes = head.slopes || {};
-  showHalves(head);
+  showHalves(head.halves, head.lost);
   for (const entry of around.entries) entry.slopes = slopes[entry.control.path];
   const bare = around.entries.filter((entry) => !entry.slopes);
   around.left = 0;

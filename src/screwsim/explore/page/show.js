@@ -41,7 +41,7 @@ function take(answer) {
   if (answer.texts) document.getElementById("shell").textContent = answer.texts.shell;
   if (!usable) return;
   shown = answer;
-  hideHalves();
+  showHalves();
   drawAnswer();
 }
 
@@ -261,21 +261,12 @@ function fillFigures() {
 // What the tolerances of the inputs make of the figures; found with the derivatives, when the hand rests.
 let halves = null;
 
-function showHalves(head) {
-  halves = head.halves && Object.keys(head.halves).length ? head.halves : null;
-  const lost = head.lost && head.lost.length ? ` Without ${head.lost.join(", ")}: no derivative here.` : "";
-  columnOfHalves(halves ? `by inputs: half of the 95 % interval, linear, from the tolerances of the inputs alone; the model error is separate.${lost}` : "");
-}
-
-function hideHalves() {
-  if (!halves) return;
-  halves = null;
-  columnOfHalves("");
-}
-
-function columnOfHalves(words) {
+function showHalves(found = {}, lost = []) {
+  if (!halves && !Object.keys(found).length) return;
+  halves = Object.keys(found).length ? found : null;
   document.getElementById("by-inputs").hidden = !halves;
-  document.getElementById("by-inputs-words").textContent = words;
+  const without = lost.length ? ` Without ${lost.join(", ")}: no derivative here.` : "";
+  document.getElementById("by-inputs-words").textContent = halves ? `by inputs: half of the 95 % interval, linear, from the tolerances of the inputs alone; the model error is separate.${without}` : "";
   fillFigures();
 }
 
