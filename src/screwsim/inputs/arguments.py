@@ -93,9 +93,7 @@ def whole(least: int, words: str) -> Kind:
 
 def ends_of(path: str, given: Any) -> tuple[float, float]:
     """Return the two ends of a range; raise UsageError unless they are two numbers, the lower one first."""
-    if not isinstance(given, Iterable) or isinstance(given, str | bytes | Mapping):
-        raise UsageError(f"{path}: {shown(given)} is not a range (pass two numbers [SI], the lower one first)")
-    ends = tuple(given)
+    ends = () if not isinstance(given, Iterable) or isinstance(given, str | bytes | Mapping) else tuple(given)
     if len(ends) != 2 or not all(map(_number, ends)) or not ends[0] < ends[1]:
         raise UsageError(f"{path}: {shown(given)} is not a range (pass two numbers [SI], the lower one first)")
     return float(ends[0]), float(ends[1])
