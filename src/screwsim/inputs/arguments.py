@@ -5,7 +5,6 @@ import inspect
 import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import AbstractContextManager
 from numbers import Integral, Real
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
@@ -43,19 +42,15 @@ def checked_arguments(**own: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]
                 kind = kinds.get(name)
                 if kind is not None and not (value is None and name in open_to_none) and not kind.holds(value):
                     raise UsageError(f"{name}: {shown(value)} is {kind.words}")
-            with _usual_rounding():
+            import numpy as np  # here because the command's help does without it
+
+            # whatever a caller has set by `np.seterr`
+            with np.errstate(divide="warn", over="warn", under="ignore", invalid="warn"):
                 return function(*args, **kwargs)
 
         return checked
 
     return around
-
-
-def _usual_rounding() -> AbstractContextManager[Any]:
-    """Return numpy's default treatment of overflow and underflow, whatever a caller has set by `np.seterr`."""
-    import numpy as np  # here because the command's help does without it
-
-    return np.errstate(divide="warn", over="warn", under="ignore", invalid="warn")
 
 
 def shown(value: Any) -> str:

@@ -158,12 +158,11 @@ def _parameter(path: str, node: Node, scene: Scene, problems: LocatedFaults) -> 
     leaf = _leaf(scene, path, node.heading, where, problems)
     if leaf is None:
         return None
-    if not isinstance(node.value, dict):
-        problems.add(node.place, where, f"{shown(node.value)} is not a mapping ({_PARAMETER})")
-        return None
     end, optional = replace(leaf, default=dataclasses.MISSING), replace(leaf, default=None)
     fields = {"from": end, "to": end, "start": optional, "spacing": SPACING}
     given = read_fields(fields, node, where, problems, _PARAMETER, also=("prior", "also"))
+    if not isinstance(node.value, dict):
+        return None
     stated = node.value.get("prior")
     unheld = stated is not None and stated.value == NO_PRIOR
     prior = None if unheld else _prior(leaf, stated, join(where, "prior"), problems)

@@ -157,7 +157,7 @@ def calibrate(
                 jobs=jobs,
                 failed=lambda start: start.status == "failed",
                 progress=progress,
-                answers=answers,
+                kept=answers.update,
             )
         except KeyboardInterrupt as pressed:
             answers |= _interrupted_starts(places, Path(folder), answers)
