@@ -214,10 +214,7 @@ class Machine {
     pen.fillRect(left + 2, top + tall * part * 0.7, wide - 4, 0.22 * tall);
     pen.strokeRect(left + 2, top + tall * part * 0.7, wide - 4, 0.22 * tall);
     pen.beginPath();
-    pen.moveTo(left, top + tall);
-    pen.lineTo(left, top);
-    pen.lineTo(left + wide, top);
-    pen.lineTo(left + wide, top + tall);
+    for (const [x, y] of [[left, top + tall], [left, top], [left + wide, top], [left + wide, top + tall]]) pen.lineTo(x, y);
     pen.stroke();
     const every = portsOf(this.answer).flat().map((name) => this.at(name, this.angle));
     every.forEach((flow, i) => {
@@ -266,14 +263,9 @@ function arrow(pen, x, y, [dx, dy], flow, tint, shift = -0.5) {
   pen.fillStyle = tint;
   pen.strokeStyle = palette.page;
   pen.lineWidth = 1;
+  const [neck, shaft, barb] = [long - 0.6 * wide, 0.22 * wide, 0.6 * wide];
   pen.beginPath();
-  pen.moveTo(0, -0.22 * wide);
-  pen.lineTo(long - 0.6 * wide, -0.22 * wide);
-  pen.lineTo(long - 0.6 * wide, -0.6 * wide);
-  pen.lineTo(long, 0);
-  pen.lineTo(long - 0.6 * wide, 0.6 * wide);
-  pen.lineTo(long - 0.6 * wide, 0.22 * wide);
-  pen.lineTo(0, 0.22 * wide);
+  for (const [u, v] of [[0, -shaft], [neck, -shaft], [neck, -barb], [long, 0], [neck, barb], [neck, shaft], [0, shaft]]) pen.lineTo(u, v);
   pen.closePath();
   pen.fill();
   pen.stroke();
