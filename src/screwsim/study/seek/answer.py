@@ -90,8 +90,7 @@ def answer_of_trials(trials: Trials, met: Trial | None, at: Mapping[str, Any]) -
     if met is None:
         why = why_missed(trials, best)
         return GoalSeekAnswer("none", **head, message=f"{why}; {told}" if told else why, **trials.counts)
-    head |= {"uncertainties": uncertainties(trials, met), "scene": trials.scene_at(met.places)}
-    return GoalSeekAnswer("ok", **head, message=told, **trials.counts)
+    return GoalSeekAnswer("ok", **head, uncertainties=uncertainties(trials, met), message=told, **trials.counts)
 
 
 def _active_bounds(trials: Trials, trial: Trial) -> dict[str, str]:
