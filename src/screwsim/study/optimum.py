@@ -253,7 +253,8 @@ def _best_of_trials(
     some = f"{len(reasons)} of {trials.count} solutions: {reasons[0]}" if reasons else ""
     if top is None:
         lacks = [why for result in trials.known.values() for why in result.lacks([asked.figure])]
-        return Best(values, "failed", some or f"{lacks[0]} (choose another --figure)", **counts)
+        missing = f"{lacks[0]} (choose another --figure)" if lacks else ""
+        return Best(values, "failed", some or missing, **counts)
     sign = -1.0 if asked.minimum else 1.0
     near = 2e-4 * (ends[1] - ends[0])
     place = LOWER if top.point.x - ends[0] < near else UPPER if ends[1] - top.point.x < near else "inside"
