@@ -49,7 +49,10 @@ function askSweep() {
 
 // When the small sweep has shown that points cost little: by derivatives where the server has a worker for them.
 function askColours() {
-  clearColours();
+  for (const entry of built) {
+    entry.slopes = undefined;
+    if (entry.range) bare(entry);
+  }
   showHalves();
   around = { id: 0, entries: [], values: [], left: 0 };
   if (!document.getElementById("coloured").value || !(sweep.pace <= SLOW)) return; // no pace yet: at the sweep's end
@@ -130,13 +133,6 @@ function bare(entry) {
   entry.range.style.removeProperty("--track");
   entry.range.removeAttribute("aria-description");
   entry.range.title = "";
-}
-
-function clearColours() {
-  for (const entry of built) {
-    entry.slopes = undefined;
-    if (entry.range) bare(entry);
-  }
 }
 
 function drawSweep() {

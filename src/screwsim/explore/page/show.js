@@ -115,12 +115,9 @@ function pair(make) {
 function angleAxis(answer) {
   const angle = answer.traces.angle;
   const end = angle[angle.length - 1];
-  return { label: data.machine.kind === "cylinder" ? "crank angle (°)" : "male-rotor angle (°)", range: [angle[0], end], ticks: angleTicks(end) };
-}
-
-function angleTicks(end) {
   const step = (end > 400 ? 120 : 60) * (window.innerWidth < 640 ? 2 : 1);
-  return Array.from({ length: Math.floor(end / step + 1e-9) + 1 }, (_, i) => i * step);
+  const ticks = Array.from({ length: Math.floor(end / step + 1e-9) + 1 }, (_, i) => i * step);
+  return { label: data.machine.kind === "cylinder" ? "crank angle (°)" : "male-rotor angle (°)", range: [angle[0], end], ticks };
 }
 
 // The highest pressure but for a spike over few degrees, as the dead volume's at the end of a life.
