@@ -134,7 +134,7 @@ def _run_stages(file: str, output: Path | None, overrides: Texts, as_json: bool)
     from screwsim.printing.stages import print_stages
     from screwsim.study.local import with_slopes
     from screwsim.study.stages import read_stages, run_stages
-    from screwsim.study.stages.store import point_results, save_chain
+    from screwsim.study.stages.store import chain_point, save_chain
     from screwsim.study.stages.uncertain import with_uncertainty
 
     chain = read_stages(file, overrides or ())
@@ -147,7 +147,7 @@ def _run_stages(file: str, output: Path | None, overrides: Texts, as_json: bool)
     found = with_uncertainty(base, run_stages(base))
     if output is not None:
         options.check_place(output)  # again: a file that has appeared meanwhile is kept
-        save_chain(output, base, [point_results(found, with_slopes)], "run", found.scenes)
+        save_chain(output, base, [chain_point(found, with_slopes)], "run", found.scenes)
     options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_stages, chain.title, found)
     options.print_files([] if output is None else [output], as_json)
     return OK if found.status == "ok" else NOT_ALL_OK
@@ -236,7 +236,7 @@ def _sweep_stages(
     sheet = points_sheet(chain, points, kept.reused)
     options.print_document_or_text(as_json, lambda found: found.document, print_sheet, sheet)
     if as_results:
-        save_chain(place, chain, [each.results for each in points], "sweep")
+        save_chain(place, chain, points, "sweep")
     options.print_files([place if as_results else write_sheet(sheet, place)], as_json)
     kept.discard()
     return OK if sheet.ok else NOT_ALL_OK

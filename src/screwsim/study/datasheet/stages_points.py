@@ -12,8 +12,8 @@ from screwsim.study.datasheet.stages_rating import refrigerates
 from screwsim.study.datasheet.tables import HOUR, KW, NONE, PERCENT, Column, decimals_of, document_figures
 from screwsim.study.inputs import in_customary
 from screwsim.study.stages.axes import leaf_in_chain
-from screwsim.study.stages.points import ChainPoint
 from screwsim.study.stages.read import StageChain
+from screwsim.study.stages.store import ChainPoint
 
 MOST_CURVES = 8  # in a drawing
 AIR_COLUMNS = (
