@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
@@ -43,8 +43,10 @@ def run(
     """Simulate one operating point, or two stages in series (a file with stages: [first.yaml, second.yaml])."""
     from screwsim.study.stages import is_stages
 
-    if short:
-        _refuse_beside_short({"--json": as_json, "--knock-out": knock_out, "--together": together})
+    beside = {"--json": as_json, "--knock-out": knock_out, "--together": together}
+    if short and (name := options.first_given(beside)):
+        prints = "everything" if name == "--json" else "a table of its own"
+        raise UsageError(f"--short: prints the main figures only, but {name} prints {prints} (remove one of the two)")
     if is_stages(scene_file):
         named = {"--short": short, "--measured": measured, "--together": together}
         options.refuse_for_stages(scene_file, "run", named | {"--knock-out": knock_out, "--without": without})
@@ -54,7 +56,11 @@ def run(
         options.check_place(output)
     from screwsim.study.knock_out import each_alone, read_groups
 
-    points = _read_measured(scene, measured) if measured else ()
+    points: tuple[MeasuredFigure, ...] = ()
+    if measured:  # mistakes are reported before anything is simulated
+        from screwsim.study.measured import read_measured
+
+        points = read_measured(scene, measured)
     left_out = (*read_groups(scene, together or ()), *(each_alone(scene) if knock_out else ()))
     result = _simulated(scene, left_out, traced=output is not None)
     if output is not None:
@@ -80,13 +86,6 @@ def run(
             print_measured(scene, result, compared)
     options.print_files([] if output is None else [output], as_json)
     return OK if result.status == "ok" and not (compared and compared.none) else NOT_ALL_OK
-
-
-def _refuse_beside_short(given: Mapping[str, Any]) -> None:
-    """Raise UsageError if an option was given that --short leaves no room for."""
-    if name := options.first_given(given):
-        prints = "everything" if name == "--json" else "a table of its own"
-        raise UsageError(f"--short: prints the main figures only, but {name} prints {prints} (remove one of the two)")
 
 
 def _simulated(scene: Scene, left_out: Sequence[LeftOut], traced: bool) -> Result:
@@ -121,13 +120,6 @@ def _print_point(scene: Scene, result: Result, changed: Sequence[str], short: bo
         from screwsim.printing.uncertain import print_uncertainty
 
         print_uncertainty(result)
-
-
-def _read_measured(scene: Scene, texts: Sequence[str]) -> tuple[MeasuredFigure, ...]:
-    """Return the measured values; mistakes are reported before anything is simulated."""
-    from screwsim.study.measured import read_measured
-
-    return read_measured(scene, texts)
 
 
 def _run_stages(file: str, output: Path | None, overrides: Texts, as_json: bool) -> int:

@@ -123,6 +123,7 @@ def parameters(scene: Scene, names: Sequence[str] = ()) -> str:
 
 
 def _section_or_effect(scene: Scene, name: str, known: dict[str, Effect], kind: str) -> Iterator[str]:
+    """Yield the head of a section or of an effect, and a row on each key, ending with the scene's value."""
     head, _, rest = name.partition(".")
     if head not in SECTIONS and head not in known:  # the name of a module of one's own has dots, too
         head, rest = name, ""
@@ -136,7 +137,12 @@ def _section_or_effect(scene: Scene, name: str, known: dict[str, Effect], kind: 
     asked = [key for key in keys if not rest or key.path == rest or key.path.startswith(f"{rest}.")]
     if rest and not asked:
         raise UsageError(f"--parameters {name}: {unknown_key(rest, [key.path for key in keys])}")
-    yield from _rows(scene, under, asked)
+    for key in asked:
+        about = [key.meaning, f"unit: {key.unit}", f"default: {key.default}"]
+        about += [] if key.range == ABSENT else [f"range: {key.range}"]
+        yield row(key.path, "; ".join([*about, *_scene_value(scene, f"{under}.{key.path}", key)]))
+    if not keys:
+        yield "  no keys"
 
 
 def _effect(name: str, known: dict[str, Effect], kind: str) -> Effect:
@@ -151,16 +157,6 @@ def _effect(name: str, known: dict[str, Effect], kind: str) -> Effect:
         return known.get(name) or find_effect(name)
     except (KeyError, ImportError) as error:
         raise UsageError(f"--parameters {name}: cannot be imported ({error})") from None
-
-
-def _rows(scene: Scene, under: str, keys: Sequence[Key]) -> Iterator[str]:
-    """Yield a row on each key, ending with the scene's value."""
-    for key in keys:
-        about = [key.meaning, f"unit: {key.unit}", f"default: {key.default}"]
-        about += [] if key.range == ABSENT else [f"range: {key.range}"]
-        yield row(key.path, "; ".join([*about, *_scene_value(scene, f"{under}.{key.path}", key)]))
-    if not keys:
-        yield "  no keys"
 
 
 def _scene_value(scene: Scene, path: str, key: Key) -> Iterator[str]:

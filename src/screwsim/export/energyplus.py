@@ -87,7 +87,8 @@ def idf(objects: Objects, notes: list[str]) -> str:
             lines += ["", f"{kind},"]
             for i, (field, value) in enumerate(rows):
                 end = ";" if i == len(rows) - 1 else ","
-                lines.append(f"    {_text(value)}{end}".ljust(44) + f"  !- {field}")
+                text = value if isinstance(value, str) else f"{value:.12g}"
+                lines.append(f"    {text}{end}".ljust(44) + f"  !- {field}")
     return "\n".join(lines) + "\n"
 
 
@@ -106,10 +107,6 @@ def _in_order(kind: str, fields: dict[str, Any]) -> list[tuple[str, Any]]:
     rows = list(fields.items())
     place = next(i for i, (name, _) in enumerate(rows) if name == "input_unit_type_for_x")
     return [*rows[:place], ("minimum_curve_output", ""), ("maximum_curve_output", ""), *rows[place:]]
-
-
-def _text(value: Any) -> str:
-    return value if isinstance(value, str) else f"{value:.12g}"
 
 
 def notes(found: Polynomials) -> list[str]:

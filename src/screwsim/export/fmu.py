@@ -22,9 +22,10 @@ from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 
-from screwsim.export.inputs import BASE, DISPLAYS, Input, Output, exponents, plain, range_text
+from screwsim.export.inputs import BASE, DISPLAYS, Input, exponents, plain, range_text
 from screwsim.export.map_table import MapTable
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figure
 from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, replacing
 
 ERROR, VALID = "error_estimate", "valid"
@@ -182,13 +183,13 @@ def _units(table: MapTable) -> str:
     return "\n".join(lines)
 
 
-def _unit_attributes(each: Input | Output) -> str:
+def _unit_attributes(each: Input | Figure) -> str:
     text = plain(each.units)
     shown = DISPLAYS.get(text, ())
     return f" unit={quoteattr(text)}" + (f' displayUnit="{shown[0].name}"' if shown else "")
 
 
-def _meaning(each: Input | Output) -> str:
+def _meaning(each: Input | Figure) -> str:
     """Return what a variable means, of an input with its range."""
     return f"{each.long_name}; {range_text(each)}" if isinstance(each, Input) else each.long_name
 

@@ -12,6 +12,7 @@ from screwsim.effects import having
 from screwsim.effects.parts.usual import SLIDES
 from screwsim.figures import called_for, declared
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figure
 from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.study.figures import figure_of
@@ -64,15 +65,6 @@ class Input:
     def at(self, u: np.ndarray | float) -> np.ndarray:
         """Return the values [SI] at coordinates of that axis, limited to the range."""
         return np.clip(np.exp(u) if self.log else np.asarray(u, float), self.low, self.high)
-
-
-@dataclass(frozen=True)
-class Output:
-    """One output of a map: a figure, with unit and meaning."""
-
-    name: str
-    units: str
-    long_name: str
 
 
 def input_name(path: str) -> str:
@@ -131,14 +123,14 @@ def _input(scene: Scene, path: str, low: float, high: float) -> Input:
     return Input(path, input_name(path), units, input_meaning(leaf.doc), float(low), float(high), value, log)
 
 
-def read_outputs(scene: Scene, figures: Sequence[str] = (), option: str = "--figure") -> tuple[Output, ...]:
+def read_outputs(scene: Scene, figures: Sequence[str] = (), option: str = "--figure") -> tuple[Figure, ...]:
     """Return the named outputs, else the usual ones that the scene calls for; raise UsageError with `option`."""
     here = called_for(scene, build_parts(scene))
     names = [figure_of(scene, text, option) for text in figures] or [name for name in FIGURES if name in here]
-    return tuple(output_of(name, here) for name in dict.fromkeys(names))
+    return tuple(here.get(name) or declared(name) for name in dict.fromkeys(names))
 
 
-def check_names(inputs: Sequence[Input], outputs: Sequence[Output] = ()) -> None:
+def check_names(inputs: Sequence[Input], outputs: Sequence[Figure] = ()) -> None:
     """Raise UsageError where two variables of a map share an external name, as readers could not distinguish them."""
     paths: dict[str, str] = {}
     for one in inputs:
@@ -155,12 +147,6 @@ def check_names(inputs: Sequence[Input], outputs: Sequence[Output] = ()) -> None
 def title_on_one_line(text: str) -> str:
     """Return a title on one line, as in a comment."""
     return " ".join(text.split())
-
-
-def output_of(name: str, about: Mapping[str, object] | None = None) -> Output:
-    """Return a figure as an output."""
-    found = (about or {}).get(name) or declared(name)
-    return Output(name, found.units, found.long_name)  # type: ignore[attr-defined]
 
 
 def evenly_spaced_nodes(one: Input, count: int) -> np.ndarray:

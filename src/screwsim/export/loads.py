@@ -135,8 +135,8 @@ def loads(
     if not has_rotors(scene):
         without = "forces and surfaces need rotors with a profile (machine.volume.law: profile), of a compressor"
     else:
-        found, without = loads_of(pressures_of(laid_curves(twin_screw(scene.machine)), result), spans, shafts), ""
-        curves["forces"] = (found.angle, dict(found.columns))
+        pressures, without = pressures_of(laid_curves(twin_screw(scene.machine)), result), ""
+        curves["forces"] = loads_of(pressures, spans, shafts)
     spectra = {name: harmonics(values, frequency) for _, columns in curves.values() for name, values in columns.items()}
     return ExportedLoads(scene.title, frequency, curves, spectra, without)
 

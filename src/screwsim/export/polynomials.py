@@ -1,7 +1,5 @@
 """Ten-coefficient polynomials of a sweep over evaporating and condensing temperature, for tools without tables."""
 
-import itertools
-import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -17,7 +15,15 @@ from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.scene import Scene, load
 from screwsim.scene.operation import CONDENSING, EVAPORATING, QUALITY, SUPERHEAT
-from screwsim.study.performance_map import FORMULA, TERMS, PerformanceMap, PolynomialFit, conditions, performance_maps
+from screwsim.study.performance_map import (
+    FORMULA,
+    TERMS,
+    PerformanceMap,
+    PolynomialFit,
+    conditions,
+    performance_maps,
+    powers_of_scaled,
+)
 from screwsim.study.progress import Progress
 
 SATURATION_NODES, OTHER_NODES = 6, 3  # number of values where --over gives ranges
@@ -95,29 +101,19 @@ def swept_results(
 
 def polynomials(results: Results, figures: Sequence[str]) -> Polynomials:
     """Return the polynomials of some figures; raise UsageError where there can be none."""
+    from ruamel.yaml import YAML
+
     if any(axis.values.dtype.kind != "f" for axis in results.axis_list):
         raise UsageError(f"{results.path}: has a non-numeric axis (export a sweep of one of its values)")
     maps = tuple(one for one in performance_maps(results, figures) if not one.message)
     axes = {axis.path: axis.units for axis in results.axis_list if axis.path in maps[0].values}
     units = {name: results.figure(name).units for name in maps[0].fits}
-    fluid, blend = fluid_of(results)
-    point = "dew" if blend else "bubble"
-    title = title_on_one_line(results.attributes["title"])
-    return Polynomials(title, fluid, maps, units, conditions(results), axes, point, _paths_along(results))
-
-
-def _paths_along(results: Results) -> frozenset[str]:
-    varied = results.varied
-    own = {varied[path][0] for path in (EVAPORATING, CONDENSING)}
-    return frozenset(path for path, (axis, _) in varied.items() if axis in own) - {EVAPORATING, CONDENSING}
-
-
-def fluid_of(results: Results) -> tuple[str, bool]:
-    """Return the name of the fluid in the scene of results, and whether it is a blend."""
-    from ruamel.yaml import YAML
-
     fluid = YAML(typ="safe", pure=True).load(results.scene_yaml)["gas"]["fluid"]
-    return (fluid, is_blend(fluid)) if isinstance(fluid, str) else ("/".join(fluid), True)
+    name, blend = (fluid, is_blend(fluid)) if isinstance(fluid, str) else ("/".join(fluid), True)
+    own = {results.varied[path][0] for path in (EVAPORATING, CONDENSING)}
+    within = {path for path, (axis, _) in results.varied.items() if axis in own} - {EVAPORATING, CONDENSING}
+    title, point = title_on_one_line(results.attributes["title"]), "dew" if blend else "bubble"
+    return Polynomials(title, name, maps, units, conditions(results), axes, point, frozenset(within))
 
 
 def temperature_limits(one: PerformanceMap) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -162,15 +158,11 @@ def by_terms(fit: PolynomialFit, order: Sequence[tuple[int, int]]) -> list[float
 def in_fahrenheit(fit: PolynomialFit, factor: float) -> tuple[float, ...]:
     """Return the coefficients for °F from those for °C, for the figure times a factor."""
     scaled = np.zeros((4, 4))
+    powers = powers_of_scaled(32.0, 1.8)  # of °F in those of °C
     for (i, j), c in zip(TERMS, fit.coefficients, strict=True):
-        for (k, a), (m, b) in itertools.product(_powers(i), _powers(j)):
-            scaled[k, m] += factor * c * a * b
+        for k, m in np.ndindex(i + 1, j + 1):
+            scaled[k, m] += factor * c * powers[i, k] * powers[j, m]
     return tuple(float(scaled[term]) for term in TERMS)
-
-
-def _powers(n: int) -> list[tuple[int, float]]:
-    """Return (k, coefficient of F^k) in C^n, C = (F − 32)/1.8."""
-    return [(k, math.comb(n, k) * (-32.0) ** (n - k) / 1.8**n) for k in range(n + 1)]
 
 
 DOCUMENT_KEYS = ("title", "fluid", "formula", "S", "D", "units", "conditions")  # keys of a document

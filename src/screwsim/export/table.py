@@ -22,17 +22,16 @@ from screwsim.export.hermite import Array, evaluate, grid_of
 from screwsim.export.inputs import (
     FIGURES,
     Input,
-    Output,
     check_names,
     evenly_spaced_nodes,
     input_meaning,
     input_name,
-    output_of,
     plain,
     title_on_one_line,
 )
 from screwsim.export.map_table import MapTable
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figure
 from screwsim.results import Results, open_results
 from screwsim.results.schema import Axis
 from screwsim.results.warning_kinds import kinds_of, warnings_of_cases
@@ -50,7 +49,7 @@ TITLE_SEPARATOR = "; SI units; error between the nodes "  # in the first line of
 FEW_NODES = 4  # number of nodes of an axis up to which no error is estimated from it
 
 
-def scales(outputs: Sequence[Output], values: Array) -> Array:
+def scales(outputs: Sequence[Figure], values: Array) -> Array:
     """Return the scale of relative errors of values (…, outputs): their size, limited below; 100 K for temperatures."""
     size = np.abs(values)
     largest = np.nanmax(size.reshape(-1, size.shape[-1]), axis=0)
@@ -62,7 +61,7 @@ def scales(outputs: Sequence[Output], values: Array) -> Array:
 def tabulated_map(
     scene: Scene,
     inputs: Sequence[Input],
-    outputs: Sequence[Output],
+    outputs: Sequence[Figure],
     wanted: float,
     *,
     most: int = 5000,
@@ -123,7 +122,7 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable
     inputs = [_input_of(axis) for axis in axes]
     orders = [np.argsort(np.asarray(axis.values, float)) for axis in axes]
     names = figures or [name for name in FIGURES if name in results.figures]
-    outputs = [output_of(name, {name: results.figure(name)}) for name in names]
+    outputs = [results.figure(name) for name in names]
     check_names(inputs, outputs)
 
     def sorted_grid(column: Any) -> np.ndarray:
@@ -186,7 +185,7 @@ def _errors(table: MapTable, points: Array, values: Array, sound: Array) -> tupl
 
 
 def _errors_of_leaving_out(
-    nodes: Sequence[Array], values: Array, sound: Array, outputs: Sequence[Output]
+    nodes: Sequence[Array], values: Array, sound: Array, outputs: Sequence[Figure]
 ) -> tuple[tuple[float, ...], int]:
     """Return the largest errors from leaving out every second node of each axis that has five or more; their number."""
     tested = [axis for axis, x in enumerate(nodes) if len(x) > FEW_NODES]
@@ -196,7 +195,7 @@ def _errors_of_leaving_out(
 
 
 def _axis_error(
-    nodes: Sequence[Array], values: Array, sound: Array, outputs: Sequence[Output], axis: int
+    nodes: Sequence[Array], values: Array, sound: Array, outputs: Sequence[Figure], axis: int
 ) -> tuple[Array, int]:
     """Return the errors of the outputs at nodes of an axis left out of a table of every second one; their number."""
     kept = np.unique([*range(0, len(nodes[axis]), 2), len(nodes[axis]) - 1])
@@ -244,7 +243,7 @@ class _Solver:
     def __init__(
         self,
         scene: Scene,
-        outputs: Sequence[Output],
+        outputs: Sequence[Figure],
         jobs: int | None,
         progress: Callable[[], Progress] | None,
         simulate: Any,

@@ -184,12 +184,12 @@ class DesignMatrix:
         table = np.zeros((4, 4))
         for coefficient, term in zip(scaled, TERMS, strict=True):
             table[term] = coefficient
-        S, D = (_powers(middle, half) for middle, half in self._scales)
+        S, D = (powers_of_scaled(middle, half) for middle, half in self._scales)
         table = S.T @ table @ D
         return PolynomialFit(tuple(float(table[term]) for term in TERMS), float(np.max(np.abs(errors))), rms, left_out)
 
 
-def _powers(middle: float, half: float) -> Array:
+def powers_of_scaled(middle: float, half: float) -> Array:
     """Return the coefficients of T⁰ … T³ (columns) in ((T − middle) / half)⁰ … ³ (rows)."""
     table = np.zeros((4, 4))
     for n, k in itertools.product(range(4), repeat=2):

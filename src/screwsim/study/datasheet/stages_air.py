@@ -88,7 +88,6 @@ def air_stages_sheet(
         title=with_printed_units(chain.title),
         lines=list(_lines(chain, rated, found[0])),
         tables=[*tables, *([year_table(rated, shares)] if shares else [])],
-        verdict=None,
         notes=list(_notes(chain, speeds, points)),
         drawings=list(drawings_of(rated)),
         document={**_document(chain, speeds, rated, found), **({"profile": year_document(shares)} if shares else {})},

@@ -42,7 +42,6 @@ def points_sheet(chain: StageChain, points: Sequence[ChainPoint], reused: int = 
         title=with_printed_units(chain.title),
         lines=[("points", f"{len(points)}: {sum(ok)} ok, {len(points) - sum(ok)} without a result{earlier}")],
         tables=[Table("Points", heads, rows, across=True)],
-        verdict=None,
         notes=list(_notes(chain, points)),
         drawings=list(_drawings(chain, points, columns[: 4 if is_air_package(chain) else 3])),
         document=_document(chain, points),
