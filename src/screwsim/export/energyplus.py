@@ -6,9 +6,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from screwsim.export.polynomials import Polynomials, by_terms, quadratic, rated_temperatures, temperature_limits
+from screwsim.export.polynomials import Polynomials, quadratic, rated_temperatures, temperature_limits
 from screwsim.results.protection import protect_other_json, protect_unmarked
 from screwsim.scene.operation import SUBCOOLING
+from screwsim.study.performance_map import TERMS
 
 CAPACITY, POWERS = "cooling_capacity", ("electrical_power", "shaft_power")  # the motor's power where there is one
 BICUBIC = ((0, 0), (1, 0), (2, 0), (0, 1), (0, 2), (1, 1), (3, 0), (0, 3), (2, 1), (1, 2))  # its order of terms
@@ -34,9 +35,9 @@ def energyplus_objects(found: Polynomials, name: str) -> Objects:
         ends = {"minimum_value_of_x": s0, "maximum_value_of_x": s1, "minimum_value_of_y": d0, "maximum_value_of_y": d1}
         units = {"input_unit_type_for_x": "Temperature", "input_unit_type_for_y": "Temperature"}
         for figure, word in ((power_of(one.fits), "power"), (CAPACITY, "capacity")):
-            values = dict(zip(_KEYS, by_terms(one.fits[figure], BICUBIC), strict=True))
-            curve = values | ends | units
-            objects["Curve:Bicubic"][f"{own} {word}"] = curve
+            by_term = dict(zip(TERMS, one.fits[figure].coefficients, strict=True))
+            values = {key: by_term[term] for key, term in zip(_KEYS, BICUBIC, strict=True)}
+            objects["Curve:Bicubic"][f"{own} {word}"] = values | ends | units
         at = rated_temperatures(one)
         for word, (coefficients, _) in normalised(one, at).items():
             values = dict(zip(_KEYS[:6], coefficients, strict=True))

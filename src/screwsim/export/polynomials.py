@@ -149,12 +149,6 @@ def quadratic(
     return tuple(map(float, found)), float(np.max(np.abs(matrix @ found / wanted - 1.0)))
 
 
-def by_terms(fit: PolynomialFit, order: Sequence[tuple[int, int]]) -> list[float]:
-    """Return the coefficients of a fit in another order of terms (powers of S and D)."""
-    place = dict(zip(TERMS, fit.coefficients, strict=True))
-    return [place[term] for term in order]
-
-
 def in_fahrenheit(fit: PolynomialFit, factor: float) -> tuple[float, ...]:
     """Return the coefficients for °F from those for °C, for the figure times a factor."""
     scaled = np.zeros((4, 4))

@@ -198,7 +198,7 @@ def _document(rated: ChainRating) -> dict[str, Any]:
         "title": chain.title,
         "gas": chain.first.gas.name,
         **found,
-        "own_point": own_document(rated.own, DOCUMENT_FIGURES),
+        "own_point": own_document(rated.own),
         "stages": stage_documents(rated.both),
         "part_load_setting": "share of the speeds of both stages",
         "by_speed_of_second_stage": by_second,
@@ -267,16 +267,17 @@ def swept_line(found: ChainResult) -> Lines:
 
 def stage_documents(found: ChainResult) -> list[dict[str, Any]]:
     """Return the figures of each stage [SI] for programs, with their estimated errors."""
-    return [_with_errors(tables.document_figures(each, STAGE_FIGURES), each, STAGE_FIGURES) for each in found.stages]
+    return [_with_errors(each, STAGE_FIGURES) for each in found.stages]
 
 
-def _with_errors(document: dict[str, Any], found: Result, names: Sequence[str]) -> dict[str, Any]:
-    return document | {"error": {name: found.error[name] for name in names if found.error.get(name) is not None}}
+def _with_errors(found: Result, names: Sequence[str]) -> dict[str, Any]:
+    errors = {name: found.error[name] for name in names if found.error.get(name) is not None}
+    return {**tables.document_figures(found, names), "error": errors}
 
 
-def own_document(found: Result, names: Sequence[str]) -> dict[str, Any]:
+def own_document(found: Result) -> dict[str, Any]:
     """Return figures of the whole [SI] at its own point for programs, with their estimated errors."""
-    return _with_errors(tables.document_figures(found, names), found, names)
+    return _with_errors(found, DOCUMENT_FIGURES)
 
 
 def ignored_model_errors(chain: StageChain) -> Iterator[str]:
