@@ -14,7 +14,7 @@ from screwsim.figures import called_for, declared
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figure
 from screwsim.outputs.display import si_unit
-from screwsim.scene import Scene, axis_label, leaf_of
+from screwsim.scene import Scene, axis_label, leaf_of, value_at
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_continuous
 from screwsim.study.spans import read_ranges, read_spans
@@ -75,9 +75,14 @@ def input_name(path: str) -> str:
     return last if path.startswith("operation.") else "_".join(path.split(".")[-2:])
 
 
-def input_meaning(doc: str) -> str:
-    """Return what an input means, without what it stands instead of, which concerns the author of a scene."""
-    return doc.partition(" (instead of ")[0]
+def input_of(path: str, units: str, doc: str, ends: tuple[float, float], value: float) -> Input:
+    """Return an input between two values [SI]; pressures over an octave or more are taken by their logarithm.
+
+    Its meaning is without what it stands instead of, which concerns the author of a scene.
+    """
+    low, high = map(float, ends)
+    log = units == "Pa" and high >= LOGARITHMIC_FROM * low > 0.0
+    return Input(path, input_name(path), units, doc.partition(" (instead of ")[0], low, high, value, log)
 
 
 def read_inputs(
@@ -108,19 +113,13 @@ def read_inputs(
 
 
 def _inputs(scene: Scene, ends: Mapping[str, tuple[float, float]]) -> tuple[Input, ...]:
-    found = tuple(_input(scene, path, *both) for path, both in ends.items())
+    found = []
+    for path, (low, high) in ends.items():
+        own = value_at(scene, path)
+        value = float(own) if isinstance(own, int | float) and low <= own <= high else 0.5 * (low + high)
+        found.append(input_of(path, axis_label(path, scene)[1], leaf_of(scene, path).doc, (low, high), value))
     check_names(found)
-    return found
-
-
-def _input(scene: Scene, path: str, low: float, high: float) -> Input:
-    from screwsim.scene import value_at
-
-    leaf, (_, units) = leaf_of(scene, path), axis_label(path, scene)
-    own = value_at(scene, path)
-    value = float(own) if isinstance(own, int | float) and low <= own <= high else 0.5 * (low + high)
-    log = units == "Pa" and low > 0.0 and high / low >= LOGARITHMIC_FROM
-    return Input(path, input_name(path), units, input_meaning(leaf.doc), float(low), float(high), value, log)
+    return tuple(found)
 
 
 def read_outputs(scene: Scene, figures: Sequence[str] = (), option: str = "--figure") -> tuple[Figure, ...]:

@@ -19,21 +19,11 @@ from typing import Any
 import numpy as np
 
 from screwsim.export.hermite import Array, evaluate, grid_of
-from screwsim.export.inputs import (
-    FIGURES,
-    Input,
-    check_names,
-    evenly_spaced_nodes,
-    input_meaning,
-    input_name,
-    plain,
-    title_on_one_line,
-)
+from screwsim.export.inputs import FIGURES, Input, check_names, evenly_spaced_nodes, input_of, plain, title_on_one_line
 from screwsim.export.map_table import MapTable
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figure
 from screwsim.results import Results, open_results
-from screwsim.results.schema import Axis
 from screwsim.results.warning_kinds import kinds_of, warnings_of_cases
 from screwsim.scene import Scene, scene_text
 from screwsim.scene.types import Joint
@@ -119,7 +109,11 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable
         raise UsageError(f"{results.path}: varies nothing, as each axis has one value (export a sweep over more)")
     if any(axis.values.dtype.kind != "f" for axis in axes):
         raise UsageError(f"{results.path}: has a non-numeric axis (export a sweep of one of its values)")
-    inputs = [_input_of(axis) for axis in axes]
+    ends = [(np.min(axis.values), np.max(axis.values)) for axis in axes]
+    inputs = [
+        input_of(axis.path, axis.units, axis.long_name, both, float(axis.values[0]))
+        for axis, both in zip(axes, ends, strict=True)
+    ]
     orders = [np.argsort(np.asarray(axis.values, float)) for axis in axes]
     names = figures or [name for name in FIGURES if name in results.figures]
     outputs = [results.figure(name) for name in names]
@@ -147,15 +141,6 @@ def _first_reason(results: Results) -> str:
     """Return why the first case without a closed cycle has none; empty where all have one."""
     cases = zip(np.ravel(results.status), np.ravel(results.messages), strict=True)
     return next((str(why) for status, why in cases if status != "ok" and why), "")
-
-
-def _input_of(axis: Axis) -> Input:
-    """Return the input that an axis of a sweep is; pressures over an octave or more are taken by their logarithm."""
-    values = np.asarray(axis.values, float)
-    low, high = float(values.min()), float(values.max())
-    log = axis.units == "Pa" and high >= 2.0 * low > 0.0
-    meaning = input_meaning(axis.long_name)
-    return Input(axis.path, input_name(axis.path), axis.units, meaning, low, high, float(values[0]), log)
 
 
 def _drawn_check_points(inputs: Sequence[Input]) -> Array:
