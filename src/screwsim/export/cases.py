@@ -188,15 +188,11 @@ def converted(figure: Figure, values: Array, units: str) -> tuple[str, Array]:
         factor, unit = figure_unit(figure, 0.0)
         return unit, factor * values
     table = IN_US if units == US else IN_METRIC
-    of = PRESSURE_DIFFERENCE if figure.units == "Pa" and _is_difference(figure.name) else figure.units
+    words = figure.name.split("_")
+    lost = words[-1] in _LOST or "pulsation" in words  # differences of pressures, by their names
+    of = PRESSURE_DIFFERENCE if figure.units == "Pa" and lost else figure.units
     factor, unit = table.get(figure.shown, table.get(of, (1.0, figure.units)))
     return unit, factor * values
-
-
-def _is_difference(name: str) -> bool:
-    """Tell whether a figure of unit Pa is a difference of pressures, by its name: a loss, or of a pulsation."""
-    words = name.split("_")
-    return words[-1] in _LOST or "pulsation" in words
 
 
 def as_figure(axis: Axis, units: str) -> Figure:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.export.polynomials import DOCUMENT_KEYS, Polynomials, document, in_fahrenheit, temperature_limits
+from screwsim.export.polynomials import DOCUMENT_KEYS, Polynomials, document, temperature_limits
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
 from screwsim.results.protection import protect_other_json, protect_unmarked
@@ -91,7 +91,7 @@ def en12900_csv(found: Polynomials, ip: bool = False) -> str:
     for one in found.maps:
         for figure, fit in one.fits.items():
             unit, factor = unit_of(found, figure, ip)
-            own = in_fahrenheit(fit, factor) if ip else fit.coefficients
+            own = fit.in_fahrenheit(factor) if ip else fit.coefficients
             left = "" if fit.left_out is None else f"{fit.left_out:.3e}"
             numbers = ",".join(f"{c:.12e}" for c in own)
             lines.append(f"coefficients,{found.name(one)},{figure},{unit},{numbers},{fit.largest:.3e},{left}")
@@ -136,7 +136,7 @@ def en12900_document(found: Polynomials, ip: bool = False) -> dict[str, Any]:
         figures = {}
         for figure, fit in one.fits.items():
             unit, factor = unit_of(found, figure, ip)
-            own = in_fahrenheit(fit, factor) if ip else fit.coefficients
+            own = fit.in_fahrenheit(factor) if ip else fit.coefficients
             figures[figure] = {
                 "unit": unit,
                 "coefficients": dict(zip(COEFFICIENT_NAMES, own, strict=True)),

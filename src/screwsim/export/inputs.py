@@ -67,22 +67,17 @@ class Input:
         return np.clip(np.exp(u) if self.log else np.asarray(u, float), self.low, self.high)
 
 
-def input_name(path: str) -> str:
-    """Return the external name of an input: a usual one, else the last words of its path."""
-    if path in _NAMES:
-        return _NAMES[path]
-    last = path.rpartition(".")[2]
-    return last if path.startswith("operation.") else "_".join(path.split(".")[-2:])
-
-
 def input_of(path: str, units: str, doc: str, ends: tuple[float, float], value: float) -> Input:
     """Return an input between two values [SI]; pressures over an octave or more are taken by their logarithm.
 
-    Its meaning is without what it stands instead of, which concerns the author of a scene.
+    Its name is a usual one, else the last words of its path; its meaning is without what it stands instead of, which
+    concerns the author of a scene.
     """
     low, high = map(float, ends)
+    words = path.split(".")[-1 if path.startswith("operation.") else -2 :]
+    name, meaning = _NAMES.get(path, "_".join(words)), doc.partition(" (instead of ")[0]
     log = units == "Pa" and high >= LOGARITHMIC_FROM * low > 0.0
-    return Input(path, input_name(path), units, doc.partition(" (instead of ")[0], low, high, value, log)
+    return Input(path, name, units, meaning, low, high, value, log)
 
 
 def read_inputs(

@@ -15,15 +15,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.scene import Scene, load
 from screwsim.scene.operation import CONDENSING, EVAPORATING, QUALITY, SUPERHEAT
-from screwsim.study.performance_map import (
-    FORMULA,
-    TERMS,
-    PerformanceMap,
-    PolynomialFit,
-    conditions,
-    performance_maps,
-    powers_of_scaled,
-)
+from screwsim.study.performance_map import FORMULA, PerformanceMap, conditions, performance_maps
 from screwsim.study.progress import Progress
 
 SATURATION_NODES, OTHER_NODES = 6, 3  # number of values where --over gives ranges
@@ -147,16 +139,6 @@ def quadratic(
     matrix = np.column_stack([np.ones_like(S), S, S**2, D, D**2, S * D])
     found, *_ = np.linalg.lstsq(matrix, wanted, rcond=None)
     return tuple(map(float, found)), float(np.max(np.abs(matrix @ found / wanted - 1.0)))
-
-
-def in_fahrenheit(fit: PolynomialFit, factor: float) -> tuple[float, ...]:
-    """Return the coefficients for °F from those for °C, for the figure times a factor."""
-    scaled = np.zeros((4, 4))
-    powers = powers_of_scaled(32.0, 1.8)  # of °F in those of °C
-    for (i, j), c in zip(TERMS, fit.coefficients, strict=True):
-        for k, m in np.ndindex(i + 1, j + 1):
-            scaled[k, m] += factor * c * powers[i, k] * powers[j, m]
-    return tuple(float(scaled[term]) for term in TERMS)
 
 
 DOCUMENT_KEYS = ("title", "fluid", "formula", "S", "D", "units", "conditions")  # keys of a document

@@ -12,7 +12,7 @@ import math
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -222,41 +222,38 @@ def temporary_results(scene: Scene, **options: Any) -> Iterator[Results]:
         yield open_results(path)
 
 
+@dataclass
 class _Solver:
     """Simulates grids and points of a scene, counts cases, and keeps the first reason for a failure."""
 
-    def __init__(
-        self,
-        scene: Scene,
-        outputs: Sequence[Figure],
-        jobs: int | None,
-        progress: Callable[[], Progress] | None,
-        simulate: Any,
-    ) -> None:
-        self._scene, self._outputs, self._jobs = scene, outputs, jobs
-        self._progress, self._simulate = progress, simulate
-        self.cases, self.why = 0, ""
-        self.warnings: list[list[str]] = []
+    scene: Scene
+    outputs: Sequence[Figure]
+    jobs: int | None
+    progress: Callable[[], Progress] | None
+    simulate: Any
+    cases: int = 0
+    why: str = ""
+    warnings: list[list[str]] = field(default_factory=list)
 
     def grid(self, inputs: Sequence[Input], nodes: Sequence[Array]) -> tuple[Array, Array]:
         """Return values (nodes …, outputs) and which nodes closed."""
         sweep = {variable.path: tuple(map(float, variable.at(u))) for variable, u in zip(inputs, nodes, strict=True)}
-        return self._swept(replace(self._scene, sweep=sweep, joints=()), tuple(map(len, nodes)))
+        return self._swept(replace(self.scene, sweep=sweep, joints=()), tuple(map(len, nodes)))
 
     def points(self, inputs: Sequence[Input], points: Array) -> tuple[Array, Array]:
         """Return values (points, outputs) and which of them closed."""
         sweep = {variable.path: tuple(map(float, points[:, i])) for i, variable in enumerate(inputs)}
         joint = Joint("case", tuple(sweep))
-        return self._swept(replace(self._scene, sweep=sweep, joints=(joint,)), (len(points),))
+        return self._swept(replace(self.scene, sweep=sweep, joints=(joint,)), (len(points),))
 
     def _swept(self, scene: Scene, shape: tuple[int, ...]) -> tuple[Array, Array]:
-        options = {} if self._simulate is None else {"simulate": self._simulate}
-        told = None if self._progress is None else self._progress()
-        with temporary_results(scene, jobs=self._jobs, progress=told, **options) as results:
+        options = {} if self.simulate is None else {"simulate": self.simulate}
+        told = None if self.progress is None else self.progress()
+        with temporary_results(scene, jobs=self.jobs, progress=told, **options) as results:
             self.cases += math.prod(shape)
             self.warnings += warnings_of_cases(results)
             nothing = np.full(shape, np.nan)
-            columns = [np.reshape(results.performance.get(output.name, nothing), shape) for output in self._outputs]
+            columns = [np.reshape(results.performance.get(output.name, nothing), shape) for output in self.outputs]
             values = np.stack(columns, axis=-1)
             sound = (results.status.reshape(shape) == "ok") & np.isfinite(values).all(axis=-1)
             if not sound.all() and not self.why:

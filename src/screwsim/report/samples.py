@@ -64,7 +64,11 @@ def _over_words(family: Family, shown: list[str]) -> Any:
     for axes, name in zip(places, shown, strict=True):
         how, kept = shown_figure(results, name), _has_value(family, name)
         values = how.of(family.part(results.performance[name]))
-        _panel(axes, values[kept], np.flatnonzero(kept), closed[kept], warned[kept])
+        x = values[kept]
+        mark_cases(axes, x, np.flatnonzero(kept), closed[kept], warned[kept], "o", color=COLOURS[1], markersize=4.0)
+        span = max(float(np.ptp(x)), 0.01 * float(np.max(np.abs(x))), 1e-9)
+        axes.set_xlim(x.min() - _MARGIN * span, x.min() + (1.0 + _MARGIN) * span)
+        plain_ticks(axes.xaxis)
         axes.set_xlabel(how.label)
         axes.set_yticks(range(len(words)), words)
         axes.set_ylim(len(words) - 0.4, -0.6)
@@ -75,13 +79,6 @@ def _over_words(family: Family, shown: list[str]) -> Any:
     told = case_remarks(int(np.count_nonzero(open_)), int(np.count_nonzero(warned)))
     note(figure, family.constant, *told, missing_words(len(words), found))
     return figure
-
-
-def _panel(axes: Any, x: np.ndarray, y: np.ndarray, closed: np.ndarray, warned: np.ndarray) -> None:
-    mark_cases(axes, x, y, closed, warned, "o", color=COLOURS[1], markersize=4.0)
-    span = max(float(np.ptp(x)), 0.01 * float(np.max(np.abs(x))), 1e-9)
-    axes.set_xlim(x.min() - _MARGIN * span, x.min() + (1.0 + _MARGIN) * span)
-    plain_ticks(axes.xaxis)
 
 
 def _over_each(results: Results, shown: list[tuple[Axis, np.ndarray]], name: str) -> Any:

@@ -42,6 +42,14 @@ class PolynomialFit:
     rms: float
     left_out: float | None
 
+    def in_fahrenheit(self, factor: float) -> tuple[float, ...]:
+        """Return the coefficients for °F from those for °C, for the figure times a factor."""
+        scaled, powers = np.zeros((4, 4)), _powers(32.0, 1.8)
+        for (i, j), c in zip(TERMS, self.coefficients, strict=True):
+            for k, m in np.ndindex(i + 1, j + 1):
+                scaled[k, m] += factor * c * powers[i, k] * powers[j, m]
+        return tuple(float(scaled[term]) for term in TERMS)
+
 
 @dataclass(frozen=True)
 class PerformanceMap:
@@ -184,12 +192,12 @@ class DesignMatrix:
         table = np.zeros((4, 4))
         for coefficient, term in zip(scaled, TERMS, strict=True):
             table[term] = coefficient
-        S, D = (powers_of_scaled(middle, half) for middle, half in self._scales)
+        S, D = (_powers(middle, half) for middle, half in self._scales)
         table = S.T @ table @ D
         return PolynomialFit(tuple(float(table[term]) for term in TERMS), float(np.max(np.abs(errors))), rms, left_out)
 
 
-def powers_of_scaled(middle: float, half: float) -> Array:
+def _powers(middle: float, half: float) -> Array:
     """Return the coefficients of T⁰ … T³ (columns) in ((T − middle) / half)⁰ … ³ (rows)."""
     table = np.zeros((4, 4))
     for n, k in itertools.product(range(4), repeat=2):

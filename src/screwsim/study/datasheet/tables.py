@@ -201,16 +201,14 @@ def drawing(
 
 def part_load_drawing(rated: Rating, column: Column, title: str) -> Iterator[Drawing]:
     """Yield a drawing over the load, with one curve per control; nothing where none has two points."""
-    parts = [load for load in rated.loads if len(load.curve) > 1]
-    if parts:
-        yield Drawing(title, "load [%]", title, [_load_curve(part, column) for part in parts])
-
-
-def _load_curve(each: PartLoad, column: Column) -> Curve:
-    """Return the curve of a column over the load of a control."""
-    steps = sorted({step.load: step for step in (*each.curve, *each.steps) if has_figure(step.result, column)}.items())
-    y = [column.value(step.result.performance) or 0.0 for _, step in steps]
-    return Curve([100.0 * load for load, _ in steps], y, each.control.name)
+    curves = []
+    for part in (load for load in rated.loads if len(load.curve) > 1):
+        there = (step for step in (*part.curve, *part.steps) if has_figure(step.result, column))
+        steps = sorted({step.load: step for step in there}.items())
+        y = [column.value(step.result.performance) or 0.0 for _, step in steps]
+        curves.append(Curve([100.0 * load for load, _ in steps], y, part.control.name))
+    if curves:
+        yield Drawing(title, "load [%]", title, curves)
 
 
 def has_figure(result: Result, column: Column) -> bool:
