@@ -154,13 +154,13 @@ def test_the_command_prints_and_writes_the_posterior(tmp_path, capsys, monkeypat
     monkeypatch.setattr("screwsim.study.calibration.residuals.WarmSimulation", lambda: plane)
     monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)
     monkeypatch.setattr(Fit, "short_names", lambda fit: {GAP: "tip_leakage.gap", CAPACITY: "heat_capacity"})
-    drawn, draw = [], printed.draw_posterior
+    drawn, draw = [], printed.pairs_figure
 
     def seen(parameters, *arguments):
         drawn.extend(each.label for each in parameters)
         return draw(parameters, *arguments)
 
-    monkeypatch.setattr(printed, "draw_posterior", seen)
+    monkeypatch.setattr(printed, "pairs_figure", seen)
     code = exit_code(["calibrate", str(file), "--posterior", "--jobs", "1", "-o", str(tmp_path / "out")])
     told = " ".join(capsys.readouterr().out.split())
     assert code == 0 and "effects.tip_leakage.gap" in told and "heat_capacity" in told

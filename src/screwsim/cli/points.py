@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -288,7 +289,8 @@ def accuracy(
         raise UsageError(f"{scene_file}: describes two stages, and accuracy needs one scene (name that of one stage)")
     scene = options.loaded_point(scene_file, overrides, without)
     options.check_folder(folder)
-    from screwsim.report.evidence import draw_accuracy
+    from screwsim.report.evidence import accuracy_figure
+    from screwsim.report.style import write_all
     from screwsim.results.atomic import make_folder
     from screwsim.study.accuracy import QUICK_SCOPE, NoReference, Scope, files, study, words
 
@@ -303,5 +305,6 @@ def accuracy(
     say(words.report(found))
     if folder is not None:
         make_folder(folder)  # again: another command may have removed the one that it had made and that was still empty
-        options.print_files([*files.write(found, folder), *draw_accuracy(found, folder)])
+        written = files.write(found, folder)
+        options.print_files([*written, *write_all({"accuracy": partial(accuracy_figure, found)}, folder)])
     return OK

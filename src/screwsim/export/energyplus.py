@@ -3,11 +3,9 @@
 import re
 from collections.abc import Container
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from screwsim.export.polynomials import Polynomials, quadratic, rated_temperatures, temperature_limits
-from screwsim.results.protection import protect_other_json, protect_unmarked
 from screwsim.scene.operation import SUBCOOLING
 from screwsim.study.performance_map import TERMS
 
@@ -49,14 +47,6 @@ def energyplus_objects(found: Polynomials, name: str) -> Objects:
             "rated_subcooling": found.condition(one, SUBCOOLING),
         }
     return objects
-
-
-def protect_other_objects(path: Path) -> None:
-    """Raise UsageError where a file at `path` has anything but such objects, as a building model would be lost."""
-    if path.suffix.lower() == ".idf":
-        protect_unmarked(path, WRITTEN_MARK)
-    else:
-        protect_other_json(path, "Version", *CLASSES, alone=True)
 
 
 def power_of(figures: Container[str]) -> str:
