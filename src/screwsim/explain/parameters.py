@@ -90,20 +90,15 @@ def _range(leaf: Leaf, size: Size | None) -> str:
     if leaf.kind == "choice":
         own = ["a module of your own"] if leaf.limits.get("own") else []
         return ", ".join([*leaf.limits["options"], *own])
-    can = [f"{sign}{_text(leaf, leaf.limits[name])}" for name, sign in _SIGNS.items() if name in leaf.limits]
-    usual = [] if leaf.hardly == UNBOUNDED else [f"usual {_span(*(_text(leaf, end) for end in leaf.hardly))}"]
+    can = [f"{sign}{_readable(leaf, leaf.limits[name])}" for name, sign in _SIGNS.items() if name in leaf.limits]
+    common = ("" if end is None else _readable(leaf, end) for end in leaf.hardly)
+    usual = [] if leaf.hardly == UNBOUNDED else [f"usual {_span(*common)}"]
     if size is not None:
         low, high = size.usual
         ends = (f"{low:g}" if low > 0.0 else "", f"{high:g}" if high < _WHOLE else "")
         usual += [f"usual {_span(*ends)} {size.what}"] if any(ends) else []
     can += ["or auto"] if leaf.auto else []
     return "; ".join([", ".join(can), *usual] if can else usual) or ABSENT
-
-
-def _text(leaf: Leaf, end: float | None) -> str:
-    if end is None:
-        return ""
-    return _readable(leaf, end)
 
 
 def _span(low: str, high: str) -> str:
@@ -184,14 +179,11 @@ def parameters_text(values: Any, skip: tuple[str, ...] = ("law",)) -> str:
         if isinstance(leaf, Leaf) and name not in skip and value is not None:
             mark = " (default)" if not leaf.required and value == leaf.default else ""
             mark = " (follows)" if is_derived(value) and not mark else mark
-            texts.append(f"{name} {_value_text(leaf, value)}{mark}".replace(" ", NO_BREAK))
+            text = _readable(leaf, value)
+            if leaf.dimension is not None and is_derived(value):  # its digits were not written by a user
+                text = f"{to_customary(leaf.dimension, value):.6g} {customary_unit(leaf.dimension)}"
+            texts.append(f"{name} {text}{mark}".replace(" ", NO_BREAK))
     return ", ".join(texts)
-
-
-def _value_text(leaf: Leaf, value: Any) -> str:
-    if leaf.dimension is not None and is_derived(value):  # its digits were not written by a user
-        return f"{to_customary(leaf.dimension, value):.6g} {customary_unit(leaf.dimension)}"
-    return _readable(leaf, value)
 
 
 def _readable(leaf: Leaf, value: Any) -> str:

@@ -149,18 +149,15 @@ def _fluid(gas: Mapping[str, Any]) -> str:
 
 def protect_other_cases(path: Path) -> None:
     """Raise UsageError where the file at `path` is not such a table, as measured data: it would be lost."""
-    protect_other_heads(path, _are_ours)
-
-
-def _are_ours(heads: Sequence[str]) -> bool:
-    """Tell whether a head line is of such a table: dotted paths, the status, a figure with its unit or messages."""
-    if "status" not in heads:
-        return False
-    at = heads.index("status")
     named = {each for name in PERFORMANCE for each in (name, shown_name(name))}
-    figures = (head.partition(" [") for head in heads[at + 1 :])
-    told = any(name == "message" or (unit and name in named) for name, _, unit in figures)
-    return told and all("." in head for head in heads[:at])
+
+    def ours(heads: list[str]) -> bool:  # dotted paths, the status, then a figure with its unit, or messages
+        at = heads.index("status") if "status" in heads else len(heads)
+        figures = (head.partition(" [") for head in heads[at + 1 :])
+        told = any(name == "message" or (unit and name in named) for name, _, unit in figures)
+        return told and all("." in head for head in heads[:at])
+
+    protect_other_heads(path, ours)
 
 
 def write_cases(path: Path, columns: Sequence[CaseColumn]) -> str:

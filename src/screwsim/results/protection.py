@@ -59,7 +59,7 @@ def protect_other_json(path: Path, *keys: str, alone: bool = False) -> None:
 
 
 def protect_other_document(path: Path, mark: str, *keys: str) -> None:
-    """Raise UsageError where a file at `path` is not JSON of the `keys` alone or, if named otherwise, lacks the `mark`."""
+    """Raise UsageError where a file at `path` is not JSON of the `keys` alone, or as a text lacks the `mark`."""
     if path.suffix.lower().endswith("json"):
         protect_other_json(path, *keys, alone=True)
     else:
