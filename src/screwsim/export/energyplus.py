@@ -15,6 +15,10 @@ _CUBIC_KEYS = ("1_constant", "2_x", "3_x_2", "4_y", "5_y_2", "6_x_y", "7_x_3", "
 _KEYS = tuple(f"coefficient{key}" for key in _CUBIC_KEYS)
 CLASSES = ("Curve:Bicubic", "Curve:Biquadratic", "Refrigeration:Compressor")
 WRITTEN_MARK = "; written by screwsim"
+OMITTED_BEFORE = {  # fields of IDF between ours, which are empty and take their defaults
+    "rated_subcooling": ("rated_return_gas_temperature", "rated_liquid_temperature"),
+    "input_unit_type_for_x": ("minimum_curve_output", "maximum_curve_output"),
+}
 VERSION = "24.1"  # EnergyPlus version whose input data dictionary has these names
 
 Objects = dict[str, dict[str, dict[str, Any]]]  # {class: {name: {field: value}}}
@@ -74,30 +78,15 @@ def idf(objects: Objects, notes: list[str]) -> str:
     lines = [f"! {note}" for note in notes] + ["", "Version,", f"    {VERSION};"]
     for kind, named in objects.items():
         for name, fields in named.items():
-            rows = [("Name", name), *_in_order(kind, fields)]
+            rows = [("Name", name)]
+            for field, value in fields.items():
+                rows += [*((each, "") for each in OMITTED_BEFORE.get(field, ())), (field, value)]
             lines += ["", f"{kind},"]
             for i, (field, value) in enumerate(rows):
                 end = ";" if i == len(rows) - 1 else ","
                 text = value if isinstance(value, str) else f"{value:.12g}"
                 lines.append(f"    {text}{end}".ljust(44) + f"  !- {field}")
     return "\n".join(lines) + "\n"
-
-
-def _in_order(kind: str, fields: dict[str, Any]) -> list[tuple[str, Any]]:
-    """Return the fields in the dictionary's order; omitted ones between them are empty and take their defaults."""
-    if kind == "Refrigeration:Compressor":
-        names = (
-            "refrigeration_compressor_power_curve_name",
-            "refrigeration_compressor_capacity_curve_name",
-            "rated_superheat",
-            "rated_return_gas_temperature",
-            "rated_liquid_temperature",
-            "rated_subcooling",
-        )
-        return [(name, fields.get(name, "")) for name in names]
-    rows = list(fields.items())
-    place = next(i for i, (name, _) in enumerate(rows) if name == "input_unit_type_for_x")
-    return [*rows[:place], ("minimum_curve_output", ""), ("maximum_curve_output", ""), *rows[place:]]
 
 
 def notes(found: Polynomials) -> list[str]:

@@ -155,12 +155,10 @@ def _best_note(rated: ChainRating, best: Column) -> str:
     if found is None:
         return ""
     p, value, inside = found
-    word = "COP" if refrigerates(rated.asked.chain) else "η_s"
-    unit = "" if refrigerates(rated.asked.chain) else " %"
+    word, unit = ("COP", "") if refrigerates(rated.asked.chain) else ("η_s", " %")
+    where = "at" if inside else "at the end of the table,"
     shown = f"{best.factor * value:.{best.decimals}f}{unit}"
-    if not inside:
-        return f"best {word} {shown} at the end of the table, {quantity('Pa', p)} between the stages"
-    return f"best {word} {shown} at {quantity('Pa', p)} between the stages"
+    return f"best {word} {shown} {where} {quantity('Pa', p)} between the stages"
 
 
 def best_intermediate(by_second: Any, figure: str) -> tuple[float, float, bool] | None:
