@@ -33,10 +33,7 @@ class DrivePoint(NamedTuple):
 
 
 def campbell_figure(cases: Mapping[str, Sequence[DrivePoint]], lobes: int) -> Any:
-    """Draw the Campbell diagram of named drives: frequencies over the speed with the lobe harmonics, and torques.
-
-    The torques are the amplitudes of those of the couplings.
-    """
+    """Draw frequencies of drives over the speed with the lobe harmonics, and the amplitude of the coupling torque."""
     figure, (left, right) = subplots(DOUBLE, 84.0, 1, 2, sharex=True)
     longest = max(points[-1].speed for points in cases.values()) * RPM
     highest = 1.6 * max(p.frequency for points in cases.values() for p in points if p.frequency is not None)
