@@ -10,14 +10,20 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from screwsim.machine.drive import rubber_cord_coupling as cords
+from screwsim.machine.drive.rubber_cord_coupling import (
+    RubberCordCoupling,
+    counted_crossings,
+    crossings,
+    pull,
+    torque_band,
+)
 from screwsim.report.drive import CordLean, draw_coupling
 from screwsim.study.validation import read_table
 
 ROOT = Path(__file__).resolve().parent.parent
 DATA = ROOT / "validation" / "rubber_cord_coupling"
-DRAWN = cords.RubberCordCoupling(cords=60, lean_plus=math.radians(36.0), lean_minus=math.radians(36.0))
-COUPLING = cords.RubberCordCoupling()
+DRAWN = RubberCordCoupling(cords=60, lean_plus=math.radians(36.0), lean_minus=math.radians(36.0))
+COUPLING = RubberCordCoupling()
 CORD_STEP = 0.1 / 94  # [m], 94 cords per 10 cm
 
 
@@ -33,12 +39,12 @@ def read_leans() -> dict[str, CordLean]:
 def geometry(printed: dict[str, float]) -> None:
     """Print the geometry of the cords beside the source's."""
     sizes = (DRAWN.lean_plus, DRAWN.cords, DRAWN.inner_radius, DRAWN.outer_radius)
-    found = cords.crossings(*sizes)
+    found = crossings(*sizes)
     ours = {
         "psi_max": math.degrees(found.reach),
         "psi_max_over_pitch": found.ratio,
-        "crossings_without_shift": cords.counted_crossings(*sizes, 0.0),
-        "crossings_with_half_a_pitch": cords.counted_crossings(*sizes, 0.5 * DRAWN.pitch),
+        "crossings_without_shift": counted_crossings(*sizes, 0.0),
+        "crossings_with_half_a_pitch": counted_crossings(*sizes, 0.5 * DRAWN.pitch),
         "pitch": math.degrees(COUPLING.pitch),
     }
     for name, value in ours.items():
@@ -58,7 +64,7 @@ def torques(printed: dict[str, float], leans: dict[str, CordLean]) -> None:
         each = replace(COUPLING, lean_plus=lean.mean, lean_minus=lean.mean)
         theta, far = each.twist(nominal), each.twist(largest)
         eps = each.largest_strain(theta)
-        force = cords.pull(eps, each.cord_stiffness, each.cord_stiffening)
+        force = pull(eps, each.cord_stiffness, each.cord_stiffening)
         print(
             f"{math.degrees(lean.mean):>5.1f} deg {math.degrees(theta):>5.3f} deg {1e-3 * each.stiffness(theta):>6.1f} "
             f"kN m/rad {100 * eps:>5.2f} % {force:>9.2f} N   "
@@ -66,7 +72,7 @@ def torques(printed: dict[str, float], leans: dict[str, CordLean]) -> None:
         )
     every = leans["all"]
     for degrees in (1.0, 1.5):
-        found = cords.torque_band(COUPLING, math.radians(degrees), every.low, every.high)
+        found = torque_band(COUPLING, math.radians(degrees), every.low, every.high)
         print(f"at {degrees} deg, lean {math.degrees(every.low):.1f} to {math.degrees(every.high):.1f} deg: ", end="")
         print(f"{found.least:.0f} to {found.largest:.0f} N m, evenly scattered {found.mean:.0f} N m")
     both = replace(COUPLING, lean_plus=leans["plus"].mean, lean_minus=leans["minus"].mean)
