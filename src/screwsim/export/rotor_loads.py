@@ -7,7 +7,6 @@ virtual work: the male torque agrees within 1.5 %, the female one within 2.5 % o
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
