@@ -77,9 +77,9 @@ def test_areas_by_sections_press_as_a_mesh_of_both_surfaces_does(pressures):
 
 def test_forces_and_moments_of_gas_contact_and_bearings_balance(pressures, loads):
     """Moments are added up anew, of each force at its place, about a point that no force is given at."""
-    rotors, c = pressures.laid.rotors, loads.columns
+    rotors, (angles, c) = pressures.laid.rotors, loads
     about, step = 0.3 * rotors.length, 7
-    angle = float(loads.angle[step])
+    angle = float(angles[step])
     touch, found = contact_force(rotors, c["female_torque"]), own_loads(pressures, angle)
     places = {"suction": -SPANS[0], "discharge": rotors.length + SPANS[1]}
     for name, arm in zip(NAMES, (rotors.pair.r1, -rotors.pair.r2), strict=True):
@@ -126,7 +126,7 @@ def test_bearings_hold_the_moments_of_a_mesh_about_each_other(pressures):
 
 
 def test_the_torques_close_at_the_pitch_point(pressures, loads):
-    pair, c = pressures.laid.rotors.pair, loads.columns
+    pair, c = pressures.laid.rotors.pair, loads[1]
     on_female = -pair.r2 * c["female_contact_force_y"]  # it turns counter-clockwise, and the gas holds it back
     np.testing.assert_allclose(on_female, c["female_torque"], rtol=1e-13, atol=1e-13)
     on_male = pair.r1 * c["male_contact_force_y"]
@@ -140,7 +140,7 @@ def test_the_torques_close_at_the_pitch_point(pressures, loads):
 
 def test_the_contact_is_normal_to_the_helix_and_takes_up_the_female_s_flank_thrust(pressures, loads):
     """Σ over each helical surface: F_z h = −M_z of the male, and k M_z of the female, of gas as of the contact."""
-    rotors, c = pressures.laid.rotors, loads.columns
+    rotors, c = pressures.laid.rotors, loads[1]
     size = np.abs(c["male_axial_force"]).mean()
     assert np.max(np.abs(c["male_axial_force"] + c["male_torque"] / rotors.h)) < 1e-3 * size
     assert np.max(np.abs(c["male_contact_force_z"] + rotors.pair.r1 * c["male_contact_force_y"] / rotors.h)) < 1e-9
@@ -152,7 +152,7 @@ def test_the_contact_is_normal_to_the_helix_and_takes_up_the_female_s_flank_thru
 @pytest.mark.parametrize("name", ["a", "b"])
 def test_a_uniform_pressure_loads_no_bearing(name):
     one = compressed(laid_of(name))
-    columns = loads_of(Uniform(one.laid, one.angle, one.pressure, one.low), SPANS, SHAFTS).columns
+    columns = loads_of(Uniform(one.laid, one.angle, one.pressure, one.low), SPANS, SHAFTS)[1]
     for rotor, shaft, outline in zip(NAMES, SHAFTS, outlines(one.laid.rotors.pair, one.laid.rotors.chain), strict=True):
         area = polygon_area(*outline) - 0.25 * math.pi * shaft**2
         np.testing.assert_allclose(columns[f"{rotor}_suction_end_force"], 1e5 * area, rtol=0.01)  # of straight pieces

@@ -59,7 +59,7 @@ def test_an_axial_force_off_the_axis_makes_a_couple_of_the_bearings():
 def test_bearings_carry_what_is_exported_for_them(found):
     scene = with_bearings(BOTH)
     spans = AT["suction"], AT["discharge"]
-    columns = loads_of(pressures_of(laid_curves(scene.machine), found), spans, (SHAFT, SHAFT)).columns
+    columns = loads_of(pressures_of(laid_curves(scene.machine), found), spans, (SHAFT, SHAFT))[1]
     for rotor in NAMES:
         size = found.performance[f"{rotor}_radial_load"]
         for end in AT:

@@ -224,8 +224,9 @@ def energyplus(
     options.check_target(output, ".idf", ".epjson")
     from screwsim.export import energyplus as made_for
     from screwsim.export.polynomials import document, polynomials, rated_temperatures, swept_results
+    from screwsim.results.protection import protect_other_document
 
-    made_for.protect_other_objects(output)
+    protect_other_document(output, made_for.WRITTEN_MARK, "Version", *made_for.CLASSES)
     with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_map) as results:
         found = polynomials(results, [made_for.power_of(results.figures), made_for.CAPACITY])
     objects = made_for.energyplus_objects(found, output.stem)
@@ -257,9 +258,10 @@ def en12900(
     """Write the coefficients of EN 12900 and AHRI 540 with rating tables."""
     options.check_target(output, ".csv", ".json")
     from screwsim.export import en12900 as made_for
-    from screwsim.export.polynomials import polynomials, swept_results
+    from screwsim.export.polynomials import DOCUMENT_KEYS, polynomials, swept_results
+    from screwsim.results.protection import protect_other_document
 
-    made_for.protect_other_coefficients(output)
+    protect_other_document(output, made_for.HEAD_LINE, *DOCUMENT_KEYS, "maps")
     with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_map) as results:
         optional = (name for name in made_for.OPTIONAL_FIGURES if name in results.figures)
         found = polynomials(results, [*made_for.FIGURES, *optional])

@@ -12,6 +12,7 @@ from screwsim.effects import having
 from screwsim.effects.parts.usual import SLIDES
 from screwsim.figures import called_for, declared
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figure
 from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene
 from screwsim.scene.grid import Swept, joints_of, unit_of
@@ -84,36 +85,29 @@ class Input:
         return np.clip(np.exp(u) if self.log else np.asarray(u, float), self.low, self.high)
 
 
-@dataclass(frozen=True)
-class Output:
-    """One output of a map: a figure, with unit and meaning."""
+def input_of(path: str, units: str, doc: str, ends: tuple[float, float], value: float) -> Input:
+    """Return an input between two values [SI]; pressures over an octave or more are taken by their logarithm.
 
-    name: str
-    units: str
-    long_name: str
+    Its meaning, of two stages with its stage, is without what it stands instead of, which concerns the author of a
+    scene.
+    """
+    low, high = map(float, ends)
+    meaning, stage = doc.partition(" (instead of ")[0], path.partition(".")[0]
+    meaning = f"{meaning}, {stage} stage" if stage in STAGE_NAMES else meaning
+    log = units == "Pa" and high >= LOGARITHMIC_FROM * low > 0.0
+    return Input(path, _input_name(path), units, meaning, low, high, value, log)
 
 
-def input_name(path: str) -> str:
+def _input_name(path: str) -> str:
     """Return the external name of an input: a usual one, else the last words of its path.
 
     Of two stages it begins with the stage where both have such an input: first_speed, but evaporating_temperature.
     """
     stage, _, own = path.partition(".")
     if stage in STAGE_NAMES:
-        return input_name(own) if len(names_in_chain(own)) == 1 else f"{stage}_{input_name(own)}"
-    if path in _NAMES:
-        return _NAMES[path]
-    last = path.rpartition(".")[2]
-    return last if path.startswith("operation.") else "_".join(path.split(".")[-2:])
-
-
-def input_meaning(path: str, doc: str) -> str:
-    """Return what an input means, of two stages with its stage.
-
-    What it stands instead of is left out, as it concerns the author of a scene.
-    """
-    meaning, stage = doc.partition(" (instead of ")[0], path.partition(".")[0]
-    return f"{meaning}, {stage} stage" if stage in STAGE_NAMES else meaning
+        return _input_name(own) if len(names_in_chain(own)) == 1 else f"{stage}_{_input_name(own)}"
+    words = path.split(".")[-1 if path.startswith("operation.") else -2 :]
+    return _NAMES.get(path, "_".join(words))
 
 
 def read_inputs(
@@ -186,27 +180,23 @@ def _example(scene: Varied) -> str:
 
 
 def _inputs(scene: Varied, ends: Mapping[str, tuple[float, float]]) -> tuple[Input, ...]:
-    found = tuple(_input(scene, path, *both) for path, both in ends.items())
+    found = []
+    for path, (low, high) in ends.items():
+        leaf, own = leaf_of(scene, path), value_at(scene, path)
+        value = float(own) if isinstance(own, int | float) and low <= own <= high else 0.5 * (low + high)
+        found.append(input_of(path, unit_of(leaf), leaf.doc, (low, high), value))
     check_names(found)
-    return found
+    return tuple(found)
 
 
-def _input(scene: Varied, path: str, low: float, high: float) -> Input:
-    leaf = leaf_of(scene, path)
-    units, own = unit_of(leaf), value_at(scene, path)
-    value = float(own) if isinstance(own, int | float) and low <= own <= high else 0.5 * (low + high)
-    log = units == "Pa" and low > 0.0 and high / low >= LOGARITHMIC_FROM
-    return Input(path, input_name(path), units, input_meaning(path, leaf.doc), float(low), float(high), value, log)
-
-
-def read_outputs(scene: Varied, figures: Sequence[str] = (), option: str = "--figure") -> tuple[Output, ...]:
+def read_outputs(scene: Varied, figures: Sequence[str] = (), option: str = "--figure") -> tuple[Figure, ...]:
     """Return the named outputs, else the usual ones that the scene calls for; raise UsageError with `option`."""
     here = called_for(scene, build_parts(scene)) if isinstance(scene, Scene) else scene.figures
     names = [figure_of(scene, text, option) for text in figures] or [name for name in FIGURES if name in here]
-    return tuple(output_of(name, here) for name in dict.fromkeys(names))
+    return tuple(here.get(name) or declared(name) for name in dict.fromkeys(names))
 
 
-def check_names(inputs: Sequence[Input], outputs: Sequence[Output] = ()) -> None:
+def check_names(inputs: Sequence[Input], outputs: Sequence[Figure] = ()) -> None:
     """Raise UsageError where two variables of a map share an external name, as readers could not distinguish them."""
     paths: dict[str, str] = {}
     for one in inputs:
@@ -223,12 +213,6 @@ def check_names(inputs: Sequence[Input], outputs: Sequence[Output] = ()) -> None
 def title_on_one_line(text: str) -> str:
     """Return a title on one line, as in a comment."""
     return " ".join(text.split())
-
-
-def output_of(name: str, about: Mapping[str, object] | None = None) -> Output:
-    """Return a figure as an output."""
-    found = (about or {}).get(name) or declared(name)
-    return Output(name, found.units, found.long_name)  # type: ignore[attr-defined]
 
 
 def evenly_spaced_nodes(one: Input, count: int) -> np.ndarray:

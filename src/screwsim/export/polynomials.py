@@ -1,7 +1,5 @@
 """Ten-coefficient polynomials of a sweep over evaporating and condensing temperature, for tools without tables."""
 
-import itertools
-import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -20,9 +18,7 @@ from screwsim.scene import Scene
 from screwsim.scene.operation import QUALITY, SUPERHEAT
 from screwsim.study.performance_map import (
     FORMULA,
-    TERMS,
     PerformanceMap,
-    PolynomialFit,
     conditions,
     performance_maps,
     temperature_paths,
@@ -110,31 +106,22 @@ def swept_results(
 
 def polynomials(results: Results, figures: Sequence[str]) -> Polynomials:
     """Return the polynomials of some figures; raise UsageError where there can be none."""
+    from ruamel.yaml import YAML
+
     if any(axis.values.dtype.kind != "f" for axis in results.axis_list):
         raise UsageError(f"{results.path}: has a non-numeric axis (export a sweep of one of its values)")
     maps = tuple(one for one in performance_maps(results, figures) if not one.message)
     axes = {axis.path: axis.units for axis in results.axis_list if axis.path in maps[0].values}
     units = {name: results.figure(name).units for name in maps[0].fits}
-    fluid, blend = fluid_of(results)
-    point = "dew" if blend else "bubble"
-    title = title_on_one_line(results.attributes["title"])
-    two = bool(results.stages)
-    return Polynomials(title, fluid, maps, units, conditions(results), axes, point, _paths_along(results), two)
-
-
-def _paths_along(results: Results) -> frozenset[str]:
-    varied, temperatures = results.varied, temperature_paths(bool(results.stages))
-    own = {varied[path][0] for path in temperatures}
-    return frozenset(path for path, (axis, _) in varied.items() if axis in own) - {*temperatures}
-
-
-def fluid_of(results: Results) -> tuple[str, bool]:
-    """Return the name of the fluid in the scene of results, of the first of two stages, and whether it is a blend."""
-    from ruamel.yaml import YAML
-
-    alone = results.stages.get(STAGES[0], results)
+    alone = results.stages.get(STAGES[0], results)  # of two stages the first
     fluid = YAML(typ="safe", pure=True).load(alone.scene_yaml)["gas"]["fluid"]
-    return (fluid, is_blend(fluid)) if isinstance(fluid, str) else ("/".join(fluid), True)
+    name, blend = (fluid, is_blend(fluid)) if isinstance(fluid, str) else ("/".join(fluid), True)
+    temperatures = temperature_paths(bool(results.stages))
+    own = {results.varied[path][0] for path in temperatures}
+    within = {path for path, (axis, _) in results.varied.items() if axis in own} - {*temperatures}
+    title, point = title_on_one_line(results.attributes["title"]), "dew" if blend else "bubble"
+    about = units, conditions(results), axes, point, frozenset(within), bool(results.stages)
+    return Polynomials(title, name, maps, *about)
 
 
 def temperature_limits(one: PerformanceMap) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -168,26 +155,6 @@ def quadratic(
     matrix = np.column_stack([np.ones_like(S), S, S**2, D, D**2, S * D])
     found, *_ = np.linalg.lstsq(matrix, wanted, rcond=None)
     return tuple(map(float, found)), float(np.max(np.abs(matrix @ found / wanted - 1.0)))
-
-
-def by_terms(fit: PolynomialFit, order: Sequence[tuple[int, int]]) -> list[float]:
-    """Return the coefficients of a fit in another order of terms (powers of S and D)."""
-    place = dict(zip(TERMS, fit.coefficients, strict=True))
-    return [place[term] for term in order]
-
-
-def in_fahrenheit(fit: PolynomialFit, factor: float) -> tuple[float, ...]:
-    """Return the coefficients for °F from those for °C, for the figure times a factor."""
-    scaled = np.zeros((4, 4))
-    for (i, j), c in zip(TERMS, fit.coefficients, strict=True):
-        for (k, a), (m, b) in itertools.product(_powers(i), _powers(j)):
-            scaled[k, m] += factor * c * a * b
-    return tuple(float(scaled[term]) for term in TERMS)
-
-
-def _powers(n: int) -> list[tuple[int, float]]:
-    """Return (k, coefficient of F^k) in C^n, C = (F − 32)/1.8."""
-    return [(k, math.comb(n, k) * (-32.0) ** (n - k) / 1.8**n) for k in range(n + 1)]
 
 
 DOCUMENT_KEYS = ("title", "fluid", "formula", "S", "D", "units", "conditions")  # keys of a document

@@ -7,7 +7,6 @@ virtual work: the male torque agrees within 1.5 %, the female one within 2.5 % o
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,16 +67,10 @@ def intake_pressure(result: Result) -> float:
     return float(next(each for each in known if each is not None))
 
 
-@dataclass(frozen=True, eq=False)
-class Loads:
-    """Columns over one pitch of the male rotor (`angle` [rad]): forces [N], torques [N m], bearing forces by name."""
-
-    angle: Array
-    columns: Mapping[str, Array]
-
-
-def loads_of(pressures: Pressures, spans: Spans = (0.0, 0.0), shafts: Diameters = (0.0, 0.0)) -> Loads:
-    """Return the loads over one pitch of the male rotor.
+def loads_of(
+    pressures: Pressures, spans: Spans = (0.0, 0.0), shafts: Diameters = (0.0, 0.0)
+) -> tuple[Array, dict[str, Array]]:
+    """Return the angle over one pitch of the male rotor [rad], and by name forces [N], torques [N m], bearing forces.
 
     `spans` [m] are the distances of the bearings outside of the end planes, suction first; `shafts` [m] the diameters
     of the shafts of male and female, which the gas on the end faces does not reach. Raise UsageError for a shaft that
@@ -106,7 +99,7 @@ def loads_of(pressures: Pressures, spans: Spans = (0.0, 0.0), shafts: Diameters 
         shown |= {key.replace("_bearing", "_bearing_total"): values for key, values in carried.items()}
         columns |= {f"{name}_{key}": values for key, values in shown.items()}
     columns["shaft_torque"] = found["male"]["torque"] + found["male"]["contact_torque"]
-    return Loads(angle, columns)
+    return angle, columns
 
 
 def _torques_by_virtual_work(pressures: Pressures, angle: Array) -> dict[str, Array]:

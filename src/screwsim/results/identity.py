@@ -14,7 +14,7 @@ from typing import Any
 from screwsim.numerics import sources
 from screwsim.numerics.trial import import_own_module
 from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
-from screwsim.version import release
+from screwsim.version import release, version
 
 LIBRARIES = ("CoolProp", "llvmlite", "numpy", "scipy")
 Identity = Mapping[str, str]
@@ -153,13 +153,6 @@ def _content(path: str) -> str:
         return sources.digest(Path(path).read_bytes())
     except OSError:
         return _NONE
-
-
-def version() -> str:
-    """Return the version of this package."""
-    from screwsim import __version__
-
-    return __version__
 
 
 @cache

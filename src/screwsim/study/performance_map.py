@@ -43,6 +43,14 @@ class PolynomialFit:
     rms: float
     left_out: float | None
 
+    def in_fahrenheit(self, factor: float) -> tuple[float, ...]:
+        """Return the coefficients for °F from those for °C, for the figure times a factor."""
+        scaled, powers = np.zeros((4, 4)), _powers(32.0, 1.8)
+        for (i, j), c in zip(TERMS, self.coefficients, strict=True):
+            for k, m in np.ndindex(i + 1, j + 1):
+                scaled[k, m] += factor * c * powers[i, k] * powers[j, m]
+        return tuple(float(scaled[term]) for term in TERMS)
+
 
 @dataclass(frozen=True)
 class PerformanceMap:

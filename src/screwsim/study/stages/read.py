@@ -315,21 +315,16 @@ def stages_schema() -> dict[str, Any]:
         "minItems": len(STAGE_NAMES),
         "maxItems": len(STAGE_NAMES),
     }
+    more = {f"{BETWEEN}.{name}": leaf for name, leaf in LEAVES.items() if name != "kind"}
+    own = OWN_PARAMETER.replace("^", f"^({'|'.join(STAGE_NAMES)})\\.", 1)
     properties = {
         "title": {"type": ["string", "null"]},
         STAGES_KEY: files,
         "intercooler": between,
-        "sweep": _sweep_schema(),
+        "sweep": sweep_schema(names_in_chain, more, own),
     }
     schema = {"$schema": DRAFT, "title": "screwsim stages"} | mapping(properties, [STAGES_KEY])
     return schema | {"$defs": axis_definitions()}
-
-
-def _sweep_schema() -> dict[str, Any]:
-    """Return the schema of the sweep of a two-stage file."""
-    more = {f"{BETWEEN}.{name}": leaf for name, leaf in LEAVES.items() if name != "kind"}
-    own = OWN_PARAMETER.replace("^", f"^({'|'.join(STAGE_NAMES)})\\.", 1)
-    return sweep_schema(names_in_chain, more, own)
 
 
 def explain_stages(chain: StageChain) -> str:

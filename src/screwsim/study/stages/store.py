@@ -14,10 +14,10 @@ A point that has no result keeps its reason, in the stages as well.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
@@ -41,14 +41,15 @@ OWN_IDENTITY = ("file ", "values of the scene")  # beginnings of what an identit
 FAILED_TOGETHER = "both stages together have no result: "
 
 
-class PointResults(NamedTuple):
-    """The results of a point: that of both stages together, and that of each."""
+class ChainPoint(NamedTuple):
+    """A point of a sweep: values [SI] of its paths, the result of both stages together, and that of each."""
 
+    values: Mapping[str, Any]
     result: Result
     stages: tuple[Result, ...]
 
 
-def point_results(found: ChainResult, keep: Callable[[Scene, Result], Result]) -> PointResults:
+def chain_point(found: ChainResult, keep: Callable[[Scene, Result], Result]) -> ChainPoint:
     """Return the results of a chain as they are stored, those of the stages as `keep` returns them.
 
     Without a result of both together the stages have none either: what they were last tried with is no solution.
@@ -56,12 +57,12 @@ def point_results(found: ChainResult, keep: Callable[[Scene, Result], Result]) -
     whole = found.as_result()
     if not found.scenes:
         none = Result("failed", f"{FAILED_TOGETHER}{whole.message}")
-        return PointResults(whole, (none,) * len(STAGE_NAMES))
-    return PointResults(whole, tuple(map(keep, found.scenes, found.stages)))
+        return ChainPoint({}, whole, (none,) * len(STAGE_NAMES))
+    return ChainPoint({}, whole, tuple(map(keep, found.scenes, found.stages)))
 
 
 def save_chain(
-    path: Path, chain: StageChain, results: Sequence[PointResults], command: str, solved: Sequence[Scene] = ()
+    path: Path, chain: StageChain, results: Sequence[ChainPoint], command: str, solved: Sequence[Scene] = ()
 ) -> None:
     """Write the results of all points of a chain's sweep, the last axis fastest, or that of one without a sweep.
 
