@@ -17,7 +17,7 @@ from screwsim.codegen.modules import load
 from screwsim.fluid.blend_border import blend_border
 from screwsim.fluid.blend_flash import W_EDGES, Flashes, dome
 from screwsim.fluid.description import describe
-from screwsim.fluid.dome import EQUILIBRIUM, PHASE, PHASED, EquilibriumKernels, dome_kernels
+from screwsim.fluid.dome import EQUILIBRIUM, PHASE, EquilibriumKernels, dome_kernels
 from screwsim.fluid.helmholtz import entropy_kernel, phased_state_text
 from screwsim.fluid.nozzle import choking, critical_power
 from screwsim.fluid.saturation import saturation
@@ -121,8 +121,7 @@ def blend_equilibrium_kernels(fluid: str) -> EquilibriumKernels:
     }
     inside = written(INSIDE.format(**numbers), of, {"log_density": kernels.log_density})
     mixture = written(MIXTURE.format(**numbers), of, {"surface": surface, "choking": choking})
-    text = phased_state_text(fluid, PHASED, ("if phase == 1:", "    return mixture(T, rho)"))
-    phased = written(text, of, {"mixture": mixture, "critical_power": critical_power})
+    phased = written(phased_state_text(fluid), of, {"mixture": mixture, "critical_power": critical_power})
     phase = written(PHASE.format(**numbers), of, {"inside": inside})
     state = written(EQUILIBRIUM.format(**numbers), of, {"phase": phase, "phased_state": phased})
     uses = {"inside": inside, "surface": surface, "single": entropy_kernel(fluid)}

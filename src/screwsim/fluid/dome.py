@@ -98,10 +98,6 @@ INSIDE = '''def inside(T, rho):
     return log_density(-theta, fine) < y < log_density(theta, fine)
 '''
 
-PHASED = (
-    '"""Return what `state` of {name} returns, in one phase (0) or in both (1), beyond their border too ({source})."""'
-)
-
 PHASE = '''def phase(T, rho):
     """Return 1 where two phases of {name} are in equilibrium at T [K], rho [kg/m3], else 0."""
     return 1 if inside(T, rho) else 0
@@ -279,8 +275,7 @@ def equilibrium_kernels(fluid: str) -> EquilibriumKernels:
     two = {"saturation_pressure": kernels.pressure, "saturation_gibbs": kernels.gibbs}
     of = f"{known['name']} equilibrium"
     mixture = written(MIXTURE.format(**known), of, two | {"choking": choking})
-    text = phased_state_text(fluid, PHASED, ("if phase == 1:", "    return mixture(T, rho)"))
-    phased = written(text, of, {"mixture": mixture, "critical_power": critical_power})
+    phased = written(phased_state_text(fluid), of, {"mixture": mixture, "critical_power": critical_power})
     phase = written(PHASE.format(**known), of, {"inside": inside})
     state = written(EQUILIBRIUM.format(**known), of, {"phase": phase, "phased_state": phased})
     entropy = written(ENTROPY.format(**known), of, two | {"inside": inside, "single": entropy_kernel(fluid)})
