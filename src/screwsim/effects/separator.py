@@ -15,12 +15,11 @@ Parameters: cooler (outlet_temperature, duty, discharge_temperature), friction_s
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
-from screwsim.effects.base import CoolsOil, Effect, Faults, InSeparator, Separator
+from screwsim.effects.base import Cooler, CoolsOil, Effect, Faults, InSeparator, Separator
 from screwsim.effects.parts.usual import SEPARATOR
 from screwsim.fluid.separator import Separated, SeparatorInflow, separated
-from screwsim.fluid.settings import oil_temperature
 from screwsim.inputs.declare import number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL, ROTORS
@@ -59,43 +58,13 @@ FIGURES = (
 
 
 @dataclass(frozen=True)
-class Cooler:
-    """What the oil cooler keeps: its outlet temperature, its duty, or the temperature at discharge."""
-
-    outlet_temperature: float | None = oil_temperature(
-        "temperature of the oil after the cooler, in place of oil_supply.temperature"
-    )
-    duty: float | None = quantity("power", "heat that the cooler removes from the oil", None, ge=0.0)
-    discharge_temperature: float | None = oil_temperature(
-        "temperature of the mixture at discharge, kept by a thermostat that cools the oil"
-    )
-
-    @property
-    def stated(self) -> list[str]:
-        """Names of the keys that are stated."""
-        return [each.name for each in fields(self) if getattr(self, each.name) is not None]
-
-
-@dataclass(frozen=True)
 class Parameters(CoolsOil):
     """The cooler (absent: oil_supply.temperature states its outlet, or there is none), and what becomes of losses."""
 
-    outlet_key = "cooler.outlet_temperature"
-    cooler: Cooler | None = None
     friction_share: float = number(
         "share of the friction of bearings, seals and gears that heats the oil", 1.0, ge=0.0, le=1.0
     )
     ambient_loss: float = quantity("power", "heat lost to the surroundings before the cooler", 0.0, ge=0.0)
-
-    @property
-    def outlet(self) -> float | None:
-        """Temperature [K] of the oil behind the cooler; None where it is not prescribed."""
-        return None if self.cooler is None else self.cooler.outlet_temperature
-
-    @property
-    def discharge(self) -> float | None:
-        """Temperature [K] of gas and oil at discharge; None where it is not prescribed."""
-        return None if self.cooler is None else self.cooler.discharge_temperature
 
 
 def build(parameters: Parameters, machine) -> list[Separator]:
