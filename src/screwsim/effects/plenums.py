@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.effects.base import DISCHARGE, LINES, Effect, Faults, LineFlow, Made, Pulsation, Reading, Site, Turn
+from screwsim.effects.base import DISCHARGE, LINES, Effect, Faults, LineFlow, Made, Pulsation, Reading, Turn
 from screwsim.effects.parts import line_valve
 from screwsim.effects.parts.line_valve import Valve
 from screwsim.inputs.declare import count, number, optional
@@ -170,12 +170,8 @@ def _waves(count: int) -> Array:
     return np.column_stack([wave(k * phase) for k in range(1, count + 1) for wave in (np.cos, np.sin)])
 
 
-def _nothing_passes(net: float) -> float:
+def _nothing(_: Any) -> float:
     return 0.0
-
-
-def _steadily(net: float) -> float:
-    return max(net, 0.0)
 
 
 class PlenumWithLine:
@@ -213,12 +209,12 @@ class PlenumWithLine:
         impedance = 0.0 if self.area is None else line.sound / self.area
         capacity = (self.volume + line.open_volume) / line.sound**2
         behind = line_valve.ValveSurroundings(capacity, impedance, frequency, line.rho)
-        mean, least, converged = max(float(flow.mean()), 0.0), _nothing_passes, True
+        mean, least, converged = max(float(flow.mean()), 0.0), _nothing, True
         answering = (1.0 + held) * p * line.open_volume / line.sound**2 * frequency / (2.0 * pi)
         pressure = line_valve.closed(given, behind)
         level = valve.pressure - (0.0 if self.area is None else float(pressure.max()))
         if mean > 0.0 and self.area is None:
-            level, least = float(valve.drop(np.array([mean]), line.rho)[0][0]), _steadily
+            level, least = float(valve.drop(np.array([mean]), line.rho)[0][0]), lambda net: max(net, 0.0)
         elif mean > 0.0:
             passed = line_valve.valve_flow(valve, given, behind)
             pressure, converged = passed.pressure, passed.converged
@@ -234,7 +230,7 @@ class PlenumWithLine:
         spectrum = np.fft.rfft(pressure)[1 : self.count + 1] * (2.0 / len(pressure))
         along = self.along * (stands if shut else level / p)
         amplitudes = self.along * spectrum / p
-        return PlenumState(along, amplitudes, shut, _nothing_passes if shut else least, shut or converged)
+        return PlenumState(along, amplitudes, shut, _nothing if shut else least, shut or converged)
 
     def _far(self, turn: Turn) -> float:
         """Return the mean pressure [Pa] beyond the machine's other port."""
@@ -302,10 +298,6 @@ class PlenumWithLine:
             wave = 0.0 if self.area is None else self.area / line.sound * p * (lowest - float(pressure.mean()))
             found["discharge_line_least_flow"] = line.net + wave if least is None else least(line.net)
         return {**found, f"{self.to}_pulsation_peak_to_peak": p * (highest - lowest)}
-
-
-def _nothing(site: Site) -> float:
-    return 0.0
 
 
 def build(parameters: Parameters, machine) -> list[Made | Pulsation | Reading]:
