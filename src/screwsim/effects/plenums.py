@@ -157,12 +157,6 @@ def _harmonics(count: int, many: int) -> Array:
     return np.exp(2j * pi * np.outer(np.arange(count), np.arange(1, many + 1)) / count)
 
 
-def series(made: Mapping[str, float], to: str, count: int) -> Array:
-    """Return the pressure of a plenum over the line's, at evenly spaced angles of a pitch (M185)."""
-    amplitudes = [made[f"{to}_{part}_{k}"] for k in range(1, count + 1) for part in ("cos", "sin")]
-    return 1.0 + made[f"{to}_offset"] + _waves(count) @ np.array(amplitudes)
-
-
 @lru_cache(maxsize=4)
 def _waves(count: int) -> Array:
     """Return cosine and sine of each harmonic over a pitch, a column each."""
@@ -246,6 +240,11 @@ class PlenumWithLine:
         """Return the relative offset of the mean pressure after a turn."""
         return self.state(turn).offset
 
+    def pressure(self, turn: Turn) -> Array:
+        """Return the plenum's pressure over the line's, at evenly spaced angles of a pitch (M185)."""
+        amplitudes = np.array([turn.made[name] for name in self.names])
+        return 1.0 + turn.made[f"{self.to}_offset"] + _waves(self.count) @ amplitudes
+
     def shut(self, turn: Turn) -> bool:
         """Tell whether the check valve stays shut over the whole pitch."""
         return self.state(turn).shut
@@ -288,7 +287,7 @@ class PlenumWithLine:
 
     def figures(self, turn: Turn) -> dict[str, float | None]:
         """Return mean, peak-to-peak value and harmonics of the pressure [Pa]."""
-        p, pressure = turn.line(self.to).p, series(turn.made, self.to, self.count)
+        p, pressure = turn.line(self.to).p, self.pressure(turn)
         lowest, highest = line_valve.lowest(pressure), -line_valve.lowest(-pressure)
         pairs = [(turn.made[f"{self.to}_cos_{k}"], turn.made[f"{self.to}_sin_{k}"]) for k in range(1, len(WHICH) + 1)]
         found = {f"{self.to}_pulsation_harmonic_{k}": p * hypot(*pair) for k, pair in enumerate(pairs, 1)}
@@ -317,9 +316,7 @@ def build(parameters: Parameters, machine) -> list[Made | Pulsation | Reading]:
     def traces(figures) -> dict[str, Any]:
         """Return the pressures [Pa] over a pitch."""
         turn = figures.turn
-        return {
-            f"{one.to}_plenum_pressure": turn.line(one.to).p * series(turn.made, one.to, one.count) for one in behind
-        }
+        return {f"{one.to}_plenum_pressure": turn.line(one.to).p * one.pressure(turn) for one in behind}
 
     return [*(part for one in behind for part in one.parts()), Reading(names_of(FIGURES), read, traces, judge)]
 
