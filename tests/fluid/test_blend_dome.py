@@ -76,8 +76,9 @@ def test_the_table_is_what_flashes_find(flashes, states):
 def test_all_follows_from_one_potential(states):
     """Maxwell's relations, du = T ds − p dv and the isentrope's slope, by differences of the kernels themselves."""
     kernels = blend_equilibrium_kernels(FLUID)
+    state, entropy = kernels["state"], kernels["specific_entropy"]
     for T, v in zip(*(one[::10] for one in states), strict=True):
-        p, _h, c_v, tpt, a, *_ = kernels.state(T, 1.0 / v)
+        p, _h, c_v, tpt, a, *_ = state(T, 1.0 / v)
 
         def slope(function, T=T, v=v, by_T=True, of=1e-4):
             at = [(T * (1 + k * of), v) if by_T else (T, v * (1 + k * of)) for k in (-2, -1, 1, 2)]
@@ -85,14 +86,14 @@ def test_all_follows_from_one_potential(states):
             return (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * of * (T if by_T else v))
 
         def energy(T, rho):
-            p, h, *_ = kernels.state(T, rho)
+            p, h, *_ = state(T, rho)
             return h - p / rho
 
         assert slope(energy) == pytest.approx(c_v, rel=1e-5)
-        assert T * slope(kernels.entropy) == pytest.approx(c_v, rel=1e-5)
-        assert T * slope(kernels.entropy, by_T=False) == pytest.approx(tpt, rel=1e-5)
+        assert T * slope(entropy) == pytest.approx(c_v, rel=1e-5)
+        assert T * slope(entropy, by_T=False) == pytest.approx(tpt, rel=1e-5)
         assert slope(energy, by_T=False) == pytest.approx(tpt - p, rel=1e-4, abs=1e-4 * p)
-        p_v = slope(lambda T, rho: kernels.state(T, rho)[0], by_T=False)
+        p_v = slope(lambda T, rho: state(T, rho)[0], by_T=False)
         assert 1.0 / a == pytest.approx(v / p * (tpt**2 / (T * c_v) - p_v), rel=1e-4)
 
 
@@ -132,7 +133,7 @@ def test_a_blend_of_almost_one_component_condenses_as_that():
     """1e-4 of R1234yf in R134a: p, c_v, T ∂p/∂T, 1/k of both phases are those of R134a, to what 1e-4 does to them."""
     mixed = own_blend(("R134a", "R1234yf"), (1.0 - 1e-4, 1e-4), by_mole=True)
     found, pure = (
-        kernels.state(290.0, 60.0) for kernels in (blend_equilibrium_kernels(mixed), equilibrium_kernels("R134a"))
+        kernels["state"](290.0, 60.0) for kernels in (blend_equilibrium_kernels(mixed), equilibrium_kernels("R134a"))
     )
     assert (found[0], found[2], found[3], found[4]) == pytest.approx((pure[0], pure[2], pure[3], pure[4]), rel=1e-3)
 

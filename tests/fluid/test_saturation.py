@@ -7,7 +7,7 @@ import pytest
 from each_row import each_row
 
 from screwsim.fluid import constants
-from screwsim.fluid.dome import inside_kernel, saturation_kernels
+from screwsim.fluid.dome import inside_kernel, margin_kernel, saturation_kernels
 from screwsim.fluid.helmholtz import entropy_kernel, potentials_kernel, state_kernel
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.saturation import fitted, nodes, saturation
@@ -95,7 +95,8 @@ def test_a_pseudo_pure_fluid_condenses_at_coolprops_dew_line(fluid):
         # 1e-6: tables through values of CoolProp, which finds the density from a fitted pressure by iteration
         assert gas.saturation_pressure(T) == pytest.approx(state.p(), rel=1e-6)
         assert saturation_kernels(fluid).vapour(T) == pytest.approx(state.rhomass(), rel=1e-6)
-        assert gas.margin(T, 0.99 * state.rhomass()) > 0.0 > gas.margin(T, 1.01 * state.rhomass())
+        margin, rho = margin_kernel(fluid), state.rhomass()
+        assert margin(T, 0.99 * rho) > 0.0 > margin(T, 1.01 * rho)
 
 
 # ---- the dome ---------------------------------------------------------------------------------------------------

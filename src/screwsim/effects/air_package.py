@@ -90,32 +90,28 @@ OF_WATER = (  # computed with the package's water balance (M361)
 )
 
 
-def _loss() -> float:
-    return quantity("pressure_difference", "pressure loss at rated_flow", ge=0.0, le=5e5, hardly=(None, 1e5))
-
-
 @dataclass(frozen=True)
 class PressureLoss:
     """A part with a pressure loss."""
 
-    pressure_loss: float = _loss()
+    pressure_loss: float = quantity(
+        "pressure_difference", "pressure loss at rated_flow", ge=0.0, le=5e5, hardly=(None, 1e5)
+    )
 
 
 @dataclass(frozen=True)
-class MinimumPressureValve:
+class MinimumPressureValve(PressureLoss):
     """A valve that opens when the pressure upstream is high enough for oil to flow."""
 
-    pressure_loss: float = _loss()
     pressure: float | None = quantity(
         "pressure", "lowest absolute pressure that it maintains upstream", None, gt=0.0, le=1e8
     )
 
 
 @dataclass(frozen=True)
-class Aftercooler:
+class Aftercooler(PressureLoss):
     """A cooler of the delivered air, after the minimum-pressure valve."""
 
-    pressure_loss: float = _loss()
     approach: float = quantity(
         "temperature_difference",
         "temperature of the air leaving it, less that at the package's inlet",

@@ -126,14 +126,10 @@ class Parameters(WindowParameters, Sought):
         """Return the range of temperatures between evaporation and the liquid that an economizer can cool."""
         operation, fluid = facts.operation, facts.gas.name
         low = operation.evaporating_temperature or constants.saturation_temperature(fluid, suction_pressure())
-        cooler, T_c = operation.gas_cooler, operation.condensing_temperature
-        if cooler is not None:
-            limits = constants.limits(fluid)
-            most = cooler.outlet_temperature if limits is None else limits.T_critical - 1.0
-            liquid, warmest = cooler.outlet_temperature, most
-        else:
-            liquid = constants.condensed(fluid, T_c or 0.0) - (operation.subcooling or 0.0)
-            warmest = T_c or liquid
+        liquid, limits = _liquid(facts) or 0.0, constants.limits(fluid)
+        warmest = operation.condensing_temperature or liquid
+        if operation.gas_cooler is not None and limits is not None:
+            warmest = limits.T_critical - 1.0
         return Span(low + APART, max(min(liquid - self.nearest, warmest) - APART, low + APART))
 
     def first(self, span: Span) -> float:
@@ -257,7 +253,8 @@ def check(parameters: Parameters, facts) -> Faults:
     else:
         T = saturation(parameters, fluid)
         yield from _between(parameters, T, facts, stated)
-        yield from _warm_enough(parameters, T, facts, stated)
+        remedy = f"choose a lower {stated}, a smaller approach or less subcooling"
+        yield from _warm_enough(T + parameters.nearest, facts, f"it would be cooled ({remedy})")
 
 
 def _found(parameters: Parameters, facts) -> Faults:
@@ -268,24 +265,24 @@ def _found(parameters: Parameters, facts) -> Faults:
         what = "auto needs the liquid of a condenser or gas cooler (state a compressor's lines by temperatures)"
         yield Fault(f"effects.{NAME}.temperature", f"{what}, or write a temperature")
     elif operation.gas_cooler is None and low < high:
-        liquid = constants.condensed(facts.gas.name, high or 0.0) - (operation.subcooling or 0.0)
-        coldest = low + parameters.nearest
-        if liquid <= coldest + 1.0:
-            what = f"the liquid, {in_celsius(liquid)}, is not warmer than the {in_celsius(coldest)} to which"
-            yield Fault(f"effects.{NAME}", f"{what} it could be cooled (less subcooling, or a smaller approach)")
+        cooled = "it could be cooled (less subcooling, or a smaller approach)"
+        yield from _warm_enough(low + parameters.nearest, facts, cooled, 1.0)
 
 
-def _warm_enough(parameters: Parameters, T: float, facts, stated: str) -> Faults:
-    """Yield a fault where the liquid behind the condenser is already colder than the economizer can make it."""
-    T_c, subcooling = facts.operation.condensing_temperature, facts.operation.subcooling or 0.0
-    T_c = None if T_c is None else constants.condensed(facts.gas.name, T_c)
-    if facts.operation.gas_cooler is not None:
-        T_c = facts.operation.gas_cooler.outlet_temperature
-    coldest = T + parameters.nearest
-    if T_c is not None and T_c - subcooling <= coldest:
-        what = f"the liquid, {in_celsius(T_c - subcooling)}, is not warmer than the {in_celsius(coldest)} to which"
-        remedy = f"choose a lower {stated}, a smaller approach or less subcooling"
-        yield Fault(f"effects.{NAME}", f"{what} it would be cooled ({remedy})")
+def _liquid(facts) -> float | None:
+    """Return the temperature [K] of the liquid behind condenser or gas cooler; None where the scene states neither."""
+    operation, T_c = facts.operation, facts.operation.condensing_temperature
+    if operation.gas_cooler is not None:
+        return operation.gas_cooler.outlet_temperature
+    return None if T_c is None else constants.condensed(facts.gas.name, T_c) - (operation.subcooling or 0.0)
+
+
+def _warm_enough(coldest: float, facts, cooled: str, apart: float = 0.0) -> Faults:
+    """Yield a fault where the liquid behind the condenser is already colder than the economizer can make it [K]."""
+    liquid = _liquid(facts)
+    if liquid is not None and liquid <= coldest + apart:
+        what = f"the liquid, {in_celsius(liquid)}, is not warmer than the {in_celsius(coldest)} to which"
+        yield Fault(f"effects.{NAME}", f"{what} {cooled}")
 
 
 def _between(parameters: Parameters, T: float, facts, stated: str) -> Faults:

@@ -28,6 +28,7 @@ from screwsim.machine.protocol import OIL
 from screwsim.numerics.kernel import kernel
 
 NAME = "oil_injection"
+NO_LINE = OilLine(pressure_loss=0.0, flow=1.0)
 
 
 @dataclass(frozen=True)
@@ -55,29 +56,6 @@ def flow(
     opens,
     closes,
     pressure_loss,
-    separator_pressure,
-    oil_density,
-    oil_viscosity,
-    bore_diameter,
-    bore_length,
-    bore_count,
-):
-    """Return the oil flow [kg/s] into a chamber at phi [rad] and pressure p [Pa] (M104)."""
-    share = ramp(phi, opens, opens + RAMP, closes - RAMP, closes)
-    if share == 0.0:
-        return 0.0
-    dp = separator_pressure - pressure_loss - p
-    return share * smooth_orifice_flow(dp, width, oil_density, oil_viscosity, bore_diameter, bore_length, bore_count)
-
-
-@kernel
-def flow_behind_line(
-    phi,
-    p,
-    width,
-    opens,
-    closes,
-    pressure_loss,
     line_loss,
     line_flow,
     separator_pressure,
@@ -87,24 +65,17 @@ def flow_behind_line(
     bore_length,
     bore_count,
 ):
-    """Return the same as `flow`, with a line in series that loses line_loss [Pa] at line_flow [m³/s] (M392)."""
-    free = flow(
-        phi,
-        p,
-        width,
-        opens,
-        closes,
-        pressure_loss,
-        separator_pressure,
-        oil_density,
-        oil_viscosity,
-        bore_diameter,
-        bore_length,
-        bore_count,
-    )
-    if free <= 0.0:
+    """Return the oil flow [kg/s] into a chamber at phi [rad] and pressure p [Pa] (M104).
+
+    A line in series loses line_loss [Pa] at line_flow [m³/s] (M392).
+    """
+    share = ramp(phi, opens, opens + RAMP, closes - RAMP, closes)
+    if share == 0.0:
         return 0.0
     dp = separator_pressure - pressure_loss - p
+    free = share * smooth_orifice_flow(dp, width, oil_density, oil_viscosity, bore_diameter, bore_length, bore_count)
+    if free <= 0.0:
+        return 0.0
     available = dp * dp / math.sqrt(dp * dp + width * width)
     nominal = oil_density * line_flow
     return free / math.sqrt(1.0 + line_loss * free * free / (nominal * nominal * available))
@@ -117,15 +88,14 @@ def pumped(phi, opens, closes, omega):
 
 
 def build(parameters: Parameters, machine) -> list[OilPort]:
-    window, breakpoints = {"opens": parameters.opens, "closes": parameters.closes}, window_breakpoints(parameters)
-    if parameters.pressure is not None:
-        values = {**window, "pressure_loss": 0.0, "separator_pressure": parameters.pressure}
-        return [OilPort(flow, values, parameters.closes, breakpoints, pressure=parameters.pressure)]
-    values, law = {**window, "pressure_loss": parameters.pressure_loss}, flow
-    if parameters.line is not None and parameters.line.pressure_loss > 0.0:
-        law = flow_behind_line
-        values |= {"line_loss": parameters.line.pressure_loss, "line_flow": parameters.line.flow}
-    return [OilPort(law, values, parameters.closes, breakpoints, parameters.pressure_loss, pumped)]
+    line, loss, stated = parameters.line or NO_LINE, parameters.pressure_loss, parameters.pressure
+    values = {"opens": parameters.opens, "closes": parameters.closes, "pressure_loss": loss}
+    values |= {"line_loss": line.pressure_loss, "line_flow": line.flow}
+    breakpoints = window_breakpoints(parameters)
+    if stated is not None:
+        values["separator_pressure"] = stated
+        return [OilPort(flow, values, parameters.closes, breakpoints, pressure=stated)]
+    return [OilPort(flow, values, parameters.closes, breakpoints, loss, pumped)]
 
 
 def check(parameters: Parameters, facts) -> Faults:

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.effects.base import DISCHARGE, LINES, Effect, Faults, LineFlow, Made, Pulsation, Reading, Site, Turn
+from screwsim.effects.base import DISCHARGE, LINES, Effect, Faults, LineFlow, Made, Pulsation, Reading, Turn
 from screwsim.effects.parts import line_valve
 from screwsim.effects.parts.line_valve import Valve
 from screwsim.inputs.declare import count, number, optional
@@ -126,8 +126,8 @@ def offset(line: LineFlow, area: float | None, loss: float) -> float:
     return 0.0 if area is None else 0.5 * loss * mean * abs(mean) / (line.rho * area**2) / line.p
 
 
-class ValvedState(NamedTuple):
-    """State of a plenum with a check valve after a turn: offset, amplitudes, whether it stays shut, its least flow.
+class PlenumState(NamedTuple):
+    """State of a plenum after a turn: offset, amplitudes, whether its check valve stays shut, the valve's least flow.
 
     Offset and amplitudes a_k − i b_k are over the line's pressure; the least flow [kg/s] counts along the valve,
     and is that of a given net flow. `found`: whether the flow through the valve was found.
@@ -135,9 +135,9 @@ class ValvedState(NamedTuple):
 
     offset: float
     amplitudes: Array
-    shut: bool
-    least: Callable[[float], float]
-    found: bool
+    shut: bool = False
+    least: Callable[[float], float] | None = None  # None without a valve
+    found: bool = True
 
 
 def answer(line: LineFlow, before: Array, capacity: float, frequency: float) -> Array:
@@ -157,12 +157,6 @@ def _harmonics(count: int, many: int) -> Array:
     return np.exp(2j * pi * np.outer(np.arange(count), np.arange(1, many + 1)) / count)
 
 
-def series(made: Mapping[str, float], to: str, count: int) -> Array:
-    """Return the pressure of a plenum over the line's, at evenly spaced angles of a pitch (M185)."""
-    amplitudes = [made[f"{to}_{part}_{k}"] for k in range(1, count + 1) for part in ("cos", "sin")]
-    return 1.0 + made[f"{to}_offset"] + _waves(count) @ np.array(amplitudes)
-
-
 @lru_cache(maxsize=4)
 def _waves(count: int) -> Array:
     """Return cosine and sine of each harmonic over a pitch, a column each."""
@@ -170,12 +164,8 @@ def _waves(count: int) -> Array:
     return np.column_stack([wave(k * phase) for k in range(1, count + 1) for wave in (np.cos, np.sin)])
 
 
-def _nothing_passes(net: float) -> float:
+def _nothing(_: Any) -> float:
     return 0.0
-
-
-def _steadily(net: float) -> float:
-    return max(net, 0.0)
 
 
 class PlenumWithLine:
@@ -189,37 +179,36 @@ class PlenumWithLine:
         self.along = 1.0 if to == DISCHARGE else -1.0
         self.downstream: PlenumWithLine | None = None  # of a suction valve: the plenum of the other check valve
         self.names = [f"{to}_{part}_{k}" for k in range(1, self.count + 1) for part in ("cos", "sin")]
-        self._last: tuple[Any, ValvedState | None, list[float]] = None, None, []
+        self._last: tuple[Any, PlenumState] = None, PlenumState(0.0, np.empty(0))
 
-    def _found(self, turn: Turn) -> tuple[ValvedState | None, list[float]]:
-        """Return a plenum's state with a valve (else None) and its coefficients after a turn, computed once a turn."""
-        of, mean, coefficients = self._last  # one read of the tuple: threads that read other turns share it
+    def state(self, turn: Turn) -> PlenumState:
+        """Return the plenum's state after a turn, computed once a turn."""
+        of, found = self._last  # one read of the tuple: threads that read other turns share it
         if of is not turn.line:
             held = np.array([turn.held[name] for name in self.names]).reshape(-1, 2)
             before, frequency = held[:, 0] - 1j * held[:, 1], 2.0 * pi * turn.omega / turn.pitch
-            line, mean = turn.line(self.to), None
+            line = turn.line(self.to)
             if self.valve is None or (self.downstream is not None and self.downstream.locks_in(turn)):
-                found = pulsation(line, before, self.volume, self.area, frequency)
+                amplitudes = pulsation(line, before, self.volume, self.area, frequency)
+                found = PlenumState(offset(line, self.area, self.loss), amplitudes)
             else:
-                mean = self._valved(self.valve, line, before, turn, frequency)
-                found = mean.amplitudes
-            coefficients = np.column_stack([np.real(found), -np.imag(found)]).ravel().tolist()
-            self._last = turn.line, mean, coefficients
-        return mean, coefficients
+                found = self._valved(self.valve, line, before, turn, frequency)
+            self._last = turn.line, found
+        return found
 
-    def _valved(self, valve: Valve, line: LineFlow, before: Array, turn: Turn, frequency: float) -> ValvedState:
+    def _valved(self, valve: Valve, line: LineFlow, before: Array, turn: Turn, frequency: float) -> PlenumState:
         """Return the state of a plenum with a check valve after a turn, integrated with a held offset (M220–M222)."""
         flow, p, held = self.along * line.flow, line.p, turn.held[f"{self.to}_offset"]
         given = self.along * answer(line, before, line.open_volume / line.sound**2, frequency)
         impedance = 0.0 if self.area is None else line.sound / self.area
         capacity = (self.volume + line.open_volume) / line.sound**2
         behind = line_valve.ValveSurroundings(capacity, impedance, frequency, line.rho)
-        mean, least, converged = max(float(flow.mean()), 0.0), _nothing_passes, True
+        mean, least, converged = max(float(flow.mean()), 0.0), _nothing, True
         answering = (1.0 + held) * p * line.open_volume / line.sound**2 * frequency / (2.0 * pi)
         pressure = line_valve.closed(given, behind)
         level = valve.pressure - (0.0 if self.area is None else float(pressure.max()))
         if mean > 0.0 and self.area is None:
-            level, least = float(valve.drop(np.array([mean]), line.rho)[0][0]), _steadily
+            level, least = float(valve.drop(np.array([mean]), line.rho)[0][0]), lambda net: max(net, 0.0)
         elif mean > 0.0:
             passed = line_valve.valve_flow(valve, given, behind)
             pressure, converged = passed.pressure, passed.converged
@@ -235,7 +224,7 @@ class PlenumWithLine:
         spectrum = np.fft.rfft(pressure)[1 : self.count + 1] * (2.0 / len(pressure))
         along = self.along * (stands if shut else level / p)
         amplitudes = self.along * spectrum / p
-        return ValvedState(along, amplitudes, shut, _nothing_passes if shut else least, shut or converged)
+        return PlenumState(along, amplitudes, shut, _nothing if shut else least, shut or converged)
 
     def _far(self, turn: Turn) -> float:
         """Return the mean pressure [Pa] beyond the machine's other port."""
@@ -244,22 +233,21 @@ class PlenumWithLine:
 
     def coefficient(self, i: int, turn: Turn) -> float:
         """Return the i-th of the coefficients a_1, b_1, a_2 … after a turn."""
-        return self._found(turn)[1][i]
+        amplitude = self.state(turn).amplitudes[i // 2]
+        return float(-amplitude.imag if i % 2 else amplitude.real)
 
     def offset(self, turn: Turn) -> float:
         """Return the relative offset of the mean pressure after a turn."""
-        mean = self._found(turn)[0]
-        return offset(turn.line(self.to), self.area, self.loss) if mean is None else mean.offset
+        return self.state(turn).offset
+
+    def pressure(self, turn: Turn) -> Array:
+        """Return the plenum's pressure over the line's, at evenly spaced angles of a pitch (M185)."""
+        amplitudes = np.array([turn.made[name] for name in self.names])
+        return 1.0 + turn.made[f"{self.to}_offset"] + _waves(self.count) @ amplitudes
 
     def shut(self, turn: Turn) -> bool:
         """Tell whether the check valve stays shut over the whole pitch."""
-        mean = self._found(turn)[0]
-        return mean is not None and mean.shut
-
-    def knows_flow(self, turn: Turn) -> bool:
-        """Tell whether the flow through the check valve was found after a turn; without one it always is."""
-        mean = self._found(turn)[0]
-        return mean is None or mean.found
+        return self.state(turn).shut
 
     def locks_in(self, turn: Turn) -> bool:
         """Tell whether gas leaves the chambers only to the suction line, whose valve would stay shut, too (M240)."""
@@ -299,21 +287,16 @@ class PlenumWithLine:
 
     def figures(self, turn: Turn) -> dict[str, float | None]:
         """Return mean, peak-to-peak value and harmonics of the pressure [Pa]."""
-        p, pressure = turn.line(self.to).p, series(turn.made, self.to, self.count)
+        p, pressure = turn.line(self.to).p, self.pressure(turn)
         lowest, highest = line_valve.lowest(pressure), -line_valve.lowest(-pressure)
         pairs = [(turn.made[f"{self.to}_cos_{k}"], turn.made[f"{self.to}_sin_{k}"]) for k in range(1, len(WHICH) + 1)]
         found = {f"{self.to}_pulsation_harmonic_{k}": p * hypot(*pair) for k, pair in enumerate(pairs, 1)}
         found[f"{self.to}_plenum_pressure"] = p * (1.0 + turn.made[f"{self.to}_offset"])
         if self.to == DISCHARGE:
-            line = turn.line(self.to)
-            mean = self._found(turn)[0]
+            line, least = turn.line(self.to), self.state(turn).least
             wave = 0.0 if self.area is None else self.area / line.sound * p * (lowest - float(pressure.mean()))
-            found["discharge_line_least_flow"] = line.net + wave if mean is None else mean.least(line.net)
+            found["discharge_line_least_flow"] = line.net + wave if least is None else least(line.net)
         return {**found, f"{self.to}_pulsation_peak_to_peak": p * (highest - lowest)}
-
-
-def _nothing(site: Site) -> float:
-    return 0.0
 
 
 def build(parameters: Parameters, machine) -> list[Made | Pulsation | Reading]:
@@ -326,16 +309,14 @@ def build(parameters: Parameters, machine) -> list[Made | Pulsation | Reading]:
 
     def judge(figures) -> tuple[str, tuple[str, ...]]:
         """Return a text on a valve whose flow was not found, and warnings of plenums too long to have one pressure."""
-        failures = [line_valve.UNFOUND.format(to=one.to) for one in behind if not one.knows_flow(figures.turn)]
+        failures = [line_valve.UNFOUND.format(to=one.to) for one in behind if not one.state(figures.turn).found]
         found = (one.spread(figures.turn) for one in behind)
         return "".join(failures[:1]), tuple(each for each in found if each)
 
     def traces(figures) -> dict[str, Any]:
         """Return the pressures [Pa] over a pitch."""
         turn = figures.turn
-        return {
-            f"{one.to}_plenum_pressure": turn.line(one.to).p * series(turn.made, one.to, one.count) for one in behind
-        }
+        return {f"{one.to}_plenum_pressure": turn.line(one.to).p * one.pressure(turn) for one in behind}
 
     return [*(part for one in behind for part in one.parts()), Reading(names_of(FIGURES), read, traces, judge)]
 

@@ -109,8 +109,6 @@ def error_in_unit(
 
 def worst(errors: Figures) -> tuple[str, float]:
     """Return the figure with the largest error, and that error."""
-    found, largest = "", 0.0
-    for name, error in errors.items():
-        if error is not None and (error > largest or not found):
-            found, largest = name, error
-    return found, largest
+    known = {name: error for name, error in errors.items() if error is not None}
+    found = max(known, key=lambda name: known[name], default="")
+    return found, known.get(found, 0.0)

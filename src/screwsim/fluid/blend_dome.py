@@ -7,7 +7,7 @@ M352; a subscript is a derivative):
 `BlendWet` has the states at a pressure: by enthalpy or entropy from the table, by quality from a flash.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -17,7 +17,7 @@ from screwsim.codegen.modules import load
 from screwsim.fluid.blend_border import blend_border
 from screwsim.fluid.blend_flash import W_EDGES, Flashes, dome
 from screwsim.fluid.description import describe
-from screwsim.fluid.dome import EQUILIBRIUM, PHASE, PHASED, EquilibriumKernels, dome_kernels
+from screwsim.fluid.dome import EQUILIBRIUM, PHASE, dome_kernels
 from screwsim.fluid.helmholtz import entropy_kernel, phased_state_text
 from screwsim.fluid.nozzle import choking, critical_power
 from screwsim.fluid.saturation import saturation
@@ -108,7 +108,7 @@ def surface_kernel(fluid: str) -> Kernel:
 
 
 @lru_cache(maxsize=16)
-def blend_equilibrium_kernels(fluid: str) -> EquilibriumKernels:
+def blend_equilibrium_kernels(fluid: str) -> Mapping[str, Kernel]:
     """Return the kernels of a blend whose two phases are in equilibrium inside the dome, where its table reaches."""
     known, edges, of = describe(fluid), dome(fluid).edges, f"{describe(fluid).name} equilibrium"
     kernels, surface = dome_kernels(fluid), surface_kernel(fluid)
@@ -121,12 +121,12 @@ def blend_equilibrium_kernels(fluid: str) -> EquilibriumKernels:
     }
     inside = written(INSIDE.format(**numbers), of, {"log_density": kernels.log_density})
     mixture = written(MIXTURE.format(**numbers), of, {"surface": surface, "choking": choking})
-    text = phased_state_text(fluid, PHASED, ("if phase == 1:", "    return mixture(T, rho)"))
-    phased = written(text, of, {"mixture": mixture, "critical_power": critical_power})
+    phased = written(phased_state_text(fluid), of, {"mixture": mixture, "critical_power": critical_power})
     phase = written(PHASE.format(**numbers), of, {"inside": inside})
     state = written(EQUILIBRIUM.format(**numbers), of, {"phase": phase, "phased_state": phased})
     uses = {"inside": inside, "surface": surface, "single": entropy_kernel(fluid)}
-    return EquilibriumKernels(state, written(MIXED_ENTROPY.format(**numbers), of, uses), phase, phased)
+    entropy = written(MIXED_ENTROPY.format(**numbers), of, uses)
+    return {"state": state, "specific_entropy": entropy, "phase": phase, "phased_state": phased}
 
 
 class BlendWet:

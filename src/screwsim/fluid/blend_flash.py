@@ -21,7 +21,7 @@ from screwsim.fluid.coolprop_cache import cached_answer
 from screwsim.fluid.description import Description, describe
 from screwsim.fluid.fugacity import Fugacities
 from screwsim.fluid.helmholtz import potentials_kernel, vectorised
-from screwsim.fluid.phase_envelope import TINY, R, envelope
+from screwsim.fluid.phase_envelope import R, envelope, newton
 from screwsim.fluid.saturation import saturation
 from screwsim.inputs.faults import UsageError
 from screwsim.numerics.compiling import announced
@@ -32,7 +32,7 @@ W_EDGES = (0.0, 0.08, 0.3, 1.0)  # narrower towards the bubble point, where the 
 REACHES = ((0.005, 0.42), (0.005, 0.36), (0.02, 0.36), (0.02, 0.3))  # ranges of 1 − T/T_m: the first one solved
 WIDEST = 0.1  # largest width of a cell in 1 − T/T_m
 ALIKE = 1e-5  # largest relative difference of p between table and flashes; more means a wrong solution among them
-CLOSE, STEPS, MOST = 1e-10, 30, 0.3  # last step of a solution, number of steps, longest step
+CLOSE, STEPS = 1e-10, 30  # last step of a solution, number of steps
 INSTEAD = "write refuse, or another blend, such as R454B, R513A or R448A"
 PROBED, PROBES = 9, (0.1, 0.2, 0.28)  # states that are tried first per temperature, and their 1 − T/T_m
 WALK = 8  # continuation steps from the dew point to a state that is not found directly
@@ -66,27 +66,6 @@ def _residuals(f: Fugacities, T: Array, v: Array, u: Array) -> Array:
     return np.concatenate([log_v - log_l, np.array(last)])
 
 
-def _newton(f: Fugacities, T: Array, v: Array, u: Array) -> tuple[Array, Array]:
-    """Return u [n + 3, m] solved at T [K] and v [m³/mol], and which of the m have converged."""
-    n, u, last = len(u), u.copy(), np.full(u.shape[1], np.inf)
-    with np.errstate(all="ignore"):
-        for _ in range(STEPS):
-            moved = np.repeat(u[:, None, :].astype(complex), n, axis=1)
-            moved[np.arange(n), np.arange(n)] += 1j * TINY
-            found = _residuals(f, T, v, moved)
-            matrix, value = np.imag(found) / TINY, np.real(found[:, 0])
-            sound = np.isfinite(matrix).all(axis=(0, 1)) & np.isfinite(value).all(axis=0)
-            matrix = np.where(sound, matrix, np.eye(n)[:, :, None]).transpose(2, 0, 1)
-            sound &= np.linalg.slogdet(matrix)[0] != 0.0
-            matrix = np.where(sound[:, None, None], matrix, np.eye(n))
-            step = np.linalg.solve(matrix, value.T[:, :, None])[:, :, 0].T
-            last = np.where(sound, np.abs(step).max(axis=0), np.inf)
-            u -= np.clip(np.where(sound, step, 0.0), -MOST, MOST)
-            if (last < 1e-2 * CLOSE).all():
-                break
-    return u, last < CLOSE
-
-
 class Flashes:
     """Direct flashes of a blend between its bubble and its dew points."""
 
@@ -109,8 +88,8 @@ class Flashes:
     def _solved(self, T: Array, v: Array, start: Array) -> tuple[Array, Array]:
         """Return u [n + 3, m], and which of the m are two phases."""
         n = self.f.n
-        u, good = _newton(self.f, T, v, start)
-        return u, good & (u[n] > u[n + 1]) & (np.abs(u[n + 2] - 0.5) < 0.6)
+        u, last = newton(lambda u: _residuals(self.f, T, v, u), start, range(n + 3), STEPS, 1e-2 * CLOSE)
+        return u, (last < CLOSE) & (u[n] > u[n + 1]) & (np.abs(u[n + 2] - 0.5) < 0.6)
 
     def probe(self, T: float) -> None:
         """Raise ValueError where flashes across the dome fail at T [K]."""

@@ -8,6 +8,7 @@ So du/dT = c_v and (∂u/∂v)_T = T p' − p hold exactly, whatever the tables'
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -97,10 +98,6 @@ INSIDE = '''def inside(T, rho):
     y = math.log(rho)
     return log_density(-theta, fine) < y < log_density(theta, fine)
 '''
-
-PHASED = (
-    '"""Return what `state` of {name} returns, in one phase (0) or in both (1), beyond their border too ({source})."""'
-)
 
 PHASE = '''def phase(T, rho):
     """Return 1 where two phases of {name} are in equilibrium at T [K], rho [kg/m3], else 0."""
@@ -258,33 +255,22 @@ def inside_kernel(fluid: str) -> Kernel:
     return written(text, f"{known['name']} dome", {"QUICK_DENSITY": quick, "log_density": kernels.log_density})
 
 
-@dataclass(frozen=True)
-class EquilibriumKernels:
-    """Kernels of a fluid whose two phases are in equilibrium inside the dome; `phased` takes (phase, T, rho).
-
-    `phased` continues smoothly beyond the border of its phase, so that an integrator that crosses it can end its step
-    there.
-    """
-
-    state: Kernel
-    entropy: Kernel
-    phase: Kernel
-    phased: Kernel
-
-
 @lru_cache(maxsize=64)
-def equilibrium_kernels(fluid: str) -> EquilibriumKernels:
-    """Return the kernels of a fluid whose two phases are in equilibrium inside the dome."""
+def equilibrium_kernels(fluid: str) -> Mapping[str, Kernel]:
+    """Return the kernels of a fluid whose two phases are in equilibrium inside the dome, by what a gas calls them.
+
+    `phased_state` continues smoothly beyond the border of its phase, so that an integrator that crosses it can end its
+    step there.
+    """
     known, kernels, inside = numbers(fluid), dome_kernels(fluid), inside_kernel(fluid)
     two = {"saturation_pressure": kernels.pressure, "saturation_gibbs": kernels.gibbs}
     of = f"{known['name']} equilibrium"
     mixture = written(MIXTURE.format(**known), of, two | {"choking": choking})
-    text = phased_state_text(fluid, PHASED, ("if phase == 1:", "    return mixture(T, rho)"))
-    phased = written(text, of, {"mixture": mixture, "critical_power": critical_power})
+    phased = written(phased_state_text(fluid), of, {"mixture": mixture, "critical_power": critical_power})
     phase = written(PHASE.format(**known), of, {"inside": inside})
     state = written(EQUILIBRIUM.format(**known), of, {"phase": phase, "phased_state": phased})
     entropy = written(ENTROPY.format(**known), of, two | {"inside": inside, "single": entropy_kernel(fluid)})
-    return EquilibriumKernels(state, entropy, phase, phased)
+    return {"state": state, "specific_entropy": entropy, "phase": phase, "phased_state": phased}
 
 
 @lru_cache(maxsize=64)

@@ -79,7 +79,23 @@ class CompiledGas(CommonGas, Protocol):
     """A gas whose states are computed by compiled kernels, `_kernels` by name, and searched along isobars by `_found`.
 
     `_found(p, wanted, entropy)` returns (T, ρ) at an entropy, else enthalpy; ρ is not positive where there is none.
+    `_text` holds the kernels for the model by name.
     """
+
+    @property
+    def state(self: Any) -> Kernel:
+        """Kernel (T, rho, …) → p, h, c_v, T ∂p/∂T, 1/k, drop and ψ² of choking."""
+        return self._text["state"]
+
+    @property
+    def phased_state(self: Any) -> tuple[Kernel, Kernel] | None:
+        """Kernels (T, rho, …) → phase and (phase, T, rho, …) → state; None where there is one phase."""
+        return (self._text["phase"], self._text["phased_state"]) if "phase" in self._text else None
+
+    @property
+    def specific_entropy(self: Any) -> Kernel:
+        """Kernel (T, rho, …) → s [J/(kg K)]."""
+        return self._text["specific_entropy"]
 
     def _at(self: Any, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
         """Return (T, ρ) at p and an enthalpy or entropy. Raises QuantityNotFound below the equation's range."""
@@ -104,7 +120,10 @@ class CompiledGas(CommonGas, Protocol):
         return self._port_state(p, T, self.density(p, T))
 
     def port_state_of_enthalpy(self: Any, p: float, h: float) -> tuple[float, ...]:
-        """Return the same as `port_state`, at p [Pa] and specific enthalpy h [J/kg]."""
+        """Return the same as `port_state`, at p [Pa] and specific enthalpy h [J/kg]; in equilibrium where that is wet.
+
+        While a cycle is being closed a state may be wet for a time; `why_outside` says whether the closed cycle may be.
+        """
         return self._port_state(p, *self._at(p, h, False))
 
     def isentrope(self: Any, p: float, s: float) -> tuple[float, float, float]:

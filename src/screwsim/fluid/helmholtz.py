@@ -16,6 +16,9 @@ from screwsim.fluid.nozzle import critical_power
 from screwsim.numerics.kernel import Kernel, written
 
 STATE = '"""Return (p, h, c_v, T dp/dT, 1/k, drop and psi2 of choking) of {name} at T [K], rho [kg/m3] ({source})."""'
+PHASED = (
+    '"""Return what `state` of {name} returns, in one phase (0) or in both (1), beyond their border too ({source})."""'
+)
 ENTROPY = '"""Return the specific entropy s [J/(kg K)] of {name} at T [K], rho [kg/m3] ({source})."""'
 HEAT_CAPACITY = '"""Return cp0 [J/(kg K)] of the ideal gas of {name} at T [K] ({source})."""'
 POTENTIALS = '"""Return (p [Pa], dp/drho [m2/s2], g = h - T s [J/kg]) of {name} at T [K], rho [kg/m3] ({source})."""'
@@ -44,9 +47,10 @@ def _function(name: str, fluid: str, doc: str, lines: list[str], arguments: str 
     return f"def {name}({arguments}):\n{body}\n"
 
 
-def phased_state_text(fluid: str, doc: str, first: tuple[str, ...]) -> str:
-    """Return the text of `phased_state(phase, T, rho)`; `first` are lines that come before the equation."""
-    return _function("phased_state", fluid, doc, [*first, *_state_lines(fluid)], "phase, T, rho")
+def phased_state_text(fluid: str) -> str:
+    """Return the text of `phased_state(phase, T, rho)`, which calls `mixture(T, rho)` in phase 1."""
+    lines = ["if phase == 1:", "    return mixture(T, rho)", *_state_lines(fluid)]
+    return _function("phased_state", fluid, PHASED, lines, "phase, T, rho")
 
 
 def _state_lines(fluid: str) -> list[str]:

@@ -64,21 +64,6 @@ class MoistAir(CompiledGas):
         return states.kernels(self.dry.state, self.dry.specific_entropy, self.c_water is None)
 
     @property
-    def state(self) -> Kernel:
-        """Kernel (T, rho, …) → p, h, c_v, T ∂p/∂T, 1/k, drop and ψ² of choking."""
-        return self._text["state"]
-
-    @property
-    def phased_state(self) -> tuple[Kernel, Kernel]:
-        """Kernels (T, rho, …) → phase and (phase, T, rho, …) → state."""
-        return self._text["phase"], self._text["phased_state"]
-
-    @property
-    def specific_entropy(self) -> Kernel:
-        """Kernel (T, rho, …) → s [J/(kg K)]."""
-        return self._text["specific_entropy"]
-
-    @property
     def values(self) -> Mapping[str, float]:
         """Values of the kernels' arguments; liquid water at 273.16 K has zero enthalpy and entropy."""
         return self._values

@@ -91,14 +91,10 @@ class Grade:
         return self.kinematic_at(T) * self.density_at(T)
 
 
-def _cragoe(density: float) -> tuple[float, float]:
-    """Return a and b of the heat capacity of a hydrocarbon oil of a density [kg/m³] at 15 °C."""
-    root = math.sqrt(density / WATER)
-    return 1685.0 / root, 3.39 / root
-
-
 def _hydrocarbon(at_40: float, at_100: float, density: float, slope: float) -> Grade:
-    return Grade(at_40, at_100, density, slope, _cragoe(density))
+    """Return a grade of a hydrocarbon oil, whose heat capacity follows from its density at 15 °C (Cragoe)."""
+    root = math.sqrt(density / WATER)
+    return Grade(at_40, at_100, density, slope, (1685.0 / root, 3.39 / root))
 
 
 _ESTER = 1785.6, 2.901  # heat capacity of ACD100FY, linearised about 60 degC

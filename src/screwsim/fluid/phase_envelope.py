@@ -11,6 +11,7 @@ the critical point is interpolated. Over θ = ±√(1 − T/T_m), with T_m the h
 the vapour's side, the envelope is one smooth curve, which the tables of `saturation` hold as they do a pure fluid's.
 """
 
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
@@ -58,24 +59,35 @@ def _residuals(f: Fugacities, u: Array) -> Array:
     return np.concatenate([log_f[..., :m] - log_f[..., m:], of_p[None], (total - 1.0)[None]])
 
 
-def solved(f: Fugacities, u: Array, stated: int, steps: int = 25) -> tuple[Array, Array]:
-    """Return u [n + 3, m] with the unknown `stated` (−1: ln T, −2: ln ρ_z) held, and which of the m have converged."""
-    free = [i for i in range(f.n + 3) if i != f.n + 3 + stated]
+def newton(
+    residuals: Callable[[Array], Array], u: Array, free: Sequence[int], steps: int, close: float
+) -> tuple[Array, Array]:
+    """Return u [n, m] after Newton's method in the unknowns `free`, and the last step of each of the m.
+
+    `residuals` takes complex u [n, free, m], a step of one unknown in each column. The iteration ends where all steps
+    are below `close`; the last step is infinite where the equations have no solution.
+    """
     u, last = u.copy(), np.full(u.shape[1], np.inf)
     with np.errstate(all="ignore"):
         for _ in range(steps):
             moved = np.repeat(u[:, None, :].astype(complex), len(free), axis=1)
-            for column, i in enumerate(free):
-                moved[i, column] += 1j * TINY
-            found = _residuals(f, moved)
+            moved[free, np.arange(len(free))] += 1j * TINY
+            found = residuals(moved)
             matrix, value = np.imag(found) / TINY, np.real(found[:, 0])
             sound = np.isfinite(matrix).all(axis=(0, 1)) & np.isfinite(value).all(axis=0)
             matrix = np.where(sound, matrix, np.eye(len(free))[:, :, None]).transpose(2, 0, 1)
             step = _steps(matrix, np.where(sound, value, np.nan).T).T
             last = np.where(np.isfinite(step).all(axis=0), np.abs(step).max(axis=0), np.inf)
             u[free] -= np.clip(np.nan_to_num(step), -MOST, MOST)
-            if (last < CLOSE).all():
+            if (last < close).all():
                 break
+    return u, last
+
+
+def solved(f: Fugacities, u: Array, stated: int, steps: int = 25) -> tuple[Array, Array]:
+    """Return u [n + 3, m] with the unknown `stated` (−1: ln T, −2: ln ρ_z) held, and which of the m have converged."""
+    free = [i for i in range(f.n + 3) if i != f.n + 3 + stated]
+    u, last = newton(lambda moved: _residuals(f, moved), u, free, steps, CLOSE)
     return u, last < 1e3 * CLOSE
 
 

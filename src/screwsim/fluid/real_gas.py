@@ -7,7 +7,7 @@ condense for a time. `two_phase: refuse` only refuses a closed cycle to which `w
 here is for use outside the cycle, and runs compiled.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import inf
@@ -19,11 +19,10 @@ from screwsim.fluid.always_gas import P_MOST
 from screwsim.fluid.blend_dome import blend_wet
 from screwsim.fluid.blend_flash import dome
 from screwsim.fluid.description import PSEUDO_PURE, Description, describe
-from screwsim.fluid.dome import margin_kernel
 from screwsim.fluid.gas import CompiledGas
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.fluid.oils import ZERO_CELSIUS
-from screwsim.fluid.real_kernels import compiled, kernels_of, two_phases
+from screwsim.fluid.real_kernels import compiled, kernels_of
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.saturation import saturation
 from screwsim.fluid.settings import EQUILIBRIUM, REFUSE
@@ -85,28 +84,8 @@ class RealGas(CompiledGas):
     # ---- kernels ---------------------------------------------------------------------------------------------
 
     @property
-    def state(self) -> Kernel:
-        """Kernel (T, rho) → p, h, c_v, T ∂p/∂T, 1/k, drop and ψ² of choking."""
-        return kernels_of(self.fluid, self.two_phase)[0]
-
-    @property
-    def phased_state(self) -> tuple[Kernel, Kernel] | None:
-        """Kernels (T, rho) → phase and (phase, T, rho) → state; None where there is one phase."""
-        known = two_phases(self.fluid, self.two_phase)
-        return None if known is None else (known.phase, known.phased)
-
-    @property
-    def specific_entropy(self) -> Kernel:
-        """Kernel (T, rho) → s [J/(kg K)]."""
-        return kernels_of(self.fluid, self.two_phase)[1]
-
-    @property
-    def margin(self) -> Kernel:
-        """Kernel (T, rho) → distance of the state from the limits of the vapour that the equation covers.
-
-        ≤ 0 outside.
-        """
-        return margin_kernel(self.fluid)
+    def _text(self) -> Mapping[str, Kernel]:
+        return kernels_of(self.fluid, self.two_phase)
 
     @property
     def values(self) -> dict[str, float]:
@@ -190,13 +169,6 @@ class RealGas(CompiledGas):
     def entropy(self, p: float, T: float) -> float:
         """Return specific entropy [J/(kg K)] at p [Pa], T [K]."""
         return _vapour_energies(self, p, T)[1]
-
-    def port_state_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
-        """Return the same as `port_state`, at p [Pa] and specific enthalpy h [J/kg]; in equilibrium where that is wet.
-
-        While a cycle is being closed a state may be wet for a time; `why_outside` says whether the closed cycle may be.
-        """
-        return _port_state_of_enthalpy(self, p, h)
 
     def vapour(self, p: float, T: float) -> Reservoir:
         """Return a reservoir of vapour at p [Pa] and T [K], saturated or not. Raises Unfound for a liquid."""
@@ -306,11 +278,6 @@ def _vapour_energies(gas: RealGas, p: float, T: float) -> tuple[float, float]:
     """Return specific enthalpy [J/kg] and entropy [J/(kg K)] of the vapour at p [Pa], T [K]."""
     rho = gas.density(p, T)
     return float(gas._kernels["state"](T, rho)[1]), float(gas._kernels["specific_entropy"](T, rho))
-
-
-@lru_cache(maxsize=64)
-def _port_state_of_enthalpy(gas: RealGas, p: float, h: float) -> tuple[float, ...]:
-    return gas._port_state(p, *gas._at(p, h, False))
 
 
 @lru_cache(maxsize=64)

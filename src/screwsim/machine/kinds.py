@@ -114,10 +114,8 @@ def _below_nothing(what: str, unit: str, angles: Array, values: Array) -> str:
     wrong = np.flatnonzero(~(np.isfinite(values) & (values >= -ROUNDING * np.nanmax(np.abs(values), initial=0.0))))
     if not len(wrong):
         return ""
-    at = int(wrong[0])
-    return f"the {what} is {values[at]:.6g} {unit} at {_degrees(float(angles[at]))}, which is impossible".replace(
-        "  ", " "
-    )
+    value, at = f"{values[wrong[0]]:.6g} {unit}".rstrip(), _degrees(float(angles[wrong[0]]))
+    return f"the {what} is {value} at {at}, which is impossible"
 
 
 def _angles(life: float) -> Array:

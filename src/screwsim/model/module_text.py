@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
-from screwsim.model import ledger, port_states, slices, trace
+from screwsim.model import ledger, port_states, slices, slots, trace
 from screwsim.model.network.chamber import chamber_texts
 from screwsim.model.network.chambers import chambers_texts
 from screwsim.model.network.layout import Layout
@@ -13,7 +13,7 @@ from screwsim.model.network.network import Network
 from screwsim.model.network.stops import OF_EACH, of_stop
 from screwsim.numerics import history, rodas
 from screwsim.numerics.kept_text import kept_text
-from screwsim.numerics.kernel import HEADER, Kernel, flatten
+from screwsim.numerics.kernel import HEADER, Kernel, Slot, flatten
 
 # functions that the integrator calls in both drivers, by its slots (rodas.py)
 ASKED = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "conserve", "lands")
@@ -26,20 +26,8 @@ READ_WITH += (trace.peak_pressure, trace.volumes, trace.sample, trace.work_along
 # kernels for linearising a pitch
 OF_A_PITCH = (slices.rates_at, slices.derivatives_at, slices.derivatives)
 
-# functions that a composition writes itself (slots.py)
-OWN = {name: name for name in (
-    *("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "path_area"),
-    *("injected_oil", "oil_inflow", "solution_entropy"),
-)}  # fmt: skip
-OWN |= {name: f"chamber__{name}" for name in ("path_flows", "given_off", "neighbour", "keep_port_states")}
-OWN |= {name: f"chamber__{name}" for name in ("mass_rate", "balanced", "balanced_alone")}
-OWN |= {name: f"chamber__{name}" for name in ("faces_line", "lets_out", "add_to_lines", "add_outflow")}
-OWN |= {
-    "films_into": "chamber__oil_films",
-    "gas_in": "chamber__gas",
-    "add_moment": "ledger__add_moment",
-    "around_chamber": "chamber__surroundings",
-}
+# functions that a composition writes itself, by the slots that they fill
+OWN = {each.name: each.filled_by for each in vars(slots).values() if isinstance(each, Slot)}
 
 
 @lru_cache(maxsize=64)

@@ -38,10 +38,13 @@ class Composer:
         return found
 
     def compose(self, parts: Parts) -> Composition:
-        """Return the composition of parts, reusing an earlier text where possible."""
+        """Return the composition of parts, reusing an earlier text where possible.
+
+        Where machine and effects are the same objects, their contents are not compared.
+        """
         key = id(parts.geometry), id(parts.effects)
         last = self._known.get(key)
-        if last is not None and _same_structure(parts, last[0]):
+        if last is not None and parts.gas == last[0].gas and differ_in_numbers_only(parts, last[0]):
             P = operating_numbers(last[1].recipe, parts)
             P[list(last[1].made)] = list(parts.made.values())
             return with_changes(last[1], P=P)
@@ -51,12 +54,3 @@ class Composer:
             found = compose(parts)
             self._last = parts, found
         return keep(self._known, key, (parts, found))[1]
-
-
-def _same_structure(parts: Parts, other: Parts) -> bool:
-    """Return whether only `fixed_numbers`, `operating` and the cycle's unknowns differ.
-
-    Machine and effects must be the same objects; their contents are not compared.
-    """
-    same = parts.geometry is other.geometry and parts.effects is other.effects and parts.gas == other.gas
-    return same and differ_in_numbers_only(parts, other)

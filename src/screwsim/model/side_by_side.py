@@ -77,24 +77,20 @@ class Lanes:
         self._alone = threading.Lock()  # serialises two threads of a worker
 
     def turns(self, requests: Sequence[TurnRequest]) -> list[Answer]:
-        """Integrate a life of each, at most as many as there are lanes."""
-        with self._alone:
-            return self._turns(requests)
-
-    def _turns(self, requests: Sequence[TurnRequest]) -> list[Answer]:
-        """Return the answers of at most as many turns as there are lanes: interleave their arrays, copy them back."""
+        """Integrate a life of each, at most as many as there are lanes: interleave their arrays, copy them back."""
         named = [arrays_of(each) for each in requests]
-        for name, rows in self._rows.items():
-            for lane, arrays in enumerate(named):
-                rows[:, lane] = arrays[name]
-        self._out[:] = 0.0
-        words = self._words(requests, named)  # keeps the memory alive during the call
-        self.entry(words.ctypes.data, self._out.ctypes.data)
-        for name, rows in self._rows.items():
-            for lane, arrays in enumerate(named):
-                arrays[name][:] = rows[:, lane]
-        status, (angles, steps) = self._out[:LANES].view(np.int64), self._out[LANES:].reshape(2, LANES)
-        return [(int(status[i]), float(angles[i]), float(steps[i]), named[i]["q"]) for i in range(len(requests))]
+        with self._alone:
+            for name, rows in self._rows.items():
+                for lane, arrays in enumerate(named):
+                    rows[:, lane] = arrays[name]
+            self._out[:] = 0.0
+            words = self._words(requests, named)  # keeps the memory alive during the call
+            self.entry(words.ctypes.data, self._out.ctypes.data)
+            for name, rows in self._rows.items():
+                for lane, arrays in enumerate(named):
+                    arrays[name][:] = rows[:, lane]
+            status, (angles, steps) = self._out[:LANES].view(np.int64), self._out[LANES:].reshape(2, LANES)
+            return [(int(status[i]), float(angles[i]), float(steps[i]), named[i]["q"]) for i in range(len(requests))]
 
     def _words(self, requests: Sequence[TurnRequest], named: Sequence[dict[str, Array]]) -> Array:
         """Return the arguments of the call in words of 64 bits; idle lanes repeat those of the first."""

@@ -121,19 +121,12 @@ def write_areas(
             turned = [f"phi = {writer.numbers.add(path.mirror, label + '_mirror', of=(path, 'mirror'))} - phi"]
         result = [f"return {coefficient} * {call}"]
         if writer.slow:  # evaluated only where something is open
-            slow = [] if path.mirror is None else ["here = phi"]
-            turned = [*slow, *turned]
-            result = [
-                f"area = {call}",
-                f"return {_at(writer.slow, path)} * {coefficient} * area if area != 0.0 else 0.0",
-            ]
+            slow = writer.slow
+            if path.mirror is not None:  # it goes by the chamber's own angle
+                slow, turned = slow.replace("(phi,", "(here,"), ["here = phi", *turned]
+            result = [f"area = {call}", f"return {slow} * {coefficient} * area if area != 0.0 else 0.0"]
         writer.function(f"area__{label}(phi, P, TAB)", [*turned, *result])
     writer.chosen("path_area(i, phi, P, TAB)", [layout.area_at(each, "phi") for each in openings], "0.0")
-
-
-def _at(slow: str, path: FlowPath) -> str:
-    """Return the call for the chamber's own angle, which a mirrored path has saved."""
-    return slow if path.mirror is None else slow.replace("(phi,", "(here,")
 
 
 def write_heat(writer: ModelWriter, heats: Sequence[tuple[str, HeatRate]]) -> None:

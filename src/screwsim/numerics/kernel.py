@@ -101,10 +101,10 @@ def _last_line(code: types.CodeType) -> int:
 
 
 class Slot:
-    """A function that the generated module defines; calling it outside raises RuntimeError."""
+    """A function that the generated module defines, under a name of its own; calling it outside raises RuntimeError."""
 
-    def __init__(self, name: str) -> None:
-        self.name = name
+    def __init__(self, name: str, filled_by: str = "") -> None:
+        self.name, self.filled_by = name, filled_by or name
 
     def __call__(self, *_: Any) -> Any:
         raise RuntimeError(f"{self.name} exists only inside a generated module")

@@ -68,7 +68,7 @@ def _size(parameters: Any) -> dict[str, float]:
 
 NOZZLE = "nozzle"
 MODELS = {
-    NOZZLE: FlowModel(),
+    NOZZLE: FlowModel(gas=False),
     "nozzle_friction": FlowModel(_friction, "friction_fit", "radial"),
     "oil_sealed": FlowModel(_sealed, "mixture_viscosity", "cicchitti", oil=True),
     "oil_film": FlowModel(_film, "filled_from", "0.2", gas=False, oil=True, walls=True),
@@ -108,30 +108,19 @@ def numbers(parameters: Any, around: Around) -> Mapping[str, float]:
 
 def faults(name: str, parameters: Any, facts: Any) -> Iterator[Fault]:
     """Yield keys that a gap's flow model needs and lacks, and those that have no meaning with it."""
-    path, word = f"effects.{name}", parameters.model
-    model, own = MODELS[word], [each for each in MODELS.values() if each.key]
-    if model.held is None:
-        for extra in ("passage", *(each.key for each in own), "gas_viscosity", "wall_speed"):
-            if getattr(parameters, extra) is not None:
-                yield Fault(f"{path}.{extra}", f"has no meaning with model: {word} (remove it)")
-        return
-    if parameters.passage is None:
-        yield Fault(f"{path}.passage", f"is missing (model: {word} needs it, e.g. passage: 2 mm)")
-    for each in own:
-        given = getattr(parameters, each.key) is not None
-        if each is model and not given:
-            yield Fault(f"{path}.{each.key}", f"is missing (model: {word} needs it, e.g. {each.key}: {each.example})")
-        elif each is not model and given:
-            yield Fault(f"{path}.{each.key}", f"has no meaning with model: {word} (remove it)")
-    if parameters.wall_speed is not None:
-        if name == "interlobe_leakage":
-            yield Fault(f"{path}.wall_speed", "has no meaning here: no housing wall bounds that gap (remove it)")
-        elif not model.walls:
-            yield Fault(f"{path}.wall_speed", f"has no meaning with model: {word} (remove it)")
+    path, word, model = f"effects.{name}", parameters.model, MODELS[parameters.model]
+    needed = {} if model.held is None else {"passage": "2 mm", model.key: model.example}
+    used = {*needed, *(["gas_viscosity"] * model.gas), *(["wall_speed"] * model.walls)}
+    for key in ("passage", *(each.key for each in MODELS.values() if each.key), "gas_viscosity", "wall_speed"):
+        given = getattr(parameters, key) is not None
+        if key in needed and not given:
+            yield Fault(f"{path}.{key}", f"is missing (model: {word} needs it, e.g. {key}: {needed[key]})")
+        elif given and key == "wall_speed" and needed and name == "interlobe_leakage":
+            yield Fault(f"{path}.{key}", "has no meaning here: no housing wall bounds that gap (remove it)")
+        elif given and key not in used:
+            yield Fault(f"{path}.{key}", f"has no meaning with model: {word} (remove it)")
     if model.gas:
         yield from viscosity_faults(path, parameters, facts)
-    elif parameters.gas_viscosity is not None:
-        yield Fault(f"{path}.gas_viscosity", f"has no meaning with model: {word} (remove it)")
     if model.oil:
         yield from oil_faults(path, word, facts)
 

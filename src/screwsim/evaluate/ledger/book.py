@@ -104,6 +104,10 @@ class LedgerCycle:
         c = self.composition
         return State(T, h, float(self.life.module.gas_entropy(T, rho, c.P, c.TAB)))
 
+    def exergy(self, state: State) -> float:
+        """Return the flow exergy [J/kg] of a state, up to a constant."""
+        return state.h - self.T_0 * state.s
+
     def behind(self, to: str, line: State) -> State:
         """Return the mean state at the chambers' end of a line: throttled where its pressure has an offset (M184)."""
         p = chamber_end_pressure(self.problem, self.life, to)

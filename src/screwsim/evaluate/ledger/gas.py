@@ -84,11 +84,7 @@ def enter_intake(cycle: LedgerCycle, of_gas: float, discharge: State) -> float:
     """Return the exergy rise of the delivered gas from the line's state [W]; enter bypass and throttles (M163)."""
     intake, T_s = cycle.suction, cycle.lines.T_s
     h_d = float(cycle.R[slots.R_DISCHARGE + slots.ENTHALPY])
-    flow = suction_line.fresh_gas(cycle.problem, cycle.R, cycle.streams) * cycle.rate
-
-    def exergy(state: State) -> float:
-        return state.h - cycle.T_0 * state.s
-
+    flow, exergy = suction_line.fresh_gas(cycle.problem, cycle.R, cycle.streams) * cycle.rate, cycle.exergy
     line, mixed, port = (
         exergy(cycle.state(intake.temperature(port_state, T_s), port_state[slots.DENSITY], port_state[slots.ENTHALPY]))
         for port_state in (intake.line, intake.mixed(h_d), intake.port_state(h_d))
@@ -167,11 +163,7 @@ def enter_line(
 
     `states`: the sucked gas at the pressure before the port, the same at the chambers' end, and the backflow.
     """
-    before, sucked, back = states
-
-    def exergy(state: State) -> float:
-        return state.h - cycle.T_0 * state.s
-
+    (before, sucked, back), exergy = states, cycle.exergy
     h_d = float(cycle.R[slots.R_DISCHARGE + slots.ENTHALPY])
     p = cycle.suction.pressure
     fresh, leaked = cycle.at(p, cycle.suction.port_state(h_d)[slots.ENTHALPY]), cycle.at(p, h_d)

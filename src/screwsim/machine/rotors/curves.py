@@ -173,7 +173,7 @@ def _paths(rotors: Rotors, closes: float) -> tuple[Path, ...]:
         path("blow_hole", 1, "m^2", _both_ends(rotors, angles), lambda phi: hole.area_at(phi, wrap, h)),
         path("suction_blow_hole", 1, "m^2", at_suction, lambda phi: back.area_at(wrap - phi - TURN, wrap, h)),
     )
-    births = [rotors.start + offset * pair.pitch for offset in leakage.offsets(pair)]
+    births = [rotors.start + offset * pair.pitch for offset in (1, z1 - 1, z1, z1 + 1)]
     face = [*_both_ends(rotors, [*section_breakpoints(rotors), S - pair.pitch, S]), closes - OVERLAP, *births]
     phi = _grid(rotors, face)[0]
     faces = {"end": leakage.face_lengths(pair, chain, phi - wrap), "suction": leakage.face_lengths(pair, chain, phi)}

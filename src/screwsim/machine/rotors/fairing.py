@@ -82,7 +82,8 @@ def _least(px: Array, py: Array, weight: float) -> tuple[Array, Array]:
     """Return the minimising curve for one λ: linear in d about the last curve, reweighted in each sweep."""
     x, y = px.copy(), py.copy()
     for _ in range(PASSES):
-        step, angle, curvature = _shape(x, y)
+        step, chord = np.hypot(np.diff(x), np.diff(y)), np.unwrap(np.arctan2(np.diff(y), np.diff(x)))
+        angle, curvature = tangents(step, chord), np.diff(chord) / (0.5 * (step[1:] + step[:-1]))
         nx, ny = -np.sin(angle), np.cos(angle)
         away = (px - x) * nx + (py - y) * ny  # distance of the measured points from the present curve
         bands, jumps = _jumps(step, curvature), np.diff(curvature)
@@ -97,12 +98,6 @@ def _least(px: Array, py: Array, weight: float) -> tuple[Array, Array]:
             d = _solved(bands, at_points, strength)
         x, y = x + (away + d) * nx, y + (away + d) * ny
     return x, y
-
-
-def _shape(x: Array, y: Array) -> tuple[Array, Array, Array]:
-    """Return the steps, the tangent's angle at every point, and the curvature at every inner one."""
-    step, chord = np.hypot(np.diff(x), np.diff(y)), np.unwrap(np.arctan2(np.diff(y), np.diff(x)))
-    return step, tangents(step, chord), np.diff(chord) / (0.5 * (step[1:] + step[:-1]))
 
 
 def _jumps(step: Array, curvature: Array) -> Array:

@@ -157,12 +157,6 @@ def mean_widths(pair: Pair, chain: Chain) -> tuple[float, float]:
     return one, two
 
 
-def offsets(pair: Pair) -> tuple[int, ...]:
-    """Return the numbers of pitches between the chambers of the interfaces."""
-    z1 = pair.male_lobes
-    return tuple(sorted({1, z1 - 1, z1, z1 + 1}))
-
-
 def face_lengths(pair: Pair, chain: Chain, psi: Array) -> dict[int, Array]:
     """Return {offset: length [m]} across both rotors' lobes at one end face."""
     total: dict[int, Array] = {}

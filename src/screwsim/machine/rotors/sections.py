@@ -104,11 +104,7 @@ def sections(pair: Pair, chain: Chain, hole: BlowHoleOpening | None = None) -> S
     a = parts[0] + parts[1]
     integral = np.concatenate([[0.0], np.cumsum(0.5 * (a[1:] + a[:-1]) * np.diff(psi))])
     share = float(steps[0].sum() / (steps[0].sum() + steps[1].sum()))
-    return Sections(psi, a, parts[0], integral, *_grooves(pair, chain), share, float(delta[:, 1].sum()))
-
-
-def _grooves(pair: Pair, chain: Chain) -> tuple[float, float]:
-    """Return A01 and A02 [m²]: the outer circle less the outline of a rotor, over the number of lobes."""
-    male, female = outlines(pair, chain)
+    male, female = outlines(pair, chain)  # of the outer circle the grooves are what the outline leaves
     A01 = (math.pi * pair.male_radius**2 - polygon_area(*male)) / pair.male_lobes
-    return A01, (math.pi * pair.female_radius**2 - polygon_area(*female)) / pair.female_lobes
+    A02 = (math.pi * pair.female_radius**2 - polygon_area(*female)) / pair.female_lobes
+    return Sections(psi, a, parts[0], integral, A01, A02, share, float(delta[:, 1].sum()))
