@@ -216,7 +216,7 @@ class Emitter(Expressions):
                     self.assign(one, item)
             case ast.Subscript(value=of, slice=index):
                 place, kind = self.element(self.expression(of), index, target)
-                self.add(f"store {kind.parts[0]} {self.as_kind(value, kind).parts[0]}, ptr {place}")
+                self.write(place, kind, value)
             case _:
                 raise self.fail(target, "this cannot be given a value")
 
@@ -227,9 +227,8 @@ class Emitter(Expressions):
             self.assign(target, self.operation(node.op, self.expression(target), self.expression(node.value), node))
             return
         place, kind = self.element(self.expression(target.value), target.slice, target)
-        before = Value(kind, (self.new(f"load {kind.parts[0]}, ptr {place}"),))
-        value = self.operation(node.op, before, self.expression(node.value), node)
-        self.add(f"store {kind.parts[0]} {self.as_kind(value, kind).parts[0]}, ptr {place}")
+        before = self.read(place, kind)
+        self.write(place, kind, self.operation(node.op, before, self.expression(node.value), node))
 
     def _if(self, test: Value, body: Sequence[ast.stmt], orelse: Sequence[ast.stmt]) -> None:
         if test.known is not None:

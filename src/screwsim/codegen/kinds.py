@@ -109,7 +109,12 @@ def words_of(kind: Kind) -> int:
     """Return the number of 8-byte words of an argument."""
     if kind.name == "c":
         return sum(words_of(each) for each in kind.of)
-    return sum(LANES if part[0] == "<" else 1 for part in kind.parts)
+    return sum(map(words_in, kind.parts))
+
+
+def words_in(part: str) -> int:
+    """Return the number of 8-byte words of a register."""
+    return LANES if part[0] == "<" else 1
 
 
 def laned(kind: Kind) -> Kind:

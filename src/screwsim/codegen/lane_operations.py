@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 from screwsim.codegen.expressions import Expressions
 from screwsim.codegen.kinds import (
     ADDRESSES,
-    ARRAYS,
     FLOAT,
     FLOATS,
     INTEGER,
@@ -25,7 +24,6 @@ from screwsim.codegen.kinds import (
     floating,
     joined,
     laned,
-    words_of,
 )
 from screwsim.codegen.operations import BY_FLOATS, BY_INTEGERS, COMPARED, LARGEST_POWER, OF_TWO, OWN, ROUNDED
 from screwsim.codegen.program import constant, float_text
@@ -171,12 +169,6 @@ class LaneOperations(Expressions):
             return super().negated(value)
         return Value(TRUTHS, (self.new(f"xor {MASK} {value.parts[0]}, {ALL_OF_THEM}"),))
 
-    def truth(self, node: ast.expr) -> Value:
-        value = self.expression(node)
-        if value.kind in (FLOATS, INTEGERS):
-            return self.compare(ast.NotEq(), value, constant(0), node)
-        return value if value.kind in (TRUTH, TRUTHS) else self.compare(ast.NotEq(), value, constant(0), node)
-
     def compare(self, op: ast.cmpop, a: Value, b: Value, node: ast.AST) -> Value:
         known = a.known is not None and b.known is not None
         if known or (_whole(a) and _whole(b) and a.kind in OF_LANES and b.kind in OF_LANES):
@@ -268,31 +260,8 @@ class LaneOperations(Expressions):
 
     # ---- elements --------------------------------------------------------------------------------------------------
 
-    def of_context(self, value: Value, k: int) -> Value:
-        kind = value.kind.of[k]
-        at, parts = sum(words_of(each) for each in value.kind.of[:k]), []
-        for part in kind.parts:
-            place = self.new(f"getelementptr inbounds i64, ptr {value.parts[0]}, i64 {at}")
-            parts.append(self.new(f"load {part}, ptr {place}, align 8, !invariant.load !0"))
-            at += LANES if part[0] == "<" else 1
-        return Value(kind, tuple(parts))
-
-    def element(self, of: Value, index: ast.expr, node: ast.AST) -> tuple[str, Kind]:
-        """Return the address of an element: one address, or (`v`) one for each lane."""
-        indices = index.elts if isinstance(index, ast.Tuple) else [index]
-        if of.kind.name not in ARRAYS or len(indices) != of.kind.axes:
-            raise self.fail(node, f"{len(indices)} indices of {of.kind} are not compiled")
-        at: Value | None = None
-        for each, size in zip(indices, of.parts[1:], strict=True):
-            length, k = Value(INTEGER, (size,)), self.whole(self.expression(each), node)
-            if k.known is not None and k.known < 0:
-                k = self.operation(ast.Add(), length, k, node)
-            at = k if at is None else self.operation(ast.Add(), self.operation(ast.Mult(), at, length, node), k, node)
-        assert at is not None
-        return self.moved(of, at)
-
     def moved(self, of: Value, at: Value) -> tuple[str, Kind]:
-        """Return the address a number of elements further on, and the kind of array that begins there."""
+        """Return the address a number of elements further on: one address, or (`v`) one for each lane."""
         one, name = of.kind.of[0].parts[0], of.kind.name
         uniform = at.kind in OF_LANES
         where = f"i64 {self.as_kind(at, INTEGER).parts[0]}" if uniform else f"{WHOLE} {self.as_whole(at)}"

@@ -12,8 +12,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from screwsim.codegen.emit import Emitter
-from screwsim.codegen.expressions import EMPTY
-from screwsim.codegen.kinds import FLOAT, INTEGER, INTEGERS, OF_LANES, TRUTH, TRUTHS, Kind, Value
+from screwsim.codegen.kinds import INTEGER, INTEGERS, OF_LANES, TRUTH, TRUTHS, Kind, Value
 from screwsim.codegen.lane_expressions import LaneExpressions
 from screwsim.codegen.lane_operations import MASK, NONE_OF_THEM, WHOLE
 from screwsim.numerics.kernel import nodes
@@ -111,13 +110,6 @@ class LaneEmitter(LaneExpressions, Emitter):
     def augment(self, node: ast.AugAssign) -> None:
         value = self.operation(node.op, self.expression(node.target), self.expression(node.value), node)
         self.assign(node.target, value)
-
-    def assign(self, target: ast.expr, value: Value) -> None:
-        if isinstance(target, ast.Subscript):
-            place, kind = self.element(self.expression(target.value), target.slice, target)
-            self.write(place, kind, value)
-            return
-        super().assign(target, value)
 
     def _if(self, test: Value, body: Sequence[ast.stmt], orelse: Sequence[ast.stmt]) -> None:
         if test.known is not None or test.kind == TRUTH:
@@ -280,22 +272,14 @@ class LaneEmitter(LaneExpressions, Emitter):
     def beside(self) -> list[str]:
         return [f"{MASK} {self.mask()}"]
 
-    def _room(self, node: ast.Call, cleared: bool) -> Value:
-        """Return an array in the function's stack memory, for all lanes."""
-        assert ast.unparse(node.func) in EMPTY
-        shape = node.args[0].elts if isinstance(node.args[0], ast.Tuple) else [node.args[0]]
-        sizes = [self.whole(self.expression(each), each) for each in shape]
-        whole = len(node.args) > 1 and ast.unparse(node.args[1]) == "np.int64"
-        of = INTEGER if whole else FLOAT
-        total = sizes[0]
-        for size in sizes[1:]:
-            total = self.operation(ast.Mult(), total, size, node)
+    def memory(self, kind: Kind, total: Value, cleared: bool, node: ast.Call) -> tuple[str, Kind]:
+        """Return the address of stack memory for so many numbers of all lanes, and the kind of array there."""
         if total.kind != INTEGER or cleared:
             raise self.fail(node, "lanes have arrays of one size, and fill them themselves")
-        part = OF_LANES[of].parts[0]
-        at = self.slot(f"{part}, i64 {total.parts[0]}") if total.known is not None else ""
-        at = at or self.new(f"alloca {part}, i64 {total.parts[0]}, align 64")
-        return Value(Kind("p", (of,), len(sizes)), (at, *(size.parts[0] for size in sizes)))
+        part, count = OF_LANES[kind.of[0]].parts[0], total.parts[0]
+        known = total.known is not None
+        at = self.slot(f"{part}, i64 {count}") if known else self.new(f"alloca {part}, i64 {count}, align 64")
+        return at, Kind("p", kind.of, kind.axes)
 
 
 def _leaves(statements: Sequence[ast.stmt]) -> bool:

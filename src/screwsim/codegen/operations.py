@@ -7,7 +7,7 @@ import operator
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from screwsim.codegen.kinds import FLOAT, INTEGER, NUMBERS, TRUTH, Kind, Value
+from screwsim.codegen.kinds import ARRAYS, FLOAT, INTEGER, NUMBERS, TRUTH, Kind, Value, words_in, words_of
 from screwsim.codegen.program import called_name, constant
 
 if TYPE_CHECKING:
@@ -117,11 +117,11 @@ class Operations:
     def of_context(self, value: Value, k: int) -> Value:
         """Return one item of a context, read from memory that does not change."""
         kind = value.kind.of[k]
-        first = sum(len(each.parts) for each in value.kind.of[:k])
-        parts = []
-        for at, part in enumerate(kind.parts, first):
+        at, parts = sum(words_of(each) for each in value.kind.of[:k]), []
+        for part in kind.parts:
             place = self.new(f"getelementptr inbounds i64, ptr {value.parts[0]}, i64 {at}")
-            parts.append(self.new(f"load {part}, ptr {place}, !invariant.load !0"))
+            parts.append(self.new(f"load {part}, ptr {place}{self.library.aligned}, !invariant.load !0"))
+            at += words_in(part)
         return Value(kind, tuple(parts))
 
     # ---- operators -------------------------------------------------------------------------------------------------
@@ -219,20 +219,34 @@ class Operations:
         raise NotImplementedError
 
     def element(self, of: Value, index: ast.expr, node: ast.AST) -> tuple[str, Kind]:
-        """Return the address of an array's element, and its kind."""
+        """Return the address of an array's element, and the kind of array that begins there."""
         indices = index.elts if isinstance(index, ast.Tuple) else [index]
-        if of.kind.name != "a" or len(indices) != of.kind.axes:
+        if of.kind.name not in ARRAYS or len(indices) != of.kind.axes:
             raise self.fail(node, f"{len(indices)} indices of {of.kind} are not compiled")
-        at = ""
+        at: Value | None = None
         for each, size in zip(indices, of.parts[1:], strict=True):
-            k = self.whole(self.expression(each), node)
-            place = k.parts[0]
+            length, k = Value(INTEGER, (size,)), self.whole(self.expression(each), node)
             if k.known is not None and k.known < 0:
-                place = self.new(f"add nsw i64 {size}, {k.known}")
-            place = self.library.checked(self, place, size, node)
-            at = place if not at else self.new(f"add nsw i64 {self.new(f'mul nsw i64 {at}, {size}')}, {place}")
-        kind = of.kind.of[0]
-        return self.new(f"getelementptr inbounds {kind.parts[0]}, ptr {of.parts[0]}, i64 {at}"), kind
+                k = self.operation(ast.Add(), length, k, node)
+            k = self.library.checked(self, k, size)
+            at = k if at is None else self.operation(ast.Add(), self.operation(ast.Mult(), at, length, node), k, node)
+        assert at is not None
+        return self.moved(of, at)
+
+    def moved(self, of: Value, at: Value) -> tuple[str, Kind]:
+        """Return the address a number of elements further on, and the kind of array that begins there."""
+        one = of.kind.of[0].parts[0]
+        return self.new(f"getelementptr inbounds {one}, ptr {of.parts[0]}, i64 {at.parts[0]}"), of.kind
+
+    def read(self, place: str, kind: Kind) -> Value:
+        """Return the value at an address, the first element of an array."""
+        of = kind.of[0]
+        return Value(of, (self.new(f"load {of.parts[0]}, ptr {place}"),))
+
+    def write(self, place: str, kind: Kind, value: Value) -> None:
+        """Store a value at an address, as the first element of an array."""
+        of = kind.of[0]
+        self.add(f"store {of.parts[0]} {self.as_kind(value, of).parts[0]}, ptr {place}")
 
     # ---- functions -------------------------------------------------------------------------------------------------
 
