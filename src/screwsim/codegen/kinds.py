@@ -82,6 +82,11 @@ OF_LANES = {TRUTH: TRUTHS, INTEGER: INTEGERS, FLOAT: FLOATS}
 OF_ONE = {many: one for one, many in OF_LANES.items()}
 
 
+def condition_of(kind: Kind) -> Kind:
+    """Return the kind of a condition on numbers of a kind."""
+    return TRUTHS if kind in OF_ONE else TRUTH
+
+
 def array(of: Kind, axes: int) -> Kind:
     return Kind("a", (of,), axes)
 

@@ -76,7 +76,5 @@ class LaneExpressions(LaneOperations):
         other = self.expression(orelse)
         self.set_mask(before)
         if decided.kind == TRUTH and one.kind == other.kind and one.kind in OF_LANES and one.kind != FLOAT:
-            part = one.kind.parts[0]
-            ways = f"{part} {one.parts[0]}, {part} {other.parts[0]}"
-            return Value(one.kind, (self.new(f"select i1 {decided.parts[0]}, {ways}"),))
-        return self.chosen(where, one, other)
+            return self.chosen(decided, one, other)
+        return self.chosen(Value(TRUTHS, (where,)), one, other)
