@@ -8,7 +8,7 @@ on the other lanes. An assignment changes a variable only in the lanes that are 
 from __future__ import annotations
 
 import ast
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from screwsim.codegen.emit import Emitter
@@ -155,82 +155,62 @@ class LaneEmitter(LaneExpressions, Emitter):
         self.set_mask(now)
         return now
 
-    def _while(self, test: ast.expr, body: Sequence[ast.stmt]) -> None:
+    def _repeat(self, test: Callable[[], str], body: Callable[[], None]) -> None:
+        """Write a loop that runs while any of its lanes is left; `test` writes which go on."""
         loop = self._begin_loop()
         head, inside, after = self.labels("head", "inside", "after")
         self.jump(head)
         self.start(head)
-        now = self._go_on(loop)
-        going = self.both(now, self.as_kind(self.truth(test), TRUTHS).parts[0])
-        self.add(f"store {MASK} {going}, ptr {loop.inside}")
-        self.set_mask(going)
-        self.branch(self.any_of(going), inside, after)
-        self.start(inside)
-        self.apart_inside(body)
-        self.jump(head)
-        self.start(after)
-        self._end_loop(loop)
-
-    def _for(self, name: str, bounds: Sequence[ast.expr], node: ast.For) -> None:
-        first, last, step = self._bounds(bounds, node)
-        if INTEGERS in (first.kind, last.kind):
-            self._for_apart(name, (first, last, step), node)
-            return
-        leaves = _leaves(node.body)
-        loop = self._begin_loop() if leaves else None
-        counter = self.slot("i64")
-        self.add(f"store i64 {first.parts[0]}, ptr {counter}")
-        head, inside, following, after = self.labels("head", "inside", "next", "after")
-        self.jump(head)
-        self.start(head)
-        now = self.new(f"load i64, ptr {counter}")
-        more = Value(TRUTH, (self.new(f"icmp {'slt' if step > 0 else 'sgt'} i64 {now}, {last.parts[0]}"),))
-        if loop is not None:
-            left = self.any_of(self._go_on(loop))
-            more = Value(TRUTH, (self.new(f"select i1 {more.parts[0]}, i1 {left.parts[0]}, i1 false"),))
-        self.branch(more, inside, after)
-        self.start(inside)
-        self.apart = False
-        self.store(name, Value(INTEGER, (now,)), node)
-        self.apart = True
-        if loop is None:
-            self.inside(node.body)
-        else:
-            self.apart_inside(node.body)
-        self.jump(following)
-        self.start(following)
-        now = self.new(f"load i64, ptr {counter}")
-        self.add(f"store i64 {self.new(f'add nsw i64 {now}, {step}')}, ptr {counter}")
-        self.jump(head)
-        self.start(after)
-        if loop is not None:
-            self._end_loop(loop)
-
-    def _for_apart(self, name: str, bounds: tuple[Value, Value, int], node: ast.For) -> None:
-        """Write a loop whose number of iterations differs between lanes."""
-        first, last, step = bounds
-        loop, counter = self._begin_loop(), self.slot(WHOLE)
-        self.add(f"store {WHOLE} {self.as_whole(first)}, ptr {counter}")
-        last_one = self.as_whole(last)
-        head, inside, after = self.labels("head", "inside", "after")
-        self.jump(head)
-        self.start(head)
-        now = self.new(f"load {WHOLE}, ptr {counter}")
-        more = self.new(f"icmp {'slt' if step > 0 else 'sgt'} {WHOLE} {now}, {last_one}")
-        going = self.both(self._go_on(loop), more)
+        going = self.both(self._go_on(loop), test())
         self.add(f"store {MASK} {going}, ptr {loop.inside}")
         self.set_mask(going)
         self.branch(self.any_of(going), inside, after)
         self.start(inside)
         self.split += 1
-        self.store(name, Value(INTEGERS, (now,)), node)
-        self.inside(node.body)
+        body()
         self.split -= 1
-        now = self.new(f"load {WHOLE}, ptr {counter}")
-        self.add(f"store {WHOLE} {self.new(f'add {WHOLE} {now}, splat (i64 {step})')}, ptr {counter}")
         self.jump(head)
         self.start(after)
         self._end_loop(loop)
+
+    def _while(self, test: ast.expr, body: Sequence[ast.stmt]) -> None:
+        self._repeat(lambda: self.as_kind(self.truth(test), TRUTHS).parts[0], lambda: self.inside(body))
+
+    def _for(self, name: str, bounds: Sequence[ast.expr], node: ast.For) -> None:
+        found = self._bounds(bounds, node)
+        if INTEGERS in (found[0].kind, found[1].kind):
+            self._count_apart(name, found, node)
+        elif _leaves(node.body):
+            loop = self._begin_loop()
+            self.split += 1
+            self._count(name, found, node, lambda: self.any_of(self._go_on(loop)))
+            self.split -= 1
+            self._end_loop(loop)
+        else:
+            self._count(name, found, node)
+
+    def store_counter(self, name: str, value: Value, node: ast.For) -> None:
+        self.apart = False
+        self.store(name, value, node)
+        self.apart = True
+
+    def _count_apart(self, name: str, bounds: tuple[Value, Value, int], node: ast.For) -> None:
+        """Write a loop whose number of iterations differs between lanes."""
+        first, last, step = bounds
+        counter, last_one = self.slot(WHOLE), self.as_whole(last)
+        self.add(f"store {WHOLE} {self.as_whole(first)}, ptr {counter}")
+
+        def more() -> str:
+            now = self.new(f"load {WHOLE}, ptr {counter}")
+            return self.new(f"icmp {'slt' if step > 0 else 'sgt'} {WHOLE} {now}, {last_one}")
+
+        def turn() -> None:
+            now = self.new(f"load {WHOLE}, ptr {counter}")
+            self.store(name, Value(INTEGERS, (now,)), node)
+            self.inside(node.body)
+            self.add(f"store {WHOLE} {self.new(f'add {WHOLE} {now}, splat (i64 {step})')}, ptr {counter}")
+
+        self._repeat(more, turn)
 
     def _for_each(self, target: ast.expr, elements: Sequence[ast.expr], node: ast.For) -> None:
         leaves = _leaves(node.body)
