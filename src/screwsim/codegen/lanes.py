@@ -1,4 +1,4 @@
-"""Writes one function for points computed side by side: like `emit`, with a mask of active lanes.
+"""Functions for points computed side by side: each written like one of `emit`, with a mask of active lanes.
 
 Where lanes take different branches, those that take a branch run while the others wait; a loop runs until none of its
 lanes is left. So each lane computes what it would compute alone, operation by operation: no bit of its results depends
@@ -9,16 +9,16 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
+from screwsim.codegen import lane_math, lane_rows
 from screwsim.codegen.emit import Emitter
-from screwsim.codegen.kinds import INTEGER, INTEGERS, OF_LANES, TRUTH, TRUTHS, Kind, Value
+from screwsim.codegen.kinds import INTEGER, INTEGERS, LANES, OF_LANES, TRUTH, TRUTHS, Kind, Value
 from screwsim.codegen.lane_expressions import LaneExpressions
 from screwsim.codegen.lane_operations import MASK, NONE_OF_THEM, WHOLE
+from screwsim.codegen.library import Library, Writer
+from screwsim.codegen.program import Program, read
 from screwsim.numerics.kernel import nodes
-
-if TYPE_CHECKING:
-    from screwsim.codegen.library import Library
 
 
 class _Loop(NamedTuple):
@@ -265,3 +265,24 @@ class LaneEmitter(LaneExpressions, Emitter):
 def _leaves(statements: Sequence[ast.stmt]) -> bool:
     """Tell whether lanes may leave the block that surrounds statements."""
     return any(isinstance(each, ast.Return | ast.Break | ast.Continue) for each in nodes(*statements))
+
+
+class LaneLibrary(Library):
+    """A library whose functions compute all lanes at once; what differs between lanes takes one word for each."""
+
+    lanes, aligned = LANES, ", align 8"
+
+    def __init__(self, program: Program) -> None:
+        written = read(lane_math.texts())
+        functions = written.functions.and_those_of(program.functions)
+        super().__init__(Program(functions, written.constants | program.constants))
+
+    def emitter(self, name: str, kinds: tuple[Kind, ...]) -> Writer:
+        if lane_rows.KINDS.get(name) == kinds:
+            return lane_rows.WRITERS[name](self)
+        return LaneEmitter(self, name, kinds)
+
+    def beside(self) -> tuple[list[str], list[str]]:
+        """Return what `Library.beside` does: the first word has one bit for each active lane."""
+        bits, mask = f"  %bits = load i{LANES}, ptr %in", f"  %mask = bitcast i{LANES} %bits to {MASK}"
+        return [bits, mask], [f"{MASK} %mask"]

@@ -102,7 +102,7 @@ class Module(ModuleType):
         return Variant(machine.loaded(code, symbol), kinds, returned), 0 if fast else len(code)
 
     def of_lanes(self, name: str, kinds: tuple[Kind, ...]) -> Any:
-        """Return the entry of a function for points side by side (`codegen.lane_library`), compiled for speed."""
+        """Return the entry of a function for points side by side (`codegen.lanes`), compiled for speed."""
         from screwsim.codegen import machine
 
         _, code, symbol, _ = self._code(name, kinds, True)
@@ -154,10 +154,10 @@ class Module(ModuleType):
         return returned.decode(), code, symbol, fast
 
     def _written(self, name: str, kinds: tuple[Kind, ...], symbol: str) -> tuple[Kind, str]:
-        from screwsim.codegen import lane_library, library, program
+        from screwsim.codegen import lanes, library, program
 
         if any(kind.name in LANED for kind in kinds):
-            return lane_library.LaneLibrary(program.read(self.text)).entry(name, kinds, symbol)
+            return lanes.LaneLibrary(program.read(self.text)).entry(name, kinds, symbol)
         with _writing:
             found = _libraries.pop(id(self), None)
             if found is None or found[0] is not self:
