@@ -25,6 +25,8 @@ from screwsim.codegen.calls import KINDS, Context, Variant, known, take
 from screwsim.codegen.kinds import LANED, Kind
 from screwsim.numerics import compiling, store
 from screwsim.numerics.garbage import no_search
+from screwsim.numerics.kept_text import flat_module
+from screwsim.numerics.kernel import Kernel
 
 _loaded: dict[str, Module] = {}
 _alone = threading.RLock()  # keeps two threads from making two modules of one text
@@ -74,6 +76,12 @@ def load(text: str, of: str, fast: bool = False) -> Module:
             store.keep_text(f"{name}.py", text)  # for people to read; never read back
             _loaded[name] = Module(name, text, fast=fast)
         return _loaded[name]
+
+
+@cache
+def of_kernels(name: str, *kernels: Kernel) -> Module:
+    """Return the module of kernels that are the same for all models."""
+    return load(flat_module(kernels), name, fast=True)
 
 
 class Module(ModuleType):

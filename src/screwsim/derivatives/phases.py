@@ -18,6 +18,7 @@ import numpy as np
 from screwsim.derivatives.pitch import CollocatedPitch, RateNumbers
 from screwsim.derivatives.slices import CORNER_LAYER, SHARE_BEFORE, Crossing
 from screwsim.model.slots import P_PITCH, S_RHO, S_T
+from screwsim.numerics.roots import bisected
 
 Array = np.ndarray
 PLACE_TOLERANCE = 1e-10  # rad: tolerance on the angle of a border
@@ -71,12 +72,12 @@ def border_crossings(pitch: CollocatedPitch, angles: Array, states: Array) -> It
     for chamber, phases in enumerate(every):
         start = float(c.P[P_PITCH]) * chamber
         for k in np.flatnonzero(np.diff(phases)).tolist():
-            low, high = float(angles[k]), float(angles[k + 1])
-            while high - low > PLACE_TOLERANCE:
-                middle = 0.5 * (low + high)
-                there = pitch.phases_of(life.states_at(np.array([start + middle])))[0]
-                low, high = (middle, high) if there == phases[k] else (low, middle)
-            yield Crossing(_existing_edge(pitch, chamber, high), CORNER_LAYER, JUMP_WIDTH)
+
+            def before(angle: float, start: float = start, phase: int = phases[k]) -> bool:
+                return pitch.phases_of(life.states_at(np.array([start + angle])))[0] == phase
+
+            _, end = bisected(before, float(angles[k]), float(angles[k + 1]), xtol=PLACE_TOLERANCE)
+            yield Crossing(_existing_edge(pitch, chamber, end), CORNER_LAYER, JUMP_WIDTH)
 
 
 def _existing_edge(pitch: CollocatedPitch, chamber: int, angle: float) -> float:
@@ -123,11 +124,8 @@ def border_temperature(pitch: CollocatedPitch, T: float, rho: float, numbers: Ra
     P, TAB, phase = numbers.P, numbers.TAB, pitch.machinery.module.gas_phase
     own, apart = phase(T, rho, P, TAB), NEAREST
     while apart < FARTHEST:
-        for low, high in ((T, T * (1.0 + apart)), (T, T * (1.0 - apart))):
-            if phase(high, rho, P, TAB) != own:
-                while abs(high - low) > NARROW * T:
-                    middle = 0.5 * (low + high)
-                    low, high = (middle, high) if phase(middle, rho, P, TAB) == own else (low, middle)
-                return 0.5 * (low + high)
+        for end in (T * (1.0 + apart), T * (1.0 - apart)):
+            if phase(end, rho, P, TAB) != own:
+                return 0.5 * sum(bisected(lambda at: phase(at, rho, P, TAB) == own, T, end, xtol=NARROW * T))
         apart *= 2.0
     return float("nan")
