@@ -116,7 +116,7 @@ _tried: dict[tuple[str, ...], list[Any]] = {}  # machines and effects already tr
 
 def _tried_in_child(scene: Scene) -> None:
     """Raise UsageError where a user's own modules crash the process: a child process tries them first."""
-    names, modules = (scene.machine.kind, *scene.effects), [sources.recorded_object(name) for name in scene.own]
+    names, modules = (scene.machine.kind, *scene.effects), [sources.recorded[name].made for name in scene.own]
     known = _tried.get(names, [])
     if len(known) == len(modules) and all(map(operator.is_, known, modules)):
         return
