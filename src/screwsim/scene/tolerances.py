@@ -97,7 +97,7 @@ def read_tolerances(
     leaves, found = leaves_of(scene), {}
     for path, each in given.items():
         leaf = leaves.get(path)
-        try:
+        with problems.at(each.place, path):
             if leaf is None or (leaf.dimension is None and leaf.kind != "number"):
                 raise Refused("has a tolerance, which only quantities and numbers may have (write the value alone)")
             if path.startswith(CERTAIN_SECTIONS):
@@ -107,8 +107,6 @@ def read_tolerances(
             _check_ends(leaf, tolerance, value, "its")
             found[path] = tolerance
             _check_sweep(leaf, found[path], scene.sweep.get(path, ()))
-        except Refused as refusal:
-            problems.add(each.place, path, str(refusal))
     return found, _correlated_groups(root, set(given), scene, problems)
 
 
