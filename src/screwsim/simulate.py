@@ -41,17 +41,17 @@ Trace = bool | Literal["ledger"]  # what a result keeps over the angle
 
 def _numerics(machinery: Machinery, accurate: Accurate) -> Figures:
     """Return the numerical figures of a result: counts, tolerance and times of closing and of estimating."""
-    counts, cycle = accurate.counts, accurate.cycle
+    cost, cycle = accurate.cost, accurate.cycle
     return Figures(
         integrator=accurate.evaluation.problem.scene.numerics.integrator,
         closing=cycle.how,
         rtol=cycle.rtol,
         turns=cycle.turns,
-        steps=int(counts[TAKEN]),
-        rhs_evaluations=machinery.evaluations_of(counts),
-        jacobians=int(counts[JACOBIANS]),
-        wall_time=accurate.closing_time,
-        estimating_time=accurate.estimating_time,
+        steps=int(cost.counts[TAKEN]),
+        rhs_evaluations=machinery.evaluations_of(cost.counts),
+        jacobians=int(cost.counts[JACOBIANS]),
+        wall_time=cost.closing,
+        estimating_time=cost.estimating,
     )
 
 
