@@ -219,11 +219,8 @@ def _why_no_figures(problem: Problem, accurate: Accurate) -> str:
     found = found or verdict.outside_gas_range(problem, life) or feedback.unknown_at_limit(problem, life)
     if not found and cycle.closed:
         found = feedback.suction_line_imbalance(problem, life, cycle.q)
-    return (
-        found + "".join(f"; {words}" for words in plausible.blocked_paths(problem.scene, problem.parts))
-        if found
-        else ""
-    )
+    blocked = plausible.blocked_paths(problem.scene, problem.parts) if found else ()
+    return "; ".join([found, *blocked])
 
 
 def _closed_in_entropy(

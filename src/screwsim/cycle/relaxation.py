@@ -202,9 +202,8 @@ class _Turns:
             return not self.guessed and residuals(self.problem, self.machinery.R, self.q).mass > LEAKS
         ratio, known = self.gap / self.before[0], self.number > (1 if self.guessed else 2)
         if self.near:  # where more than two further turns would be needed
-            return (
-                known and SLOW_CONTRACTION < ratio < NOISE_RATIO and self.gap * ratio * ratio > self.criteria.tolerance
-            )
+            slow = SLOW_CONTRACTION < ratio < NOISE_RATIO
+            return known and slow and self.gap * ratio * ratio > self.criteria.tolerance
         far = FIRST_CHANGE_OIL if self.problem.composition.carried else FIRST_CHANGE
         return self.moved < LINEAR_WITHIN and (ratio > SLOW_CONTRACTION if self.number > 2 else self.gap > far)
 

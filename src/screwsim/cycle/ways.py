@@ -75,14 +75,10 @@ def _together_finer(task: ClosingTask, cycle: CycleSolution, most: int) -> Cycle
     return close_together(task, cycle.y.copy(), most=most)
 
 
-def _no_share(cycle: CycleSolution, criteria: ClosingCriteria) -> float:
-    """Return 1: what pitches needed says nothing about waveform relaxation."""
-    return 1.0
-
-
 WAYS = {
     WAVEFORMS: Way(relax, _relax_again, _relax_finer, _relaxed_share, False, "numerics.closing: coupled"),
-    TOGETHER: Way(_together, _together_again, _together_finer, _no_share, True),
+    # what pitches needed says nothing about waveform relaxation
+    TOGETHER: Way(_together, _together_again, _together_finer, lambda cycle, criteria: 1.0, True),
 }
 
 

@@ -235,7 +235,7 @@ class LinearisedPitch:
                 follow_once(J[part], widths[part], states, reach, now, right[part])
                 now = right[border.slice, -1].copy()
             delay = border.by_states @ now
-            delay[self.pitch.N : self.pitch.N + len(numbers)] += border.by_numbers(numbers)
+            delay[self.pitch.N : self.pitch.N + len(numbers)] += [border.by_numbers(each) for each in numbers]
             now += np.outer(border.states, delay)
             sums += np.outer(border.sums, delay)
             first = part.stop

@@ -10,7 +10,7 @@ Source: M. di Bernardo et al., Piecewise-smooth Dynamical Systems, Springer 2008
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -47,17 +47,13 @@ class BorderCrossing(NamedTuple):
     states: Array
     sums: Array
 
-    def by_numbers(self, changes: Sequence[RateNumbers]) -> Array:
-        """Return the delays of the border [rad] by changes of the numbers."""
-        return np.array([self._changed(each) / self.steepness for each in changes])
-
-    def _changed(self, numbers: RateNumbers) -> float:
-        """Return the change of the border's temperature [K] with the numbers."""
+    def by_numbers(self, numbers: RateNumbers) -> float:
+        """Return the delay of the border [rad] by a change of the numbers."""
         if not (numbers.P.any() or numbers.TAB.any()):
             return 0.0
         sides = [self.pitch.numbers.plus(by, numbers) for by in (SHIFT, -SHIFT)]
         above, below = (border_temperature(self.pitch, self.T, self.rho, each) for each in sides)
-        return (above - below) / (2.0 * SHIFT)
+        return (above - below) / (2.0 * SHIFT) / self.steepness
 
 
 def border_crossings(pitch: CollocatedPitch, angles: Array, states: Array) -> Iterator[Crossing]:

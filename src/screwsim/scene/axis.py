@@ -47,7 +47,9 @@ def read_axis(leaf: Leaf, node: Node, path: str, problems: LocatedFaults, distin
     if not values and isinstance(node.value, list):
         problems.add(node.place, path, f"has no values (write e.g. [{example(leaf)}])")
     elif twice is not None:
-        comma = ", or write decimals with a point" if leaf.kind == "number" and _all_whole(node) else ""
+        items = node.value if isinstance(node.value, list) else [node]
+        whole = all(isinstance(item.value, int) for item in items)  # as where decimals are written with commas
+        comma = ", or write decimals with a point" if leaf.kind == "number" and whole else ""
         problems.add(node.place, path, f"has {text_of(leaf, twice)} twice (remove one{comma})")
     return tuple(good)
 
@@ -65,11 +67,6 @@ def _item(leaf: Leaf, node: Node, path: str, problems: LocatedFaults) -> Any:
     with problems.at(node.place, path):
         return listed_fluid(node.value)
     return None
-
-
-def _all_whole(node: Node) -> bool:
-    """Tell whether all values of a list are whole numbers, as happens when decimals are written with commas."""
-    return isinstance(node.value, list) and all(isinstance(item.value, int) for item in node.value)
 
 
 def example(leaf: Leaf) -> str:

@@ -269,11 +269,8 @@ class _Converter:
 
 def whole_letters(text: str) -> str:
     """Return a text with surrogate pairs joined: JSON escapes each character beyond 16 bits as two halves."""
-    return (
-        text.encode("utf-16", "surrogatepass").decode("utf-16", "surrogatepass")
-        if _LONE_SURROGATE.search(text)
-        else text
-    )
+    halved = _LONE_SURROGATE.search(text) is not None
+    return text.encode("utf-16", "surrogatepass").decode("utf-16", "surrogatepass") if halved else text
 
 
 def scalar(tag: str, text: str) -> Any:
