@@ -33,7 +33,7 @@ def code_identity(own: Iterable[str]) -> dict[str, str]:
     found |= {name: installed_version(name) for name in LIBRARIES}
     for name in own:
         import_own_module(name)  # imports it, if a worker has not yet
-        found |= {_MODULE + file: text for file, text in sources.module_digests(name).items()}
+        found |= {_MODULE + file: text for file, text in sources.recorded[name].digests.items()}
     return found
 
 
