@@ -13,6 +13,7 @@ from screwsim.results.protection import protect_other_json, protect_unmarked
 from screwsim.scene.operation import SUBCOOLING
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.performance_map import COEFFICIENT_NAMES, PerformanceMap
+from screwsim.study.varied import names_of
 
 FIGURES = ("cooling_capacity", "shaft_power", "gas_mass_flow")
 OPTIONAL_FIGURES = ("electrical_power", "heating_capacity")  # included where a result has them
@@ -32,8 +33,9 @@ GLIDES = 0.1  # [K] distance of dew and bubble point in the condenser above whic
 def _condition_lines(found: Polynomials, ip: bool) -> Iterator[str]:
     """Yield the conditions that hold for all maps, with their units; subcooling also where the scene states none."""
     stated = dict(found.conditions)
-    if SUBCOOLING not in {*stated, *found.axes, *found.within}:
-        stated[SUBCOOLING] = 0.0
+    (subcooling,) = names_of(SUBCOOLING, found.two)
+    if subcooling not in {*stated, *found.axes, *found.within}:
+        stated[subcooling] = 0.0
     for path, value in stated.items():
         if path.endswith(("superheat", "subcooling")):
             shown = f"{1.8 * value:.6g} degF" if ip else f"{value:.6g} K"

@@ -10,15 +10,25 @@ from typing import Any
 import numpy as np
 
 from screwsim.export.inputs import Input, evenly_spaced_nodes, read_inputs, title_on_one_line
-from screwsim.export.source import is_results, refuse_changes
+from screwsim.export.source import is_results, load_varied, refuse_changes
 from screwsim.export.table import temporary_results
 from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
-from screwsim.scene import Scene, load
-from screwsim.scene.operation import CONDENSING, EVAPORATING, QUALITY, SUPERHEAT
-from screwsim.study.performance_map import FORMULA, TERMS, PerformanceMap, PolynomialFit, conditions, performance_maps
+from screwsim.results.read import STAGES
+from screwsim.scene import Scene
+from screwsim.scene.operation import QUALITY, SUPERHEAT
+from screwsim.study.performance_map import (
+    FORMULA,
+    TERMS,
+    PerformanceMap,
+    PolynomialFit,
+    conditions,
+    performance_maps,
+    temperature_paths,
+)
 from screwsim.study.progress import Progress
+from screwsim.study.varied import Varied, names_of
 
 SATURATION_NODES, OTHER_NODES = 6, 3  # number of values where --over gives ranges
 RATED_TEMPERATURES = {"S": 5.0, "D": 45.0}  # [°C] used where the envelope contains it, else its middle
@@ -36,6 +46,7 @@ class Polynomials:
     axes: dict[str, str]  # SI units of the other axes
     condensing: str = "bubble"  # to which point the condensing temperature refers: "dew" for a blend (M316)
     within: frozenset[str] = frozenset()  # paths that vary together with a temperature, and so within a map
+    two: bool = False  # of two stages in series, before whose paths their stage stands
 
     def name(self, one: PerformanceMap) -> str:
         """Return what distinguishes a map from the others, as part of a name: 'speed_308.923'."""
@@ -47,6 +58,7 @@ class Polynomials:
 
         Raise UsageError for a path that varies within the map, as it has no single value.
         """
+        (path,) = names_of(path, self.two)
         if path in self.within:
             what = f"{path} varies together with a temperature, but the export takes one value of it"
             raise UsageError(f"{what} (vary it on an axis of its own)")
@@ -54,8 +66,9 @@ class Polynomials:
 
     def superheat(self, one: PerformanceMap) -> float:
         """Return the superheat [K] of the suction gas in a map; raise UsageError where that gas is wet."""
-        if QUALITY in self.conditions or QUALITY in one.values or QUALITY in self.within:
-            raise UsageError(f"{QUALITY} is for wet gas, but the export takes a superheat (use export en12900)")
+        (quality,) = names_of(QUALITY, self.two)
+        if quality in {*self.conditions, *one.values, *self.within}:
+            raise UsageError(f"{quality} is for wet gas, but the export takes a superheat (use export en12900)")
         return self.condition(one, SUPERHEAT)
 
 
@@ -67,25 +80,27 @@ def swept_results(
     without: Sequence[str] | None = None,
     jobs: int | None = None,
     progress: Progress | None = None,
-    told: Callable[[Scene, tuple[Input, ...]], None] | None = None,
+    told: Callable[[Varied, tuple[Input, ...]], None] | None = None,
 ) -> Iterator[Results]:
     """Give the results of a file, or those of a scene after its own sweep or one over ranges (`--over`)."""
     if is_results(source):
         refuse_changes(source, {"--over": over, "--set": overrides, "--without": without})
         yield open_results(source)
         return
-    scene = load(source, overrides or (), without or ())
+    scene = load_varied(source, overrides, without)
+    temperatures = temperature_paths(not isinstance(scene, Scene))
     if over:
         inputs = read_inputs(scene, over)
-        counts = [SATURATION_NODES if one.path in (EVAPORATING, CONDENSING) else OTHER_NODES for one in inputs]
+        counts = [SATURATION_NODES if one.path in temperatures else OTHER_NODES for one in inputs]
         pairs = zip(inputs, counts, strict=True)
         sweep = {one.path: tuple(map(float, one.at(evenly_spaced_nodes(one, count)))) for one, count in pairs}
         scene = replace(scene, sweep=sweep, joints=())
-    missing = [path for path in (EVAPORATING, CONDENSING) if path not in scene.sweep]
+    missing = [path for path in temperatures if path not in scene.sweep]
     if missing:
+        evaporating, condensing = temperatures
         raise UsageError(
             f"{source}: is swept over no {' and no '.join(missing)}, which these polynomials need (write e.g. "
-            f"--over '{EVAPORATING}=-10 degC..10 degC' --over '{CONDENSING}=30 degC..50 degC')"
+            f"--over '{evaporating}=-10 degC..10 degC' --over '{condensing}=30 degC..50 degC')"
         )
     if told is not None:
         told(scene, read_inputs(scene, ()))
@@ -103,20 +118,22 @@ def polynomials(results: Results, figures: Sequence[str]) -> Polynomials:
     fluid, blend = fluid_of(results)
     point = "dew" if blend else "bubble"
     title = title_on_one_line(results.attributes["title"])
-    return Polynomials(title, fluid, maps, units, conditions(results), axes, point, _paths_along(results))
+    two = bool(results.stages)
+    return Polynomials(title, fluid, maps, units, conditions(results), axes, point, _paths_along(results), two)
 
 
 def _paths_along(results: Results) -> frozenset[str]:
-    varied = results.varied
-    own = {varied[path][0] for path in (EVAPORATING, CONDENSING)}
-    return frozenset(path for path, (axis, _) in varied.items() if axis in own) - {EVAPORATING, CONDENSING}
+    varied, temperatures = results.varied, temperature_paths(bool(results.stages))
+    own = {varied[path][0] for path in temperatures}
+    return frozenset(path for path, (axis, _) in varied.items() if axis in own) - {*temperatures}
 
 
 def fluid_of(results: Results) -> tuple[str, bool]:
-    """Return the name of the fluid in the scene of results, and whether it is a blend."""
+    """Return the name of the fluid in the scene of results, of the first of two stages, and whether it is a blend."""
     from ruamel.yaml import YAML
 
-    fluid = YAML(typ="safe", pure=True).load(results.scene_yaml)["gas"]["fluid"]
+    alone = results.stages.get(STAGES[0], results)
+    fluid = YAML(typ="safe", pure=True).load(alone.scene_yaml)["gas"]["fluid"]
     return (fluid, is_blend(fluid)) if isinstance(fluid, str) else ("/".join(fluid), True)
 
 

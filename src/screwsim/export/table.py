@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import math
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -25,11 +25,13 @@ from screwsim.export.inputs import (
     Output,
     check_names,
     evenly_spaced_nodes,
+    followers_of,
     input_meaning,
     input_name,
     output_of,
     plain,
     title_on_one_line,
+    with_followers,
 )
 from screwsim.export.map_table import MapTable
 from screwsim.inputs.faults import UsageError
@@ -39,7 +41,10 @@ from screwsim.results.warning_kinds import kinds_of, warnings_of_cases
 from screwsim.scene import Scene, scene_text
 from screwsim.scene.types import Joint
 from screwsim.study.progress import Progress
+from screwsim.study.stages.points import sweep_stages
+from screwsim.study.stages.store import chain_text, save_chain
 from screwsim.study.sweep import run_sweep
+from screwsim.study.varied import Varied
 
 CHECK_POINTS = 32  # check points drawn
 SAFETY_SHARE = 0.7  # of the requested error: required at the check points, so that other points meet the requested one
@@ -60,7 +65,7 @@ def scales(outputs: Sequence[Output], values: Array) -> Array:
 
 
 def tabulated_map(
-    scene: Scene,
+    scene: Varied,
     inputs: Sequence[Input],
     outputs: Sequence[Output],
     wanted: float,
@@ -70,14 +75,14 @@ def tabulated_map(
     progress: Callable[[], Progress] | None = None,
     simulate: Any = None,
 ) -> MapTable:
-    """Return the map of a scene with an error at the check points of at most `SAFETY_SHARE` times `wanted`.
+    """Return the map of a scene, or of two stages, over its inputs.
 
-    At most `most` nodes are simulated; a table that remains coarser because of them says so (`MapTable.met`). Raise
-    UsageError where nothing closes.
+    Its error at the check points is at most `SAFETY_SHARE` times `wanted`. At most `most` nodes are simulated; a table
+    that remains coarser because of them says so (`MapTable.met`). Raise UsageError where nothing closes.
     """
     check_names(inputs, outputs)
     head = title_on_one_line(scene.title), tuple(inputs), tuple(outputs)
-    text = scene_text(replace(scene, sweep={}, joints=()))
+    text = _text(replace(scene, sweep={}, joints=()))
     solve = _Solver(scene, outputs, jobs, progress, simulate)
     nodes = [evenly_spaced_nodes(variable, 5 if len(inputs) <= FEW_INPUTS else 3) for variable in inputs]
     points = _drawn_check_points(inputs)
@@ -111,16 +116,15 @@ def tabulated_map(
 
 def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable:
     """Return the map in a sweep's results file, over all its axes; raise UsageError where there is none."""
-    if not results.axis_list or any(axis.joined for axis in results.axis_list):
-        raise UsageError(
-            f"{results.path}: holds no grid (a map needs a sweep over one or more axes, none of them joined)"
-        )
-    axes = [axis for axis in results.axis_list if len(axis.values) > 1]
-    if not axes:
+    if not results.axis_list:
+        raise UsageError(f"{results.path}: holds no grid (a map needs a sweep over one or more axes)")
+    varied = [axis for axis in results.axis_list if len(axis.values) > 1]
+    if not varied:
         raise UsageError(f"{results.path}: varies nothing, as each axis has one value (export a sweep over more)")
-    if any(axis.values.dtype.kind != "f" for axis in axes):
+    axes = [axis.joined[0] if axis.joined else axis for axis in varied]
+    if not _are_numbers(axes):
         raise UsageError(f"{results.path}: has a non-numeric axis (export a sweep of one of its values)")
-    inputs = [_input_of(axis) for axis in axes]
+    inputs = [_input_of(results, axis, whole.joined[1:]) for axis, whole in zip(axes, varied, strict=True)]
     orders = [np.argsort(np.asarray(axis.values, float)) for axis in axes]
     names = figures or [name for name in FIGURES if name in results.figures]
     outputs = [output_of(name, {name: results.figure(name)}) for name in names]
@@ -141,7 +145,8 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable
     how = how if checked else "unknown, as no axis has five values"
     head = title_on_one_line(results.attributes["title"]), tuple(inputs), tuple(outputs)
     grid, why, warnings = grid_of(nodes, values, sound), _first_reason(results), kinds_of(warnings_of_cases(results))
-    return MapTable(*head, grid, None, results.scene_yaml, errors, checked, how, sound.size, why, warnings)
+    text = _documents(results.scene_yaml, {name: each.scene_yaml for name, each in results.stages.items()})
+    return MapTable(*head, grid, None, text, errors, checked, how, sound.size, why, warnings)
 
 
 def _first_reason(results: Results) -> str:
@@ -150,13 +155,32 @@ def _first_reason(results: Results) -> str:
     return next((str(why) for status, why in cases if status != "ok" and why), "")
 
 
-def _input_of(axis: Axis) -> Input:
-    """Return the input that an axis of a sweep is; pressures over an octave or more are taken by their logarithm."""
+def _first_lack(results: Results, outputs: Sequence[Output]) -> str:
+    """Return that no case has one of the outputs; empty where each has a value."""
+    absent = next((output.name for output in outputs if output.name not in results.figures), "")
+    return f"they have no {absent}; choose another --figure" if absent else ""
+
+
+def _input_of(results: Results, axis: Axis, others: Sequence[Axis]) -> Input:
+    """Return the input that an axis of a sweep is; pressures over an octave or more are taken by their logarithm.
+
+    What varies together with it (`others`) follows it; raise UsageError where it has not one value for each.
+    """
     values = np.asarray(axis.values, float)
     low, high = float(values.min()), float(values.max())
     log = axis.units == "Pa" and high >= 2.0 * low > 0.0
-    meaning = input_meaning(axis.long_name)
-    return Input(axis.path, input_name(axis.path), axis.units, meaning, low, high, float(values[0]), log)
+    meaning = input_meaning(axis.path, axis.long_name)
+    found = Input(axis.path, input_name(axis.path), axis.units, meaning, low, high, float(values[0]), log)
+    numbers = {each.path: each.values for each in others}
+    followers = () if not others else followers_of(values, numbers) if _are_numbers(others) else None
+    if followers is None:
+        what = f"{axis.path} varies together with {' and '.join(numbers)}, but does not rise or fall throughout"
+        raise UsageError(f"{results.path}: holds no grid: {what} (a map needs axes of their own)")
+    return with_followers(found, followers)
+
+
+def _are_numbers(axes: Sequence[Axis]) -> bool:
+    return all(axis.values.dtype.kind == "f" for axis in axes)
 
 
 def _drawn_check_points(inputs: Sequence[Input]) -> Array:
@@ -229,12 +253,17 @@ def _inserted(
 
 
 @contextmanager
-def temporary_results(scene: Scene, **options: Any) -> Iterator[Results]:
-    """Give the results of a scene's sweep, whose file is removed at the end; `options` are those of `run_sweep`."""
-    whole = replace(scene, text=scene_text(replace(scene, text="")))
+def temporary_results(scene: Varied, **options: Any) -> Iterator[Results]:
+    """Give the results of a sweep, whose file is removed at the end; `options` are those of the function that runs it.
+
+    That is `run_sweep` for a scene, and `sweep_stages` for two stages.
+    """
     with tempfile.TemporaryDirectory(prefix="screwsim-") as folder:
         path = Path(folder) / "map.h5"
-        run_sweep(whole, path, **options)
+        if isinstance(scene, Scene):
+            run_sweep(replace(scene, text=_text(scene)), path, **options)
+        else:
+            save_chain(path, scene, [each.results for each in sweep_stages(scene, **options)], "sweep")
         yield open_results(path)
 
 
@@ -243,7 +272,7 @@ class _Solver:
 
     def __init__(
         self,
-        scene: Scene,
+        scene: Varied,
         outputs: Sequence[Output],
         jobs: int | None,
         progress: Callable[[], Progress] | None,
@@ -256,16 +285,21 @@ class _Solver:
 
     def grid(self, inputs: Sequence[Input], nodes: Sequence[Array]) -> tuple[Array, Array]:
         """Return values (nodes …, outputs) and which nodes closed."""
-        sweep = {variable.path: tuple(map(float, variable.at(u))) for variable, u in zip(inputs, nodes, strict=True)}
-        return self._swept(replace(self._scene, sweep=sweep, joints=()), tuple(map(len, nodes)))
+        each = [variable.swept(variable.at(u)) for variable, u in zip(inputs, nodes, strict=True)]
+        sweep = {path: values for one in each for path, values in one.items()}
+        joints = tuple(
+            Joint(variable.name, tuple(one)) for variable, one in zip(inputs, each, strict=True) if len(one) > 1
+        )
+        return self._swept(replace(self._scene, sweep=sweep, joints=joints), tuple(map(len, nodes)))
 
     def points(self, inputs: Sequence[Input], points: Array) -> tuple[Array, Array]:
         """Return values (points, outputs) and which of them closed."""
-        sweep = {variable.path: tuple(map(float, points[:, i])) for i, variable in enumerate(inputs)}
+        each = (variable.swept(points[:, i]) for i, variable in enumerate(inputs))
+        sweep = {path: values for one in each for path, values in one.items()}
         joint = Joint("case", tuple(sweep))
         return self._swept(replace(self._scene, sweep=sweep, joints=(joint,)), (len(points),))
 
-    def _swept(self, scene: Scene, shape: tuple[int, ...]) -> tuple[Array, Array]:
+    def _swept(self, scene: Varied, shape: tuple[int, ...]) -> tuple[Array, Array]:
         options = {} if self._simulate is None else {"simulate": self._simulate}
         told = None if self._progress is None else self._progress()
         with temporary_results(scene, jobs=self._jobs, progress=told, **options) as results:
@@ -276,8 +310,20 @@ class _Solver:
             values = np.stack(columns, axis=-1)
             sound = (results.status.reshape(shape) == "ok") & np.isfinite(values).all(axis=-1)
             if not sound.all() and not self.why:
-                self.why = _first_reason(results)
+                self.why = _first_reason(results) or _first_lack(results, self._outputs)
         return values, sound
+
+
+def _text(scene: Varied) -> str:
+    """Return the text of a scene, or of two stages."""
+    if isinstance(scene, Scene):
+        return scene_text(scene)
+    return _documents(chain_text(scene), {name: scene_text(each) for name, each in scene.by_stage.items()})
+
+
+def _documents(text: str, stages: Mapping[str, str]) -> str:
+    """Return the text of a scene; of two stages that of their file and of both scenes, as YAML documents."""
+    return "".join([text, *(f"---\n# {name}.yaml\n{own}" for name, own in stages.items())])
 
 
 def csv_table(table: MapTable) -> str:

@@ -11,13 +11,13 @@ from screwsim.figures.engineering import figure_text, shown_name
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
-from screwsim.scene import Scene
 from screwsim.scene.units import NUMBER
 from screwsim.study.goals import Goal
 from screwsim.study.inputs import read_text, shown_figure, shown_range, shown_value, unit_behind
 from screwsim.study.seek import one_goal, several_goals
 from screwsim.study.seek.trials import Trial, Trials
 from screwsim.study.spans import LOWER, UPPER, Span
+from screwsim.study.varied import Varied
 
 SAME_SIZE = 1e-9  # relative difference below which a size equals the value
 BOUND_DISTANCE = 1e-6  # of a range: distance from its end that counts as at the end
@@ -55,7 +55,7 @@ class GoalSeekAnswer(Brief):
     size: Size | None = None
     solutions: int = 0
     failed: int = 0
-    scene: Scene | None = None  # with the values found; for a catalogue, with the size
+    scene: Varied | None = None  # with the values found; for a catalogue, with the size
     result: Result | None = None
 
     def _about(self) -> About:
@@ -170,7 +170,7 @@ def _is_flat(trials: Trials) -> bool:
     return len(off) > 1 and max(off) - min(off) <= CLEAR_ERRORS * max(trial.errors[0] for trial in trials.closed)
 
 
-def read_catalogue(scene: Scene, path: str, text: str) -> tuple[float, ...]:
+def read_catalogue(scene: Varied, path: str, text: str) -> tuple[float, ...]:
     """Return the sizes [SI] of '140, 163, 204 mm', ascending; a unit holds for all earlier numbers without one."""
     parts = [part.strip() for part in text.split(",")]
     unit = unit_behind(parts[-1])

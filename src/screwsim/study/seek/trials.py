@@ -5,11 +5,11 @@ from typing import Any
 
 from screwsim.figures import declared
 from screwsim.outputs import Result
-from screwsim.scene import Scene, with_values
 from screwsim.study.goals import Bound, Goal
 from screwsim.study.optimum import Simulate, absolute_error, simulated_if_valid
 from screwsim.study.progress import Progress
 from screwsim.study.spans import Span, refusal_beyond
+from screwsim.study.varied import Varied, with_values
 
 MET_TOLERANCE = 0.5  # of the estimated errors of the figures: distance within which a goal is met
 GOAL_ROUNDING = 1e-9  # of a goal
@@ -33,7 +33,7 @@ class Trial:
 class Trials:
     """The goals of a search, and every solution so far; a place is solved once."""
 
-    scene: Scene
+    scene: Varied
     spans: tuple[Span, ...]
     goals: tuple[Goal, ...]
     simulate: Simulate
@@ -49,7 +49,7 @@ class Trials:
             self.known[places] = self._solved(places)
         return self.known[places]
 
-    def scene_at(self, places: tuple[float, ...]) -> Scene:
+    def scene_at(self, places: tuple[float, ...]) -> Varied:
         """Return the scene at places."""
         return with_values(self.scene, self.values(places))
 
@@ -126,7 +126,7 @@ class ReportedSimulation:
     def __enter__(self) -> None:
         self._progress.start(self._expected, 0)
 
-    def __call__(self, scene: Scene) -> Result:
+    def __call__(self, scene: Varied) -> Result:
         result = self._simulate(scene)
         if not self._left:
             self._progress.more(self._expected)

@@ -113,9 +113,9 @@ def identity_of_chain(chain: StageChain) -> dict[str, str]:
     return found
 
 
-def chain_text(chain: StageChain) -> str:
-    """Return the YAML text of a chain, for files of its scenes named after their stages."""
-    named = ", ".join(f"{stage}.yaml" for stage in STAGE_NAMES)
+def chain_text(chain: StageChain, before: str = "") -> str:
+    """Return the YAML text of a chain, for files of its scenes named after their stages, with `before` in front."""
+    named = ", ".join(quoted(f"{before}{stage}.yaml") if before else f"{stage}.yaml" for stage in STAGE_NAMES)
     lines = [f"title: {quoted(chain.title)}"] if chain.title else []
     lines += [f"stages: [{named}]", f"{BETWEEN}:"]
     for name, leaf in LEAVES.items():
