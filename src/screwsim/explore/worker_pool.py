@@ -128,15 +128,11 @@ class Worker:
             now = time.monotonic()
             compiled += now - last if self.compiling else 0.0
             last = now
-            self._mind(now - began - compiled, compiled, newer())
-
-    def _mind(self, solving: float, compiling: float, newer: bool) -> None:
-        """Raise Dead where an answer takes too long."""
-        most = self.patience.behind if newer else self.patience.alone
-        if solving > most or compiling > self.patience.compiling:
-            seconds = max(solving, compiling)
-            what = "compilation" if compiling > self.patience.compiling else "solution"
-            raise NoAnswer(f"the {what} was stopped after {seconds:.0f} s (change the settings, or undo)")
+            solving, most = now - began - compiled, self.patience.behind if newer() else self.patience.alone
+            if solving > most or compiled > self.patience.compiling:
+                what = "compilation" if compiled > self.patience.compiling else "solution"
+                seconds = max(solving, compiled)
+                raise NoAnswer(f"the {what} was stopped after {seconds:.0f} s (change the settings, or undo)")
 
     def too_large(self) -> bool:
         """Tell whether the process uses more memory than a page should."""

@@ -244,20 +244,18 @@ class NotebookBar(CountingProgress):
         self._draw([])
 
     def _refresh(self) -> None:
-        if self._there and time.monotonic() - self._drawn >= self._every:
-            self._draw(self._pace())
+        if not self._there or time.monotonic() - self._drawn < self._every:
+            return
+        seconds, new = time.monotonic() - self._began, self._done - self._reused
+        if new and seconds > 0.0:
+            left = (self._cases - self._done) * seconds / new
+            self._draw([f"{digits(new / seconds)} points/s", f"{_duration(left)} left"])
+        else:
+            self._draw([])
 
     def _end(self) -> None:
         if self._there:
             self._draw([])
-
-    def _pace(self) -> list[str]:
-        """Return the rate and the time left, once a case has been computed."""
-        seconds, new = time.monotonic() - self._began, self._done - self._reused
-        if not new or seconds <= 0.0:
-            return []
-        left = (self._cases - self._done) * seconds / new
-        return [f"{digits(new / seconds)} points/s", f"{_duration(left)} left"]
 
     def _draw(self, pace: list[str]) -> None:
         told = ", ".join([f"{self._done} of {self._cases}{self._failures()}", *pace])

@@ -23,7 +23,6 @@ from screwsim.inputs.faults import UsageError
 from screwsim.numerics.folder import adopt_worker_state, worker_state
 
 CHUNK_SECONDS = 1.0  # [s] of work that a crash may cost per worker; writing a part costs some ms
-_FIRST_CHUNK = 1  # [blocks] per chunk until the time per case is known
 SCHEDULER_LOST = "the scheduler, or its connection, was lost (start it again; the sweep resumes)"
 WORKER_DIED = "worker died (run this case alone, with `screwsim run --set …`)"
 POLL_INTERVAL = 0.25  # [s] between two looks at the workers
@@ -102,7 +101,7 @@ class Chunks:
             self._least = min(self._beside, max(1, -(-self._left // self._jobs())))
         least = self._least
         if not self._blocks:
-            return max(_FIRST_CHUNK, least)
+            return least  # until the time per case is known
         wanted = int(CHUNK_SECONDS * self._blocks / max(self._seconds, 1e-9))
         fair = -(-self._left // (4 * self._jobs()))  # the last chunks end together
         size = max(1, min(wanted, fair, self._longest))

@@ -133,11 +133,6 @@ class LinearMachine:
         """Chi² of no change."""
         return float(self.residuals @ self.residuals)
 
-    def likelihoods(self) -> list[LinearLikelihood]:
-        """Return the likelihood over each parameter, by its slopes."""
-        pairs = zip(self.start, self.slopes, strict=True)
-        return [linear_likelihood(place, self.residuals, slopes) for place, slopes in pairs]
-
     def residuals_of(self, i: int, single: Single) -> Array:
         """Return the residuals (n,) at the best place of one parameter."""
         if isinstance(single, ProfileLikelihood):
@@ -275,7 +270,8 @@ def _linearised(
 
 def _judged(machine: LinearMachine, unchanged: float, odds: float, jobs: int | None) -> Judgement:
     """Return all hypotheses, judged by slopes, the likely ones solved again; see `diagnose`."""
-    by_slopes = machine.likelihoods()
+    pairs = zip(machine.start, machine.slopes, strict=True)
+    by_slopes = [linear_likelihood(place, machine.residuals, slopes) for place, slopes in pairs]
     solved: dict[int, ProfileLikelihood | None] = {}
     spent: list[PairLikelihood | ProfileLikelihood] = []
     # the hypotheses worth solving again

@@ -72,11 +72,8 @@ class Objective:
 
     def outcome(self, places: Array) -> Residuals:
         """Return residuals and figures of the fitted points."""
-        if self._last is None or self._last[0] != places.tobytes():
-            self._last = places.tobytes(), self._outcome(places)
-        return self._last[1]
-
-    def _outcome(self, places: Array) -> Residuals:
+        if self._last is not None and self._last[0] == places.tobytes():
+            return self._last[1]
         values = self.values(places)
         found = {point.name: self.solved(point, values) for point in self.fit.fitted}
         pairs = ((found[point.name].performance, point.measured.items()) for point in self.fit.fitted)
@@ -94,6 +91,7 @@ class Objective:
                 fresh = self.note.with_suffix(".new")
                 fresh.write_text(json.dumps([cost, places.tolist(), self.solutions, self.failed]), encoding="utf-8")
                 fresh.replace(self.note)
+        self._last = places.tobytes(), outcome
         return outcome
 
     def solved(self, point: Point, values: Mapping[str, float]) -> Result:

@@ -8,7 +8,7 @@ temperature and the load there. All of them rate a whole chiller; `points_of` co
 
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -181,18 +181,13 @@ def points_of(scene: Scene, standard: SeasonalStandard) -> OperatingPoints:
         condensing = max(rating.entering + warm * rating.load, LEAST_CONDENSING)
         values = {EVAPORATING: T_WATER - cold * rating.load + ZERO_CELSIUS, CONDENSING: condensing + ZERO_CELSIUS}
         points.append(OperatingPoint(name, values, rating.weight, rating.load))
-    return OperatingPoints(
-        standard.name, tuple(points), standard.energy, SPEED, tuple(_standard_in_words(standard, cold, warm))
-    )
-
-
-def _standard_in_words(standard: SeasonalStandard, cold: float, warm: float) -> Iterator[str]:
     medium = "water" if standard.name.endswith("-water") else "air"
-    yield (
+    told = (
         f"{standard.name} ({standard.source}) as the compressor meets it: water leaves at {T_WATER:g} °C, {cold:.3g} K "
         f"above evaporation, {medium} enters {warm:.3g} K below condensation at full load, both in proportion to the "
         f"load; condensing at {LEAST_CONDENSING:g} °C at least; loads by {SPEED}; no fans, pumps, standby"
     )
+    return OperatingPoints(standard.name, tuple(points), standard.energy, SPEED, (told,))
 
 
 def as_csv(points: OperatingPoints) -> str:
