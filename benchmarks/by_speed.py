@@ -41,7 +41,7 @@ def evaluations(scene: Scene) -> tuple[str, int, int]:
     before = machinery.counts.copy()
     found = solve(problem, machinery)
     both = machinery.evaluations_of(machinery.counts - before)
-    return found.cycle.status, machinery.evaluations_of(found.counts), both
+    return found.cycle.status, machinery.evaluations_of(found.cost.counts), both
 
 
 def main(speeds: int = COUNT) -> None:

@@ -31,7 +31,7 @@ def main() -> None:
         machinery = lease_for(problem)
         before = machinery.counts.copy()
         solved = solve(problem, machinery)
-        counts = machinery.evaluations_of(machinery.counts - before), machinery.evaluations_of(solved.counts)
+        counts = machinery.evaluations_of(machinery.counts - before), machinery.evaluations_of(solved.cost.counts)
         found.append((*counts, solved.cycle.status, case.name))
         leases.give_back(machinery)
     found.sort(reverse=True)

@@ -94,9 +94,8 @@ def gases_table() -> None:
     problem, slow = problem_of(scene), machinery_with_coolprop(scene)
     slow.warm_up(lambda: compile_start(problem, slow))
     runs = [solve(problem, slow) for _ in range(5)]
-    ms = 1e3 * statistics.median(run.closing_time for run in runs)
-    counts = runs[-1].counts
-    evaluations = slow.evaluations_of(counts)
+    ms = 1e3 * statistics.median(run.cost.closing for run in runs)
+    evaluations = slow.evaluations_of(runs[-1].cost.counts)
     eta = runs[-1].evaluation.figures.isentropic_efficiency
     print(f"{'real, CoolProp':>20} {ms:>8.2f} {evaluations:>16} {eta:>9.6f} {ms / ms_ideal:>7.2f}")
 

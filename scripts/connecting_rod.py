@@ -14,17 +14,6 @@ from pathlib import Path
 import numpy as np
 
 from screwsim.machine.slider_crank import rod as rods
-from screwsim.machine.slider_crank.rod import (
-    Bending,
-    Fatigue,
-    FlexibleRod,
-    SchmidtLoad,
-    bend,
-    critical_gamma,
-    friction_power,
-    pressure_load,
-    safety,
-)
 from screwsim.report.slider_crank import draw_rod
 from screwsim.scene import load as load_scene
 from screwsim.simulate import simulate
@@ -45,32 +34,32 @@ def read_design() -> dict[str, float]:
     return {row["name"]: float(row["value"]) for row in table}
 
 
-def rod_of(design: dict[str, float], modulus: float = MODULUS) -> FlexibleRod:
+def rod_of(design: dict[str, float], modulus: float = MODULUS) -> rods.FlexibleRod:
     """Return the rod of the design."""
     names = ("width", "thickness", "flexible", "length", "crank_radius")
-    return FlexibleRod(**{name: design[name] for name in names}, modulus=modulus)
+    return rods.FlexibleRod(**{name: design[name] for name in names}, modulus=modulus)
 
 
-def loads(load: SchmidtLoad, rod: FlexibleRod) -> Bending:
+def loads(load: rods.SchmidtLoad, rod: rods.FlexibleRod) -> rods.Bending:
     """Print the load and the stability, and return the bending over one revolution."""
-    bending = bend(rod, ALPHA, load.load(ALPHA))
+    bending = rods.bend(rod, ALPHA, load.load(ALPHA))
     low, high = float(bending.load.min()), float(bending.load.max())
     print(
         f"load of the rod: {low:.1f} N (compression) to {high:.1f} N; as printed: {load.printed_force(ALPHA).max():.0f}"
     )
-    print(f"gamma {rod.gamma(low):.3f} against {critical_gamma(rod.beta):.3f} at beta {rod.beta:.4f} (1: ", end="")
+    print(f"gamma {rod.gamma(low):.3f} against {rods.critical_gamma(rod.beta):.3f} at beta {rod.beta:.4f} (1: ", end="")
     buckles = rods.buckling_load(rod)
-    print(f"{critical_gamma(1.0):.4f}); buckling at {buckles:.1f} N, {-buckles / low:.2f} times")
+    print(f"{rods.critical_gamma(1.0):.4f}); buckling at {buckles:.1f} N, {-buckles / low:.2f} times")
     print(f"largest moment at z_M = {1e3 * rods.largest_moment_place(rod, low):.2f} mm of {1e3 * rod.flexible:.0f} mm")
     faults = [fault.what for fault in rods.check_rod(rod, -low)]
     print("faults:", "; ".join(faults) or "none")
     return bending
 
 
-def strength(bending: Bending, rod: FlexibleRod, printed: float) -> None:
+def strength(bending: rods.Bending, rod: rods.FlexibleRod, printed: float) -> None:
     """Print stress, and the fatigue safety factor over assumed materials."""
-    found = safety(bending, Fatigue(concentration=1.0))
-    plain = bend(rod, ALPHA, np.zeros_like(ALPHA))
+    found = rods.safety(bending, rods.Fatigue(concentration=1.0))
+    plain = rods.bend(rod, ALPHA, np.zeros_like(ALPHA))
     deflection = 1e3 * np.abs(bending.deflection).max()
     print(f"\nE = {1e-9 * rod.modulus:.0f} GPa (assumed). Deflection of the beam up to {deflection:.3f} mm")
     print(f"stress {1e-6 * found.lowest:.1f} to {1e-6 * found.highest:.1f} MPa; ", end="")
@@ -79,16 +68,18 @@ def strength(bending: Bending, rod: FlexibleRod, printed: float) -> None:
     print(f"safety factor by fatigue limit and factor at the clamp (both assumed); the source: {printed}")
     print(f"{'':>10}" + "".join(f"{factor:>8g}" for factor in FACTORS))
     for limit in LIMITS:
-        values = [safety(bending, Fatigue(limit=limit, concentration=factor)).factor for factor in FACTORS]
+        values = [rods.safety(bending, rods.Fatigue(limit=limit, concentration=factor)).factor for factor in FACTORS]
         print(f"{1e-6 * limit:>6.0f} MPa" + "".join(f"{value:>8.2f}" for value in values))
-    needed = [printed / safety(bending, Fatigue(limit=1.0, concentration=factor)).factor for factor in FACTORS]
+    needed = [
+        printed / rods.safety(bending, rods.Fatigue(limit=1.0, concentration=factor)).factor for factor in FACTORS
+    ]
     print("limit for it" + "".join(f"{1e-6 * value:>7.0f} " for value in needed) + "MPa")
 
 
-def friction(bending: Bending, rod: FlexibleRod, design: dict[str, float]) -> None:
+def friction(bending: rods.Bending, rod: rods.FlexibleRod, design: dict[str, float]) -> None:
     """Print the friction power of the piston over assumed coefficients."""
     omega, guide = 2.0 * math.pi * design["turns"], design["guide"]
-    unit = friction_power(bending, guide, rod.crank_radius, omega, 1.0)
+    unit = rods.friction_power(bending, guide, rod.crank_radius, omega, 1.0)
     rigid = np.abs(bending.load * rod.crank_radius / rod.length * np.sin(ALPHA))
     bare = float(np.mean(rigid * rod.crank_radius * omega * np.abs(np.sin(ALPHA))))
     print(f"\nfriction power of the piston; the source: about {design['friction_power']:g} W")
@@ -97,7 +88,7 @@ def friction(bending: Bending, rod: FlexibleRod, design: dict[str, float]) -> No
     print(f"{design['friction_power'] / unit:.2f}")
 
 
-def computed(rod: FlexibleRod, schmidt: Bending) -> None:
+def computed(rod: rods.FlexibleRod, schmidt: rods.Bending) -> None:
     """Print the effect of our cylinder pressure on the rod, beside the Schmidt-type load."""
     scene = load_scene(SCENE)
     result = simulate(scene)
@@ -107,27 +98,27 @@ def computed(rod: FlexibleRod, schmidt: Bending) -> None:
     print(f"{1e-5 * pressure.max():.2f} bar, mean {1e-5 * pressure.mean():.2f}")
     print(f"{'':>20}{'load N':>16}{'gamma':>8}{'stress MPa':>16}{'amplitude, mean MPa':>22}{'safety factor':>15}")
     behind = {"mean behind": float(pressure.mean()), "suction behind": p_s}
-    loads = {name: pressure_load(pressure, value, scene.machine.bore) for name, value in behind.items()}
+    loads = {name: rods.pressure_load(pressure, value, scene.machine.bore) for name, value in behind.items()}
     for name, load in ({"Schmidt-type": schmidt.load} | loads).items():
-        bending = bend(rod, ALPHA, load)
-        found = safety(bending, Fatigue())
+        bending = rods.bend(rod, ALPHA, load)
+        found = rods.safety(bending, rods.Fatigue())
         shown = f"{load.min():.0f} to {load.max():.0f}"
         stress = f"{1e-6 * found.lowest:.0f} to {1e-6 * found.highest:.0f}"
         swing = f"{1e-6 * found.amplitude:.1f}, {1e-6 * found.mean:.1f}"
         gamma = rod.gamma(float(load.min()))
         print(f"{name:>20}{shown:>16}{gamma:>8.2f}{stress:>16}{swing:>22}{found.factor:>15.2f}")
-    print(f"gamma at which it buckles: {critical_gamma(rod.beta):.2f}")
+    print(f"gamma at which it buckles: {rods.critical_gamma(rod.beta):.2f}")
 
 
 def main() -> None:
     """Print the reference design and draw its figures."""
     design = read_design()
     rod = rod_of(design)
-    load = SchmidtLoad(bore=design["bore"], p_min=design["p_min"], delta=design["delta"], theta=design["theta"])
+    load = rods.SchmidtLoad(bore=design["bore"], p_min=design["p_min"], delta=design["delta"], theta=design["theta"])
     bending = loads(load, rod)
     strength(bending, rod, design["safety_factor"])
     for modulus in (130e9, 206e9):
-        found = safety(bend(rod_of(design, modulus), ALPHA, load.load(ALPHA)), Fatigue())
+        found = rods.safety(rods.bend(rod_of(design, modulus), ALPHA, load.load(ALPHA)), rods.Fatigue())
         print(f"E = {1e-9 * modulus:.0f} GPa: amplitude {1e-6 * found.amplitude:.1f} MPa, mean {1e-6 * found.mean:.1f}")
     friction(bending, rod, design)
     computed(rod, bending)

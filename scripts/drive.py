@@ -6,12 +6,14 @@ scripts/drive.py [-o FOLDER]      writes drive_campbell.png and .pdf, drive.csv 
 import argparse
 import math
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from screwsim import load
-from screwsim.report.drive import DrivePoint, draw_campbell
+from screwsim.report.drive import DrivePoint, campbell_figure
+from screwsim.report.style import write_all
 from screwsim.results.atomic import make_folder, write_csv
 from screwsim.simulate import simulate, simulate_many
 
@@ -74,7 +76,7 @@ def main() -> None:
     found = {label: points(name, overrides) for label, (name, overrides) in CASES.items()}
     table = ([name, *point] for name, rows in found.items() for point in rows)
     write_csv(folder / "drive.csv", ["drive", *DrivePoint._fields], table)
-    for path in draw_campbell(found, 4, folder, "drive_campbell"):
+    for path in write_all({"drive_campbell": partial(campbell_figure, found, 4)}, folder):
         print(path, file=sys.stderr)
     for label, rows in found.items():
         known = [row for row in rows if row.frequency is not None]

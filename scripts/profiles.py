@@ -42,8 +42,9 @@ AXES = {
 }
 
 
-def scaled(scene: Scene, factor: float) -> Scene:
-    """Return the scene with all lengths of the rotors multiplied by a factor."""
+def matched(scene: Scene, wanted: float) -> Scene:
+    """Return the scene with all lengths of the rotors scaled to a displacement [m³]."""
+    factor = (wanted / displacement(scene)) ** (1.0 / 3.0)
     machine, profile = scene.machine, scene.machine.profile
     lengths = {f"machine.{name}": getattr(machine, name) for name in ("rotor_diameter", "rotor_length")}
     names = ("centre_distance", "female_diameter", *(f"{part}_radius" for part in ROUNDED))
@@ -55,11 +56,6 @@ def displacement(scene: Scene) -> float:
     """Return the displacement per male revolution [m³]."""
     geometry = Geometry(scene.machine)
     return geometry.swept_volume * geometry.lobes
-
-
-def matched(scene: Scene, wanted: float) -> Scene:
-    """Return the scene scaled to a displacement [m³]."""
-    return scaled(scene, (wanted / displacement(scene)) ** (1.0 / 3.0))
 
 
 def figures(scene: Scene) -> str:

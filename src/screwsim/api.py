@@ -28,7 +28,7 @@ from screwsim.inputs.arguments import (
 from screwsim.inputs.faults import UsageError
 from screwsim.report.datasheet import check_sheet, write_sheet
 from screwsim.results import Results, open_results
-from screwsim.scene import SceneLike, scene_of
+from screwsim.scene import SceneLike
 from screwsim.study import compare as _compare
 from screwsim.study import optimum as _optimum
 from screwsim.study import performance_map as _map
@@ -135,7 +135,7 @@ def tabulate(
     jobs: int | None = None,
     progress: Progress | bool | None = None,
 ) -> MapTable:
-    """Return a map of a scene over some of its paths, as `screwsim export` makes it, to evaluate at many points.
+    """Return a map of a scene or of two stages over some paths, as `screwsim export` makes it, to evaluate at will.
 
         table = screwsim.tabulate("x.yaml", ["operation.speed=1500 rpm..4500 rpm"], error=0.01)
         table.evaluate(speed=[200.0, 300.0])["shaft_power"]    a masked array [W], at speeds in rad/s
@@ -155,7 +155,7 @@ def tabulate(
         return map_of_results(stored, as_list(figures))
     asked = over if isinstance(over, Mapping) else as_list(over)
     bar = partial(progress_of, "tabulate", progress)
-    return map_of_scene(scene_of(source), asked, as_list(figures), error, most_cases, jobs, bar, dashes="")
+    return map_of_scene(scene_or_stages(source), asked, as_list(figures), error, most_cases, jobs, bar, dashes="")
 
 
 @checked_arguments(tolerance=NUMBER)

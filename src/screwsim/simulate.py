@@ -41,17 +41,17 @@ Trace = bool | Literal["ledger"]  # what a result keeps over the angle
 
 def _numerics(machinery: Machinery, accurate: Accurate) -> Figures:
     """Return the numerical figures of a result: counts, tolerance and times of closing and of estimating."""
-    counts, cycle = accurate.counts, accurate.cycle
+    cost, cycle = accurate.cost, accurate.cycle
     return Figures(
         integrator=accurate.evaluation.problem.scene.numerics.integrator,
         closing=cycle.how,
         rtol=cycle.rtol,
         turns=cycle.turns,
-        steps=int(counts[TAKEN]),
-        rhs_evaluations=machinery.evaluations_of(counts),
-        jacobians=int(counts[JACOBIANS]),
-        wall_time=accurate.closing_time,
-        estimating_time=accurate.estimating_time,
+        steps=int(cost.counts[TAKEN]),
+        rhs_evaluations=machinery.evaluations_of(cost.counts),
+        jacobians=int(cost.counts[JACOBIANS]),
+        wall_time=cost.closing,
+        estimating_time=cost.estimating,
     )
 
 
@@ -116,7 +116,7 @@ _tried: dict[tuple[str, ...], list[Any]] = {}  # machines and effects already tr
 
 def _tried_in_child(scene: Scene) -> None:
     """Raise UsageError where a user's own modules crash the process: a child process tries them first."""
-    names, modules = (scene.machine.kind, *scene.effects), [sources.recorded_object(name) for name in scene.own]
+    names, modules = (scene.machine.kind, *scene.effects), [sources.recorded[name].made for name in scene.own]
     known = _tried.get(names, [])
     if len(known) == len(modules) and all(map(operator.is_, known, modules)):
         return
@@ -219,11 +219,8 @@ def _why_no_figures(problem: Problem, accurate: Accurate) -> str:
     found = found or verdict.outside_gas_range(problem, life) or feedback.unknown_at_limit(problem, life)
     if not found and cycle.closed:
         found = feedback.suction_line_imbalance(problem, life, cycle.q)
-    return (
-        found + "".join(f"; {words}" for words in plausible.blocked_paths(problem.scene, problem.parts))
-        if found
-        else ""
-    )
+    blocked = plausible.blocked_paths(problem.scene, problem.parts) if found else ()
+    return "; ".join([found, *blocked])
 
 
 def _closed_in_entropy(

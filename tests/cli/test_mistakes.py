@@ -63,7 +63,8 @@ def test_a_name_of_another_kind_of_file_is_refused(files, command, arguments, to
 
 
 TWO = (
-    "describes two stages, which only `screwsim run`, `sweep`, `datasheet`, `optimum`, `optimize` and `explain` accept "
+    "describes two stages, which only `screwsim run`, `sweep`, `datasheet`, `optimum`, `optimize`, `find`, "
+    "`explain` and `export` accept "
     "(run one of these on x.stages.yaml, or name the "
 )
 
@@ -73,7 +74,7 @@ TWO = (
     [
         (("run", "x.fit.yaml"), "x.fit.yaml:1:1: is a fit, not a scene (run screwsim calibrate x.fit.yaml)"),
         (("sweep", "x.fit.yaml"), "x.fit.yaml:1:1: is a fit, not a scene (run screwsim calibrate x.fit.yaml)"),
-        (("find", "x.stages.yaml"), f"x.stages.yaml:1:1: {TWO}scene of one stage here)"),
+        (("rotors", "x.stages.yaml"), f"x.stages.yaml:1:1: {TWO}scene of one stage here)"),
         (("calibrate", "x.stages.yaml"), f"x.stages.yaml:1:1: {TWO}scene of one stage here)"),
         (
             ("calibrate", "small.yaml"),

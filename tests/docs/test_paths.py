@@ -11,6 +11,8 @@ NAMED = re.compile(rf"(?<![\w./<-])(?:{'|'.join(FOLDERS)})/[a-z0-9_./-]*\.(?:md|
 ELSEWHERE = {  # in folders that tests make, or that a page lets its reader write
     "validation/none.csv",
     "validation/trap/compare.py",
+    "configs/two_stage/grid.stages.yaml",
+    "configs/two_stage/package.stages.yaml",
     "configs/two_stage/speeds.stages.yaml",
 }
 TEXTS = {".md", ".py", ".sh", ".yaml", ".csv", ".json", ""}

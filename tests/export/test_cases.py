@@ -9,8 +9,7 @@ import pytest
 from CoolProp.CoolProp import PropsSI
 
 from screwsim import cli
-from screwsim.export.case_units import as_figure, converted
-from screwsim.export.cases import CaseColumn, case_columns
+from screwsim.export.cases import CaseColumn, as_figure, case_columns, converted
 from screwsim.figures import declared
 from screwsim.fluid.constants import gas_constant
 from screwsim.outputs import Figure

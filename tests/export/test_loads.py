@@ -42,7 +42,7 @@ def pressures(run) -> Pressures:
 
 @pytest.fixture(scope="module")
 def found(pressures):
-    return loads_of(pressures, (0.04, 0.06))
+    return loads_of(pressures, (0.04, 0.06))[1]
 
 
 def test_surfaces_are_closed_and_hold_the_rotors(pressures):
@@ -68,8 +68,8 @@ def test_both_flanks_of_a_groove_bound_one_chamber(pressures):
 
 
 def test_the_surfaces_do_the_work_of_the_cycle(found):
-    male, female = found.columns["male_torque"], found.columns["female_torque"]
-    own, other = (found.columns[f"{name}_torque_by_virtual_work"] for name in ("male", "female"))
+    male, female = found["male_torque"], found["female_torque"]
+    own, other = (found[f"{name}_torque_by_virtual_work"] for name in ("male", "female"))
     assert np.max(np.abs(male - own)) < 0.01 * own.mean()  # tips and blow-hole: the convention of the sections
     assert abs(female.mean() - other.mean()) < 0.025 * own.mean()
 
@@ -81,7 +81,7 @@ def test_the_surfaces_of_each_profile_do_the_work_of_a_compression(name):
     volume = laid.rotors.volume(np.clip(angle - laid.born, 0.0, laid.curves.life) + laid.rotors.start)
     closed = angle > laid.injection
     pressure = np.where(closed, 3e5 * (volume.max() / np.maximum(volume, 0.2 * volume.max())) ** 1.1, 3e5)
-    found = loads_of(Pressures(laid, angle, pressure, 3e5)).columns
+    found = loads_of(Pressures(laid, angle, pressure, 3e5))[1]
     own, other = (found[f"{rotor}_torque_by_virtual_work"] for rotor in ("male", "female"))
     assert np.max(np.abs(found["male_torque"] - own)) < 0.015 * own.mean()
     assert abs(found["female_torque"].mean() - other.mean()) < 0.025 * own.mean()
@@ -90,13 +90,13 @@ def test_the_surfaces_of_each_profile_do_the_work_of_a_compression(name):
 def test_virtual_work_is_the_indicated_power(found, run):
     scene, result = run
     k = scene.machine.male_lobes / scene.machine.female_lobes
-    own, other = (found.columns[f"{name}_torque_by_virtual_work"].mean() for name in ("male", "female"))
+    own, other = (found[f"{name}_torque_by_virtual_work"].mean() for name in ("male", "female"))
     power = scene.operation.speed * (own + k * other)
     assert power == pytest.approx(result.performance.indicated_power, rel=0.003)  # 48 points; charge at birth left out
 
 
 def test_the_gas_pushes_the_rotors_apart_and_to_suction(found):
-    c = found.columns
+    c = found
     assert c["male_force_x"].max() < 0.0 < c["female_force_x"].min()
     assert c["male_force_y"].max() < 0.0 and c["female_force_y"].max() < 0.0  # away from the high-pressure cusp
     assert c["male_axial_force"].max() < 0.0
@@ -107,7 +107,7 @@ def test_areas_that_give_the_forces_of_the_surfaces_are_those_of_model_md(name):
     """M146: the mean force of all loads on a rotor over the sum of the chambers' pressures above suction, over D²."""
     unit = "effects.gas_torque={radial_area: 1 cm^2, axial_area: 1 cm^2}"
     scene, result = run_of(str(ROOT / "configs" / "rotors" / f"{name}.yaml"), [unit])
-    c = loads_of(pressures_of(laid_curves(scene.machine), result), shafts=(0.07, 0.07)).columns
+    c = loads_of(pressures_of(laid_curves(scene.machine), result), shafts=(0.07, 0.07))[1]
     pressed = result.performance.radial_gas_force / 1e-4 * scene.machine.rotor_diameter**2
     for rotor, across, along in (("male", (0.06, 0.075), (0.09, 0.11)), ("female", (0.075, 0.1), (0.01, 0.035))):
         radial = math.hypot(*(float(c[f"{rotor}_force_{way}"].mean()) for way in "xy")) / pressed
@@ -116,12 +116,12 @@ def test_areas_that_give_the_forces_of_the_surfaces_are_those_of_model_md(name):
 
 
 def test_bearings_carry_forces_and_moments(found, pressures):
-    c, length = found.columns, pressures.laid.rotors.length
+    c, length = found, pressures.laid.rotors.length
     for name in ("male", "female"):
         for way in "xy":
             both = c[f"{name}_suction_bearing_{way}"] + c[f"{name}_discharge_bearing_{way}"]
             np.testing.assert_allclose(both, c[f"{name}_force_{way}"])
-    near = loads_of(pressures).columns["male_discharge_bearing_x"]
+    near = loads_of(pressures)[1]["male_discharge_bearing_x"]
     far = c["male_discharge_bearing_x"]
     wanted = (near * length + 0.04 * c["male_force_x"]) / (length + 0.10)
     np.testing.assert_allclose(far, wanted)
@@ -139,7 +139,7 @@ def test_a_throttled_machine_presses_on_its_rotors_as_one_of_that_suction_pressu
     for overrides in (throttled, [*lines, "operation.suction.pressure=1.2 bar"]):
         scene, result = run_of(str(ROOT / "configs" / "rotors" / "b.yaml"), overrides)
         assert result.status == "ok"
-        found.append(loads_of(pressures_of(laid_curves(scene.machine), result)).columns)
+        found.append(loads_of(pressures_of(laid_curves(scene.machine), result))[1])
     one, other = found
     size = np.max(np.abs(other["male_thrust_bearing"]))
     for name, values in other.items():

@@ -13,7 +13,7 @@ from screwsim.export.source import spans_of
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.profile_law import LaidCurves, laid_curves
 from screwsim.machine.rotors.contact import contact_force, slope_at_pitch
-from screwsim.machine.rotors.loads import NAMES, chambers_at, pressed_areas, rotor_loads, sectors
+from screwsim.machine.rotors.loads import NAMES, bearing_forces, chambers_at, pressed_areas, rotor_loads, sectors
 from screwsim.machine.rotors.pair import outlines
 from screwsim.machine.rotors.sections import polygon_area
 from screwsim.machine.rotors.surface import surfaces
@@ -77,9 +77,9 @@ def test_areas_by_sections_press_as_a_mesh_of_both_surfaces_does(pressures):
 
 def test_forces_and_moments_of_gas_contact_and_bearings_balance(pressures, loads):
     """Moments are added up anew, of each force at its place, about a point that no force is given at."""
-    rotors, c = pressures.laid.rotors, loads.columns
+    rotors, (angles, c) = pressures.laid.rotors, loads
     about, step = 0.3 * rotors.length, 7
-    angle = float(loads.angle[step])
+    angle = float(angles[step])
     touch, found = contact_force(rotors, c["female_torque"]), own_loads(pressures, angle)
     places = {"suction": -SPANS[0], "discharge": rotors.length + SPANS[1]}
     for name, arm in zip(NAMES, (rotors.pair.r1, -rotors.pair.r2), strict=True):
@@ -101,8 +101,32 @@ def test_forces_and_moments_of_gas_contact_and_bearings_balance(pressures, loads
         np.testing.assert_allclose(c[f"{name}_{end}_bearing_total"], np.hypot(*both))
 
 
+def test_bearings_hold_the_moments_of_a_mesh_about_each_other(pressures):
+    """M480: Σ of moments of the meshed surfaces and of the contact about one bearing gives the other's force."""
+    rotors = pressures.laid.rotors
+    places = {"suction": -SPANS[0], "discharge": rotors.length + SPANS[1]}
+    for angle in (0.1, 0.53, 1.24):
+        own = own_loads(pressures, angle)
+        thrust = abs(own["male"]["thrust"])
+        touch = contact_force(rotors, np.array([own["female"]["torque"]]))
+        arms = {"male": rotors.pair.r1, "female": -rotors.pair.r2}
+        for name, surface, shaft in zip(NAMES, surfaces(rotors), SHAFTS, strict=True):
+            carried = bearing_forces(own[name], rotors.length, SPANS)
+            gas = gas_loads(pressures, surface, angle) | end_loads(pressures, surface, angle, shaft)
+            meets = {way: float(touch[name][f"contact_force_{way}"][0]) for way in "xyz"}
+            for end, about in (("suction", places["discharge"]), ("discharge", places["suction"])):
+                for way, lever in (("x", arms[name]), ("y", 0.0)):
+                    moment = gas[f"moment_{way}"] - about * gas[f"force_{way}"] + gas[f"end_moment_{way}"]
+                    moment += (0.5 * rotors.length - about) * meets[way] - lever * meets["z"]
+                    force = moment / (places[end] - about)
+                    assert abs(carried[f"{end}_bearing_{way}"] - force) < 0.01 * thrust, (name, end, way)
+            for way in "xy":
+                both = sum(carried[f"{end}_bearing_{way}"] for end in places)
+                assert both == pytest.approx(own[name][f"total_{way}"], rel=1e-12, abs=1e-9 * thrust)
+
+
 def test_the_torques_close_at_the_pitch_point(pressures, loads):
-    pair, c = pressures.laid.rotors.pair, loads.columns
+    pair, c = pressures.laid.rotors.pair, loads[1]
     on_female = -pair.r2 * c["female_contact_force_y"]  # it turns counter-clockwise, and the gas holds it back
     np.testing.assert_allclose(on_female, c["female_torque"], rtol=1e-13, atol=1e-13)
     on_male = pair.r1 * c["male_contact_force_y"]
@@ -116,7 +140,7 @@ def test_the_torques_close_at_the_pitch_point(pressures, loads):
 
 def test_the_contact_is_normal_to_the_helix_and_takes_up_the_female_s_flank_thrust(pressures, loads):
     """Σ over each helical surface: F_z h = −M_z of the male, and k M_z of the female, of gas as of the contact."""
-    rotors, c = pressures.laid.rotors, loads.columns
+    rotors, c = pressures.laid.rotors, loads[1]
     size = np.abs(c["male_axial_force"]).mean()
     assert np.max(np.abs(c["male_axial_force"] + c["male_torque"] / rotors.h)) < 1e-3 * size
     assert np.max(np.abs(c["male_contact_force_z"] + rotors.pair.r1 * c["male_contact_force_y"] / rotors.h)) < 1e-9
@@ -128,7 +152,7 @@ def test_the_contact_is_normal_to_the_helix_and_takes_up_the_female_s_flank_thru
 @pytest.mark.parametrize("name", ["a", "b"])
 def test_a_uniform_pressure_loads_no_bearing(name):
     one = compressed(laid_of(name))
-    columns = loads_of(Uniform(one.laid, one.angle, one.pressure, one.low), SPANS, SHAFTS).columns
+    columns = loads_of(Uniform(one.laid, one.angle, one.pressure, one.low), SPANS, SHAFTS)[1]
     for rotor, shaft, outline in zip(NAMES, SHAFTS, outlines(one.laid.rotors.pair, one.laid.rotors.chain), strict=True):
         area = polygon_area(*outline) - 0.25 * math.pi * shaft**2
         np.testing.assert_allclose(columns[f"{rotor}_suction_end_force"], 1e5 * area, rtol=0.01)  # of straight pieces

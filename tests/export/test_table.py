@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from screwsim.export import inputs
-from screwsim.export.inputs import Output, read_inputs, read_outputs
+from screwsim.export.inputs import read_inputs, read_outputs
 from screwsim.export.source import map_of
 from screwsim.export.table import TEMPERATURE_SCALE, scales, table_of, tabulated_map
 from screwsim.inputs.faults import UsageError
-from screwsim.outputs import Figures, Result
+from screwsim.outputs import Figure, Figures, Result
 from screwsim.results import open_results
 from screwsim.scene import load, with_values
 from screwsim.scene.write import scene_text
@@ -181,7 +181,7 @@ def test_an_input_is_explained_to_those_who_see_no_scene():
 
 
 def test_temperatures_err_over_100_kelvin():
-    found = scales((Output("T", "K", ""), Output("P", "W", "")), np.array([[300.0, 5.0], [400.0, 1000.0]]))
+    found = scales((Figure("T", "K", ""), Figure("P", "W", "")), np.array([[300.0, 5.0], [400.0, 1000.0]]))
     assert found.tolist() == [[TEMPERATURE_SCALE, 100.0], [TEMPERATURE_SCALE, 1000.0]]
 
 

@@ -122,7 +122,7 @@ def test_neither_closing_nor_the_estimate_slows_down_at_any_speed(of):
         machinery = lease_for(problem)
         before = machinery.counts.copy()
         found = accurately.solve(problem, machinery)
-        spent = [machinery.evaluations_of(counts) for counts in (found.counts, machinery.counts - before)]
+        spent = [machinery.evaluations_of(counts) for counts in (found.cost.counts, machinery.counts - before)]
         assert found.cycle.status == "ok"
         assert found.errors and spent[0] < spent[1]
         assert all(count <= bound for count, bound in zip(spent, EVERY_SPEED[of], strict=True)), (rpm, spent)

@@ -1,39 +1,37 @@
-"""Another way of closing is one class and one entry: all that is asked of a closed cycle is asked of its way."""
+"""Another way of closing is one record and one entry: all that is asked of a closed cycle is asked of its way."""
 
 from dataclasses import fields, replace
 
 import pytest
 from scenes import make
 
-from screwsim.cycle.ways import WAYS, SimultaneousClosing
+from screwsim.cycle.ways import WAYS
 from screwsim.explain import explain
 from screwsim.inputs.declare import LEAF
-from screwsim.numerics.settings import CLOSINGS, Closing, NumericsSettings
+from screwsim.numerics.settings import CLOSINGS, TOGETHER, Closing, NumericsSettings
 from screwsim.simulate import simulate
 
 NAME = "half together"
 
 
-class HalfTogether(SimultaneousClosing):
-    """All chambers together, from a cycle that was closed so with ten times the tolerances."""
+def close(task, start, last):
+    """Close coarsely, then as is wanted."""
+    coarse = WAYS[TOGETHER].close(task._replace(criteria=task.criteria.tighter(10.0)), start, last)
+    return replace(coarse, how=NAME) if coarse.status != "ok" else again(task, coarse, None)
 
-    instead = "numerics.closing: auto"
 
-    def close(self, task, start, last):
-        """Close coarsely, then as is wanted."""
-        coarse = super().close(task._replace(criteria=task.criteria.tighter(10.0)), start, last)
-        if coarse.status != "ok":
-            return replace(coarse, how=NAME)
-        return replace(super().again(task, coarse, None), how=NAME)
+def again(task, cycle, led):
+    """Close as all chambers together do; the cycle stays one of this way."""
+    return replace(WAYS[TOGETHER].again(task, cycle, led), how=NAME)
 
-    def again(self, task, cycle, led):
-        """Close as all chambers together do; the cycle stays one of this way."""
-        return replace(super().again(task, cycle, led), how=NAME)
+
+# all chambers together, from a cycle that was closed so with ten times the tolerances
+HALF_TOGETHER = WAYS[TOGETHER]._replace(close=close, again=again, instead="numerics.closing: auto")
 
 
 @pytest.fixture
 def registered(monkeypatch):
-    monkeypatch.setitem(WAYS, NAME, HalfTogether())
+    monkeypatch.setitem(WAYS, NAME, HALF_TOGETHER)
     monkeypatch.setitem(CLOSINGS, NAME, Closing((NAME,), "all chambers alive at once, coarsely first"))
 
 

@@ -388,7 +388,7 @@ def test_a_file_that_keeps_no_warnings_is_drawn_as_one_without(tmp_path):
     assert {figure.get_suptitle() for figure in drawn(path, only="states").values()} == {""}
     assert (
         not warning_kinds.cases_with_warnings(open_results(path)).any()
-        and warning_kinds.warning_kinds_of_file(open_results(path)) == ()
+        and warning_kinds.warning_kinds(open_results(path)) == ()
     )
 
 

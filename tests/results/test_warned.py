@@ -11,7 +11,7 @@ from result_fakes import GRID, SCENE, fake_simulate, scene
 from screwsim.outputs import Result
 from screwsim.printing import MOST_WARNINGS, print_sweep, sweep_document
 from screwsim.results import open_results, save
-from screwsim.results.warning_kinds import WarningKind, warning_summary
+from screwsim.results.warning_kinds import WarningKind, cases_with_warnings, warning_kinds
 from screwsim.scene import Scene, grid, with_values
 from screwsim.study.sweep import run_sweep
 
@@ -53,9 +53,9 @@ def test_they_are_stored_without_strings_of_variable_length(swept):
 
 
 def test_kinds_differ_by_more_than_numbers(swept):
-    found = warning_summary(open_results(swept))
-    assert found.cases == 2 * 10 + 1
-    [over, liquid] = found.kinds
+    results = open_results(swept)
+    assert cases_with_warnings(results).sum() == 2 * 10 + 1
+    [over, liquid] = warning_kinds(results)
     assert (over.cases, over.first) == (20, 10) and over.text == OVER.format(1e-3 * 2000 * np.pi / 30.0)
     assert liquid == WarningKind(3, 0, "R134a is all liquid")
 
@@ -64,12 +64,14 @@ def test_a_run_has_its_own(tmp_path):
     save(tmp_path / "one.h5", scene(), fake_simulate(scene()))
     results = open_results(tmp_path / "one.h5")
     assert str(results.warnings) == "first warning\nη of 2"
-    assert warning_summary(results) == (1, (WarningKind(1, 0, "first warning"), WarningKind(1, 0, "η of 2")))
+    assert cases_with_warnings(results).sum() == 1
+    assert warning_kinds(results) == (WarningKind(1, 0, "first warning"), WarningKind(1, 0, "η of 2"))
 
 
 def test_a_sweep_without_warnings_has_none(tmp_path):
     run_sweep(scene(SCENE + GRID), tmp_path / "out.h5", jobs=1, simulate=silent)
-    assert warning_summary(open_results(tmp_path / "out.h5")) == (0, ())
+    results = open_results(tmp_path / "out.h5")
+    assert not cases_with_warnings(results).any() and warning_kinds(results) == ()
 
 
 def silent(case: Scene) -> Result:

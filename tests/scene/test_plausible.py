@@ -17,8 +17,7 @@ from screwsim.machine.profile_law import laid_curves
 from screwsim.machine.rotors.export import lobe_csv
 from screwsim.scene import load
 from screwsim.scene.fields import leaf_paths
-from screwsim.scene.plausible import scene_warnings
-from screwsim.scene.plausible_media import virial_compressibility
+from screwsim.scene.plausible import scene_warnings, virial_compressibility
 from screwsim.scene.sizes import sizes_of_effect
 
 CONFIGS = Path(__file__).parents[2] / "configs"

@@ -12,7 +12,8 @@ import pytest
 from screwsim.cli import exit_code
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.outputs import Figures, Result
-from screwsim.report.evidence import draw_accuracy
+from screwsim.report.evidence import accuracy_figure
+from screwsim.report.style import write_all
 from screwsim.scene import Scene, load, loads
 from screwsim.simulate import simulate
 from screwsim.study import accuracy
@@ -160,7 +161,7 @@ def test_files_hold_every_case(found, tmp_path):
 
 
 def test_the_figure_is_drawn(sketched, found, tmp_path):
-    paths = draw_accuracy(found, tmp_path)
+    paths = write_all({"accuracy": lambda: accuracy_figure(found)}, tmp_path)
     assert [path.rsplit("/")[-1] for path in paths] == ["accuracy.png", "accuracy.pdf"]
 
 

@@ -115,7 +115,7 @@ def test_only_modules_of_the_users_own_are_noted(package, monkeypatch):
     importlib.invalidate_caches()
     importlib.import_module("identity_effects.mine")
     sources.record_module("identity_effects.mine", object())
-    found = set(sources.module_digests("identity_effects.mine"))
+    found = set(sources.recorded["identity_effects.mine"].digests)
     own = {f"identity_effects/{file}" for file in ("__init__.py", "mine.py", "shared.py")}
     assert found == own | {"helpers.py"}
     for name in ("identity_effects.mine", "identity_effects.shared", "identity_effects", "helpers"):

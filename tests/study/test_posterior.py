@@ -154,13 +154,13 @@ def test_the_command_prints_and_writes_the_posterior(tmp_path, capsys, monkeypat
     monkeypatch.setattr("screwsim.study.calibration.residuals.WarmSimulation", lambda: plane)
     monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)
     monkeypatch.setattr(Fit, "short_names", lambda fit: {GAP: "tip_leakage.gap", CAPACITY: "heat_capacity"})
-    drawn, draw = [], printed.draw_posterior
+    drawn, draw = [], printed.pairs_figure
 
     def seen(parameters, *arguments):
         drawn.extend(each.label for each in parameters)
         return draw(parameters, *arguments)
 
-    monkeypatch.setattr(printed, "draw_posterior", seen)
+    monkeypatch.setattr(printed, "pairs_figure", seen)
     code = exit_code(["calibrate", str(file), "--posterior", "--jobs", "1", "-o", str(tmp_path / "out")])
     told = " ".join(capsys.readouterr().out.split())
     assert code == 0 and "effects.tip_leakage.gap" in told and "heat_capacity" in told
@@ -276,7 +276,7 @@ def test_the_pairs_are_drawn_within_the_picture_in_the_units_that_people_write(t
     import matplotlib.pyplot as plt
 
     from screwsim.printing.posterior import _parameter_samples
-    from screwsim.report.calibration import _pairs
+    from screwsim.report.calibration import pairs_figure
     from screwsim.report.style import journal
 
     found, wide = sampled(tmp_path, points(3, 8, 0, 0.1), most_steps=300)
@@ -285,7 +285,7 @@ def test_the_pairs_are_drawn_within_the_picture_in_the_units_that_people_write(t
     assert np.median(two[0].samples) == pytest.approx(1e6 * wide.parameters[0].median)
     assert two[1].low == pytest.approx(1e-3 * wide.parameters[1].low)
     with journal():
-        figure = _pairs([*two, two[0], two[1], two[0]], 0.9)
+        figure = pairs_figure([*two, two[0], two[1], two[0]], 0.9)
         figure.canvas.draw()
         labels = [text for axes in figure.axes if axes.axison for text in (axes.xaxis.label, axes.yaxis.label)]
         boxes = [text.get_window_extent() for text in labels if text.get_text()]

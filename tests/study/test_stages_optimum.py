@@ -201,9 +201,7 @@ def test_a_path_that_cannot_vary_is_one_line(plant, capsys, path, told):
     assert told in error and error.count("\n") == 1
 
 
-@pytest.mark.parametrize(
-    "option", [["--best", "b.yaml"], ["-o", "a.h5"], ["--over", "IPLV"], ["--without", "oil_heat"]]
-)
+@pytest.mark.parametrize("option", [["-o", "a.h5"], ["--over", "IPLV"], ["--without", "oil_heat"]])
 def test_what_a_search_of_two_stages_has_not_is_one_line(plant, capsys, option):
     assert exit_code(["optimize", str(plant()), "--vary", f"{SPEED}=1 rpm..2 rpm", *option]) == 2
     error = capsys.readouterr().err
@@ -211,7 +209,7 @@ def test_what_a_search_of_two_stages_has_not_is_one_line(plant, capsys, option):
 
 
 def test_a_figure_that_two_stages_have_not_is_one_line(plant):
-    with pytest.raises(UsageError, match="--figure volumetric_efficiency: is not a figure of two stages"):
+    with pytest.raises(UsageError, match="--figure volumetric_efficiency: is not a figure of these two stages"):
         question(read_stages(plant()), f"{SPEED}=1 rpm..2 rpm", "volumetric_efficiency")
 
 

@@ -198,10 +198,15 @@ def test_a_file_of_another_program_is_refused_and_not_touched(tmp_path):
     assert output.read_text() == "my thesis"
 
 
+def at_version(monkeypatch, text: str) -> None:
+    for module in ("identity", "schema"):
+        monkeypatch.setattr(f"screwsim.results.{module}.version", lambda: text)
+
+
 def test_results_of_another_version_are_refused_until_a_restart(reference, tmp_path, monkeypatch):
     output = tmp_path / "out.h5"
     output.write_bytes(reference.read_bytes())
-    monkeypatch.setattr("screwsim.__version__", "99")
+    at_version(monkeypatch, "99")
     with pytest.raises(UsageError, match=r"from screwsim .* \(--restart computes them again\)"):
         run_sweep(grid_scene(), output, jobs=1, simulate=forbidden)
     assert run_sweep(grid_scene(), output, jobs=1, restart=True, simulate=fake_simulate).reused == 0
@@ -209,14 +214,14 @@ def test_results_of_another_version_are_refused_until_a_restart(reference, tmp_p
 
 def test_results_of_another_commit_towards_a_release_resume_while_the_sources_are_the_same(tmp_path, monkeypatch):
     output = tmp_path / "out.h5"
-    monkeypatch.setattr("screwsim.__version__", "9.8.0.dev5+g1a2b3c4d")
+    at_version(monkeypatch, "9.8.0.dev5+g1a2b3c4d")
     with pytest.raises(KeyboardInterrupt):
         run_sweep(grid_scene(), output, jobs=1, simulate_many=chained, progress=StopAfter(4))
     there = held(output)
-    monkeypatch.setattr("screwsim.__version__", "9.8.0.dev7+g5e6f7a8b.dirty")
+    at_version(monkeypatch, "9.8.0.dev7+g5e6f7a8b.dirty")
     assert run_sweep(grid_scene(), output, jobs=1, simulate_many=chained).reused == there > 0
     assert open_results(output).attributes["screwsim_version"] == "9.8.0.dev7+g5e6f7a8b.dirty"
-    monkeypatch.setattr("screwsim.__version__", "9.8.0")  # released of these sources
+    at_version(monkeypatch, "9.8.0")  # released of these sources
     assert run_sweep(grid_scene(), output, jobs=1, simulate=forbidden).reused > there
     monkeypatch.setattr("screwsim.numerics.sources.package_digest", lambda: "others")  # of the same version
     with pytest.raises(UsageError, match=r"but from different sources of screwsim 9\.8\.0; "):

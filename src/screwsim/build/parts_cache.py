@@ -47,13 +47,12 @@ class PartsCache:
         self._gas: dict[tuple[Any, ...], tuple[GasSettings, Gas]] = {}  # by id of the settings, and by `GasModel.told`
         self._geometry: dict[tuple[Any, ...], MachineGeometry] = {}  # by id of the settings, and stamps of their files
         self._built: dict[str, dict[tuple[Any, ...], _Built]] = {}
-        self._effects: dict[tuple[int, ...], tuple[list[_Built], Effects]] = {}
         self._whole: dict[tuple[Any, ...], tuple[Any, Any, Effects]] = {}  # by all of a scene that matters
 
     def lent(self) -> PartsCache:
         """Return an independent copy: it has the same contents, and additions to it do not come back."""
         found = PartsCache()
-        for name in ("_gas", "_geometry", "_effects", "_whole"):
+        for name in ("_gas", "_geometry", "_whole"):
             setattr(found, name, dict(getattr(self, name)))
         found._built = {name: dict(known) for name, known in self._built.items()}
         return found
@@ -87,22 +86,14 @@ class PartsCache:
         if known is not None:
             return known[2]
         by_name = dict(numbers)
-        built = [self._effect(name, active, geometry, by_name.get(name, {})) for name, active in every.items()]
-        return keep(self._whole, whole, (every, geometry, self._of(scene, built)))[2]
+        parts = {name: self._effect(name, active, geometry, by_name.get(name, {})) for name, active in every.items()}
+        return keep(self._whole, whole, (every, geometry, Effects(_with_present_factors(parts))))[2]
 
-    def _of(self, scene: Scene, built: list[_Built]) -> Effects:
-        key = tuple(map(id, built))
-        found = self._effects.get(key)
-        if found is None:
-            parts = {name: one.parts for name, one in zip(scene.effects, built, strict=True)}
-            found = keep(self._effects, key, (built, Effects(_with_present_factors(parts))))
-        return found[1]
-
-    def _effect(self, name: str, active: ActiveEffect, geometry: Any, numbers: Mapping[str, float]) -> _Built:
+    def _effect(self, name: str, active: ActiveEffect, geometry: Any, numbers: Mapping[str, float]) -> list[Any]:
         known = self._built.setdefault(name, {})
         key = id(active), id(geometry), *_stamps(active.parameters), *numbers.items()
-        found = known.get(key)
-        return found or keep(known, key, _Built(active, geometry, _built(name, active, numbers, geometry)))
+        found = known.get(key) or keep(known, key, _Built(active, geometry, _built(name, active, numbers, geometry)))
+        return found.parts
 
 
 _files = IdentityCache(files_in)  # files that a machine, an effect's parameters or all effects name

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from screwsim.export.inputs import Input
     from screwsim.export.map_table import MapTable
     from screwsim.export.polynomials import Polynomials
-    from screwsim.scene import Scene
+    from screwsim.study.varied import Varied
 
 app = typer.Typer(
     help="Write files for other tools: FMU, maps for system simulation, rotor loads.",
@@ -28,7 +28,7 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-SOURCE = argument("SCENE|OUT.h5", "A scene to simulate, or the results file of a sweep.")
+SOURCE = argument("SCENE|OUT.h5", "A scene or two stages to simulate, or the results file of a sweep.")
 RANGES = option(
     "PATH=LOW..HIGH", "An input of the map and its range (default: the scene's sweep); repeatable.", "--over"
 )
@@ -40,14 +40,14 @@ MOST_CASES = option("N", "Largest number of grid points to simulate (default: 50
 _BAR = partial(progress_bar, "export")
 
 
-def _announce_polynomials(scene: Scene, inputs: Sequence[Input]) -> None:
+def _announce_polynomials(scene: Varied, inputs: Sequence[Input]) -> None:
     from screwsim.export.polynomial_table import check_inputs
 
     check_inputs(inputs)
     _announce_map(scene, inputs)
 
 
-def _announce_map(scene: Scene, inputs: Sequence[Input]) -> None:
+def _announce_map(scene: Varied, inputs: Sequence[Input]) -> None:
     from screwsim.study.inputs import shown_range
 
     ranges = ", ".join(f"{one.name} {shown_range(scene, one.path, one.low, one.high)}" for one in inputs)
@@ -224,8 +224,9 @@ def energyplus(
     options.check_target(output, ".idf", ".epjson")
     from screwsim.export import energyplus as made_for
     from screwsim.export.polynomials import document, polynomials, rated_temperatures, swept_results
+    from screwsim.results.protection import protect_other_document
 
-    made_for.protect_other_objects(output)
+    protect_other_document(output, made_for.WRITTEN_MARK, "Version", *made_for.CLASSES)
     with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_map) as results:
         found = polynomials(results, [made_for.power_of(results.figures), made_for.CAPACITY])
     objects = made_for.energyplus_objects(found, output.stem)
@@ -257,9 +258,10 @@ def en12900(
     """Write the coefficients of EN 12900 and AHRI 540 with rating tables."""
     options.check_target(output, ".csv", ".json")
     from screwsim.export import en12900 as made_for
-    from screwsim.export.polynomials import polynomials, swept_results
+    from screwsim.export.polynomials import DOCUMENT_KEYS, polynomials, swept_results
+    from screwsim.results.protection import protect_other_document
 
-    made_for.protect_other_coefficients(output)
+    protect_other_document(output, made_for.HEAD_LINE, *DOCUMENT_KEYS, "maps")
     with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_map) as results:
         optional = (name for name in made_for.OPTIONAL_FIGURES if name in results.figures)
         found = polynomials(results, [*made_for.FIGURES, *optional])

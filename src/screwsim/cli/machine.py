@@ -5,6 +5,7 @@ import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, option, switch
@@ -63,7 +64,8 @@ def startup(
     slow = _creep_speed(creep)
     scene = options.loaded_point(scene_file, overrides, without)
     from screwsim.printing.machine import TRACES, print_startup, protect_other_traces, write_traces
-    from screwsim.report.drive import draw_start
+    from screwsim.report.drive import start_figure
+    from screwsim.report.style import write_all
     from screwsim.results.atomic import make_folder
     from screwsim.solve.start_up import INTERRUPTED, start_up
 
@@ -78,7 +80,8 @@ def startup(
     options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_startup, scene.title, found)
     if folder is not None and found.traces:
         make_folder(folder)  # again: another command may have removed the one that it had made and that was still empty
-        written = [write_traces(folder / TRACES, found), *draw_start(found, scene.title, folder)]
+        written = [write_traces(folder / TRACES, found)]
+        written += write_all({"startup": partial(start_figure, found, scene.title)}, folder)
         options.print_files(written, as_json)
     if found.status == INTERRUPTED:
         return options.INTERRUPTED

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
@@ -43,8 +44,10 @@ def run(
     """Simulate one operating point, or two stages in series (a file with stages: [first.yaml, second.yaml])."""
     from screwsim.study.stages import is_stages
 
-    if short:
-        _refuse_beside_short({"--json": as_json, "--knock-out": knock_out, "--together": together})
+    beside = {"--json": as_json, "--knock-out": knock_out, "--together": together}
+    if short and (name := options.first_given(beside)):
+        prints = "everything" if name == "--json" else "a table of its own"
+        raise UsageError(f"--short: prints the main figures only, but {name} prints {prints} (remove one of the two)")
     if is_stages(scene_file):
         named = {"--short": short, "--measured": measured, "--together": together}
         options.refuse_for_stages(scene_file, "run", named | {"--knock-out": knock_out, "--without": without})
@@ -54,7 +57,11 @@ def run(
         options.check_place(output)
     from screwsim.study.knock_out import each_alone, read_groups
 
-    points = _read_measured(scene, measured) if measured else ()
+    points: tuple[MeasuredFigure, ...] = ()
+    if measured:  # mistakes are reported before anything is simulated
+        from screwsim.study.measured import read_measured
+
+        points = read_measured(scene, measured)
     left_out = (*read_groups(scene, together or ()), *(each_alone(scene) if knock_out else ()))
     result = _simulated(scene, left_out, traced=output is not None)
     if output is not None:
@@ -80,13 +87,6 @@ def run(
             print_measured(scene, result, compared)
     options.print_files([] if output is None else [output], as_json)
     return OK if result.status == "ok" and not (compared and compared.none) else NOT_ALL_OK
-
-
-def _refuse_beside_short(given: Mapping[str, Any]) -> None:
-    """Raise UsageError if an option was given that --short leaves no room for."""
-    if name := options.first_given(given):
-        prints = "everything" if name == "--json" else "a table of its own"
-        raise UsageError(f"--short: prints the main figures only, but {name} prints {prints} (remove one of the two)")
 
 
 def _simulated(scene: Scene, left_out: Sequence[LeftOut], traced: bool) -> Result:
@@ -123,18 +123,11 @@ def _print_point(scene: Scene, result: Result, changed: Sequence[str], short: bo
         print_uncertainty(result)
 
 
-def _read_measured(scene: Scene, texts: Sequence[str]) -> tuple[MeasuredFigure, ...]:
-    """Return the measured values; mistakes are reported before anything is simulated."""
-    from screwsim.study.measured import read_measured
-
-    return read_measured(scene, texts)
-
-
 def _run_stages(file: str, output: Path | None, overrides: Texts, as_json: bool) -> int:
     from screwsim.printing.stages import print_stages
     from screwsim.study.local import with_slopes
     from screwsim.study.stages import read_stages, run_stages
-    from screwsim.study.stages.store import point_results, save_chain
+    from screwsim.study.stages.store import chain_point, save_chain
     from screwsim.study.stages.uncertain import with_uncertainty
 
     chain = read_stages(file, overrides or ())
@@ -147,7 +140,7 @@ def _run_stages(file: str, output: Path | None, overrides: Texts, as_json: bool)
     found = with_uncertainty(base, run_stages(base))
     if output is not None:
         options.check_place(output)  # again: a file that has appeared meanwhile is kept
-        save_chain(output, base, [point_results(found, with_slopes)], "run", found.scenes)
+        save_chain(output, base, [chain_point(found, with_slopes)], "run", found.scenes)
     options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_stages, chain.title, found)
     options.print_files([] if output is None else [output], as_json)
     return OK if found.status == "ok" else NOT_ALL_OK
@@ -236,7 +229,7 @@ def _sweep_stages(
     sheet = points_sheet(chain, points, kept.reused)
     options.print_document_or_text(as_json, lambda found: found.document, print_sheet, sheet)
     if as_results:
-        save_chain(place, chain, [each.results for each in points], "sweep")
+        save_chain(place, chain, points, "sweep")
     options.print_files([place if as_results else write_sheet(sheet, place)], as_json)
     kept.discard()
     return OK if sheet.ok else NOT_ALL_OK
@@ -296,7 +289,8 @@ def accuracy(
         raise UsageError(f"{scene_file}: describes two stages, and accuracy needs one scene (name that of one stage)")
     scene = options.loaded_point(scene_file, overrides, without)
     options.check_folder(folder)
-    from screwsim.report.evidence import draw_accuracy
+    from screwsim.report.evidence import accuracy_figure
+    from screwsim.report.style import write_all
     from screwsim.results.atomic import make_folder
     from screwsim.study.accuracy import QUICK_SCOPE, NoReference, Scope, files, study, words
 
@@ -311,5 +305,6 @@ def accuracy(
     say(words.report(found))
     if folder is not None:
         make_folder(folder)  # again: another command may have removed the one that it had made and that was still empty
-        options.print_files([*files.write(found, folder), *draw_accuracy(found, folder)])
+        written = files.write(found, folder)
+        options.print_files([*written, *write_all({"accuracy": partial(accuracy_figure, found)}, folder)])
     return OK

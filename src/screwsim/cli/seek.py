@@ -1,12 +1,19 @@
 """The search commands: values for given figures, best values, what has changed in a machine, what to measure next."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
 from screwsim.cli.options import AS_JSON, JOBS, NOT_ALL_OK, OK, OVERRIDES, SCENE_FILE, WITHOUT
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
+
+if TYPE_CHECKING:
+    from screwsim.study.varied import Varied
 
 FIT_FILE = argument("FIT", "Machine, parameters and points: a fit's YAML file.")
 OTHER_SCENE = option("SCENE", "Machine to use instead of the fit's own, e.g. scene.yaml of a calibration.", "--scene")
@@ -20,18 +27,17 @@ def find(
     catalogue: Text = option(
         "SIZES", "Available sizes, e.g. '140,163,204 mm'; the next larger one is chosen.", "--catalogue"
     ),
-    output: File = option("FOUND.yaml", "Write the scene found (for a sweep, its rows as .csv or .h5).", "-o"),
+    output: File = option("FOUND.yaml", "Write the scene or stages found (for a sweep, rows as .csv or .h5).", "-o"),
     overrides: Texts = OVERRIDES,
     without: Texts = WITHOUT,
     jobs: int | None = JOBS,
     as_json: bool = AS_JSON,
 ) -> int:
-    """Find values of paths that give wanted figures: a speed for a capacity, a size for a duty."""
-    scene = options.loaded_scene(scene_file, overrides, without)
+    """Find values of paths that give wanted figures, of a scene or two stages: a speed for a capacity, a size."""
+    scene = options.loaded_scene_or_stages(scene_file, "find", overrides, without)
     from screwsim.printing.find import find_document, print_find, write_find
     from screwsim.scene import case_count
     from screwsim.scene.grid import with_sweep_over
-    from screwsim.study.scene_files import check_scene_file, write_found
     from screwsim.study.seek import find_each, question
 
     asked = question(scene, vary or (), goals or (), catalogue or ())
@@ -43,7 +49,7 @@ def find(
     if output is not None and not table:
         if several:
             raise UsageError(f"-o {output}: the sweep gives one answer per row (write -o FOUND.csv or .h5)")
-        check_scene_file(output)
+        _check_found(output, "-o", scene)
     with options.counted_progress("find", "rows") as shown:
         rows = find_each(scene, asked, jobs=jobs, progress=shown)
     options.print_document_or_text(as_json, find_document, print_find, scene, asked, rows)
@@ -55,9 +61,30 @@ def find(
         values = {varied[0]: found.size.value} if found.size else found.values
         wanted = ", ".join(f"--for '{text}'" for text in goals or ())
         told = f"find {Path(scene_file).name} --vary {', '.join(varied)} {wanted}"
-        written = write_found(output, found.scene, values, scene_file, overrides or (), without or (), told)
-        options.print_files([written], as_json)
+        written = _write_found(output, found.scene, values, (scene_file, overrides or (), without or ()), told)
+        options.print_files(written, as_json)
     return OK if all(row.status == "ok" for row in rows) else NOT_ALL_OK
+
+
+def _check_found(output: Path, option: str, of: Varied) -> None:
+    """Raise UsageError where a scene found, or both scenes of two stages, cannot be written."""
+    from screwsim.scene import Scene
+    from screwsim.study.scene_files import check_scene_file, files_of_stages
+
+    for file in (output, *(() if isinstance(of, Scene) else files_of_stages(output).values())):
+        check_scene_file(file, option)
+
+
+def _write_found(
+    output: Path, found: Varied, values: Mapping[str, float], given: tuple[str, Sequence[str], Sequence[str]], told: str
+) -> list[str]:
+    """Write a scene found, or two stages, over the `given` file, overrides and effects left out; return the files."""
+    from screwsim.scene import Scene
+    from screwsim.study.scene_files import write_found, write_found_stages
+
+    if isinstance(found, Scene):
+        return [write_found(output, found, values, *given, told)]
+    return write_found_stages(output, found, values, told)
 
 
 def optimize(
@@ -89,12 +116,11 @@ def optimize(
 
     scene = options.loaded_scene_or_stages(scene_file, "optimize", overrides, without)
     if not isinstance(scene, Scene):
-        refused = {"--over": over, "--print-points": print_points, "-o": output, "--best": best}
+        refused = {"--over": over, "--print-points": print_points, "-o": output}
         options.refuse_for_stages(scene_file, "optimize", refused)
     from screwsim.printing.optimize import optimize_document, print_optimize
     from screwsim.study.optimize import question, run_question, spans_of
     from screwsim.study.optimize.points import as_csv, read_points
-    from screwsim.study.scene_files import check_scene_file, write_found
     from screwsim.study.seek import rounded
 
     if print_points and isinstance(scene, Scene):
@@ -112,14 +138,14 @@ def optimize(
         if len(asked.aims) > 1:
             remedy = "pick a point of the front: --json lists their values"
             raise UsageError(f"--best {best}: several aims have no single best ({remedy})")
-        check_scene_file(best, "--best")
+        _check_found(best, "--best", scene)
     found = run_question(asked, output, jobs=jobs, restart=restart, progress=options.progress_bar("optimize"))
     options.print_document_or_text(as_json, optimize_document, print_optimize, found)
     written = [] if output is None else [str(output)]
-    if best is not None and isinstance(found.scene, Scene):
+    if best is not None and found.scene is not None:
         told = f"optimize {Path(scene_file).name} --vary {', '.join(span.path for span in asked.spans)}"
         values = rounded(found.asked.scene, found.values)
-        written.append(write_found(best, found.scene, values, scene_file, overrides or (), without or (), told))
+        written += _write_found(best, found.scene, values, (scene_file, overrides or (), without or ()), told)
     options.print_files(written, as_json)
     return OK if found.status == "ok" else NOT_ALL_OK
 

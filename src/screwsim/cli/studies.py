@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
@@ -118,7 +117,9 @@ def sensitivity(
     if check_sobol is not None:
         return _print_checked_uncertainty(scene, check_sobol, jobs, as_json)
     if local:
-        return _local_sensitivity(scene, (places or (), paths or ()), figures or (), output, jobs, as_json)
+        if paths:
+            raise UsageError(f"--path {paths[0]}: --local takes no ranges (name the path alone, without --path)")
+        return _local_sensitivity(scene, places or (), figures or (), output, jobs, as_json)
     if places:
         raise UsageError(f"{places[0]}: has no range (write --path PATH=LOW..HIGH, or add --local)")
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
@@ -160,21 +161,13 @@ def _print_checked_uncertainty(scene: Scene, count: int, jobs: int | None, as_js
 
 
 def _local_sensitivity(
-    scene: Scene,
-    asked: tuple[Sequence[str], Sequence[str]],
-    figures: Sequence[str],
-    output: Path | None,
-    jobs: int | None,
-    as_json: bool,
+    scene: Scene, places: Sequence[str], figures: Sequence[str], output: File, jobs: int | None, as_json: bool
 ) -> int:
     """Print and write the derivatives of a scene's figures by its numbers."""
     from screwsim.printing.sensitivity import local_document, print_local, write_local
     from screwsim.study.figures import figure_of
     from screwsim.study.local import sensitivities
 
-    places, ranges = asked
-    if ranges:
-        raise UsageError(f"--path {ranges[0]}: --local takes no ranges (name the path alone, without --path)")
     if output is not None and output.suffix.lower() == ".h5":
         options.check_place(output)
     else:

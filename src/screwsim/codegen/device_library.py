@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from screwsim.codegen import lane_math
 from screwsim.codegen.emit import Emitter
-from screwsim.codegen.kinds import FLOAT, INTEGER, Kind, Value, words_of
+from screwsim.codegen.kinds import FLOAT, Kind, Value, words_of
 from screwsim.codegen.lane_math import log_of_lanes
 from screwsim.codegen.lane_operations import VECTORED, WRITTEN
 from screwsim.codegen.library import Library
@@ -100,12 +100,6 @@ class DeviceEmitter(Emitter):
     """Writes one function for a single thread."""
 
     def builtin(self, name: str) -> Callable[[Sequence[Value], ast.Call], Value] | None:
-        bits = {"bits_of": ("double", INTEGER), "of_bits": ("i64", FLOAT)}  # used only in `codegen.lane_math`
-        if name in bits:
-            given, kind = bits[name]
-            return lambda values, node: Value(
-                kind, (self.new(f"bitcast {given} {values[0].parts[0]} to {kind.parts[0]}"),)
-            )
         found = super().builtin(name)
         if found is None or name.removeprefix("math.") in (*HELD, *VECTORED) or not name.startswith("math."):
             return found

@@ -7,7 +7,7 @@ place and a float in another is a float: the function is written again until no 
 from __future__ import annotations
 
 import ast
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from screwsim.codegen.expressions import NONE, Expressions
@@ -216,7 +216,7 @@ class Emitter(Expressions):
                     self.assign(one, item)
             case ast.Subscript(value=of, slice=index):
                 place, kind = self.element(self.expression(of), index, target)
-                self.add(f"store {kind.parts[0]} {self.as_kind(value, kind).parts[0]}, ptr {place}")
+                self.write(place, kind, value)
             case _:
                 raise self.fail(target, "this cannot be given a value")
 
@@ -227,9 +227,8 @@ class Emitter(Expressions):
             self.assign(target, self.operation(node.op, self.expression(target), self.expression(node.value), node))
             return
         place, kind = self.element(self.expression(target.value), target.slice, target)
-        before = Value(kind, (self.new(f"load {kind.parts[0]}, ptr {place}"),))
-        value = self.operation(node.op, before, self.expression(node.value), node)
-        self.add(f"store {kind.parts[0]} {self.as_kind(value, kind).parts[0]}, ptr {place}")
+        before = self.read(place, kind)
+        self.write(place, kind, self.operation(node.op, before, self.expression(node.value), node))
 
     def _if(self, test: Value, body: Sequence[ast.stmt], orelse: Sequence[ast.stmt]) -> None:
         if test.known is not None:
@@ -257,17 +256,23 @@ class Emitter(Expressions):
         return first, last, step
 
     def _for(self, name: str, bounds: Sequence[ast.expr], node: ast.For) -> None:
-        first, last, step = self._bounds(bounds, node)
+        self._count(name, self._bounds(bounds, node), node)
+
+    def _count(
+        self, name: str, bounds: tuple[Value, Value, int], node: ast.For, also: Callable[[], Value] | None = None
+    ) -> None:
+        """Write a loop over whole numbers, which goes on only while `also` holds, if given."""
+        first, last, step = bounds
         counter = self.slot("i64")
         self.add(f"store i64 {first.parts[0]}, ptr {counter}")
         head, inside, following, after = self.labels("head", "inside", "next", "after")
         self.jump(head)
         self.start(head)
         now = self.new(f"load i64, ptr {counter}")
-        more = self.new(f"icmp {'slt' if step > 0 else 'sgt'} i64 {now}, {last.parts[0]}")
-        self.branch(Value(TRUTH, (more,)), inside, after)
+        more = Value(TRUTH, (self.new(f"icmp {'slt' if step > 0 else 'sgt'} i64 {now}, {last.parts[0]}"),))
+        self.branch(self.chosen(more, also(), constant(False)) if also else more, inside, after)
         self.start(inside)
-        self.store(name, Value(INTEGER, (now,)), node)
+        self.store_counter(name, Value(INTEGER, (now,)), node)
         self.loops.append((after, following))
         self.inside(node.body)
         self.loops.pop()
@@ -277,6 +282,10 @@ class Emitter(Expressions):
         self.add(f"store i64 {self.new(f'add nsw i64 {now}, {step}')}, ptr {counter}")
         self.jump(head)
         self.start(after)
+
+    def store_counter(self, name: str, value: Value, node: ast.For) -> None:
+        """Assign the number of an iteration to the variable of a loop."""
+        self.store(name, value, node)
 
     def _for_each(self, target: ast.expr, elements: Sequence[ast.expr], node: ast.For) -> None:
         after = self.labels("after")[0]

@@ -4,7 +4,21 @@ import ast
 import math
 from collections.abc import Callable, Sequence
 
-from screwsim.codegen.kinds import ARRAYS, FLOAT, INTEGER, NOTHING, NUMBERS, TRUTH, Kind, Value, array, joined, row_of
+from screwsim.codegen.kinds import (
+    ARRAYS,
+    FLOAT,
+    INTEGER,
+    NOTHING,
+    NUMBERS,
+    OF_ONE,
+    TRUTH,
+    TRUTHS,
+    Kind,
+    Value,
+    array,
+    joined,
+    row_of,
+)
 from screwsim.codegen.operations import Operations
 from screwsim.codegen.program import called_name, constant
 
@@ -57,7 +71,7 @@ class Expressions(Operations):
 
     def _attribute(self, of: Value, name: str, node: ast.expr) -> Value:
         """Return an array's shape, or the item of a context with a given name."""
-        if of.kind.name == "a" and name == "shape":
+        if of.kind.name in ARRAYS and name == "shape":
             return Value(Kind("t", (INTEGER,) * of.kind.axes), of.parts[1:])
         if name not in of.kind.names:
             raise self.fail(node, f"{of.kind} has no {name}")
@@ -65,9 +79,9 @@ class Expressions(Operations):
 
     def truth(self, node: ast.expr) -> Value:
         value = self.expression(node)
-        if value.kind == TRUTH:
+        if value.kind in (TRUTH, TRUTHS):
             return value
-        if value.kind not in NUMBERS:
+        if value.kind not in NUMBERS and value.kind not in OF_ONE:
             raise self.fail(node, f"{value.kind} is no condition")
         return self.compare(ast.NotEq(), value, constant(0), node)
 
@@ -142,8 +156,7 @@ class Expressions(Operations):
             return self._slice(of, index, node)
         if self.count_of(index) < of.kind.axes:
             return self._row(of, index, node)
-        place, kind = self.element(of, index, node)
-        return Value(kind, (self.new(f"load {kind.parts[0]}, ptr {place}"),))
+        return self.read(*self.element(of, index, node))
 
     @staticmethod
     def count_of(index: ast.expr) -> int:
@@ -155,23 +168,26 @@ class Expressions(Operations):
             for each in index.elts:
                 value = self._row(value, each, node)
             return value
-        at = self.whole(self.expression(index), node).parts[0]
-        skip = at
+        at, kind = self._row_begins(of, self.whole(self.expression(index), node), node)
+        return Value(row_of(kind), (at, *of.parts[2:]))
+
+    def _row_begins(self, of: Value, row: Value, node: ast.expr) -> tuple[str, Kind]:
+        """Return the address of a row of an array, and the kind of array that begins there."""
         for size in of.parts[2:]:
-            skip = self.new(f"mul nsw i64 {skip}, {size}")
-        at = self.new(f"getelementptr inbounds {of.kind.of[0].parts[0]}, ptr {of.parts[0]}, i64 {skip}")
-        return Value(row_of(of.kind), (at, *of.parts[2:]))
+            row = self.operation(ast.Mult(), row, Value(INTEGER, (size,)), node)
+        return self.moved(of, row)
 
     def _slice(self, of: Value, index: ast.Slice, node: ast.expr) -> Value:
-        if index.step is not None or of.kind.name != "a":
+        if index.step is not None or of.kind.name not in ARRAYS:
             raise self.fail(node, "this slice is not compiled")
         first = constant(0) if index.lower is None else self.whole(self.expression(index.lower), node)
-        last = of.parts[1] if index.upper is None else self.whole(self.expression(index.upper), node).parts[0]
-        skip = first.parts[0]
-        for size in of.parts[2:]:
-            skip = self.new(f"mul nsw i64 {skip}, {size}")
-        at = self.new(f"getelementptr inbounds {of.kind.of[0].parts[0]}, ptr {of.parts[0]}, i64 {skip}")
-        return Value(of.kind, (at, self.new(f"sub nsw i64 {last}, {first.parts[0]}"), *of.parts[2:]))
+        last = Value(INTEGER, (of.parts[1],))
+        last = last if index.upper is None else self.whole(self.expression(index.upper), node)
+        at, kind = self._row_begins(of, first, node)
+        count = self.operation(ast.Sub(), last, first, node)
+        if count.kind != INTEGER:
+            raise self.fail(node, "lanes cannot take parts of different length")
+        return Value(kind, (at, count.parts[0], *of.parts[2:]))
 
     # ---- calls -----------------------------------------------------------------------------------------------------
 
@@ -213,18 +229,21 @@ class Expressions(Operations):
     def _room(self, node: ast.Call, cleared: bool) -> Value:
         """Return an array in the function's stack memory, which ends with the function."""
         shape = node.args[0].elts if isinstance(node.args[0], ast.Tuple) else [node.args[0]]
-        sizes = [self.whole(self.expression(each), each).parts[0] for each in shape]
+        sizes = [self.whole(self.expression(each), each) for each in shape]
         whole = len(node.args) > 1 and ast.unparse(node.args[1]) == "np.int64"
-        kind = array(INTEGER if whole else FLOAT, len(sizes))
         total = sizes[0]
         for size in sizes[1:]:
-            total = self.new(f"mul nsw i64 {total}, {size}")
-        if total.isdigit():
-            at = self.slot(f"{kind.of[0].parts[0]}, i64 {total}")
-        else:
-            at = self.new(f"alloca {kind.of[0].parts[0]}, i64 {total}, align 16")
+            total = self.operation(ast.Mult(), total, size, node)
+        at, kind = self.memory(array(INTEGER if whole else FLOAT, len(sizes)), total, cleared, node)
+        return Value(kind, (at, *(size.parts[0] for size in sizes)))
+
+    def memory(self, kind: Kind, total: Value, cleared: bool, node: ast.Call) -> tuple[str, Kind]:
+        """Return the address of stack memory for so many numbers, and the kind of array there."""
+        part, count = kind.of[0].parts[0], total.parts[0]
+        known = count.isdigit()
+        at = self.slot(f"{part}, i64 {count}") if known else self.new(f"alloca {part}, i64 {count}, align 16")
         if cleared:
-            count = self.new(f"mul nsw i64 {total}, 8")
+            count = self.new(f"mul nsw i64 {count}, 8")
             self.library.declare("declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)")
             self.add(f"call void @llvm.memset.p0.i64(ptr {at}, i8 0, i64 {count}, i1 false)")
-        return Value(kind, (at, *sizes))
+        return at, kind

@@ -82,6 +82,11 @@ OF_LANES = {TRUTH: TRUTHS, INTEGER: INTEGERS, FLOAT: FLOATS}
 OF_ONE = {many: one for one, many in OF_LANES.items()}
 
 
+def condition_of(kind: Kind) -> Kind:
+    """Return the kind of a condition on numbers of a kind."""
+    return TRUTHS if kind in OF_ONE else TRUTH
+
+
 def array(of: Kind, axes: int) -> Kind:
     return Kind("a", (of,), axes)
 
@@ -109,7 +114,12 @@ def words_of(kind: Kind) -> int:
     """Return the number of 8-byte words of an argument."""
     if kind.name == "c":
         return sum(words_of(each) for each in kind.of)
-    return sum(LANES if part[0] == "<" else 1 for part in kind.parts)
+    return sum(map(words_in, kind.parts))
+
+
+def words_in(part: str) -> int:
+    """Return the number of 8-byte words of a register."""
+    return LANES if part[0] == "<" else 1
 
 
 def laned(kind: Kind) -> Kind:

@@ -1,11 +1,10 @@
-"""Expressions for points computed side by side: choices under a mask, elements and parts of lane arrays."""
+"""Expressions for points computed side by side: conditions and choices under a mask."""
 
 import ast
 from collections.abc import Sequence
 
-from screwsim.codegen.kinds import ARRAYS, FLOAT, INTEGER, OF_LANES, TRUTH, TRUTHS, Kind, Value, row_of
+from screwsim.codegen.kinds import FLOAT, OF_LANES, TRUTH, TRUTHS, Value
 from screwsim.codegen.lane_operations import MASK, NONE_OF_THEM, LaneOperations
-from screwsim.codegen.program import constant
 
 
 class LaneExpressions(LaneOperations):
@@ -77,47 +76,5 @@ class LaneExpressions(LaneOperations):
         other = self.expression(orelse)
         self.set_mask(before)
         if decided.kind == TRUTH and one.kind == other.kind and one.kind in OF_LANES and one.kind != FLOAT:
-            part = one.kind.parts[0]
-            ways = f"{part} {one.parts[0]}, {part} {other.parts[0]}"
-            return Value(one.kind, (self.new(f"select i1 {decided.parts[0]}, {ways}"),))
-        return self.chosen(where, one, other)
-
-    def _subscript(self, of: Value, index: ast.expr, node: ast.expr) -> Value:
-        if of.kind.name in "tc":
-            return super()._subscript(of, index, node)
-        if isinstance(index, ast.Slice):
-            return self._slice(of, index, node)
-        if self.count_of(index) < of.kind.axes:
-            return self._row(of, index, node)
-        return self.read(*self.element(of, index, node))
-
-    def _attribute(self, of: Value, name: str, node: ast.expr) -> Value:
-        if of.kind.name in ARRAYS and name == "shape":
-            return Value(Kind("t", (INTEGER,) * of.kind.axes), of.parts[1:])
-        return super()._attribute(of, name, node)
-
-    def _row(self, of: Value, index: ast.expr, node: ast.expr) -> Value:
-        if isinstance(index, ast.Tuple):
-            value = of
-            for each in index.elts:
-                value = self._row(value, each, node)
-            return value
-        skip = self.whole(self.expression(index), node)
-        for size in of.parts[2:]:
-            skip = self.operation(ast.Mult(), skip, Value(INTEGER, (size,)), node)
-        at, kind = self.moved(of, skip)
-        return Value(row_of(kind), (at, *of.parts[2:]))
-
-    def _slice(self, of: Value, index: ast.Slice, node: ast.expr) -> Value:
-        if index.step is not None or of.kind.name not in ARRAYS:
-            raise self.fail(node, "this slice is not compiled")
-        first = constant(0) if index.lower is None else self.whole(self.expression(index.lower), node)
-        last = Value(INTEGER, (of.parts[1],))
-        last = last if index.upper is None else self.whole(self.expression(index.upper), node)
-        count, skip = self.operation(ast.Sub(), last, first, node), first
-        if count.kind != INTEGER:
-            raise self.fail(node, "lanes cannot take parts of different length")
-        for size in of.parts[2:]:
-            skip = self.operation(ast.Mult(), skip, Value(INTEGER, (size,)), node)
-        at, kind = self.moved(of, skip)
-        return Value(kind, (at, count.parts[0], *of.parts[2:]))
+            return self.chosen(decided, one, other)
+        return self.chosen(Value(TRUTHS, (where,)), one, other)

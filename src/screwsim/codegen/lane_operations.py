@@ -5,13 +5,11 @@ a literal of the text.
 """
 
 import ast
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from screwsim.codegen.expressions import Expressions
 from screwsim.codegen.kinds import (
     ADDRESSES,
-    ARRAYS,
-    FLOAT,
     FLOATS,
     INTEGER,
     INTEGERS,
@@ -25,9 +23,8 @@ from screwsim.codegen.kinds import (
     floating,
     joined,
     laned,
-    words_of,
 )
-from screwsim.codegen.operations import BY_FLOATS, BY_INTEGERS, COMPARED, LARGEST_POWER, OF_TWO, OWN, ROUNDED
+from screwsim.codegen.operations import OF_TWO, OWN, ROUNDED
 from screwsim.codegen.program import constant, float_text
 
 REAL, WHOLE, MASK = FLOATS.parts[0], INTEGERS.parts[0], TRUTHS.parts[0]
@@ -109,96 +106,30 @@ class LaneOperations(Expressions):
 
     # ---- operators -------------------------------------------------------------------------------------------------
 
+    def common(self, what: str, values: Sequence[Value], node: ast.AST) -> Kind:
+        found = super().common(what, [Value(OF_ONE.get(value.kind, value.kind), ()) for value in values], node)
+        return found if found == INTEGER and all(value.kind in OF_LANES for value in values) else OF_LANES[found]
+
     def operation(self, op: ast.operator, a: Value, b: Value, node: ast.AST) -> Value:
-        if isinstance(op, ast.Pow):
-            if b.kind == INTEGER and isinstance(b.known, int) and abs(b.known) <= LARGEST_POWER:
-                return self._multiplied(self.floating(a), b.known)
-            return self.called("pow", [a, b])
-        for value in (a, b):
-            if value.kind not in OF_LANES and value.kind not in OF_ONE:
-                raise self.fail(node, f"{type(op).__name__} of {a.kind} and {b.kind} is not compiled")
-        if _whole(a) and _whole(b) and not isinstance(op, ast.Div):
-            if a.kind in OF_LANES and b.kind in OF_LANES:
-                return super().operation(op, a, b, node)
-            return self._by_wholes(op, self.as_whole(a), b, node)
-        if isinstance(op, ast.Mod):
-            return self._rest(self.as_float(a), self.as_float(b))
-        if type(op) not in BY_FLOATS:
-            if isinstance(op, ast.FloorDiv):
-                raise self.fail(node, "// of floats is not compiled; use math.floor")
-            raise self.fail(node, f"{type(op).__name__} is not compiled")
-        return Value(FLOATS, (self.new(f"{BY_FLOATS[type(op)]} {REAL} {self.as_float(a)}, {self.as_float(b)}"),))
+        found = super().operation(op, a, b, node)
+        if isinstance(op, ast.Add) and found.kind == a.kind == INTEGERS and b.known is not None:
+            self.sums[found.parts[0]] = a.parts[0], int(b.known)
+        return found
 
-    def _by_wholes(self, op: ast.operator, x: str, b: Value, node: ast.AST) -> Value:
-        if type(op) in BY_INTEGERS:
-            how = BY_INTEGERS[type(op)].partition(" ")[0]
-            found = self.new(f"{how} {WHOLE} {x}, {self.as_whole(b)}")
-            if isinstance(op, ast.Add) and b.known is not None:
-                self.sums[found] = x, int(b.known)
-            return Value(INTEGERS, (found,))
-        if not isinstance(op, ast.FloorDiv | ast.Mod):
-            raise self.fail(node, f"{type(op).__name__} is not compiled")
-        if isinstance(op, ast.FloorDiv) and b.known in POWERS_OF_TWO:
-            return Value(INTEGERS, (self.new(f"ashr {WHOLE} {x}, splat (i64 {POWERS_OF_TWO.index(b.known)})"),))
-        y = self.as_whole(b)
-        if b.known is None:  # inactive lanes divide by 1
+    def _divided(self, rest: bool, a: Value, b: Value, kind: Kind, node: ast.AST) -> Value:
+        if kind == INTEGERS and b.known is None:  # inactive lanes divide by 1
+            y = self.as_whole(b)
             y = self.new(f"select {MASK} {self.mask()}, {WHOLE} {y}, {WHOLE} splat (i64 1)")
-        left = self.new(f"srem {WHOLE} {x}, {y}")
-        apart = self.new(f"icmp slt {WHOLE} {self.new(f'xor {WHOLE} {left}, {y}')}, zeroinitializer")
-        other = self.new(f"and {MASK} {apart}, {self.new(f'icmp ne {WHOLE} {left}, zeroinitializer')}")
-        if isinstance(op, ast.Mod):
-            more = self.new(f"add {WHOLE} {left}, {y}")
-            return Value(INTEGERS, (self.new(f"select {MASK} {other}, {WHOLE} {more}, {WHOLE} {left}"),))
-        quotient, less = self.new(f"sdiv {WHOLE} {x}, {y}"), self.new(f"zext {MASK} {other} to {WHOLE}")
-        return Value(INTEGERS, (self.new(f"sub {WHOLE} {quotient}, {less}"),))
+            b = Value(kind, (y,))
+        elif kind == INTEGERS and not rest and b.known in POWERS_OF_TWO:
+            places = POWERS_OF_TWO.index(b.known)
+            return Value(kind, (self.new(f"ashr {WHOLE} {self.as_whole(a)}, splat (i64 {places})"),))
+        return super()._divided(rest, a, b, kind, node)
 
-    def _rest(self, x: str, y: str) -> Value:
-        """Return the remainder of a division as Python defines it: with the quotient rounded down."""
-        left = self.called("fmod", [Value(FLOATS, (x,)), Value(FLOATS, (y,))]).parts[0]
-        other = self.new(f"fcmp olt {REAL} {self.new(f'fmul {REAL} {left}, {y}')}, zeroinitializer")
-        more = self.new(f"fadd {REAL} {left}, {y}")
-        return Value(FLOATS, (self.new(f"select {MASK} {other}, {REAL} {more}, {REAL} {left}"),))
-
-    def signed(self, op: ast.unaryop, value: Value, node: ast.AST) -> Value:
-        if value.kind not in OF_ONE or isinstance(op, ast.UAdd):
-            return super().signed(op, value, node)
-        if value.kind == FLOATS:
-            return Value(FLOATS, (self.new(f"fneg {REAL} {value.parts[0]}"),))
-        return Value(INTEGERS, (self.new(f"sub {WHOLE} zeroinitializer, {self.as_whole(value)}"),))
-
-    def negated(self, value: Value) -> Value:
-        if value.kind != TRUTHS:
-            return super().negated(value)
-        return Value(TRUTHS, (self.new(f"xor {MASK} {value.parts[0]}, {ALL_OF_THEM}"),))
-
-    def truth(self, node: ast.expr) -> Value:
-        value = self.expression(node)
-        if value.kind in (FLOATS, INTEGERS):
-            return self.compare(ast.NotEq(), value, constant(0), node)
-        return value if value.kind in (TRUTH, TRUTHS) else self.compare(ast.NotEq(), value, constant(0), node)
-
-    def compare(self, op: ast.cmpop, a: Value, b: Value, node: ast.AST) -> Value:
-        known = a.known is not None and b.known is not None
-        if known or (_whole(a) and _whole(b) and a.kind in OF_LANES and b.kind in OF_LANES):
-            return super().compare(op, a, b, node)
-        if type(op) not in COMPARED:
-            raise self.fail(node, f"{type(op).__name__} is not compiled")
-        whole, floating, _ = COMPARED[type(op)]
-        if _whole(a) and _whole(b):
-            return Value(TRUTHS, (self.new(f"icmp {whole} {WHOLE} {self.as_whole(a)}, {self.as_whole(b)}"),))
-        return Value(TRUTHS, (self.new(f"fcmp {floating} {REAL} {self.as_float(a)}, {self.as_float(b)}"),))
+    def remainder(self, x: str, y: str) -> str:
+        return self.called("fmod", [Value(FLOATS, (x,)), Value(FLOATS, (y,))]).parts[0]
 
     # ---- functions -------------------------------------------------------------------------------------------------
-
-    def builtin(self, name: str) -> Callable[[Sequence[Value], ast.Call], Value] | None:
-        plain = {"bits_of": (FLOATS, INTEGERS), "of_bits": (INTEGERS, FLOATS)}  # used only in `codegen.lane_math`
-        if name in plain:
-            given, found = plain[name]
-            return lambda values, node: Value(found, (self._as_bits(values[0], given, found),))
-        return super().builtin(name)
-
-    def _as_bits(self, value: Value, given: Kind, found: Kind) -> str:
-        return self.new(f"bitcast {given.parts[0]} {self.as_kind(value, given).parts[0]} to {found.parts[0]}")
 
     def called(self, function: str, values: Sequence[Value]) -> Value:
         given = [self.as_kind(value, FLOATS) for value in values]
@@ -229,70 +160,20 @@ class LaneOperations(Expressions):
             found = self.new(f"insertelement {REAL} {found}, double {one}, i64 {lane}")
         return Value(FLOATS, (found,))
 
-    def _abs(self, values: Sequence[Value], node: ast.Call) -> Value:
-        if values[0].kind in (FLOAT, FLOATS):
-            return self.called("fabs", values)
-        if values[0].kind in OF_LANES:
-            return super()._abs(values, node)
-        below = self.compare(ast.Lt(), values[0], constant(0), node)
-        return self.chosen(below.parts[0], self.signed(ast.USub(), values[0], node), values[0])
-
-    def _extreme(self, values: Sequence[Value], node: ast.Call) -> Value:
-        if all(value.kind in (INTEGER, TRUTH) for value in values) or all(value.known is not None for value in values):
-            return super()._extreme(values, node)
-        op: ast.cmpop = ast.Gt() if ast.unparse(node.func) == "max" else ast.Lt()
-        best = self.laned(values[0])
-        for value in values[1:]:
-            other = self.laned(value)
-            better = self.compare(op, other, best, node)
-            best = self.chosen(better.parts[0], other, best)
-        return best
-
-    def chosen(self, where: str, one: Value, other: Value) -> Value:
+    def chosen(self, where: Value, one: Value, other: Value) -> Value:
         """Return the first value in the lanes `where`, the second in the others: numbers, or tuples of numbers."""
-        one, other = self.laned(one), self.laned(other)
-        kind = joined(one.kind, other.kind)
-        if kind is None:
-            raise TypeError(f"it is {one.kind} or {other.kind}")
-        one, other = self.as_kind(one, kind), self.as_kind(other, kind)
-        parts = zip(kind.parts, one.parts, other.parts, strict=True)
-        return Value(kind, tuple(self.new(f"select {MASK} {where}, {part} {a}, {part} {b}") for part, a, b in parts))
-
-    def _int(self, values: Sequence[Value], node: ast.Call) -> Value:
-        if values[0].kind in (FLOAT, FLOATS):
-            return self.as_kind(self.laned(values[0]), INTEGERS)
-        return self.whole(values[0], node)
-
-    def _float(self, values: Sequence[Value], node: ast.Call) -> Value:
-        return self.as_kind(values[0], FLOATS)
+        if where.kind == TRUTHS:
+            one, other = self.laned(one), self.laned(other)
+            kind = joined(one.kind, other.kind)
+            if kind is None:
+                raise TypeError(f"it is {one.kind} or {other.kind}")
+            one, other = self.as_kind(one, kind), self.as_kind(other, kind)
+        return super().chosen(where, one, other)
 
     # ---- elements --------------------------------------------------------------------------------------------------
 
-    def of_context(self, value: Value, k: int) -> Value:
-        kind = value.kind.of[k]
-        at, parts = sum(words_of(each) for each in value.kind.of[:k]), []
-        for part in kind.parts:
-            place = self.new(f"getelementptr inbounds i64, ptr {value.parts[0]}, i64 {at}")
-            parts.append(self.new(f"load {part}, ptr {place}, align 8, !invariant.load !0"))
-            at += LANES if part[0] == "<" else 1
-        return Value(kind, tuple(parts))
-
-    def element(self, of: Value, index: ast.expr, node: ast.AST) -> tuple[str, Kind]:
-        """Return the address of an element: one address, or (`v`) one for each lane."""
-        indices = index.elts if isinstance(index, ast.Tuple) else [index]
-        if of.kind.name not in ARRAYS or len(indices) != of.kind.axes:
-            raise self.fail(node, f"{len(indices)} indices of {of.kind} are not compiled")
-        at: Value | None = None
-        for each, size in zip(indices, of.parts[1:], strict=True):
-            length, k = Value(INTEGER, (size,)), self.whole(self.expression(each), node)
-            if k.known is not None and k.known < 0:
-                k = self.operation(ast.Add(), length, k, node)
-            at = k if at is None else self.operation(ast.Add(), self.operation(ast.Mult(), at, length, node), k, node)
-        assert at is not None
-        return self.moved(of, at)
-
     def moved(self, of: Value, at: Value) -> tuple[str, Kind]:
-        """Return the address a number of elements further on, and the kind of array that begins there."""
+        """Return the address a number of elements further on: one address, or (`v`) one for each lane."""
         one, name = of.kind.of[0].parts[0], of.kind.name
         uniform = at.kind in OF_LANES
         where = f"i64 {self.as_kind(at, INTEGER).parts[0]}" if uniform else f"{WHOLE} {self.as_whole(at)}"
@@ -357,7 +238,3 @@ class LaneOperations(Expressions):
         name = f"llvm.masked.scatter.v{LANES}{kind.of[0].name}64.v{LANES}p0"
         self.library.declare(f"declare void @{name}({part}, {ADDRESSES}, i32, {MASK})")
         self.add(f"call void @{name}({part} {register}, {ADDRESSES} {place}, i32 8, {MASK} {mask})")
-
-
-def _whole(value: Value) -> bool:
-    return value.kind in (INTEGER, TRUTH, INTEGERS, TRUTHS)

@@ -1,4 +1,4 @@
-"""Writes one function for points computed side by side: like `emit`, with a mask of active lanes.
+"""Functions for points computed side by side: each written like one of `emit`, with a mask of active lanes.
 
 Where lanes take different branches, those that take a branch run while the others wait; a loop runs until none of its
 lanes is left. So each lane computes what it would compute alone, operation by operation: no bit of its results depends
@@ -8,18 +8,17 @@ on the other lanes. An assignment changes a variable only in the lanes that are 
 from __future__ import annotations
 
 import ast
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
+from screwsim.codegen import lane_math, lane_rows
 from screwsim.codegen.emit import Emitter
-from screwsim.codegen.expressions import EMPTY
-from screwsim.codegen.kinds import FLOAT, INTEGER, INTEGERS, OF_LANES, TRUTH, TRUTHS, Kind, Value
+from screwsim.codegen.kinds import INTEGER, INTEGERS, LANES, OF_LANES, TRUTH, TRUTHS, Kind, Value
 from screwsim.codegen.lane_expressions import LaneExpressions
 from screwsim.codegen.lane_operations import MASK, NONE_OF_THEM, WHOLE
+from screwsim.codegen.library import Library, Writer
+from screwsim.codegen.program import Program, read
 from screwsim.numerics.kernel import nodes
-
-if TYPE_CHECKING:
-    from screwsim.codegen.library import Library
 
 
 class _Loop(NamedTuple):
@@ -112,13 +111,6 @@ class LaneEmitter(LaneExpressions, Emitter):
         value = self.operation(node.op, self.expression(node.target), self.expression(node.value), node)
         self.assign(node.target, value)
 
-    def assign(self, target: ast.expr, value: Value) -> None:
-        if isinstance(target, ast.Subscript):
-            place, kind = self.element(self.expression(target.value), target.slice, target)
-            self.write(place, kind, value)
-            return
-        super().assign(target, value)
-
     def _if(self, test: Value, body: Sequence[ast.stmt], orelse: Sequence[ast.stmt]) -> None:
         if test.known is not None or test.kind == TRUTH:
             super()._if(test, body, orelse)
@@ -163,82 +155,62 @@ class LaneEmitter(LaneExpressions, Emitter):
         self.set_mask(now)
         return now
 
-    def _while(self, test: ast.expr, body: Sequence[ast.stmt]) -> None:
+    def _repeat(self, test: Callable[[], str], body: Callable[[], None]) -> None:
+        """Write a loop that runs while any of its lanes is left; `test` writes which go on."""
         loop = self._begin_loop()
         head, inside, after = self.labels("head", "inside", "after")
         self.jump(head)
         self.start(head)
-        now = self._go_on(loop)
-        going = self.both(now, self.as_kind(self.truth(test), TRUTHS).parts[0])
-        self.add(f"store {MASK} {going}, ptr {loop.inside}")
-        self.set_mask(going)
-        self.branch(self.any_of(going), inside, after)
-        self.start(inside)
-        self.apart_inside(body)
-        self.jump(head)
-        self.start(after)
-        self._end_loop(loop)
-
-    def _for(self, name: str, bounds: Sequence[ast.expr], node: ast.For) -> None:
-        first, last, step = self._bounds(bounds, node)
-        if INTEGERS in (first.kind, last.kind):
-            self._for_apart(name, (first, last, step), node)
-            return
-        leaves = _leaves(node.body)
-        loop = self._begin_loop() if leaves else None
-        counter = self.slot("i64")
-        self.add(f"store i64 {first.parts[0]}, ptr {counter}")
-        head, inside, following, after = self.labels("head", "inside", "next", "after")
-        self.jump(head)
-        self.start(head)
-        now = self.new(f"load i64, ptr {counter}")
-        more = Value(TRUTH, (self.new(f"icmp {'slt' if step > 0 else 'sgt'} i64 {now}, {last.parts[0]}"),))
-        if loop is not None:
-            left = self.any_of(self._go_on(loop))
-            more = Value(TRUTH, (self.new(f"select i1 {more.parts[0]}, i1 {left.parts[0]}, i1 false"),))
-        self.branch(more, inside, after)
-        self.start(inside)
-        self.apart = False
-        self.store(name, Value(INTEGER, (now,)), node)
-        self.apart = True
-        if loop is None:
-            self.inside(node.body)
-        else:
-            self.apart_inside(node.body)
-        self.jump(following)
-        self.start(following)
-        now = self.new(f"load i64, ptr {counter}")
-        self.add(f"store i64 {self.new(f'add nsw i64 {now}, {step}')}, ptr {counter}")
-        self.jump(head)
-        self.start(after)
-        if loop is not None:
-            self._end_loop(loop)
-
-    def _for_apart(self, name: str, bounds: tuple[Value, Value, int], node: ast.For) -> None:
-        """Write a loop whose number of iterations differs between lanes."""
-        first, last, step = bounds
-        loop, counter = self._begin_loop(), self.slot(WHOLE)
-        self.add(f"store {WHOLE} {self.as_whole(first)}, ptr {counter}")
-        last_one = self.as_whole(last)
-        head, inside, after = self.labels("head", "inside", "after")
-        self.jump(head)
-        self.start(head)
-        now = self.new(f"load {WHOLE}, ptr {counter}")
-        more = self.new(f"icmp {'slt' if step > 0 else 'sgt'} {WHOLE} {now}, {last_one}")
-        going = self.both(self._go_on(loop), more)
+        going = self.both(self._go_on(loop), test())
         self.add(f"store {MASK} {going}, ptr {loop.inside}")
         self.set_mask(going)
         self.branch(self.any_of(going), inside, after)
         self.start(inside)
         self.split += 1
-        self.store(name, Value(INTEGERS, (now,)), node)
-        self.inside(node.body)
+        body()
         self.split -= 1
-        now = self.new(f"load {WHOLE}, ptr {counter}")
-        self.add(f"store {WHOLE} {self.new(f'add {WHOLE} {now}, splat (i64 {step})')}, ptr {counter}")
         self.jump(head)
         self.start(after)
         self._end_loop(loop)
+
+    def _while(self, test: ast.expr, body: Sequence[ast.stmt]) -> None:
+        self._repeat(lambda: self.as_kind(self.truth(test), TRUTHS).parts[0], lambda: self.inside(body))
+
+    def _for(self, name: str, bounds: Sequence[ast.expr], node: ast.For) -> None:
+        found = self._bounds(bounds, node)
+        if INTEGERS in (found[0].kind, found[1].kind):
+            self._count_apart(name, found, node)
+        elif _leaves(node.body):
+            loop = self._begin_loop()
+            self.split += 1
+            self._count(name, found, node, lambda: self.any_of(self._go_on(loop)))
+            self.split -= 1
+            self._end_loop(loop)
+        else:
+            self._count(name, found, node)
+
+    def store_counter(self, name: str, value: Value, node: ast.For) -> None:
+        self.apart = False
+        self.store(name, value, node)
+        self.apart = True
+
+    def _count_apart(self, name: str, bounds: tuple[Value, Value, int], node: ast.For) -> None:
+        """Write a loop whose number of iterations differs between lanes."""
+        first, last, step = bounds
+        counter, last_one = self.slot(WHOLE), self.as_whole(last)
+        self.add(f"store {WHOLE} {self.as_whole(first)}, ptr {counter}")
+
+        def more() -> str:
+            now = self.new(f"load {WHOLE}, ptr {counter}")
+            return self.new(f"icmp {'slt' if step > 0 else 'sgt'} {WHOLE} {now}, {last_one}")
+
+        def turn() -> None:
+            now = self.new(f"load {WHOLE}, ptr {counter}")
+            self.store(name, Value(INTEGERS, (now,)), node)
+            self.inside(node.body)
+            self.add(f"store {WHOLE} {self.new(f'add {WHOLE} {now}, splat (i64 {step})')}, ptr {counter}")
+
+        self._repeat(more, turn)
 
     def _for_each(self, target: ast.expr, elements: Sequence[ast.expr], node: ast.For) -> None:
         leaves = _leaves(node.body)
@@ -280,24 +252,37 @@ class LaneEmitter(LaneExpressions, Emitter):
     def beside(self) -> list[str]:
         return [f"{MASK} {self.mask()}"]
 
-    def _room(self, node: ast.Call, cleared: bool) -> Value:
-        """Return an array in the function's stack memory, for all lanes."""
-        assert ast.unparse(node.func) in EMPTY
-        shape = node.args[0].elts if isinstance(node.args[0], ast.Tuple) else [node.args[0]]
-        sizes = [self.whole(self.expression(each), each) for each in shape]
-        whole = len(node.args) > 1 and ast.unparse(node.args[1]) == "np.int64"
-        of = INTEGER if whole else FLOAT
-        total = sizes[0]
-        for size in sizes[1:]:
-            total = self.operation(ast.Mult(), total, size, node)
+    def memory(self, kind: Kind, total: Value, cleared: bool, node: ast.Call) -> tuple[str, Kind]:
+        """Return the address of stack memory for so many numbers of all lanes, and the kind of array there."""
         if total.kind != INTEGER or cleared:
             raise self.fail(node, "lanes have arrays of one size, and fill them themselves")
-        part = OF_LANES[of].parts[0]
-        at = self.slot(f"{part}, i64 {total.parts[0]}") if total.known is not None else ""
-        at = at or self.new(f"alloca {part}, i64 {total.parts[0]}, align 64")
-        return Value(Kind("p", (of,), len(sizes)), (at, *(size.parts[0] for size in sizes)))
+        part, count = OF_LANES[kind.of[0]].parts[0], total.parts[0]
+        known = total.known is not None
+        at = self.slot(f"{part}, i64 {count}") if known else self.new(f"alloca {part}, i64 {count}, align 64")
+        return at, Kind("p", kind.of, kind.axes)
 
 
 def _leaves(statements: Sequence[ast.stmt]) -> bool:
     """Tell whether lanes may leave the block that surrounds statements."""
     return any(isinstance(each, ast.Return | ast.Break | ast.Continue) for each in nodes(*statements))
+
+
+class LaneLibrary(Library):
+    """A library whose functions compute all lanes at once; what differs between lanes takes one word for each."""
+
+    lanes, aligned = LANES, ", align 8"
+
+    def __init__(self, program: Program) -> None:
+        written = read(lane_math.texts())
+        functions = written.functions.and_those_of(program.functions)
+        super().__init__(Program(functions, written.constants | program.constants))
+
+    def emitter(self, name: str, kinds: tuple[Kind, ...]) -> Writer:
+        if lane_rows.KINDS.get(name) == kinds:
+            return lane_rows.WRITERS[name](self)
+        return LaneEmitter(self, name, kinds)
+
+    def beside(self) -> tuple[list[str], list[str]]:
+        """Return what `Library.beside` does: the first word has one bit for each active lane."""
+        bits, mask = f"  %bits = load i{LANES}, ptr %in", f"  %mask = bitcast i{LANES} %bits to {MASK}"
+        return [bits, mask], [f"{MASK} %mask"]

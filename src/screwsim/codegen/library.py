@@ -10,12 +10,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from screwsim.codegen.emit import Emitter
-from screwsim.codegen.kinds import FLOAT, INTEGER, NOTHING, TRUTH, Kind, Value
+from screwsim.codegen.kinds import INTEGER, INTEGERS, NOTHING, TRUTH, TRUTHS, Kind, Value, words_in, words_of
 from screwsim.codegen.program import CannotCompile, Program, constant, constant_array
 
 if TYPE_CHECKING:
-    import ast
-
     from screwsim.codegen.operations import Operations
 
 FAULT = "@fault = internal global i64 0"
@@ -55,6 +53,8 @@ class Library:
     """
 
     known: Mapping[int, int] = MappingProxyType({})
+    lanes = 1  # numbers in a result
+    aligned = ""  # alignment of what is read and written, where it is not that of its type
 
     def __init__(self, program: Program, outside: Mapping[str, int] | None = None, checks: bool = False) -> None:
         self.program, self.outside, self.checks = program, outside or {}, checks
@@ -101,26 +101,27 @@ class Library:
             raise CannotCompile(f"{name} calls itself, which is not compiled")
         return found.symbol, found.returned
 
-    def checked(self, writer: Operations, place: str, size: str, node: ast.AST) -> str:
+    def checked(self, writer: Operations, place: Value, size: str) -> Value:
         """Return an index; with checks, one kept within its array, after code that records a fault where it was not."""
         if not self.checks:
             return place
-        bad = writer.new(f"icmp uge i64 {place}, {size}")
+        bad = writer.new(f"icmp uge i64 {place.parts[0]}, {size}")
         held = writer.new("load i64, ptr @fault")
         writer.add(f"store i64 {writer.new(f'select i1 {bad}, i64 1, i64 {held}')}, ptr @fault")
-        return writer.new(f"select i1 {bad}, i64 0, i64 {place}")
+        return Value(INTEGER, (writer.new(f"select i1 {bad}, i64 0, i64 {place.parts[0]}"),))
 
     def entry(self, name: str, kinds: tuple[Kind, ...], symbol: str) -> tuple[Kind, str]:
         """Return the kind and text of the entry `symbol(in, out)` that Python calls, with all functions that it calls.
 
         Arguments and results are words of 8 bytes; the words of known arguments are not read.
         """
-        given, lines, at = [], [], 0
+        lines, given = self.beside()
+        at = len(given)
         for k, kind in enumerate(kinds):
             if kind.name == "c":
                 lines.append(f"  %c{k} = getelementptr i64, ptr %in, i64 {at}")
                 given.append(f"ptr %c{k}")
-                at += sum(len(inner.parts) for inner in kind.of)
+                at += words_of(kind)
                 continue
             if k in self.known:
                 assert kind == INTEGER
@@ -129,32 +130,38 @@ class Library:
                 continue
             for i, part in enumerate(kind.parts):
                 lines.append(f"  %p{k}.{i} = getelementptr i64, ptr %in, i64 {at}")
-                lines.append(f"  %a{k}.{i} = load {part}, ptr %p{k}.{i}")
+                lines.append(f"  %a{k}.{i} = load {part}, ptr %p{k}.{i}{self.aligned}")
                 given.append(f"{part} %a{k}.{i}")
-                at += 1
+                at += words_in(part)
         called, returned = self.function(name, kinds)
         call = f"call {returned.returned} @{called}({', '.join(given)})"
         lines.append(f"  {call}" if returned == NOTHING else f"  %r = {call}")
-        scalars = returned.of if returned.name == "t" else (returned,) if returned != NOTHING else ()
-        for i, kind in enumerate(scalars):
+        numbers = returned.of if returned.name == "t" else (returned,) if returned != NOTHING else ()
+        for i, kind in enumerate(numbers):
             value = f"%r{i}"
-            lines.append(f"  %o{i} = getelementptr i64, ptr %out, i64 {i}")
+            lines.append(f"  %o{i} = getelementptr i64, ptr %out, i64 {self.lanes * i}")
             if returned.name == "t":
                 lines.append(f"  {value} = extractvalue {returned.returned} %r, {i}")
             else:
                 value = "%r"
-            if kind == TRUTH:
-                lines.append(f"  %w{i} = zext i1 {value} to i64")
-                value, kind = f"%w{i}", INTEGER
-            lines.append(f"  store {kind.parts[0]} {value}, ptr %o{i}")
+            if kind in (TRUTH, TRUTHS):
+                whole = INTEGER if kind == TRUTH else INTEGERS
+                lines.append(f"  %w{i} = zext {kind.parts[0]} {value} to {whole.parts[0]}")
+                value, kind = f"%w{i}", whole
+            lines.append(f"  store {kind.parts[0]} {value}, ptr %o{i}{self.aligned}")
         if self.checks:
             lines += ["  %f = load i64, ptr @fault", "  store i64 0, ptr @fault", "  ret i64 %f"]
         else:
             lines.append("  ret i64 0")
-        assert all(kind in (FLOAT, INTEGER, TRUTH) for kind in scalars)
-        return returned, self.whole_text((name, kinds), symbol, lines)
+        if not all(words_of(kind) == self.lanes for kind in numbers):
+            raise TypeError(f"{name} returns what is the same for all lanes")
+        return returned, self._whole_text((name, kinds), symbol, lines)
 
-    def whole_text(self, key: _Key, symbol: str, lines: list[str]) -> str:
+    def beside(self) -> tuple[list[str], list[str]]:
+        """Return the lines with which an entry begins, and the arguments that they read, a word each."""
+        return [], []
+
+    def _whole_text(self, key: _Key, symbol: str, lines: list[str]) -> str:
         """Return the text of an entry, given its lines, with all functions that it calls."""
         call = "\n".join([f'define i64 @"{symbol}"(ptr %in, ptr %out) nounwind {{', *lines, "}"])
         found: dict[_Key, _Written] = {}

@@ -25,6 +25,8 @@ from screwsim.codegen.calls import KINDS, Context, Variant, known, take
 from screwsim.codegen.kinds import LANED, Kind
 from screwsim.numerics import compiling, store
 from screwsim.numerics.garbage import no_search
+from screwsim.numerics.kept_text import flat_module
+from screwsim.numerics.kernel import Kernel
 
 _loaded: dict[str, Module] = {}
 _alone = threading.RLock()  # keeps two threads from making two modules of one text
@@ -76,6 +78,12 @@ def load(text: str, of: str, fast: bool = False) -> Module:
         return _loaded[name]
 
 
+@cache
+def of_kernels(name: str, *kernels: Kernel) -> Module:
+    """Return the module of kernels that are the same for all models."""
+    return load(flat_module(kernels), name, fast=True)
+
+
 class Module(ModuleType):
     """Functions of a text by name; `outside` are addresses of functions of this process that the text calls."""
 
@@ -102,7 +110,7 @@ class Module(ModuleType):
         return Variant(machine.loaded(code, symbol), kinds, returned), 0 if fast else len(code)
 
     def of_lanes(self, name: str, kinds: tuple[Kind, ...]) -> Any:
-        """Return the entry of a function for points side by side (`codegen.lane_library`), compiled for speed."""
+        """Return the entry of a function for points side by side (`codegen.lanes`), compiled for speed."""
         from screwsim.codegen import machine
 
         _, code, symbol, _ = self._code(name, kinds, True)
@@ -154,10 +162,10 @@ class Module(ModuleType):
         return returned.decode(), code, symbol, fast
 
     def _written(self, name: str, kinds: tuple[Kind, ...], symbol: str) -> tuple[Kind, str]:
-        from screwsim.codegen import lane_library, library, program
+        from screwsim.codegen import lanes, library, program
 
         if any(kind.name in LANED for kind in kinds):
-            return lane_library.LaneLibrary(program.read(self.text)).entry(name, kinds, symbol)
+            return lanes.LaneLibrary(program.read(self.text)).entry(name, kinds, symbol)
         with _writing:
             found = _libraries.pop(id(self), None)
             if found is None or found[0] is not self:

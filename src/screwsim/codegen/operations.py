@@ -7,7 +7,22 @@ import operator
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from screwsim.codegen.kinds import FLOAT, INTEGER, NUMBERS, TRUTH, Kind, Value
+from screwsim.codegen.kinds import (
+    ARRAYS,
+    FLOAT,
+    FLOATS,
+    INTEGER,
+    INTEGERS,
+    NUMBERS,
+    OF_ONE,
+    TRUTH,
+    TRUTHS,
+    Kind,
+    Value,
+    condition_of,
+    words_in,
+    words_of,
+)
 from screwsim.codegen.program import called_name, constant
 
 if TYPE_CHECKING:
@@ -16,6 +31,11 @@ if TYPE_CHECKING:
 
 BY_FLOATS = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
 BY_INTEGERS = {ast.Add: "add nsw", ast.Sub: "sub nsw", ast.Mult: "mul nsw"}
+# in lanes that are not active integers may overflow
+BY_KIND = {FLOAT: BY_FLOATS, FLOATS: BY_FLOATS, INTEGER: BY_INTEGERS}
+BY_KIND[INTEGERS] = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul"}
+TRUE = {TRUTH: "true", TRUTHS: "splat (i1 true)"}
+SAME_BITS = {FLOAT: INTEGER, INTEGER: FLOAT, FLOATS: INTEGERS, INTEGERS: FLOATS}
 FOLDED: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -117,59 +137,67 @@ class Operations:
     def of_context(self, value: Value, k: int) -> Value:
         """Return one item of a context, read from memory that does not change."""
         kind = value.kind.of[k]
-        first = sum(len(each.parts) for each in value.kind.of[:k])
-        parts = []
-        for at, part in enumerate(kind.parts, first):
+        at, parts = sum(words_of(each) for each in value.kind.of[:k]), []
+        for part in kind.parts:
             place = self.new(f"getelementptr inbounds i64, ptr {value.parts[0]}, i64 {at}")
-            parts.append(self.new(f"load {part}, ptr {place}, !invariant.load !0"))
+            parts.append(self.new(f"load {part}, ptr {place}{self.library.aligned}, !invariant.load !0"))
+            at += words_in(part)
         return Value(kind, tuple(parts))
 
     # ---- operators -------------------------------------------------------------------------------------------------
 
-    def operation(self, op: ast.operator, a: Value, b: Value, node: ast.AST) -> Value:
-        kind = type(op)
-        if a.kind is FLOAT is b.kind and kind in BY_FLOATS:  # nearly all are
-            return Value(FLOAT, (self.new(f"{BY_FLOATS[kind]} double {a.parts[0]}, {b.parts[0]}"),))
-        if a.kind not in NUMBERS or b.kind not in NUMBERS:
-            raise self.fail(node, f"{type(op).__name__} of {a.kind} and {b.kind} is not compiled")
-        if isinstance(op, ast.Pow):
-            return self._power(a, b, node)
-        both = FLOAT not in (a.kind, b.kind)
-        if both and a.known is not None and b.known is not None and type(op) in FOLDED:
-            return constant(int(FOLDED[type(op)](a.known, b.known)))
-        if isinstance(op, ast.FloorDiv | ast.Mod):
-            return self._divided(isinstance(op, ast.Mod), a, b, both, node)
-        if both and type(op) in BY_INTEGERS:
-            a, b = self.as_kind(a, INTEGER), self.as_kind(b, INTEGER)
-            return Value(INTEGER, (self.new(f"{BY_INTEGERS[type(op)]} i64 {a.parts[0]}, {b.parts[0]}"),))
-        if type(op) not in BY_FLOATS:
-            raise self.fail(node, f"{type(op).__name__} is not compiled")
-        return Value(FLOAT, (self.new(f"{BY_FLOATS[type(op)]} double {self.as_float(a)}, {self.as_float(b)}"),))
+    def common(self, what: str, values: Sequence[Value], node: ast.AST) -> Kind:
+        """Return the kind of number in which values are computed together; where one is no number, fail at `what`."""
+        kinds = [value.kind for value in values]
+        if not all(kind in NUMBERS for kind in kinds):
+            raise self.fail(node, f"{what} of {' and '.join(map(str, kinds))} is not compiled")
+        return FLOAT if FLOAT in kinds else INTEGER
 
-    def _divided(self, rest: bool, a: Value, b: Value, both: bool, node: ast.AST) -> Value:
+    def operation(self, op: ast.operator, a: Value, b: Value, node: ast.AST) -> Value:
+        """Return the result of an operator on two numbers."""
+        what = type(op)
+        kind = self.common(what.__name__, (a, b), node)
+        if what is ast.Pow:
+            return self._power(a, b, node)
+        if kind == INTEGER and a.known is not None and b.known is not None and what in FOLDED:
+            return constant(int(FOLDED[what](a.known, b.known)))
+        if what is ast.FloorDiv or what is ast.Mod:
+            return self._divided(what is ast.Mod, a, b, kind, node)
+        if what is ast.Div:
+            kind = FLOATS if kind in OF_ONE else FLOAT
+        if what not in BY_KIND[kind]:
+            raise self.fail(node, f"{what.__name__} is not compiled")
+        x, y = self.as_kind(a, kind).parts[0], self.as_kind(b, kind).parts[0]
+        return Value(kind, (self.new(f"{BY_KIND[kind][what]} {kind.parts[0]} {x}, {y}"),))
+
+    def _divided(self, rest: bool, a: Value, b: Value, kind: Kind, node: ast.AST) -> Value:
         """Return quotient or remainder as Python defines them: with the quotient rounded down."""
-        if not both:
+        x, y, part = self.as_kind(a, kind).parts[0], self.as_kind(b, kind).parts[0], kind.parts[0]
+        truth = condition_of(kind).parts[0]
+        if kind in (FLOAT, FLOATS):
             if not rest:
                 raise self.fail(node, "// of floats is not compiled; use math.floor")
-            x, y = self.as_float(a), self.as_float(b)
-            left = self.new(f"frem double {x}, {y}")
-            other = self.new(f"fcmp olt double {self.new(f'fmul double {left}, {y}')}, {constant(0.0).parts[0]}")
-            return Value(
-                FLOAT, (self.new(f"select i1 {other}, double {self.new(f'fadd double {left}, {y}')}, double {left}"),)
-            )
-        x, y = (self.as_kind(each, INTEGER).parts[0] for each in (a, b))
-        left = self.new(f"srem i64 {x}, {y}")
-        apart = self.new(f"icmp slt i64 {self.new(f'xor i64 {left}, {y}')}, 0")
-        other = self.new(f"and i1 {apart}, {self.new(f'icmp ne i64 {left}, 0')}")
+            left = self.remainder(x, y)
+            other = self.new(f"fcmp olt {part} {self.new(f'fmul {part} {left}, {y}')}, zeroinitializer")
+            more = self.new(f"fadd {part} {left}, {y}")
+            return Value(kind, (self.new(f"select {truth} {other}, {part} {more}, {part} {left}"),))
+        left = self.new(f"srem {part} {x}, {y}")
+        apart = self.new(f"icmp slt {part} {self.new(f'xor {part} {left}, {y}')}, zeroinitializer")
+        other = self.new(f"and {truth} {apart}, {self.new(f'icmp ne {part} {left}, zeroinitializer')}")
         if rest:
-            return Value(INTEGER, (self.new(f"select i1 {other}, i64 {self.new(f'add i64 {left}, {y}')}, i64 {left}"),))
-        quotient = self.new(f"sdiv i64 {x}, {y}")
-        return Value(INTEGER, (self.new(f"sub i64 {quotient}, {self.new(f'zext i1 {other} to i64')}"),))
+            more = self.new(f"add {part} {left}, {y}")
+            return Value(kind, (self.new(f"select {truth} {other}, {part} {more}, {part} {left}"),))
+        quotient, less = self.new(f"sdiv {part} {x}, {y}"), self.new(f"zext {truth} {other} to {part}")
+        return Value(kind, (self.new(f"sub {part} {quotient}, {less}"),))
+
+    def remainder(self, x: str, y: str) -> str:
+        """Return the remainder of a division of floats, with the quotient rounded towards zero."""
+        return self.new(f"frem double {x}, {y}")
 
     def _power(self, a: Value, b: Value, node: ast.AST) -> Value:
         if b.kind == INTEGER and isinstance(b.known, int) and abs(b.known) <= LARGEST_POWER:
             return self._multiplied(a, b.known)
-        if FLOAT not in (a.kind, b.kind):
+        if not {FLOAT, FLOATS} & {a.kind, b.kind}:
             raise self.fail(node, "an integer to the power of another is not compiled")
         return self.called("pow", [a, b])
 
@@ -181,37 +209,47 @@ class Operations:
             left >>= 1
             if left:
                 square = self.operation(ast.Mult(), square, square, ast.Pass())
-        whole = whole or constant(1.0 if a.kind == FLOAT else 1)
+        whole = whole or constant(1.0 if a.kind in (FLOAT, FLOATS) else 1)
         return whole if exponent >= 0 else self.operation(ast.Div(), constant(1.0), whole, ast.Pass())
 
     def signed(self, op: ast.unaryop, value: Value, node: ast.AST) -> Value:
-        if value.kind not in NUMBERS or not isinstance(op, ast.USub | ast.UAdd):
+        """Return a number, or its negative."""
+        kind = self.common(type(op).__name__, (value,), node)
+        if not isinstance(op, ast.USub | ast.UAdd):
             raise self.fail(node, f"{type(op).__name__} of {value.kind} is not compiled")
-        if value.kind == TRUTH:
-            value = self.as_kind(value, INTEGER)
+        if value.known is not None:
+            return constant(-value.known if isinstance(op, ast.USub) else +value.known)
+        value = self.as_kind(value, kind)
         if isinstance(op, ast.UAdd):
             return value
-        if value.known is not None:
-            return constant(-value.known)
-        if value.kind == INTEGER:
-            return Value(INTEGER, (self.new(f"sub nsw i64 0, {value.parts[0]}"),))
-        return Value(FLOAT, (self.new(f"fneg double {value.parts[0]}"),))
+        how = "fneg {part}" if kind in (FLOAT, FLOATS) else f"{BY_KIND[kind][ast.Sub]} {{part}} zeroinitializer,"
+        return Value(kind, (self.new(f"{how.format(part=kind.parts[0])} {value.parts[0]}"),))
 
     def negated(self, value: Value) -> Value:
+        """Return whether a condition does not hold."""
         if value.known is not None:
             return constant(not value.known)
-        return Value(TRUTH, (self.new(f"xor i1 {value.parts[0]}, true"),))
+        return Value(value.kind, (self.new(f"xor {value.kind.parts[0]} {value.parts[0]}, {TRUE[value.kind]}"),))
 
     def compare(self, op: ast.cmpop, a: Value, b: Value, node: ast.AST) -> Value:
-        if a.kind not in NUMBERS or b.kind not in NUMBERS or type(op) not in COMPARED:
+        """Return whether a comparison of two numbers holds."""
+        kind = self.common(type(op).__name__, (a, b), node)
+        if type(op) not in COMPARED:
             raise self.fail(node, f"{type(op).__name__} of {a.kind} and {b.kind} is not compiled")
         whole, floating, known = COMPARED[type(op)]
         if a.known is not None and b.known is not None:
             return constant(bool(known(a.known, b.known)))
-        if FLOAT in (a.kind, b.kind):
-            return Value(TRUTH, (self.new(f"fcmp {floating} double {self.as_float(a)}, {self.as_float(b)}"),))
-        a, b = self.as_kind(a, INTEGER), self.as_kind(b, INTEGER)
-        return Value(TRUTH, (self.new(f"icmp {whole} i64 {a.parts[0]}, {b.parts[0]}"),))
+        how = f"fcmp {floating}" if kind in (FLOAT, FLOATS) else f"icmp {whole}"
+        x, y = self.as_kind(a, kind).parts[0], self.as_kind(b, kind).parts[0]
+        return Value(condition_of(kind), (self.new(f"{how} {kind.parts[0]} {x}, {y}"),))
+
+    def chosen(self, where: Value, one: Value, other: Value) -> Value:
+        """Return the first of two values of a kind where a condition holds, the second elsewhere."""
+        test, parts = (
+            f"{where.kind.parts[0]} {where.parts[0]}",
+            zip(one.kind.parts, one.parts, other.parts, strict=True),
+        )
+        return Value(one.kind, tuple(self.new(f"select {test}, {part} {a}, {part} {b}") for part, a, b in parts))
 
     # ---- elements --------------------------------------------------------------------------------------------------
 
@@ -219,33 +257,48 @@ class Operations:
         raise NotImplementedError
 
     def element(self, of: Value, index: ast.expr, node: ast.AST) -> tuple[str, Kind]:
-        """Return the address of an array's element, and its kind."""
+        """Return the address of an array's element, and the kind of array that begins there."""
         indices = index.elts if isinstance(index, ast.Tuple) else [index]
-        if of.kind.name != "a" or len(indices) != of.kind.axes:
+        if of.kind.name not in ARRAYS or len(indices) != of.kind.axes:
             raise self.fail(node, f"{len(indices)} indices of {of.kind} are not compiled")
-        at = ""
+        at: Value | None = None
         for each, size in zip(indices, of.parts[1:], strict=True):
-            k = self.whole(self.expression(each), node)
-            place = k.parts[0]
+            length, k = Value(INTEGER, (size,)), self.whole(self.expression(each), node)
             if k.known is not None and k.known < 0:
-                place = self.new(f"add nsw i64 {size}, {k.known}")
-            place = self.library.checked(self, place, size, node)
-            at = place if not at else self.new(f"add nsw i64 {self.new(f'mul nsw i64 {at}, {size}')}, {place}")
-        kind = of.kind.of[0]
-        return self.new(f"getelementptr inbounds {kind.parts[0]}, ptr {of.parts[0]}, i64 {at}"), kind
+                k = self.operation(ast.Add(), length, k, node)
+            k = self.library.checked(self, k, size)
+            at = k if at is None else self.operation(ast.Add(), self.operation(ast.Mult(), at, length, node), k, node)
+        assert at is not None
+        return self.moved(of, at)
+
+    def moved(self, of: Value, at: Value) -> tuple[str, Kind]:
+        """Return the address a number of elements further on, and the kind of array that begins there."""
+        one = of.kind.of[0].parts[0]
+        return self.new(f"getelementptr inbounds {one}, ptr {of.parts[0]}, i64 {at.parts[0]}"), of.kind
+
+    def read(self, place: str, kind: Kind) -> Value:
+        """Return the value at an address, the first element of an array."""
+        of = kind.of[0]
+        return Value(of, (self.new(f"load {of.parts[0]}, ptr {place}"),))
+
+    def write(self, place: str, kind: Kind, value: Value) -> None:
+        """Store a value at an address, as the first element of an array."""
+        of = kind.of[0]
+        self.add(f"store {of.parts[0]} {self.as_kind(value, of).parts[0]}, ptr {place}")
 
     # ---- functions -------------------------------------------------------------------------------------------------
 
     def builtin(self, name: str) -> Callable[[Sequence[Value], ast.Call], Value] | None:
         """Return the writer of calls of a function that is not a kernel; None where it is unknown."""
         plain = {"abs": self._abs, "min": self._extreme, "max": self._extreme, "int": self._int, "float": self._float}
-        if name in plain or name == "len":
-            return plain.get(name, self._length)
+        plain |= {
+            "len": self._length,
+            "bits_of": self._same_bits,
+            "of_bits": self._same_bits,
+        }  # see `codegen.lane_math`
         function = name.removeprefix("math.")
-        if name == function or not (
-            function in OWN or function in LIBRARY or function in ROUNDED or function == "fmod"
-        ):
-            return None
+        if name == function or not (function in OWN or function in LIBRARY or function in ROUNDED):
+            return plain.get(name)
         if function in ROUNDED:
             return lambda values, node: self._int([self.called(function, values)], node)
         return lambda values, node: self.called(function, values)
@@ -261,37 +314,34 @@ class Operations:
         return Value(FLOAT, (self.new(f"call double @{name}({given})"),))
 
     def _abs(self, values: Sequence[Value], node: ast.Call) -> Value:
-        if values[0].kind == FLOAT:
+        if values[0].kind in (FLOAT, FLOATS):
             return self.called("fabs", values)
         value = self.whole(values[0], node)
         below = self.compare(ast.Lt(), value, constant(0), node)
-        other = self.new(f"sub nsw i64 0, {value.parts[0]}")
-        return Value(INTEGER, (self.new(f"select i1 {below.parts[0]}, i64 {other}, i64 {value.parts[0]}"),))
+        return self.chosen(below, self.signed(ast.USub(), value, node), value)
 
     def _extreme(self, values: Sequence[Value], node: ast.Call) -> Value:
         """Return the smallest or largest value, the first of equal ones."""
-        kind = FLOAT if any(value.kind == FLOAT for value in values) else INTEGER
-        op = ast.Gt() if called_name(node.func) == "max" else ast.Lt()
+        name = called_name(node.func)
+        op, kind = ast.Gt() if name == "max" else ast.Lt(), self.common(name, values, node)
         best = self.as_kind(values[0], kind)
         for value in values[1:]:
             other = self.as_kind(value, kind)
-            better = self.compare(op, other, best, node)
-            if better.known is not None:
-                best = other if better.known else best
-                continue
-            part = kind.parts[0]
-            best = Value(
-                kind, (self.new(f"select i1 {better.parts[0]}, {part} {other.parts[0]}, {part} {best.parts[0]}"),)
-            )
+            best = self.chosen(self.compare(op, other, best, node), other, best)
         return best
 
     def _int(self, values: Sequence[Value], node: ast.Call) -> Value:
-        if values[0].kind == FLOAT:
-            return Value(INTEGER, (self.new(f"fptosi double {values[0].parts[0]} to i64"),))
-        return self.whole(values[0], node)
+        kind = self.common("int", values, node)
+        return self.as_kind(values[0], INTEGERS if kind in OF_ONE else INTEGER)
 
     def _float(self, values: Sequence[Value], node: ast.Call) -> Value:
-        return self.as_kind(values[0], FLOAT)
+        return self.as_kind(values[0], self.common("float", (*values, constant(0.0)), node))
+
+    def _same_bits(self, values: Sequence[Value], node: ast.Call) -> Value:
+        """Return the integer with the bits of a float, or the float with those of an integer."""
+        kind = self.common("bits", values, node)
+        found, value = SAME_BITS[kind], self.as_kind(values[0], kind)
+        return Value(found, (self.new(f"bitcast {kind.parts[0]} {value.parts[0]} to {found.parts[0]}"),))
 
     def _length(self, values: Sequence[Value], node: ast.Call) -> Value:
         return Value(INTEGER, (values[0].parts[1],))

@@ -193,6 +193,5 @@ def outflow_of(streams: Array) -> Outflow | None:
 def outflow_dissolved_gas(streams: Array) -> float:
     """Return the mean dissolved gas of the outflow's oil [kg/kg]; 0 where it is no state or no oil flows out."""
     out = streams[slots.DISCHARGE_OUT]
-    return (
-        float(out[slots.OF_HELD] / out[slots.OF_OIL]) if len(out) > slots.OF_HELD and out[slots.OF_OIL] < 0.0 else 0.0
-    )
+    flows = len(out) > slots.OF_HELD and out[slots.OF_OIL] < 0.0
+    return float(out[slots.OF_HELD] / out[slots.OF_OIL]) if flows else 0.0

@@ -93,6 +93,8 @@ def cycle_figures(
             p_injection, p_delivery = pressure / mass, p_source + lift / mass
     rate = problem.rate
     oil_flow = injected * rate if parts.oil is not None else 0.0
+    leaked = suction_line.leak(problem, life.R).oil * rate / parts.oil.density if parts.oil is not None else 0.0
+    taken_in = problem.inlet.density * parts.geometry.swept_volume / parts.geometry.pitch  # [kg/rad], at best
     return CycleFigures(
         omega=parts.omega,
         tip_speed=parts.geometry.settings.surface_speed(parts.omega),
@@ -112,27 +114,15 @@ def cycle_figures(
         pitch=pitch or lazy_pitch(problem, life, q),
         set_speed=parts.omega if parts.set_speed is None else parts.set_speed,
         turn=turn,
-        leaked_oil_flow=_leaked_oil(problem, life),
+        leaked_oil_flow=leaked,  # (M274)
         intake_pressure=problem.suction.pressure,
         package=problem.scene.losses,
         enthalpy=parts.gas.enthalpy,
         drained=lambda p, T: after_draining(parts.gas, p, T),
         suction_density=problem.inlet.density,
-        theoretical_torque=lambda: _theoretical_torque(problem),
+        theoretical_torque=lambda: taken_in * (problem.h_isentropic - problem.inlet.enthalpy),  # (M460)
         fluid=problem.scene.gas.name,
     )
-
-
-def _theoretical_torque(problem: Problem) -> float:
-    """Return the torque [N m] of compressing what the whole displacement takes in, without loss (M460)."""
-    geometry, inlet = problem.parts.geometry, problem.inlet
-    return inlet.density * geometry.swept_volume / geometry.pitch * (problem.h_isentropic - inlet.enthalpy)
-
-
-def _leaked_oil(problem: Problem, life: Trajectory) -> float:
-    """Return the oil [m³/s] that leaks from the discharge line to suction, bypassing the chambers (M274)."""
-    oil = problem.parts.oil
-    return suction_line.leak(problem, life.R).oil * problem.rate / oil.density if oil is not None else 0.0
 
 
 def chamber_end_pressure(problem: Problem, life: Trajectory, to: str) -> float | None:
@@ -151,18 +141,13 @@ def _oil_discharge_temperature(problem: Problem, life: Trajectory, q: Array) -> 
     Also None with less oil than `SOME_OIL` of the gas, as the error control does not cover its temperature.
     """
     c = problem.composition
-    if not c.carried:
-        return outflow_oil_temperature(life) if "T_oil" in c.states else None
+    if not c.carried:  # weighted with the gas outflow; oil leaves at constant d (transport: paper)
+        heat, mass = life.oil_with_outflow() if "T_oil" in c.states else (0.0, 0.0)
+        return float(heat / mass) if mass != 0.0 else None
     mean = outflow_of(streams_of(c, q))
     if mean is None or not mean.T_oil > 0.0 or mean.oil_ratio < SOME_OIL:
         return None
     return mean.T_oil - problem.oil_pressure_term(problem.lines.p_d)
-
-
-def outflow_oil_temperature(life: Trajectory) -> float | None:
-    """Return the oil temperature [K], weighted with the gas outflow; oil leaves at constant d (transport: paper)."""
-    heat, mass = life.oil_with_outflow()
-    return float(heat / mass) if mass != 0.0 else None
 
 
 def oil_lift(parts: Parts, known: CycleFigures) -> float:

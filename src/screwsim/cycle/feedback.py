@@ -242,10 +242,8 @@ def _outflow(problem: Problem, R: Array, q: Array) -> Array:
         if mean is not None and mean.T_oil > 0.0:
             plenum[AT_RATIO], plenum[AT_TEMPERATURE] = max(own * mean.oil_ratio, 1e-9), mean.T_oil
         else:
-            plenum[AT_RATIO], plenum[AT_TEMPERATURE] = (
-                1e-9,
-                parts.oil.temperature + problem.oil_pressure_term(problem.lines.p_d),
-            )
+            plenum[AT_RATIO] = 1e-9
+            plenum[AT_TEMPERATURE] = parts.oil.temperature + problem.oil_pressure_term(problem.lines.p_d)
         plenum[AT_HELD:] = outflow_dissolved_gas(streams)
     return plenum
 

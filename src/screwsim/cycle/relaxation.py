@@ -106,11 +106,8 @@ class _Turns:
         self.images: list[tuple[Array, Array, int]] = []
         self.seen: list[tuple[float, float]] = []  # mass and work of each image
         self.unknowns_in, self.q, self.number = unknowns(problem, machinery), np.zeros(machinery.nq), 0
-        self.guessed, self.expected, self.contraction = (
-            expected is not NO_EXPECTATION,
-            [expected.seen],
-            expected.contraction,
-        )
+        self.guessed, self.expected = expected is not NO_EXPECTATION, [expected.seen]
+        self.contraction = expected.contraction
         self.finest = self.rtol = expected.share * criteria.histories_factor * criteria.rtol
         self.next_rtol = self.finest if expected.gap <= GOOD_GUESS else FIRST_RTOL
         self.gap = self.first_gap = self.moved = self.left = 1.0
@@ -178,11 +175,8 @@ class _Turns:
         (gap, moved), tolerance = self.before, self.criteria.tolerance
         if self.number == 1 or gap <= tolerance:
             return False
-        return self._swings() or self.moved * min(self.moved / moved, 1.0) > CHANCE_MOVE * tolerance
-
-    def _swings(self) -> bool:
-        """Return whether corrected turns go back and forth, so that a small gap says little."""
-        return self.corrections.begun and self.stalled > 0 and self.gap > PROGRESS * self.least_gap
+        swings = self.corrections.begun and self.stalled > 0 and self.gap > PROGRESS * self.least_gap
+        return swings or self.moved * min(self.moved / moved, 1.0) > CHANCE_MOVE * tolerance
 
     def closes(self, corrected: bool) -> bool:
         """Return whether too little is still to come to need a confirming turn, and the balances are closed well."""
@@ -208,9 +202,8 @@ class _Turns:
             return not self.guessed and residuals(self.problem, self.machinery.R, self.q).mass > LEAKS
         ratio, known = self.gap / self.before[0], self.number > (1 if self.guessed else 2)
         if self.near:  # where more than two further turns would be needed
-            return (
-                known and SLOW_CONTRACTION < ratio < NOISE_RATIO and self.gap * ratio * ratio > self.criteria.tolerance
-            )
+            slow = SLOW_CONTRACTION < ratio < NOISE_RATIO
+            return known and slow and self.gap * ratio * ratio > self.criteria.tolerance
         far = FIRST_CHANGE_OIL if self.problem.composition.carried else FIRST_CHANGE
         return self.moved < LINEAR_WITHIN and (ratio > SLOW_CONTRACTION if self.number > 2 else self.gap > far)
 

@@ -107,8 +107,10 @@ class _Pitches:
     def closed(self) -> bool:
         """Return whether pitches have settled and the balances close; open balances may refine the next steps."""
         problem, criteria = self.problem, self.criteria
-        least = LEAST_WORK * self.seen[-1][0] * problem.pv
-        if not (_figures_agree(self.seen, criteria.tolerance, least) and _is_stationary(self.gaps, criteria.tolerance)):
+        *before, now = self.seen[-3:]  # trapped mass and work of the last pitches
+        changes = [change(now, old, LEAST_WORK * now[0] * problem.pv) for old in before]
+        agree = len(changes) == 2 and max(changes) <= criteria.tolerance
+        if not (agree and _is_stationary(self.gaps, criteria.tolerance)):
             return False
         residual = residuals(problem, self.machinery.R, self.q).largest
         if residual <= CLOSED_SHARE * criteria.bound:
@@ -155,11 +157,6 @@ class _Pitches:
         lasting = self.corrections.lasting() if status == OK else None
         how = TOGETHER, self.rtol, angle, moved
         return CycleSolution(status, life, self.q, self.y, turns, *how, impacts=impacts, lasting=lasting)
-
-
-def _figures_agree(seen: list[tuple[float, float]], tolerance: float, least: float) -> bool:
-    """Return whether trapped mass and work of the last three pitches agree."""
-    return len(seen) >= 3 and max(change(seen[-1], old, least) for old in seen[-3:-1]) <= tolerance
 
 
 def _make_no_progress(gaps: list[float], count: int) -> bool:

@@ -201,11 +201,8 @@ def imbalance(problem: Problem, R: Array, streams: Array, h_d: float, heat: floa
         return f"gas and oil that flow back would make an impossible mixture in the suction line: {wrong}"
     shift = problem.enthalpy_shift
     off = abs((found.enthalpy + shift) / (float(R[R_SUCTION + ENTHALPY]) + shift) - 1.0)
-    return (
-        ""
-        if off <= IMBALANCE
-        else f"the suction line does not settle: the enthalpy of its gas is {off:.1%} off that of what enters it"
-    )
+    why = f"the suction line does not settle: the enthalpy of its gas is {off:.1%} off that of what enters it"
+    return "" if off <= IMBALANCE else why
 
 
 def mixed(problem: Problem, total: Stream, guess: float) -> Mixture:

@@ -6,8 +6,9 @@
 Source: docs/explanation/closing.md.
 """
 
-from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
 from screwsim.cycle.problem import ClosingTask
 from screwsim.cycle.relaxation import relax
@@ -19,86 +20,66 @@ from screwsim.numerics.settings import CLOSINGS, TOGETHER, WAVEFORMS
 from screwsim.outputs.variables import NOT_CLOSED
 
 
-class Way(ABC):
-    """A way to close a cycle.
+class Way(NamedTuple):
+    """A way to close a cycle, and what is asked of it.
 
+    `close` closes a cycle from a start; None or an unclosed cycle hands over to the next way (never None from the last
+    one, as which it is called). `again` closes a cycle that this way has closed once more, from where finer lives have
+    moved it, if given. `finer` closes a cycle with finer steps, within so many evaluations where the number is not
+    bounded otherwise. `share` returns the factor on the wanted tolerance of a step with which the balances closed.
     `whole`: a turn integrates all chambers, so that feedback through the others shows within it; otherwise one life
     among stored ones. `instead` is the setting to suggest where this way closes no cycle.
     """
 
+    close: Callable[[ClosingTask, Start, bool], CycleSolution | None]
+    again: Callable[[ClosingTask, CycleSolution, CorrectedState | None], CycleSolution]
+    finer: Callable[[ClosingTask, CycleSolution, int], CycleSolution | None]
+    share: Callable[[CycleSolution, ClosingCriteria], float]
     whole: bool
     instead: str = ""
 
-    @abstractmethod
-    def close(self, task: ClosingTask, start: Start, last: bool) -> CycleSolution | None:
-        """Close the cycle from a start; None or an unclosed cycle hands over to the next way (never None if `last`)."""
 
-    @abstractmethod
-    def again(self, task: ClosingTask, cycle: CycleSolution, led: CorrectedState | None) -> CycleSolution:
-        """Close a cycle that this way has closed once more, from where finer lives have moved it, if given."""
-
-    @abstractmethod
-    def finer(self, task: ClosingTask, cycle: CycleSolution, most: int) -> CycleSolution | None:
-        """Close a cycle with finer steps, within `most` evaluations where the number is not bounded otherwise."""
-
-    @abstractmethod
-    def share(self, cycle: CycleSolution, criteria: ClosingCriteria) -> float:
-        """Return the factor on the wanted tolerance of a step with which the balances closed."""
+def _relax_again(task: ClosingTask, cycle: CycleSolution, led: CorrectedState | None) -> CycleSolution:
+    """Relax from a cycle, or from where its finer lives have moved it, with steps no coarser than before."""
+    y, seen = led or (cycle.y, cycle.seen)
+    share = min(1.0, _relaxed_share(cycle, task.criteria))
+    expected = Expectation(seen, 0.0, share, cycle.contraction, cycle.missed)
+    return close_by_ways(task, Start(y, expected, cycle.tangents))
 
 
-class WaveformRelaxation(Way):
-    """Waveform relaxation: one chamber's life is integrated among stored earlier ones."""
-
-    whole = False
-    instead = "numerics.closing: coupled"
-
-    def close(self, task: ClosingTask, start: Start, last: bool) -> CycleSolution | None:
-        """Relax until that has cost as much as simultaneous closing would."""
-        return relax(task, start, last)
-
-    def again(self, task: ClosingTask, cycle: CycleSolution, led: CorrectedState | None) -> CycleSolution:
-        """Relax from the cycle, or from where its finer lives have moved it, with steps no coarser than before."""
-        y, seen = led or (cycle.y, cycle.seen)
-        share = min(1.0, self.share(cycle, task.criteria))
-        expected = Expectation(seen, 0.0, share, cycle.contraction, cycle.missed)
-        return close_by_ways(task, Start(y, expected, cycle.tangents))
-
-    def finer(self, task: ClosingTask, cycle: CycleSolution, most: int) -> CycleSolution | None:
-        """Relax from the machinery's last life; relaxation bounds its own length."""
-        seen = float(task.machinery.R[R_TRAPPED]), float(cycle.q[Q_WORK])  # the last life's mass
-        return relax(task, Start(cycle.y, Expectation(seen, 0.0)), last=True)
-
-    def share(self, cycle: CycleSolution, criteria: ClosingCriteria) -> float:
-        """Return the factor relative to the tolerance that waveform relaxation starts with."""
-        return cycle.rtol / (criteria.histories_factor * criteria.rtol)
+def _relax_finer(task: ClosingTask, cycle: CycleSolution, most: int) -> CycleSolution | None:
+    """Relax from the machinery's last life; relaxation bounds its own length."""
+    seen = float(task.machinery.R[R_TRAPPED]), float(cycle.q[Q_WORK])  # the last life's mass
+    return relax(task, Start(cycle.y, Expectation(seen, 0.0)), last=True)
 
 
-class SimultaneousClosing(Way):
-    """Simultaneous closing: all chambers are integrated together over a pitch."""
-
-    whole = True
-
-    def close(self, task: ClosingTask, start: Start, last: bool) -> CycleSolution | None:
-        """Close from the states that the installed life has at the chambers' angles."""
-        return close_together(task, chambers_at_pitches(task.machinery))
-
-    def again(self, task: ClosingTask, cycle: CycleSolution, led: CorrectedState | None) -> CycleSolution:
-        """Close from the states of the cycle, by a search where a search found it."""
-        found = None
-        if cycle.needed == FALLBACK_NAME:
-            found = search_and_close(task, cycle.y.copy(), judged=False)
-        return found or close_together(task, cycle.y.copy())
-
-    def finer(self, task: ClosingTask, cycle: CycleSolution, most: int) -> CycleSolution | None:
-        """Close from the states of the cycle."""
-        return close_together(task, cycle.y.copy(), most=most)
-
-    def share(self, cycle: CycleSolution, criteria: ClosingCriteria) -> float:
-        """Return 1: what pitches needed says nothing about waveform relaxation."""
-        return 1.0
+def _relaxed_share(cycle: CycleSolution, criteria: ClosingCriteria) -> float:
+    """Return the factor relative to the tolerance that waveform relaxation starts with."""
+    return cycle.rtol / (criteria.histories_factor * criteria.rtol)
 
 
-WAYS: dict[str, Way] = {WAVEFORMS: WaveformRelaxation(), TOGETHER: SimultaneousClosing()}
+def _together(task: ClosingTask, start: Start, last: bool) -> CycleSolution | None:
+    """Close from the states that the installed life has at the chambers' angles."""
+    return close_together(task, chambers_at_pitches(task.machinery))
+
+
+def _together_again(task: ClosingTask, cycle: CycleSolution, led: CorrectedState | None) -> CycleSolution:
+    """Close from the states of a cycle, by a search where a search found it."""
+    searched = cycle.needed == FALLBACK_NAME
+    found = search_and_close(task, cycle.y.copy(), judged=False) if searched else None
+    return found or close_together(task, cycle.y.copy())
+
+
+def _together_finer(task: ClosingTask, cycle: CycleSolution, most: int) -> CycleSolution | None:
+    """Close from the states of a cycle."""
+    return close_together(task, cycle.y.copy(), most=most)
+
+
+WAYS = {
+    WAVEFORMS: Way(relax, _relax_again, _relax_finer, _relaxed_share, False, "numerics.closing: coupled"),
+    # what pitches needed says nothing about waveform relaxation
+    TOGETHER: Way(_together, _together_again, _together_finer, lambda cycle, criteria: 1.0, True),
+}
 
 
 def way_of(cycle: CycleSolution) -> Way:
@@ -111,10 +92,10 @@ def close_by_ways(task: ClosingTask, start: Start) -> CycleSolution:
     *first, last = (WAYS[name] for name in CLOSINGS[task.criteria.closing].ways)
     left = None
     for way in first:
-        found = way.close(task, start, last=False)
+        found = way.close(task, start, False)
         if found is not None and found.status != NOT_CLOSED:
             return found
         left = found or left
-    found = last.close(task, start, last=True)
+    found = last.close(task, start, True)
     assert found is not None
     return found if left is None else replace(found, abandoned_cycle=left)

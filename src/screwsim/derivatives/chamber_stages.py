@@ -4,15 +4,13 @@ They do the same as those of `stages` for one chamber and one change, without lo
 take most of the time: a matrix has three rows for each state.
 """
 
-from functools import cache
-from types import ModuleType
+from functools import partial
 
 import numpy as np
 
-from screwsim.codegen import modules
+from screwsim.codegen.modules import of_kernels
 from screwsim.derivatives.slices import INTEGRALS
 from screwsim.derivatives.stages import pivoted
-from screwsim.numerics.kept_text import flat_module
 from screwsim.numerics.kernel import kernel
 
 
@@ -117,7 +115,4 @@ def follow_one_by_one(M, pivots, n, inject, B):
                 now[s] = x[2 * n + s]
 
 
-@cache
-def compiled() -> ModuleType:
-    """Return the module of these kernels, the same for all models."""
-    return modules.load(flat_module((factor, follow_one_by_one)), "chamber_stages", fast=True)
+compiled = partial(of_kernels, "chamber_stages", factor, follow_one_by_one)

@@ -119,15 +119,12 @@ def _collocated(
     pitch = CollocatedPitch(problem, machinery, slices.between(plain))
     Y, turns, linear, good, closing, own = np.empty(0), crossings(pitch), None, False, False, ChamberFactors()
     for left in range(ROUNDS, 0, -1):
-        pitch = CollocatedPitch(
-            problem, machinery, slices.between(slices.with_rings(plain, seams, turns, growth, _peak(pitch)))
-        )
+        highest = peak(machinery.trajectory, problem.parts.geometry)[1] % float(machinery.composition.P[P_PITCH])
+        edges = slices.with_rings(plain, seams, turns, growth, highest)
+        pitch = CollocatedPitch(problem, machinery, slices.between(edges))
         kept = linear if linear is not None and linear.pitch.count == pitch.count else None
-        placed = (
-            None
-            if closing
-            else approach(pitch, (FIRST_ROUND_FACTOR if left == ROUNDS else STATES_SHARE) * tolerance, own)
-        )
+        within = FIRST_ROUND_FACTOR if left == ROUNDS else STATES_SHARE
+        placed = None if closing else approach(pitch, within * tolerance, own)
         if placed is None:
             Y, linear = _closed(pitch, fineness.closed * CLOSED if closing else NEARLY_CLOSED, kept, own)
         start, Y = placed or (pitch.begin(Y), Y)
@@ -142,12 +139,6 @@ def _collocated(
         closing = good or left <= 3
     slopes = pitch.slopes(Y)
     return CollocatedCycle(pitch, pitch.begin(Y), Y, slopes, pitch.sums(slopes.g), pitch.numbers, pitch.unknowns_in)
-
-
-def _peak(pitch: CollocatedPitch) -> float:
-    """Return the angle [rad of the pitch] of the highest pressure in the last history; NaN if there is none."""
-    c = pitch.machinery.composition
-    return peak(pitch.machinery.trajectory, pitch.problem.parts.geometry)[1] % float(c.P[P_PITCH])
 
 
 def _with_vanished(turns: list[slices.Crossing], before: list[slices.Crossing]) -> list[slices.Crossing]:
@@ -239,9 +230,8 @@ def linearised(cycle: CollocatedCycle, changes: Sequence[ArgumentChange], inject
     pitch.put(at)
     unknowns = [_moved(pitch, at, unknowns_in, j) for j in range(len(unknowns_in))]
     linear = LinearisedPitch(pitch, Y, cycle.slopes, [*unknowns, *changes], injected, borders(pitch, Y))
-    by_unknowns, by_changes = (
-        linear.first.of(columns) for columns in (slice(len(unknowns_in)), slice(len(unknowns_in), None))
-    )
+    of_unknowns, of_changes = slice(len(unknowns_in)), slice(len(unknowns_in), None)
+    by_unknowns, by_changes = linear.first.of(of_unknowns), linear.first.of(of_changes)
     back = unknowns_response(pitch, CycleReading(cycle.start, Y, cycle.sums, at), by_unknowns, unknowns_in, 0)
     return LinearisedCycle(by_changes, by_unknowns, back, _stated_unknowns(back))
 

@@ -100,7 +100,8 @@ def _reversals(pitch: CollocatedPitch, angles: Array, wide: Array, p: Array) -> 
         number = parts.number(path.to) if of_port else 0
         passes = reaching.get(number) if of_port else passing.get(path.offset)
         if passes is None and of_port:
-            passes = reaching[number] = _sign_changes(p - _line_pressures(life, number, angles))
+            beyond = [_line_pressure(life, number, angle) for angle in angles.tolist()]
+            passes = reaching[number] = _sign_changes(p - beyond)
         elif passes is None:  # ahead of the last chamber is the discharge, treated as a port
             passes = passing[path.offset] = _sign_changes(p[: c.chambers - path.offset] - p[path.offset :])
         if not len(passes[0]):
@@ -120,13 +121,6 @@ def _reversals(pitch: CollocatedPitch, angles: Array, wide: Array, p: Array) -> 
 def _sign_changes(drops: Array) -> tuple[Any, ...]:
     """Return after which angles, and for which chambers, pressure differences change sign: rows, columns."""
     return np.nonzero(drops[:, :-1] * drops[:, 1:] < 0.0)
-
-
-def _line_pressures(life: Trajectory, number: int, angles: Array) -> Array:
-    """Return `_line_pressure` at angles [rad]; constant where the line does not pulsate."""
-    if not life.composition.pulsating or number >= FIRST_OWN:
-        return np.full(len(angles), float(life.R[number * PORT_STATE + PRESSURE]))
-    return np.array([_line_pressure(life, number, angle) for angle in angles.tolist()])
 
 
 def _line_pressure(life: Trajectory, number: int, angle: float) -> float:

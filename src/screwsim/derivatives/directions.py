@@ -84,29 +84,26 @@ class Directions:
         return Direction(problem, side, by, change, start, cells, (given - own_given) / by)
 
     def numbers(self, problem: Problem, unknowns_in: Array) -> tuple[RateNumbers, Array]:
-        """Return the numbers of a problem with `unknowns_in`, and the coordinates of unknowns that its scene states.
-
-        Cells that the injection sets keep the values of the cycle.
-        """
-        machinery, at, entries = self.spare, self.cycle.at, problem.entries
+        """Return the numbers of a problem with `unknowns_in`, and the coordinates of unknowns that its scene states."""
+        machinery, entries = self.spare, problem.entries
         machinery.begin(problem.composition)
         P, c = machinery.composition.P, machinery.composition
         P[c.widths] *= self.tightened
         set_lines(problem, machinery, float(self.cycle.start[0]), 0.0)
         given = entries.coordinates(unknowns(problem, machinery))
-        set_unknowns(problem, machinery, unknowns_in)
-        noted = self.cycle.pitch.noted
-        P[noted], machinery.R[R_RATIO:R_SIZE] = at.P[noted], at.R[R_RATIO:R_SIZE]
-        return RateNumbers(P.copy(), c.TAB, machinery.R.copy()), given
+        return self._with_unknowns(problem, unknowns_in, c.TAB), given
+
+    def _with_unknowns(self, problem: Problem, unknowns_in: Array, TAB: Array) -> RateNumbers:
+        """Return the spare machinery's numbers with unknowns; cells that the injection sets keep the cycle's values."""
+        set_unknowns(problem, self.spare, unknowns_in)
+        P, R, at, noted = self.spare.composition.P, self.spare.R, self.cycle.at, self.cycle.pitch.noted
+        P[noted], R[R_RATIO:R_SIZE] = at.P[noted], at.R[R_RATIO:R_SIZE]
+        return RateNumbers(P.copy(), TAB, R.copy())
 
     def meeting(self, direction: Direction, unknowns_in: Array) -> RateNumbers:
         """Return the numbers of a direction's problem with other unknowns than its cycle's."""
-        machinery, at, side, noted = self.spare, self.cycle.at, direction.side, self.cycle.pitch.noted
-        P, R = machinery.composition.P, machinery.R
-        P[:], R[:] = side.P, side.R
-        set_unknowns(direction.problem, machinery, unknowns_in)
-        P[noted], R[R_RATIO:R_SIZE] = at.P[noted], at.R[R_RATIO:R_SIZE]
-        return RateNumbers(P.copy(), side.TAB, R.copy())
+        self.spare.composition.P[:], self.spare.R[:] = direction.side.P, direction.side.R
+        return self._with_unknowns(direction.problem, unknowns_in, direction.side.TAB)
 
     @once
     def shifted(self) -> Array:

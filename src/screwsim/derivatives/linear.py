@@ -195,7 +195,9 @@ class LinearisedPitch:
         self.pitch, self.slopes = pitch, slopes
         self.inject, self.noted = injection(pitch, Y)
         sizes, N = np.maximum(np.abs(pitch.cells()), SMALL), pitch.N
-        self._feels = [i for i in range(len(sizes)) if self._is_felt(i)]
+        c = pitch.machinery.composition
+        ratio = not c.carried and "T_oil" in c.states  # whether rates depend on the oil ratio (the first cell) ...
+        self._feels = [*([0] if ratio else []), *range(pitch.run_cells, len(sizes))]  # ... and on what a pump uses
         felt = [ArgumentChange(pitch.cells_as_numbers(each)) for each in np.diag(sizes)[self._feels]]
         self._known = N + len(felt)  # columns before those of changes
         columns = self._known + len(changes)
@@ -233,7 +235,7 @@ class LinearisedPitch:
                 follow_once(J[part], widths[part], states, reach, now, right[part])
                 now = right[border.slice, -1].copy()
             delay = border.by_states @ now
-            delay[self.pitch.N : self.pitch.N + len(numbers)] += border.by_numbers(numbers)
+            delay[self.pitch.N : self.pitch.N + len(numbers)] += [border.by_numbers(each) for each in numbers]
             now += np.outer(border.states, delay)
             sums += np.outer(border.sums, delay)
             first = part.stop
@@ -244,11 +246,6 @@ class LinearisedPitch:
     def blocks(self) -> Blocks:
         """The factored stage equations, for repeated use."""
         return Blocks(*self._equations)
-
-    def _is_felt(self, cell: int) -> bool:
-        """Return whether rates depend on a cell: the oil ratio (the first), where no state, and what a pump uses."""
-        c = self.pitch.machinery.composition
-        return (cell == 0 and not c.carried and "T_oil" in c.states) or cell >= self.pitch.run_cells
 
     def _summed(self, nodes: Array) -> Array:
         """Return the change of the quadratures with changes at the nodes (slices, NODES, N, k)."""

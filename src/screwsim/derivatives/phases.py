@@ -10,7 +10,7 @@ Source: M. di Bernardo et al., Piecewise-smooth Dynamical Systems, Springer 2008
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +18,7 @@ import numpy as np
 from screwsim.derivatives.pitch import CollocatedPitch, RateNumbers
 from screwsim.derivatives.slices import CORNER_LAYER, SHARE_BEFORE, Crossing
 from screwsim.model.slots import P_PITCH, S_RHO, S_T
+from screwsim.numerics.roots import bisected
 
 Array = np.ndarray
 PLACE_TOLERANCE = 1e-10  # rad: tolerance on the angle of a border
@@ -46,17 +47,13 @@ class BorderCrossing(NamedTuple):
     states: Array
     sums: Array
 
-    def by_numbers(self, changes: Sequence[RateNumbers]) -> Array:
-        """Return the delays of the border [rad] by changes of the numbers."""
-        return np.array([self._changed(each) / self.steepness for each in changes])
-
-    def _changed(self, numbers: RateNumbers) -> float:
-        """Return the change of the border's temperature [K] with the numbers."""
+    def by_numbers(self, numbers: RateNumbers) -> float:
+        """Return the delay of the border [rad] by a change of the numbers."""
         if not (numbers.P.any() or numbers.TAB.any()):
             return 0.0
         sides = [self.pitch.numbers.plus(by, numbers) for by in (SHIFT, -SHIFT)]
         above, below = (border_temperature(self.pitch, self.T, self.rho, each) for each in sides)
-        return (above - below) / (2.0 * SHIFT)
+        return (above - below) / (2.0 * SHIFT) / self.steepness
 
 
 def border_crossings(pitch: CollocatedPitch, angles: Array, states: Array) -> Iterator[Crossing]:
@@ -71,12 +68,12 @@ def border_crossings(pitch: CollocatedPitch, angles: Array, states: Array) -> It
     for chamber, phases in enumerate(every):
         start = float(c.P[P_PITCH]) * chamber
         for k in np.flatnonzero(np.diff(phases)).tolist():
-            low, high = float(angles[k]), float(angles[k + 1])
-            while high - low > PLACE_TOLERANCE:
-                middle = 0.5 * (low + high)
-                there = pitch.phases_of(life.states_at(np.array([start + middle])))[0]
-                low, high = (middle, high) if there == phases[k] else (low, middle)
-            yield Crossing(_existing_edge(pitch, chamber, high), CORNER_LAYER, JUMP_WIDTH)
+
+            def before(angle: float, start: float = start, phase: int = phases[k]) -> bool:
+                return pitch.phases_of(life.states_at(np.array([start + angle])))[0] == phase
+
+            _, end = bisected(before, float(angles[k]), float(angles[k + 1]), xtol=PLACE_TOLERANCE)
+            yield Crossing(_existing_edge(pitch, chamber, end), CORNER_LAYER, JUMP_WIDTH)
 
 
 def _existing_edge(pitch: CollocatedPitch, chamber: int, angle: float) -> float:
@@ -123,11 +120,8 @@ def border_temperature(pitch: CollocatedPitch, T: float, rho: float, numbers: Ra
     P, TAB, phase = numbers.P, numbers.TAB, pitch.machinery.module.gas_phase
     own, apart = phase(T, rho, P, TAB), NEAREST
     while apart < FARTHEST:
-        for low, high in ((T, T * (1.0 + apart)), (T, T * (1.0 - apart))):
-            if phase(high, rho, P, TAB) != own:
-                while abs(high - low) > NARROW * T:
-                    middle = 0.5 * (low + high)
-                    low, high = (middle, high) if phase(middle, rho, P, TAB) == own else (low, middle)
-                return 0.5 * (low + high)
+        for end in (T * (1.0 + apart), T * (1.0 - apart)):
+            if phase(end, rho, P, TAB) != own:
+                return 0.5 * sum(bisected(lambda at: phase(at, rho, P, TAB) == own, T, end, xtol=NARROW * T))
         apart *= 2.0
     return float("nan")

@@ -74,11 +74,14 @@ def derivatives(
     if not every:
         return {}, refused
     moves, read = responses(cycle, every, all_directions), []
-    turn = _turning(cycle, peak_step(unshifted_evaluation(cycle, all_directions)))
+    peak = peak_step(unshifted_evaluation(cycle, all_directions))
+    states = cycle.nodes.__getitem__
+    turn = None if peak is None else PeakPlace(*peak, in_step(cycle.pitch, cycle.start, states, peak[0]))
     here = _readings_of(unshifted_evaluation(cycle, all_directions, turn), bool(around))
     for j, direction in enumerate(every):
         there = _readings_of(shifted_evaluation(cycle, direction, moves.by(j), all_directions, turn), bool(around))
-        figures = difference_quotients(there.figures, here.figures, direction.step)
+        both = [name for name in there.figures if name in here.figures]
+        figures = {name: (there.figures[name] - here.figures[name]) / direction.step for name in both}
         read.append(SideReadings(figures, (there.asked - here.asked) / direction.step))
     through, own = read[: len(around)], dict(zip(directions, read[len(around) :], strict=True))
     found = {}
@@ -289,11 +292,6 @@ def unshifted_evaluation(
     )
 
 
-def _turning(cycle: CollocatedCycle, at: tuple[int, float] | None) -> PeakPlace | None:
-    """Return the highest pressure of the unchanged cycle, from its step and share; None without one."""
-    return None if at is None else PeakPlace(*at, in_step(cycle.pitch, cycle.start, cycle.nodes.__getitem__, at[0]))
-
-
 def shifted_evaluation(
     cycle: CollocatedCycle,
     direction: Direction,
@@ -337,8 +335,3 @@ def figures_of(of: Evaluation) -> dict[str, float]:
     if "peak_pressure" in found and not (isinstance(of.life, ShiftedLife) and of.life.turning is not None):
         found["peak_pressure"] = peak_pressure(of)
     return found
-
-
-def difference_quotients(there: dict[str, float], here: dict[str, float], step: float) -> dict[str, float]:
-    """Return the differences over the step, of figures that exist on both sides."""
-    return {name: (there[name] - here[name]) / step for name in there if name in here}

@@ -9,14 +9,12 @@ Source: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., Johns Hopkins
 tridiagonal ones).
 """
 
-from functools import cache
-from types import ModuleType
+from functools import partial
 
 import numpy as np
 
-from screwsim.codegen import modules
+from screwsim.codegen.modules import of_kernels
 from screwsim.derivatives.slices import INTEGRALS
-from screwsim.numerics.kept_text import flat_module
 from screwsim.numerics.kernel import kernel
 
 LITTLE = 24  # rows of a matrix up to which columns are eliminated one by one
@@ -240,7 +238,4 @@ def follow_once(J, widths, n, reach, now, B):
         through(M, pivots, 0, place, n, reach, now, B, k)
 
 
-@cache
-def compiled() -> ModuleType:
-    """Return the module of these kernels, the same for all models."""
-    return modules.load(flat_module((factor, follow, follow_once)), "stages", fast=True)
+compiled = partial(of_kernels, "stages", factor, follow, follow_once)

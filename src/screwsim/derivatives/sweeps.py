@@ -4,14 +4,12 @@ Rates for several numbers lie side by side, a column each; their differences bec
 and changes of the quadratures. Columns of changed states become lives, one for each column.
 """
 
-from functools import cache
-from types import ModuleType
+from functools import partial
 
 import numpy as np
 
-from screwsim.codegen import modules
+from screwsim.codegen.modules import of_kernels
 from screwsim.derivatives.slices import INTEGRALS, SHARES
-from screwsim.numerics.kept_text import flat_module
 from screwsim.numerics.kernel import kernel
 
 X0, X1 = SHARES[:-1].tolist()
@@ -94,7 +92,4 @@ def lives(start, nodes, n, found):
                     found[c, at, 3 * n + s] = c4
 
 
-@cache
-def compiled() -> ModuleType:
-    """Return the module of these kernels, the same for all models."""
-    return modules.load(flat_module((add_stages, add_sums, add_through, lives)), "sweeps", fast=True)
+compiled = partial(of_kernels, "sweeps", add_stages, add_sums, add_through, lives)

@@ -41,7 +41,7 @@ def stating(parameters: type) -> str:
 
 def imported() -> dict[str, Effect]:
     """Return {name: effect} of the user's own effects that this program has imported."""
-    return {name: made for name, made in sources.recorded_modules().items() if isinstance(made, Effect)}
+    return {name: each.made for name, each in sources.recorded.items() if isinstance(each.made, Effect)}
 
 
 def find_effect(name: str) -> Effect:

@@ -26,7 +26,6 @@ from screwsim.effects.parts.flows import (
     Wall,
 )
 from screwsim.effects.parts.lines import (
-    Cooler,
     CoolsOil,
     InSeparator,
     LineLeak,
@@ -47,8 +46,8 @@ from screwsim.machine.protocol import MachineKind
 from screwsim.outputs import Figure, Trace
 
 __all__ = [  # all that an effect's file imports
-    "DISCHARGE", "LINES", "NEIGHBOUR", "SUCTION", "Around", "ChamberState", "Cooler", "CoolsOil", "Drawn",
-    "Effect", "Faults", "FlowPath", "Given", "HeatRate", "InSeparator", "LineFlow", "LineLeak", "LosesPressure", "Made",
+    "DISCHARGE", "LINES", "NEIGHBOUR", "SUCTION", "Around", "ChamberState", "CoolsOil", "Drawn", "Effect",
+    "Faults", "FlowPath", "Given", "HeatRate", "InSeparator", "LineFlow", "LineLeak", "LosesPressure", "Made",
     "OilContent", "OilGas", "OilPort", "OilRoom", "OilSolution", "Part", "Plenum", "PowerLoss", "PressureLosses",
     "Pulsation", "Reading", "Resistance", "Scaled", "Separator", "Shaft", "Site", "Sized", "Sought", "Span",
     "Stops", "SuctionChange", "SuctionHeat", "SuctionLine", "Turn", "Usual", "Wall",

@@ -4,7 +4,7 @@ Nothing is compiled for it.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -75,10 +75,12 @@ def explain(scene: Scene) -> Explanation:
         model = compose(parts)
     kind = kind_of(scene.machine)
     left_out = tuple(name for name, effect in catalogue().items() if name not in scene.effects and effect.fits(kind))
-    sections = [
+    omitted = [row(name, catalogue()[name].title) for name in left_out]
+    omitted = omitted or [row("none", "every effect of the catalogue is active")]
+    sections: list[tuple[str, Iterable[str]]] = [
         ("Machine", _machine(scene, parts)),
         (f"Active effects ({_effect_counts(scene, left_out)})", _effects(scene, parts)),
-        ("Left out: adds no term, no state and no computing time", _left_out(left_out)),
+        ("Left out: adds no term, no state and no computing time", omitted),
         ("Chamber", _chamber(parts, model, "male rotor" if ROTORS in kind.offers else "shaft")),
         ("Flow paths", _paths(parts)),
         ("Gas", gas_rows(scene, parts)),
@@ -245,13 +247,6 @@ def _effect_rows(active: ActiveEffect, built: Any, dissolves: bool, given: list[
 
 def _words(name: str) -> str:
     return name.replace("_", " ")
-
-
-def _left_out(names: tuple[str, ...]) -> Iterator[str]:
-    for name in names:
-        yield row(name, catalogue()[name].title)
-    if not names:
-        yield row("none", "every effect of the catalogue is active")
 
 
 def _chamber(parts: Parts, model: Composition, axis: str) -> Iterator[str]:

@@ -90,20 +90,15 @@ def _range(leaf: Leaf, size: Size | None) -> str:
     if leaf.kind == "choice":
         own = ["a module of your own"] if leaf.limits.get("own") else []
         return ", ".join([*leaf.limits["options"], *own])
-    can = [f"{sign}{_text(leaf, leaf.limits[name])}" for name, sign in _SIGNS.items() if name in leaf.limits]
-    usual = [] if leaf.hardly == UNBOUNDED else [f"usual {_span(*(_text(leaf, end) for end in leaf.hardly))}"]
+    can = [f"{sign}{_readable(leaf, leaf.limits[name])}" for name, sign in _SIGNS.items() if name in leaf.limits]
+    common = ("" if end is None else _readable(leaf, end) for end in leaf.hardly)
+    usual = [] if leaf.hardly == UNBOUNDED else [f"usual {_span(*common)}"]
     if size is not None:
         low, high = size.usual
         ends = (f"{low:g}" if low > 0.0 else "", f"{high:g}" if high < _WHOLE else "")
         usual += [f"usual {_span(*ends)} {size.what}"] if any(ends) else []
     can += ["or auto"] if leaf.auto else []
     return "; ".join([", ".join(can), *usual] if can else usual) or ABSENT
-
-
-def _text(leaf: Leaf, end: float | None) -> str:
-    if end is None:
-        return ""
-    return _readable(leaf, end)
 
 
 def _span(low: str, high: str) -> str:
@@ -123,6 +118,7 @@ def parameters(scene: Scene, names: Sequence[str] = ()) -> str:
 
 
 def _section_or_effect(scene: Scene, name: str, known: dict[str, Effect], kind: str) -> Iterator[str]:
+    """Yield the head of a section or of an effect, and a row on each key, ending with the scene's value."""
     head, _, rest = name.partition(".")
     if head not in SECTIONS and head not in known:  # the name of a module of one's own has dots, too
         head, rest = name, ""
@@ -136,7 +132,12 @@ def _section_or_effect(scene: Scene, name: str, known: dict[str, Effect], kind: 
     asked = [key for key in keys if not rest or key.path == rest or key.path.startswith(f"{rest}.")]
     if rest and not asked:
         raise UsageError(f"--parameters {name}: {unknown_key(rest, [key.path for key in keys])}")
-    yield from _rows(scene, under, asked)
+    for key in asked:
+        about = [key.meaning, f"unit: {key.unit}", f"default: {key.default}"]
+        about += [] if key.range == ABSENT else [f"range: {key.range}"]
+        yield row(key.path, "; ".join([*about, *_scene_value(scene, f"{under}.{key.path}", key)]))
+    if not keys:
+        yield "  no keys"
 
 
 def _effect(name: str, known: dict[str, Effect], kind: str) -> Effect:
@@ -151,16 +152,6 @@ def _effect(name: str, known: dict[str, Effect], kind: str) -> Effect:
         return known.get(name) or find_effect(name)
     except (KeyError, ImportError) as error:
         raise UsageError(f"--parameters {name}: cannot be imported ({error})") from None
-
-
-def _rows(scene: Scene, under: str, keys: Sequence[Key]) -> Iterator[str]:
-    """Yield a row on each key, ending with the scene's value."""
-    for key in keys:
-        about = [key.meaning, f"unit: {key.unit}", f"default: {key.default}"]
-        about += [] if key.range == ABSENT else [f"range: {key.range}"]
-        yield row(key.path, "; ".join([*about, *_scene_value(scene, f"{under}.{key.path}", key)]))
-    if not keys:
-        yield "  no keys"
 
 
 def _scene_value(scene: Scene, path: str, key: Key) -> Iterator[str]:
@@ -188,14 +179,11 @@ def parameters_text(values: Any, skip: tuple[str, ...] = ("law",)) -> str:
         if isinstance(leaf, Leaf) and name not in skip and value is not None:
             mark = " (default)" if not leaf.required and value == leaf.default else ""
             mark = " (follows)" if is_derived(value) and not mark else mark
-            texts.append(f"{name} {_value_text(leaf, value)}{mark}".replace(" ", NO_BREAK))
+            text = _readable(leaf, value)
+            if leaf.dimension is not None and is_derived(value):  # its digits were not written by a user
+                text = f"{to_customary(leaf.dimension, value):.6g} {customary_unit(leaf.dimension)}"
+            texts.append(f"{name} {text}{mark}".replace(" ", NO_BREAK))
     return ", ".join(texts)
-
-
-def _value_text(leaf: Leaf, value: Any) -> str:
-    if leaf.dimension is not None and is_derived(value):  # its digits were not written by a user
-        return f"{to_customary(leaf.dimension, value):.6g} {customary_unit(leaf.dimension)}"
-    return _readable(leaf, value)
 
 
 def _readable(leaf: Leaf, value: Any) -> str:

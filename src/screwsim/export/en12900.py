@@ -1,18 +1,17 @@
 """Rating tables and coefficients after EN 12900 and AHRI 540 as comma-separated text, in SI or inch-pound units."""
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from screwsim.export.polynomials import DOCUMENT_KEYS, Polynomials, document, in_fahrenheit, temperature_limits
+from screwsim.export.polynomials import Polynomials, document, temperature_limits
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
-from screwsim.results.protection import protect_other_json, protect_unmarked
 from screwsim.scene.operation import SUBCOOLING
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.performance_map import COEFFICIENT_NAMES, PerformanceMap
+from screwsim.study.varied import names_of
 
 FIGURES = ("cooling_capacity", "shaft_power", "gas_mass_flow")
 OPTIONAL_FIGURES = ("electrical_power", "heating_capacity")  # included where a result has them
@@ -32,8 +31,9 @@ GLIDES = 0.1  # [K] distance of dew and bubble point in the condenser above whic
 def _condition_lines(found: Polynomials, ip: bool) -> Iterator[str]:
     """Yield the conditions that hold for all maps, with their units; subcooling also where the scene states none."""
     stated = dict(found.conditions)
-    if SUBCOOLING not in {*stated, *found.axes, *found.within}:
-        stated[SUBCOOLING] = 0.0
+    (subcooling,) = names_of(SUBCOOLING, found.two)
+    if subcooling not in {*stated, *found.axes, *found.within}:
+        stated[subcooling] = 0.0
     for path, value in stated.items():
         if path.endswith(("superheat", "subcooling")):
             shown = f"{1.8 * value:.6g} degF" if ip else f"{value:.6g} K"
@@ -91,7 +91,7 @@ def en12900_csv(found: Polynomials, ip: bool = False) -> str:
     for one in found.maps:
         for figure, fit in one.fits.items():
             unit, factor = unit_of(found, figure, ip)
-            own = in_fahrenheit(fit, factor) if ip else fit.coefficients
+            own = fit.in_fahrenheit(factor) if ip else fit.coefficients
             left = "" if fit.left_out is None else f"{fit.left_out:.3e}"
             numbers = ",".join(f"{c:.12e}" for c in own)
             lines.append(f"coefficients,{found.name(one)},{figure},{unit},{numbers},{fit.largest:.3e},{left}")
@@ -100,14 +100,6 @@ def en12900_csv(found: Polynomials, ip: bool = False) -> str:
     for one in found.maps:
         lines += [f"rating,{found.name(one)},{row}" for row in _rated_points(found, one, ip)]
     return "\n".join(lines) + "\n"
-
-
-def protect_other_coefficients(path: Path) -> None:
-    """Raise UsageError where a file at `path` holds anything but such coefficients, as it would be lost."""
-    if path.suffix.lower() == ".csv":
-        protect_unmarked(path, HEAD_LINE)
-    else:
-        protect_other_json(path, *DOCUMENT_KEYS, "maps", alone=True)
 
 
 def unit_of(found: Polynomials, figure: str, ip: bool) -> tuple[str, float]:
@@ -136,7 +128,7 @@ def en12900_document(found: Polynomials, ip: bool = False) -> dict[str, Any]:
         figures = {}
         for figure, fit in one.fits.items():
             unit, factor = unit_of(found, figure, ip)
-            own = in_fahrenheit(fit, factor) if ip else fit.coefficients
+            own = fit.in_fahrenheit(factor) if ip else fit.coefficients
             figures[figure] = {
                 "unit": unit,
                 "coefficients": dict(zip(COEFFICIENT_NAMES, own, strict=True)),

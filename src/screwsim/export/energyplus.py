@@ -3,12 +3,11 @@
 import re
 from collections.abc import Container
 from functools import partial
-from pathlib import Path
 from typing import Any
 
-from screwsim.export.polynomials import Polynomials, by_terms, quadratic, rated_temperatures, temperature_limits
-from screwsim.results.protection import protect_other_json, protect_unmarked
+from screwsim.export.polynomials import Polynomials, quadratic, rated_temperatures, temperature_limits
 from screwsim.scene.operation import SUBCOOLING
+from screwsim.study.performance_map import TERMS
 
 CAPACITY, POWERS = "cooling_capacity", ("electrical_power", "shaft_power")  # the motor's power where there is one
 BICUBIC = ((0, 0), (1, 0), (2, 0), (0, 1), (0, 2), (1, 1), (3, 0), (0, 3), (2, 1), (1, 2))  # its order of terms
@@ -16,6 +15,10 @@ _CUBIC_KEYS = ("1_constant", "2_x", "3_x_2", "4_y", "5_y_2", "6_x_y", "7_x_3", "
 _KEYS = tuple(f"coefficient{key}" for key in _CUBIC_KEYS)
 CLASSES = ("Curve:Bicubic", "Curve:Biquadratic", "Refrigeration:Compressor")
 WRITTEN_MARK = "; written by screwsim"
+OMITTED_BEFORE = {  # fields of IDF between ours, which are empty and take their defaults
+    "rated_subcooling": ("rated_return_gas_temperature", "rated_liquid_temperature"),
+    "input_unit_type_for_x": ("minimum_curve_output", "maximum_curve_output"),
+}
 VERSION = "24.1"  # EnergyPlus version whose input data dictionary has these names
 
 Objects = dict[str, dict[str, dict[str, Any]]]  # {class: {name: {field: value}}}
@@ -34,9 +37,9 @@ def energyplus_objects(found: Polynomials, name: str) -> Objects:
         ends = {"minimum_value_of_x": s0, "maximum_value_of_x": s1, "minimum_value_of_y": d0, "maximum_value_of_y": d1}
         units = {"input_unit_type_for_x": "Temperature", "input_unit_type_for_y": "Temperature"}
         for figure, word in ((power_of(one.fits), "power"), (CAPACITY, "capacity")):
-            values = dict(zip(_KEYS, by_terms(one.fits[figure], BICUBIC), strict=True))
-            curve = values | ends | units
-            objects["Curve:Bicubic"][f"{own} {word}"] = curve
+            by_term = dict(zip(TERMS, one.fits[figure].coefficients, strict=True))
+            values = {key: by_term[term] for key, term in zip(_KEYS, BICUBIC, strict=True)}
+            objects["Curve:Bicubic"][f"{own} {word}"] = values | ends | units
         at = rated_temperatures(one)
         for word, (coefficients, _) in normalised(one, at).items():
             values = dict(zip(_KEYS[:6], coefficients, strict=True))
@@ -48,14 +51,6 @@ def energyplus_objects(found: Polynomials, name: str) -> Objects:
             "rated_subcooling": found.condition(one, SUBCOOLING),
         }
     return objects
-
-
-def protect_other_objects(path: Path) -> None:
-    """Raise UsageError where a file at `path` has anything but such objects, as a building model would be lost."""
-    if path.suffix.lower() == ".idf":
-        protect_unmarked(path, WRITTEN_MARK)
-    else:
-        protect_other_json(path, "Version", *CLASSES, alone=True)
 
 
 def power_of(figures: Container[str]) -> str:
@@ -83,33 +78,15 @@ def idf(objects: Objects, notes: list[str]) -> str:
     lines = [f"! {note}" for note in notes] + ["", "Version,", f"    {VERSION};"]
     for kind, named in objects.items():
         for name, fields in named.items():
-            rows = [("Name", name), *_in_order(kind, fields)]
+            rows = [("Name", name)]
+            for field, value in fields.items():
+                rows += [*((each, "") for each in OMITTED_BEFORE.get(field, ())), (field, value)]
             lines += ["", f"{kind},"]
             for i, (field, value) in enumerate(rows):
                 end = ";" if i == len(rows) - 1 else ","
-                lines.append(f"    {_text(value)}{end}".ljust(44) + f"  !- {field}")
+                text = value if isinstance(value, str) else f"{value:.12g}"
+                lines.append(f"    {text}{end}".ljust(44) + f"  !- {field}")
     return "\n".join(lines) + "\n"
-
-
-def _in_order(kind: str, fields: dict[str, Any]) -> list[tuple[str, Any]]:
-    """Return the fields in the dictionary's order; omitted ones between them are empty and take their defaults."""
-    if kind == "Refrigeration:Compressor":
-        names = (
-            "refrigeration_compressor_power_curve_name",
-            "refrigeration_compressor_capacity_curve_name",
-            "rated_superheat",
-            "rated_return_gas_temperature",
-            "rated_liquid_temperature",
-            "rated_subcooling",
-        )
-        return [(name, fields.get(name, "")) for name in names]
-    rows = list(fields.items())
-    place = next(i for i, (name, _) in enumerate(rows) if name == "input_unit_type_for_x")
-    return [*rows[:place], ("minimum_curve_output", ""), ("maximum_curve_output", ""), *rows[place:]]
-
-
-def _text(value: Any) -> str:
-    return value if isinstance(value, str) else f"{value:.12g}"
 
 
 def notes(found: Polynomials) -> list[str]:

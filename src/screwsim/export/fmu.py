@@ -16,13 +16,14 @@ import sys
 import tempfile
 import uuid
 import zipfile
+from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 
-from screwsim.export.inputs import BASE, DISPLAYS, Input, Output, exponents, plain, range_text
+from screwsim.export.inputs import BASE, DISPLAYS, Input, exponents, plain, range_text
 from screwsim.export.map_table import MapTable
 from screwsim.inputs.faults import UsageError
 from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, replacing
@@ -161,12 +162,24 @@ def error_text(error: float) -> str:
 
 def description(table: MapTable, name: str, token: str, version: str) -> str:
     """Return modelDescription.xml."""
-    return (_description2 if version == "2" else _description3)(table, name, token)
-
-
-def _head(table: MapTable) -> str:
+    named, simulation, variables, structure = (_parts2 if version == "2" else _parts3)(table)
     ranges = "; ".join(f"{one.name} {range_text(one)}" for one in table.inputs)
-    return quoteattr(f"{table.title or 'compressor map'}: map over {ranges}; error {table.error_in_words}")
+    about = quoteattr(f"{table.title or 'compressor map'}: map over {ranges}; error {table.error_in_words}")
+    return f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="{version}.0" modelName="{name}" {named}="{token}" description={about}
+    {GENERATED} variableNamingConvention="flat">
+  <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true" {simulation}
+  <UnitDefinitions>
+{_units(table)}
+  </UnitDefinitions>
+  <ModelVariables>
+{chr(10).join(variables)}
+  </ModelVariables>
+  <ModelStructure>
+{structure}
+  </ModelStructure>
+</fmiModelDescription>
+"""
 
 
 def _units(table: MapTable) -> str:
@@ -182,95 +195,60 @@ def _units(table: MapTable) -> str:
     return "\n".join(lines)
 
 
-def _unit_attributes(each: Input | Output) -> str:
-    text = plain(each.units)
-    shown = DISPLAYS.get(text, ())
-    return f" unit={quoteattr(text)}" + (f' displayUnit="{shown[0].name}"' if shown else "")
+def _variables(table: MapTable) -> Iterator[tuple[str, str, str]]:
+    """Yield the type of each variable ('' for numbers), its attributes, and those of its number, as XML."""
+    for i, each in enumerate((*table.inputs, *table.outputs)):
+        way, means, start = "output", each.long_name, ""
+        if isinstance(each, Input):
+            way, means, start = "input", f"{means}; {range_text(each)}", f' start="{each.value!r}"'
+        unit = plain(each.units)
+        shown = "".join(f' displayUnit="{usual.name}"' for usual in DISPLAYS.get(unit, ())[:1])
+        yield "", f'{_named(each.name, i, means)} causality="{way}"', f"{start} unit={quoteattr(unit)}{shown}"
+    for i, (flag, means, kind) in enumerate(_FLAGS, len(table.inputs) + len(table.outputs)):
+        yield kind, f'{_named(flag, i, means)} causality="output" variability="discrete"', ""
 
 
-def _meaning(each: Input | Output) -> str:
-    """Return what a variable means, of an input with its range."""
-    return f"{each.long_name}; {range_text(each)}" if isinstance(each, Input) else each.long_name
-
-
-def _head_of(name: str, number: int, means: str) -> str:
+def _named(name: str, number: int, means: str) -> str:
     return f'name="{name}" valueReference="{number}" description={quoteattr(means)}'
 
 
-def _description2(table: MapTable, name: str, token: str) -> str:
+def _parts2(table: MapTable) -> tuple[str, str, list[str], str]:
+    """Return the name of the token, the end of the simulation's element, variables and structure for FMI 2.0."""
     count, outputs = len(table.inputs), len(table.outputs)
     variables = []
-    for i, each in enumerate((*table.inputs, *table.outputs)):
-        way, start = ("input", f' start="{each.value!r}"') if isinstance(each, Input) else ("output", "")
-        head = f'{_head_of(each.name, i, _meaning(each))} causality="{way}" variability="continuous"'
-        variables.append(f"    <ScalarVariable {head}><Real{start}{_unit_attributes(each)}/></ScalarVariable>")
-    for i, (flag, means, kind) in enumerate(_FLAGS, count + outputs):
-        head = f'{_head_of(flag, i, means)} causality="output" variability="discrete"'
-        variables.append(f"    <ScalarVariable {head}><{kind or 'Real'}/></ScalarVariable>")
+    for kind, head, number in _variables(table):
+        head += ' variability="continuous"' if number else ""
+        variables.append(f"    <ScalarVariable {head}><{kind or 'Real'}{number}/></ScalarVariable>")
     places = " ".join(str(i) for i in range(1, count + 1))
     unknowns = "\n".join(
         f'      <Unknown index="{i}" dependencies="{places}"/>' for i in range(count + 1, count + outputs + 3)
     )
     files = "".join(f'<File name="{file}"/>' for file in SOURCES["2"])
-    return f"""<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="2.0" modelName="{name}" guid="{token}" description={_head(table)}
-    {GENERATED} variableNamingConvention="flat">
-  <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUstate="true"
+    simulation = f"""canGetAndSetFMUstate="true"
       canSerializeFMUstate="true" canNotUseMemoryManagementFunctions="true" providesDirectionalDerivative="true">
     <SourceFiles>{files}</SourceFiles>
-  </CoSimulation>
-  <UnitDefinitions>
-{_units(table)}
-  </UnitDefinitions>
-  <ModelVariables>
-{chr(10).join(variables)}
-  </ModelVariables>
-  <ModelStructure>
-    <Outputs>
-{unknowns}
-    </Outputs>
-    <InitialUnknowns>
-{unknowns}
-    </InitialUnknowns>
-  </ModelStructure>
-</fmiModelDescription>
-"""
+  </CoSimulation>"""
+    parts = ("Outputs", "InitialUnknowns")
+    return "guid", simulation, variables, "\n".join(f"    <{part}>\n{unknowns}\n    </{part}>" for part in parts)
 
 
-def _description3(table: MapTable, name: str, token: str) -> str:
+def _parts3(table: MapTable) -> tuple[str, str, list[str], str]:
+    """Return the same for FMI 3.0."""
     count, outputs = len(table.inputs), len(table.outputs)
     variables = [
         f'    <Float64 name="time" valueReference="{count + outputs + 2}" causality="independent" '
         'variability="continuous" description="time [s]"/>'
     ]
-    for i, each in enumerate((*table.inputs, *table.outputs)):
-        way, start = ("input", f' start="{each.value!r}"') if isinstance(each, Input) else ("output", "")
-        head = _head_of(each.name, i, _meaning(each))
-        variables.append(f'    <Float64 {head} causality="{way}"{start}{_unit_attributes(each)}/>')
-    for i, (flag, means, kind) in enumerate(_FLAGS, count + outputs):
-        head = f'{_head_of(flag, i, means)} causality="output" variability="discrete"'
-        variables.append(f"    <{kind or 'Float64'} {head}/>")
-    places = " ".join(str(i) for i in range(count))
-    unknowns = range(count, count + outputs + 2)
-    out = "\n".join(f'    <Output valueReference="{i}" dependencies="{places}"/>' for i in unknowns)
-    first = "\n".join(f'    <InitialUnknown valueReference="{i}" dependencies="{places}"/>' for i in unknowns)
-    return f"""<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="3.0" modelName="{name}" instantiationToken="{token}" description={_head(table)}
-    {GENERATED} variableNamingConvention="flat">
-  <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUState="true"
-      canSerializeFMUState="true" providesDirectionalDerivatives="true" providesAdjointDerivatives="true"/>
-  <UnitDefinitions>
-{_units(table)}
-  </UnitDefinitions>
-  <ModelVariables>
-{chr(10).join(variables)}
-  </ModelVariables>
-  <ModelStructure>
-{out}
-{first}
-  </ModelStructure>
-</fmiModelDescription>
-"""
+    variables += [f"    <{kind or 'Float64'} {head}{number}/>" for kind, head, number in _variables(table)]
+    places, unknowns = " ".join(str(i) for i in range(count)), range(count, count + outputs + 2)
+    structure = [
+        f'    <{part} valueReference="{i}" dependencies="{places}"/>'
+        for part in ("Output", "InitialUnknown")
+        for i in unknowns
+    ]
+    simulation = """canGetAndSetFMUState="true"
+      canSerializeFMUState="true" providesDirectionalDerivatives="true" providesAdjointDerivatives="true"/>"""
+    return "instantiationToken", simulation, variables, "\n".join(structure)
 
 
 def build_description(name: str) -> str:

@@ -2,8 +2,8 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,11 +12,15 @@ from screwsim.effects import having
 from screwsim.effects.parts.usual import SLIDES
 from screwsim.figures import called_for, declared
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figure
 from screwsim.outputs.display import si_unit
-from screwsim.scene import Scene, axis_label, leaf_of
+from screwsim.scene import Scene
+from screwsim.scene.grid import Swept, joints_of, unit_of
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_continuous
 from screwsim.study.spans import read_ranges, read_spans
+from screwsim.study.stages.axes import STAGE_NAMES, names_in_chain
+from screwsim.study.varied import Varied, leaf_of, names_of, value_at
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 _DERIVED: dict[str, dict[str, int]] = {
@@ -41,11 +45,20 @@ _NAMES = {
 }
 
 
+class Follower(NamedTuple):
+    """A path that varies together with an input: its values [SI] at ascending values of the input, linear between."""
+
+    path: str
+    at: tuple[float, ...]
+    values: tuple[float, ...]
+
+
 @dataclass(frozen=True)
 class Input:
     """One input of a map: its path in the scene, external name, unit and meaning, first and last value [SI].
 
-    Nodes are spaced by the logarithm where `log`. `value` is the scene's: the initial value of the input.
+    Nodes are spaced by the logarithm where `log`. `value` is the scene's: the initial value of the input. What a sweep
+    varies together with it `follows` it.
     """
 
     path: str
@@ -56,6 +69,12 @@ class Input:
     high: float
     value: float
     log: bool = False
+    follows: tuple[Follower, ...] = ()
+
+    def swept(self, x: np.ndarray) -> dict[str, tuple[float, ...]]:
+        """Return the values [SI] of its path, and of those that follow it, at values of the input."""
+        others = {path: tuple(map(float, np.interp(x, own, values))) for path, own, values in self.follows}
+        return {self.path: tuple(map(float, x)), **others}
 
     def coordinate(self, x: np.ndarray | float) -> np.ndarray:
         """Return the coordinates of values [SI] on the axis of the grid."""
@@ -66,30 +85,33 @@ class Input:
         return np.clip(np.exp(u) if self.log else np.asarray(u, float), self.low, self.high)
 
 
-@dataclass(frozen=True)
-class Output:
-    """One output of a map: a figure, with unit and meaning."""
+def input_of(path: str, units: str, doc: str, ends: tuple[float, float], value: float) -> Input:
+    """Return an input between two values [SI]; pressures over an octave or more are taken by their logarithm.
 
-    name: str
-    units: str
-    long_name: str
-
-
-def input_name(path: str) -> str:
-    """Return the external name of an input: a usual one, else the last words of its path."""
-    if path in _NAMES:
-        return _NAMES[path]
-    last = path.rpartition(".")[2]
-    return last if path.startswith("operation.") else "_".join(path.split(".")[-2:])
+    Its meaning, of two stages with its stage, is without what it stands instead of, which concerns the author of a
+    scene.
+    """
+    low, high = map(float, ends)
+    meaning, stage = doc.partition(" (instead of ")[0], path.partition(".")[0]
+    meaning = f"{meaning}, {stage} stage" if stage in STAGE_NAMES else meaning
+    log = units == "Pa" and high >= LOGARITHMIC_FROM * low > 0.0
+    return Input(path, _input_name(path), units, meaning, low, high, value, log)
 
 
-def input_meaning(doc: str) -> str:
-    """Return what an input means, without what it stands instead of, which concerns the author of a scene."""
-    return doc.partition(" (instead of ")[0]
+def _input_name(path: str) -> str:
+    """Return the external name of an input: a usual one, else the last words of its path.
+
+    Of two stages it begins with the stage where both have such an input: first_speed, but evaporating_temperature.
+    """
+    stage, _, own = path.partition(".")
+    if stage in STAGE_NAMES:
+        return _input_name(own) if len(names_in_chain(own)) == 1 else f"{stage}_{_input_name(own)}"
+    words = path.split(".")[-1 if path.startswith("operation.") else -2 :]
+    return _NAMES.get(path, "_".join(words))
 
 
 def read_inputs(
-    scene: Scene, over: Sequence[str] | Mapping[str, tuple[float, float]], option: str = "--over"
+    scene: Varied, over: Sequence[str] | Mapping[str, tuple[float, float]], option: str = "--over"
 ) -> tuple[Input, ...]:
     """Return the inputs named by `PATH=LOW..HIGH` or {path: (low, high) [SI]}, else those of the scene's sweep.
 
@@ -98,7 +120,7 @@ def read_inputs(
     if isinstance(over, Mapping) and over:
         return _inputs(scene, {each.path: (each.low, each.high) for each in read_spans(scene, over, ranged=True)})
     if over:
-        ranges = read_ranges(scene, tuple(over), option, "operation.speed=1500 rpm..4500 rpm")
+        ranges = read_ranges(scene, tuple(over), option, _example(scene))
         return _inputs(scene, {each.path: (each.low, each.high) for each in ranges})
     axes = {
         path: values
@@ -108,37 +130,73 @@ def read_inputs(
     if not axes:
         raise UsageError(
             "there is nothing to map over: the scene has no sweep over numbers (write e.g. "
-            f"{option} 'operation.speed=1500 rpm..4500 rpm', repeated for each further path)"
+            f"{option} '{_example(scene)}', repeated for each further path)"
         )
     for path in axes:
         check_continuous(scene, path)
-    return _inputs(scene, {path: (min(values), max(values)) for path, values in axes.items()})
+    together = {} if isinstance(scene, Scene) else _followers(scene, axes)
+    follow = {each.path for followers in together.values() for each in followers}
+    ends = {path: (min(values), max(values)) for path, values in axes.items() if path not in follow}
+    found = _inputs(scene, ends)
+    return tuple(with_followers(one, together.get(one.path, ())) for one in found)
 
 
-def _inputs(scene: Scene, ends: Mapping[str, tuple[float, float]]) -> tuple[Input, ...]:
-    found = tuple(_input(scene, path, *both) for path, both in ends.items())
-    check_names(found)
+def _followers(scene: Swept, axes: Mapping[str, tuple[float, ...]]) -> dict[str, tuple[Follower, ...]]:
+    """Return what varies together with each path that leads others, where its values rise or fall throughout."""
+    found = {}
+    for joint in joints_of(scene):
+        leader, *others = joint.paths
+        numbers = {path: axes[path] for path in joint.paths if path in axes}
+        if not numbers:
+            continue
+        own = numbers.pop(leader, ())
+        followers = followers_of(own, numbers) if own and len(numbers) == len(others) else None
+        if followers is None:
+            what = f"{leader} varies together with {' and '.join(others)}, but neither rises nor falls throughout"
+            raise UsageError(f"no map: {what} (name ranges with --over, or vary them on axes of their own)")
+        found[leader] = followers
     return found
 
 
-def _input(scene: Scene, path: str, low: float, high: float) -> Input:
-    from screwsim.scene import value_at
+def followers_of(leader: Any, others: Mapping[str, Any]) -> tuple[Follower, ...] | None:
+    """Return the followers of a path's values [SI], their own by path; None where these neither rise nor fall."""
+    steps, order = np.diff(leader), np.argsort(leader)
+    if not (np.all(steps > 0.0) or np.all(steps < 0.0)):
+        return None
+    at, *columns = (tuple(map(float, np.asarray(values)[order])) for values in (leader, *others.values()))
+    return tuple(Follower(path, at, values) for path, values in zip(others, columns, strict=True))
 
-    leaf, (_, units) = leaf_of(scene, path), axis_label(path, scene)
-    own = value_at(scene, path)
-    value = float(own) if isinstance(own, int | float) and low <= own <= high else 0.5 * (low + high)
-    log = units == "Pa" and low > 0.0 and high / low >= LOGARITHMIC_FROM
-    return Input(path, input_name(path), units, input_meaning(leaf.doc), float(low), float(high), value, log)
+
+def with_followers(one: Input, followers: tuple[Follower, ...]) -> Input:
+    """Return an input with those that follow it, which its meaning tells."""
+    if not followers:
+        return one
+    told = " and ".join(each.path for each in followers)
+    return replace(one, follows=followers, long_name=f"{one.long_name}, with {told} as in the sweep")
 
 
-def read_outputs(scene: Scene, figures: Sequence[str] = (), option: str = "--figure") -> tuple[Output, ...]:
+def _example(scene: Varied) -> str:
+    return f"{names_of('operation.speed', not isinstance(scene, Scene))[0]}=1500 rpm..4500 rpm"
+
+
+def _inputs(scene: Varied, ends: Mapping[str, tuple[float, float]]) -> tuple[Input, ...]:
+    found = []
+    for path, (low, high) in ends.items():
+        leaf, own = leaf_of(scene, path), value_at(scene, path)
+        value = float(own) if isinstance(own, int | float) and low <= own <= high else 0.5 * (low + high)
+        found.append(input_of(path, unit_of(leaf), leaf.doc, (low, high), value))
+    check_names(found)
+    return tuple(found)
+
+
+def read_outputs(scene: Varied, figures: Sequence[str] = (), option: str = "--figure") -> tuple[Figure, ...]:
     """Return the named outputs, else the usual ones that the scene calls for; raise UsageError with `option`."""
-    here = called_for(scene, build_parts(scene))
+    here = called_for(scene, build_parts(scene)) if isinstance(scene, Scene) else scene.figures
     names = [figure_of(scene, text, option) for text in figures] or [name for name in FIGURES if name in here]
-    return tuple(output_of(name, here) for name in dict.fromkeys(names))
+    return tuple(here.get(name) or declared(name) for name in dict.fromkeys(names))
 
 
-def check_names(inputs: Sequence[Input], outputs: Sequence[Output] = ()) -> None:
+def check_names(inputs: Sequence[Input], outputs: Sequence[Figure] = ()) -> None:
     """Raise UsageError where two variables of a map share an external name, as readers could not distinguish them."""
     paths: dict[str, str] = {}
     for one in inputs:
@@ -155,12 +213,6 @@ def check_names(inputs: Sequence[Input], outputs: Sequence[Output] = ()) -> None
 def title_on_one_line(text: str) -> str:
     """Return a title on one line, as in a comment."""
     return " ".join(text.split())
-
-
-def output_of(name: str, about: Mapping[str, object] | None = None) -> Output:
-    """Return a figure as an output."""
-    found = (about or {}).get(name) or declared(name)
-    return Output(name, found.units, found.long_name)  # type: ignore[attr-defined]
 
 
 def evenly_spaced_nodes(one: Input, count: int) -> np.ndarray:

@@ -60,12 +60,6 @@ def harmonics(values: Array, frequency: float) -> list[Harmonic]:
     return [mean, *(Harmonic(n, n * frequency, 2.0 * float(abs(found[n])), float(np.angle(found[n]))) for n in numbers)]
 
 
-def lobe_frequency(scene: Scene) -> float:
-    """Return the frequency [Hz] at which chambers pass."""
-    parts = build_parts(scene)
-    return scene.operation.speed / parts.geometry.pitch
-
-
 def flows_of(scene: Scene, result: Result) -> tuple[Array, dict[str, Array]]:
     """Return the angle over one pitch [rad], and mass [kg/s] and volume flows [m³/s] of all chambers through each port.
 
@@ -130,13 +124,13 @@ def loads(
 
     `spans` and `shafts` [m] are those of `rotor_loads.loads_of`.
     """
-    frequency = lobe_frequency(scene)
+    frequency = scene.operation.speed / build_parts(scene).geometry.pitch  # [Hz] at which chambers pass
     curves = {"flows": flows_of(scene, result)}
     if not has_rotors(scene):
         without = "forces and surfaces need rotors with a profile (machine.volume.law: profile), of a compressor"
     else:
-        found, without = loads_of(pressures_of(laid_curves(twin_screw(scene.machine)), result), spans, shafts), ""
-        curves["forces"] = (found.angle, dict(found.columns))
+        pressures, without = pressures_of(laid_curves(twin_screw(scene.machine)), result), ""
+        curves["forces"] = loads_of(pressures, spans, shafts)
     spectra = {name: harmonics(values, frequency) for _, columns in curves.values() for name, values in columns.items()}
     return ExportedLoads(scene.title, frequency, curves, spectra, without)
 

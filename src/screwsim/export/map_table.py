@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from screwsim.export.hermite import Array, Grid, evaluate
-from screwsim.export.inputs import Input, Output, range_text, unit_after_number
+from screwsim.export.inputs import Input, range_text, unit_after_number
 from screwsim.inputs.arguments import shown
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figure
 from screwsim.outputs.display import About, Brief
 from screwsim.scene.fields import unknown_key
 
@@ -28,7 +29,7 @@ class MapTable(Brief):
 
     title: str
     inputs: tuple[Input, ...]
-    outputs: tuple[Output, ...]
+    outputs: tuple[Figure, ...]
     grid: Grid
     wanted: float | None
     scene_yaml: str

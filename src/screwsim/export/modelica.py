@@ -6,10 +6,11 @@ import re
 import numpy as np
 
 from screwsim.export.hermite import Array, Grid, evaluate
-from screwsim.export.inputs import Input, Output, plain
+from screwsim.export.inputs import Input, plain
 from screwsim.export.map_table import MapTable
 from screwsim.export.table import scales
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figure
 from screwsim.study.performance_map import TERMS
 
 WRITTEN_MARK = "written by screwsim; error "  # in the first line of a package
@@ -92,7 +93,7 @@ def _quoted(text: str) -> str:
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", " ") + '"'
 
 
-def _port(kind: str, each: Input | Output, indent: str) -> str:
+def _port(kind: str, each: Input | Figure, indent: str) -> str:
     head = f'Modelica.Blocks.Interfaces.Real{kind} {each.name}(unit="{plain(each.units)}")'
     return f"{indent}{head} {_quoted(each.long_name)};"
 

@@ -17,8 +17,8 @@ from screwsim.export.inputs import Input
 from screwsim.export.map_table import MapTable
 from screwsim.export.table import scales
 from screwsim.inputs.faults import UsageError
-from screwsim.scene.operation import CONDENSING, EVAPORATING
-from screwsim.study.performance_map import TERMS
+from screwsim.study.performance_map import TERMS, temperature_paths
+from screwsim.study.stages.axes import STAGE_NAMES
 
 FITTED_VALUES = 6  # values of each temperature to which a polynomial is fitted
 
@@ -28,9 +28,8 @@ def polynomial_table(table: MapTable, wanted: float | None = None) -> MapTable:
 
     Its errors are the largest differences from that table, at its nodes and half-way between, plus the table's own.
     """
-    check_inputs(table.inputs)
     paths = [one.path for one in table.inputs]
-    temperatures = [paths.index(EVAPORATING), paths.index(CONDENSING)]
+    temperatures = [paths.index(path) for path in check_inputs(table.inputs)]
     grid = _grid(table.grid, temperatures)
     # the points of the grid and those half-way between
     finer = [np.sort(np.concatenate([x, 0.5 * (x[1:] + x[:-1])])) for x in table.grid.nodes]
@@ -45,15 +44,17 @@ def polynomial_table(table: MapTable, wanted: float | None = None) -> MapTable:
     return replace(table, grid=grid, errors=errors, how=how, wanted=wanted)
 
 
-def check_inputs(inputs: Sequence[Input]) -> None:
-    """Raise UsageError where a map's inputs lack the evaporating or the condensing temperature."""
+def check_inputs(inputs: Sequence[Input]) -> tuple[str, str]:
+    """Return the paths of both temperatures; raise UsageError where a map's inputs lack one of them."""
     paths = [one.path for one in inputs]
-    missing = [path for path in (EVAPORATING, CONDENSING) if path not in paths]
+    both = temperature_paths(any(path.startswith(STAGE_NAMES) for path in paths))
+    missing = [path for path in both if path not in paths]
     if missing:
         absent = " and ".join(missing)
         raise UsageError(
             f"no polynomials: they need {absent}, over which the map does not run (name ranges with --over)"
         )
+    return both
 
 
 def _grid(table: Grid, temperatures: Sequence[int]) -> Grid:

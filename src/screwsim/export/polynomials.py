@@ -1,7 +1,5 @@
 """Ten-coefficient polynomials of a sweep over evaporating and condensing temperature, for tools without tables."""
 
-import itertools
-import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -10,15 +8,23 @@ from typing import Any
 import numpy as np
 
 from screwsim.export.inputs import Input, evenly_spaced_nodes, read_inputs, title_on_one_line
-from screwsim.export.source import is_results, refuse_changes
+from screwsim.export.source import is_results, load_varied, refuse_changes
 from screwsim.export.table import temporary_results
 from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
-from screwsim.scene import Scene, load
-from screwsim.scene.operation import CONDENSING, EVAPORATING, QUALITY, SUPERHEAT
-from screwsim.study.performance_map import FORMULA, TERMS, PerformanceMap, PolynomialFit, conditions, performance_maps
+from screwsim.results.read import STAGES
+from screwsim.scene import Scene
+from screwsim.scene.operation import QUALITY, SUPERHEAT
+from screwsim.study.performance_map import (
+    FORMULA,
+    PerformanceMap,
+    conditions,
+    performance_maps,
+    temperature_paths,
+)
 from screwsim.study.progress import Progress
+from screwsim.study.varied import Varied, names_of
 
 SATURATION_NODES, OTHER_NODES = 6, 3  # number of values where --over gives ranges
 RATED_TEMPERATURES = {"S": 5.0, "D": 45.0}  # [°C] used where the envelope contains it, else its middle
@@ -36,6 +42,7 @@ class Polynomials:
     axes: dict[str, str]  # SI units of the other axes
     condensing: str = "bubble"  # to which point the condensing temperature refers: "dew" for a blend (M316)
     within: frozenset[str] = frozenset()  # paths that vary together with a temperature, and so within a map
+    two: bool = False  # of two stages in series, before whose paths their stage stands
 
     def name(self, one: PerformanceMap) -> str:
         """Return what distinguishes a map from the others, as part of a name: 'speed_308.923'."""
@@ -47,6 +54,7 @@ class Polynomials:
 
         Raise UsageError for a path that varies within the map, as it has no single value.
         """
+        (path,) = names_of(path, self.two)
         if path in self.within:
             what = f"{path} varies together with a temperature, but the export takes one value of it"
             raise UsageError(f"{what} (vary it on an axis of its own)")
@@ -54,8 +62,9 @@ class Polynomials:
 
     def superheat(self, one: PerformanceMap) -> float:
         """Return the superheat [K] of the suction gas in a map; raise UsageError where that gas is wet."""
-        if QUALITY in self.conditions or QUALITY in one.values or QUALITY in self.within:
-            raise UsageError(f"{QUALITY} is for wet gas, but the export takes a superheat (use export en12900)")
+        (quality,) = names_of(QUALITY, self.two)
+        if quality in {*self.conditions, *one.values, *self.within}:
+            raise UsageError(f"{quality} is for wet gas, but the export takes a superheat (use export en12900)")
         return self.condition(one, SUPERHEAT)
 
 
@@ -67,25 +76,27 @@ def swept_results(
     without: Sequence[str] | None = None,
     jobs: int | None = None,
     progress: Progress | None = None,
-    told: Callable[[Scene, tuple[Input, ...]], None] | None = None,
+    told: Callable[[Varied, tuple[Input, ...]], None] | None = None,
 ) -> Iterator[Results]:
     """Give the results of a file, or those of a scene after its own sweep or one over ranges (`--over`)."""
     if is_results(source):
         refuse_changes(source, {"--over": over, "--set": overrides, "--without": without})
         yield open_results(source)
         return
-    scene = load(source, overrides or (), without or ())
+    scene = load_varied(source, overrides, without)
+    temperatures = temperature_paths(not isinstance(scene, Scene))
     if over:
         inputs = read_inputs(scene, over)
-        counts = [SATURATION_NODES if one.path in (EVAPORATING, CONDENSING) else OTHER_NODES for one in inputs]
+        counts = [SATURATION_NODES if one.path in temperatures else OTHER_NODES for one in inputs]
         pairs = zip(inputs, counts, strict=True)
         sweep = {one.path: tuple(map(float, one.at(evenly_spaced_nodes(one, count)))) for one, count in pairs}
         scene = replace(scene, sweep=sweep, joints=())
-    missing = [path for path in (EVAPORATING, CONDENSING) if path not in scene.sweep]
+    missing = [path for path in temperatures if path not in scene.sweep]
     if missing:
+        evaporating, condensing = temperatures
         raise UsageError(
             f"{source}: is swept over no {' and no '.join(missing)}, which these polynomials need (write e.g. "
-            f"--over '{EVAPORATING}=-10 degC..10 degC' --over '{CONDENSING}=30 degC..50 degC')"
+            f"--over '{evaporating}=-10 degC..10 degC' --over '{condensing}=30 degC..50 degC')"
         )
     if told is not None:
         told(scene, read_inputs(scene, ()))
@@ -95,29 +106,22 @@ def swept_results(
 
 def polynomials(results: Results, figures: Sequence[str]) -> Polynomials:
     """Return the polynomials of some figures; raise UsageError where there can be none."""
+    from ruamel.yaml import YAML
+
     if any(axis.values.dtype.kind != "f" for axis in results.axis_list):
         raise UsageError(f"{results.path}: has a non-numeric axis (export a sweep of one of its values)")
     maps = tuple(one for one in performance_maps(results, figures) if not one.message)
     axes = {axis.path: axis.units for axis in results.axis_list if axis.path in maps[0].values}
     units = {name: results.figure(name).units for name in maps[0].fits}
-    fluid, blend = fluid_of(results)
-    point = "dew" if blend else "bubble"
-    title = title_on_one_line(results.attributes["title"])
-    return Polynomials(title, fluid, maps, units, conditions(results), axes, point, _paths_along(results))
-
-
-def _paths_along(results: Results) -> frozenset[str]:
-    varied = results.varied
-    own = {varied[path][0] for path in (EVAPORATING, CONDENSING)}
-    return frozenset(path for path, (axis, _) in varied.items() if axis in own) - {EVAPORATING, CONDENSING}
-
-
-def fluid_of(results: Results) -> tuple[str, bool]:
-    """Return the name of the fluid in the scene of results, and whether it is a blend."""
-    from ruamel.yaml import YAML
-
-    fluid = YAML(typ="safe", pure=True).load(results.scene_yaml)["gas"]["fluid"]
-    return (fluid, is_blend(fluid)) if isinstance(fluid, str) else ("/".join(fluid), True)
+    alone = results.stages.get(STAGES[0], results)  # of two stages the first
+    fluid = YAML(typ="safe", pure=True).load(alone.scene_yaml)["gas"]["fluid"]
+    name, blend = (fluid, is_blend(fluid)) if isinstance(fluid, str) else ("/".join(fluid), True)
+    temperatures = temperature_paths(bool(results.stages))
+    own = {results.varied[path][0] for path in temperatures}
+    within = {path for path, (axis, _) in results.varied.items() if axis in own} - {*temperatures}
+    title, point = title_on_one_line(results.attributes["title"]), "dew" if blend else "bubble"
+    about = units, conditions(results), axes, point, frozenset(within), bool(results.stages)
+    return Polynomials(title, name, maps, *about)
 
 
 def temperature_limits(one: PerformanceMap) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -151,26 +155,6 @@ def quadratic(
     matrix = np.column_stack([np.ones_like(S), S, S**2, D, D**2, S * D])
     found, *_ = np.linalg.lstsq(matrix, wanted, rcond=None)
     return tuple(map(float, found)), float(np.max(np.abs(matrix @ found / wanted - 1.0)))
-
-
-def by_terms(fit: PolynomialFit, order: Sequence[tuple[int, int]]) -> list[float]:
-    """Return the coefficients of a fit in another order of terms (powers of S and D)."""
-    place = dict(zip(TERMS, fit.coefficients, strict=True))
-    return [place[term] for term in order]
-
-
-def in_fahrenheit(fit: PolynomialFit, factor: float) -> tuple[float, ...]:
-    """Return the coefficients for °F from those for °C, for the figure times a factor."""
-    scaled = np.zeros((4, 4))
-    for (i, j), c in zip(TERMS, fit.coefficients, strict=True):
-        for (k, a), (m, b) in itertools.product(_powers(i), _powers(j)):
-            scaled[k, m] += factor * c * a * b
-    return tuple(float(scaled[term]) for term in TERMS)
-
-
-def _powers(n: int) -> list[tuple[int, float]]:
-    """Return (k, coefficient of F^k) in C^n, C = (F − 32)/1.8."""
-    return [(k, math.comb(n, k) * (-32.0) ** (n - k) / 1.8**n) for k in range(n + 1)]
 
 
 DOCUMENT_KEYS = ("title", "fluid", "formula", "S", "D", "units", "conditions")  # keys of a document

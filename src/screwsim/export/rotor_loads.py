@@ -7,7 +7,6 @@ virtual work: the male torque agrees within 1.5 %, the female one within 2.5 % o
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +16,7 @@ from screwsim.machine.profile_law import LaidCurves
 from screwsim.machine.rotors.loads import (
     NAMES,
     Diameters,
+    bearing_forces,
     chambers_at,
     expanded,
     pressed_areas,
@@ -67,16 +67,10 @@ def intake_pressure(result: Result) -> float:
     return float(next(each for each in known if each is not None))
 
 
-@dataclass(frozen=True, eq=False)
-class Loads:
-    """Columns over one pitch of the male rotor (`angle` [rad]): forces [N], torques [N m], bearing forces by name."""
-
-    angle: Array
-    columns: Mapping[str, Array]
-
-
-def loads_of(pressures: Pressures, spans: Spans = (0.0, 0.0), shafts: Diameters = (0.0, 0.0)) -> Loads:
-    """Return the loads over one pitch of the male rotor.
+def loads_of(
+    pressures: Pressures, spans: Spans = (0.0, 0.0), shafts: Diameters = (0.0, 0.0)
+) -> tuple[Array, dict[str, Array]]:
+    """Return the angle over one pitch of the male rotor [rad], and by name forces [N], torques [N m], bearing forces.
 
     `spans` [m] are the distances of the bearings outside of the end planes, suction first; `shafts` [m] the diameters
     of the shafts of male and female, which the gas on the end faces does not reach. Raise UsageError for a shaft that
@@ -93,32 +87,19 @@ def loads_of(pressures: Pressures, spans: Spans = (0.0, 0.0), shafts: Diameters 
     for name in NAMES:
         own = found[name]
         columns |= {f"{name}_{key}": own[key] for key in GAS}
-        columns |= {
-            f"{name}_{key}": values for key, values in _bearings(own, "force", "moment", rotors.length, spans).items()
-        }
+        by_flanks = bearing_forces(own, rotors.length, spans, "force", "moment")
+        columns |= {f"{name}_{key}": values for key, values in by_flanks.items()}
     columns |= _torques_by_virtual_work(pressures, angle)
     for name in NAMES:
         own = found[name]
         shown = {key: own[key] for key in ("suction_end_force", "discharge_end_force")}
         shown |= {key: own[key] for key in ("contact_force_x", "contact_force_y", "contact_force_z")}
         shown["thrust_bearing"] = own["thrust"]
-        carried = _bearings(own, "total", "total_moment", rotors.length, spans)
+        carried = bearing_forces(own, rotors.length, spans)
         shown |= {key.replace("_bearing", "_bearing_total"): values for key, values in carried.items()}
         columns |= {f"{name}_{key}": values for key, values in shown.items()}
     columns["shaft_torque"] = found["male"]["torque"] + found["male"]["contact_torque"]
-    return Loads(angle, columns)
-
-
-def _bearings(own: Mapping[str, Array], force: str, moment: str, length: float, spans: Spans) -> dict[str, Array]:
-    """Return the radial forces [N] on both bearings of a rotor, from the balance of moments about the suction end."""
-    columns = {}
-    for way in "xy":
-        far = (own[f"{moment}_{way}"] + own[f"{force}_{way}"] * spans[0]) / (length + sum(spans))
-        columns[f"discharge_bearing_{way}"] = far
-        columns[f"suction_bearing_{way}"] = own[f"{force}_{way}"] - far
-    for end in ("suction", "discharge"):
-        columns[f"{end}_bearing"] = np.hypot(*(columns[f"{end}_bearing_{way}"] for way in "xy"))
-    return columns
+    return angle, columns
 
 
 def _torques_by_virtual_work(pressures: Pressures, angle: Array) -> dict[str, Array]:

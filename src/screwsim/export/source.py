@@ -20,6 +20,8 @@ from screwsim.scene.units import Refused, parse_quantity
 from screwsim.simulate import simulate
 from screwsim.study.figures import figure_named
 from screwsim.study.progress import Progress
+from screwsim.study.stages import is_stages, read_stages
+from screwsim.study.varied import Varied, accuracy_of
 
 DEFAULT_ERROR = 0.005  # relative error of a map, if none is requested
 MOST_CASES = 5000
@@ -42,6 +44,15 @@ def refuse_changes(source: str, given: Mapping[str, Any]) -> None:
         raise UsageError(f"{source}: holds results, which {stray} cannot change (name their scene instead)")
 
 
+def load_varied(source: str, overrides: Sequence[str] | None, without: Sequence[str] | None) -> Varied:
+    """Return the scene of a file, or the two stages that it joins; raise `SceneError` or `UsageError`."""
+    if not is_stages(source):
+        return load(source, overrides or (), without or ())
+    if without:
+        raise UsageError(f"{source}: stages have no --without (write EFFECT: off in the scene of a stage)")
+    return read_stages(source, overrides or ())
+
+
 def map_of(
     source: str,
     over: Sequence[str] | None = None,
@@ -52,7 +63,7 @@ def map_of(
     without: Sequence[str] | None = None,
     jobs: int | None = None,
     progress: Callable[[], Progress] | None = None,
-    told: Callable[[Scene, tuple[Input, ...]], None] | None = None,
+    told: Callable[[Varied, tuple[Input, ...]], None] | None = None,
 ) -> MapTable:
     """Return the map of a scene's file or of a results file; raise `SceneError` or `UsageError`.
 
@@ -62,7 +73,7 @@ def map_of(
         given = {"--over": over, "--error": wanted, "--most-cases": most, "--set": overrides, "--without": without}
         refuse_changes(source, given)
         return map_of_results(open_results(source), figures)
-    scene = load(source, overrides or (), without or ())
+    scene = load_varied(source, overrides, without)
     return map_of_scene(scene, over or (), figures, wanted, most, jobs, progress, told)
 
 
@@ -76,20 +87,23 @@ def map_of_results(results: Results, figures: Sequence[str] | None = None) -> Ma
 
 
 def map_of_scene(
-    scene: Scene,
+    scene: Varied,
     over: Sequence[str] | Mapping[str, tuple[float, float]] = (),
     figures: Sequence[str] | None = None,
     wanted: float | None = None,
     most: int | None = None,
     jobs: int | None = None,
     progress: Callable[[], Progress] | None = None,
-    told: Callable[[Scene, tuple[Input, ...]], None] | None = None,
+    told: Callable[[Varied, tuple[Input, ...]], None] | None = None,
     dashes: str = "--",
 ) -> MapTable:
-    """Return the map of a scene over paths; raise `UsageError`, with `dashes` before the names of what was given."""
+    """Return the map of a scene, or of two stages, over paths.
+
+    Raise `UsageError`, with `dashes` before the names of what was given.
+    """
     asked = DEFAULT_ERROR if wanted is None else wanted
-    if not scene.numerics.accuracy < asked < 1.0:
-        what = f"is not between the scene's numerics.accuracy {scene.numerics.accuracy:g} and 1"
+    if not accuracy_of(scene) < asked < 1.0:
+        what = f"is not between the scene's numerics.accuracy {accuracy_of(scene):g} and 1"
         raise UsageError(
             f"{dashes}error {asked:g}: {what} (a map cannot be more accurate than the solutions it is made from)"
         )
@@ -109,6 +123,9 @@ def run_of(source: str, overrides: Sequence[str] = (), without: Sequence[str] = 
     if overrides or without:
         raise UsageError(f"{source}: holds results, which --set and --without cannot change (name their scene instead)")
     results = open_results(source)
+    if results.stages:
+        alone = f"screwsim scene {source} --stage {next(iter(results.stages))} gives its scene, to be named here"
+        raise UsageError(f"{source}: holds two stages, and loads are those of one machine ({alone})")
     if results.shape or "angle" not in results.cycle:
         raise UsageError(f"{source}: holds no cycle of one run (write one with screwsim run -o, or name the scene)")
     try:

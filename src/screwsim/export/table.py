@@ -10,9 +10,9 @@ from __future__ import annotations
 import itertools
 import math
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,24 +22,27 @@ from screwsim.export.hermite import Array, evaluate, grid_of
 from screwsim.export.inputs import (
     FIGURES,
     Input,
-    Output,
     check_names,
     evenly_spaced_nodes,
-    input_meaning,
-    input_name,
-    output_of,
+    followers_of,
+    input_of,
     plain,
     title_on_one_line,
+    with_followers,
 )
 from screwsim.export.map_table import MapTable
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figure
 from screwsim.results import Results, open_results
 from screwsim.results.schema import Axis
 from screwsim.results.warning_kinds import kinds_of, warnings_of_cases
 from screwsim.scene import Scene, scene_text
 from screwsim.scene.types import Joint
 from screwsim.study.progress import Progress
+from screwsim.study.stages.points import sweep_stages
+from screwsim.study.stages.store import chain_text, save_chain
 from screwsim.study.sweep import run_sweep
+from screwsim.study.varied import Varied
 
 CHECK_POINTS = 32  # check points drawn
 SAFETY_SHARE = 0.7  # of the requested error: required at the check points, so that other points meet the requested one
@@ -50,7 +53,7 @@ TITLE_SEPARATOR = "; SI units; error between the nodes "  # in the first line of
 FEW_NODES = 4  # number of nodes of an axis up to which no error is estimated from it
 
 
-def scales(outputs: Sequence[Output], values: Array) -> Array:
+def scales(outputs: Sequence[Figure], values: Array) -> Array:
     """Return the scale of relative errors of values (…, outputs): their size, limited below; 100 K for temperatures."""
     size = np.abs(values)
     largest = np.nanmax(size.reshape(-1, size.shape[-1]), axis=0)
@@ -60,9 +63,9 @@ def scales(outputs: Sequence[Output], values: Array) -> Array:
 
 
 def tabulated_map(
-    scene: Scene,
+    scene: Varied,
     inputs: Sequence[Input],
-    outputs: Sequence[Output],
+    outputs: Sequence[Figure],
     wanted: float,
     *,
     most: int = 5000,
@@ -70,14 +73,14 @@ def tabulated_map(
     progress: Callable[[], Progress] | None = None,
     simulate: Any = None,
 ) -> MapTable:
-    """Return the map of a scene with an error at the check points of at most `SAFETY_SHARE` times `wanted`.
+    """Return the map of a scene, or of two stages, over its inputs.
 
-    At most `most` nodes are simulated; a table that remains coarser because of them says so (`MapTable.met`). Raise
-    UsageError where nothing closes.
+    Its error at the check points is at most `SAFETY_SHARE` times `wanted`. At most `most` nodes are simulated; a table
+    that remains coarser because of them says so (`MapTable.met`). Raise UsageError where nothing closes.
     """
     check_names(inputs, outputs)
     head = title_on_one_line(scene.title), tuple(inputs), tuple(outputs)
-    text = scene_text(replace(scene, sweep={}, joints=()))
+    text = _text(replace(scene, sweep={}, joints=()))
     solve = _Solver(scene, outputs, jobs, progress, simulate)
     nodes = [evenly_spaced_nodes(variable, 5 if len(inputs) <= FEW_INPUTS else 3) for variable in inputs]
     points = _drawn_check_points(inputs)
@@ -111,19 +114,18 @@ def tabulated_map(
 
 def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable:
     """Return the map in a sweep's results file, over all its axes; raise UsageError where there is none."""
-    if not results.axis_list or any(axis.joined for axis in results.axis_list):
-        raise UsageError(
-            f"{results.path}: holds no grid (a map needs a sweep over one or more axes, none of them joined)"
-        )
-    axes = [axis for axis in results.axis_list if len(axis.values) > 1]
-    if not axes:
+    if not results.axis_list:
+        raise UsageError(f"{results.path}: holds no grid (a map needs a sweep over one or more axes)")
+    varied = [axis for axis in results.axis_list if len(axis.values) > 1]
+    if not varied:
         raise UsageError(f"{results.path}: varies nothing, as each axis has one value (export a sweep over more)")
-    if any(axis.values.dtype.kind != "f" for axis in axes):
+    axes = [axis.joined[0] if axis.joined else axis for axis in varied]
+    if not _are_numbers(axes):
         raise UsageError(f"{results.path}: has a non-numeric axis (export a sweep of one of its values)")
-    inputs = [_input_of(axis) for axis in axes]
+    inputs = [_input_of(results, axis, whole.joined[1:]) for axis, whole in zip(axes, varied, strict=True)]
     orders = [np.argsort(np.asarray(axis.values, float)) for axis in axes]
     names = figures or [name for name in FIGURES if name in results.figures]
-    outputs = [output_of(name, {name: results.figure(name)}) for name in names]
+    outputs = [results.figure(name) for name in names]
     check_names(inputs, outputs)
 
     def sorted_grid(column: Any) -> np.ndarray:
@@ -141,7 +143,8 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable
     how = how if checked else "unknown, as no axis has five values"
     head = title_on_one_line(results.attributes["title"]), tuple(inputs), tuple(outputs)
     grid, why, warnings = grid_of(nodes, values, sound), _first_reason(results), kinds_of(warnings_of_cases(results))
-    return MapTable(*head, grid, None, results.scene_yaml, errors, checked, how, sound.size, why, warnings)
+    text = _documents(results.scene_yaml, {name: each.scene_yaml for name, each in results.stages.items()})
+    return MapTable(*head, grid, None, text, errors, checked, how, sound.size, why, warnings)
 
 
 def _first_reason(results: Results) -> str:
@@ -150,13 +153,29 @@ def _first_reason(results: Results) -> str:
     return next((str(why) for status, why in cases if status != "ok" and why), "")
 
 
-def _input_of(axis: Axis) -> Input:
-    """Return the input that an axis of a sweep is; pressures over an octave or more are taken by their logarithm."""
-    values = np.asarray(axis.values, float)
-    low, high = float(values.min()), float(values.max())
-    log = axis.units == "Pa" and high >= 2.0 * low > 0.0
-    meaning = input_meaning(axis.long_name)
-    return Input(axis.path, input_name(axis.path), axis.units, meaning, low, high, float(values[0]), log)
+def _first_lack(results: Results, outputs: Sequence[Figure]) -> str:
+    """Return that no case has one of the outputs; empty where each has a value."""
+    absent = next((output.name for output in outputs if output.name not in results.figures), "")
+    return f"they have no {absent}; choose another --figure" if absent else ""
+
+
+def _input_of(results: Results, axis: Axis, others: Sequence[Axis]) -> Input:
+    """Return the input that an axis of a sweep is.
+
+    What varies together with it (`others`) follows it; raise UsageError where it has not one value for each.
+    """
+    ends = np.min(axis.values), np.max(axis.values)
+    found = input_of(axis.path, axis.units, axis.long_name, ends, float(axis.values[0]))
+    numbers = {each.path: each.values for each in others}
+    followers = () if not others else followers_of(axis.values, numbers) if _are_numbers(others) else None
+    if followers is None:
+        what = f"{axis.path} varies together with {' and '.join(numbers)}, but does not rise or fall throughout"
+        raise UsageError(f"{results.path}: holds no grid: {what} (a map needs axes of their own)")
+    return with_followers(found, followers)
+
+
+def _are_numbers(axes: Sequence[Axis]) -> bool:
+    return all(axis.values.dtype.kind == "f" for axis in axes)
 
 
 def _drawn_check_points(inputs: Sequence[Input]) -> Array:
@@ -186,7 +205,7 @@ def _errors(table: MapTable, points: Array, values: Array, sound: Array) -> tupl
 
 
 def _errors_of_leaving_out(
-    nodes: Sequence[Array], values: Array, sound: Array, outputs: Sequence[Output]
+    nodes: Sequence[Array], values: Array, sound: Array, outputs: Sequence[Figure]
 ) -> tuple[tuple[float, ...], int]:
     """Return the largest errors from leaving out every second node of each axis that has five or more; their number."""
     tested = [axis for axis, x in enumerate(nodes) if len(x) > FEW_NODES]
@@ -196,7 +215,7 @@ def _errors_of_leaving_out(
 
 
 def _axis_error(
-    nodes: Sequence[Array], values: Array, sound: Array, outputs: Sequence[Output], axis: int
+    nodes: Sequence[Array], values: Array, sound: Array, outputs: Sequence[Figure], axis: int
 ) -> tuple[Array, int]:
     """Return the errors of the outputs at nodes of an axis left out of a table of every second one; their number."""
     kept = np.unique([*range(0, len(nodes[axis]), 2), len(nodes[axis]) - 1])
@@ -229,55 +248,74 @@ def _inserted(
 
 
 @contextmanager
-def temporary_results(scene: Scene, **options: Any) -> Iterator[Results]:
-    """Give the results of a scene's sweep, whose file is removed at the end; `options` are those of `run_sweep`."""
-    whole = replace(scene, text=scene_text(replace(scene, text="")))
+def temporary_results(scene: Varied, **options: Any) -> Iterator[Results]:
+    """Give the results of a sweep, whose file is removed at the end; `options` are those of the function that runs it.
+
+    That is `run_sweep` for a scene, and `sweep_stages` for two stages.
+    """
     with tempfile.TemporaryDirectory(prefix="screwsim-") as folder:
         path = Path(folder) / "map.h5"
-        run_sweep(whole, path, **options)
+        if isinstance(scene, Scene):
+            run_sweep(replace(scene, text=_text(scene)), path, **options)
+        else:
+            save_chain(path, scene, sweep_stages(scene, **options), "sweep")
         yield open_results(path)
 
 
+@dataclass
 class _Solver:
     """Simulates grids and points of a scene, counts cases, and keeps the first reason for a failure."""
 
-    def __init__(
-        self,
-        scene: Scene,
-        outputs: Sequence[Output],
-        jobs: int | None,
-        progress: Callable[[], Progress] | None,
-        simulate: Any,
-    ) -> None:
-        self._scene, self._outputs, self._jobs = scene, outputs, jobs
-        self._progress, self._simulate = progress, simulate
-        self.cases, self.why = 0, ""
-        self.warnings: list[list[str]] = []
+    scene: Varied
+    outputs: Sequence[Figure]
+    jobs: int | None
+    progress: Callable[[], Progress] | None
+    simulate: Any
+    cases: int = 0
+    why: str = ""
+    warnings: list[list[str]] = field(default_factory=list)
 
     def grid(self, inputs: Sequence[Input], nodes: Sequence[Array]) -> tuple[Array, Array]:
         """Return values (nodes …, outputs) and which nodes closed."""
-        sweep = {variable.path: tuple(map(float, variable.at(u))) for variable, u in zip(inputs, nodes, strict=True)}
-        return self._swept(replace(self._scene, sweep=sweep, joints=()), tuple(map(len, nodes)))
+        each = [variable.swept(variable.at(u)) for variable, u in zip(inputs, nodes, strict=True)]
+        sweep = {path: values for one in each for path, values in one.items()}
+        joints = tuple(
+            Joint(variable.name, tuple(one)) for variable, one in zip(inputs, each, strict=True) if len(one) > 1
+        )
+        return self._swept(replace(self.scene, sweep=sweep, joints=joints), tuple(map(len, nodes)))
 
     def points(self, inputs: Sequence[Input], points: Array) -> tuple[Array, Array]:
         """Return values (points, outputs) and which of them closed."""
-        sweep = {variable.path: tuple(map(float, points[:, i])) for i, variable in enumerate(inputs)}
+        each = (variable.swept(points[:, i]) for i, variable in enumerate(inputs))
+        sweep = {path: values for one in each for path, values in one.items()}
         joint = Joint("case", tuple(sweep))
-        return self._swept(replace(self._scene, sweep=sweep, joints=(joint,)), (len(points),))
+        return self._swept(replace(self.scene, sweep=sweep, joints=(joint,)), (len(points),))
 
-    def _swept(self, scene: Scene, shape: tuple[int, ...]) -> tuple[Array, Array]:
-        options = {} if self._simulate is None else {"simulate": self._simulate}
-        told = None if self._progress is None else self._progress()
-        with temporary_results(scene, jobs=self._jobs, progress=told, **options) as results:
+    def _swept(self, scene: Varied, shape: tuple[int, ...]) -> tuple[Array, Array]:
+        options = {} if self.simulate is None else {"simulate": self.simulate}
+        told = None if self.progress is None else self.progress()
+        with temporary_results(scene, jobs=self.jobs, progress=told, **options) as results:
             self.cases += math.prod(shape)
             self.warnings += warnings_of_cases(results)
             nothing = np.full(shape, np.nan)
-            columns = [np.reshape(results.performance.get(output.name, nothing), shape) for output in self._outputs]
+            columns = [np.reshape(results.performance.get(output.name, nothing), shape) for output in self.outputs]
             values = np.stack(columns, axis=-1)
             sound = (results.status.reshape(shape) == "ok") & np.isfinite(values).all(axis=-1)
             if not sound.all() and not self.why:
-                self.why = _first_reason(results)
+                self.why = _first_reason(results) or _first_lack(results, self.outputs)
         return values, sound
+
+
+def _text(scene: Varied) -> str:
+    """Return the text of a scene, or of two stages."""
+    if isinstance(scene, Scene):
+        return scene_text(scene)
+    return _documents(chain_text(scene), {name: scene_text(each) for name, each in scene.by_stage.items()})
+
+
+def _documents(text: str, stages: Mapping[str, str]) -> str:
+    """Return the text of a scene; of two stages that of their file and of both scenes, as YAML documents."""
+    return "".join([text, *(f"---\n# {name}.yaml\n{own}" for name, own in stages.items())])
 
 
 def csv_table(table: MapTable) -> str:

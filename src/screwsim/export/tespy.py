@@ -37,6 +37,9 @@ def tespy_document(results: Results) -> dict[str, Any]:
 
     Raise UsageError where the sweep lacks what they need.
     """
+    if results.stages:
+        what = "holds two stages, and TESPy's compressor is one machine, with one swept volume"
+        raise UsageError(f"{results.path}: {what} (use export en12900 or csv, or the sweep of one stage)")
     lacking = [name for name in _NEEDED if name not in results.figures]
     if lacking:
         raise UsageError(f"{results.path}: has no {lacking[0]}, which TESPy's compressor needs")

@@ -185,7 +185,7 @@ def _write(writer: ModelWriter, parts: Parts, law: Any) -> None:
     if stopped := [part for _, part in parts.all(Stops)]:
         writing.write_stops(writer, stopped, network.states)
     called = (*balances.balance_kernels(network), *steps.step_kernels(network))
-    called += (*surroundings.surroundings_kernels(network), *port_states.port_state_kernels(), nozzle.flow)
+    called += (*surroundings.surroundings_kernels(network), *port_states.KERNELS, nozzle.flow)
     for each in (*called, *stops.stop_kernels(network)):
         network.kernels[each.flat_name] = each
 

@@ -10,7 +10,7 @@ from screwsim.model.network.chambers import chambers_texts
 from screwsim.model.network.layout import Layout
 from screwsim.model.network.moments import moment_text
 from screwsim.model.network.network import Network
-from screwsim.model.network.stops import OF_EACH, of_stop
+from screwsim.model.network.stops import OF_EACH
 from screwsim.numerics import history, rodas
 from screwsim.numerics.kept_text import kept_text
 from screwsim.numerics.kernel import HEADER, Kernel, Slot, flatten
@@ -75,8 +75,7 @@ def _written(
     own = {name: name for name in constants} | OWN
     blocks = flatten(kernels, own, numbers=numbers)
     for label in stops:
-        filled, ends = of_stop(label)
-        blocks |= flatten(OF_EACH, own | filled, ends, numbers)
+        blocks |= flatten(OF_EACH, own | {"push_on": f"push_on__{label}"}, f"_{label}", numbers)
     blocks |= {f"own {i}": text for i, text in enumerate(own_functions)}
     many, whose = (constants["CHAMBERS"], "chambers") if together else (1, "chamber")
     sizes = {"STATES": many * constants["N"], "QUADRATURES": numbers["QUADRATURES"] + together}

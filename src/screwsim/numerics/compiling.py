@@ -7,7 +7,7 @@ import json
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any
 
@@ -17,8 +17,11 @@ from screwsim.numerics.store import keep, read
 TIMES = "compile-times.json"  # [s] by kind: duration of the last compilation on this machine
 
 
-class _Wait:
-    """A stretch of work during which something may have to be compiled first."""
+class announced:
+    """Print on stderr that `what` is compiled, if something within has to be, and how long its kind takes.
+
+    `usual` is that duration in words, where none has been compiled here before.
+    """
 
     def __init__(self, kind: str, what: str, usual: str) -> None:
         self._kind, self._what, self._usual = kind, what, usual
@@ -51,19 +54,11 @@ class _Wait:
 
 
 _whole: ContextVar[str] = ContextVar("whole", default="")  # the larger task that the wait is part of
-_now: ContextVar[_Wait | None] = ContextVar("now", default=None)
+_now: ContextVar[announced | None] = ContextVar("now", default=None)
 
 
 def _times() -> dict[str, float]:
     return json.loads(read(TIMES) or b"{}")
-
-
-def announced(kind: str, what: str, usual: str) -> AbstractContextManager[None]:
-    """Print on stderr that `what` is compiled, if something within has to be, and how long its kind takes.
-
-    `usual` is that duration in words, where none has been compiled here before.
-    """
-    return _Wait(kind, what, usual)
 
 
 @contextmanager

@@ -22,7 +22,7 @@ def read(text: str, **parts: Expression) -> Expression:
     return Put().visit(ast.parse(text, mode="eval").body)
 
 
-# derivative of each function of math by its argument u, where v is its value
+# derivative of each function of math, and of abs, by its argument u, where v is its value
 SLOPES = {
     "sqrt": "0.5 / v if v > 0.0 else 0.0",
     "exp": "v",
@@ -39,7 +39,7 @@ SLOPES = {
     "sinh": "math.cosh(u)",
     "cosh": "math.sinh(u)",
     "tanh": "1.0 - v * v",
-    "fabs": "1.0 if u >= 0.0 else -1.0",
+    **dict.fromkeys(("fabs", "abs"), "1.0 if u >= 0.0 else -1.0"),
     "erf": "1.1283791670955126 * math.exp(-u * u)",
 }
 

@@ -133,7 +133,7 @@ class Partials:
 
     def _call(self, node: ast.Call, before: list[ast.stmt]) -> tuple[Expression, Slopes]:
         name = name_of(node)
-        if isinstance(node.func, ast.Attribute) and name in SLOPES:
+        if (isinstance(node.func, ast.Attribute) or name == "abs") and name in SLOPES:
             value, slopes = self.expression(node.args[0], before)
             u = self.kept(value, before)
             v = self.kept(ast.Call(node.func, [u], []), before)
@@ -143,11 +143,6 @@ class Partials:
             return self._operation(node.args[0], ast.Pow(), node.args[1], before)
         if isinstance(node.func, ast.Name) and name == "float":
             return self.expression(node.args[0], before)
-        if isinstance(node.func, ast.Name) and name == "abs":
-            value, slopes = self.expression(node.args[0], before)
-            u = self.kept(value, before)
-            by = self.kept(read("1.0 if u >= 0.0 else -1.0", u=u), before)
-            return ast.Call(node.func, [u], []), each(lambda name: product(slopes[name], by), slopes)
         if isinstance(node.func, ast.Name) and name in ("min", "max") and len(node.args) > 1:
             return self._extreme(name, node.args, before)
         return self.values(node, before, 1)[0]

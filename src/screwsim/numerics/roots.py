@@ -53,10 +53,12 @@ def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2
     raise RuntimeError(f"no zero found in {MOST} steps, last tried at {x}")
 
 
-def bisected(below: Callable[[float], bool], low: float, high: float, rtol: float = 0.0) -> tuple[float, float]:
-    """Return an interval halved to rtol |high|, at most sixty times; `below` holds up to some place in it alone."""
+def bisected(
+    below: Callable[[float], bool], low: float, high: float, rtol: float = 0.0, xtol: float = 0.0
+) -> tuple[float, float]:
+    """Return an interval halved to xtol or rtol |high|, at most sixty times; `below` holds up to some place alone."""
     for _ in range(60):
-        if abs(high - low) <= rtol * abs(high):
+        if abs(high - low) <= max(xtol, rtol * abs(high)):
             break
         middle = 0.5 * (low + high)
         low, high = (middle, high) if below(middle) else (low, middle)

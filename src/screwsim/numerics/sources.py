@@ -16,14 +16,23 @@ from contextlib import suppress
 from functools import cache
 from importlib.machinery import ModuleSpec
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import screwsim
 
 _SHOWS = ("cli", "printing", "report")  # folders of the package that change no result
 _LETTERS = 16  # length of a digest, enough to distinguish texts
 _TICK = 0.01  # [s] possible lag of a file system's clock
-_noted: dict[str, tuple[Any, Mapping[str, str]]] = {}
+
+
+class Recorded(NamedTuple):
+    """The object that a user's module defines, and {file: digest} of it and of the user's modules that it imports."""
+
+    made: Any
+    digests: Mapping[str, str]
+
+
+recorded: dict[str, Recorded] = {}  # the user's modules, as they were when they were imported
 
 
 @cache
@@ -62,27 +71,12 @@ def digest(content: bytes) -> str:
 
 def record_module(name: str, made: Any) -> None:
     """Record the texts of a user's module just imported; `made` is the object that a new import replaces."""
-    if name not in _noted or _noted[name][0] is not made:
+    if name not in recorded or recorded[name].made is not made:
         top = name.partition(".")[0]
         found: dict[str, str] = {}
         if top != "screwsim":  # covered by `package_digest`
             _add(name, top, found)
-        _noted[name] = made, found
-
-
-def recorded_object(name: str) -> Any:
-    """Return the object that a recorded user's module defines."""
-    return _noted[name][0]
-
-
-def recorded_modules() -> dict[str, Any]:
-    """Return {module: object that it defines} of the recorded user's modules."""
-    return {name: made for name, (made, _) in _noted.items()}
-
-
-def module_digests(name: str) -> Mapping[str, str]:
-    """Return {file: digest} of a user's module as it was recorded, and of the user's own modules that it imports."""
-    return _noted[name][1]
+        recorded[name] = Recorded(made, found)
 
 
 def _add(name: str, top: str, found: dict[str, str]) -> None:

@@ -19,9 +19,8 @@ OF_A_LINE = 16  # [characters] length of a line's digest
 
 def read(name: str) -> bytes | None:
     """Return the content stored under a name; None where there is nothing intact that this user wrote."""
-    folder = cache_folder()
-    held = None if folder is None else _bytes_of(folder / name)
-    if folder is None or held is None:
+    held = _bytes_of(name)
+    if held is None:
         return None
     if held[:DIGEST] == _digest(name, held[DIGEST:]):
         return held[DIGEST:]
@@ -36,8 +35,8 @@ def keep(name: str, content: bytes) -> None:
 
 def keep_text(name: str, text: str) -> None:
     """Store a text as it is, for people to read."""
-    folder, content = cache_folder(), text.encode()
-    if folder is not None and _bytes_of(folder / name) != content:
+    content = text.encode()
+    if _bytes_of(name) != content:
         _write(name, content)
 
 
@@ -49,10 +48,13 @@ def drop(name: str) -> None:
             (folder / name).unlink(missing_ok=True)
 
 
-def _bytes_of(path: Path) -> bytes | None:
-    """Return all bytes of a regular file that this user wrote; None where there is none."""
+def _bytes_of(name: str) -> bytes | None:
+    """Return all bytes of a regular file in the cache folder that this user wrote; None where there is none."""
+    folder = cache_folder()
+    if folder is None:
+        return None
     try:
-        with open(path, "rb", opener=_unlinked) as stream:
+        with open(folder / name, "rb", opener=_unlinked) as stream:
             found = os.fstat(stream.fileno())
             return stream.read() if is_own(found) and stat.S_ISREG(found.st_mode) else None
     except OSError:
@@ -86,8 +88,7 @@ def read_lines(name: str, full: int) -> list[str]:
 
     Checking each line takes longer than reading them all: `checked_line` does it where a line is used.
     """
-    folder = cache_folder()
-    held = None if folder is None else _bytes_of(folder / name)
+    held = _bytes_of(name)
     if held is None:
         return []
     if len(held) >= full:

@@ -213,25 +213,25 @@ def _numerics(numerics: Mapping[str, Any]) -> str:
 def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
     """Return what `sweep --json` prints: numbers of cases, the first that are not ok, the kinds of warnings."""
     from screwsim.results import open_results
-    from screwsim.results.warning_kinds import cases_with_warnings, warning_summary
+    from screwsim.results.warning_kinds import cases_with_warnings, warning_kinds
     from screwsim.scene import case_values
 
     results = open_results(summary.path)
     status = results.performance["status"].ravel()
     bad = status.nonzero()[0][:MOST_FAILURES]
     messages = results.performance.texts_at("message", bad)
-    found, warned = warning_summary(results), cases_with_warnings(results).ravel()
+    warned = cases_with_warnings(results).ravel()
     return {
         **picked(summary, "path", "cases", "ok", "not_closed", "failed", "reused", "seconds"),
         "failures": [
             {"case": case, "status": STATUSES[status[case]], "values": case_values(scene, case), "message": message}
             for case, message in zip(bad.tolist(), messages, strict=True)
         ],
-        "warned": found.cases,
+        "warned": int(warned.sum()),
         "warned_by_status": {name: int((warned & (status == code)).sum()) for code, name in enumerate(STATUSES)},
         "warnings": [
             {"cases": kind.cases, "case": kind.first, "values": case_values(scene, kind.first), "warning": kind.text}
-            for kind in found.kinds
+            for kind in warning_kinds(results)
         ],
         **({"uncertainty": uncertainty_ranges(results)} if len(results.uncertainty) else {}),
     }

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterator
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,8 @@ from screwsim.outputs.customary import digits
 from screwsim.outputs.display import picked
 from screwsim.printing import write_json
 from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_wrapped, wrapped
-from screwsim.report.calibration import draw
+from screwsim.report.calibration import residuals_figure
+from screwsim.report.style import write_all
 from screwsim.results.atomic import make_folder, write_text
 from screwsim.results.protection import protect_other_json, protect_other_text
 from screwsim.results.warning_kinds import kinds_of
@@ -251,7 +253,7 @@ def write_calibration(found: Calibration, folder: Path) -> list[str]:
     written = [write_json(calibration_document(found), folder / DOCUMENT)]
     if found.values:
         written.append(write_text(folder / SCENE, fitted_text(found, folder)))
-        written += draw(_panels(found), _points_shown(found), folder, FIGURE)
+        written += write_all({FIGURE: partial(residuals_figure, _panels(found), _points_shown(found))}, folder)
     return written
 
 

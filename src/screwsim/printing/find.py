@@ -9,21 +9,22 @@ from screwsim.figures.engineering import error_text, figure_text, shown_name
 from screwsim.outputs.customary import with_printed_units
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_wrapped, wrapped
-from screwsim.scene import Scene, axis_label, leaf_of
+from screwsim.scene.grid import unit_of
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.inputs import shown_value, unit_of_change
 from screwsim.study.seek import VALUE_DIGITS, GoalSeekAnswer, Question
+from screwsim.study.varied import Varied, leaf_of
 
 MOST_NOTES = 4  # most notes printed
 OTHER_FIGURES = (  # for a single answer, shown beside the figures sought
     *("free_air_delivered", "package_input_power", "package_specific_power"),
-    *("cooling_capacity", "shaft_power", "cop", "heating_capacity", "heating_cop"),
+    *("cooling_capacity", "shaft_power", "cop", "heating_capacity", "heating_cop", "intermediate_pressure"),
     *("isentropic_efficiency", "volumetric_efficiency", "discharge_temperature", "gas_mass_flow"),
 )
 
 
-def find_document(scene: Scene, asked: Question, rows: Sequence[GoalSeekAnswer]) -> dict[str, Any]:
+def find_document(scene: Varied, asked: Question, rows: Sequence[GoalSeekAnswer]) -> dict[str, Any]:
     """Return what `find --json` prints: the question, one row per point of the other axes, counts; in SI units."""
     return {
         "title": scene.title,
@@ -46,7 +47,7 @@ def _row_document(row: GoalSeekAnswer) -> dict[str, Any]:
     }
 
 
-def print_find(scene: Scene, asked: Question, rows: Sequence[GoalSeekAnswer]) -> None:
+def print_find(scene: Varied, asked: Question, rows: Sequence[GoalSeekAnswer]) -> None:
     """Print the values for each point of the other axes, the figures there, and remarks."""
     print_scene_title(scene.title)
     for span in asked.spans:
@@ -69,7 +70,7 @@ def print_find(scene: Scene, asked: Question, rows: Sequence[GoalSeekAnswer]) ->
         say(f"… and {len(notes) - MOST_NOTES} more (all with --json, or in the file of -o)")
 
 
-def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: GoalSeekAnswer) -> list[str]:
+def _cells(scene: Varied, asked: Question, paths: Sequence[str], row: GoalSeekAnswer) -> list[str]:
     cells = [shown_value(scene, path, row.at[path]) for path in paths]
     ok = row.status == "ok"
     for span in asked.spans:
@@ -86,13 +87,13 @@ def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: GoalSeekAns
     return [*cells, str(row.solutions)]
 
 
-def _notes(scene: Scene, paths: Sequence[str], row: GoalSeekAnswer) -> Iterator[str]:
+def _notes(scene: Varied, paths: Sequence[str], row: GoalSeekAnswer) -> Iterator[str]:
     where = ", ".join(shown_value(scene, path, row.at[path]) for path in paths)
     if row.message:
         yield f"{where}: {row.message}" if where else row.message
 
 
-def _print_one(scene: Scene, asked: Question, row: GoalSeekAnswer) -> None:
+def _print_one(scene: Varied, asked: Question, row: GoalSeekAnswer) -> None:
     """Print one answer, with other figures beside those that were sought."""
     if row.status == "ok":
         for span in asked.spans:
@@ -112,7 +113,7 @@ def _print_one(scene: Scene, asked: Question, row: GoalSeekAnswer) -> None:
     say(f"{row.solutions} point{'s' * (row.solutions != 1)} simulated{failed}")
 
 
-def _print_size(scene: Scene, asked: Question, row: GoalSeekAnswer) -> None:
+def _print_size(scene: Varied, asked: Question, row: GoalSeekAnswer) -> None:
     assert row.size is not None
     path, goal = asked.spans[0].path, asked.goals[0]
     over = f"{100.0 * (row.size.figure / goal.value - 1.0):+.1f} %" if declared(goal.figure).units != "K" else ""
@@ -120,14 +121,14 @@ def _print_size(scene: Scene, asked: Question, row: GoalSeekAnswer) -> None:
     say(wrapped(f"next size of the catalogue: {shown_value(scene, path, row.size.value)}, {gives} {over}".rstrip()))
 
 
-def _value(scene: Scene, path: str, row: GoalSeekAnswer) -> str:
+def _value(scene: Varied, path: str, row: GoalSeekAnswer) -> str:
     text, width = shown_value(scene, path, row.values[path], VALUE_DIGITS), row.uncertainties.get(path)
     if row.size is not None and not row.uncertainties:  # all sizes exceed the goal
         return f"{text} ({row.borders.get(path, 'nearest')}: the goal lies below every size)"
     return f"{text} ± {_difference_text(scene, path, width)}" if width is not None else text
 
 
-def _difference_text(scene: Scene, path: str, width: float | None) -> str:
+def _difference_text(scene: Varied, path: str, width: float | None) -> str:
     """Return a difference of a path's values in its customary unit."""
     if width is None:
         return ""
@@ -148,14 +149,16 @@ def _figures(asked: Question, row: GoalSeekAnswer) -> Iterator[tuple[str, str]]:
             yield shown_name(name), figure_text(name, performance[name])
 
 
-def write_find(path: Path, scene: Scene, asked: Question, rows: Sequence[GoalSeekAnswer]) -> None:
+def write_find(path: Path, scene: Varied, asked: Question, rows: Sequence[GoalSeekAnswer]) -> None:
     """Write one row per point of the other axes as CSV or HDF5, in SI units."""
     columns = {}
     for axis in rows[0].at:
-        units, doc = axis_label(axis, scene)[1] or "1", leaf_of(scene, axis).doc
+        leaf = leaf_of(scene, axis)
+        units, doc = unit_of(leaf) or "1", leaf.doc
         columns[axis] = Column([row.at[axis] for row in rows], units, doc)
     for span in asked.spans:
-        units, doc = axis_label(span.path, scene)[1], leaf_of(scene, span.path).doc
+        leaf = leaf_of(scene, span.path)
+        units, doc = unit_of(leaf), leaf.doc
         columns[span.path] = Column([row.values.get(span.path) for row in rows], units, f"found {doc}")
         wide = [row.uncertainties.get(span.path) for row in rows]
         columns[f"{span.path}_uncertainty"] = Column(wide, units, "uncertainty from the figures' numerical errors")
@@ -166,7 +169,7 @@ def write_find(path: Path, scene: Scene, asked: Question, rows: Sequence[GoalSee
         columns[f"{goal.figure}_error"] = Column(errors, about.units, "its estimated numerical error, absolute")
     if asked.sizes:
         values = [None if row.size is None else row.size.value for row in rows]
-        columns["size"] = Column(values, axis_label(asked.spans[0].path, scene)[1], "next size of the catalogue")
+        columns["size"] = Column(values, unit_of(leaf_of(scene, asked.spans[0].path)), "next size of the catalogue")
         gives = [None if row.size is None else row.size.figure for row in rows]
         columns["size_figure"] = Column(gives, declared(asked.goals[0].figure).units, "figure at that size")
     columns["solutions"] = Column([row.solutions for row in rows], "1", "number of solutions")

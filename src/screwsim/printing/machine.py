@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from screwsim.figures.engineering import figure_text, shown_name
 from screwsim.outputs.display import picked
-from screwsim.printing.tables import WIDTH, plain_table, print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import WIDTH, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.atomic import protect_others, write_csv
 from screwsim.screen import say
 
@@ -110,15 +110,6 @@ def print_tolerance(scene: Scene, found: ToleranceStudy) -> None:
     grades = ", ".join(f"{name.replace('_', ' ')} IT{number}" for name, number in found.grades.items())
     drawn = f"{found.count} machines, lengths uniform over their tolerances ({grades}), seed {found.seed}"
     say("\n" + wrapped(drawn))
-    say("\n".join(_spreads(found)))
-    say(wrapped("sd: standard deviation over the nominal value; last columns: share of the variance (r²)"))
-    if found.hits:
-        say(wrapped(f"{found.hits} of {found.count} machines: the piston hits the head (not simulated)"))
-    if found.failed:
-        say(wrapped(f"{found.failed} of {found.count} machines: {found.message}"))
-
-
-def _spreads(found: ToleranceStudy) -> list[str]:
     rows = []
     for each in found.spreads:
         texts = (figure_text(each.figure, value) for value in (each.nominal, each.low, each.high))
@@ -127,4 +118,9 @@ def _spreads(found: ToleranceStudy) -> list[str]:
         shares = (f"{100.0 * share:.0f}" for share in each.shares.values())
         rows.append((shown_name(each.figure), nominal, unit, spread, low, high, *shares))
     shares = (f"{name.replace('_', ' ')} %" for name in found.grades)
-    return plain_table(("figure", "nominal", "", "sd %", "lowest", "highest", *shares), rows, left=1)
+    print_table(("figure", "nominal", "", "sd %", "lowest", "highest", *shares), rows, left=1)
+    say(wrapped("sd: standard deviation over the nominal value; last columns: share of the variance (r²)"))
+    if found.hits:
+        say(wrapped(f"{found.hits} of {found.count} machines: the piston hits the head (not simulated)"))
+    if found.failed:
+        say(wrapped(f"{found.failed} of {found.count} machines: {found.message}"))

@@ -7,7 +7,7 @@ import numpy as np
 
 from screwsim.figures.engineering import error_text, figure_text, shown_name
 from screwsim.outputs.display import picked
-from screwsim.printing.tables import column_heads, plain_table, print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.warning_kinds import kinds_of
 from screwsim.screen import say
 from screwsim.study.inputs import shown_number, shown_value
@@ -107,7 +107,7 @@ def _print_best(found: Optimum) -> None:
             say(f"{shown_name(name)} {figure_text(name, value)}")
     if not asked.points.single:
         say()
-        say("\n".join(_points(found)))
+        _print_points(found)
     for path, reach in found.reach.items():
         if reach.border:
             say(wrapped(f"{path}: {border_note(reach.border, reach.beyond)}"))
@@ -125,8 +125,8 @@ def _reach(found: Optimum, path: str, reach: EquallyGoodRange) -> str:
     return f"{low} … {high}"
 
 
-def _points(found: Optimum) -> Iterator[str]:
-    """Yield the lines of a table of the operating points at the best evaluation."""
+def _print_points(found: Optimum) -> None:
+    """Print a table of the operating points at the best evaluation."""
     asked, points = found.asked, found.asked.points
     sought = [aim.figure for aim in asked.aims]
     names = list(dict.fromkeys((*sought, *(bound.figure for bound in asked.bounds), *OTHER_FIGURES)))
@@ -140,7 +140,7 @@ def _points(found: Optimum) -> Iterator[str]:
         cells = [each.point.name, f"{each.point.weight / total:.3g}"]
         cells += [shown_value(asked.scene, path, each.values[path]) if path in each.values else "" for path in paths]
         rows.append([*cells, *(figure_text(name, each.result.performance[name]) for name in there)])
-    yield from plain_table([*heads, *(shown_name(name) for name in there)], rows, 1)
+    print_table([*heads, *(shown_name(name) for name in there)], rows, 1)
 
 
 def _print_front(found: Optimum) -> None:

@@ -28,15 +28,11 @@ def optimum_document(scene: Varied, asked: Question, rows: Sequence[Best]) -> di
         "sense": "minimum" if asked.minimum else "maximum",
         "from": asked.low,
         "to": asked.high,
-        "rows": [_row_document(row) for row in rows],
+        # figures beside the one sought are those of two stages, and one machine has none
+        "rows": [{name: value for name, value in asdict(row).items() if value or name != "beside"} for row in rows],
         "solutions": sum(row.solutions for row in rows),
         "failed_solutions": sum(row.failed for row in rows),
     }
-
-
-def _row_document(row: Best) -> dict[str, Any]:
-    """Return a row; figures beside the one sought are those of two stages, and one machine has none."""
-    return {name: value for name, value in asdict(row).items() if value or name != "beside"}
 
 
 def print_optimum(scene: Varied, asked: Question, rows: Sequence[Best]) -> None:

@@ -11,7 +11,7 @@ from screwsim.printing.tables import print_scene_title, print_table, wrapped
 from screwsim.results import Results
 from screwsim.results.atomic import make_folder
 from screwsim.results.protection import protect_other_json
-from screwsim.results.warning_kinds import warning_kinds_of_file
+from screwsim.results.warning_kinds import warning_kinds
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
 from screwsim.study.columns import Column, protect_other_columns, write_columns
@@ -31,7 +31,7 @@ def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, 
         "units": {figure: results.figure(figure).units for figure in figures},
         "conditions": conditions(results),
         "maps": [asdict(each) for each in maps],
-        "warnings": [{"cases": kind.cases, "warning": kind.text} for kind in warning_kinds_of_file(results)],
+        "warnings": [{"cases": kind.cases, "warning": kind.text} for kind in warning_kinds(results)],
     }
 
 
@@ -53,7 +53,7 @@ def print_maps(results: Results, maps: Sequence[PerformanceMap]) -> None:
 
 def _print_warnings(results: Results) -> None:
     """Print the warnings of points of the sweep."""
-    for kind in warning_kinds_of_file(results):
+    for kind in warning_kinds(results):
         cases = f"{kind.cases} {'point' if kind.cases == 1 else 'points'}"
         say(wrapped(f"warning in {cases} of the sweep: {kind.text}"))
 

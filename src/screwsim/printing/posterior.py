@@ -1,6 +1,7 @@
 """Output of `screwsim calibrate --posterior` and `--predict`, printed and written."""
 
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,8 @@ from screwsim.figures.engineering import reading_unit, shown_name
 from screwsim.outputs.customary import digits
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import print_left_out, print_table, print_wrapped, wrapped
-from screwsim.report.calibration import ParameterSample, draw_posterior
+from screwsim.report.calibration import ParameterSample, pairs_figure
+from screwsim.report.style import write_all
 from screwsim.results.atomic import write_csv
 from screwsim.results.protection import protect_other_heads
 from screwsim.scene import leaf_of
@@ -189,7 +191,8 @@ def write_posterior(fit: Calibration, found: Posterior, folder: Path) -> list[st
     widths = [f"{WIDTH}{discrepancy.name} [{declared(discrepancy.name).units}]" for discrepancy in found.discrepancies]
     rows = ([*a, *b] for a, b in zip(found.samples.tolist(), found.widths.tolist(), strict=True))
     written = [write_csv(folder / SAMPLES, [*names, *widths], rows)]
-    written += draw_posterior([_parameter_samples(fit, found, i) for i in range(len(names))], LEVEL, folder, PAIRS)
+    parameters = [_parameter_samples(fit, found, i) for i in range(len(names))]
+    written += write_all({PAIRS: partial(pairs_figure, parameters, LEVEL)}, folder)
     return written if found.predictions is None else written + write_predictions(fit.fit, found.predictions, folder)
 
 

@@ -11,12 +11,12 @@ from screwsim.outputs.customary import engineering_temperature, quantity, small_
 from screwsim.printing.tables import absent_figures, print_scene_title
 from screwsim.printing.uncertain import print_uncertainty
 from screwsim.screen import say
+from screwsim.study.stages.axes import STAGE_NAMES
 
 if TYPE_CHECKING:
     from screwsim.study.stages import ChainResult
 
 WIDTH = 80
-STAGE_NAMES = ("first", "second")
 STAGE_FIGURES = (
     "gas_mass_flow",
     "shaft_power",
@@ -46,7 +46,8 @@ def print_stages(title: str, found: ChainResult) -> None:
     for which, result in zip(STAGE_NAMES, found.stages, strict=False):
         if result.performance:
             figures = ((name, result.performance[name]) for name in STAGE_FIGURES)
-            words = [_figure(name, value) for name, value in figures if value is not None]
+            told = ((name, " ".join(engineering(name, value))) for name, value in figures if value is not None)
+            words = [f"{shown_name(name)} {text}".rstrip() for name, text in told]
             say(textwrap.fill(f"{which} stage: {', '.join(words)}", WIDTH - 1, subsequent_indent="  "))
     if found.uncertainty:
         print_uncertainty(found.as_result())
@@ -59,7 +60,3 @@ def _figure_cell(name: str, value: float) -> str:
     if about.units != "1":
         return quantity(about.shown or about.units, value)
     return f"{100.0 * value:.4g} %" if about.scale == EFFICIENCY else f"{value:.4g}"
-
-
-def _figure(name: str, value: float) -> str:
-    return f"{shown_name(name)} {' '.join(engineering(name, value))}".rstrip()

@@ -9,7 +9,7 @@ import numpy as np
 from screwsim.report.style import GREY, SMALL
 
 _GAP = 1.18  # line spacing over the size of the font
-_MOST = 9  # most labels at the ends of curves
+_MOST, _ALONG = 9, 7  # most labels at the ends of curves, and along one
 _LEADER = {"arrowstyle": "-", "color": GREY, "linewidth": 0.4, "shrinkA": 1.0, "shrinkB": 2.0}
 _LOOSE = 8.0  # [pt] labels farther from their point than this have a leader
 Point = tuple[float, float]
@@ -75,7 +75,10 @@ def label_along(axes: Any, x: np.ndarray, y: np.ndarray, texts: Sequence[str]) -
     """Label some points of a curve, evenly along its drawn length, where the text overlaps nothing."""
     axes.figure.draw_without_rendering()
     points = axes.transData.transform(np.column_stack([x, y]))
-    label_points(axes, [((x[i], y[i]), texts[i], _AROUND) for i in _evenly(points, 7)], points)
+    length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    wanted = np.linspace(0.0, length[-1], min(_ALONG, len(points)))
+    chosen = sorted({int(np.argmin(np.abs(length - place))) for place in wanted})
+    label_points(axes, [((x[i], y[i]), texts[i], _AROUND) for i in chosen], points)
 
 
 def label_points(axes: Any, labels: Sequence[tuple[Point, str, Sequence[Direction]]], line: np.ndarray) -> None:
@@ -84,13 +87,6 @@ def label_points(axes: Any, labels: Sequence[tuple[Point, str, Sequence[Directio
     taken: list[Any] = []
     for xy, text, ways in labels:
         _label_one(axes, xy, text, path, taken, (*ways, *_AROUND))
-
-
-def _evenly(points: np.ndarray, most: int) -> list[int]:
-    """Return indices of points about evenly spaced along the polyline, including both ends."""
-    length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    wanted = np.linspace(0.0, length[-1], min(most, len(points)))
-    return sorted({int(np.argmin(np.abs(length - place))) for place in wanted})
 
 
 def _dense(points: np.ndarray) -> np.ndarray:

@@ -2,14 +2,12 @@
 
 import textwrap
 from collections.abc import Mapping, Sequence
-from functools import partial
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from screwsim.report import style
-from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, note, plain_ticks, write_all
+from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, note, plain_ticks
 
 BINS, FINE = 40, 28  # bins of a parameter, of each of a pair
 CONTOUR_SHARES = (0.5, 0.9)  # of the samples, enclosed by the contours of a pair
@@ -19,12 +17,8 @@ MOST_NAMES = 16  # most points whose names fit below an axis
 ResidualPoint = tuple[int, bool, float, float]  # number of the point, fitted, residual, uncertainty
 
 
-def draw(panels: Mapping[str, Sequence[ResidualPoint]], names: Sequence[str], folder: Path, name: str) -> list[str]:
-    """Write the residuals over the points, one panel per figure, as PNG and PDF; return the paths."""
-    return write_all({name: partial(_figure, panels, names)}, folder)
-
-
-def _figure(panels: Mapping[str, Sequence[ResidualPoint]], names: Sequence[str]) -> Any:
+def residuals_figure(panels: Mapping[str, Sequence[ResidualPoint]], names: Sequence[str]) -> Any:
+    """Draw the residuals over the points, one panel per figure."""
     columns = min(2, len(panels))
     figure, places = style.panels(len(panels), 0.0, HEIGHT, columns, DOUBLE if columns == 2 else 1.4 * SINGLE)
     for axes, (label, left) in zip(places, panels.items(), strict=True):
@@ -57,12 +51,8 @@ class ParameterSample(NamedTuple):
     high: float
 
 
-def draw_posterior(parameters: Sequence[ParameterSample], level: float, folder: Path, name: str) -> list[str]:
-    """Write distributions on the diagonal and pairs below it, as PNG and PDF; return the paths."""
-    return write_all({name: partial(_pairs, parameters, level)}, folder)
-
-
-def _pairs(parameters: Sequence[ParameterSample], level: float) -> Any:
+def pairs_figure(parameters: Sequence[ParameterSample], level: float) -> Any:
+    """Draw the distributions of parameters on the diagonal, and their pairs below it."""
     count = len(parameters)
     width = 0.9 * SINGLE if count == 1 else min(DOUBLE, max(1.2 * SINGLE, LEAST_PANEL * count))
     figure, cells = style.subplots(width, max(60.0, 0.9 * width), count, count, squeeze=False)

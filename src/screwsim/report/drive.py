@@ -32,13 +32,8 @@ class DrivePoint(NamedTuple):
     ripple: float | None
 
 
-def draw_campbell(cases: Mapping[str, Sequence[DrivePoint]], lobes: int, folder: Path, name: str) -> list[str]:
-    """Write the Campbell diagram of named drives over the speed (PNG, PDF); return the paths."""
-    return write_all({name: partial(campbell_figure, cases, lobes)}, folder)
-
-
 def campbell_figure(cases: Mapping[str, Sequence[DrivePoint]], lobes: int) -> Any:
-    """Draw frequencies over the speed with the lobe harmonics, and the amplitude of the coupling torque."""
+    """Draw frequencies of drives over the speed with the lobe harmonics, and the amplitude of the coupling torque."""
     figure, (left, right) = subplots(DOUBLE, 84.0, 1, 2, sharex=True)
     longest = max(points[-1].speed for points in cases.values()) * RPM
     highest = 1.6 * max(p.frequency for points in cases.values() for p in points if p.frequency is not None)
@@ -82,13 +77,8 @@ def crossing(x: np.ndarray, y: np.ndarray) -> float | None:
     return float(x[i] - y[i] * (x[i + 1] - x[i]) / (y[i + 1] - y[i]))
 
 
-def draw_start(found: Any, title: str, folder: str | Path) -> list[str]:
-    """Write the figure of a start-up (PNG, PDF) and return the paths."""
-    return write_all({"startup": partial(start_figure, found, title)}, folder)
-
-
 def start_figure(found: Any, title: str) -> Any:
-    """Draw speeds and torques over time."""
+    """Draw speeds and torques of a start-up over time."""
     figure, (upper, lower) = subplots(DOUBLE, 100.0, 2, 1, sharex=True)
     t = found.traces
     upper.plot(t["time"], RPM * t["motor_speed"], color=COLOURS[3], linestyle=DASHES[1], label="motor")

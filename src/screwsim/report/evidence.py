@@ -67,12 +67,8 @@ def _draw_panel(axes: Any, panel: Mapping[str, Any]) -> None:
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=columns, columnspacing=1.2)
 
 
-def draw_accuracy(study: Any, folder: Path) -> list[str]:
-    """Write the figure of a study (`study.accuracy.Study`) as PNG and PDF; return the paths."""
-    return write_all({"accuracy": partial(_accuracy, study)}, folder)
-
-
-def _accuracy(study: Any) -> Any:
+def accuracy_figure(study: Any) -> Any:
+    """Draw what accuracy costs by a study (`study.accuracy.Study`): error over time, and over evaluations."""
     figure, (left, right) = subplots(DOUBLE, HEIGHT, 1, 2, sharey=True)
     cases = [each for each in study.comparable if each.status == "ok"]
     for axes, scale, cost in ((left, 1e3, "time"), (right, 1.0, "evaluations")):

@@ -185,9 +185,11 @@ def missing_words(cases: int, shown: int) -> str:
     return f"{cases - shown} of {cases} cases without a result left out" if shown < cases else ""
 
 
-def not_closed(curves: list[Curve]) -> int:
-    """Return the number of cases shown that did not close."""
-    return sum(int(np.count_nonzero(~curve.closed)) for curve in curves)
+def doubtful(curves: list[Curve]) -> tuple[int, int]:
+    """Return the numbers of cases shown that did not close, and that closed with a warning."""
+    flags = [(~curve.closed, curve.warned) for curve in curves]
+    not_closed, warned = (sum(int(np.count_nonzero(each[i])) for each in flags) for i in (0, 1))
+    return not_closed, warned
 
 
 def band_words(results: Results, curves: list[Curve]) -> str:
@@ -200,11 +202,6 @@ def band_words(results: Results, curves: list[Curve]) -> str:
     places = np.flatnonzero(parts_left_out(results).reshape(-1, len(labels)).any(axis=0))
     lost = left_out_words([labels[place] for place in places])
     return f"band: 95 % interval by the {whose} alone{f', in some cases {lost}' if lost else ''}"
-
-
-def with_warnings(curves: list[Curve]) -> int:
-    """Return the number of cases shown that closed with a warning."""
-    return sum(int(np.count_nonzero(curve.warned)) for curve in curves)
 
 
 def _texts(family: Family) -> list[str]:

@@ -44,7 +44,7 @@ def _draw(family: Family, name: str) -> Any:
     found = draw_contours(axes, family, name)
     curves = curves_of(family, name)
     optima = "○ optimum of a row, by a parabola through three points" if found else ""
-    counts = ((families.not_closed(curves), "not closed"), (families.with_warnings(curves), "with warnings"))
+    counts = zip(families.doubtful(curves), ("not closed", "with warnings"), strict=True)
     told = [f"{count} cases {words}" if count > 1 else f"1 case {words}" for count, words in counts if count]
     note(figure, family.constant, optima, *told, left_out(family, curves), _error_words(family.results, name))
     return figure

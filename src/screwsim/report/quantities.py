@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.figures.engineering import figure_scales, shown_name
+from screwsim.outputs.customary import scale
 from screwsim.results import Results
 from screwsim.results.read import STAGES
 from screwsim.results.schema import Axis
@@ -122,7 +123,8 @@ def shown_axis(axis: Axis) -> Display:
         return celsius(words, "")
     unit, factor = _CUSTOMARY.get(axis.units, (axis.units, 1.0))
     if axis.units in ("m", "m^2"):
-        unit, factor = _length(axis)
+        largest = float(np.max(np.abs(axis.values)))
+        factor, unit = scale("m", largest) if axis.units == "m" else (1e6, "mm²") if largest < 1e-4 else (1e4, "cm²")
     return Display(words, "", unit, factor)
 
 
@@ -139,14 +141,6 @@ def shown_figure(results: Results, name: str) -> Display:
     largest = float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0))
     factor, unit = next((factor, unit) for least, factor, unit in figure_scales(about) if largest >= least)
     return Display(words, symbol, unit, factor)
-
-
-def _length(axis: Axis) -> tuple[str, float]:
-    """Return the unit of lengths or areas: µm below 1 mm, mm² below 1 cm²."""
-    largest = float(np.max(np.abs(axis.values)))
-    if axis.units == "m":
-        return ("µm", 1e6) if largest < 1e-3 else ("mm", 1e3)
-    return ("mm²", 1e6) if largest < 1e-4 else ("cm²", 1e4)
 
 
 def short(number: float) -> str:

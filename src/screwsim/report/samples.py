@@ -24,7 +24,9 @@ def plans(results: Results) -> Iterator[Plan]:
     if not families.is_joint_sample(results):
         yield from _plans_over_words(results)
         return
-    name, shown = efficiency_name(results), varied_columns(results)
+    axes = (inner for axis in results.axis_list for inner in axis.joined or (axis,))
+    varied = (axis for axis in axes if is_numeric(axis) and np.ptp(axis.values) > 0.0)
+    name, shown = efficiency_name(results), [(axis, results.along(axis.path)) for axis in varied]
     if not len(results.optimum) and name and shown:
         yield "samples", partial(_over_each, results, shown, name)
 
@@ -62,7 +64,11 @@ def _over_words(family: Family, shown: list[str]) -> Any:
     for axes, name in zip(places, shown, strict=True):
         how, kept = shown_figure(results, name), _has_value(family, name)
         values = how.of(family.part(results.performance[name]))
-        _panel(axes, values[kept], np.flatnonzero(kept), closed[kept], warned[kept])
+        x = values[kept]
+        mark_cases(axes, x, np.flatnonzero(kept), closed[kept], warned[kept], "o", color=COLOURS[1], markersize=4.0)
+        span = max(float(np.ptp(x)), 0.01 * float(np.max(np.abs(x))), 1e-9)
+        axes.set_xlim(x.min() - _MARGIN * span, x.min() + (1.0 + _MARGIN) * span)
+        plain_ticks(axes.xaxis)
         axes.set_xlabel(how.label)
         axes.set_yticks(range(len(words)), words)
         axes.set_ylim(len(words) - 0.4, -0.6)
@@ -73,19 +79,6 @@ def _over_words(family: Family, shown: list[str]) -> Any:
     told = case_remarks(int(np.count_nonzero(open_)), int(np.count_nonzero(warned)))
     note(figure, family.constant, *told, missing_words(len(words), found))
     return figure
-
-
-def _panel(axes: Any, x: np.ndarray, y: np.ndarray, closed: np.ndarray, warned: np.ndarray) -> None:
-    mark_cases(axes, x, y, closed, warned, "o", color=COLOURS[1], markersize=4.0)
-    span = max(float(np.ptp(x)), 0.01 * float(np.max(np.abs(x))), 1e-9)
-    axes.set_xlim(x.min() - _MARGIN * span, x.min() + (1.0 + _MARGIN) * span)
-    plain_ticks(axes.xaxis)
-
-
-def varied_columns(results: Results) -> list[tuple[Axis, np.ndarray]]:
-    """Return each varied numeric quantity with its values [SI] on the axes of the results."""
-    axes = (inner for axis in results.axis_list for inner in axis.joined or (axis,))
-    return [(axis, results.along(axis.path)) for axis in axes if is_numeric(axis) and np.ptp(axis.values) > 0.0]
 
 
 def _over_each(results: Results, shown: list[tuple[Axis, np.ndarray]], name: str) -> Any:

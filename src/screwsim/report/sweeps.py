@@ -180,7 +180,7 @@ def label_axes(axes: Any, x_label: str, y_label: str, x: list[np.ndarray], room:
 def remarks(curves: list[Curve], optima: int) -> tuple[str, str, str]:
     """Return the meaning of circles, crosses and triangles, where there are any."""
     told = "○ optimum, top of a parabola (thin) through three points" if optima else ""
-    return told, *case_remarks(families.not_closed(curves), families.with_warnings(curves))
+    return told, *case_remarks(*families.doubtful(curves))
 
 
 def case_remarks(not_closed: int, warned: int) -> tuple[str, str]:

@@ -124,15 +124,9 @@ def refused(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise UsageError(cannot_write(path, error)) from error
-
-
-def cannot_write(path: Path, error: OSError) -> str:
-    """Return one line on why `path` cannot be written, with the remedy."""
-    reason = os.strerror(error.errno) if error.errno else str(error).splitlines()[0]
-    return (
-        f"{path}: cannot be written: {reason} (make room or change permissions there, or choose another place with -o)"
-    )
+        reason = os.strerror(error.errno) if error.errno else str(error).splitlines()[0]
+        remedy = "make room or change permissions there, or choose another place with -o"
+        raise UsageError(f"{path}: cannot be written: {reason} ({remedy})") from error
 
 
 def make_folder(folder: Path) -> None:

@@ -30,7 +30,7 @@ def dataset(results: Results, group: str | None) -> Any:
         own = _variables(results.uncertainty, "", results.axis_list)
         variables |= {name + _UNCERTAIN: variable for name, variable in own.items()}
     coordinates = {
-        inner.name: (axis.name, inner.values, _about_axis(inner))
+        inner.name: (axis.name, inner.values, inner.about)
         for axis in results.axis_list
         for inner in (axis, *axis.joined)
     }
@@ -38,10 +38,6 @@ def dataset(results: Results, group: str | None) -> Any:
         if name in part:
             coordinates[name] = (name, part[name], part.about[name]._asdict())
     return xr.Dataset(variables, coordinates, dict(results.attributes))
-
-
-def _about_axis(axis: Axis) -> dict[str, str]:
-    return {"units": cf_unit(axis.units), "long_name": axis.long_name, "path": axis.path}
 
 
 def frame(results: Results, group: str) -> Any:

@@ -14,7 +14,7 @@ from typing import Any
 from screwsim.numerics import sources
 from screwsim.numerics.trial import import_own_module
 from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
-from screwsim.version import release
+from screwsim.version import release, version
 
 LIBRARIES = ("CoolProp", "llvmlite", "numpy", "scipy")
 Identity = Mapping[str, str]
@@ -33,7 +33,7 @@ def code_identity(own: Iterable[str]) -> dict[str, str]:
     found |= {name: installed_version(name) for name in LIBRARIES}
     for name in own:
         import_own_module(name)  # imports it, if a worker has not yet
-        found |= {_MODULE + file: text for file, text in sources.module_digests(name).items()}
+        found |= {_MODULE + file: text for file, text in sources.recorded[name].digests.items()}
     return found
 
 
@@ -153,13 +153,6 @@ def _content(path: str) -> str:
         return sources.digest(Path(path).read_bytes())
     except OSError:
         return _NONE
-
-
-def version() -> str:
-    """Return the version of this package."""
-    from screwsim import __version__
-
-    return __version__
 
 
 @cache

@@ -58,6 +58,14 @@ def protect_other_json(path: Path, *keys: str, alone: bool = False) -> None:
         raise UsageError(FOREIGN_FILE.format(path))
 
 
+def protect_other_document(path: Path, mark: str, *keys: str) -> None:
+    """Raise UsageError where a file at `path` is not JSON of the `keys` alone, or as a text lacks the `mark`."""
+    if path.suffix.lower().endswith("json"):
+        protect_other_json(path, *keys, alone=True)
+    else:
+        protect_unmarked(path, mark)
+
+
 def protect_other_hdf5(path: Path, attribute: str, begins: str = "") -> None:
     """Raise UsageError where a file at `path` is not HDF5 with an attribute whose text begins with `begins`."""
     protect_others(path, HDF5_SIGNATURE)

@@ -24,12 +24,12 @@ from screwsim.inputs.declare import KINDS, FoundWithCycle, files_in, inputs_of
 from screwsim.outputs import Variable
 from screwsim.outputs.display import cf_unit
 from screwsim.results import identity
-from screwsim.results.identity import version
 from screwsim.scene import grid
 from screwsim.scene.fields import Leaf
 from screwsim.scene.model_errors import stored_model_errors
 from screwsim.scene.types import Scene
 from screwsim.scene.write import relative_to
+from screwsim.version import version
 
 RELATIVE_TO = "relative_to"  # attribute of an error: its scale (`outputs.Scale`)
 MODEL_ERROR = "model_error"  # attribute: the model error from the validation that the scene names, as JSON
@@ -55,6 +55,11 @@ class Axis(NamedTuple):
     def name(self) -> str:
         """Name of the coordinate variable."""
         return variable_name(self.path)
+
+    @property
+    def about(self) -> dict[str, str]:
+        """Attributes of the coordinate variable, its unit in CF style."""
+        return {"units": cf_unit(self.units), "long_name": self.long_name, "path": self.path}
 
 
 def variable_name(path: str) -> str:

@@ -134,7 +134,10 @@ def table_of(results: Sequence[Result], *, keep_cycle: bool, keep_slopes: bool =
     names = names_of(about)
     figures = np.full((len(results), len(columns_of(names))), np.nan)
     for row, result in enumerate(results):
-        _fill_row(figures[row], result, names)
+        for group in FIGURE_GROUPS:
+            own = getattr(result, group)
+            numbers, columns = _columns(group, tuple(own), names)
+            figures[row, columns] = np.array([own[name] for name in numbers], float)  # None becomes NaN
     with_cycle = [row for row, result in enumerate(results) if keep_cycle and len(result.cycle)]
     angle = np.asarray(results[with_cycle[0]].cycle["angle"], float) if with_cycle else np.empty(0)
     return Table(
@@ -157,13 +160,6 @@ def _about(result: Result) -> Mapping[str, Figure]:
     called = getattr(result.performance, "about", {})
     names = result.performance | result.error
     return called or {name: declared(name) for name in (*(each for each in known() if each in names), *names)}
-
-
-def _fill_row(row: np.ndarray, result: Result, about: tuple[str, ...]) -> None:
-    for group in FIGURE_GROUPS:
-        figures = getattr(result, group)
-        names, columns = _columns(group, tuple(figures), about)
-        row[columns] = np.array([figures[name] for name in names], float)  # None becomes NaN
 
 
 @lru_cache(maxsize=64)

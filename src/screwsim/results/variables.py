@@ -11,7 +11,6 @@ from screwsim import outputs
 from screwsim.figures import merged, packed, trace_variable
 from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, Figures, Variable, shown
 from screwsim.outputs.derivatives import METHOD_CODES, ComputedDerivatives
-from screwsim.outputs.display import cf_unit
 from screwsim.results import table as tables
 from screwsim.results.netcdf import Layout, flag_attributes, flag_type, number_attributes, set_attributes, text_lines
 from screwsim.results.schema import RELATIVE_TO, Axis, Subject, root_attributes, variable_name
@@ -204,12 +203,11 @@ class Plan:
 
 def _coordinate(axis: Axis) -> tuple[np.ndarray, dict[str, Any]]:
     """Return the coordinate of an axis; texts are stored as indices, with their words in the attributes."""
-    about: dict[str, Any] = {"units": cf_unit(axis.units), "long_name": axis.long_name, "path": axis.path}
     if axis.values.dtype.kind != "U":
-        return axis.values, about
+        return axis.values, axis.about
     words = [str(word) for word in axis.values]
     different = list(dict.fromkeys(words))
-    about |= flag_attributes(different, axis.long_name) | {"labels": "\n".join(different)}
+    about = axis.about | flag_attributes(different, axis.long_name) | {"labels": "\n".join(different)}
     return np.array([different.index(word) for word in words], flag_type(len(different))), about
 
 

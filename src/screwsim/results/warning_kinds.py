@@ -23,13 +23,6 @@ class WarningKind(NamedTuple):
     text: str
 
 
-class WarningSummary(NamedTuple):
-    """Number of cases with warnings, and the kinds of their warnings, the most frequent first."""
-
-    cases: int
-    kinds: tuple[WarningKind, ...]
-
-
 def kind_of(warning: str) -> str:
     """Return a warning with its numbers masked, so that warnings that differ only in these are equal."""
     return _NUMBER.sub("#", warning)
@@ -57,29 +50,17 @@ def warnings_of_cases(results: Results) -> list[list[str]]:
     return [words[each].split("\n") if words[each] else [] for each in number.tolist()]
 
 
-def warning_summary(results: Results) -> WarningSummary:
-    """Return the warnings of the cases of a file."""
+def warning_kinds(results: Results) -> tuple[WarningKind, ...]:
+    """Return the kinds of warnings of the cases of a file, the most frequent first."""
     words, number = _texts(results)
-    counts, firsts = np.bincount(number, minlength=len(words)), _first_cases(number, len(words))
     found: dict[str, WarningKind] = {}
-    told = 0
-    for word, count, first in zip(words, counts.tolist(), firsts, strict=True):
-        if not word or not count:
-            continue
-        told += count
-        for mask, text in {kind_of(line): line for line in reversed(word.split("\n"))}.items():
+    there = (column.tolist() for column in np.unique(number, return_index=True, return_counts=True))
+    for place, first, count in zip(*there, strict=True):
+        for mask, text in {kind_of(line): line for line in reversed(words[place].split("\n")) if line}.items():
             known = found.get(mask, WarningKind(0, first, text))
             earlier = known if known.first < first else WarningKind(0, first, text)
             found[mask] = WarningKind(known.cases + count, earlier.first, earlier.text)
-    return WarningSummary(told, tuple(sorted(found.values(), key=lambda kind: (-kind.cases, kind.first, kind.text))))
-
-
-def _first_cases(number: np.ndarray, words: int) -> list[int]:
-    """Return the first case of each word; the number of cases for a word without any."""
-    firsts = np.full(words, number.size)
-    found, places = np.unique(number, return_index=True)
-    firsts[found] = places
-    return firsts.tolist()
+    return tuple(sorted(found.values(), key=lambda kind: (-kind.cases, kind.first, kind.text)))
 
 
 def cases_with_warnings(results: Results) -> np.ndarray:
@@ -93,11 +74,6 @@ def warnings_of(results: Results, index: tuple[int, ...]) -> list[str]:
     words, numbers = _texts(results)
     text = words[numbers[np.ravel_multi_index(index, results.shape) if index else 0]]
     return text.split("\n") if text else []
-
-
-def warning_kinds_of_file(results: Results) -> tuple[WarningKind, ...]:
-    """Return the kinds of warnings, the most frequent first."""
-    return warning_summary(results).kinds
 
 
 def warning_caption(warnings: list[str]) -> str:

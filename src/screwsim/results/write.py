@@ -71,15 +71,15 @@ def write_tables(
     stages: Sequence[StageTables] = (),
 ) -> None:
     """Write the results of all cases on the axes (`Draft.complete`), and those of stages in a group of each."""
+
+    def write_stages(layout: Layout) -> None:
+        for stage in stages:
+            names, words = names_of(stage.source.heads())
+            plan = Plan(layout.within(stage.name), stage.subject, stage.axes, command, names)
+            _write(plan, stage.source, words)
+
     with Draft(path, subject, axes, command) as draft:
-        draft.complete(source, beside=partial(_write_stages, stages=stages, command=command))
-
-
-def _write_stages(layout: Layout, stages: Sequence[StageTables], command: str) -> None:
-    for stage in stages:
-        names, words = names_of(stage.source.heads())
-        plan = Plan(layout.within(stage.name), stage.subject, stage.axes, command, names)
-        _write(plan, stage.source, words)
+        draft.complete(source, beside=write_stages)
 
 
 class Draft:

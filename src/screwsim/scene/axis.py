@@ -47,7 +47,9 @@ def read_axis(leaf: Leaf, node: Node, path: str, problems: LocatedFaults, distin
     if not values and isinstance(node.value, list):
         problems.add(node.place, path, f"has no values (write e.g. [{example(leaf)}])")
     elif twice is not None:
-        comma = ", or write decimals with a point" if leaf.kind == "number" and _all_whole(node) else ""
+        items = node.value if isinstance(node.value, list) else [node]
+        whole = all(isinstance(item.value, int) for item in items)  # as where decimals are written with commas
+        comma = ", or write decimals with a point" if leaf.kind == "number" and whole else ""
         problems.add(node.place, path, f"has {text_of(leaf, twice)} twice (remove one{comma})")
     return tuple(good)
 
@@ -62,16 +64,9 @@ def _item(leaf: Leaf, node: Node, path: str, problems: LocatedFaults) -> Any:
         return None
     if leaf.kind != "fluid":
         return read_leaf(leaf, node, path, problems)
-    try:
+    with problems.at(node.place, path):
         return listed_fluid(node.value)
-    except Refused as refusal:
-        problems.add(node.place, path, str(refusal))
-        return None
-
-
-def _all_whole(node: Node) -> bool:
-    """Tell whether all values of a list are whole numbers, as happens when decimals are written with commas."""
-    return isinstance(node.value, list) and all(isinstance(item.value, int) for item in node.value)
+    return None
 
 
 def example(leaf: Leaf) -> str:
@@ -114,11 +109,9 @@ def _range(leaf: Leaf, node: Node, path: str, problems: LocatedFaults) -> list[A
     given = read_fields(fields, node, path, problems, _RANGE)
     if given is None:
         return []
-    try:
+    with problems.at(node.place, path):
         return spread(leaf, given["from"], given["to"], given["count"], given["spacing"])
-    except Refused as refusal:
-        problems.add(node.place, path, str(refusal))
-        return []
+    return []
 
 
 def spread(leaf: Leaf, first: float, last: float, count: int, spacing: str) -> list[Any]:
@@ -154,12 +147,10 @@ def _column(leaf: Leaf, node: Node, path: str, problems: LocatedFaults) -> list[
     given = read_fields({"file": required, "column": required, "unit": _WORD}, node, path, problems, _COLUMN)
     if given is None:
         return []
-    try:
+    with problems.at(node.place, path):
         cells = _cells(os.path.join(node.place.folder, given["file"]), given["file"], given["column"])
         return [_cell(leaf, text, given["unit"], f"{given['file']} line {line}") for line, text in cells]
-    except Refused as refusal:
-        problems.add(node.place, path, str(refusal))
-        return []
+    return []
 
 
 def _cells(name: str, label: str, column: str) -> list[tuple[int, str]]:

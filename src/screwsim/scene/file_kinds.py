@@ -9,8 +9,9 @@ _FIT = ("parameters", "data", "scene")
 def other_file(keys: Collection[str], name: str, wanted: str = "scene") -> str | None:
     """Return what a file is that is not the `wanted` kind (scene, fit), and which command reads it; else None."""
     if STAGES in keys:
-        accept = "only `screwsim run`, `sweep`, `datasheet`, `optimum`, `optimize` and `explain` accept"
-        return f"describes two stages, which {accept} (run one of these on {name}, or name the scene of one stage here)"
+        commands = "`screwsim run`, `sweep`, `datasheet`, `optimum`, `optimize`, `find`, `explain` and `export`"
+        remedy = f"run one of these on {name}, or name the scene of one stage here"
+        return f"describes two stages, which only {commands} accept ({remedy})"
     fit = len([key for key in _FIT if key in keys]) >= 2 and not {"machine", "gas", "operation"} & set(keys)
     if wanted == "scene" and fit:
         return f"is a fit, not a scene (run screwsim calibrate {name})"

@@ -91,14 +91,9 @@ def case_count(scene: Swept) -> int:
 
 def case_values(scene: Swept, index: int) -> dict[str, Any]:
     """Return {dotted path: value in SI} of one case."""
-    found = dimensions(scene)
-    if not 0 <= index < math.prod(dimension.size for dimension in found):
+    if not 0 <= index < case_count(scene):
         raise IndexError(f"case {index} of {case_count(scene)}")
-    places = {}
-    for dimension in reversed(found):
-        index, place = divmod(index, dimension.size)
-        places |= dict.fromkeys(dimension.paths, place)
-    return {path: values[places[path]] for path, values in scene.sweep.items()}
+    return dict(zip(scene.sweep, values_of(scene, range(index, index + 1))[0], strict=True))
 
 
 def values_of(scene: Swept, cases: range) -> list[tuple[Any, ...]]:

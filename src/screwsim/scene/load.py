@@ -303,12 +303,10 @@ def _machine_kind(root: Node, problems: LocatedFaults) -> str:
     name = named.value if named is not None else None
     if named is None or not isinstance(name, str) or "." not in name:
         return name if name in tuple(MACHINES) else TWIN_SCREW
-    try:
+    with problems.at(named.place, "machine.kind", f"{shown(name)} "):
         find_kind(name)
-    except Refused as refusal:
-        problems.add(named.place, "machine.kind", f"{shown(name)} {refusal}")
-        return TWIN_SCREW
-    return name
+        return name
+    return TWIN_SCREW
 
 
 def _paths(root: Node, kind: str) -> list[str]:

@@ -43,12 +43,17 @@ def odd_number(text: str, unit: str = "") -> OddNumber | None:
     if quoted != text and quoted[:1].isdecimal():
         return OddNumber("has typographic quotes", _with_unit(quoted, "", unit))
     plain = _plain(text)
-    for look in (_sign, _fraction, _power, _range, _about, _grouped):
-        found = look(plain, unit)
-        if found is not None:
-            return found
-    if plain == text:
-        return None
+    single, several, about = _single(plain), _RANGE.fullmatch(plain), _ABOUT.fullmatch(plain)
+    if single is not None:
+        what, number, rest = single
+        return OddNumber(what, _with_unit(number, rest, unit))
+    if several is not None:
+        return OddNumber("states more than one number" if several[1] in ("±", "+/-") else "is a range")
+    if about is not None:
+        return OddNumber("contains more than a number", _with_unit(about[1], "", unit))
+    grouped = _grouped(plain, unit)
+    if grouped is not None or plain == text:
+        return grouped
     return OddNumber("has a sign or digits that are not ASCII", _with_unit(plain, "", unit))
 
 
@@ -76,40 +81,20 @@ def _with_unit(number: str, rest: str, unit: str) -> tuple[str, ...]:
     return (f"{number} {rest}".strip(),)
 
 
-def _sign(text: str, unit: str) -> OddNumber | None:
+def _single(text: str) -> tuple[str, str, str] | None:
+    """Return what is odd about a single number, its usual form and what stands behind it; None for any other text."""
     match = re.fullmatch(r"([+-])\s+([0-9.].*)", text, re.DOTALL)
-    return None if match is None else OddNumber("has a space after its sign", _with_unit(match[1] + match[2], "", unit))
-
-
-def _fraction(text: str, unit: str) -> OddNumber | None:
+    if match is not None:
+        return "has a space after its sign", match[1] + match[2], ""
     match = _FRACTION.fullmatch(text)
     if match is not None:
         value = float(match[2] or 0) + unicodedata.numeric(match[3])
-        return OddNumber("is a fraction", _with_unit(f"{match[1].removeprefix('+')}{value:.6g}", match[4], unit))
+        return "is a fraction", f"{match[1].removeprefix('+')}{value:.6g}", match[4]
     match = _QUOTIENT.fullmatch(text)
     if match is not None:
-        return OddNumber("is a fraction", _with_unit(f"{float(match[1]) / float(match[2]):.6g}", match[3], unit))
-    return None
-
-
-def _power(text: str, unit: str) -> OddNumber | None:
-    text = _RAISED.sub(lambda match: f"{match[1]}^{match[2].translate(_SUPERSCRIPT)}", text)
-    match = _POWER.fullmatch(text)
-    return (
-        None if match is None else OddNumber("is a product", _with_unit(f"{match[1]}e{int(match[2])}", match[3], unit))
-    )
-
-
-def _range(text: str, unit: str) -> OddNumber | None:
-    match = _RANGE.fullmatch(text)
-    if match is None:
-        return None
-    return OddNumber("states more than one number" if match[1] in ("±", "+/-") else "is a range", ())
-
-
-def _about(text: str, unit: str) -> OddNumber | None:
-    match = _ABOUT.fullmatch(text)
-    return None if match is None else OddNumber("contains more than a number", _with_unit(match[1], "", unit))
+        return "is a fraction", f"{float(match[1]) / float(match[2]):.6g}", match[3]
+    match = _POWER.fullmatch(_RAISED.sub(lambda raised: f"{raised[1]}^{raised[2].translate(_SUPERSCRIPT)}", text))
+    return None if match is None else ("is a product", f"{match[1]}e{int(match[2])}", match[3])
 
 
 def _grouped(text: str, unit: str) -> OddNumber | None:

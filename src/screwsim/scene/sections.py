@@ -73,11 +73,9 @@ def _blank(leaf: Leaf) -> str:
 
 def read_leaf(leaf: Leaf, node: Node, path: str, problems: LocatedFaults) -> Any:
     """Return the SI value of a node, or None after its fault was added."""
-    try:
+    with problems.at(node.place, path):
         return convert(leaf, node.value, node.place.folder)
-    except Refused as refusal:
-        problems.add(node.place, path, str(refusal))
-        return None
+    return None
 
 
 def read_effects(node: Node | None, problems: LocatedFaults) -> dict[str, ActiveEffect]:

@@ -104,12 +104,8 @@ def read_axes(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, d
     """Return {path: values} of a mapping of axes."""
     axes: Axes = {}
     for name, child in node.value.items():
-        try:
-            leaf = leaf_of(name)
-        except Refused as refusal:
-            problems.add(child.heading, join(path, name), str(refusal))
-            continue
-        axes[name] = read_axis(leaf, child, join(path, name), problems, distinct)
+        with problems.at(child.heading, join(path, name)):
+            axes[name] = read_axis(leaf_of(name), child, join(path, name), problems, distinct)
     return axes
 
 
@@ -167,10 +163,8 @@ def _over(
         return ()
     found = []
     for name, span in child.value.items():
-        try:
+        with problems.at(span.heading, join(path, name)):
             found.append((name, _span(leaf_of(name), span, join(path, name), problems)))
-        except Refused as refusal:
-            problems.add(span.heading, join(path, name), str(refusal))
     return tuple(found)
 
 

@@ -48,31 +48,23 @@ class WrittenTolerance(NamedTuple):
 
 def split_tolerances(root: Node, path: str = "") -> tuple[Node, dict[str, WrittenTolerance]]:
     """Return a tree with the tolerances removed from its values, and the tolerances by path."""
-    match = _sign(root.value) if path and isinstance(root.value, str) else None
+    match = tolerance_sign(root.value) if path and isinstance(root.value, str) else None
     if match is not None:
         value, factor, text = root.value[: match.start()].strip(), _SIGNS[match[0]], root.value[match.end() :].strip()
-        return replace(root, value=_nominal(value, text, factor)), {
-            path: WrittenTolerance(value, factor, text, root.place)
-        }
+        written = WrittenTolerance(value, factor, text, root.place)
+        return replace(root, value=_nominal(value, text, factor)), {path: written}
     if not isinstance(root.value, dict):
         return root, {}
     content: dict[str, Node] = {}
     every: dict[str, WrittenTolerance] = {}
     for name, child in root.value.items():
-        content[name], found = (
-            (child, {}) if not path and name in KEYS_WITHOUT_TOLERANCE else split_tolerances(child, join(path, name))
-        )
+        without = not path and name in KEYS_WITHOUT_TOLERANCE
+        content[name], found = (child, {}) if without else split_tolerances(child, join(path, name))
         every |= found
     return (replace(root, value=content) if every else root), every
 
 
-def tolerance_sign(text: str) -> str:
-    """Return the sign of the tolerance in a value's text; '' where it has none."""
-    match = _sign(text)
-    return match[0] if match else ""
-
-
-def _sign(text: str) -> re.Match[str] | None:
+def tolerance_sign(text: str) -> re.Match[str] | None:
     """Return the first sign of a tolerance after a digit; None where there is none."""
     number = re.search("[0-9.]", text)
     return _SIGN.search(text, number.end()) if number else None
@@ -97,7 +89,7 @@ def read_tolerances(
     leaves, found = leaves_of(scene), {}
     for path, each in given.items():
         leaf = leaves.get(path)
-        try:
+        with problems.at(each.place, path):
             if leaf is None or (leaf.dimension is None and leaf.kind != "number"):
                 raise Refused("has a tolerance, which only quantities and numbers may have (write the value alone)")
             if path.startswith(CERTAIN_SECTIONS):
@@ -107,8 +99,6 @@ def read_tolerances(
             _check_ends(leaf, tolerance, value, "its")
             found[path] = tolerance
             _check_sweep(leaf, found[path], scene.sweep.get(path, ()))
-        except Refused as refusal:
-            problems.add(each.place, path, str(refusal))
     return found, _correlated_groups(root, set(given), scene, problems)
 
 

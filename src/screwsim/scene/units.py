@@ -77,6 +77,7 @@ _TABLE: dict[str, dict[str, tuple[float, float]]] = {
     "W/(m K)": {"W/(m K)": (1, 1), "mW/(m K)": (1, 1e3)},
     "N/m": {"N/m": (1, 1), "mN/m": (1, 1e3), "kN/m": (1e3, 1), "N/mm": (1e3, 1)},
     "W/(m^2 K)": {"W/(m^2 K)": (1, 1), "kW/(m^2 K)": (1e3, 1)},
+    "W/K": {"W/K": (1, 1), "kW/K": (1e3, 1)},
     "1/K": {"1/K": (1, 1), "um/(m K)": (1, 1e6)},
 }
 _SPELLINGS = {"µ": "u", "μ": "u", "℃": "degC", "ºC": "degC", "°": "deg", "²": "^2", "³": "^3"}
@@ -219,18 +220,13 @@ def _has_zero(kind: Kind, unit: str) -> bool:
     return unit in _CELSIUS or (unit not in _TABLE[kind.si] and _from_pint(kind, 0.0, unit) not in (None, 0.0))
 
 
-def _counts_angles(unit: str) -> bool:
-    """Tell whether a unit holds turns or other angles, which pint takes for numbers: 6.28 cm^3/turn for a cm^3."""
-    return "radian" in str(_registry().get_root_units(unit)[1])
-
-
 def _from_pint(kind: Kind, number: float, unit: str) -> float | None:
     if kind.si in _TABLE_ONLY or len(unit) > _LONGEST_UNIT or not _UNIT.fullmatch(unit):
         return None
     import pint
 
     try:
-        if _counts_angles(unit):
+        if "radian" in str(_registry().get_root_units(unit)[1]):  # pint takes 6.28 cm^3/turn for a cm^3
             return None
         return float(_registry().Quantity(number, unit).to(kind.si).magnitude)
     except (pint.PintError, AttributeError, TypeError, ValueError, ArithmeticError):

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -20,6 +21,7 @@ from ruamel.yaml.scanner import Scanner
 
 from screwsim.inputs.faults import SceneError
 from screwsim.scene.syntax import not_yaml
+from screwsim.scene.units import Refused
 
 OVERRIDE = 1_000_000  # rank of the first override, above those of all files
 MOST_NODES = 1_000_000  # of one text, with all aliases written out
@@ -91,6 +93,14 @@ class LocatedFaults(list[LocatedFault]):
     def add(self, place: Position, path: str, what: str) -> None:
         """Add a fault."""
         self.append(LocatedFault(place, path, what))
+
+    @contextmanager
+    def at(self, place: Position, path: str, before: str = "") -> Iterator[None]:
+        """Add what is refused within as a fault, behind the words `before`, and go on behind it."""
+        try:
+            yield
+        except Refused as refusal:
+            self.add(place, path, f"{before}{refusal}")
 
     def error(self) -> SceneError:
         """Return the error that lists all faults, each once, in the order of their places."""
@@ -259,11 +269,8 @@ class _Converter:
 
 def whole_letters(text: str) -> str:
     """Return a text with surrogate pairs joined: JSON escapes each character beyond 16 bits as two halves."""
-    return (
-        text.encode("utf-16", "surrogatepass").decode("utf-16", "surrogatepass")
-        if _LONE_SURROGATE.search(text)
-        else text
-    )
+    halved = _LONE_SURROGATE.search(text) is not None
+    return text.encode("utf-16", "surrogatepass").decode("utf-16", "surrogatepass") if halved else text
 
 
 def scalar(tag: str, text: str) -> Any:

@@ -35,11 +35,24 @@ TRIES = 7  # closings of one cycle, at most
 NO_COUNTS = np.zeros(4, np.int64)  # counts before any integration
 
 
+class Cost(NamedTuple):
+    """The counts of closing, and the times [s] of closing and of estimating."""
+
+    counts: Array = NO_COUNTS
+    closing: float = 0.0
+    estimating: float = 0.0
+
+    def plus(self, other: "Cost") -> "Cost":
+        """Return the sum."""
+        closing, estimating = self.closing + other.closing, self.estimating + other.estimating
+        return Cost(self.counts + other.counts, closing, estimating)
+
+
 class Accurate(NamedTuple):
     """A closed cycle with its evaluation, the estimated errors of its figures ({}: not estimated), and their cost.
 
-    `counts` and `closing_time` [s] are those of closing, `estimating_time` [s] that of estimating; `criteria` are the
-    last criteria, `tightness` is the factor on the tolerances with which the next scene of a course starts.
+    `criteria` are the last criteria, `tightness` is the factor on the tolerances with which the next scene of a course
+    starts.
     """
 
     cycle: CycleSolution
@@ -47,9 +60,7 @@ class Accurate(NamedTuple):
     criteria: ClosingCriteria
     errors: Figures
     tightness: float
-    counts: Array
-    closing_time: float
-    estimating_time: float
+    cost: Cost
 
 
 def solve(
@@ -72,13 +83,13 @@ def solve(
         machinery.put(given.trajectory)
     reach_station()
     of, errors, largest = evaluate(problem, cycle), Figures(), 0.0
-    watch.lap("closing")
+    watch.lap()
     for attempt in range(TRIES):
         if not cycle.closed or criteria.check or not numerics.estimates:
             break
         errors, on = estimated_errors(of, machinery, criteria, cycle)
         largest = worst(errors)[1]
-        watch.lap("estimating")
+        watch.lap(estimating=True)
         if largest <= numerics.accuracy or numerics.rtol is not None or attempt == TRIES - 1:
             break
         finer = on if isinstance(on, CycleSolution) and problem.parts.shaft is None else None
@@ -87,15 +98,13 @@ def solve(
         led = on if isinstance(on, CorrectedState) else None
         task = ClosingTask(problem, machinery, criteria)
         tighter = finer or _tighter(task, cycle, led=led)  # a search is costly: keep its cycle
-        watch.lap("closing")
+        watch.lap()
         if not tighter.closed:
             break
         cycle, of = tighter, evaluate(problem, tighter)
     if largest < EASILY_REACHED * numerics.accuracy:
         tightness = min(1.0, LOOSER * tightness)
-    tightness = max(tightness, TIGHTEST)
-    times, counts = watch.times, watch.counts["closing"]
-    return Accurate(cycle, of, criteria, errors, tightness, counts, times["closing"], times["estimating"])
+    return Accurate(cycle, of, criteria, errors, max(tightness, TIGHTEST), watch.cost)
 
 
 def criteria_of(problem: Problem, tightness: float) -> ClosingCriteria:
@@ -118,9 +127,8 @@ def solve_tighter(machinery: Machinery, accurate: Accurate) -> Accurate:
     watch, of, problem = CostMeter(machinery), accurate.evaluation, accurate.evaluation.problem
     task = ClosingTask(problem, machinery, accurate.criteria.tighter(TIGHTER))
     cycle = _tighter(task, accurate.cycle, problem.entries.possible(of.image))
-    watch.lap("closing")
-    counts, spent = accurate.counts + watch.counts["closing"], accurate.closing_time + watch.times["closing"]
-    accurate = accurate._replace(counts=counts, closing_time=spent)
+    watch.lap()
+    accurate = accurate._replace(cost=accurate.cost.plus(watch.cost))
     if not cycle.closed:
         return accurate
     return accurate._replace(cycle=cycle, evaluation=evaluate(problem, cycle), criteria=task.criteria)
@@ -184,18 +192,16 @@ def record_in_course(
 
 
 class CostMeter:
-    """Time and counts of one machinery, by what they were spent on; compilation is excluded."""
+    """The cost of what one machinery has done since it is metered; compilation is excluded."""
 
     def __init__(self, machinery: Machinery) -> None:
-        self.machinery, self.started = machinery, _now(machinery)
-        self.times = {"closing": 0.0, "estimating": 0.0}
-        self.counts: dict[str, Array] = dict.fromkeys(self.times, NO_COUNTS)
+        self.machinery, self.started, self.cost = machinery, _now(machinery), Cost()
 
-    def lap(self, name: str) -> None:
-        """Add what was spent since the last lap to `name` ('closing' or 'estimating')."""
+    def lap(self, estimating: bool = False) -> None:
+        """Add what was spent since the last lap: on closing, or on estimating."""
         (then, before), self.started = self.started, _now(self.machinery)
-        self.times[name] += self.started[0] - then
-        self.counts[name] = self.counts[name] + self.started[1] - before
+        time, counts = self.started[0] - then, self.started[1] - before
+        self.cost = self.cost.plus(Cost(estimating=time) if estimating else Cost(counts, time))
 
 
 def _now(machinery: Machinery) -> tuple[float, Array]:

@@ -33,7 +33,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.model import leases
 from screwsim.model.run import Machinery
 from screwsim.outputs import Figures
-from screwsim.solve.accurately import AIM, TIGHTEST, Accurate, CostMeter, criteria_of, record_in_course, solve
+from screwsim.solve.accurately import AIM, TIGHTEST, Accurate, Cost, CostMeter, criteria_of, record_in_course, solve
 from screwsim.solve.drive import at_motor_speed, close_with_drive
 from screwsim.solve.surroundings import (
     KPA,
@@ -78,8 +78,7 @@ class SurroundingsSearch:
     series: Series
     stated: float  # [rad/s], the stated speed
     course: Course = field(default_factory=Course)
-    counts: Array | None = None  # of closing the cycles
-    time: float = 0.0
+    cost: Cost = field(default_factory=Cost)  # of closing the cycles
     why: str = ""  # why it ended without a solution
     jacobian: Array | None = None
     last: _Seen | None = None  # the cycle before
@@ -140,9 +139,8 @@ class SurroundingsSearch:
         criteria = _rough_criteria(asked, self.expected)
         task = ClosingTask(problem, machinery, criteria)
         cycle = close_with_drive(task, close(task, course))
-        watch.lap("closing")
-        self.counts = watch.counts["closing"] + (0 if self.counts is None else self.counts)
-        self.time += watch.times["closing"]
+        watch.lap()
+        self.cost = self.cost.plus(watch.cost)
         leases.give_back(machinery)
         of = evaluate(problem, cycle)
         if not cycle.closed:
@@ -304,9 +302,8 @@ def solve_with_surroundings(
     """
     if search is None:
         return solve(problem, machinery, course)
-    counts, spent, estimating = search.counts, search.time, 0.0
     accurate = solve(problem, machinery, search.course, search.cycle)
-    errors, tightness = _with_unknowns(accurate, search), 1.0
+    errors, tightness, cost = _with_unknowns(accurate, search), 1.0, search.cost
     for _ in range(MOST_REPETITIONS):
         asked = implied_surroundings(accurate.evaluation)
         at_rest, size = _finality_and_error(accurate, asked, errors)
@@ -320,17 +317,11 @@ def solve_with_surroundings(
         other = search.posed(accurate.evaluation.problem, x + search.step(x, asked))
         if other is None:
             break
-        counts, spent = _sum(counts, accurate.counts), spent + accurate.closing_time
-        estimating += accurate.estimating_time
+        cost = cost.plus(accurate.cost)
         machinery.begin(other.composition)
         accurate = solve(other, machinery, search.course)
         errors = _with_unknowns(accurate, search)
-    return accurate._replace(
-        errors=errors,
-        counts=_sum(counts, accurate.counts),
-        closing_time=spent + accurate.closing_time,
-        estimating_time=estimating + accurate.estimating_time,
-    )
+    return accurate._replace(errors=errors, cost=cost.plus(accurate.cost))
 
 
 def _finality_and_error(accurate: Accurate, asked: ImpliedSurroundings | None, errors: Figures) -> tuple[bool, float]:
@@ -356,8 +347,3 @@ def _with_unknowns(accurate: Accurate, search: SurroundingsSearch) -> Figures:
     search.judge(accurate.cycle, accurate.criteria)
     response = search.learn(of, unknowns_of(of.problem), asked)
     return errors_with_unknowns(of, errors, asked.off, response, search.known.slopes)
-
-
-def _sum(counts: Array | None, more: Array) -> Array:
-    """Return the sum of counts, of which the first may be None."""
-    return more if counts is None else counts + more

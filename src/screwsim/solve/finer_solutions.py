@@ -86,12 +86,8 @@ def _errors_feed_back(request: EstimateRequest) -> bool:
     where much of that persists: with a single chamber, reeds, an oil amount that only flows determine, or films
     between chambers.
     """
-    problem = request.problem
-    return (
-        problem.scene.numerics.accuracy <= TWO_LIVES_BELOW
-        or request.filling < LEAKAGE_DOMINATES
-        or _inherits_more(problem)
-    )
+    accurate = request.problem.scene.numerics.accuracy <= TWO_LIVES_BELOW
+    return accurate or request.filling < LEAKAGE_DOMINATES or _inherits_more(request.problem)
 
 
 def _inherits_more(problem: Problem) -> bool:
@@ -184,10 +180,8 @@ class _Lives:
         )
         if found is None:
             return False
-        self.unknowns_out, self.correction = (
-            corrected_start(self.of.problem, found, self.end[:n], self.y, self.unknowns_out),
-            found,
-        )
+        self.unknowns_out = corrected_start(self.of.problem, found, self.end[:n], self.y, self.unknowns_out)
+        self.correction = found
         return True
 
     def foretold(self, by: Correction, wrong: float) -> FinerSolutions:

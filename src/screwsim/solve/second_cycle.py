@@ -45,7 +45,7 @@ def warnings(of: Evaluation, machinery: Machinery, accurate: Accurate) -> Iterat
         start = Start(beside.y.copy(), Expectation(beside.seen, beside.change))
         criteria = replace(problem.criteria, rtol=FINER * problem.criteria.rtol)
         begun = "from the state that the turns of single chambers had reached"
-    elif _dry_start_needed(problem, machinery.evaluations_of(accurate.counts)):
+    elif _dry_start_needed(problem, machinery.evaluations_of(accurate.cost.counts)):
         start, criteria = Start(install_first_guess(problem, machinery, DRY_FACTOR)), accurate.criteria
         begun = ""
     else:

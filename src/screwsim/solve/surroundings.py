@@ -4,9 +4,9 @@ Unknowns are the temperatures of the oil's circuit (M284), a package's losses (M
 (`build.open_values`), in kelvin and kilopascal.
 """
 
-from collections.abc import Iterator
 from dataclasses import fields, is_dataclass, replace
-from typing import NamedTuple
+from itertools import chain
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -97,15 +97,8 @@ def stated_numbers(problem: Problem) -> Array:
 
 
 @IdentityCache
-def _numbers_of(section: object) -> tuple[float, ...]:
+def _numbers_of(section: Any) -> tuple[float, ...]:
     """Return the numbers that a section of a scene states, and the sections in it."""
-    return tuple(_numbers_in(section))
-
-
-def _numbers_in(value: object) -> Iterator[float]:
-    """Yield a value if it is a number, or the numbers of a section."""
-    if isinstance(value, float):
-        yield value
-    elif is_dataclass(value):
-        for each in fields(value):
-            yield from _numbers_in(getattr(value, each.name))
+    values = [getattr(section, each.name) for each in fields(section)]
+    found = ((each,) if isinstance(each, float) else _numbers_of(each) if is_dataclass(each) else () for each in values)
+    return tuple(chain.from_iterable(found))

@@ -9,10 +9,10 @@ import numpy as np
 from screwsim.outputs import Variable
 from screwsim.results.atomic import make_folder, replacing, write_csv
 from screwsim.results.guarded import new_hdf5
-from screwsim.results.identity import version
 from screwsim.results.netcdf import Layout, number_attributes, set_attributes, text_lines
 from screwsim.results.protection import protect_other_hdf5, protect_other_heads
 from screwsim.results.schema import variable_name
+from screwsim.version import version
 
 
 class Column(NamedTuple):

@@ -7,7 +7,6 @@ from contextlib import suppress
 from screwsim.build import build_parts
 from screwsim.figures import called_for, known, needs_of
 from screwsim.inputs.faults import UsageError
-from screwsim.outputs import STAGES
 from screwsim.scene import Scene, case
 from screwsim.scene.fields import unknown_key
 from screwsim.study.varied import Varied
@@ -67,12 +66,11 @@ def figure_of(scene: Varied, text: str, option: str = "--figure") -> str:
 
     Raise UsageError with the figures there are where it has none of that name.
     """
-    alone = isinstance(scene, Scene)
-    here = figures_of(scene) if alone else tuple(STAGES)
+    here = figures_of(scene) if isinstance(scene, Scene) else tuple(scene.figures)
     name = figure_named(text, here, option=option)
     if name not in here:
-        what = f"is not a figure of this scene: it needs {needs_of(name)}" if alone else "is not a figure of two stages"
-        raise UsageError(f"{option} {text}: {what} (use one of {', '.join(here)})")
+        whose = f"this scene: it needs {needs_of(name)}" if isinstance(scene, Scene) else "these two stages"
+        raise UsageError(f"{option} {text}: is not a figure of {whose} (use one of {', '.join(here)})")
     return name
 
 

@@ -7,14 +7,13 @@ from typing import NamedTuple
 from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import EFFICIENCY
-from screwsim.scene import Scene
 from screwsim.scene.numerals import odd_number, odd_number_text
 from screwsim.scene.units import NUMBER
 from screwsim.study.calibration.data import CELSIUS, UNITS, ZERO
 from screwsim.study.figures import figure_of
 from screwsim.study.varied import Varied
 
-MORE_UNITS = {"W": {"MW": 1e6}, "m3 s-1": {"L/min": 1.0 / 60000.0}, "m3": {"L": 1e-3}}
+MORE_UNITS = {"W": {"MW": 1e6}, "m3 s-1": {"L/min": 1.0 / 60000.0}, "m3": {"L": 1e-3}, "s": {"h": 3600.0}}
 MOST_EFFICIENCY = 1.5  # a number without a unit from this one on is meant in %
 
 
@@ -37,7 +36,7 @@ class Bound(NamedTuple):
         return figure - self.value if self.sign == "<" else self.value - figure
 
 
-def read_goals(scene: Scene, texts: Iterable[str]) -> tuple[Goal, ...]:
+def read_goals(scene: Varied, texts: Iterable[str]) -> tuple[Goal, ...]:
     """Return the goals of texts FIGURE=VALUE; raise UsageError in one line."""
     split = (_split_condition(scene, text, "--for", "=", "cooling_capacity=500 kW") for text in texts)
     found = [Goal(figure, value) for figure, _, value in split]

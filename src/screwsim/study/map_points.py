@@ -10,11 +10,11 @@ from screwsim.effects import catalogue
 from screwsim.inputs.arguments import NUMBER, as_list, checked_arguments
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
+from screwsim.results.read import STAGES
 from screwsim.scene.fields import leaf_paths, unknown_key
-from screwsim.scene.operation import CONDENSING, EVAPORATING
 from screwsim.scene.units import ZERO_CELSIUS, Refused
 from screwsim.scene.values import convert
-from screwsim.study.performance_map import PerformanceMap, performance_maps
+from screwsim.study.performance_map import PerformanceMap, performance_maps, temperature_paths
 
 EXAMPLE = '--at "evaporating_temperature=0 degC, condensing_temperature=40 degC"'
 SAME_VALUE = 1e-9  # relative difference within which values of other axes are the same
@@ -44,9 +44,8 @@ def evaluate_map(
     """
     of = results if isinstance(results, Results) else open_results(results)
     maps = performance_maps(of, tuple(as_list(figures)))
-    asked = {EVAPORATING: evaporating_temperature, CONDENSING: condensing_temperature}
-    asked |= {_axis(of, name): value for name, value in others.items()}
-    return dict(evaluated_at(maps, asked).figures)
+    asked = {_axis(of, name): value for name, value in others.items()}
+    return dict(evaluated_at(maps, (evaporating_temperature, condensing_temperature), asked).figures)
 
 
 def points_at(results: Results, maps: Sequence[PerformanceMap], texts: Sequence[str]) -> list[MapPoint]:
@@ -54,15 +53,17 @@ def points_at(results: Results, maps: Sequence[PerformanceMap], texts: Sequence[
     found = []
     for text in texts:
         try:
-            found.append(evaluated_at(maps, _read(results, text)))
+            found.append(evaluated_at(maps, *_read(results, text)))
         except UsageError as fault:
             raise UsageError(f"--at {text}: {fault}") from None
     return found
 
 
-def evaluated_at(maps: Sequence[PerformanceMap], asked: Mapping[str, Any]) -> MapPoint:
-    """Return the one map selected by values [SI] of paths, evaluated at its temperatures; raise UsageError."""
-    T_e, T_c = (float(asked[path]) for path in (EVAPORATING, CONDENSING))
+def evaluated_at(
+    maps: Sequence[PerformanceMap], temperatures: tuple[float, float], asked: Mapping[str, Any]
+) -> MapPoint:
+    """Return the one map selected by values [SI] of its other axes at both temperatures [K]; raise UsageError."""
+    T_e, T_c = map(float, temperatures)
     fitting = [one for one in maps if all(_is_same_value(one.values.get(path), value) for path, value in asked.items())]
     if len(fitting) != 1:
         raise UsageError(_choose(maps, fitting))
@@ -79,7 +80,7 @@ def evaluated_at(maps: Sequence[PerformanceMap], asked: Mapping[str, Any]) -> Ma
 
 
 def _is_same_value(own: Any, asked: Any) -> bool:
-    """Return whether a map's value is the requested one; always True for temperatures, of which a map has none."""
+    """Return whether a map's value is the requested one; always True where a map has none."""
     if own is None or isinstance(own, str) or isinstance(asked, str):
         return own is None or own == asked
     return bool(np.isclose(float(own), float(asked), rtol=SAME_VALUE, atol=0.0))
@@ -111,13 +112,15 @@ def _axis(results: Results, name: str) -> str:
     same = [path for path in paths if name in (path, path.rpartition(".")[2])]
     if len(same) == 1:
         return same[0]
+    if same:
+        raise UsageError(f"{name} is short for {' and for '.join(same)} (write the one that is meant in full)")
     options = paths if "." in name else [path.rpartition(".")[2] for path in paths]
     one_of = f"one of {', '.join(options)}"
     raise UsageError(f"{name} {unknown_key(name, options, one_of)}")
 
 
-def _read(results: Results, text: str) -> dict[str, Any]:
-    """Return the values [SI] by path of a text NAME=VALUE, NAME=VALUE; raise UsageError."""
+def _read(results: Results, text: str) -> tuple[tuple[float, float], dict[str, Any]]:
+    """Return both temperatures [K] of a text NAME=VALUE, NAME=VALUE, and its other values [SI]; raise UsageError."""
     asked: dict[str, Any] = {}
     for part in text.split(","):
         name, equals, value = (each.strip() for each in part.partition("="))
@@ -126,15 +129,24 @@ def _read(results: Results, text: str) -> dict[str, Any]:
         path = _axis(results, name)
         if path in asked:
             raise UsageError(f"{name} is given twice (remove one)")
-        asked[path] = _value(path, value)
-    missing = [path for path in (EVAPORATING, CONDENSING) if path not in asked]
+        asked[path] = _value(path, value, bool(results.stages))
+    both = temperature_paths(bool(results.stages))
+    missing = [path for path in both if path not in asked]
     if missing:
         raise UsageError(f"does not state {missing[0].rpartition('.')[2]} (write e.g. {EXAMPLE})")
-    return asked
+    T_e, T_c = (asked.pop(path) for path in both)
+    return (T_e, T_c), asked
 
 
-def _value(path: str, text: str) -> Any:
-    leaf = leaf_paths({name: effect.parameters for name, effect in catalogue().items()}).get(path)
+def _value(path: str, text: str, two: bool) -> Any:
+    """Return a value [SI] of an axis, of two stages with its stage before the path; a text where it is no number."""
+    known = leaf_paths({name: effect.parameters for name, effect in catalogue().items()})
+    if two:
+        from screwsim.study.stages.axes import BETWEEN, LEAVES
+
+        known = {f"{stage}.{name}": leaf for stage in STAGES for name, leaf in known.items()}
+        known |= {f"{BETWEEN}.{name}": leaf for name, leaf in LEAVES.items()}
+    leaf = known.get(path)
     try:
         if leaf is not None and leaf.dimension is not None:
             return convert(leaf, text)

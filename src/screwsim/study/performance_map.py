@@ -17,6 +17,7 @@ from screwsim.results import Results
 from screwsim.scene.operation import CONDENSING, EVAPORATING, QUALITY, SUBCOOLING, SUPERHEAT, SUPERHEAT_S
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.figures import figure_named
+from screwsim.study.varied import names_of
 
 Array = np.ndarray
 
@@ -41,6 +42,14 @@ class PolynomialFit:
     largest: float
     rms: float
     left_out: float | None
+
+    def in_fahrenheit(self, factor: float) -> tuple[float, ...]:
+        """Return the coefficients for °F from those for °C, for the figure times a factor."""
+        scaled, powers = np.zeros((4, 4)), _powers(32.0, 1.8)
+        for (i, j), c in zip(TERMS, self.coefficients, strict=True):
+            for k, m in np.ndindex(i + 1, j + 1):
+                scaled[k, m] += factor * c * powers[i, k] * powers[j, m]
+        return tuple(float(scaled[term]) for term in TERMS)
 
 
 @dataclass(frozen=True)
@@ -92,12 +101,14 @@ def performance_maps(results: Results, figures: Sequence[str] = ()) -> list[Perf
     """Return a map for each point of the axes other than both temperatures; raise UsageError where none is possible."""
     figures = figures or usual_figures(results)
     figures = tuple(dict.fromkeys(figure_named(text, results.figures, results.error) for text in figures))
-    varied = results.varied
-    missing = [path for path in (EVAPORATING, CONDENSING) if path not in varied]
+    varied, temperatures = results.varied, temperature_paths(bool(results.stages))
+    missing = [path for path in temperatures if path not in varied]
     if missing:
+        remedy = f"--set 'sweep.{missing[0]}=[…]' for screwsim sweep"
+        remedy = f"{missing[0]}: […] under sweep: in the two-stage file" if results.stages else remedy
         raise UsageError(
             f"{results.path}: has no axis {' and '.join(missing)} (a map needs a sweep over both with {VALUES} values "
-            f"each or more, e.g. --set 'sweep.{missing[0]}=[…]' for screwsim sweep)"
+            f"each or more, e.g. {remedy})"
         )
     maps = [_map(results, figures, values, cases) for values, cases in _groups(results, varied)]
     if all(each.message for each in maps):
@@ -105,9 +116,16 @@ def performance_maps(results: Results, figures: Sequence[str] = ()) -> list[Perf
     return maps
 
 
+def temperature_paths(two: bool) -> tuple[str, str]:
+    """Return the paths of evaporating and condensing temperature in a scene, or in two stages in series."""
+    (evaporating,), (condensing,) = (names_of(path, two) for path in (EVAPORATING, CONDENSING))
+    return evaporating, condensing
+
+
 def conditions(results: Results) -> dict[str, float]:
     """Return the other conditions of the map [SI]: superheat, subcooling, the oil."""
-    names = {path: path.replace(".", "_") for path in _CONDITIONS}
+    every = (each for path in _CONDITIONS for each in names_of(path, bool(results.stages)))
+    names = {path: path.replace(".", "_") for path in every}
     found = {path: results.inputs[name] for path, name in names.items() if name in results.inputs}
     return {path: float(value) for path, value in found.items() if value.shape == () and np.isfinite(value)}
 
@@ -115,7 +133,7 @@ def conditions(results: Results) -> dict[str, float]:
 def _groups(results: Results, varied: Mapping[str, tuple[int, Array]]) -> Iterator[tuple[dict[str, Any], Array]]:
     """Yield the values of the other axes with the indices of the cases there."""
     shape = results.shape
-    own = {varied[EVAPORATING][0], varied[CONDENSING][0]}
+    own = {varied[path][0] for path in temperature_paths(bool(results.stages))}
     others = [number for number in range(len(shape)) if number not in own]
     numbers = np.arange(math.prod(shape)).reshape(shape)
     for places in itertools.product(*(range(shape[number]) for number in others)):
@@ -128,7 +146,8 @@ def _map(results: Results, figures: Sequence[str], values: Mapping[str, Any], ca
     nothing = np.full(results.shape, np.nan)
     columns = {figure: results.performance.get(figure, nothing).ravel()[cases] for figure in figures}
     # rounded: 258.15 K less 273.15 K is not quite -15 °C
-    S, D = (np.round(results.along(path) - ZERO_CELSIUS, 9).ravel()[cases] for path in (EVAPORATING, CONDENSING))
+    temperatures = (results.along(path) for path in temperature_paths(bool(results.stages)))
+    S, D = (np.round(T - ZERO_CELSIUS, 9).ravel()[cases] for T in temperatures)
     good = results.status.ravel()[cases] == "ok"
     not_ok = int(np.count_nonzero(~good))
     for column in columns.values():

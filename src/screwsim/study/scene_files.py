@@ -19,6 +19,7 @@ from screwsim.study.inputs import shown_value
 
 if TYPE_CHECKING:
     from screwsim.study.calibration.solve import Calibration
+    from screwsim.study.stages.read import StageChain
 
 FIRST_LINE = "# Found by: screwsim "  # start of a scene that a study wrote
 SIZE_PATHS = {"machine.displacement.flow", "machine.rotor_diameter", "machine.rotor_length", "machine.volume.max"}
@@ -49,14 +50,48 @@ def write_found(
     `told` says in the first line what wrote the file: 'find x.yaml; …'.
     """
     make_folder(path.parent)
-    head = f"{FIRST_LINE}{' '.join(told.split())}\n"
-    sizes = [f"{path} = {text_of(leaf_of(found, path), value)}" for path, value in values.items() if path in SIZE_PATHS]
-    if sizes:  # the title may state another size
-        found = replace(found, title="; ".join(filter(None, (found.title, f"resized: {', '.join(sizes)}"))))
+    head, found = _first_line(told), _with_sizes(found, values)
     text = head + _text_over_base(found, values, file, overrides, without, path.parent)
     if not _is_same_scene(text, found, path.parent):
         text = head + scene_text(replace(found, folder=os.path.abspath(path.parent)))
     return write_text(path, text)
+
+
+def files_of_stages(path: Path) -> dict[str, Path]:
+    """Return the files of both scenes beside that of two stages, by stage: x_first.yaml beside x.stages.yaml."""
+    from screwsim.study.stages.axes import STAGE_NAMES
+
+    return {stage: path.with_name(f"{_stem(path)}_{stage}.yaml") for stage in STAGE_NAMES}
+
+
+def write_found_stages(path: Path, found: StageChain, values: Mapping[str, float], told: str) -> list[str]:
+    """Write two stages `found` with `values` [SI], each scene whole in a file beside `path`; return all paths."""
+    from screwsim.study.stages.store import chain_text
+
+    make_folder(path.parent)
+    head = _first_line(told)
+    texts = {path: chain_text(found, f"{_stem(path)}_")}
+    for stage, file in files_of_stages(path).items():
+        own = {name.removeprefix(f"{stage}."): each for name, each in values.items() if name.startswith(f"{stage}.")}
+        scene = _with_sizes(found.by_stage[stage], own)
+        texts[file] = scene_text(replace(scene, sweep={}, joints=(), folder=os.path.abspath(path.parent)))
+    return [write_text(file, head + text) for file, text in texts.items()]
+
+
+def _stem(path: Path) -> str:
+    return path.stem.removesuffix(".stages")
+
+
+def _first_line(told: str) -> str:
+    return f"{FIRST_LINE}{' '.join(told.split())}\n"
+
+
+def _with_sizes(found: Scene, values: Mapping[str, float]) -> Scene:
+    """Return a scene that tells in its title the sizes found, as the title may state others."""
+    sizes = [f"{path} = {text_of(leaf_of(found, path), value)}" for path, value in values.items() if path in SIZE_PATHS]
+    if not sizes:
+        return found
+    return replace(found, title="; ".join(filter(None, (found.title, f"resized: {', '.join(sizes)}"))))
 
 
 def _text_over_base(

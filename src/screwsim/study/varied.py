@@ -28,6 +28,15 @@ def read_value(of: Varied, path: str, raw: Any) -> Any:
     return scenes.read_value(of, path, raw) if isinstance(of, Scene) else of.read_value(path, raw)
 
 
+def names_of(path: str, two: bool) -> tuple[str, ...]:
+    """Return the names under which an input of a scene varies: of two in series with each stage that states it."""
+    if not two:
+        return (path,)
+    from screwsim.study.stages.axes import names_in_chain
+
+    return names_in_chain(path)
+
+
 def with_values(of: Kind, values: Mapping[str, Any]) -> Kind:
     """Return the same with other values [SI] at dotted paths."""
     return scenes.with_values(of, values) if isinstance(of, Scene) else of.with_values(values)

@@ -15,17 +15,14 @@ from screwsim.template.request import SceneRequest, request_of
 
 MOTOR, SHEET, SPEEDS, CAPACITY = ("--motor",), ("--flow", "--pressure"), ("--variable-speed",), ("--capacity",)
 LIQUID, SLIDE = ("--economizer",), ("--slide",)
-REFUSED_OPTION_MESSAGES = {  # message on an option that a kind does not take
-    **dict.fromkeys(MOTOR, "is for {takers} (remove it; the motor of {name} follows from its size)"),
-    **dict.fromkeys(CAPACITY, "is for {takers} (remove it; {name} takes --displacement)"),
-    **dict.fromkeys(
-        SHEET, "is from the data sheet of an air package (write screwsim new {takers}; {name} takes --displacement)"
-    ),
-    **dict.fromkeys(SPEEDS, "is for {takers}, from whose data sheet it comes (remove it)"),
-    **dict.fromkeys(SLIDE, "is for {takers}, which it unloads (remove it)"),
-    **dict.fromkeys(LIQUID, "is for {takers}, whose liquid it cools (remove it)"),
+REFUSED_OPTION_MESSAGES = {  # message on options that a kind does not take
+    MOTOR: "is for {takers} (remove it; the motor of {name} follows from its size)",
+    CAPACITY: "is for {takers} (remove it; {name} takes --displacement)",
+    SHEET: "is from the data sheet of an air package (write screwsim new {takers}; {name} takes --displacement)",
+    SPEEDS: "is for {takers}, from whose data sheet it comes (remove it)",
+    SLIDE: "is for {takers}, which it unloads (remove it)",
+    LIQUID: "is for {takers}, whose liquid it cools (remove it)",
 }
-
 
 KIND_SYNONYMS = {
     "chiller": "refrigeration",
@@ -73,9 +70,8 @@ def kind_of(name: str, options: Iterable[str] = ()) -> Kind:
     for option in options:
         takers = [each for each, kind in KINDS.items() if option in kind.takes]
         if name not in takers:
-            raise UsageError(
-                f"{option}: {REFUSED_OPTION_MESSAGES[option].format(takers=joined_names(takers), name=name)}"
-            )
+            told = next(text for options, text in REFUSED_OPTION_MESSAGES.items() if option in options)
+            raise UsageError(f"{option}: {told.format(takers=joined_names(takers), name=name)}")
     return KINDS[name]
 
 

@@ -86,14 +86,18 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
     oil = asked.oil or OILS_FOR.get(fluid.lower(), "POE_68")
     leaky, in_gas = _leaky_efficiency(fluid, duty, size), fluid.lower() not in COPPER_CORROSIVES
     ratio, separator = _oil_and_separator(fluid, duty, oil, asked.ratio or usual, leaky, in_gas)
-    cooled = "discharge_temperature:" in separator.partition("#")[0]
+    cooled, drop = "discharge_temperature:" in separator.partition("#")[0], duty.p_d - duty.p_s
+    bore = sizes.bore(ratio * duty.gas_flow, OILS[oil].density_at(BORE_OIL_TEMPERATURE), drop)
+    substitute = _substitute_properties(fluid, duty)
+    viscosity = "" if substitute is None else f", gas_viscosity: {1e3 * substitute[1]:.3g} mPa s"
     values = {
         **conditions(duty),
         **_drive(fluid, _power(duty, asked), asked.motor),
-        **_jets(duty, ratio, oil),
-        **_transport(fluid, duty),
+        "bore": sizes.mm(bore, 2),
+        "jet": f"{1e-5 * drop:.2g} bar",
+        "transport": _transport(fluid, duty, substitute),
         **texts.machine(size, asked, usual, duty.p_d / duty.p_s),
-        "ports": texts.ports(size, _viscosity(fluid, duty)),
+        "ports": texts.ports(size, viscosity),
         "rests": _evidence_comments(fluid),
         "made": _sizing_comment(asked, plant),
         "what": plant.what,
@@ -204,12 +208,6 @@ def _drive(fluid: str, power: float, stated: float | None) -> dict[str, str]:
     return {"drive": told, "motor": motor, "rated": RATED_POWER_SOURCES[stated is not None]}
 
 
-def _jets(duty: Duty, ratio: float, oil: str) -> dict[str, str]:
-    drop = duty.p_d - duty.p_s
-    bore = sizes.bore(ratio * duty.gas_flow, OILS[oil].density_at(BORE_OIL_TEMPERATURE), drop)
-    return {"bore": sizes.mm(bore, 2), "jet": f"{1e-5 * drop:.2g} bar"}
-
-
 def _reference(duty: Duty) -> tuple[float, float]:
     """Return the pressure [Pa] and temperature [K] for the gas properties."""
     return math.sqrt(duty.p_s * duty.p_d), 0.5 * (duty.T_e + duty.more + duty.T_c + 20.0)
@@ -226,17 +224,12 @@ def _substitute_properties(fluid: str, duty: Duty) -> tuple[float, float, float]
     return None
 
 
-def _viscosity(fluid: str, duty: Duty) -> str:
-    found = _substitute_properties(fluid, duty)
-    return "" if found is None else f", gas_viscosity: {1e3 * found[1]:.3g} mPa s"
-
-
-def _transport(fluid: str, duty: Duty) -> dict[str, str]:
+def _transport(fluid: str, duty: Duty, substitute: tuple[float, float, float] | None) -> str:
     """Return the entries for gas properties around droplets: a state, or numbers of a substitute gas with a comment."""
-    (p, T), found = _reference(duty), _substitute_properties(fluid, duty)
-    if found is None:
-        return {"transport": f"    reference_pressure: {1e-5 * p:.2g} bar\n    reference_temperature: {T:.0f} K\n"}
-    conductivity, viscosity, prandtl = found
+    if substitute is None:
+        p, T = _reference(duty)
+        return f"    reference_pressure: {1e-5 * p:.2g} bar\n    reference_temperature: {T:.0f} K\n"
+    conductivity, viscosity, prandtl = substitute
     whose = f"these values and the viscosity in the gaps are those of {STAND_IN}"
     lines = (
         f"# CoolProp has no transport properties of {fluid}: {whose}",
@@ -244,7 +237,7 @@ def _transport(fluid: str, duty: Duty) -> dict[str, str]:
         f"gas_viscosity: {1e3 * viscosity:.3g} mPa s",
         f"prandtl: {prandtl:.3g}",
     )
-    return {"transport": "".join(f"    {line}\n" for line in lines)}
+    return "".join(f"    {line}\n" for line in lines)
 
 
 def _leaky_efficiency(fluid: str, duty: Duty, size: sizes.Size) -> float:

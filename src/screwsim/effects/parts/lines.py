@@ -1,13 +1,12 @@
 """What lies in the suction and discharge lines: throttle, mixing, leak, heat, separator and oil cooler."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from screwsim.effects.parts.flows import Resistance
 from screwsim.fluid.separator import Separated, SeparatorInflow
 from screwsim.fluid.settings import oil_temperature
-from screwsim.inputs.declare import quantity
 
 
 @dataclass(frozen=True)
@@ -103,40 +102,20 @@ class LosesPressure:
         return None
 
 
-@dataclass(frozen=True)
-class Cooler:
-    """What the oil cooler keeps: its outlet temperature, its duty, or the temperature at discharge."""
-
-    outlet_temperature: float | None = oil_temperature(
-        "temperature of the oil after the cooler, in place of oil_supply.temperature"
-    )
-    duty: float | None = quantity("power", "heat that the cooler removes from the oil", None, ge=0.0)
-    discharge_temperature: float | None = oil_temperature(
-        "temperature of the mixture at discharge, kept by a thermostat that cools the oil"
-    )
-
-    @property
-    def stated(self) -> list[str]:
-        """Names of the keys that are stated."""
-        return [each.name for each in fields(self) if getattr(self, each.name) is not None]
-
-
-@dataclass(frozen=True)
 class CoolsOil:
     """Parameters of an effect that returns the oil through a cooler, and may find the temperature of its supply.
 
     `outlet_key` names the parameter that prescribes the oil's temperature behind the cooler.
     """
 
-    outlet_key = "cooler.outlet_temperature"
-    cooler: Cooler | None = None
+    outlet_key = ""
 
     @property
     def outlet(self) -> float | None:
         """Temperature [K] of the oil behind the cooler; None where it is not prescribed."""
-        return None if self.cooler is None else self.cooler.outlet_temperature
+        return None
 
     @property
     def discharge(self) -> float | None:
         """Temperature [K] of gas and oil at discharge; None where it is not prescribed."""
-        return None if self.cooler is None else self.cooler.discharge_temperature
+        return None

@@ -234,9 +234,9 @@ class Chambers(Cell):
             entering += [f"mass_{discharge}_in", f"mass_{discharge}_out"]
             leaving = [f"mass_{suction}_in", f"mass_{suction}_out"]
         with to.within(f"if {BEFORE}"):
-            to.add(f"crossing = ({' + '.join(entering)}) * per_omega")
+            to.add(f"q_crossing = ({' + '.join(entering)}) * per_omega")
         with to.within("else"):
-            to.add(f"crossing = -({' + '.join(leaving)}) * per_omega")
+            to.add(f"q_crossing = -({' + '.join(leaving)}) * per_omega")
 
     def _taken(self, to: Statements) -> None:
         """Read what a chamber is given by the others."""
@@ -245,11 +245,7 @@ class Chambers(Cell):
     @property
     def _all(self) -> list[str]:
         """The quadratures of all chambers; flows between them cancel."""
-        return [*self.quadratures, "crossing"]
-
-    def _sum(self, name: str) -> str:
-        """Return the index of a quadrature of all chambers."""
-        return "Q_crossing" if name == "crossing" else place_of_sum(name)
+        return [*self.quadratures, "q_crossing"]
 
     def _summed(self, name: str) -> bool:
         """Return whether a quadrature is summed over the chambers."""
@@ -257,7 +253,7 @@ class Chambers(Cell):
 
     def _stored(self, to: Statements) -> None:
         to.add(*(f"f[own + S_{name}] = f_{name}" for name in self.network.states))
-        to.add(*(f"g[{self._sum(name)}] += {name}" for name in self._all if self._summed(name)))
+        to.add(*(f"g[{place_of_sum(name)}] += {name}" for name in self._all if self._summed(name)))
 
     def rates(self) -> str:
         """Return the text of dy/dφ of all chambers, and of the rates of their quadratures."""
@@ -332,7 +328,7 @@ class Chambers(Cell):
             return " + ".join(terms) or "0.0"
 
         rows = {f"J[own + S_{name}, {{}}]": f"f_{name}" for name in network.states}
-        crossing = [(self._sum(name), name) for name in self._all if name in ("q_pushed", "crossing")]
+        crossing = [(place_of_sum(name), name) for name in self._all if name in ("q_pushed", "q_crossing")]
         with to.within("for c in range(COLUMNS - 1)"):
             to.add(*(f"{row.format('c')} = {through(name, 'c')}" for row, name in rows.items()))
             to.add(*(f"Jq[{at}, c] += {through(name, 'c')}" for at, name in crossing))
@@ -342,12 +338,12 @@ class Chambers(Cell):
             for name in self._all:
                 slope = tangent.slope(name, state)
                 if self._summed(name) and slope != "0.0":
-                    to.add(f"Jq[{self._sum(name)}, {at}] += {slope}")
+                    to.add(f"Jq[{place_of_sum(name)}, {at}] += {slope}")
         for state in network.states:
             to.add(f"f_phi[own + S_{state}] = {tangent.slope(f'f_{state}', 'phi')} + {through(f'f_{state}', ANGLE)}")
         for name in self._all:
             if self._summed(name):
-                to.add(f"g_phi[{self._sum(name)}] += {tangent.slope(name, 'phi')}")
+                to.add(f"g_phi[{place_of_sum(name)}] += {tangent.slope(name, 'phi')}")
         to.add(*(f"g_phi[{at}] += {through(name, ANGLE)}" for at, name in crossing))
 
 

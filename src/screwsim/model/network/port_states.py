@@ -8,22 +8,17 @@ from screwsim.model.network import balances
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements, writes
 from screwsim.model.port_states import gas_at_third, hold_to_line, jumps, make_cubic, row_of_third
-from screwsim.numerics.kernel import Kernel
 
 STORED = {"p": "PRESSURE", "h": "ENTHALPY"}  # in the columns beyond the states, in this order
 VARYING = {"exponent": "EXPONENT", "choke": "CHOKE", "choked": "CHOKED"}  # also these, of a real gas
 OIL = {"x_oil": "OIL_RATIO", "w_gas": "DISSOLVED"}
+KERNELS = (gas_at_third, hold_to_line, jumps, make_cubic, row_of_third)  # that the functions for port states call
 LEAST = 1e-6  # of a neighbour's exponent and choking: a cubic across a phase border may dip below zero
 
 
 def port_state_texts(network: Network) -> list[str]:
     """Return the functions that fill port states."""
     return [_of_chamber(network), _kept(network), _of_neighbour(network)]
-
-
-def port_state_kernels() -> list[Kernel]:
-    """Return the kernels that those functions call."""
-    return [gas_at_third, hold_to_line, jumps, make_cubic, row_of_third]
 
 
 def columns(network: Network) -> dict[str, str]:

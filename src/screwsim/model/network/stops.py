@@ -9,20 +9,13 @@ from screwsim.model.network.statements import Statements, writes
 from screwsim.numerics.kernel import Kernel
 
 AROUND = "R, P, TAB"
+OF_EACH = (impacts.begin, impacts.share_before_event, impacts.take_event)  # pasted for every pair, with its push
 
 
 def stop_kernels(network: Network) -> list[Kernel]:
     """Return the kernels that the texts call for every pair alike."""
     alike = [impacts.keep_at_rest, impacts.keep_rows_at_rest, impacts.put_within, impacts.share_before_meeting]
     return alike if network.stops else []
-
-
-OF_EACH = (impacts.begin, impacts.share_before_event, impacts.take_event)  # pasted for every pair, with its push
-
-
-def of_stop(label: str) -> tuple[dict[str, str], str]:
-    """Return what fills the slots of a pair's kernels, and the suffix of their names."""
-    return {"push_on": f"push_on__{label}"}, f"_{label}"
 
 
 def stop_texts(network: Network) -> list[str]:

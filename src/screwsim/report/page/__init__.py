@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
+from screwsim.version import version
 
 _NEEDED = ("jinja2", "plotly")
 _SCRIPTS = ("dom", "numbers", "theme", "unpack", "drawing", "overview", "ledger", "case", "start")
@@ -85,12 +86,10 @@ def rendered(package: str, scripts: Sequence[str], **parts: Any) -> str:
     """Return the HTML text of a package's page, with style and scripts of its own or, by their names, of this one."""
     import jinja2
 
-    from screwsim import __version__
-
     def text(name: str) -> str:
         own = resources.files(package).joinpath(name)
         return (own if own.is_file() else resources.files(__name__).joinpath(name)).read_text(encoding="utf-8")
 
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     style, script = text("theme.css") + text("page.css"), "\n".join(text(f"{each}.js") for each in scripts)
-    return environment.from_string(text("page.html")).render(style=style, script=script, version=__version__, **parts)
+    return environment.from_string(text("page.html")).render(style=style, script=script, version=version(), **parts)

@@ -16,7 +16,7 @@ from screwsim.report.page.uncertain import half_of, half_text
 from screwsim.report.quantities import is_numeric, shown_axis, value_of
 from screwsim.results import Results
 from screwsim.results.optimum import AIM, ERROR
-from screwsim.results.warning_kinds import cases_with_warnings, warning_kinds_of_file
+from screwsim.results.warning_kinds import cases_with_warnings, warning_kinds
 from screwsim.screen import printable
 
 MOST_KINDS = 8  # of warnings, listed for a sweep
@@ -55,7 +55,7 @@ def counts(results: Results) -> list[tuple[str, int]]:
 
 def warnings(results: Results) -> tuple[str, list[str]]:
     """Return the heading of the warnings, and a line for each kind of them; both empty without any."""
-    found, cases = warning_kinds_of_file(results), int(np.count_nonzero(cases_with_warnings(results)))
+    found, cases = warning_kinds(results), int(np.count_nonzero(cases_with_warnings(results)))
     if not results.axis_list:
         return (f"{len(found)} warnings" if len(found) > 1 else "Warning" if found else ""), [k.text for k in found]
     lines = [f"{kind.cases} case{'s' * (kind.cases != 1)}: {kind.text}" for kind in found[:MOST_KINDS]]

@@ -66,7 +66,11 @@ def _write_hdf5(study: Study, path: Path) -> None:
         file.attrs["sentence"] = sentence(study)
         cases = file.create_group("cases")
         _write_columns(cases, _case_columns(study))
-        _put_traces(cases, study.measured, study.reference.traces["angle"])
+        angle = study.reference.traces["angle"]
+        cases.create_dataset("angle", data=angle).attrs["units"] = "degree"
+        for name, units in zip(COMPARED_TRACES, ("Pa", "K"), strict=True):
+            rows = np.array([each.traces.get(name, np.full(len(angle), np.nan)) for each in study.measured])
+            cases.create_dataset(name, data=rows, compression="gzip", shuffle=True).attrs["units"] = units
         _write_columns(file.create_group("asked"), _columns(study.asked))
         _write_columns(file.create_group("effects"), _columns(study.effects))
         _write_columns(file.create_group("sweep_points"), _columns(study.points))
@@ -89,10 +93,3 @@ def _write_columns(group: Any, columns: Mapping[str, Sequence[Any]]) -> None:
         if not text:
             about = declaration(name)
             data.attrs["units"] = UNITS.get(name, about.units if about is not None else "1")
-
-
-def _put_traces(group: Any, measured: Sequence[MeasuredCase], angle: np.ndarray) -> None:
-    group.create_dataset("angle", data=angle).attrs["units"] = "degree"
-    for name, units in zip(COMPARED_TRACES, ("Pa", "K"), strict=True):
-        rows = [each.traces.get(name, np.full(len(angle), np.nan)) for each in measured]
-        group.create_dataset(name, data=np.array(rows), compression="gzip", shuffle=True).attrs["units"] = units

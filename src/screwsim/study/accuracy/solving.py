@@ -126,11 +126,11 @@ def solve(scene: Scene, how: Method, limit: float = math.inf, machinery: Machine
         if check is not None and not cycle.failed:
             task = ClosingTask(problem, machinery, wanted)
             cycle = close_with_drive(task, close_together(task, chambers_at_pitches(machinery)))
-    watch.lap("closing")
-    counts, evaluations = watch.counts["closing"], machinery.evaluations_of(watch.counts["closing"])
+    watch.lap()
+    cost, evaluations = watch.cost, machinery.evaluations_of(watch.cost.counts)
     if lent:
         leases.give_back(machinery)
-    return SolvedCase(cycle, evaluate(problem, cycle), watch.times["closing"], evaluations, int(counts[TAKEN]))
+    return SolvedCase(cycle, evaluate(problem, cycle), cost.closing, evaluations, int(cost.counts[TAKEN]))
 
 
 def _breakpoints(composition: Composition, landing: bool) -> np.ndarray:

@@ -84,25 +84,20 @@ class Rating:
 def rating(scene: Scene, progress: Progress | None = None) -> Rating:
     """Return the rating of an air package; raise UsageError where a scene leaves open what is rated."""
     base = without_sweep(scene, {SPEED}, f"the values of sweep.{SPEED} of an air package")
-    if scene.effects["air_package"].parameters.state == UNLOADED:
+    package = scene.effects["air_package"].parameters
+    if package.state == UNLOADED:
         raise UsageError(f"datasheet: {STATE} is unloaded, but an unloaded package delivers nothing (write loaded)")
-    progress = progress or Progress()
+    variable, coolant = SPEED in scene.sweep, "liquid" if package.fan is None else "air"
+    speeds = sorted(scene.sweep.get(SPEED, (scene.operation.speed,)), reverse=True)
+    progress, idle = progress or Progress(), None
+    progress.start(len(speeds) + (package.unloaded is not None), 0)
     try:
-        return _rating(scene, base, progress)
+        points = _rated_points(base, speeds, progress)
+        if package.unloaded is not None:
+            idle = _rated_points(with_values(base, {STATE: UNLOADED}), speeds[-1:], progress)[0]
+        regulation = _regulation(base, points, variable, coolant, progress) if points[0].flow > 0.0 else None
     finally:
         progress.stop()
-
-
-def _rating(scene: Scene, base: Scene, progress: Progress) -> Rating:
-    package, variable = scene.effects["air_package"].parameters, SPEED in scene.sweep
-    speeds = sorted(scene.sweep.get(SPEED, (scene.operation.speed,)), reverse=True)
-    progress.start(len(speeds) + (package.unloaded is not None), 0)
-    points = _rated_points(base, speeds, progress)
-    idle = None
-    if package.unloaded is not None:
-        idle = _rated_points(with_values(base, {STATE: UNLOADED}), speeds[-1:], progress)[0]
-    coolant = "liquid" if package.fan is None else "air"
-    regulation = _regulation(base, points, variable, coolant, progress) if points[0].flow > 0.0 else None
     return Rating(points, idle, regulation, variable, coolant)
 
 

@@ -244,15 +244,12 @@ def axis_values(base: Scene, path: str, text: str | None, option: str, swept: tu
     if text is not None:
         ends = rating.read_range(base, path, text, option, EXAMPLES[path])
         return Axis(path, rating.evenly_spaced(*ends, VALUES_PER_RANGE))
-    return Axis(path, swept or values_around_own(base, path))
-
-
-def values_around_own(base: Scene, path: str) -> tuple[float, ...]:
-    """Return values around the scene's own."""
+    if swept:
+        return Axis(path, swept)
     own = float(value_at(base, path))
     shares = PRESSURE_SHARES if not base.machine.expands else INLET_SHARES if path == P_S else OUTLET_SHARES
     every = [share * own for share in shares]
     if path in (EVAPORATING, CONDENSING):
         every = [own + 5.0 * step for step in (-2, -1, 0, 1, 2)]
     kept = tuple(value for value in every if not rating.faults_of(base, {path: value}))
-    return kept or (own,)
+    return Axis(path, kept or (own,))

@@ -13,20 +13,9 @@ from screwsim.scene import Scene, value_at
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.study.datasheet import rated as rating
 from screwsim.study.datasheet import tables
-from screwsim.study.datasheet.rated import (
-    Axis,
-    Rating,
-    RatingRequest,
-    SceneRating,
-    SceneRequest,
-    celsius,
-    evenly_spaced,
-    faults_of,
-    read_range,
-    swept_values,
-    without_sweep,
-)
+from screwsim.study.datasheet.rated import Axis, Rating, RatingRequest, SceneRating, SceneRequest, celsius
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
 from screwsim.study.datasheet.tables import DUTY, HOUR, KW, Column
 from screwsim.study.goals import Bound
@@ -131,9 +120,9 @@ def rating_request(
     """Return what is rated of a scene; raise UsageError where it varies something else, or a range is invalid."""
     second = GAS_COOLER_P if scene.operation.gas_cooler is not None else CONDENSING
     over = f"{EVAPORATING}, {second} and controls of the capacity"
-    base = without_sweep(scene, {EVAPORATING, second, RATIO_PATH, *CONTROL_ENDS}, over)
-    across = axis_values(base, EVAPORATING, evaporating, "--evaporating", swept_values(scene, EVAPORATING))
-    down = axis_values(base, second, condensing, "--condensing", swept_values(scene, second))
+    base = rating.without_sweep(scene, {EVAPORATING, second, RATIO_PATH, *CONTROL_ENDS}, over)
+    across = axis_values(base, EVAPORATING, evaporating, "--evaporating", rating.swept_values(scene, EVAPORATING))
+    down = axis_values(base, second, condensing, "--condensing", rating.swept_values(scene, second))
     return SceneRequest(
         scenes=(base,), across=across, down=down, bounds=bounds, controls=controls(scene), ratios=ratios(scene)
     )
@@ -143,10 +132,10 @@ def axis_values(base: Scene, path: str, text: str | None, option: str, swept: tu
     """Return an axis: over a range, at swept values [SI], or around the scene's own one; raise UsageError."""
     if text is not None:
         example = "-10 degC..10 degC" if path != GAS_COOLER_P else "80 bar..110 bar"
-        first, last = read_range(base, path, text, option, example)
+        first, last = rating.read_range(base, path, text, option, example)
         steps = min(max(round((last - first) / TEMPERATURE_STEP) + 1, 2), MOST_VALUES)
         count = len(PRESSURE_SHARES) if path == GAS_COOLER_P else steps
-        return Axis(path, evenly_spaced(first, last, count))
+        return Axis(path, rating.evenly_spaced(first, last, count))
     if swept:
         return Axis(path, swept)
     own = float(value_at(base, path))
@@ -155,7 +144,7 @@ def axis_values(base: Scene, path: str, text: str | None, option: str, swept: tu
     middle = TEMPERATURE_STEP * round((own - ZERO_CELSIUS) / TEMPERATURE_STEP) + ZERO_CELSIUS
     steps = range(-round(BELOW / TEMPERATURE_STEP), round(ABOVE / TEMPERATURE_STEP) + 1)
     values = [middle + TEMPERATURE_STEP * i for i in steps]
-    return Axis(path, tuple(value for value in values if not faults_of(base, {path: value})) or (own,))
+    return Axis(path, tuple(value for value in values if not rating.faults_of(base, {path: value})) or (own,))
 
 
 def own_point(asked: RatingRequest) -> str:

@@ -17,31 +17,12 @@ from screwsim.outputs import Result
 from screwsim.outputs.customary import quantity, with_printed_units
 from screwsim.scene import grid
 from screwsim.scene.lines import lines
+from screwsim.study.datasheet import air_sheet, stages_sheet
 from screwsim.study.datasheet.air_rating import Point, Rating
-from screwsim.study.datasheet.air_sheet import (
-    DISCLAIMER,
-    FAN_CONTROL,
-    HEADS,
-    drawings_of,
-    inlet_note,
-    point_notes,
-    point_row,
-)
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.rated import Part, answers_of, celsius
 from screwsim.study.datasheet.sheet import Sheet, Table
-from screwsim.study.datasheet.stages_sheet import (
-    DOCUMENT_FIGURES,
-    RPM,
-    between_line,
-    each_stage_table,
-    ignored_model_errors,
-    motor_lines,
-    own_document,
-    stage_documents,
-    swept_line,
-)
 from screwsim.study.datasheet.tables import BAR, KW, NONE, Column
 from screwsim.study.part_load import SPEED_PATH
 from screwsim.study.progress import Progress
@@ -77,9 +58,9 @@ def air_stages_sheet(
     points = [Point(own[0], each.as_result()) for own, each in zip(speeds, found, strict=True)]
     rated = Rating(points, None, None, len(points) > 1, "")
     shares = year(rated, demands) if demands else ()
-    heads = ("first rpm", "second rpm", *HEADS[1:])
+    heads = ("first rpm", "second rpm", *air_sheet.HEADS[1:])
     rows = [
-        [f"{RPM * own[0]:.0f}", f"{RPM * own[1]:.0f}", *point_row(point, rated.full)[1:]]
+        [*(f"{stages_sheet.RPM * speed:.0f}" for speed in own), *air_sheet.point_row(point, rated.full)[1:]]
         for own, point in zip(speeds, points, strict=True)
     ]
     tables = [Table("Points", heads, rows, across=True), *_stage_tables(speeds, points, found)]
@@ -88,9 +69,8 @@ def air_stages_sheet(
         title=with_printed_units(chain.title),
         lines=list(_lines(chain, rated, found[0])),
         tables=[*tables, *([year_table(rated, shares)] if shares else [])],
-        verdict=None,
         notes=list(_notes(chain, speeds, points)),
-        drawings=list(drawings_of(rated)),
+        drawings=list(air_sheet.drawings_of(rated)),
         document={**_document(chain, speeds, rated, found), **({"profile": year_document(shares)} if shares else {})},
         ok=all(point.ok for point in points),
     )
@@ -119,13 +99,13 @@ def _stage_tables(
     speeds: Sequence[tuple[float, float]], points: Sequence[Point], found: Sequence[ChainResult]
 ) -> Iterator[Table]:
     """Yield the table of both stages at full flow, and at variable speed their figures at each point."""
-    yield from each_stage_table(found[0], "Each stage at full flow")
+    yield from stages_sheet.each_stage_table(found[0], "Each stage at full flow")
     if len(points) > 1:
         columns = [column for column in STAGE_HEADS if any(column.figure in one.performance for one in found)]
         rows = []
         for own, point in zip(speeds, points, strict=True):
             cells = [column.cell(point.result.performance) if point.ok else NONE for column in columns]
-            rows.append([f"{RPM * own[0]:.0f}", f"{RPM * own[1]:.0f}", *cells])
+            rows.append([*(f"{stages_sheet.RPM * speed:.0f}" for speed in own), *cells])
         heads = ("first rpm", "second rpm", *(column.title for column in columns))
         note = "powers at the shafts, temperatures at discharge, heat in the oil coolers"
         yield Table("Both stages at each point", heads, rows, note, across=True)
@@ -138,12 +118,12 @@ def _lines(chain: StageChain, rated: Rating, own: ChainResult) -> Iterator[tuple
     yield "inlet", f"{quantity('Pa', low.p_s)}, {celsius(low.T_s):.1f} °C, {chain.first.gas.name}"
     gauge = high.p_d - low.p_s
     yield "discharge", f"{quantity('Pa', high.p_d)}, {1e-5 * gauge:.4g} bar ({gauge / PSI:.0f} psi) over the inlet"
-    yield from swept_line(own)
-    yield from between_line(chain, rated.full.result)
-    yield from motor_lines(chain, own)
+    yield from stages_sheet.swept_line(own)
+    yield from stages_sheet.between_line(chain, rated.full.result)
+    yield from stages_sheet.motor_lines(chain, own)
     fans = ((name, getattr(package_of(scene), "fan", None)) for name, scene in chain.by_stage.items())
     stated = [(name, fan) for name, fan in fans if fan is not None]
-    parts = [f"{quantity('W', fan.power)}, {FAN_CONTROL[fan.control]}" for _, fan in stated]
+    parts = [f"{quantity('W', fan.power)}, {air_sheet.FAN_CONTROL[fan.control]}" for _, fan in stated]
     if len(stated) > 1:
         parts = [f"{name} scene {part}" for (name, _), part in zip(stated, parts, strict=True)]
     yield "fan", "; ".join(parts) if parts else "none stated by the scenes"
@@ -161,12 +141,12 @@ def _loss(found: Result) -> str:
 
 
 def _notes(chain: StageChain, speeds: Sequence[tuple[float, float]], points: Sequence[Point]) -> Iterator[str]:
-    names = (f"{RPM * own[0]:.0f} and {RPM * own[1]:.0f} rpm" for own in speeds)
-    yield from inlet_note(chain.first)
-    yield from ignored_model_errors(chain)
-    yield from point_notes(list(zip(names, points, strict=True)))
+    names = (f"{stages_sheet.RPM * own[0]:.0f} and {stages_sheet.RPM * own[1]:.0f} rpm" for own in speeds)
+    yield from air_sheet.inlet_note(chain.first)
+    yield from stages_sheet.ignored_model_errors(chain)
+    yield from air_sheet.point_notes(list(zip(names, points, strict=True)))
     yield NO_VERDICT
-    yield DISCLAIMER
+    yield air_sheet.DISCLAIMER
 
 
 def _document(
@@ -174,7 +154,7 @@ def _document(
 ) -> dict[str, Any]:
     low, high = lines(chain.first), lines(chain.second)
     points = [
-        {"first_speed": own[0], "second_speed": own[1], **own_document(point.result, DOCUMENT_FIGURES)}
+        {"first_speed": own[0], "second_speed": own[1], **stages_sheet.own_document(point.result)}
         for own, point in zip(speeds, rated.points, strict=True)
     ]
     return {
@@ -185,6 +165,6 @@ def _document(
         "inlet_temperature": low.T_s,
         "discharge_pressure": high.p_d,
         "points": points,
-        "stages": [stage_documents(each) for each in found],
+        "stages": [stages_sheet.stage_documents(each) for each in found],
         "warnings": list(dict.fromkeys(text for point in rated.points for text in point.result.warnings)),
     }

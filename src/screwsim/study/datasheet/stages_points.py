@@ -12,8 +12,8 @@ from screwsim.study.datasheet.stages_rating import refrigerates
 from screwsim.study.datasheet.tables import HOUR, KW, NONE, PERCENT, Column, decimals_of, document_figures
 from screwsim.study.inputs import in_customary
 from screwsim.study.stages.axes import leaf_in_chain
-from screwsim.study.stages.points import ChainPoint
 from screwsim.study.stages.read import StageChain
+from screwsim.study.stages.store import ChainPoint
 
 MOST_CURVES = 8  # in a drawing
 AIR_COLUMNS = (
@@ -42,7 +42,6 @@ def points_sheet(chain: StageChain, points: Sequence[ChainPoint], reused: int = 
         title=with_printed_units(chain.title),
         lines=[("points", f"{len(points)}: {sum(ok)} ok, {len(points) - sum(ok)} without a result{earlier}")],
         tables=[Table("Points", heads, rows, across=True)],
-        verdict=None,
         notes=list(_notes(chain, points)),
         drawings=list(_drawings(chain, points, columns[: 4 if is_air_package(chain) else 3])),
         document=_document(chain, points),

@@ -18,13 +18,7 @@ from screwsim.scene.lines import lines
 from screwsim.study.datasheet import gas_sheet, refrigeration_sheet, tables
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.rated import celsius
-from screwsim.study.datasheet.refrigeration_sheet import (
-    heating_columns,
-    heating_line,
-    main_columns,
-    own_point,
-    refrigerant_line,
-)
+from screwsim.study.datasheet.refrigeration_sheet import own_point
 from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
 from screwsim.study.datasheet.stages_rating import ChainRating, refrigerates
 from screwsim.study.datasheet.tables import BAR, BLANK, DUTY, HOUR, KW, NONE, PERCENT, Column, Lines
@@ -88,11 +82,11 @@ def stages_sheet(rated: ChainRating, heating: bool = False) -> Sheet:
 def _lines(rated: ChainRating, heating: bool) -> Iterator[tuple[str, str]]:
     chain = rated.asked.chain
     yield from swept_line(rated.both)
-    yield refrigerant_line(rated.asked) if refrigerates(chain) else ("gas", chain.first.gas.name)
+    yield refrigeration_sheet.refrigerant_line(rated.asked) if refrigerates(chain) else ("gas", chain.first.gas.name)
     yield from between_line(chain, rated.own)
     yield "point", f"{own_point(rated.asked)}: {_point(rated)}"
     if heating and rated.own.status == "ok":
-        yield heating_line(rated)
+        yield refrigeration_sheet.heating_line(rated)
     yield from motor_lines(chain, rated.both)
     yield from tables.limit_lines(rated, PEAK_FIGURES)
     yield from tables.control_line(rated)
@@ -113,7 +107,7 @@ def _columns(rated: ChainRating) -> tuple[Column, ...]:
     mass = Column(
         FLOW, "Mass flow into the first stage [kg/h]", HOUR, tables.decimals_of(HOUR * (own.get(FLOW) or 1.0))
     )
-    capacity, power, cop = main_columns(rated, kw)
+    capacity, power, cop = refrigeration_sheet.main_columns(rated, kw)
     efficiency = Column("isentropic_efficiency", "Isentropic efficiency of the shaft power [%]", PERCENT, 1)
     head = (capacity, power, cop) if cold else (mass, power, efficiency)
     rest = [Column(INTERMEDIATE, "Intermediate pressure [bar]", BAR, 3)]
@@ -132,7 +126,8 @@ def _columns(rated: ChainRating) -> tuple[Column, ...]:
 def _tables(rated: ChainRating, heating: bool) -> Iterator[Table]:
     columns, own = _columns(rated), own_point(rated.asked)
     yield from each_stage_table(rated.both, f"Each stage at {own}")
-    yield from tables.tables_of(rated, (*columns, *heating_columns(rated)) if heating else columns)
+    more = refrigeration_sheet.heating_columns(rated) if heating else ()
+    yield from tables.tables_of(rated, (*columns, *more))
     yield from tables.envelope_table(rated)
     what = "cooling capacity" if refrigerates(rated.asked.chain) else "mass flow"
     note = f"load: {what} relative to that at {own}; setting: share of the speeds of both stages"
@@ -160,12 +155,10 @@ def _best_note(rated: ChainRating, best: Column) -> str:
     if found is None:
         return ""
     p, value, inside = found
-    word = "COP" if refrigerates(rated.asked.chain) else "η_s"
-    unit = "" if refrigerates(rated.asked.chain) else " %"
+    word, unit = ("COP", "") if refrigerates(rated.asked.chain) else ("η_s", " %")
+    where = "at" if inside else "at the end of the table,"
     shown = f"{best.factor * value:.{best.decimals}f}{unit}"
-    if not inside:
-        return f"best {word} {shown} at the end of the table, {quantity('Pa', p)} between the stages"
-    return f"best {word} {shown} at {quantity('Pa', p)} between the stages"
+    return f"best {word} {shown} {where} {quantity('Pa', p)} between the stages"
 
 
 def best_intermediate(by_second: Any, figure: str) -> tuple[float, float, bool] | None:
@@ -203,7 +196,7 @@ def _document(rated: ChainRating) -> dict[str, Any]:
         "title": chain.title,
         "gas": chain.first.gas.name,
         **found,
-        "own_point": own_document(rated.own, DOCUMENT_FIGURES),
+        "own_point": own_document(rated.own),
         "stages": stage_documents(rated.both),
         "part_load_setting": "share of the speeds of both stages",
         "by_speed_of_second_stage": by_second,
@@ -272,16 +265,17 @@ def swept_line(found: ChainResult) -> Lines:
 
 def stage_documents(found: ChainResult) -> list[dict[str, Any]]:
     """Return the figures of each stage [SI] for programs, with their estimated errors."""
-    return [_with_errors(tables.document_figures(each, STAGE_FIGURES), each, STAGE_FIGURES) for each in found.stages]
+    return [_with_errors(each, STAGE_FIGURES) for each in found.stages]
 
 
-def _with_errors(document: dict[str, Any], found: Result, names: Sequence[str]) -> dict[str, Any]:
-    return document | {"error": {name: found.error[name] for name in names if found.error.get(name) is not None}}
+def _with_errors(found: Result, names: Sequence[str]) -> dict[str, Any]:
+    errors = {name: found.error[name] for name in names if found.error.get(name) is not None}
+    return {**tables.document_figures(found, names), "error": errors}
 
 
-def own_document(found: Result, names: Sequence[str]) -> dict[str, Any]:
+def own_document(found: Result) -> dict[str, Any]:
     """Return figures of the whole [SI] at its own point for programs, with their estimated errors."""
-    return _with_errors(tables.document_figures(found, names), found, names)
+    return _with_errors(found, DOCUMENT_FIGURES)
 
 
 def ignored_model_errors(chain: StageChain) -> Iterator[str]:

@@ -152,23 +152,21 @@ def envelope_table(rated: Rating, side: str = "") -> Iterator[Table]:
 
 
 def part_load_note(rated: Rating, load: str, best: str) -> str:
-    """Return the note on what a part load is a share of, and what the best built-in volume ratio maximises."""
+    """Return the note on what a part load is a share of, and what the best built-in volume ratio maximises.
+
+    It names the ratios at which no best one was sought, and why.
+    """
     note, ratios = f"load: {load}", rated.asked.ratios
     if not ratios:
         return note
     within = f"{ratios[0]:.3g} … {ratios[-1]:.3g}"
     note = f"{note}; best Vi: machine.built_in_volume_ratio of the best {best} at that load, within {within}"
-    return f"{note}{_missed_ratios(rated)}"
-
-
-def _missed_ratios(rated: Rating) -> str:
-    """Return at which built-in volume ratios no best one was sought, and why; empty where there are none."""
-    missed = {ratio: why for load in rated.loads for step in load.steps for ratio, why in step.missed.items()}
+    missed = {ratio: why for each in rated.loads for step in each.steps for ratio, why in step.missed.items()}
     if not missed:
-        return ""
+        return note
     named = ", ".join(f"{ratio:.3g}" for ratio in sorted(missed))
     why = missed[min(missed)].splitlines()[0]
-    return f"; not all points were solved at {named}, so a better one may be missed ({why})"
+    return f"{note}; not all points were solved at {named}, so a better one may be missed ({why})"
 
 
 def drawings_over_across(rated: Rating, columns: Sequence[Column]) -> Iterator[Drawing]:
@@ -203,16 +201,14 @@ def drawing(
 
 def part_load_drawing(rated: Rating, column: Column, title: str) -> Iterator[Drawing]:
     """Yield a drawing over the load, with one curve per control; nothing where none has two points."""
-    parts = [load for load in rated.loads if len(load.curve) > 1]
-    if parts:
-        yield Drawing(title, "load [%]", title, [_load_curve(part, column) for part in parts])
-
-
-def _load_curve(each: PartLoad, column: Column) -> Curve:
-    """Return the curve of a column over the load of a control."""
-    steps = sorted({step.load: step for step in (*each.curve, *each.steps) if has_figure(step.result, column)}.items())
-    y = [column.value(step.result.performance) or 0.0 for _, step in steps]
-    return Curve([100.0 * load for load, _ in steps], y, each.control.name)
+    curves = []
+    for part in (load for load in rated.loads if len(load.curve) > 1):
+        there = (step for step in (*part.curve, *part.steps) if has_figure(step.result, column))
+        steps = sorted({step.load: step for step in there}.items())
+        y = [column.value(step.result.performance) or 0.0 for _, step in steps]
+        curves.append(Curve([100.0 * load for load, _ in steps], y, part.control.name))
+    if curves:
+        yield Drawing(title, "load [%]", title, curves)
 
 
 def has_figure(result: Result, column: Column) -> bool:

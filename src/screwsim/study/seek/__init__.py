@@ -8,9 +8,8 @@ from typing import Any
 from screwsim.inputs.arguments import NUMBER, NUMBERS, TEXTS, as_list, checked_arguments
 from screwsim.inputs.arguments import shown as shown_argument
 from screwsim.inputs.faults import UsageError
-from screwsim.scene import Scene, SceneLike, case, case_count, case_values, scene_text, with_values
+from screwsim.scene import Scene, SceneLike, case_count, case_values, scene_text
 from screwsim.scene.grid import with_sweep_over
-from screwsim.scene.load import scene_of
 from screwsim.study.figures import figure_of
 from screwsim.study.goals import Goal, read_figure, read_goals
 from screwsim.study.inputs import check_fit, read_text, shown_value
@@ -21,7 +20,8 @@ from screwsim.study.seek import one_goal, several_goals
 from screwsim.study.seek.answer import GoalSeekAnswer, answer_of_trials, next_size, read_catalogue
 from screwsim.study.seek.trials import ReportedSimulation, Trial, Trials
 from screwsim.study.spans import Span, read_spans
-from screwsim.study.varied import Varied
+from screwsim.study.stages import scene_or_stages
+from screwsim.study.varied import Kind, Varied, case, solved, with_values
 from screwsim.study.workers import WORKER_DIED
 
 __all__ = ["GoalSeekAnswer", "Question", "find", "find_each", "question"]
@@ -41,7 +41,9 @@ class Question:
     sizes: tuple[float, ...] = ()
 
 
-def question(scene: Scene, vary: VaryArgument, goals: GoalsArgument, catalogue: str | Sequence[float] = ()) -> Question:
+def question(
+    scene: Varied, vary: VaryArgument, goals: GoalsArgument, catalogue: str | Sequence[float] = ()
+) -> Question:
     """Return the question; raise UsageError, in one line, where it makes no sense.
 
     `vary` are texts 'PATH' or 'PATH=LOW..HIGH', or {path: (low, high) [SI], None for the range that the scene or the
@@ -69,7 +71,7 @@ def _count(goals: Sequence[Goal]) -> str:
     return f"{len(goals)} goal{'s' * (len(goals) != 1)}"
 
 
-def _goals(scene: Scene, goals: GoalsArgument) -> tuple[Goal, ...]:
+def _goals(scene: Varied, goals: GoalsArgument) -> tuple[Goal, ...]:
     if not isinstance(goals, Mapping) or not goals:
         return read_goals(scene, as_list(goals) if goals else ())
     named = {figure_of(scene, name, "goal"): value for name, value in goals.items()}
@@ -100,23 +102,27 @@ def find(
         found = screwsim.find("x.yaml", ["operation.speed"], ["cooling_capacity=500 kW"])
         found.values["operation.speed"], found.scene, found.result.performance
 
-    The scene is what `load` returns, the path of a file, YAML text, or a dict laid out as the file is. Paths and goals
-    are written as in `question`. If nothing within the ranges meets the goals, `status` is 'none' and `message` says
-    how close the search came. `progress` counts solutions against the expected number: True shows a bar or a line on
-    stderr, None a bar in a notebook, False nothing.
+    The scene is what `load` returns, the path of a file (also of two stages), YAML text, or a dict laid out as the file
+    is. Paths and goals are written as in `question`. If nothing within the ranges meets the goals, `status` is 'none'
+    and `message` says how close the search came. `progress` counts solutions against the expected number: True shows a
+    bar or a line on stderr, None a bar in a notebook, False nothing.
     """
-    scene = scene_of(scene)
-    asked = question(scene, vary, goals, catalogue)
-    alone = replace(scene, sweep={}, joints=(), text="")
+    given = scene_or_stages(scene)
+    asked = question(given, vary, goals, catalogue)
+    alone = case(with_sweep_over(given, ()), 0)
     told = ReportedSimulation(
-        simulate or WarmSimulation(), progress_of("find", progress), EXPECTED_SOLUTIONS * len(asked.spans)
+        simulate or _simulation_of(given), progress_of("find", progress), EXPECTED_SOLUTIONS * len(asked.spans)
     )
     with told:
         return find_each(alone, asked, jobs=1, simulate=told)[0]
 
 
+def _simulation_of(scene: Varied) -> Simulate:
+    return WarmSimulation() if isinstance(scene, Scene) else solved
+
+
 def find_each(
-    scene: Scene,
+    scene: Varied,
     asked: Question,
     *,
     jobs: int | None = None,
@@ -128,8 +134,9 @@ def find_each(
     rest = with_sweep_over(scene, [path for path in scene.sweep if path not in varied])
     check_fit(case(rest, 0), varied, ", ".join(varied))
     count = case_count(rest)
-    if simulate is None and count > 1 and jobs != 1:
-        simulator(with_values(case(rest, 0), varied))  # compiled before the fork
+    first = with_values(case(rest, 0), varied)
+    if simulate is None and count > 1 and jobs != 1 and isinstance(first, Scene):
+        simulator(first)  # compiled before the fork
     return parallel_map(
         partial(_answer_at_point, rest, asked, simulate),
         count,
@@ -139,9 +146,9 @@ def find_each(
     )
 
 
-def _answer_at_point(rest: Scene, asked: Question, simulate: Simulate | None, number: int) -> GoalSeekAnswer:
+def _answer_at_point(rest: Varied, asked: Question, simulate: Simulate | None, number: int) -> GoalSeekAnswer:
     """Return the answer at one point of the other axes."""
-    trials = Trials(case(rest, number), asked.spans, asked.goals, simulate or WarmSimulation())
+    trials = Trials(case(rest, number), asked.spans, asked.goals, simulate or _simulation_of(rest))
     met = (one_goal if len(asked.spans) == 1 else several_goals).solve(trials)
     at: dict[str, Any] = case_values(rest, number)
     found = answer_of_trials(trials, met, at)
@@ -154,18 +161,17 @@ def _answer_at_point(rest: Scene, asked: Question, simulate: Simulate | None, nu
 def _with_catalogue_size(trials: Trials, found: GoalSeekAnswer, met: Trial | None, asked: Question) -> GoalSeekAnswer:
     """Return an answer with the next size of the catalogue."""
     size, path = next_size(trials, met, asked.sizes), asked.spans[0].path
-    counts: dict[str, Any] = {"solutions": trials.solutions, "failed": len(trials.reasons)}
     if size is None:
         largest = shown_value(trials.scene, path, asked.sizes[-1])
         why = "; ".join(filter(None, (f"no size in the catalogue, up to {largest}, meets the goal", found.message)))
-        return replace(found, status="none", message=why, scene=None, **counts)
+        return replace(found, status="none", message=why, scene=None, **trials.counts)
     scene = _with_text(with_values(trials.scene, {path: size.value}))
     message = "" if found.status == "none" else found.message
-    return replace(found, status="ok", message=message, size=size, scene=scene, result=size.result, **counts)
+    return replace(found, status="ok", message=message, size=size, scene=scene, result=size.result, **trials.counts)
 
 
-def _with_text(scene: Scene) -> Scene:
-    return replace(scene, text=scene_text(scene))
+def _with_text(scene: Kind) -> Kind:
+    return replace(scene, text=scene_text(scene)) if isinstance(scene, Scene) else scene
 
 
 def rounded(scene: Varied, values: Mapping[str, float]) -> dict[str, float]:

@@ -1,14 +1,15 @@
 """Solutions of one search for goals: figures minus their goals over places 0 … 1, and what went wrong."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 from screwsim.figures import declared
 from screwsim.outputs import Result
-from screwsim.scene import Scene, with_values
 from screwsim.study.goals import Bound, Goal
 from screwsim.study.optimum import Simulate, absolute_error, simulated_if_valid
 from screwsim.study.progress import Progress
 from screwsim.study.spans import Span, refusal_beyond
+from screwsim.study.varied import Varied, with_values
 
 MET_TOLERANCE = 0.5  # of the estimated errors of the figures: distance within which a goal is met
 GOAL_ROUNDING = 1e-9  # of a goal
@@ -32,7 +33,7 @@ class Trial:
 class Trials:
     """The goals of a search, and every solution so far; a place is solved once."""
 
-    scene: Scene
+    scene: Varied
     spans: tuple[Span, ...]
     goals: tuple[Goal, ...]
     simulate: Simulate
@@ -48,7 +49,7 @@ class Trials:
             self.known[places] = self._solved(places)
         return self.known[places]
 
-    def scene_at(self, places: tuple[float, ...]) -> Scene:
+    def scene_at(self, places: tuple[float, ...]) -> Varied:
         """Return the scene at places."""
         return with_values(self.scene, self.values(places))
 
@@ -57,9 +58,9 @@ class Trials:
         return {span.path: span.value(place) for span, place in zip(self.spans, places, strict=True)}
 
     @property
-    def solutions(self) -> int:
-        """Number of all solutions."""
-        return len(self.known) + self.beyond
+    def counts(self) -> dict[str, Any]:
+        """Number of all solutions, and of those that failed."""
+        return {"solutions": len(self.known) + self.beyond, "failed": len(self.reasons)}
 
     def refusal_beyond(self, trial: Trial, span: Span, border: str) -> str:
         """Return why there is no solution beyond the border of a range at which a trial lies; '' where there is one."""
@@ -125,7 +126,7 @@ class ReportedSimulation:
     def __enter__(self) -> None:
         self._progress.start(self._expected, 0)
 
-    def __call__(self, scene: Scene) -> Result:
+    def __call__(self, scene: Varied) -> Result:
         result = self._simulate(scene)
         if not self._left:
             self._progress.more(self._expected)

@@ -1,7 +1,7 @@
 """Figures of two stages together, from the results of both at one intermediate pressure (docs/model.md M203)."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,12 +13,11 @@ from screwsim.effects.parts.rating import isentropic_power
 from screwsim.evaluate.performance import beyond_suction_gas, efficiencies, parted
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
-from screwsim.fluid.gas import Gas
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.scene import Scene, suction_enthalpy
-from screwsim.scene.lines import Lines, condensate_enthalpy
+from screwsim.scene.lines import condensate_enthalpy, lines
 from screwsim.study.stages.axes import STAGE_NAMES
 from screwsim.study.stages.read import StageChain
 from screwsim.study.stages.result import (
@@ -61,14 +60,12 @@ def delivery_temperature(result: Result) -> float:
     return result.performance[delivery_temperature_figure(result)]
 
 
-@dataclass(frozen=True)
 class ChainEnds:
     """A chain with its gas, and the lines that its scenes state."""
 
-    chain: StageChain
-    gas: Gas
-    low: Lines
-    high: Lines
+    def __init__(self, chain: StageChain) -> None:
+        self.chain, self.gas = chain, build_gas(chain.first)
+        self.low, self.high = lines(chain.first), lines(chain.second)
 
     def liquid(self) -> float:
         """Return the enthalpy [J/kg] of the liquid behind the condenser (M43), or behind the gas cooler (M330)."""

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
@@ -23,7 +23,7 @@ from screwsim.study.progress import Progress
 from screwsim.study.stages.read import StageChain
 from screwsim.study.stages.result import ChainResult, figures_of_both
 from screwsim.study.stages.solve import run_stages
-from screwsim.study.stages.store import PointResults, identity_of_chain, point_results
+from screwsim.study.stages.store import ChainPoint, chain_point, identity_of_chain
 from screwsim.study.stages.uncertain import with_uncertainty
 from screwsim.study.workers import WORKER_DIED
 
@@ -31,19 +31,6 @@ from screwsim.study.workers import WORKER_DIED
 FIELDS = ("status", "message", "warnings", "performance", "error", "notes", "uncertainty")
 STAGE_FIELDS = (*FIELDS, "effects", "states", "balance", "numerics")
 STAGES = "stages"
-
-
-class ChainPoint(NamedTuple):
-    """A point of a sweep: values [SI] of its paths, figures of both stages together, and the results of each."""
-
-    values: Mapping[str, Any]
-    result: Result
-    stages: tuple[Result, ...]
-
-    @property
-    def results(self) -> PointResults:
-        """The results alone, as they are stored."""
-        return PointResults(self.result, self.stages)
 
 
 def solved_with(chain: StageChain, values: Mapping[str, Any]) -> ChainResult:
@@ -62,7 +49,7 @@ class KeptPoints:
         self.reused = 0  # points that the last `read` has found
         self._identity = identity_of_chain(chain)
 
-    def read(self, restart: bool = False) -> dict[int, PointResults]:
+    def read(self, restart: bool = False) -> dict[int, ChainPoint]:
         """Return the finished points by their numbers; raise UsageError where they belong to something else."""
         self.reused = 0
         if restart:
@@ -79,7 +66,7 @@ class KeptPoints:
         self.reused = len(found)
         return found
 
-    def add(self, found: Mapping[int, PointResults]) -> None:
+    def add(self, found: Mapping[int, ChainPoint]) -> None:
         """Append finished points; raise UsageError when the system refuses."""
         texts = [json.dumps({"case": number, **_line(point)}) for number, point in found.items()]
         with refused(self.path):
@@ -109,15 +96,15 @@ class KeptPoints:
         return lines
 
 
-def _line(point: PointResults) -> dict[str, Any]:
+def _line(point: ChainPoint) -> dict[str, Any]:
     """Return what is kept of a point, as JSON takes it."""
     return picked(point.result, *FIELDS) | {STAGES: [picked(each, *STAGE_FIELDS) for each in point.stages]}
 
 
-def _point(line: Mapping[str, Any]) -> PointResults:
+def _point(line: Mapping[str, Any]) -> ChainPoint:
     whole = _result(line, FIELDS)
     stages = tuple(_result(each, STAGE_FIELDS) for each in line[STAGES])
-    return PointResults(replace(whole, performance=figures_of_both(whole.performance)), stages)
+    return ChainPoint({}, replace(whole, performance=figures_of_both(whole.performance)), stages)
 
 
 def _result(line: Mapping[str, Any], names: Sequence[str]) -> Result:
@@ -141,7 +128,7 @@ def sweep_stages(
     found = {} if kept is None else kept.read(restart)
     missing = [number for number in range(len(values)) if number not in found]
 
-    def keep(answers: Mapping[int, PointResults]) -> None:
+    def keep(answers: Mapping[int, ChainPoint]) -> None:
         new = {missing[place]: point for place, point in answers.items()}
         found.update(new)
         lasting = {number: each for number, each in new.items() if each.result.message != WORKER_DIED}  # others: again
@@ -157,17 +144,17 @@ def sweep_stages(
         progress=progress,
         kept=keep,
     )
-    return [ChainPoint(each, *found[number]) for number, each in enumerate(values)]
+    return [found[number]._replace(values=each) for number, each in enumerate(values)]
 
 
-def _solved(base: StageChain, values: Sequence[Mapping[str, Any]], number: int) -> PointResults:
+def _solved(base: StageChain, values: Sequence[Mapping[str, Any]], number: int) -> ChainPoint:
     found = solved_with(base, values[number])
-    return point_results(with_uncertainty(base.with_values(values[number]), found), _without_curves)
+    return chain_point(with_uncertainty(base.with_values(values[number]), found), _without_curves)
 
 
 def _without_curves(_: Scene, result: Result) -> Result:
     return replace(result, cycle={}, ledger=Figures())
 
 
-def _dead_worker(number: int) -> PointResults:
-    return point_results(ChainResult("failed", message=WORKER_DIED), _without_curves)
+def _dead_worker(number: int) -> ChainPoint:
+    return chain_point(ChainResult("failed", message=WORKER_DIED), _without_curves)

@@ -18,7 +18,7 @@ from screwsim.fluid.composition import is_blend
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
-from screwsim.outputs import Result
+from screwsim.outputs import STAGES, Figure, Result
 from screwsim.scene import Scene, load, scene_of, value_at, with_values
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.lines import condensate_enthalpy, lines
@@ -48,6 +48,7 @@ AFTERCOOLERS = (  # why neither scene may name one, and what to do, of each stag
     ("whose cooling the line to the other stage states", "whose approach would be to the warm suction of that stage"),
     ("intercooler: {kind: cooler, outlet_temperature: …, pressure_drop: …}", "add its loss to that of a valve"),
 )
+USUAL_FIGURES = ("electrical_cop", "cop", "package_isentropic_efficiency", ISENTROPIC)  # the first that there is
 UNLOADED_STAGE = "is unloaded and blows off what it moves, so that the pair delivers nothing"
 
 
@@ -83,10 +84,20 @@ class StageChain:
     @property
     def usual_figure(self) -> str:
         """The figure that is made greatest where none is named: COP, or efficiency, of what is paid for."""
+        return next(name for name in USUAL_FIGURES if name in self.figures)
+
+    @property
+    def figures(self) -> dict[str, Figure]:
+        """The figures of both together that they may call for: capacities, powers and those of a package where due."""
         motors = all("electrical_power" in figures_of(scene) for scene in self.by_stage.values())
-        if condensate_enthalpy(self.second) is not None:
-            return "electrical_cop" if motors else "cop"
-        return "package_isentropic_efficiency" if motors and self.first.gas.name.lower() == AIR else ISENTROPIC
+        absent = () if motors else ("electrical",)
+        absent += () if motors and self.first.gas.name.lower() == AIR else ("package", "free_air")
+        cools = condensate_enthalpy(self.second) is not None
+        return {
+            name: figure
+            for name, figure in STAGES.items()
+            if not name.startswith(absent) and (cools or not name.endswith(("capacity", "cop")))
+        }
 
     def leaf_of(self, path: str) -> Leaf:
         """Return the description of an input; raise UsageError where it cannot vary."""
@@ -304,21 +315,16 @@ def stages_schema() -> dict[str, Any]:
         "minItems": len(STAGE_NAMES),
         "maxItems": len(STAGE_NAMES),
     }
+    more = {f"{BETWEEN}.{name}": leaf for name, leaf in LEAVES.items() if name != "kind"}
+    own = OWN_PARAMETER.replace("^", f"^({'|'.join(STAGE_NAMES)})\\.", 1)
     properties = {
         "title": {"type": ["string", "null"]},
         STAGES_KEY: files,
         "intercooler": between,
-        "sweep": _sweep_schema(),
+        "sweep": sweep_schema(names_in_chain, more, own),
     }
     schema = {"$schema": DRAFT, "title": "screwsim stages"} | mapping(properties, [STAGES_KEY])
     return schema | {"$defs": axis_definitions()}
-
-
-def _sweep_schema() -> dict[str, Any]:
-    """Return the schema of the sweep of a two-stage file."""
-    more = {f"{BETWEEN}.{name}": leaf for name, leaf in LEAVES.items() if name != "kind"}
-    own = OWN_PARAMETER.replace("^", f"^({'|'.join(STAGE_NAMES)})\\.", 1)
-    return sweep_schema(names_in_chain, more, own)
 
 
 def explain_stages(chain: StageChain) -> str:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.build import build_gas, package_of
+from screwsim.build import package_of
 from screwsim.effects import catalogue, stating
 from screwsim.effects.base import CoolsOil, InSeparator
 from screwsim.evaluate.cautions import inaccurate
@@ -71,14 +71,10 @@ def _with_separator(scene: Scene) -> Scene:
     return parted if stated else replace(parted, text=scene_text(parted))
 
 
-class ChainSolver:
+class ChainSolver(ChainEnds):
     """Solver of a chain, and of what lies between both stages."""
 
-    def __init__(self, chain: StageChain) -> None:
-        self.chain, self.gas = chain, build_gas(chain.first)
-        self.low, self.high = lines(chain.first), lines(chain.second)
-        self.ends = ChainEnds(chain, self.gas, self.low, self.high)
-        self.tried = 0
+    tried = 0  # pairs of stages
 
     def pair(self, p: float, trace: bool = False) -> StagePair:
         """Return both stages at an intermediate pressure [Pa]; raise `Stop` where one has no result."""
@@ -98,7 +94,7 @@ class ChainSolver:
         self._check_dry(p, T_d, first)
         vapour, T = self.between(p, T_d)
         out = p - between.pressure_drop
-        if between.cools and T == between.outlet_temperature and self._liquid(out, T):
+        if between.cools and T == between.outlet_temperature and self._is_liquid(out, T):
             what = f"the cooler leaves a liquid at {in_celsius(T)} and {in_bar(out)}"
             raise Stop("failed", f"{what} (choose a higher intercooler.outlet_temperature)", (first,))
         return self._with_second(p, scene, first, vapour, T, trace)
@@ -166,7 +162,7 @@ class ChainSolver:
         if between.flashes:
             fluid = self.chain.first.gas.name
             try:
-                h_c, T_e = self.ends.liquid(), constants.saturation_temperature(fluid, p)
+                h_c, T_e = self.liquid(), constants.saturation_temperature(fluid, p)
             except UsageError:
                 what = f"a flash tank at {p / 1e5:.4g} bar separates nothing: {fluid} has no saturation there"
                 raise Stop("failed", f"{what} (choose kind: cooler, or a larger or faster second stage)") from None
@@ -178,7 +174,7 @@ class ChainSolver:
             return y, self.gas.temperature(out, h)
         return 0.0, self.gas.temperature(out, self.gas.enthalpy(p, T_d))
 
-    def _liquid(self, p: float, T: float) -> bool:
+    def _is_liquid(self, p: float, T: float) -> bool:
         """Return whether a real gas is liquid at p [Pa], T [K]."""
         gas = self.chain.first.gas
         try:
@@ -265,7 +261,7 @@ class ChainSolver:
         """Return the estimated errors of the figures of the whole (M395), or a warning why there are none."""
         try:
             beside, warmer = partial(self.pair, trace=True), partial(self.warmer, pair)
-            return chain_errors(pair, lambda each: chain_figures(self.ends, each)[0], beside, warmer), ()
+            return chain_errors(pair, lambda each: chain_figures(self, each)[0], beside, warmer), ()
         except (Stop, UsageError) as stop:
             return Figures(), (f"the errors of the two-stage figures could not be estimated: {stop}",)
 
@@ -299,7 +295,7 @@ def run_stages(chain: StageChain) -> ChainResult:
     try:
         solving = ChainSolver(chain)
         pair = solving.solve()
-        found, notes = chain_figures(solving.ends, pair)
+        found, notes = chain_figures(solving, pair)
     except Stop as stop:
         return ChainResult(stop.status, str(stop), stop.results)
     except UsageError as error:

@@ -14,10 +14,10 @@ A point that has no result keeps its reason, in the stages as well.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
@@ -41,14 +41,15 @@ OWN_IDENTITY = ("file ", "values of the scene")  # beginnings of what an identit
 FAILED_TOGETHER = "both stages together have no result: "
 
 
-class PointResults(NamedTuple):
-    """The results of a point: that of both stages together, and that of each."""
+class ChainPoint(NamedTuple):
+    """A point of a sweep: values [SI] of its paths, the result of both stages together, and that of each."""
 
+    values: Mapping[str, Any]
     result: Result
     stages: tuple[Result, ...]
 
 
-def point_results(found: ChainResult, keep: Callable[[Scene, Result], Result]) -> PointResults:
+def chain_point(found: ChainResult, keep: Callable[[Scene, Result], Result]) -> ChainPoint:
     """Return the results of a chain as they are stored, those of the stages as `keep` returns them.
 
     Without a result of both together the stages have none either: what they were last tried with is no solution.
@@ -56,12 +57,12 @@ def point_results(found: ChainResult, keep: Callable[[Scene, Result], Result]) -
     whole = found.as_result()
     if not found.scenes:
         none = Result("failed", f"{FAILED_TOGETHER}{whole.message}")
-        return PointResults(whole, (none,) * len(STAGE_NAMES))
-    return PointResults(whole, tuple(map(keep, found.scenes, found.stages)))
+        return ChainPoint({}, whole, (none,) * len(STAGE_NAMES))
+    return ChainPoint({}, whole, tuple(map(keep, found.scenes, found.stages)))
 
 
 def save_chain(
-    path: Path, chain: StageChain, results: Sequence[PointResults], command: str, solved: Sequence[Scene] = ()
+    path: Path, chain: StageChain, results: Sequence[ChainPoint], command: str, solved: Sequence[Scene] = ()
 ) -> None:
     """Write the results of all points of a chain's sweep, the last axis fastest, or that of one without a sweep.
 
@@ -113,9 +114,9 @@ def identity_of_chain(chain: StageChain) -> dict[str, str]:
     return found
 
 
-def chain_text(chain: StageChain) -> str:
-    """Return the YAML text of a chain, for files of its scenes named after their stages."""
-    named = ", ".join(f"{stage}.yaml" for stage in STAGE_NAMES)
+def chain_text(chain: StageChain, before: str = "") -> str:
+    """Return the YAML text of a chain, for files of its scenes named after their stages, with `before` in front."""
+    named = ", ".join(quoted(f"{before}{stage}.yaml") if before else f"{stage}.yaml" for stage in STAGE_NAMES)
     lines = [f"title: {quoted(chain.title)}"] if chain.title else []
     lines += [f"stages: [{named}]", f"{BETWEEN}:"]
     for name, leaf in LEAVES.items():

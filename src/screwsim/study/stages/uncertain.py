@@ -133,7 +133,7 @@ class _Derivatives:
         above, below = (self._linear.at(name, value + by, 0.0)[1].excess for by in (step, -step))
         dp = -(above - below) / (2.0 * by_pressure)  # over the step
         (up, high), (down, low) = (self._linear.at(name, value + way * step, way * dp) for way in (1.0, -1.0))
-        figures = [chain_figures(solver.ends, pair)[0] for solver, pair in ((up, high), (down, low))]
+        figures = [chain_figures(solver, pair)[0] for solver, pair in ((up, high), (down, low))]
         asked = {figure: value for figure, value in figures[0].items() if not STAGES[figure].scale.unasked}
         _add_slopes(self.whole, name, (asked, figures[1]), 2.0 * step)
         for number, into in enumerate(self.stages):

@@ -133,7 +133,7 @@ def run_sources(
             jobs=jobs,
             failed=lambda outcome: outcome.comparison is None,
             progress=progress,
-            answers=finished,
+            kept=finished.update,
         )
     except KeyboardInterrupt as pressed:
         if not finished:
@@ -153,14 +153,11 @@ def _run_source(folders: tuple[Path, ...], number: int) -> SourceOutcome:
     except (NotRun, SceneError, UsageError) as error:
         reason = " ".join(str(error).split())
     except Exception as error:  # noqa: BLE001 - a source is a program of somebody's, which may raise anything
-        reason = f"{_place_in(folder, error)}: fails ({in_one_line(error)}); {_remedy(folder, error)}"
+        # of the program in that folder, which raised the error or called what did
+        lines = [f"{file}:{line}" for file, line, *_ in extract_tb(error.__traceback__) if Path(file).parent == folder]
+        place = lines[-1] if lines else folder / MODULE
+        reason = f"{place}: fails ({in_one_line(error)}); {_remedy(folder, error)}"
     return SourceOutcome(folder.name, comparison, reason, time.perf_counter() - began)
-
-
-def _place_in(folder: Path, error: Exception) -> str:
-    """Return FILE:LINE of the program in a folder that raised an error, or that called what did."""
-    lines = [f"{file}:{line}" for file, line, *_ in extract_tb(error.__traceback__) if Path(file).parent == folder]
-    return lines[-1] if lines else str(folder / MODULE)
 
 
 def _remedy(folder: Path, error: Exception) -> str:

@@ -1,0 +1,128 @@
+"""Goal seek of two stages: values of both that meet goals of the whole, and the files of what was found."""
+
+import json
+import math
+import sys
+from pathlib import Path
+
+import pytest
+
+import screwsim
+from screwsim.cli import exit_code
+from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figures, Result
+from screwsim.study.seek import find_each, question
+from screwsim.study.stages import StageChain, read_stages
+from screwsim.study.stages.result import figures_of_both
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
+from scenes import scene_dict
+
+RPM = math.pi / 30.0
+FIRST, SECOND = "first.operation.speed", "second.operation.speed"
+RANGES = [f"{FIRST}=1000 rpm..5000 rpm", f"{SECOND}=500 rpm..3000 rpm"]
+
+
+@pytest.fixture
+def plant(tmp_path):
+    def write(**content):
+        (tmp_path / "low.yaml").write_text(json.dumps(scene_dict({})))
+        (tmp_path / "high.yaml").write_text(json.dumps(scene_dict({"operation.speed": "1300 rpm"})))
+        path = tmp_path / "plant.stages.yaml"
+        path.write_text(json.dumps({"title": "plant", "stages": ["low.yaml", "high.yaml"], **content}))
+        return path
+
+    return write
+
+
+def matching(chain):
+    """Return a flow in proportion to the first speed, and a pressure between both in proportion to that of speeds."""
+    first, second = chain.first.operation.speed / RPM, chain.second.operation.speed / RPM
+    values = {"gas_mass_flow": first / 3000.0, "intermediate_pressure": 2e5 * first / second, "shaft_power": 1e4}
+    error = Figures(dict.fromkeys(values, 1e-6))
+    return Result("ok", performance=figures_of_both(values), error=error)
+
+
+def test_speeds_of_both_stages_meet_a_flow_and_the_pressure_between(plant):
+    goals = ["gas_mass_flow=0.8 kg/s", "intermediate_pressure=4 bar"]
+    found = screwsim.find(plant(), RANGES, goals, simulate=matching)
+    assert (found.status, found.failed) == ("ok", 0)
+    # 0.8 · 3000 rpm, and half of it for 4 bar
+    assert found.values == pytest.approx({FIRST: 2400.0 * RPM, SECOND: 1200.0 * RPM}, rel=2e-6)
+    assert isinstance(found.scene, StageChain)
+    assert found.scene.second.operation.speed == pytest.approx(found.values[SECOND], rel=1e-12)
+
+
+def test_each_row_of_the_sweep_has_its_answer(plant):
+    chain = read_stages(plant(sweep={FIRST: ["2000 rpm", "4000 rpm"]}))
+    asked = question(chain, RANGES[1:], ["intermediate_pressure=4 bar"])
+    rows = find_each(chain, asked, jobs=1, simulate=matching)
+    assert [row.at[FIRST] / RPM for row in rows] == pytest.approx([2000.0, 4000.0])
+    assert [row.values[SECOND] / RPM for row in rows] == pytest.approx([1000.0, 2000.0], rel=2e-6)
+
+
+def test_a_size_of_a_stage_is_the_next_of_the_catalogue(plant, tmp_path, capsys):
+    """The larger first stage delivers more; the title of its scene tells the size."""
+    out = tmp_path / "found.stages.yaml"
+    flow = read_stages(plant()).with_values({"first.machine.volume.max": 500e-6}).solved().performance.gas_mass_flow
+    words = ["find", str(plant()), "--vary", "first.machine.volume.max", "--for", f"gas_mass_flow={flow} kg/s"]
+    words += ["--catalogue", "400, 800 cm^3", "--jobs", "1", "-o", str(out), "--json"]
+    assert exit_code(words) == 0
+    (row,) = json.loads(capsys.readouterr().out)["rows"]
+    assert row["values"]["first.machine.volume.max"] == pytest.approx(500e-6, rel=1e-3)
+    assert row["size"]["value"] == pytest.approx(800e-6) and row["size"]["figure"] > 1.2 * flow
+    again = read_stages(out)
+    assert again.first.machine.volume.max == pytest.approx(800e-6) and "resized" in again.first.title
+    assert not again.second.title
+
+
+def test_what_is_found_is_a_run_of_the_files_written(plant, tmp_path, capsys):
+    path, out = plant(intercooler={"kind": "cooler", "outlet_temperature": "310 K"}), tmp_path / "found.stages.yaml"
+    vary = f"{SECOND}=900 rpm..1800 rpm"
+    words = ["find", str(path), "--vary", vary, "--for", "intermediate_pressure=4.2 bar", "--jobs", "1", "-o", str(out)]
+    assert exit_code([*words, "--json"]) == 0
+    (row,) = json.loads(capsys.readouterr().out)["rows"]
+    again = read_stages(out)
+    assert again.intercooler.outlet_temperature == 310.0
+    result = again.solved()
+    # each within the estimated error of the pressure
+    assert result.performance.intermediate_pressure == pytest.approx(4.2e5, abs=row["errors"]["intermediate_pressure"])
+    assert sorted(each.name for each in tmp_path.glob("found*")) == [
+        "found.stages.yaml",
+        "found_first.yaml",
+        "found_second.yaml",
+    ]
+    assert exit_code(words) == 0  # what a search has written it may replace
+    (tmp_path / "found_first.yaml").write_text("title: mine\n")
+    assert exit_code(words) == 2
+    assert "found_first.yaml" in capsys.readouterr().err
+
+
+def test_the_best_stages_are_written_as_those_found(plant, tmp_path, monkeypatch):
+    monkeypatch.setattr(StageChain, "solved", matching)
+    out = tmp_path / "best.stages.yaml"
+    words = ["optimize", str(plant()), "--vary", RANGES[1], "--minimize", "intermediate_pressure", "--jobs", "1"]
+    assert exit_code([*words, "--evaluations", "30", "--best", str(out)]) == 0
+    assert read_stages(out).second.operation.speed == pytest.approx(3000.0 * RPM, rel=1e-3)
+
+
+def test_a_goal_beyond_the_ranges_says_how_near_the_search_came(plant):
+    found = screwsim.find(plant(), RANGES[1:], ["intermediate_pressure=1 bar"], simulate=matching)
+    assert (found.status, found.borders) == ("none", {SECOND: "upper border"})
+    assert (
+        "the nearest is 2 bar, at second.operation.speed 3000 rpm, its upper border (widen the range)" in found.message
+    )
+
+
+@pytest.mark.parametrize(
+    ("vary", "goal", "told"),
+    [
+        (FIRST, "gas_mass_flow=1 kg/s", f"--vary {FIRST}: has no range (write {FIRST}=LOW..HIGH"),
+        ("operation.speed=1 rpm..2 rpm", "gas_mass_flow=1 kg/s", "starts with none of first., second., intercooler."),
+        (RANGES[0], "volumetric_efficiency=0.9", "--for volumetric_efficiency: is not a figure of these two stages"),
+    ],
+)
+def test_a_question_that_makes_no_sense_is_one_line(plant, vary, goal, told):
+    with pytest.raises(UsageError) as refused:
+        question(read_stages(plant()), [vary], [goal])
+    assert told in str(refused.value) and "\n" not in str(refused.value)
