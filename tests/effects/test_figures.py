@@ -39,7 +39,11 @@ ROOT = Path(__file__).parents[2]
 each = sibling(ROOT / "docs" / "tools" / "each_effect.py")
 PISTON = ROOT / "configs" / "slider_crank" / "r134a.yaml"
 ROTORS = ROOT / "configs" / "rotors" / "b.yaml"
-LOADED = "effects.bearings={load: rotors, friction_coefficient: 0.0018, bore: 60 mm}"
+ENDS = "suction: {distance: 40 mm, rating: 90 kN}, discharge: {distance: 40 mm, rating: 90 kN}, axial: {rating: 90 kN}"
+LOADED = (
+    "effects.bearings={load: rotors, friction_coefficient: 0.0018, bore: 60 mm, life_of_set: weibull, "
+    f"male: {{{ENDS}}}, female: {{{ENDS}}}}}"
+)
 CHECKED = "effects.check_valves={suction_area: 50 mm^2, discharge_area: 28 mm^2}"
 FULL = {  # what of an effect's parameters calls for the rest of its figures
     "plenums": ("effects.plenums.suction_volume=5 l",),
@@ -50,6 +54,10 @@ FULL = {  # what of an effect's parameters calls for the rest of its figures
 }
 FULL["oil_pump"] = ("effects.oil_pump.line={length: 3 m, diameter: 20 mm}",)
 FULL["liquid_injection"] = ("effects.liquid_injection.discharge_temperature=60 degC",)
+FULL["separator"] = (
+    "oil_supply.temperature=null",
+    "effects.separator={cooler: {conductance: 1 kW/K, coolant_temperature: 300 K}}",
+)
 FULL["air_package"] = (
     *each.CARRIED,
     "oil_supply.temperature=null",
@@ -58,6 +66,7 @@ FULL["air_package"] = (
     "effects.air_package.fan={power: 1 kW}",
     *("gas.fluid=Air", "gas.relative_humidity=0.6"),
 )
+INSTEAD = {"separator": ("oil_supply.temperature=325 K",)}  # what a scene without the effect needs
 GIVE = sorted(name for name, effect in catalogue().items() if effect.figures)
 
 
@@ -90,7 +99,7 @@ def test_a_scene_has_the_figures_of_an_effect_with_it_and_not_without_it(name, t
     for figure, about in own.items():
         assert results.performance.about[figure] == (about.units, about.long_name) and about.units and about.long_name
         assert results.figure(figure).scale == about.scale
-    without = loads(scene.text, folder=scene.folder, overrides=[f"effects.{name}=off"])
+    without = loads(scene.text, folder=scene.folder, overrides=[f"effects.{name}=off", *INSTEAD.get(name, ())])
     document, results = stored(without, called(without), tmp_path / "without.h5")
     assert not set(own) & {*document, *results.performance, *results.error}
 

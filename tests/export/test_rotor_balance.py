@@ -13,7 +13,7 @@ from screwsim.export.source import spans_of
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.profile_law import LaidCurves, laid_curves
 from screwsim.machine.rotors.contact import contact_force, slope_at_pitch
-from screwsim.machine.rotors.loads import NAMES, chambers_at, pressed_areas, rotor_loads, sectors
+from screwsim.machine.rotors.loads import NAMES, bearing_forces, chambers_at, pressed_areas, rotor_loads, sectors
 from screwsim.machine.rotors.pair import outlines
 from screwsim.machine.rotors.sections import polygon_area
 from screwsim.machine.rotors.surface import surfaces
@@ -99,6 +99,30 @@ def test_forces_and_moments_of_gas_contact_and_bearings_balance(pressures, loads
     for name, end in ((name, end) for name in NAMES for end in places):
         both = (c[f"{name}_{end}_bearing_total_{way}"] for way in "xy")
         np.testing.assert_allclose(c[f"{name}_{end}_bearing_total"], np.hypot(*both))
+
+
+def test_bearings_hold_the_moments_of_a_mesh_about_each_other(pressures):
+    """M480: Σ of moments of the meshed surfaces and of the contact about one bearing gives the other's force."""
+    rotors = pressures.laid.rotors
+    places = {"suction": -SPANS[0], "discharge": rotors.length + SPANS[1]}
+    for angle in (0.1, 0.53, 1.24):
+        own = own_loads(pressures, angle)
+        thrust = abs(own["male"]["thrust"])
+        touch = contact_force(rotors, np.array([own["female"]["torque"]]))
+        arms = {"male": rotors.pair.r1, "female": -rotors.pair.r2}
+        for name, surface, shaft in zip(NAMES, surfaces(rotors), SHAFTS, strict=True):
+            carried = bearing_forces(own[name], rotors.length, SPANS)
+            gas = gas_loads(pressures, surface, angle) | end_loads(pressures, surface, angle, shaft)
+            meets = {way: float(touch[name][f"contact_force_{way}"][0]) for way in "xyz"}
+            for end, about in (("suction", places["discharge"]), ("discharge", places["suction"])):
+                for way, lever in (("x", arms[name]), ("y", 0.0)):
+                    moment = gas[f"moment_{way}"] - about * gas[f"force_{way}"] + gas[f"end_moment_{way}"]
+                    moment += (0.5 * rotors.length - about) * meets[way] - lever * meets["z"]
+                    force = moment / (places[end] - about)
+                    assert abs(carried[f"{end}_bearing_{way}"] - force) < 0.01 * thrust, (name, end, way)
+            for way in "xy":
+                both = sum(carried[f"{end}_bearing_{way}"] for end in places)
+                assert both == pytest.approx(own[name][f"total_{way}"], rel=1e-12, abs=1e-9 * thrust)
 
 
 def test_the_torques_close_at_the_pitch_point(pressures, loads):

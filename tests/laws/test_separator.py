@@ -1,7 +1,7 @@
 """Separator and oil cooler: the circuit closes, its temperatures are those of its balance, contradictions are told."""
 
 from concurrent.futures import ThreadPoolExecutor
-from math import log, pi
+from math import exp, log, pi
 from pathlib import Path
 
 import pytest
@@ -14,9 +14,11 @@ from screwsim.figures.engineering import engineering
 from screwsim.figures.errors import relative_errors
 from screwsim.inputs.faults import SceneError
 from screwsim.scene import load, loads, with_values
+from screwsim.scene.fields import value_at
 from screwsim.scene.lines import lines
 from screwsim.simulate import simulate, simulate_many
 from screwsim.solve.start_up import steady_problem
+from screwsim.study.local import sensitivities
 from screwsim.template import new_scene, request_of
 
 SOLUBILITY = "effects.refrigerant_solubility"
@@ -53,6 +55,7 @@ def cooled(cooler, changes=None):
     return {"oil.transport": "carried", **(changes or {}), **found}
 
 
+LARGE = {"conductance": "5 kW/K", "coolant_temperature": "283 K"}
 COOLED = {
     "duty": cooled({"duty": "40 kW"}),
     "none": cooled(None),
@@ -60,6 +63,8 @@ COOLED = {
     "stored oil, displaced": cooled({"duty": "20 kW"}, {**OIL_PORT, "oil": {"name": "POE_ACD100FY"}}),
     "little oil": cooled(None, {"oil_supply.ratio": 0.01}),
     "outlet": cooled({"outlet_temperature": "300 K"}),
+    "a small cooler": cooled({"conductance": "1 kW/K", "coolant_temperature": "300 K"}),
+    "a cooler that is large enough": cooled({"discharge_temperature": "330 K", **LARGE}),
     "paper, duty": cooled({"duty": "40 kW"}, {"oil.transport": "paper"}),
     "displaced, duty": cooled({"duty": "30 kW"}, OIL_PORT),
     "real, thermostat": cooled({"discharge_temperature": "345 K"}, REAL),
@@ -272,9 +277,25 @@ FAULTS = {
         {**CARRIED, "effects.separator": {"cooler": {"duty": "30 kW"}}},
         r"effects\.separator\.cooler\.duty: is given as well as oil_supply\.temperature, which follows from it",
     ),
+    "a size beside a temperature": (
+        {**CARRIED, "effects.separator": {"cooler": {"conductance": "1 kW/K", "coolant_temperature": "300 K"}}},
+        r"effects\.separator\.cooler\.conductance: is given as well as oil_supply\.temperature, which follows from it",
+    ),
     "two ways": (
         cooled({"duty": "30 kW", "outlet_temperature": "300 K"}),
         r"effects\.separator\.cooler\.duty: is given as well as outlet_temperature \(state one",
+    ),
+    "a size beside a duty": (
+        cooled({"duty": "30 kW", "conductance": "1 kW/K", "coolant_temperature": "300 K"}),
+        r"effects\.separator\.cooler\.conductance: is given as well as duty, which follows from it",
+    ),
+    "no coolant": (
+        cooled({"conductance": "1 kW/K"}),
+        r"effects\.separator\.cooler\.coolant_temperature: is missing, and conductance needs it \(write e\.g\. cool",
+    ),
+    "a coolant alone": (
+        cooled({"duty": "30 kW", "coolant_temperature": "300 K"}),
+        r"effects\.separator\.cooler\.conductance: is missing, and coolant_temperature needs it",
     ),
     "no temperature": (
         {"oil_supply.temperature": DROP},
@@ -316,6 +337,105 @@ def test_a_thermostat_that_would_have_to_heat_is_idle():
         told.startswith("the oil cooler's thermostat keeps 146.85 degC at discharge")
         and "it would have to heat" in told
     )
+
+
+# ---- a cooler of a stated size ---------------------------------------------------------------------------------------
+
+COOLANT = 300.0
+SMALL = {"conductance": "1 kW/K", "coolant_temperature": f"{COOLANT} K"}
+LOAD, MIXED = "oil_cooler_load", "mixture_discharge_temperature"
+
+
+def others(p, *names):
+    """Return the figures of a result but for the named ones."""
+    return {name: value for name, value in p.items() if name not in (LOAD, *names)}
+
+
+def test_a_whole_cooler_removes_what_its_effectiveness_says():
+    """M288: and the machine is that of the same duty."""
+    result = run(cooled(SMALL))
+    p, C = result.performance, result.performance.oil_mass_flow * 2000.0
+    assert (result.status, result.warnings) == ("ok", ())
+    removed = C * (1.0 - exp(-1000.0 / C)) * (p.separator_temperature - COOLANT)
+    assert p.oil_cooler_duty == pytest.approx(removed, rel=1e-4)
+    assert p.oil_cooler_load == pytest.approx(1.0, rel=1e-4)
+    same = run(cooled({"duty": f"{p.oil_cooler_duty} W"})).performance
+    assert LOAD not in same
+    for name in (MIXED, "oil_supply_temperature", "shaft_power", "gas_mass_flow"):
+        assert p[name] == pytest.approx(same[name], rel=3e-5), name
+
+
+@each_row("kept", ["discharge_temperature", "outlet_temperature"])
+def test_a_cooler_that_is_large_enough_changes_nothing_and_tells_how_much_of_it_is_used(kept):
+    bounded, free = run(cooled({kept: "330 K", **LARGE})), run(cooled({kept: "330 K"}))
+    p, same = bounded.performance, free.performance
+    assert (bounded.status, bounded.warnings) == ("ok", ())
+    if kept == "discharge_temperature":
+        assert others(p) == others(same)  # to the bit
+    for name in (MIXED, "oil_supply_temperature", "shaft_power", "oil_cooler_duty"):
+        assert p[name] == pytest.approx(same[name], rel=2e-4), name
+    C = p.oil_mass_flow * 2000.0
+    assert p.oil_cooler_load == pytest.approx(
+        p.oil_cooler_duty / (C * (1.0 - exp(-5000.0 / C)) * (p.separator_temperature - 283.0)), rel=1e-9
+    )
+    assert 0.1 < p.oil_cooler_load < 0.9
+
+
+@each_row("kept", ["discharge_temperature", "outlet_temperature"])
+def test_a_cooler_that_is_too_small_leaves_the_machine_as_warm_as_without_a_thermostat(kept):
+    result, whole = run(cooled({kept: "305 K", **SMALL})), run(cooled(SMALL))
+    assert result.status == "ok"
+    for name, value in others(whole.performance, "oil_circuit_residual").items():
+        assert result.performance[name] == pytest.approx(value, rel=1e-4), name
+    (told,) = result.warnings
+    assert told.startswith("the oil cooler cannot keep 31.85 degC ") and "all of its 1 kW/K remove " in told
+
+
+def test_a_warmer_coolant_makes_the_machine_warmer_only_where_the_thermostat_cannot_keep_up():
+    """From a cold day to a hot one: the mixture stays at 330 K, then it follows the coolant."""
+    size = {"discharge_temperature": "330 K", "conductance": "2 kW/K"}
+    days = [run(cooled({**size, "coolant_temperature": f"{T} K"})).performance for T in (270, 285, 310, 320)]
+    cold, mild, warm, hot = (day[MIXED] for day in days)
+    assert cold == pytest.approx(330.0, abs=0.02) and mild == pytest.approx(330.0, abs=0.02)
+    assert days[0][LOAD] < days[1][LOAD] < 0.999 < days[2][LOAD] < 1.001
+    assert 330.5 < warm < hot - 5.0
+
+
+def test_the_coolant_of_a_package_is_the_air_at_its_inlet():
+    size, file = "effects.separator.cooler.conductance=4 kW/K", "configs/air/fixed_speed_7.yaml"
+    hot = "operation.suction.temperature=45 degC"
+    p, same = (
+        simulate(load(file, [size, hot, *more])).performance
+        for more in ([], ["effects.separator.cooler.coolant_temperature=45 degC"])
+    )
+    assert p[MIXED] > 273.15 + 85.0 and dict(p) == dict(same)
+
+
+@each_row("cooler", [{"discharge_temperature": "330 K"}, {"outlet_temperature": "300 K"}])
+def test_a_coolant_as_warm_as_the_oil_is_led_past_by_a_thermostat(cooler):
+    none = run(COOLED["none"])
+    warm = run(cooled({**cooler, "conductance": "1 kW/K", "coolant_temperature": "420 K"}))
+    assert warm.status == "ok" and "cannot keep" in warm.warnings[0]
+    assert warm.performance[MIXED] == pytest.approx(none.performance[MIXED], abs=0.05)
+    assert warm.performance[LOAD] is None and "coolant is not colder" in warm.notes[LOAD]
+
+
+@each_row("mode", ["whole", "kept"])
+def test_its_size_and_coolant_change_what_two_runs_say(mode):
+    """Exact derivatives (implicit through the circuit) against differences of two runs to each side."""
+    cooler = SMALL if mode == "whole" else {"discharge_temperature": "330 K", **LARGE}
+    scene = make({**cooled(cooler), "numerics": {"accuracy": 1e-6}})
+    paths = [f"effects.separator.cooler.{name}" for name in ("conductance", "coolant_temperature")]
+    found = sensitivities(scene, paths)
+    for path, step in zip(paths, (2.0, 0.2), strict=True):
+        at = value_at(scene, path)
+        low, high = (simulate(with_values(scene, {path: at + side * step})).performance for side in (-1, 1))
+        for name in (MIXED, "shaft_power", LOAD):
+            differenced = (high[name] - low[name]) / (2.0 * step)
+            size = abs(high[name]) * 1e-3 / step
+            slope = found.derivatives[name][path]
+            assert slope == pytest.approx(differenced, rel=2e-3, abs=1e-3 * size), (name, path)
+    assert set(found.method.values()) == {"exact"}
 
 
 FAILS = {

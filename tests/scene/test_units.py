@@ -37,6 +37,7 @@ from screwsim.scene.units import Refused, format_quantity, parse_quantity, reada
         ("viscosity", "20 cP", 0.02),
         ("viscosity", "20 mPa·s", 0.02),
         ("heat_transfer_coefficient", "0.5 kW/m²/K", 500.0),
+        ("conductance", "0.5 kW/K", 500.0),
     ],
 )
 def test_usual_units_are_read(kind, text, value):

@@ -197,9 +197,6 @@ class _Call:
                 words[:, column] = each
                 column += 1
 
-        def floats(numbers: Sequence[float]) -> None:
-            add(np.array(numbers).view(np.int64))
-
         def add_array(name: str) -> None:
             if name in self.columns:
                 first, stride, shape = self.columns[name], self.own_size, (self.own[name].shape[1],)
@@ -218,7 +215,7 @@ class _Call:
                     for field in ChamberContext._fields:
                         add_array(field)
                 case "rtol" | "h":
-                    floats([getattr(each, name) for each in self.asked])
+                    add(np.array([getattr(each, name) for each in self.asked]).view(np.int64))
                 case "n_E":
                     add(self.asked[0].machinery.composition.n_E)
                 case _:

@@ -214,19 +214,18 @@ class _Scheduler:
 
     def _call(self) -> None:
         """Integrate turns of waiting tasks: of the longest waiting one's structure, those nearest to its tolerance."""
-        first = self._waiting[0].asked
-        assert first is not None
-        alike = [task for task in self._waiting if _same_structure(task.asked, first)]
-        alike.sort(key=lambda task: abs(task.asked.rtol - first.rtol) if task.asked is not None else 0.0)
-        chosen = alike[: self._most]
-        self._answer(chosen)
+        pairs = [(task, task.asked) for task in self._waiting if task.asked is not None]
+        first = pairs[0][1]
+        alike = [pair for pair in pairs if pair[1].machinery.module is first.machinery.module]
+        alike.sort(key=lambda pair: abs(pair[1].rtol - first.rtol))
+        chosen, asked = zip(*alike[: self._most], strict=True)
+        self._answer(chosen, asked)
         answered = set(chosen)
         self._waiting = [task for task in self._waiting if task not in answered]
         self._ready.extend(chosen)
 
-    def _answer(self, chosen: Sequence[_Task]) -> None:
+    def _answer(self, chosen: Sequence[_Task], asked: Sequence[side_by_side.TurnRequest]) -> None:
         """Integrate turns and give each task its answer and its share of the time, or the error."""
-        asked = [task.asked for task in chosen if task.asked is not None]
         began = clock()
         try:
             with self._during([task.run for task in chosen]):
@@ -243,10 +242,6 @@ class _Scheduler:
 def _end_task(*_asked: object) -> Any:
     """End a task that asks for another turn although nobody waits for it."""
     raise GreenletExit
-
-
-def _same_structure(one: side_by_side.TurnRequest | None, other: side_by_side.TurnRequest) -> bool:
-    return one is not None and one.machinery.module is other.machinery.module
 
 
 _lanes: dict[str, side_by_side.Lanes | None] = {}  # by module name; None where the text cannot be compiled for lanes

@@ -3,13 +3,16 @@
 What: P = Σ_rotors ω_r M; `simple`: M = ½ μ_f F d; `two_term`: M = n_b M_0 + f_1 F d_m, M_0 from f_0 (ν n)^(2/3) d_m³
 (M143). F: radial and axial load added as vectors; stated; the means of the gas forces on stated areas (M146), an upper
 limit; or what the gas on flanks and end faces and the contact load each rotor with, of rotors with a profile (M158).
+With `male` or `female` that rotor's bearings are told one by one: what each carries (M480), with its friction (M481),
+and its rating life (M482–M484; `effects.parts.bearing_set`).
 Source: SKF, Rolling bearings (general catalogue), estimating the frictional moment: μ_f 0.0010 to 0.0020 by kind of
 bearing; load-independent and load-dependent moment: A. Palmgren, Grundlagen der Wälzlagertechnik, 1957.
 Assumptions: without `load: rotors` the female rotor carries `female_load` times the male's load; its bearings have the
-same size; no seals, balance pistons or weights; the bearings of a rotor share its load as one.
+same size; no seals or weights; the bearings of a rotor that are not named one by one share its load as one, without a
+balance piston.
 The loss heats nothing that the chamber model sees: it is dissipated at ambient temperature.
 Parameters: friction, load, the loads, areas or shaft_diameter, female_load, friction_coefficient and bore, or
-mean_diameter, f_0, f_1, count.
+mean_diameter, f_0, f_1, count; male, female, life_of_set.
 """
 
 from dataclasses import dataclass
@@ -18,15 +21,16 @@ from math import hypot, pi
 
 import numpy as np
 
-from screwsim.effects.base import Effect, Faults, PowerLoss, Reading
+from screwsim.effects.base import Effect, Faults, Given, PowerLoss, Reading
 from screwsim.effects.oil_drag import declared_film_temperature, film_temperature
+from screwsim.effects.parts import bearing_set
 from screwsim.effects.parts.usual import FRICTION, Sized
 from screwsim.inputs.declare import choice, count, number, optional, quantity
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.machine.profile_law import LaidCurves
 from screwsim.machine.protocol import DIAMETER, ROTORS
 from screwsim.machine.rotors.contact import slope_at_pitch
-from screwsim.machine.rotors.loads import expanded, pressed_areas, rotor_loads, thick_shaft
+from screwsim.machine.rotors.loads import NAMES, expanded, pressed_areas, rotor_loads, thick_shaft
 from screwsim.machine.rotors.rotors import MOST_CACHED
 from screwsim.outputs import Figure, names_of, over, power_figure
 
@@ -41,7 +45,7 @@ FIGURES = (
     power_figure("bearing_power", "friction of the bearings"),
     *(
         figure
-        for rotor in ("male", "female")
+        for rotor in NAMES
         for figure in (
             Figure(
                 f"{rotor}_radial_load", "N", f"mean radial load of the {rotor} rotor on its bearings", needs=_CALLED
@@ -55,6 +59,7 @@ FIGURES = (
             ),
         )
     ),
+    *bearing_set.FIGURES,
 )
 LOADS = names_of(FIGURES)[1:]
 
@@ -104,6 +109,11 @@ class Parameters:
         None,
         ge=1,
     )
+    male: bearing_set.RotorBearings | None = None
+    female: bearing_set.RotorBearings | None = None
+    life_of_set: str | None = choice(
+        "weibull: also the life of all bearings together, which all have a rating (M484)", ("weibull",), None
+    )
     film_temperature: float | None = declared_film_temperature(
         "temperature of the lubricating oil (friction: two_term; default: as in oil_drag)"
     )
@@ -138,14 +148,17 @@ def _areas_by_angle(laid: LaidCurves, shaft: float, points: int) -> tuple[np.nda
     return angle, [of.at(own) for of in pressed_areas(laid.rotors, (shaft, shaft))]
 
 
-def loads_on_rotors(parameters: Parameters, laid: LaidCurves, figures) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return the radial and axial loads of male and female rotor [N] by angle, axial ones towards suction (M158)."""
+def loads_on_rotors(parameters: Parameters, laid: LaidCurves, figures) -> dict[str, bearing_set.RotorLoad]:
+    """Return what male and female rotor load their bearings with, by angle (M158, M480)."""
     pitch = figures.pitch()
     angle, areas = _areas_by_angle(laid, parameters.shaft_diameter or 0.0, len(pitch.angle))
     life = expanded(pitch.low_pressure, laid.born, angle.T.ravel(), pitch.pressure.T.ravel())
     excess = life.reshape(pitch.pressure.T.shape).T - pitch.low_pressure
-    found = rotor_loads(laid.rotors, areas, excess).values()
-    return [(np.hypot(own["total_x"], own["total_y"]), -own["thrust"]) for own in found]
+    found, lines = rotor_loads(laid.rotors, areas, excess), (pitch.low_pressure, figures.plenum_pressure)
+    return {
+        name: bearing_set.carried(getattr(parameters, name), own, laid.rotors.length, *lines)
+        for name, own in found.items()
+    }
 
 
 def moment(parameters: Parameters, speed: float, load: float, figures) -> float:
@@ -160,12 +173,13 @@ def moment(parameters: Parameters, speed: float, load: float, figures) -> float:
 
 def build(parameters: Parameters, machine) -> list[PowerLoss | Reading]:
     ratio = machine.settings.male_lobes / machine.settings.female_lobes
+    named = {name: each for name in NAMES if (each := getattr(parameters, name)) is not None}
 
     def loads(figures) -> tuple[float, float]:
         """Return the loads on male and female rotor [N]."""
         if parameters.load == ROTOR_LOADS:
-            male, female = loads_on_rotors(parameters, machine.profile, figures)
-            return float(np.hypot(*male).mean()), float(np.hypot(*female).mean())
+            male, female = loads_on_rotors(parameters, machine.profile, figures).values()
+            return male.for_friction(), female.for_friction()
         load = load_on_male(parameters, figures)
         return load, (1.0 if parameters.female_load is None else parameters.female_load) * load
 
@@ -175,13 +189,35 @@ def build(parameters: Parameters, machine) -> list[PowerLoss | Reading]:
         both = zip(speeds, loads(figures), strict=True)
         return sum(speed * moment(parameters, speed, load, figures) for speed, load in both)
 
-    def read(figures) -> dict[str, float]:
-        """Return the loads of the bearings (M158)."""
+    def each_bearing(figures) -> tuple[dict[str, bearing_set.RotorLoad], dict[str, dict[str, bearing_set.Rated]]]:
+        """Return the loads of both rotors, and the named bearings with their lives."""
         both = loads_on_rotors(parameters, machine.profile, figures)
-        return dict(zip(LOADS, (float(load.mean()) for rotor in both for load in rotor), strict=True))
+        speeds = {"male": figures.omega, "female": ratio * figures.omega}
+        return both, {name: bearing_set.rated(each, both[name], speeds[name]) for name, each in named.items()}
+
+    def read(figures) -> Given:
+        """Return the loads of the bearings (M158, M480), and their lives (M482–M484)."""
+        both, lives = each_bearing(figures)
+        means = (float(load.mean()) for each in both.values() for load in (each.radial, each.axial))
+        found: dict[str, float | str | None] = dict(zip(LOADS, means, strict=False))
+        for name, each in lives.items():
+            found |= bearing_set.figures_of(name, both[name], each)
+        return found | ({} if parameters.life_of_set is None else {bearing_set.SET_LIFE: bearing_set.set_life(lives)})
+
+    def traces(figures) -> dict[str, np.ndarray]:
+        both = loads_on_rotors(parameters, machine.profile, figures)
+        return {key: values for name in named for key, values in bearing_set.traces_of(name, both[name]).items()}
+
+    def judge(figures) -> tuple[str, tuple[str, ...]]:
+        """Return no verdict, and the warnings of the bearings."""
+        both, lives = each_bearing(figures)
+        told = (each for name, of in lives.items() for each in bearing_set.told(name, named[name], both[name], of))
+        return "", tuple(told)
 
     found: list[PowerLoss | Reading] = [PowerLoss("bearing_power", power, friction=True)]
-    return [*found, Reading(LOADS, read)] if parameters.load == ROTOR_LOADS else found
+    if parameters.load != ROTOR_LOADS:
+        return found
+    return [*found, Reading(LOADS, read, traces, judge) if named else Reading(LOADS, read)]
 
 
 def check(parameters: Parameters, facts) -> Faults:
@@ -189,6 +225,7 @@ def check(parameters: Parameters, facts) -> Faults:
         for word, names in table.items():
             yield from _belonging(parameters, chosen, word, names)
     yield from _of_rotors(parameters, facts.machine)
+    yield from _of_each_bearing(parameters)
     if parameters.friction == "two_term":
         if facts.oil is None or facts.oil_supply is None:
             what = "two_term needs oil and oil_supply, absent here (write those, or friction: simple)"
@@ -205,13 +242,25 @@ def _of_rotors(parameters: Parameters, machine) -> Faults:
     """Yield what `load: rotors` lacks, and what is given with it or without it in vain."""
     path = "effects.bearings"
     if parameters.load != ROTOR_LOADS:
-        if parameters.shaft_diameter is not None:
-            yield _given_in_vain("shaft_diameter", ROTOR_LOADS, parameters.load)
+        for name in ("shaft_diameter", *NAMES):
+            if getattr(parameters, name) is not None:
+                yield _given_in_vain(name, ROTOR_LOADS, parameters.load)
     elif machine.expands or not machine.volume.from_rotors:
         what = "needs the rotors of a compressor with a profile (machine.volume.law: profile), absent here"
         yield Fault(f"{path}.load", f"{ROTOR_LOADS} {what} (write stated or gas)")
     elif parameters.female_load is not None:
         yield Fault(f"{path}.female_load", f"is found by load: {ROTOR_LOADS} (remove it)")
+
+
+def _of_each_bearing(parameters: Parameters) -> Faults:
+    """Yield what the bearings lack that are named one by one, and what they state in vain."""
+    whole = parameters.life_of_set is not None
+    for name in NAMES:
+        bearings = getattr(parameters, name)
+        if bearings is not None:
+            yield from bearing_set.faults(name, bearings, whole)
+        elif whole:
+            yield Fault(f"effects.bearings.{name}", "is missing (life_of_set needs both rotors; write its bearings)")
 
 
 def check_geometry(parameters: Parameters, geometry) -> Faults:
@@ -246,14 +295,19 @@ def _given_in_vain(name: str, word: str, chosen: str) -> Fault:
 EFFECT = Effect(
     name="bearings",
     title="friction of rolling bearings",
-    equations=("M143", "M146", "M158"),
-    source="SKF catalogue; Palmgren 1957",
+    equations=("M143", "M146", "M158", "M480", "M481", "M482", "M483", "M484"),
+    source="SKF catalogue; Palmgren 1957; ISO 281:2007",
     parameters=Parameters,
     build=build,
     check=check,
     check_geometry=check_geometry,
     needs=frozenset({ROTORS}),
     figures=FIGURES,
+    traces=bearing_set.TRACES,
     usual={ROTORS: FRICTION},
-    sizes=(Sized("bore", DIAMETER, 10.0, (0.05, 1.0)), Sized("mean_diameter", DIAMETER, 10.0, (0.05, 1.5))),
+    sizes=(
+        Sized("bore", DIAMETER, 10.0, (0.05, 1.0)),
+        Sized("mean_diameter", DIAMETER, 10.0, (0.05, 1.5)),
+        *(Sized(f"{rotor}.{end}.distance", DIAMETER, 10.0, (0.02, 1.0)) for rotor in NAMES for end in bearing_set.ENDS),
+    ),
 )

@@ -3,21 +3,25 @@
 What: gas, oil and the gas dissolved in the oil come from the chambers at temperatures of their own and mix
 adiabatically at discharge pressure (M280, M281); the share of the losses that stays in them heats the mixture (M282).
 The oil returns through a cooler, which is given by its outlet temperature, its duty, or a thermostat that keeps the
-mixture's temperature, or without one (M283). The temperatures of the oil supply and of the separator follow, and are
-found together with the cycle (M284). Where oil_supply.temperature is stated, or cooler.outlet_temperature in its place,
-the duty follows.
+mixture's temperature, or without one (M283). A cooler of a stated conductance gives no more than its coolant takes, and
+a temperature is kept as far as that suffices (M288). The temperatures of the oil supply and of the separator follow,
+and are found together with the cycle (M284). Where oil_supply.temperature is stated, or cooler.outlet_temperature of a
+cooler without bounds in its place, the duty follows.
 Source: ours, from the first law; hydromechanical losses, drag and the pump heat the oil on which they act, where they
 arise; that bearings give their heat to the oil that lubricates them is the usual layout of flooded screws.
 Assumptions: gas and oil come to equilibrium before they part, dissolved gas too; neither carries any of the other
-along; the cooler takes heat from the oil alone; nothing is lost to the surroundings but `ambient_loss`, between
-discharge flange and cooler. Gas that flows back into the chambers has not mixed yet (M27), nor has that of a bypass.
-Parameters: cooler (outlet_temperature, duty, discharge_temperature), friction_share, ambient_loss.
+along; the cooler takes heat from the oil alone; its conductance depends neither on the oil's flow nor on its viscosity;
+nothing is lost to the surroundings but `ambient_loss`, between discharge flange and cooler. Gas that flows back into
+the chambers has not mixed yet (M27), nor has that of a bypass.
+Parameters: cooler (outlet_temperature, duty, discharge_temperature, conductance, coolant_temperature), friction_share,
+ambient_loss.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from math import exp
 
-from screwsim.effects.base import CoolsOil, Effect, Faults, InSeparator, Separator
+from screwsim.effects.base import CoolsOil, Effect, Faults, InSeparator, LosesPressure, Separator
 from screwsim.effects.parts.usual import SEPARATOR
 from screwsim.fluid.separator import Separated, SeparatorInflow, separated
 from screwsim.fluid.settings import oil_temperature
@@ -31,6 +35,7 @@ NAME = "separator"
 SUPPLY = "oil_supply.temperature"
 HEATS = 1e-3  # heat from the cooler into the oil, over shaft power, above which is warned
 MEASURED, DUTY = "mixture_discharge_temperature", "oil_cooler_duty"
+KEPT = "outlet_temperature", "duty", "discharge_temperature"  # what a cooler may keep, one of them
 LEAST = 1e-6  # heat capacity of oil over that of gas below which the oil cannot cool
 NO_OIL = (
     "hardly any oil flows, and its cooler can keep neither a duty nor a temperature (inject more oil, or remove the "
@@ -41,6 +46,13 @@ FIGURES = (
     Figure("separator_temperature", "K", "temperature of gas and oil in the separator"),
     Figure("oil_supply_temperature", "K", "temperature of the injected oil"),
     power_figure(DUTY, "heat removed by the oil cooler"),
+    Figure(
+        "oil_cooler_load",
+        "1",
+        "heat removed by the oil cooler over the most that its coolant would take",
+        Scale(0.1),
+        needs=(".cooler.conductance",),
+    ),
     Figure(
         "oil_flow_volume",
         "m3 s-1",
@@ -60,7 +72,7 @@ FIGURES = (
 
 @dataclass(frozen=True)
 class Cooler:
-    """What the oil cooler keeps: its outlet temperature, its duty, or the temperature at discharge."""
+    """What the oil cooler keeps: its outlet temperature, its duty, or the temperature at discharge; and its size."""
 
     outlet_temperature: float | None = oil_temperature(
         "temperature of the oil after the cooler, in place of oil_supply.temperature"
@@ -69,11 +81,46 @@ class Cooler:
     discharge_temperature: float | None = oil_temperature(
         "temperature of the mixture at discharge, kept by a thermostat that cools the oil"
     )
+    conductance: float | None = quantity(
+        "conductance", "heat transfer coefficient times area, which bounds its duty (absent: unbounded)", None, gt=0.0
+    )
+    coolant_temperature: float | None = oil_temperature(
+        "temperature of the coolant that enters it (absent: the air at the inlet of effects.air_package)"
+    )
 
     @property
     def stated(self) -> list[str]:
-        """Names of the keys that are stated."""
-        return [each.name for each in fields(self) if getattr(self, each.name) is not None]
+        """Names of the keys that state what is kept."""
+        return [name for name in KEPT if getattr(self, name) is not None]
+
+    def misses(self, T_mixture: float, T_supply: float) -> float | None:
+        """Return what the temperature that a thermostat keeps lies above the present one [K]; None without one."""
+        if self.discharge_temperature is not None:
+            return self.discharge_temperature - T_mixture
+        return None if self.outlet_temperature is None else self.outlet_temperature - T_supply
+
+    def idle(self, found: Separated, T_supply: float) -> str:
+        """Return what is told where the thermostat would have to heat."""
+        (name,), (kept, where, what, T) = self.stated, self._thermostat(found, T_supply)
+        return (
+            f"the oil cooler's thermostat keeps {kept} {where}, and {what} reaches only {in_celsius(T)} without any "
+            f"cooling; it would have to heat, so its duty is 0 (lower effects.separator.cooler.{name})"
+        )
+
+    def exhausted(self, found: Separated, T_supply: float) -> str:
+        """Return what is told where the whole cooler does not suffice for its thermostat."""
+        kept, where, what, T = self._thermostat(found, T_supply)
+        return (
+            f"the oil cooler cannot keep {kept} {where}: all of its {1e-3 * (self.conductance or 0.0):.4g} kW/K remove "
+            f"{1e-3 * found.duty:.4g} kW, and {what} reaches {in_celsius(T)} (a larger effects.separator.cooler."
+            "conductance, or a colder coolant)"
+        )
+
+    def _thermostat(self, found: Separated, T_supply: float) -> tuple[str, str, str, float]:
+        """Return what the thermostat keeps, where, of what, and what is reached [K]."""
+        if self.discharge_temperature is not None:
+            return in_celsius(self.discharge_temperature), "at discharge", "the mixture", found.T_mixture
+        return in_celsius(self.outlet_temperature or 0.0), "behind it", "the oil", T_supply
 
 
 @dataclass(frozen=True)
@@ -89,8 +136,9 @@ class Parameters(CoolsOil):
 
     @property
     def outlet(self) -> float | None:
-        """Temperature [K] of the oil behind the cooler; None where it is not prescribed."""
-        return None if self.cooler is None else self.cooler.outlet_temperature
+        """Temperature [K] of the oil behind the cooler; None where it is not prescribed, or not to be kept surely."""
+        bounded = self.cooler is None or self.cooler.conductance is not None
+        return None if self.cooler is None or bounded else self.cooler.outlet_temperature
 
     @property
     def discharge(self) -> float | None:
@@ -112,31 +160,45 @@ def build(parameters: Parameters, machine) -> list[Separator]:
         if not C > LEAST * rise:
             return found._replace(why=found.why or (NO_OIL if cooler.stated else ""))
         share = C / (C + rise)
-        open_ = found.duty - (cooler.duty or 0.0)
-        uncooled = open_ / (C * (1.0 - share))
-        if cooler.discharge_temperature is None:
-            gain = 1.0 / (1.0 - share)
-            return found._replace(duty=cooler.duty or 0.0, supply=uncooled, open=open_, share=share, gain=gain)
-        off = cooler.discharge_temperature - found.T_mixture
-        if uncooled <= off / share:
-            idle = (
-                f"the oil cooler's thermostat keeps {in_celsius(cooler.discharge_temperature)} at discharge, and the "
-                f"mixture reaches only {in_celsius(found.T_mixture)} without any cooling; it would have to heat, so "
-                "its duty is 0 (lower effects.separator.cooler.discharge_temperature)"
+
+        def removing(duty: float, effectiveness: float = 0.0) -> Separated:
+            """Return how the supply changes where the cooler removes a duty of that `effectiveness` at T."""
+            left, open_ = 1.0 - effectiveness, found.duty - duty
+            back = 1.0 - share * left
+            return found._replace(supply=open_ / (C * back), open=open_, share=share, gain=left / back)
+
+        uncooled, off = removing(cooler.duty or 0.0), cooler.misses(found.T_mixture, outflow.T_supply)
+        whole = None
+        if cooler.conductance is not None:
+            effectiveness, coolant = 1.0 - exp(-cooler.conductance / C), cooler.coolant_temperature
+            most = effectiveness * C * (T - (outflow.T_inlet if coolant is None else coolant))
+            found = found._replace(load=found.duty / most if most > 0.0 else None)
+            whole = removing(most, effectiveness)
+        if off is None:
+            return uncooled._replace(duty=cooler.duty or 0.0) if whole is None else whole
+        kept = found._replace(supply=off, open=C * off, share=share, gain=0.0)
+        if cooler.discharge_temperature is not None:
+            kept = found._replace(supply=off / share, open=(C + rise) * off, share=share, gain=1.0 / share)
+        if uncooled.supply <= kept.supply:
+            return uncooled._replace(duty=0.0, load=0.0, told=cooler.idle(found, outflow.T_supply))
+        if whole is not None and kept.supply < min(whole.supply, uncooled.supply):
+            return min(whole, uncooled, key=lambda each: each.supply)._replace(
+                told=cooler.exhausted(found, outflow.T_supply)
             )
-            return found._replace(
-                duty=0.0, supply=uncooled, open=open_, share=share, gain=1.0 / (1.0 - share), told=idle
-            )
-        return found._replace(supply=off / share, open=(C + rise) * off, share=share, gain=1.0 / share)
+        return kept
 
     return [Separator(balance)]
 
 
 def check(parameters: Parameters, facts) -> Faults:
-    path, stated = f"effects.{NAME}", [] if parameters.cooler is None else parameters.cooler.stated
+    path, cooler = f"effects.{NAME}", parameters.cooler or Cooler()
+    stated = cooler.stated
     for name in stated[1:]:
         what = f"is given as well as {stated[0]} (state one of them, and null for the other)"
         yield Fault(f"{path}.cooler.{name}", what)
+    yield from _bounds(cooler, f"{path}.cooler", facts)
+    if cooler.conductance is not None:
+        stated = stated or ["conductance"]
     if stated and facts.oil_supply.temperature is not None:
         finds = "it states too" if stated[0] == "outlet_temperature" else "follows from it"
         remedy = "remove one of the two; null drops a base's value"
@@ -148,6 +210,19 @@ def check(parameters: Parameters, facts) -> Faults:
             yield Fault(f"effects.{name}.separator_temperature", what)
 
 
+def _bounds(cooler: Cooler, path: str, facts) -> Faults:
+    """Yield faults of a cooler's size: half of it stated, or beside a duty."""
+    packed = any(isinstance(active.parameters, LosesPressure) for active in facts.effects.values())
+    if cooler.conductance is None and cooler.coolant_temperature is not None:
+        what = "is missing, and coolant_temperature needs it (write e.g. conductance: 0.5 kW/K)"
+        yield Fault(f"{path}.conductance", what)
+    elif cooler.conductance is not None and cooler.coolant_temperature is None and not packed:
+        what = "is missing, and conductance needs it (write e.g. coolant_temperature: 30 degC)"
+        yield Fault(f"{path}.coolant_temperature", what)
+    if cooler.conductance is not None and cooler.duty is not None:
+        yield Fault(f"{path}.conductance", "is given as well as duty, which follows from it (remove one of the two)")
+
+
 def warnings(found) -> Iterator[str]:
     """Yield a warning where a stated supply temperature requires the cooler to heat."""
     duty, power = found.get(DUTY), found.get("shaft_power")
@@ -155,14 +230,14 @@ def warnings(found) -> Iterator[str]:
         T, supply = found["separator_temperature"], found["oil_supply_temperature"]
         yield (
             f"the oil comes back at {in_celsius(supply)}, warmer than the {in_celsius(T)} of the separator: its cooler "
-            f"would have to heat it by {-1e-3 * duty:.4g} kW (lower {SUPPLY})"
+            f"would have to heat it by {-1e-3 * duty:.4g} kW (lower {SUPPLY}, or that of the coolant)"
         )
 
 
 EFFECT = Effect(
     name=NAME,
     title="gas and oil separate at one temperature, and the oil returns through a cooler",
-    equations=("M280", "M281", "M282", "M283", "M284", "M285", "M286"),
+    equations=("M280", "M281", "M282", "M283", "M284", "M285", "M286", "M288"),
     source="energy balance; ours",
     parameters=Parameters,
     build=build,

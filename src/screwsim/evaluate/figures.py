@@ -25,7 +25,8 @@ from screwsim.outputs import Figure
 Array = np.ndarray
 Read = tuple[Performance, dict[str, str]]  # figures, and the reasons for those that are None
 OF_SEPARATOR = "mixture_discharge_temperature", "separator_temperature", "oil_cooler_duty"
-OF_SEPARATOR = (*OF_SEPARATOR, "oil_circuit_residual", "oil_flow_volume")
+OF_SEPARATOR = (*OF_SEPARATOR, "oil_circuit_residual", "oil_flow_volume", "oil_cooler_load")
+NO_LOAD = "the coolant is not colder than the oil"
 NO_REASON = "this cycle has none"
 WHY_NONE = {
     "discharge_temperature": performance.NONE_LEAVES,
@@ -209,7 +210,8 @@ def _of_circuit(problem: Problem, circuit: Circuit | str) -> Given:
     if isinstance(circuit, str):
         return found | dict.fromkeys(OF_SEPARATOR, circuit)
     parted, volume = circuit.parted, circuit.outflow.oil_flow / oil.at(T).density
-    values = parted.T_mixture, parted.T_separator, parted.duty, circuit.residual, volume
+    load = NO_LOAD if parted.load is None else parted.load
+    values = parted.T_mixture, parted.T_separator, parted.duty, circuit.residual, volume, load
     return found | dict(zip(OF_SEPARATOR, values, strict=True))
 
 

@@ -9,6 +9,7 @@ import hmac
 from dataclasses import dataclass
 from urllib.parse import parse_qs
 
+from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 LARGEST_BODY = 64_000  # [byte] of the body of a request
@@ -64,7 +65,9 @@ class Guard:
             return
         status, reason = self._rules.refuses(scope)
         if status:
-            await _refuse(scope, receive, send, status, reason)
+            if scope["type"] == "websocket":
+                await receive()  # the connect
+            await PlainTextResponse(f"{reason}\n", status, {"connection": "close"})(scope, receive, send)
         else:
             await self._app(scope, _limited_receiver(receive) if scope["type"] == "http" else receive, send)
 
@@ -80,13 +83,3 @@ def _limited_receiver(receive: Receive) -> Receive:
         return {"type": "http.disconnect"} if taken > LARGEST_BODY else message
 
     return bounded
-
-
-async def _refuse(scope: Scope, receive: Receive, send: Send, status: int, reason: str) -> None:
-    kind = "websocket.http" if scope["type"] == "websocket" else "http"
-    if kind == "websocket.http":
-        await receive()  # the connect
-    body = f"{reason}\n".encode()
-    headers = [(b"content-type", b"text/plain; charset=utf-8"), (b"content-length", str(len(body)).encode())]
-    await send({"type": f"{kind}.response.start", "status": status, "headers": [*headers, (b"connection", b"close")]})
-    await send({"type": f"{kind}.response.body", "body": body})

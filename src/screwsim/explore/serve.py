@@ -102,17 +102,6 @@ def _bound(host: str, port: int | None) -> socket.socket:
         raise UsageError(f"{told} (choose another --port, or omit it)") from None
 
 
-def prepared_server(
-    base: SceneArguments,
-    rules: AccessRules,
-    workers: int | None = None,
-    patience: Timeouts = Timeouts(),  # noqa: B008
-) -> ASGIApp:
-    """Return the server of a scene."""
-    count = workers or max(1, min(cores(), MOST_WORKERS))
-    return application(ServerState(page_text(base, slopes=count > 1), WorkerPool(base, count, patience)), rules)
-
-
 def configured(app: ASGIApp) -> uvicorn.Config:
     """Return the server's configuration: all inputs are bounded, and only its own faults are logged."""
     return uvicorn.Config(
@@ -161,8 +150,15 @@ class ServerState:
     files: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(2))
 
 
-def application(desk: ServerState, rules: AccessRules) -> ASGIApp:
-    """Return the server as an ASGI application."""
+def prepared_server(
+    base: SceneArguments,
+    rules: AccessRules,
+    workers: int | None = None,
+    patience: Timeouts = Timeouts(),  # noqa: B008
+) -> ASGIApp:
+    """Return the server of a scene as an ASGI application."""
+    count = workers or max(1, min(cores(), MOST_WORKERS))
+    desk = ServerState(page_text(base, slopes=count > 1), WorkerPool(base, count, patience))
 
     @asynccontextmanager
     async def lifespan(_: Starlette) -> AsyncIterator[None]:

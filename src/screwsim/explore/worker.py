@@ -94,6 +94,7 @@ def _bound_memory() -> None:
 
 
 _base = lru_cache(maxsize=1)(open_base)
+_drawn = lru_cache(maxsize=MOST_DRAWINGS)(drawn_machine)
 
 
 def answer_job(named: tuple[str, tuple[str, ...]], job: Job) -> bytes:
@@ -127,8 +128,8 @@ def _point(base: SceneArguments, overrides: list[str], scene: Scene, job: Job) -
         "python": python_text(base, overrides),
         "yaml": yaml_text(base, overrides),
     }
-    key, drawn = _machine_drawing(scene.machine)
-    machine = {} if key == job.machine else {"machine": drawn}
+    key = f"{zlib.crc32(repr(scene.machine).encode()):08x}"  # a short text that differs between machines
+    machine = {} if key == job.machine else {"machine": _drawn(scene.machine)}
     return answer.result_answer(
         simulate(scene), {**job.tag, "texts": text, "machine_key": key, "process": os.getpid(), **machine}
     )
@@ -177,19 +178,6 @@ def _report(base: SceneArguments, overrides: list[str], scene: Scene, job: Job) 
 def _complete_scene(base: SceneArguments, overrides: list[str], scene: Scene, job: Job) -> bytes:
     """Return the scene as YAML that needs no base."""
     return answer.file_answer(scene.text)
-
-
-_drawings: dict[str, dict[str, Any]] = {}  # drawings by the key of their machines
-
-
-def _machine_drawing(settings: Any) -> tuple[str, dict[str, Any]]:
-    """Return the key of a machine, a short text that differs between machines, and its drawing."""
-    key = f"{zlib.crc32(repr(settings).encode()):08x}"
-    if key not in _drawings:
-        while len(_drawings) >= MOST_DRAWINGS:
-            _drawings.pop(next(iter(_drawings)))
-        _drawings[key] = drawn_machine(settings)
-    return key, _drawings[key]
 
 
 JOBS: Mapping[str, Callable[[SceneArguments, list[str], Scene, Job], bytes]] = {

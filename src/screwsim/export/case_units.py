@@ -39,6 +39,7 @@ IN_METRIC = {  # SI unit: factor, unit
     "kg": (1e3, "g"),
     "kg s-1": (1.0, "kg/s"),
     "kg h-1": (3600.0, "kg/h"),  # from kg s-1
+    "h": (1.0 / 3600.0, "h"),  # from s
     "kg m-3": (1.0, "kg/m3"),
     "rad": (180.0 / np.pi, "deg"),
     "rad s-1": (30.0 / np.pi, "rpm"),
@@ -62,6 +63,7 @@ IN_US = {
     "Pa s": (1e3, "cP"),
     "kg": (1.0 / POUND, "lb"),
     "kg s-1": (3600.0 / POUND, "lb/h"),
+    "h": (1.0 / 3600.0, "h"),
     "kg m-3": (CUBIC_FOOT / POUND, "lb/ft3"),
     "rad": (180.0 / np.pi, "deg"),
     "rad s-1": (30.0 / np.pi, "rpm"),

@@ -17,6 +17,7 @@ from screwsim.machine.profile_law import LaidCurves
 from screwsim.machine.rotors.loads import (
     NAMES,
     Diameters,
+    bearing_forces,
     chambers_at,
     expanded,
     pressed_areas,
@@ -93,32 +94,19 @@ def loads_of(pressures: Pressures, spans: Spans = (0.0, 0.0), shafts: Diameters 
     for name in NAMES:
         own = found[name]
         columns |= {f"{name}_{key}": own[key] for key in GAS}
-        columns |= {
-            f"{name}_{key}": values for key, values in _bearings(own, "force", "moment", rotors.length, spans).items()
-        }
+        by_flanks = bearing_forces(own, rotors.length, spans, "force", "moment")
+        columns |= {f"{name}_{key}": values for key, values in by_flanks.items()}
     columns |= _torques_by_virtual_work(pressures, angle)
     for name in NAMES:
         own = found[name]
         shown = {key: own[key] for key in ("suction_end_force", "discharge_end_force")}
         shown |= {key: own[key] for key in ("contact_force_x", "contact_force_y", "contact_force_z")}
         shown["thrust_bearing"] = own["thrust"]
-        carried = _bearings(own, "total", "total_moment", rotors.length, spans)
+        carried = bearing_forces(own, rotors.length, spans)
         shown |= {key.replace("_bearing", "_bearing_total"): values for key, values in carried.items()}
         columns |= {f"{name}_{key}": values for key, values in shown.items()}
     columns["shaft_torque"] = found["male"]["torque"] + found["male"]["contact_torque"]
     return Loads(angle, columns)
-
-
-def _bearings(own: Mapping[str, Array], force: str, moment: str, length: float, spans: Spans) -> dict[str, Array]:
-    """Return the radial forces [N] on both bearings of a rotor, from the balance of moments about the suction end."""
-    columns = {}
-    for way in "xy":
-        far = (own[f"{moment}_{way}"] + own[f"{force}_{way}"] * spans[0]) / (length + sum(spans))
-        columns[f"discharge_bearing_{way}"] = far
-        columns[f"suction_bearing_{way}"] = own[f"{force}_{way}"] - far
-    for end in ("suction", "discharge"):
-        columns[f"{end}_bearing"] = np.hypot(*(columns[f"{end}_bearing_{way}"] for way in "xy"))
-    return columns
 
 
 def _torques_by_virtual_work(pressures: Pressures, angle: Array) -> dict[str, Array]:

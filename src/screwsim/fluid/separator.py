@@ -21,9 +21,9 @@ class SeparatorInflow(NamedTuple):
 
     `gas_flow` [kg/s] is what leaves as gas once the oil has reabsorbed the gas that it had released. `energy` [W] is
     the enthalpy flow of everything above that of gas with enthalpy `h_ref` [J/kg] and oil at the supply temperature
-    `T_supply`. `heating` [W] are the losses that heat gas and oil on their way, `friction` [W] those of bearings, seals
-    and gears. `supplied` [W] is what enters the chambers above `h_ref`: work, gas from other port states, heat of
-    walls.
+    `T_supply`; `T_inlet` [K] is that of the suction line's gas. `heating` [W] are the losses that heat gas and oil on
+    their way, `friction` [W] those of bearings, seals and gears. `supplied` [W] is what enters the chambers above
+    `h_ref`: work, gas from other port states, heat of walls.
     """
 
     gas: Any
@@ -33,6 +33,7 @@ class SeparatorInflow(NamedTuple):
     oil_flow: float
     oil_heat_capacity: float
     T_supply: float
+    T_inlet: float
     energy: float
     heating: float
     friction: float
@@ -84,7 +85,8 @@ class Separated(NamedTuple):
     `supply` [K] is the change of the oil's supply temperature that should close the circuit, `open` [W] the present
     residual of the circuit; both are zero where the supply temperature is stated. `share` is the response of the
     separator's temperature to the supply's, `gain` the change of the supply per error of the separator's temperature.
-    `why` says what rules the point out, `told` is a warning.
+    `load` is the duty over the most that the coolant takes; None where that is not bounded, or nothing. `why` says what
+    rules the point out, `told` is a warning.
     """
 
     T_mixture: float
@@ -96,6 +98,7 @@ class Separated(NamedTuple):
     open: float = 0.0
     share: float = 0.0
     gain: float = 0.0
+    load: float | None = None
     why: str = ""
     told: str = ""
 

@@ -5,7 +5,6 @@ import inspect
 import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import AbstractContextManager
 from numbers import Integral, Real
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
@@ -43,19 +42,15 @@ def checked_arguments(**own: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]
                 kind = kinds.get(name)
                 if kind is not None and not (value is None and name in open_to_none) and not kind.holds(value):
                     raise UsageError(f"{name}: {shown(value)} is {kind.words}")
-            with _usual_rounding():
+            import numpy as np  # here because the command's help does without it
+
+            # whatever a caller has set by `np.seterr`
+            with np.errstate(divide="warn", over="warn", under="ignore", invalid="warn"):
                 return function(*args, **kwargs)
 
         return checked
 
     return around
-
-
-def _usual_rounding() -> AbstractContextManager[Any]:
-    """Return numpy's default treatment of overflow and underflow, whatever a caller has set by `np.seterr`."""
-    import numpy as np  # here because the command's help does without it
-
-    return np.errstate(divide="warn", over="warn", under="ignore", invalid="warn")
 
 
 def shown(value: Any) -> str:
@@ -93,9 +88,7 @@ def whole(least: int, words: str) -> Kind:
 
 def ends_of(path: str, given: Any) -> tuple[float, float]:
     """Return the two ends of a range; raise UsageError unless they are two numbers, the lower one first."""
-    if not isinstance(given, Iterable) or isinstance(given, str | bytes | Mapping):
-        raise UsageError(f"{path}: {shown(given)} is not a range (pass two numbers [SI], the lower one first)")
-    ends = tuple(given)
+    ends = () if not isinstance(given, Iterable) or isinstance(given, str | bytes | Mapping) else tuple(given)
     if len(ends) != 2 or not all(map(_number, ends)) or not ends[0] < ends[1]:
         raise UsageError(f"{path}: {shown(given)} is not a range (pass two numbers [SI], the lower one first)")
     return float(ends[0]), float(ends[1])

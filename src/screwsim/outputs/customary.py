@@ -22,6 +22,8 @@ SCALES = {
     "kg": ((0.1, 1.0, "kg"), (0.0, 1e3, "g")),
     "kg s-1": ((0.0, 1.0, "kg/s"),),
     "kg h-1": ((0.0, 3600.0, "kg/h"),),  # from kg s-1, for figures shown in this unit
+    "s": ((0.0, 1.0, "s"),),
+    "h": ((0.0, 1.0 / 3600.0, "h"),),  # from s, for figures shown in this unit
     "W s m-3": ((0.0, 1e-3 / 60.0, "kW/(m³/min)"),),
     "J m-3": ((0.0, 1e-3, "kJ/m³"),),
 }

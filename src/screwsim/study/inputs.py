@@ -97,14 +97,9 @@ def shown_range(scene: Varied, path: str, low: Any, high: Any) -> str:
 def shown_number(scene: Varied, path: str, value: Any, digits: int = 4) -> str:
     """Return a value [SI] of a path as `shown_value` does, without its unit."""
     number, unit = in_customary(scene, path, value)
-    if unit == CELSIUS:
-        return celsius_digits(number, digits)
-    return f"{number:.{digits}g}" if isinstance(number, float) else str(number)
-
-
-def celsius_digits(number: float, digits: int) -> str:
-    """Return degrees Celsius as text, with the decimals of a usual temperature in K of so many digits."""
-    text = f"{number:z.{max(digits - 3, 1)}f}"
+    if unit != CELSIUS:
+        return f"{number:.{digits}g}" if isinstance(number, float) else str(number)
+    text = f"{number:z.{max(digits - 3, 1)}f}"  # with the decimals of a usual temperature in K of so many digits
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 

@@ -177,43 +177,32 @@ def _best(rest: Varied, asked: Question, simulate: Simulate, number: int) -> Bes
 
 @dataclass
 class _Trials:
-    """Solutions of one search: the figure over the search coordinate, and what went wrong."""
+    """Solutions of one search, by the search coordinate; the last one where a more accurate one follows another."""
 
     scene: Varied
     asked: Question
     simulate: Simulate
     count: int = 0
-    reasons: dict[float, str] = field(default_factory=dict)  # of solutions that failed or did not close, by coordinate
-    absent: list[str] = field(default_factory=list)  # of closed solutions without this figure
-    warned: dict[float, tuple[str, ...]] = field(default_factory=dict)  # by the search coordinate
-    told: dict[float, dict[str, float | None]] = field(default_factory=dict)  # figures beside it, likewise
+    known: dict[float, Result] = field(default_factory=dict)
+
+    def solved(self, value: float) -> Result:
+        """Return the result at a value [SI]."""
+        self.count += 1
+        return simulated_if_valid(with_values(self.scene, {self.asked.path: value}), self.simulate)
 
     def point(self, x: float) -> SearchPoint:
         """Return the figure at a coordinate, negated for a minimum; NaN without a closed solution."""
-        self.count += 1
-        scene, name = with_values(self.scene, {self.asked.path: self.asked.value_at(x)}), self.asked.figure
-        result = simulated_if_valid(scene, self.simulate)
-        if result.status != "ok":
-            self.reasons[x] = result.told
-            return SearchPoint(x, math.nan)
-        value = result.performance.get(name)
+        name = self.asked.figure
+        result = self.known[x] = self.solved(self.asked.value_at(x))
+        value = result.performance.get(name) if result.status == "ok" else None
         if value is None:
-            self.absent += result.lacks([name])
             return SearchPoint(x, math.nan)
-        self.warned[x] = result.warnings
-        names = () if isinstance(scene, Scene) else (each for each in scene.beside if each != name)
-        self.told[x] = {each: result.performance.get(each) for each in names}
-        self.reasons.pop(x, None)  # less accurately it had failed
-        return SearchPoint(x, -value if self.asked.minimum else value, absolute_error(result, name, scene))
+        return SearchPoint(x, -value if self.asked.minimum else value, absolute_error(result, name, self.scene))
 
-    def beyond(self, border: str) -> str:
-        """Return why there is no solution just beyond a border of the range; '' where there is one."""
-
-        def solved(value: float) -> Result:
-            self.count += 1
-            return simulated_if_valid(with_values(self.scene, {self.asked.path: value}), self.simulate)
-
-        return refusal_beyond(self.scene, self.asked, border, solved)
+    @property
+    def reasons(self) -> dict[float, str]:
+        """Why solutions failed or did not close, by coordinate."""
+        return {x: result.told for x, result in self.known.items() if result.status != "ok"}
 
     def beside(self, x: float, within: float) -> str:
         """Return why the nearest solution within a distance of a coordinate failed; '' where none did."""
@@ -263,7 +252,8 @@ def _best_of_trials(
     counts = {"solutions": trials.count, "failed": len(reasons), "accuracy": accuracy_of(trials.scene)}
     some = f"{len(reasons)} of {trials.count} solutions: {reasons[0]}" if reasons else ""
     if top is None:
-        missing = f"{trials.absent[0]} (choose another --figure)" if trials.absent else ""
+        lacks = [why for result in trials.known.values() for why in result.lacks([asked.figure])]
+        missing = f"{lacks[0]} (choose another --figure)" if lacks else ""
         return Best(values, "failed", some or missing, **counts)
     sign = -1.0 if asked.minimum else 1.0
     near = 2e-4 * (ends[1] - ends[0])
@@ -274,8 +264,10 @@ def _best_of_trials(
     elif place == "inside":
         beyond = trials.beside(top.point.x, near)
     else:
-        beyond = trials.beyond(place)
+        beyond = refusal_beyond(trials.scene, asked, place, trials.solved)
         counts["solutions"] = trials.count
+    best, scene = trials.known[top.point.x], trials.scene
+    names = () if isinstance(scene, Scene) else (each for each in scene.beside if each != asked.figure)
     return Best(
         values,
         "ok",
@@ -289,6 +281,6 @@ def _best_of_trials(
         tuple((asked.value_at(point.x), sign * point.y) for point in top.others),
         **counts,
         beyond=beyond,
-        warnings=trials.warned[top.point.x],
-        beside=trials.told[top.point.x],
+        warnings=best.warnings,
+        beside={each: best.performance.get(each) for each in names},
     )

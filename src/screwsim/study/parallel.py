@@ -40,19 +40,17 @@ def parallel_map(
     jobs: int | None = None,
     failed: Callable[[Answer], bool] = lambda answer: getattr(answer, "status", "ok") != "ok",
     progress: Progress | None = None,
-    answers: dict[int, Answer] | None = None,
     kept: Callable[[dict[int, Answer]], None] | None = None,
 ) -> list[Answer]:
     """Return [function(0), …, function(count - 1)], computed by `jobs` workers (default: all cores; 1: this process).
 
     The function is pickled once. `died` gives the answer for a number whose worker died; `failed` decides which answers
-    the progress counts as failed, by default those with a status other than ok. After an interruption `answers` holds
-    those found so far; `kept` is called in this process with those of each finished chunk. Numbers are counted as they
-    are computed, before their chunk is finished.
+    the progress counts as failed, by default those with a status other than ok. `kept` is called in this process with
+    the answers of each finished chunk, which an interruption leaves there. Numbers are counted as they are computed,
+    before their chunk is finished.
     """
     jobs = min(jobs or cores(), count)
-    answers = {} if answers is None else answers
-
+    answers: dict[int, Answer] = {}
     chunks = Chunks([range(count)], count, lambda: jobs)
 
     def finish(numbers: range, outcome: tuple[list[Answer], float]) -> None:

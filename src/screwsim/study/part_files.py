@@ -16,9 +16,8 @@ from screwsim.figures import scale_of
 from screwsim.inputs.textfiles import irregular_kind
 from screwsim.outputs import STATUSES, Figure, names_of
 from screwsim.results.atomic import replacing
-from screwsim.results.table import TEXT_NAMES, CaseTexts, Table, columns_of
+from screwsim.results.table import MAPPING_FIELDS, TEXT_NAMES, CaseTexts, Table, columns_of
 
-_TRACE_PREFIX = "trace_"
 _UNREADABLE = (OSError, EOFError, LookupError, ValueError, TypeError, AttributeError, NotImplementedError)
 _UNREADABLE += (MemoryError, RecursionError, RuntimeError, zipfile.BadZipFile, zlib.error)  # raised by numpy, zipfile
 
@@ -29,12 +28,10 @@ def write_part(path: Path, table: Table) -> None:
         "effects": table.effects,
         "states": table.states,
         "words": {name: table.texts[name].words for name in TEXT_NAMES},
-        "ledger": list(table.ledger),
         "inputs": table.inputs,
-        "changes": list(table.changes),
         "by": dict(table.numbers),
-        "slopes": list(table.slopes),
         "about": [asdict(each) for each in table.about],
+        **{part: list(getattr(table, part)) for part in MAPPING_FIELDS},
     }
     arrays = {
         "about": np.frombuffer(json.dumps(about).encode(), np.uint8),
@@ -42,10 +39,7 @@ def write_part(path: Path, table: Table) -> None:
         "figures": table.figures,
         "numbers": np.array([table.texts[name].number for name in TEXT_NAMES], np.int32),
         "angle": table.angle,
-        "ledger": np.array(list(table.ledger.values()), float),
-        "changes": np.array(list(table.changes.values()), float),
-        "slopes": np.array(list(table.slopes.values()), float),
-        **{_TRACE_PREFIX + name: trace for name, trace in table.traces.items()},
+        **{part: np.array(list(getattr(table, part).values()), float) for part in MAPPING_FIELDS},
     }
     with replacing(path) as temporary, temporary.open("wb") as stream:
         np.savez(stream, allow_pickle=False, **arrays)
@@ -59,7 +53,6 @@ def read_part(path: Path, traces: bool = True, cases: bool = True) -> Table:
     none = np.empty(0)
     with np.load(path, allow_pickle=False) as stored:
         about = json.loads(stored["about"].tobytes())
-        names = [name for name in stored.files if traces and name.startswith(_TRACE_PREFIX)]
         numbers = stored["numbers"] if cases else [none] * len(TEXT_NAMES)
 
         def by_name(part: str) -> dict[str, np.ndarray]:
@@ -73,13 +66,10 @@ def read_part(path: Path, traces: bool = True, cases: bool = True) -> Table:
             effects=tuple(about["effects"]),
             states=tuple(about["states"]),
             angle=stored["angle"],
-            traces={name.removeprefix(_TRACE_PREFIX): stored[name] if cases else none for name in names},
-            ledger=by_name("ledger"),
             about=_figures(about),
             inputs=tuple(about["inputs"]),
-            changes=by_name("changes"),
             numbers=dict(about["by"]),
-            slopes=by_name("slopes"),
+            **{part: by_name(part) for part in MAPPING_FIELDS if traces or part != "traces"},
         )
 
 
@@ -112,19 +102,18 @@ def _is_sound(table: Table, cases: int) -> bool:
     """Return whether the contents of a part are consistent."""
     texts = [(words.number, len(words.words)) for words in table.texts.values()]
     numbers = (table.status, -1, len(STATUSES)), *((number, 0, count) for number, count in texts)
-    names = (*table.effects, *table.states, *table.ledger, *table.inputs, *table.changes)
-    reals = table.figures, table.angle, *table.traces.values(), *table.changes.values(), *table.slopes.values()
+    shapes = (table.angle.shape, (), (len(table.inputs),), (len(table.numbers),))  # of a row
+    pairs = zip(MAPPING_FIELDS, shapes, strict=True)
+    mapped = [(name, values, shape) for part, shape in pairs for name, values in getattr(table, part).items()]
+    names = (*table.effects, *table.states, *table.inputs, *table.numbers, *table.numbers.values())
     return (
         table.figures.shape == (cases, len(columns_of(names_of(table.about))))
         and all(_in_range(values, cases, first, stop) for values, first, stop in numbers)
         and all(isinstance(word, str) for words in table.texts.values() for word in words.words)
-        and all(isinstance(name, str) for name in (*names, *table.numbers, *table.numbers.values(), *table.slopes))
+        and all(isinstance(name, str) for name in (*names, *(name for name, *_ in mapped)))
         and table.angle.ndim == 1
-        and all(trace.shape == (cases, table.angle.size) for trace in table.traces.values())
-        and all(values.shape == (cases,) for values in table.ledger.values())
-        and all(values.shape == (cases, len(table.inputs)) for values in table.changes.values())
-        and all(values.shape == (cases, len(table.numbers)) for values in table.slopes.values())
-        and all(real.dtype.kind == "f" for real in reals)
+        and all(values.shape == (cases, *shape) for _, values, shape in mapped)
+        and all(real.dtype.kind == "f" for real in (table.figures, table.angle, *(values for _, values, _ in mapped)))
     )
 
 

@@ -146,14 +146,9 @@ def part_load(
     falling = _falling_steps(found.curve)
     if not among or len(falling) < 2:
         return found
-    full = full or _capacity(falling[0], aim)
+    full = full or float(falling[0].result.performance[aim.load]) / falling[0].load
     steps = [_step_at_best_ratio(scene, control, falling, step, full, among, aim) for step in found.steps]
     return replace(found, steps=steps)
-
-
-def _capacity(step: LoadStep, aim: LoadFigures) -> float:
-    """Return the capacity [SI] of load 1, from a step of known load."""
-    return float(step.result.performance[aim.load]) / step.load
 
 
 def curve_and_steps(

@@ -62,9 +62,13 @@ class _SideBySide(NamedTuple):
         """Return the least number of blocks per chunk, given the number of cases per block."""
         return min(BESIDE_ON_GPU, max(1, CASES_ON_GPU // size)) if self.gpu else SIDE_BY_SIDE if self.batch else 1
 
-    def warming(self, warm_up: WarmUp) -> WarmUp:
-        """Return a warm-up that compiles all code needed, to be called before workers are forked."""
-        return partial(_warm_beside, self.gpu, warm_up) if any(self) else warm_up
+    def warm_up(self, own: WarmUp, scene: Scene) -> None:
+        """Warm up the code for single cases, and that for lanes, or compile that for a GPU, which each worker opens."""
+        own(scene)
+        if any(self):
+            from screwsim import batch
+
+            (batch.prepare_for_gpu if self.gpu else batch.warm_up)(scene)
 
 
 @dataclass(frozen=True)
@@ -122,7 +126,9 @@ def run_sweep(
     try:
         many, warm = _simulator(scene, simulate, simulate_many, warm_up)
         with Draft(output, scene, axes_of(scene), "sweep", parts.folder) as draft:
-            run = _Sweep(scene, parts, progress_of("sweep", progress), many, warm, draft, _SideBySide(batch, gpu))
+            beside = _SideBySide(batch, gpu)
+            warm = partial(beside.warm_up, warm)
+            run = _Sweep(scene, parts, progress_of("sweep", progress), many, warm, draft, beside)
             reused = run.run(jobs, scheduler, case_limit)
             draft.complete(parts.all(run.blocks.cases))
         parts.discard()
@@ -167,35 +173,27 @@ def sweep(
         return open_results(Path(folder) / "sweep.h5").to_xarray(None)
 
 
+@dataclass
 class _Sweep:
     """One run over the cases that the stored parts do not hold yet."""
 
-    def __init__(
-        self,
-        scene: Scene,
-        parts: Parts,
-        progress: Progress,
-        many: SimulateMany,
-        warm_up: WarmUp,
-        draft: Draft,
-        beside: _SideBySide,
-    ) -> None:
-        self.scene = scene
-        self.blocks = blocks_of(scene)
-        self._parts = parts
-        self._progress = progress
-        self._many = many
-        self._warm_up = beside.warming(warm_up)
-        self._beside = beside
+    scene: Scene
+    parts: Parts
+    progress: Progress
+    many: SimulateMany
+    warm_up: WarmUp  # of all code that is needed
+    draft: Draft
+    beside: _SideBySide
+
+    def __post_init__(self) -> None:
+        self.blocks = blocks_of(self.scene)
         self._angle = np.empty(0)  # common grid of the traces: cases with longer lives of chambers are refused
-        self._chunks = Chunks([], 1, lambda: 1)
-        self._draft = draft
-        self._wanted = requirements_of(scene)
+        self._wanted = requirements_of(self.scene)
         self._watch = FileWatch(self._wanted["files"], self._wanted["identity"])
 
     def run(self, jobs: int | None, scheduler: str | None, case_limit: float | None) -> int:
         """Compute the missing cases; return how many were there already."""
-        finished = self._parts.finished(lambda cases: self.blocks.blocks_of(cases) is not None)
+        finished = self.parts.finished(lambda cases: self.blocks.blocks_of(cases) is not None)
         reused = sum(map(len, finished))
         done = [blocks for cases in finished if (blocks := self.blocks.blocks_of(cases)) is not None]
         edges = [0, *(edge for span in done for edge in (span.start, span.stop)), self.blocks.count]
@@ -220,7 +218,7 @@ class _Sweep:
 
         If one of them began last, the other workers would be idle until it ends.
         """
-        if SPEED not in self.scene.sweep or self.blocks.count > FEW_BLOCKS or any(self._beside):
+        if SPEED not in self.scene.sweep or self.blocks.count > FEW_BLOCKS or any(self.beside):
             return todo
 
         def speed(block: int) -> float:
@@ -237,16 +235,16 @@ class _Sweep:
 
     def _compute(self, todo: list[range], reused: int, pool: Pool, limit: float | None) -> None:
         """Compute blocks on a pool, or in this process where there is no limit."""
-        self._warm_up(self.scene)  # before the fork: every worker inherits the compiled code
+        self.warm_up(self.scene)  # before the fork: every worker inherits the compiled code
         keep = self.scene.output.keeps_cycle
         size = len(self.blocks.cases_of(range(1)))
         longest = (CHUNK_TRACES if keep else CHUNK_CASES) // size
-        self._chunks = Chunks(todo, longest, pool.workers, self._beside.blocks(size))
+        self._chunks = Chunks(todo, longest, pool.workers, self.beside.blocks(size))
         base = replace(self.scene, sweep={}, joints=(), text="")
         place = Place.HERE if limit is None else Place.BESIDE if isinstance(pool, LocalPool) else Place.ELSEWHERE
-        tally = self._tally = Tally(self._progress, place)
+        tally = self._tally = Tally(self.progress, place)
         try:
-            job = Job(base, tuple(self.scene.sweep), self._many, self._warm_up, keep, limit, *self._beside, tally.mark)
+            job = Job(base, tuple(self.scene.sweep), self.many, self.warm_up, keep, limit, *self.beside, tally.mark)
             tally.start(self.blocks.cases, reused)
             if limit is None:
                 while (blocks := self._chunks.take()) is not None:
@@ -284,10 +282,10 @@ class _Sweep:
             self._angle = self._angle if self._angle.size else table.angle
             same_angles(self._angle, table.angle)
         self._watch.look()
-        self._parts.write(self.blocks.cases_of(blocks).start, table)
+        self.parts.write(self.blocks.cases_of(blocks).start, table)
         self._chunks.learn(len(blocks), seconds)
         self._tally.advance(len(table), int(np.count_nonzero(table.status)))
-        self._draft.lay_out(table)  # once, while the other chunks are being computed
+        self.draft.lay_out(table)  # once, while the other chunks are being computed
 
 
 def _simulator(
@@ -316,14 +314,6 @@ def default_simulate_many(scene: Scene) -> SimulateMany:
 
         many = partial(simulate_with, with_slopes, many)
     return many
-
-
-def _warm_beside(gpu: bool, warm_up: WarmUp, scene: Scene) -> None:
-    """Warm up the code for single cases and that for lanes, or compile that for a GPU, which each worker opens."""
-    from screwsim import batch
-
-    warm_up(scene)
-    (batch.prepare_for_gpu if gpu else batch.warm_up)(scene)
 
 
 def no_warm_up(scene: Scene) -> None:

@@ -30,12 +30,8 @@ class FileMark:
 
     def __call__(self) -> None:
         """Append a byte."""
-        with suppress(OSError):
-            stream = os.open(self.path, os.O_WRONLY | os.O_APPEND)
-            try:
-                os.write(stream, b".")
-            finally:
-                os.close(stream)
+        with suppress(OSError), os.fdopen(os.open(self.path, os.O_WRONLY | os.O_APPEND), "wb", 0) as stream:
+            stream.write(b".")
 
 
 class Place(Enum):

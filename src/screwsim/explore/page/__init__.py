@@ -3,9 +3,11 @@
 import json
 from typing import Any
 
+from screwsim.explore.answer import about_figure
 from screwsim.explore.changes import SceneArguments
 from screwsim.explore.controls import document as controls
 from screwsim.explore.machine import document as machine
+from screwsim.figures import known
 from screwsim.outputs.customary import with_printed_units
 from screwsim.report.page import rendered
 
@@ -28,9 +30,6 @@ def page_text(base: SceneArguments, slopes: bool = True) -> str:
 
 def document(base: SceneArguments) -> dict[str, Any]:
     """Return the initial data of the page's script."""
-    from screwsim.explore.answer import about_figure
-    from screwsim.figures import known
-
     return {
         "file": base.file,
         "title": with_printed_units(base.scene.title),

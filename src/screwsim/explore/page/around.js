@@ -39,8 +39,7 @@ function askSweep() {
   const control = controlOf(document.getElementById("over").value);
   if (!control) return;
   const { low, high, log } = control;
-  const share = (i) => i / (COUNT - 1);
-  let x = Array.from({ length: COUNT }, (_, i) => (log ? low * (high / low) ** share(i) : low + (high - low) * share(i)));
+  let x = Array.from({ length: COUNT }, (_, i) => between([low, high], log, i / (COUNT - 1)));
   if (control.kind === "count") x = [...new Set(x.map(Math.round))];
   const before = sweep.control === control ? sweep : null;
   sweep = { control, x, all: x.map(() => ({})), begun: performance.now(), before: before && { x: before.x, all: before.all } };
@@ -50,8 +49,11 @@ function askSweep() {
 
 // When the small sweep has shown that points cost little: by derivatives where the server has a worker for them.
 function askColours() {
-  clearColours();
-  hideHalves();
+  for (const entry of built) {
+    entry.slopes = undefined;
+    if (entry.range) bare(entry);
+  }
+  showHalves();
   around = { id: 0, entries: [], values: [], left: 0 };
   if (!document.getElementById("coloured").value || !(sweep.pace <= SLOW)) return; // no pace yet: at the sweep's end
   const entries = liveNumbers().filter(({ control }) => control.kind === "number");
@@ -72,7 +74,7 @@ function askDifferences(entries) {
 function receiveSlopes(head) {
   if (head.id !== around.id) return;
   const slopes = head.slopes || {};
-  showHalves(head);
+  showHalves(head.halves, head.lost);
   for (const entry of around.entries) entry.slopes = slopes[entry.control.path];
   const bare = around.entries.filter((entry) => !entry.slopes);
   around.left = 0;
@@ -131,13 +133,6 @@ function bare(entry) {
   entry.range.style.removeProperty("--track");
   entry.range.removeAttribute("aria-description");
   entry.range.title = "";
-}
-
-function clearColours() {
-  for (const entry of built) {
-    entry.slopes = undefined;
-    if (entry.range) bare(entry);
-  }
 }
 
 function drawSweep() {

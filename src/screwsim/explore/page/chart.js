@@ -35,7 +35,7 @@ class Chart {
     }
   }
 
-  // content: {curves: [{x, y, tint, dash, name, pale}], x: {label, range, log}, y: …, levels, marks, points}
+  // content: {curves: [{x, y, tint, dash, name, pale}], x: {label, range, log}, y: …, levels}
   show(content) {
     this.content = content;
     this.draw();
@@ -47,12 +47,12 @@ class Chart {
 
   X(value) {
     const { left, right } = this.inner();
-    return left + (right - left) * share(this.content.x, value);
+    return left + (right - left) * shareOf(this.content.x.range, this.content.x.log, value);
   }
 
   Y(value) {
     const { top, bottom } = this.inner();
-    return bottom - (bottom - top) * share(this.content.y, value);
+    return bottom - (bottom - top) * shareOf(this.content.y.range, this.content.y.log, value);
   }
 
   draw() {
@@ -60,7 +60,6 @@ class Chart {
     const pen = this.below.getContext("2d");
     pen.clearRect(0, 0, width, height);
     if (!content || width < 50) return;
-    pen.font = FONT;
     this.axes(pen);
     const box = this.inner();
     pen.save();
@@ -71,7 +70,6 @@ class Chart {
     for (const curve of content.curves.filter((each) => !each.pale)) this.line(pen, curve);
     pen.restore();
     this.levels(pen, box);
-    this.marks(pen, box);
     this.fillKey();
   }
 
@@ -80,32 +78,23 @@ class Chart {
     const box = this.inner();
     const ticks = (axis, count) => (axis.log ? logTicksOf(...axis.range) : axis.ticks || ticksOf(...axis.range, count));
     pen.lineWidth = 1;
-    pen.strokeStyle = palette.line;
-    pen.fillStyle = palette.text;
-    pen.textAlign = "center";
-    pen.textBaseline = "top";
     let last = -1e9;
     for (const tick of ticks(content.x, (box.right - box.left) / 80)) {
       const x = Math.round(this.X(tick)) + 0.5;
-      stroke(pen, x, box.top, x, box.bottom + 4);
-      if (x - last > 38) { pen.fillText(plain(tick), x, box.bottom + 6); last = x; }
+      stroke(pen, x, box.top, x, box.bottom + 4, "line");
+      if (x - last > 38) { write(pen, plain(tick), x, box.bottom + 6, "text", "center", "top"); last = x; }
     }
-    pen.textAlign = "right";
-    pen.textBaseline = "middle";
     last = 1e9;
     for (const tick of ticks(content.y, (box.bottom - box.top) / 45)) {
       const y = Math.round(this.Y(tick)) + 0.5;
-      stroke(pen, box.left - 4, y, box.right, y);
-      if (last - y > 14) { pen.fillText(plain(tick), box.left - 7, y); last = y; }
+      stroke(pen, box.left - 4, y, box.right, y, "line");
+      if (last - y > 14) { write(pen, plain(tick), box.left - 7, y, "text", "right"); last = y; }
     }
-    pen.fillStyle = palette.soft;
-    pen.textAlign = "center";
-    pen.textBaseline = "alphabetic";
-    pen.fillText(content.x.label, 0.5 * (box.left + box.right), this.height - 6);
+    write(pen, content.x.label, 0.5 * (box.left + box.right), this.height - 6, "soft", "center", "alphabetic");
     pen.save();
     pen.translate(12, 0.5 * (box.top + box.bottom));
     pen.rotate(-Math.PI / 2);
-    pen.fillText(content.y.label, 0, 0);
+    write(pen, content.y.label, 0, 0, "soft", "center", "alphabetic");
     pen.restore();
   }
 
@@ -127,37 +116,17 @@ class Chart {
     pen.stroke();
     pen.setLineDash([]);
     if (curve.points) {
-      pen.fillStyle = palette[curve.tint];
-      for (let i = 0; i < curve.x.length; i += 1) if (Number.isFinite(curve.y[i])) dot(pen, this.X(curve.x[i]), this.Y(curve.y[i]), 2.5);
+      for (let i = 0; i < curve.x.length; i += 1) if (Number.isFinite(curve.y[i])) dot(pen, this.X(curve.x[i]), this.Y(curve.y[i]), 2.5, curve.tint);
     }
     pen.globalAlpha = 1;
   }
 
   levels(pen, box) {
-    pen.textAlign = "left";
-    pen.textBaseline = "middle";
     for (const [value, words] of this.content.levels || []) {
       const y = this.Y(value);
       if (!Number.isFinite(y) || y < box.top || y > box.bottom) continue;
-      pen.setLineDash([6, 4]);
-      pen.strokeStyle = palette.soft;
-      stroke(pen, box.left, y, box.right, y);
-      pen.setLineDash([]);
-      pen.fillStyle = palette.soft;
-      pen.fillText(words, box.right + 4, y);
-    }
-  }
-
-  marks(pen, box) {
-    pen.textAlign = "center";
-    for (const [value, words] of this.content.marks || []) {
-      const x = this.X(value);
-      pen.setLineDash([2, 3]);
-      pen.strokeStyle = palette.soft;
-      stroke(pen, x, box.top, x, box.bottom);
-      pen.setLineDash([]);
-      pen.fillStyle = palette.soft;
-      pen.fillText(words, x, box.top + 8);
+      stroke(pen, box.left, y, box.right, y, "soft", [6, 4]);
+      write(pen, words, box.right + 4, y, "soft", "left");
     }
   }
 
@@ -193,26 +162,19 @@ class Chart {
     if (!this.content || !this.moving) return;
     const box = this.inner();
     if (this.moving.x !== undefined) {
-      pen.strokeStyle = palette.accent;
       pen.lineWidth = 1.5;
       const x = this.X(this.moving.x);
-      stroke(pen, x, box.top, x, box.bottom);
+      stroke(pen, x, box.top, x, box.bottom, "accent");
     }
-    for (const [x, y, radius, tint] of this.moving.points || []) {
-      pen.fillStyle = palette[tint];
-      dot(pen, this.X(x), this.Y(y), radius);
-    }
+    for (const [x, y, radius, tint] of this.moving.points || []) dot(pen, this.X(x), this.Y(y), radius, tint);
     if (this.moving.words) {
       pen.font = FONT;
-      pen.textBaseline = "top";
-      pen.textAlign = "right";
       const wide = pen.measureText(this.moving.words).width;
       pen.fillStyle = palette.page;
       pen.globalAlpha = 0.85;
       pen.fillRect(box.right - wide - 8, box.top, wide + 8, 18);
       pen.globalAlpha = 1;
-      pen.fillStyle = palette.text;
-      pen.fillText(this.moving.words, box.right - 4, box.top + 3);
+      write(pen, this.moving.words, box.right - 4, box.top + 3, "text", "right", "top");
     }
   }
 
@@ -229,24 +191,31 @@ class Chart {
   valueX(pixel) {
     const { left, right } = this.inner();
     const { range, log } = this.content.x;
-    const part = Math.min(Math.max((pixel - left) / (right - left), 0), 1);
-    return log ? range[0] * (range[1] / range[0]) ** part : range[0] + (range[1] - range[0]) * part;
+    return between(range, log, Math.min(Math.max((pixel - left) / (right - left), 0), 1));
   }
 }
 
-function share(axis, value) {
-  const [low, high] = axis.range;
-  return axis.log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
+// Write a text at a place, no wider than `most` [px] where that is given.
+function write(pen, text, x, y, tint, align, baseline = "middle", most = undefined) {
+  pen.font = FONT;
+  pen.fillStyle = palette[tint];
+  pen.textAlign = align;
+  pen.textBaseline = baseline;
+  pen.fillText(text, x, y, most);
 }
 
-function stroke(pen, x, y, u, v) {
+function stroke(pen, x, y, u, v, tint, dash = []) {
+  pen.strokeStyle = palette[tint];
+  pen.setLineDash(dash);
   pen.beginPath();
   pen.moveTo(x, y);
   pen.lineTo(u, v);
   pen.stroke();
+  pen.setLineDash([]);
 }
 
-function dot(pen, x, y, radius) {
+function dot(pen, x, y, radius, tint) {
+  pen.fillStyle = palette[tint];
   pen.beginPath();
   pen.arc(x, y, radius, 0, 2 * Math.PI);
   pen.fill();

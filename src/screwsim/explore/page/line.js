@@ -53,17 +53,12 @@ function askBeside(lane, points) {
 }
 
 function receive(buffer) {
-  const [head, floats] = opened(buffer);
+  const size = new DataView(buffer).getUint32(0, true);
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, size)));
   if (head.kind === "note") busy(head.text);
   else if (head.lane === "slopes") receiveSlopes(head);
   else if (head.lane) receivePoint(head);
-  else receiveAnswer(head, floats);
-}
-
-function opened(buffer) {
-  const size = new DataView(buffer).getUint32(0, true);
-  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, size)));
-  return [head, new Float32Array(buffer, 4 + size)];
+  else receiveAnswer(head, new Float32Array(buffer, 4 + size));
 }
 
 function receiveAnswer(head, floats) {

@@ -51,8 +51,8 @@ class Machine {
 
   // Where a value lies between the ends of the colours: pressures by equal ratios.
   part(value) {
-    const [low, high] = this.range;
-    return this.by === "pressure" ? Math.log(Math.max(value, low) / low) / Math.log(high / low) : (value - low) / (high - low);
+    const log = this.by === "pressure";
+    return shareOf(this.range, log, log ? Math.max(value, this.range[0]) : value);
   }
 
   // Where the followed chamber and those before and behind it are in their lives, in degrees.
@@ -150,13 +150,8 @@ class Machine {
     this.shade(pen, frame, -doc.R1, doc.H[0]);
     this.shade(pen, frame, doc.H[0], doc.A + doc.R2);
     this.sideArrows(pen, frame, lives, seen);
-    pen.fillStyle = palette.soft;
-    pen.font = FONT;
-    pen.textBaseline = "top";
-    pen.textAlign = "right";
-    pen.fillText(doc.backwards ? "outlet" : "inlet", frame.x(0) - 52, frame.y(-doc.R1));
-    pen.textAlign = "left";
-    pen.fillText(doc.backwards ? "inlet" : "outlet", frame.x(1) + 52, frame.y(-doc.R1));
+    write(pen, doc.backwards ? "outlet" : "inlet", frame.x(0) - 52, frame.y(-doc.R1), "soft", "right", "top");
+    write(pen, doc.backwards ? "inlet" : "outlet", frame.x(1) + 52, frame.y(-doc.R1), "soft", "left", "top");
   }
 
   barrel(pen, frame, axis, radius, [low, high]) {
@@ -219,10 +214,7 @@ class Machine {
     pen.fillRect(left + 2, top + tall * part * 0.7, wide - 4, 0.22 * tall);
     pen.strokeRect(left + 2, top + tall * part * 0.7, wide - 4, 0.22 * tall);
     pen.beginPath();
-    pen.moveTo(left, top + tall);
-    pen.lineTo(left, top);
-    pen.lineTo(left + wide, top);
-    pen.lineTo(left + wide, top + tall);
+    for (const [x, y] of [[left, top + tall], [left, top], [left + wide, top], [left + wide, top + tall]]) pen.lineTo(x, y);
     pen.stroke();
     const every = portsOf(this.answer).flat().map((name) => this.at(name, this.angle));
     every.forEach((flow, i) => {
@@ -238,16 +230,10 @@ class Machine {
     for (let i = 0; i <= 8; i += 1) fade.addColorStop(i / 8, ramp(i / 8));
     pen.fillStyle = fade;
     pen.fillRect(bar.left, bar.top, bar.right - bar.left, 10);
-    pen.font = FONT;
-    pen.fillStyle = palette.text;
-    pen.textBaseline = "middle";
-    pen.textAlign = "right";
-    pen.fillText(plain(low), bar.left - 5, bar.top + 5);
-    pen.textAlign = "left";
-    pen.fillText(`${plain(high)} ${this.by === "pressure" ? "bar" : "°C"}`, bar.right + 5, bar.top + 5);
-    pen.textAlign = "center";
-    pen.textBaseline = "bottom";
-    pen.fillText(plain(this.by === "pressure" ? Math.sqrt(low * high) : 0.5 * (low + high)), 0.5 * (bar.left + bar.right), bar.top - 1);
+    const middle = this.by === "pressure" ? Math.sqrt(low * high) : 0.5 * (low + high);
+    write(pen, plain(low), bar.left - 5, bar.top + 5, "text", "right");
+    write(pen, `${plain(high)} ${this.by === "pressure" ? "bar" : "°C"}`, bar.right + 5, bar.top + 5, "text", "left");
+    write(pen, plain(middle), 0.5 * (bar.left + bar.right), bar.top - 1, "text", "center", "bottom");
   }
 }
 
@@ -277,14 +263,9 @@ function arrow(pen, x, y, [dx, dy], flow, tint, shift = -0.5) {
   pen.fillStyle = tint;
   pen.strokeStyle = palette.page;
   pen.lineWidth = 1;
+  const [neck, shaft, barb] = [long - 0.6 * wide, 0.22 * wide, 0.6 * wide];
   pen.beginPath();
-  pen.moveTo(0, -0.22 * wide);
-  pen.lineTo(long - 0.6 * wide, -0.22 * wide);
-  pen.lineTo(long - 0.6 * wide, -0.6 * wide);
-  pen.lineTo(long, 0);
-  pen.lineTo(long - 0.6 * wide, 0.6 * wide);
-  pen.lineTo(long - 0.6 * wide, 0.22 * wide);
-  pen.lineTo(0, 0.22 * wide);
+  for (const [u, v] of [[0, -shaft], [neck, -shaft], [neck, -barb], [long, 0], [neck, barb], [neck, shaft], [0, shaft]]) pen.lineTo(u, v);
   pen.closePath();
   pen.fill();
   pen.stroke();

@@ -2,17 +2,23 @@
 
 const STEPS = 1000; // of a slider
 
-function placeOf(control, value) {
-  const { low, high, log } = control;
-  const share = log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
-  return Math.round(STEPS * Math.min(Math.max(share, 0), 1));
+// The value at a share of a range, by equal ratios where `log`; and the share at which a value lies.
+function between([low, high], log, share) {
+  return log ? low * (high / low) ** share : low + (high - low) * share;
+}
+
+function shareOf([low, high], log, value) {
+  return log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
+}
+
+function placeOf({ low, high, log }, value) {
+  return Math.round(STEPS * Math.min(Math.max(shareOf([low, high], log, value), 0), 1));
 }
 
 // The number at a place of a slider, to four digits, or a whole one.
 function valueAt(control, place) {
   const { low, high, log } = control;
-  const share = place / STEPS;
-  const value = log ? low * (high / low) ** share : low + (high - low) * share;
+  const value = between([low, high], log, place / STEPS);
   if (control.kind === "count") return Math.round(value);
   const step = log ? Math.abs(value) : (high - low) / 10;
   const digits = Math.min(Math.max(3 - Math.floor(Math.log10(step || 1)), 0), 12);

@@ -41,7 +41,7 @@ function take(answer) {
   if (answer.texts) document.getElementById("shell").textContent = answer.texts.shell;
   if (!usable) return;
   shown = answer;
-  hideHalves();
+  showHalves();
   drawAnswer();
 }
 
@@ -115,12 +115,9 @@ function pair(make) {
 function angleAxis(answer) {
   const angle = answer.traces.angle;
   const end = angle[angle.length - 1];
-  return { label: data.machine.kind === "cylinder" ? "crank angle (°)" : "male-rotor angle (°)", range: [angle[0], end], ticks: angleTicks(end) };
-}
-
-function angleTicks(end) {
   const step = (end > 400 ? 120 : 60) * (window.innerWidth < 640 ? 2 : 1);
-  return Array.from({ length: Math.floor(end / step + 1e-9) + 1 }, (_, i) => i * step);
+  const ticks = Array.from({ length: Math.floor(end / step + 1e-9) + 1 }, (_, i) => i * step);
+  return { label: data.machine.kind === "cylinder" ? "crank angle (°)" : "male-rotor angle (°)", range: [angle[0], end], ticks };
 }
 
 // The highest pressure but for a spike over few degrees, as the dead volume's at the end of a life.
@@ -145,11 +142,17 @@ function drawLoop() {
   });
 }
 
-function drawTemperatures() {
-  const names = [["gas_temperature", "gas", "c1", 0], ["oil_temperature", "oil", "c3", 1]].filter(([name]) => shown.traces[name]);
-  const curves = pair((answer, pale) => names.filter(([name]) => answer.traces[name])
+// Draw curves over the angle, [trace, words, tint, dash] each; `seen` gives the values of a curve that must be in sight.
+function drawOverAngle(chart, traces, label, seen = (curve) => curve.y) {
+  const there = traces.filter(([name]) => shown.traces[name]);
+  const curves = pair((answer, pale) => there.filter(([name]) => answer.traces[name])
     .map(([name, words, tint, dash]) => ({ x: answer.traces.angle, y: answer.traces[name], tint, dash, name: words, pale })));
-  charts.temperatures.show({ curves, x: angleAxis(shown), y: { label: "temperature (°C)", range: roomy(extent(curves.map(whileThereIsGas))) } });
+  chart.show({ curves, x: angleAxis(shown), y: { label, range: roomy(extent(curves.map(seen))) } });
+}
+
+function drawTemperatures() {
+  const traces = [["gas_temperature", "gas", "c1", 0], ["oil_temperature", "oil", "c3", 1]];
+  drawOverAngle(charts.temperatures, traces, "temperature (°C)", whileThereIsGas);
 }
 
 // Temperatures but for those of next to nothing: what is left in the dead volume is heated and cooled far.
@@ -175,11 +178,10 @@ function pathsOf(answer) {
 function drawFlows() {
   const words = (name) => name.replace("mass_flow_", "").replace(/_(leading|trailing)$/, ", $1").replaceAll("_", " ");
   const names = pathsOf(shown);
-  const kinds = [...new Set(names.map((name) => words(name).split(",")[0]))];
-  const curves = pair((answer, pale) => names.filter((name) => answer.traces[name]).map((name) => ({
-    x: answer.traces.angle, y: answer.traces[name], tint: `c${kinds.indexOf(words(name).split(",")[0]) % 6}`, dash: name.endsWith("_trailing") ? 1 : 0, name: words(name), pale,
-  })));
-  charts.flows.show({ curves, x: angleAxis(shown), y: { label: "mass flow (g/s)", range: roomy(extent(curves.map((each) => each.y))) } });
+  const kindOf = (name) => words(name).split(",")[0];
+  const kinds = [...new Set(names.map(kindOf))];
+  const traces = names.map((name) => [name, words(name), `c${kinds.indexOf(kindOf(name)) % 6}`, name.endsWith("_trailing") ? 1 : 0]);
+  drawOverAngle(charts.flows, traces, "mass flow (g/s)");
 }
 
 // Curves that only some scenes have: torque, valve lifts, temperatures of walls …
@@ -194,8 +196,7 @@ function drawOther() {
   refill(select, names.map((name) => [name, name.replaceAll("_", " ")]), usual || names[0], usual);
   const name = select.value;
   const units = shown.units[name].replace("N m", "N m").replace("kg s-1", "g/s");
-  const curves = pair((answer, pale) => (answer.traces[name] ? [{ x: answer.traces.angle, y: answer.traces[name], tint: "c4", name: name.replaceAll("_", " "), pale }] : []));
-  charts.other.show({ curves, x: angleAxis(shown), y: { label: units === "1" ? "" : `(${units})`, range: roomy(extent(curves.map((each) => each.y))) } });
+  drawOverAngle(charts.other, [[name, name.replaceAll("_", " "), "c4", 0]], units === "1" ? "" : `(${units})`);
 }
 
 function drawWaterfall() {
@@ -219,7 +220,6 @@ class Waterfall extends Chart {
     const left = Math.min(0.46 * width, 190);
     const row = Math.min((height - 6) / steps.length, 26);
     pen.font = FONT;
-    pen.textBaseline = "middle";
     const told = (step) => `${plain(step.power * unit[0])} ${unit[1]}, ${((100 * step.power) / whole).toFixed(1)} %`;
     const room = 8 + Math.max(...steps.map((step) => pen.measureText(told(step)).width)); // behind the longest bar
     const X = (power) => left + ((width - left - room) * power) / scale;
@@ -230,11 +230,8 @@ class Waterfall extends Chart {
       if (old) { pen.fillStyle = palette.line; pen.fillRect(X(start), y + row - 7, X(start + old.power) - X(start), 4); }
       pen.fillStyle = palette[step.tint];
       pen.fillRect(X(Math.min(start, start + step.power)), y + 2, Math.max(X(Math.abs(step.power)) - left, 1), row - 10);
-      pen.fillStyle = palette.text;
-      pen.textAlign = "right";
-      pen.fillText(step.words, left - 8, y + 0.4 * row, left - 12);
-      pen.textAlign = "left";
-      pen.fillText(told(step), X(Math.max(start, start + step.power)) + 5, y + 0.4 * row);
+      write(pen, step.words, left - 8, y + 0.4 * row, "text", "right", "middle", left - 12);
+      write(pen, told(step), X(Math.max(start, start + step.power)) + 5, y + 0.4 * row, "text", "left");
     });
     this.below.setAttribute("aria-label", `${this.words}: ${steps.map((step) => `${step.words} ${plain(step.power * unit[0])} ${unit[1]}`).join(", ")}`);
   }
@@ -261,21 +258,12 @@ function fillFigures() {
 // What the tolerances of the inputs make of the figures; found with the derivatives, when the hand rests.
 let halves = null;
 
-function showHalves(head) {
-  halves = head.halves && Object.keys(head.halves).length ? head.halves : null;
-  const lost = head.lost && head.lost.length ? ` Without ${head.lost.join(", ")}: no derivative here.` : "";
-  columnOfHalves(halves ? `by inputs: half of the 95 % interval, linear, from the tolerances of the inputs alone; the model error is separate.${lost}` : "");
-}
-
-function hideHalves() {
-  if (!halves) return;
-  halves = null;
-  columnOfHalves("");
-}
-
-function columnOfHalves(words) {
+function showHalves(found = {}, lost = []) {
+  if (!halves && !Object.keys(found).length) return;
+  halves = Object.keys(found).length ? found : null;
   document.getElementById("by-inputs").hidden = !halves;
-  document.getElementById("by-inputs-words").textContent = words;
+  const without = lost.length ? ` Without ${lost.join(", ")}: no derivative here.` : "";
+  document.getElementById("by-inputs-words").textContent = halves ? `by inputs: half of the 95 % interval, linear, from the tolerances of the inputs alone; the model error is separate.${without}` : "";
   fillFigures();
 }
 

@@ -101,7 +101,8 @@ function fillPins() {
   const names = headlineNames();
   const heads = ["", "settings", ...names.map((name) => aboutOf(name).words), "status", ""];
   table.replaceChildren(tableHead(heads), made("tbody", {}, ...pins.map((each) => pinRow(each, names))));
-  fillCompared();
+  const pinned = pins.map(({ number }) => [String(number), `pinned case ${number}`]);
+  refill(document.getElementById("compared"), [["last", "the last settings"], ["none", "nothing"], ...pinned], "last");
 }
 
 function pinRow(each, names) {
@@ -115,11 +116,6 @@ function pinRow(each, names) {
   const remove = button("Remove", () => { pins = pins.filter((other) => other !== each); fillPins(); drawAnswer(); });
   return made("tr", {}, cell("n", String(each.number)), cell("wrap", changeWords(each.settings)), ...figures,
     cell(undefined, each.answer.status.replace("_", " ")), cell(undefined, show, " ", remove, " "));
-}
-
-function fillCompared() {
-  const pinned = pins.map(({ number }) => [String(number), `pinned case ${number}`]);
-  refill(document.getElementById("compared"), [["last", "the last settings"], ["none", "nothing"], ...pinned], "last");
 }
 
 // ---- taken along -----------------------------------------------------------------------------------------------

@@ -179,6 +179,24 @@ def _with_totals(loads: dict[str, Array]) -> dict[str, Array]:
     return loads | totals
 
 
+def bearing_forces(
+    own: Mapping[str, Array], length: float, spans: Sequence[float], force: str = "total", moment: str = "total_moment"
+) -> dict[str, Array]:
+    """Return the radial forces [N] on both bearings of a rotor, from the balance of moments about its suction end.
+
+    `own` has its loads (`rotor_loads`), of which `force` and `moment` [N m] begin the names; `spans` [m] are the
+    distances of the bearings beyond its ends, suction first (M480). Components are …_bearing_x and …_bearing_y.
+    """
+    columns = {}
+    for way in "xy":
+        far = (own[f"{moment}_{way}"] + own[f"{force}_{way}"] * spans[0]) / (length + sum(spans))
+        columns[f"discharge_bearing_{way}"] = far
+        columns[f"suction_bearing_{way}"] = own[f"{force}_{way}"] - far
+    for end in ("suction", "discharge"):
+        columns[f"{end}_bearing"] = np.hypot(*(columns[f"{end}_bearing_{way}"] for way in "xy"))
+    return columns
+
+
 def expanded(low: float, born: float, angle: Array, pressure: Array) -> Array:
     """Return the pressure [Pa] of a chamber over its angle without the remainder of its last charge.
 

@@ -26,7 +26,6 @@ from screwsim.study.calibration.hypotheses import (
     PriorOdds,
     chance_of_misfit,
     indistinguishable_pairs,
-    probabilities,
 )
 from screwsim.study.calibration.machine import (
     Group,
@@ -163,14 +162,17 @@ class Judgement(NamedTuple):
 
 
 class UnchangedPoint(NamedTuple):
-    """One point of the unchanged machine: residuals (n,), slopes (n, parameters), effect of its inputs (n, inputs)."""
+    """One point of the unchanged machine: residuals (n,), slopes (n, parameters), effect of its inputs (n, inputs).
 
-    residuals: Array
-    slopes: Array
-    inputs: Array
-    why: str
-    solutions: int
-    failed: int
+    Without a solution there is the reason alone.
+    """
+
+    residuals: Array = np.zeros(0)
+    slopes: Array = np.zeros((0, 0))
+    inputs: Array = np.zeros((0, 0))
+    why: str = ""
+    solutions: int = 0
+    failed: int = 0
 
 
 def diagnose(
@@ -196,7 +198,7 @@ def diagnose(
     answers = parallel_map(
         partial(unchanged_point, asked, groups, priors, before, simulate),
         len(points),
-        died=lambda number: UnchangedPoint(np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), WORKER_DIED, 0, 0),
+        died=lambda number: UnchangedPoint(why=WORKER_DIED),
         jobs=jobs,
         failed=lambda answer: bool(answer.why),
         progress=progress,
@@ -249,18 +251,15 @@ def unchanged_point(
     asked = Objective(replace(fit, points=(point,)), simulate)
     places = fit.places(values)
     outcome = asked.outcome(places)
-    count = len(point.measured)
-    empty = np.zeros((count, len(groups) + len(priors)))
     if why := outcome.reasons.get(point.name, ""):
-        nothing = np.zeros(count), np.zeros((count, len(places)))
-        return UnchangedPoint(*nothing, empty, why, asked.solutions, asked.failed)
+        return UnchangedPoint(why=why, solutions=asked.solutions, failed=asked.failed)
     slopes = asked.slopes(places)
     own = residual_shifts(fit.at(point, values), point, groups)
     paths = [parameter.path for parameter in fit.parameters]
     for (path,), deviation in priors.items():
         i = paths.index(path)
         own.append(slopes[:, i] * deviation / fit.parameters[i].slope(values[path]))
-    inputs = np.column_stack(own) if own else empty
+    inputs = np.column_stack(own) if own else np.zeros((len(point.measured), 0))
     return UnchangedPoint(outcome.residuals, slopes, inputs, "", asked.solutions, asked.failed)
 
 
@@ -279,12 +278,16 @@ def _judged(machine: LinearMachine, unchanged: float, odds: float, jobs: int | N
     by_slopes = machine.likelihoods()
     solved: dict[int, ProfileLikelihood | None] = {}
     spent: list[PairLikelihood | ProfileLikelihood] = []
-    likely = _likely_changes(machine.misfit, by_slopes, unchanged)
+    # the hypotheses worth solving again
+    prior = PriorOdds(unchanged, odds, machine.misfit, tuple(linear.log_evidence for linear in by_slopes))
+    chances = prior.probabilities()[1:]
+    ranked = sorted(range(len(by_slopes)), key=lambda i: -chances[i])
+    likely = [i for rank, i in enumerate(ranked) if rank < LEAST_SINGLES or chances[i] > LIKELY_PROBABILITY]
     while True:
         call = partial(solved_likelihood, machine, likely)
         solved |= dict(zip(likely, parallel_map(call, len(likely), died=lambda number: None, jobs=jobs), strict=True))
         singles = [solved.get(i) or linear for i, linear in enumerate(by_slopes)]
-        prior = PriorOdds(unchanged, odds, machine.misfit, tuple(single.log_evidence for single in singles))
+        prior = prior._replace(singles=tuple(single.log_evidence for single in singles))
         doubles = _pair_likelihoods(machine, singles, prior, jobs)
         spent += doubles.values()
         hypotheses = _hypotheses(machine, singles, doubles, set(solved), prior)
@@ -297,13 +300,6 @@ def _judged(machine: LinearMachine, unchanged: float, odds: float, jobs: int | N
     left = {(paths[i], paths[j]): double.residuals for (i, j), double in doubles.items()}
     left |= {(paths[i],): machine.residuals_of(i, single) for i, single in enumerate(singles)}
     return Judgement(hypotheses, left, sum(one.solutions for one in spent), sum(one.failed for one in spent))
-
-
-def _likely_changes(none: float, by_slopes: Sequence[LinearLikelihood], unchanged: float) -> list[int]:
-    """Return the indices of the hypotheses worth solving again."""
-    chances = probabilities(none, [linear.log_evidence for linear in by_slopes], unchanged)[1:]
-    ranked = sorted(range(len(by_slopes)), key=lambda i: -chances[i])
-    return [i for rank, i in enumerate(ranked) if rank < LEAST_SINGLES or chances[i] > LIKELY_PROBABILITY]
 
 
 def solved_likelihood(machine: LinearMachine, likely: Sequence[int], number: int) -> ProfileLikelihood | None:

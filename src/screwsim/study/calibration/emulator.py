@@ -57,14 +57,6 @@ def terms(x: Array) -> Array:
     return np.stack([np.ones(x.shape[:-1]), *np.moveaxis(x, -1, 0), *products], axis=-1)
 
 
-def emulate(
-    fit: Fit, low: Array, high: Array, simulate: Simulate | None, jobs: int | None, progress: Progress | None
-) -> Emulator | None:
-    """Return polynomials of all measured figures over a region of places; None where too few solutions have figures."""
-    places = places_within(fit, low, high)
-    return fitted(fit, low, high, places, solved_rows([fit], places, simulate, jobs, progress))
-
-
 def solved_rows(
     fits: Sequence[Fit], places: Array, simulate: Simulate | None, jobs: int | None, progress: Progress | None
 ) -> list[FigureRow]:
@@ -105,7 +97,10 @@ def figures_at(fit: Fit, places: Array, simulate: Simulate | None) -> FigureRow:
 
 
 def fitted(fit: Fit, low: Array, high: Array, places: Array, rows: list[FigureRow]) -> Emulator | None:
-    """Return the polynomials through solutions, by least squares; None where there are too few."""
+    """Return polynomials of all measured figures over a region of places; None where too few solutions have figures.
+
+    They are those of least squares through the solutions at `places`.
+    """
     keys = tuple((point.name, figure) for point in fit.points for figure in point.measured)
     whole = [len(row.figures) == len(keys) and bool(np.isfinite(row.figures).all()) for row in rows]
     design = terms((places[whole] - low) / (high - low))

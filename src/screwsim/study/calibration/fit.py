@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -119,16 +119,6 @@ def prior_of(scene: Scene, parameter: Parameter) -> Prior | None:
     return Prior(value, tolerance.around(value).standard, tolerance.factor, of_scene=True)
 
 
-def correlated_groups(scene: Scene, parameters: Sequence[Parameter]) -> tuple[tuple[int, ...], ...]:
-    """Return the groups of parameters, by index, whose priors are correlated tolerances of the scene."""
-    found = []
-    for group in scene.correlated:
-        own = [i for i, parameter in enumerate(parameters) if parameter.path in group]
-        held = [prior_of(scene, parameters[i]) for i in own]
-        found.append(tuple(i for i, prior in zip(own, held, strict=True) if prior is not None and prior.of_scene))
-    return tuple(group for group in found if len(group) > 1)
-
-
 @dataclass(frozen=True)
 class Point:
     """One operating point: values [SI] by scene path, and measurements; `fitted` False: only predicted."""
@@ -197,9 +187,10 @@ class Fit:
 
     def with_priors(self) -> Fit:
         """Return the fit with the scene's tolerances as priors of parameters that have none."""
-        held = (replace(parameter, prior=prior_of(self.scene, parameter)) for parameter in self.parameters)
-        together = correlated_groups(self.scene, self.parameters)
-        return replace(self, parameters=tuple(held), together=together)
+        parameters = tuple(replace(each, prior=prior_of(self.scene, each)) for each in self.parameters)
+        of_scene = [(i, each.path) for i, each in enumerate(parameters) if each.prior and each.prior.of_scene]
+        groups = (tuple(i for i, path in of_scene if path in group) for group in self.scene.correlated)
+        return replace(self, parameters=parameters, together=tuple(group for group in groups if len(group) > 1))
 
     def places(self, values: Mapping[str, float]) -> NDArray[np.float64]:
         """Return the places 0 … 1 of values [SI] of the parameters between their bounds."""

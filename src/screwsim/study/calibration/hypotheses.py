@@ -82,32 +82,25 @@ class IndistinguishablePair(NamedTuple):
 
 
 class PriorOdds(NamedTuple):
-    """Prior probabilities, chi² of no change, and logarithms of the single changes' evidences: all but the pairs."""
+    """Prior probabilities, chi² of no change, and logarithms of the single changes' evidences: all but the pairs.
+
+    `odds` are the prior odds of all pairs together against all single changes together.
+    """
 
     unchanged: float
     odds: float
     none: float
     singles: tuple[float, ...]
 
-    def probabilities(self, doubles: Sequence[float]) -> Array:
+    def probabilities(self, doubles: Sequence[float] = ()) -> Array:
         """Return the probabilities of no change, each single change and each pair, by the pairs' log evidences."""
-        return probabilities(self.none, self.singles, self.unchanged, doubles, self.odds)
-
-
-def probabilities(
-    none: float, singles: Sequence[float], unchanged: float, doubles: Sequence[float] = (), odds: float = 0.0
-) -> Array:
-    """Return the probabilities of no change (chi² `none`), of each single change and pair, by their log evidences.
-
-    `odds` are the prior odds of all pairs together against all single changes together.
-    """
-    odds = odds if doubles else 0.0
-    changed = (1.0 - unchanged) / (1.0 + odds)
-    each_one, each_two = changed / max(len(singles), 1), changed * odds / max(len(doubles), 1)
-    before = [unchanged, *[each_one] * len(singles), *[each_two] * len(doubles)]
-    logs = np.log(before) + np.array([-0.5 * none, *singles, *doubles])
-    weights = np.exp(logs - np.max(logs))
-    return weights / weights.sum()
+        odds = self.odds if doubles else 0.0
+        changed = (1.0 - self.unchanged) / (1.0 + odds)
+        each_one, each_two = changed / max(len(self.singles), 1), changed * odds / max(len(doubles), 1)
+        before = [self.unchanged, *[each_one] * len(self.singles), *[each_two] * len(doubles)]
+        logs = np.log(before) + np.array([-0.5 * self.none, *self.singles, *doubles])
+        weights = np.exp(logs - np.max(logs))
+        return weights / weights.sum()
 
 
 def indistinguishable_pairs(

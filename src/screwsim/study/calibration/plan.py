@@ -49,6 +49,7 @@ UNIFORM_INFORMATION = 12.0  # one over the variance of a uniform distribution on
 COUNT, LEVELS = 3, 4  # points to choose; values per range
 MOST_CANDIDATES = 2000  # candidates
 NONE_DELIVERS = "no candidate delivers anything (use candidates at a higher speed or a lower pressure ratio)"
+NOTHING_MEASURED: Mapping[str, Measurement] = {}
 LEAST_IMPROVEMENT = 1e-9  # least improvement of the logarithm of a determinant
 
 
@@ -95,9 +96,9 @@ class Plan:
 class PointInformation(NamedTuple):
     """Information of a point: rows of slopes over uncertainties (figures, parameters and inputs), and the figures."""
 
-    rows: Array
-    measured: Mapping[str, Measurement]
-    why: str
+    rows: Array = np.zeros((0, 0))
+    measured: Mapping[str, Measurement] = NOTHING_MEASURED
+    why: str = ""
     solutions: int = 0
     failed: int = 0
     idle: bool = False  # nothing is delivered there
@@ -175,7 +176,7 @@ def plan(
     answers = parallel_map(
         partial(point_information, asked, points, typical_uncertainties(fit), groups, values, simulate),
         len(points),
-        died=lambda number: PointInformation(np.zeros((0, 0)), {}, WORKER_DIED),
+        died=lambda number: PointInformation(why=WORKER_DIED),
         jobs=jobs,
         failed=lambda answer: bool(answer.why),
         progress=progress,
@@ -262,11 +263,11 @@ def point_information(
     if not point.measured:
         point = replace(point, measured={name: Measurement(0.0, 1.0) for name in usual})
     if why := result.why_not(point.measured):
-        return PointInformation(np.zeros((0, len(places) + len(groups))), {}, why, asked.solutions, asked.failed)
+        return PointInformation(why=why, solutions=asked.solutions, failed=asked.failed)
     measured = _as_measured(points[number], result.performance, usual)
     for name, one in measured.items():
         if odd := odd_uncertainty(one.value, one.uncertainty):
-            return PointInformation(np.zeros((0, len(places) + len(groups))), {}, "", odd=f"{name}: {odd}")
+            return PointInformation(odd=f"{name}: {odd}")
     point = replace(point, measured=measured)
     slopes = asked.point_slopes(point, places, result.performance)
     inputs = residual_shifts(fit.at(point, values), point, groups, result if simulate is None else None)

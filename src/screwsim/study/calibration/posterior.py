@@ -14,7 +14,7 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.study.calibration.answers import QUANTILES, ParameterInterval, Posterior, PredictiveCheck
-from screwsim.study.calibration.emulator import Emulator, Key, emulate, figures_at
+from screwsim.study.calibration.emulator import Emulator, Key, figures_at, fitted, places_within, solved_rows
 from screwsim.study.calibration.fit import Fit, Parameter, Prior
 from screwsim.study.calibration.residuals import Array, Simulate
 from screwsim.study.calibration.solve import Calibration
@@ -144,7 +144,8 @@ def posterior(
     low, high = np.maximum(0.0, places - reach), np.minimum(1.0, places + reach)
     solutions = failed = widened = 0
     while True:
-        emulator = emulate(found.fit, low, high, simulate, jobs, progress)
+        at = places_within(found.fit, low, high)
+        emulator = fitted(found.fit, low, high, at, solved_rows([found.fit], at, simulate, jobs, progress))
         if emulator is None:
             why = "too few solutions near the best fit have all figures (narrow the bounds)"
             return Posterior(found.fit, "failed", why, solutions=solutions, failed=failed)
@@ -154,7 +155,9 @@ def posterior(
         cut = _cut_off_sides(problem.parted(chain.flat)[0], low, high)
         if widened == MOST_WIDENINGS or not cut.any():
             return _posterior_of_chain(problem, chain, simulate, cut, (solutions, failed))
-        low, high = _widened(low, high, cut)
+        width = high - low
+        low = np.where(cut[0], np.maximum(0.0, low - width), low)
+        high = np.where(cut[1], np.minimum(1.0, high + width), high)
         widened += 1
 
 
@@ -173,11 +176,6 @@ def _cut_off_sides(places: Array, low: Array, high: Array) -> np.ndarray:
     below = (np.mean(places < low + edge, axis=0) > CUT_OFF_SHARE) & (low > 0.0)
     above = (np.mean(places > high - edge, axis=0) > CUT_OFF_SHARE) & (high < 1.0)
     return np.array([below, above])
-
-
-def _widened(low: Array, high: Array, cut: np.ndarray) -> tuple[Array, Array]:
-    width = high - low
-    return np.where(cut[0], np.maximum(0.0, low - width), low), np.where(cut[1], np.minimum(1.0, high + width), high)
 
 
 def _problem(fit: Fit, emulator: Emulator) -> _LogPosterior:

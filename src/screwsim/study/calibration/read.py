@@ -88,7 +88,9 @@ def _typed(root: Node, name: str, other: Mapping[str, str], fixed: bool, problem
     if head is None or ("scene" not in other and not _is_file(root, "scene", head["scene"], problems)):
         return None
     scene_file = other.get("scene", os.path.join(root.place.folder, head["scene"]))
-    scene = _with_fit_accuracy(replace(load(scene_file), sweep={}, joints=()), head["accuracy"])
+    scene = replace(load(scene_file), sweep={}, joints=())
+    accuracy = min(scene.numerics.accuracy, ACCURACY) if head["accuracy"] is None else head["accuracy"]
+    scene = with_accuracy(scene, accuracy) or scene  # a tolerance that it states itself stays
     parameters = _parameters(root, scene, problems)
     if ("data" not in other and not _is_file(root, "data", head["data"], problems)) or not parameters:
         return None
@@ -110,12 +112,6 @@ def _is_file(root: Node, key: str, name: str, problems: LocatedFaults) -> bool:
         what = f"{shown(name)} is not a file (name an existing one, relative to this file)"
         problems.add(root.value[key].place, key, what)
     return found
-
-
-def _with_fit_accuracy(scene: Scene, accuracy: float | None) -> Scene:
-    """Return the scene with the accuracy of a fit, unless it states a tolerance of its own."""
-    wanted = min(scene.numerics.accuracy, ACCURACY) if accuracy is None else accuracy
-    return with_accuracy(scene, wanted) or scene
 
 
 def _parameters(root: Node, scene: Scene, problems: LocatedFaults) -> tuple[Parameter, ...]:
@@ -158,12 +154,11 @@ def _parameter(path: str, node: Node, scene: Scene, problems: LocatedFaults) -> 
     leaf = _leaf(scene, path, node.heading, where, problems)
     if leaf is None:
         return None
-    if not isinstance(node.value, dict):
-        problems.add(node.place, where, f"{shown(node.value)} is not a mapping ({_PARAMETER})")
-        return None
     end, optional = replace(leaf, default=dataclasses.MISSING), replace(leaf, default=None)
     fields = {"from": end, "to": end, "start": optional, "spacing": SPACING}
     given = read_fields(fields, node, where, problems, _PARAMETER, also=("prior", "also"))
+    if not isinstance(node.value, dict):
+        return None
     stated = node.value.get("prior")
     unheld = stated is not None and stated.value == NO_PRIOR
     prior = None if unheld else _prior(leaf, stated, join(where, "prior"), problems)

@@ -60,7 +60,6 @@ class Objective:
     failed: int = 0
     best: tuple[float, Array, Residuals] | None = None
     jacobians: int = 0
-    exact: int = 0  # points with exact slopes, over all Jacobians
     methods: dict[str, str] = field(default_factory=dict)  # by path: why the last slopes are differences, '' if exact
     _last: tuple[bytes, Residuals] | None = None
     _slopes: tuple[tuple[bytes, int], Array] | None = None
@@ -138,7 +137,10 @@ class Objective:
         solved = np.array([figures.get(name) is not None for name in names])
         if not solved.any():
             return np.zeros((len(names), len(places)))
-        exact = self._exact(point, values) if self.fit.slopes == EXACT else SceneDerivatives({}, {}, EXACT_OPTION)
+        exact = SceneDerivatives({}, {}, EXACT_OPTION)
+        if self.fit.slopes == EXACT:
+            self.solutions += 1
+            exact = scene_derivatives(self.fit.at(point, values), self.fit.changes(values), QUICK)
         columns = []
         for index, parameter in enumerate(self.fit.parameters):
             column, why = exact_column(parameter, values[parameter.path], point, exact)
@@ -147,13 +149,6 @@ class Objective:
             self.methods[parameter.path] = why or self.methods.get(parameter.path, "")
             columns.append(np.where(solved, column, 0.0))
         return np.column_stack(columns) if columns else np.zeros((len(names), 0))
-
-    def _exact(self, point: Point, values: Mapping[str, float]) -> SceneDerivatives:
-        """Return the exact derivatives of a point's figures by the paths that the parameters set."""
-        scene = self.fit.at(point, values)
-        self.solutions += 1
-        self.exact += 1
-        return scene_derivatives(scene, self.fit.changes(values), QUICK)
 
     def _differences(self, point: Point, places: Array, index: int, here: Figures, sides: int) -> Array:
         """Return the slopes of a point's residuals over one place; zero where there is no second solution."""

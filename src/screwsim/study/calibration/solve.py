@@ -157,7 +157,7 @@ def calibrate(
                 jobs=jobs,
                 failed=lambda start: start.status == "failed",
                 progress=progress,
-                answers=answers,
+                kept=answers.update,
             )
         except KeyboardInterrupt as pressed:
             answers |= _interrupted_starts(places, Path(folder), answers)
@@ -179,9 +179,8 @@ def _interrupted_starts(places: Array, folder: Path, known: Mapping[int, Start])
         note = folder / f"{number}.json"
         if number not in known and note.exists():
             cost, best, solutions, failed = json.loads(note.read_text(encoding="utf-8"))
-            ends = tuple(best)
-            began = tuple(map(float, places[number]))
-            found[number] = Start("interrupted", "interrupted", began, ends, cost, solutions, failed)
+            began = tuple(places[number].tolist())
+            found[number] = Start("interrupted", "interrupted", began, tuple(best), cost, solutions, failed)
     return found
 
 
@@ -191,10 +190,14 @@ def run_start(fit: Fit, places: Array, simulate: Simulate | None, folder: str, n
     asked = Objective(fit, simulate, Path(folder) / f"{number}.json")
     first = asked.outcome(began)
     if np.all(first.unsolved[: sum(len(point.measured) for point in asked.fit.fitted)]):
-        return _failed_start(began, next(iter(first.reasons.values())), asked)
-    if _search(asked, began, confirmed=False):
-        return _start(asked, began, "ok", "")
-    return _start(asked, began, "not converged", f"no minimum within {MOST_STEPS} steps")
+        found = _failed_start(began, next(iter(first.reasons.values())))
+    else:
+        converged = _search(asked, began, confirmed=False)
+        status, message = ("ok", "") if converged else ("not converged", f"no minimum within {MOST_STEPS} steps")
+        assert asked.best is not None
+        cost, best, _ = asked.best
+        found = Start(status, message, tuple(began.tolist()), tuple(best.tolist()), cost)
+    return replace(found, solutions=asked.solutions, failed=asked.failed, jacobians=asked.jacobians)
 
 
 def _search(asked: Objective, began: Array, confirmed: bool) -> bool:
@@ -219,30 +222,20 @@ def _search(asked: Objective, began: Array, confirmed: bool) -> bool:
     return converged
 
 
-def _start(asked: Objective, began: Array, status: str, message: str) -> Start:
-    assert asked.best is not None
-    cost, best, _ = asked.best
-    ends = tuple(float(u) for u in best)
-    counts = asked.solutions, asked.failed, asked.jacobians
-    return Start(status, message, tuple(map(float, began)), ends, cost, *counts)
-
-
-def _failed_start(began: Array, reason: str, asked: Objective | None = None) -> Start:
-    counts = () if asked is None else (asked.solutions, asked.failed, asked.jacobians)
-    where = tuple(map(float, began))
-    return Start("failed", reason, where, where, float("inf"), *counts)
+def _failed_start(began: Array, reason: str) -> Start:
+    where = tuple(began.tolist())
+    return Start("failed", reason, where, where, float("inf"))
 
 
 def _calibration_of_starts(
     fit: Fit, starts: Sequence[Start], simulate: Simulate | None, interrupted: bool = False
 ) -> Calibration:
     """Return the answer from the results of the starts."""
-    counts: dict[str, Any] = {name: sum(getattr(start, name) for start in starts) for name in ("solutions", "failed")}
     best = best_start(starts, sum(len(point.measured) for point in fit.fitted))
     if not np.isfinite(best.cost):
         reason = f"no start has a solution: {best.message} (change starts or bounds)"
         nothing = (None, None, 0, 0.0, (), (), {})
-        return Calibration(fit, "failed", reason, tuple(starts), {}, *nothing, **counts)
+        return Calibration(fit, "failed", reason, tuple(starts), {}, *nothing, **_counts(starts))
     asked = Objective(fit, simulate)
     places, known = np.array(best.places), None
     if not interrupted:
@@ -264,12 +257,13 @@ def _calibration_of_starts(
     )
     status = "interrupted" if interrupted else "failed" if outcome.reasons else "ok"
     message = _message(outcome, best, interrupted, len(starts))
-    counts = {"solutions": counts["solutions"] + asked.solutions, "failed": counts["failed"] + asked.failed}
-    counts["jacobians"] = sum(start.jacobians for start in starts) + asked.jacobians
     rest = (known, outcome.chi_squared, freedom, margin, as_good, compared, reasons)
-    return Calibration(
-        fit, status, message, tuple(starts), values, *rest, **counts, methods=asked.methods, warnings=warned
-    )
+    more = {**_counts((*starts, asked)), "methods": asked.methods, "warnings": warned}
+    return Calibration(fit, status, message, tuple(starts), values, *rest, **more)
+
+
+def _counts(spent: Sequence[Start | Objective]) -> dict[str, Any]:
+    return {name: sum(getattr(one, name) for one in spent) for name in ("solutions", "failed", "jacobians")}
 
 
 def best_start(starts: Sequence[Start], count: int) -> Start:

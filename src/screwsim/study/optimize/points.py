@@ -61,15 +61,13 @@ class SeasonalStandard(NamedTuple):
     energy: bool
 
 
-_IPLV, _ESEER = (0.01, 0.42, 0.45, 0.12), (0.03, 0.33, 0.41, 0.23)
+_WEIGHTS = {"IPLV": (0.01, 0.42, 0.45, 0.12), "ESEER": (0.03, 0.33, 0.41, 0.23)}
 _QUARTERS = (1.0, 0.75, 0.5, 0.25)
-_OUTDOOR = {"SEER": (35.0, 30.0, 25.0, 20.0), "SEPR": (35.0, 25.0, 15.0, 5.0)}  # [°C] of the points A … D
-_LOADS = {"SEER": (1.0, 0.74, 0.47, 0.21), "SEPR": (1.0, 0.93, 0.87, 0.8)}
-_TABLE = {  # temperatures of air, and of water where it cools the condenser
+_TABLE = {  # of the points A … D: loads, temperatures [°C] of air, and of water where it cools the condenser
     "IPLV": ("AHRI 551/591", _QUARTERS, (35.0, 27.0, 19.0, 13.0), (30.0, 24.5, 19.0, 19.0)),
     "ESEER": ("Eurovent LCP-HP", _QUARTERS, (35.0, 30.0, 25.0, 20.0), (30.0, 26.0, 22.0, 18.0)),
-    "SEER": ("EN 14825, fixed outlet", _LOADS["SEER"], _OUTDOOR["SEER"], (30.0, 26.0, 22.0, 18.0)),
-    "SEPR": ("EN 14825, high temperature", _LOADS["SEPR"], _OUTDOOR["SEPR"], (30.0, 23.0, 16.0, 9.0)),
+    "SEER": ("EN 14825, fixed outlet", (1.0, 0.74, 0.47, 0.21), (35.0, 30.0, 25.0, 20.0), (30.0, 26.0, 22.0, 18.0)),
+    "SEPR": ("EN 14825, high temperature", (1.0, 0.93, 0.87, 0.8), (35.0, 25.0, 15.0, 5.0), (30.0, 23.0, 16.0, 9.0)),
 }
 
 
@@ -79,7 +77,7 @@ def energy_shares(name: str) -> tuple[float, ...]:
     Hours times load at each outdoor temperature, divided linearly between the two neighbouring points; beyond the outer
     points these take all.
     """
-    at = _OUTDOOR[name][::-1]  # ascending
+    at = _TABLE[name][2][::-1]  # ascending
     shares = [0.0] * len(at)
     for T, hours in BIN_HOURS[name].items():
         upper = next((i for i, each in enumerate(at) if each >= T), len(at) - 1)
@@ -107,7 +105,7 @@ def standards() -> dict[str, SeasonalStandard]:
     found = {}
     for name, (source, loads, air, water) in _TABLE.items():
         energy = name in BIN_HOURS
-        weights = energy_shares(name) if energy else {"IPLV": _IPLV, "ESEER": _ESEER}[name]
+        weights = energy_shares(name) if energy else _WEIGHTS[name]
         for suffix, entering in (("", air), ("-water", water)):
             ratings = tuple(map(RatingPoint, loads, entering, weights))
             found[name + suffix] = SeasonalStandard(name + suffix, source, ratings, energy)

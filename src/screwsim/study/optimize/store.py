@@ -59,7 +59,11 @@ def held_parts(output: Path, asked: Question, restart: bool) -> Iterator[Parts]:
     own = {"scene_sha256": digest(_scene(asked).text), "identity": identity(asked)}
     parts = Parts(output, own, "optimisation")
     if has_content(output):
-        _refuse_existing(output, restart)
+        history = str(read_attributes(output).get("history", ""))  # raises for a file that is not a results file
+        if not history.endswith(f" {COMMAND_NAME}"):
+            raise UsageError(f"{output}: does not hold results of an optimisation (choose another -o, or remove it)")
+        if not restart:
+            raise UsageError(f"{output}: already exists (choose another -o, or --restart to replace it)")
     if not restart:
         _refuse_others(parts, own)
     parts.open(restart)
@@ -67,15 +71,6 @@ def held_parts(output: Path, asked: Question, restart: bool) -> Iterator[Parts]:
         yield parts
     finally:
         parts.close()
-
-
-def _refuse_existing(output: Path, restart: bool) -> None:
-    attributes = read_attributes(output)  # raises for a file that is not a results file
-    if not str(attributes.get("history", "")).endswith(f" {COMMAND_NAME}"):
-        raise UsageError(f"{output}: does not hold results of an optimisation (choose another -o, or remove it)")
-    if restart:
-        return
-    raise UsageError(f"{output}: already exists (choose another -o, or --restart to replace it)")
 
 
 def _refuse_others(parts: Parts, own: dict[str, Any]) -> None:

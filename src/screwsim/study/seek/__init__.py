@@ -161,14 +161,13 @@ def _answer_at_point(rest: Varied, asked: Question, simulate: Simulate | None, n
 def _with_catalogue_size(trials: Trials, found: GoalSeekAnswer, met: Trial | None, asked: Question) -> GoalSeekAnswer:
     """Return an answer with the next size of the catalogue."""
     size, path = next_size(trials, met, asked.sizes), asked.spans[0].path
-    counts: dict[str, Any] = {"solutions": trials.solutions, "failed": len(trials.reasons)}
     if size is None:
         largest = shown_value(trials.scene, path, asked.sizes[-1])
         why = "; ".join(filter(None, (f"no size in the catalogue, up to {largest}, meets the goal", found.message)))
-        return replace(found, status="none", message=why, scene=None, **counts)
+        return replace(found, status="none", message=why, scene=None, **trials.counts)
     scene = _with_text(with_values(trials.scene, {path: size.value}))
     message = "" if found.status == "none" else found.message
-    return replace(found, status="ok", message=message, size=size, scene=scene, result=size.result, **counts)
+    return replace(found, status="ok", message=message, size=size, scene=scene, result=size.result, **trials.counts)
 
 
 def _with_text(scene: Kind) -> Kind:

@@ -74,10 +74,11 @@ class GoalSeekAnswer(Brief):
 def answer_of_trials(trials: Trials, met: Trial | None, at: Mapping[str, Any]) -> GoalSeekAnswer:
     """Return the answer of a search."""
     head: dict[str, Any] = {"spans": trials.spans, "goals": trials.goals, "at": at}
-    told = f"{len(trials.reasons)} of {trials.solutions} solutions: {trials.reasons[0]}" if trials.reasons else ""
+    count = trials.counts["solutions"]
+    told = f"{len(trials.reasons)} of {count} solutions: {trials.reasons[0]}" if trials.reasons else ""
     best = met or trials.nearest
     if best is None:
-        return GoalSeekAnswer("failed", **head, message=told, **_counts(trials))
+        return GoalSeekAnswer("failed", **head, message=told, **trials.counts)
     names = [goal.figure for goal in trials.goals]
     head |= {
         "values": trials.values(best.places),
@@ -88,13 +89,8 @@ def answer_of_trials(trials: Trials, met: Trial | None, at: Mapping[str, Any]) -
     }
     if met is None:
         why = why_missed(trials, best)
-        return GoalSeekAnswer("none", **head, message=f"{why}; {told}" if told else why, **_counts(trials))
-    head |= {"uncertainties": uncertainties(trials, met), "scene": trials.scene_at(met.places)}
-    return GoalSeekAnswer("ok", **head, message=told, **_counts(trials))
-
-
-def _counts(trials: Trials) -> dict[str, Any]:
-    return {"solutions": trials.solutions, "failed": len(trials.reasons)}
+        return GoalSeekAnswer("none", **head, message=f"{why}; {told}" if told else why, **trials.counts)
+    return GoalSeekAnswer("ok", **head, uncertainties=uncertainties(trials, met), message=told, **trials.counts)
 
 
 def _active_bounds(trials: Trials, trial: Trial) -> dict[str, str]:
@@ -163,18 +159,15 @@ def _flat_in_words(trials: Trials) -> str:
     """Return the message that the one figure does not change; empty where it does."""
     if len(trials.spans) > 1 or not _is_flat(trials):
         return ""
-    name, value = trials.goals[0].figure, min(_off(trials)) + trials.goals[0].value
-    return f"it is {figure_text(name, value)} throughout (vary something it depends on)"
+    (goal,) = trials.goals
+    value = min(trial.off[0] for trial in trials.closed) + goal.value
+    return f"it is {figure_text(goal.figure, value)} throughout (vary something it depends on)"
 
 
 def _is_flat(trials: Trials) -> bool:
     """Tell whether the one figure differs between no two solutions by more than their errors."""
-    off = _off(trials)
+    off = [trial.off[0] for trial in trials.closed]
     return len(off) > 1 and max(off) - min(off) <= CLEAR_ERRORS * max(trial.errors[0] for trial in trials.closed)
-
-
-def _off(trials: Trials) -> list[float]:
-    return [trial.off[0] for trial in trials.closed]
 
 
 def read_catalogue(scene: Varied, path: str, text: str) -> tuple[float, ...]:

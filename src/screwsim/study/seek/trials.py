@@ -1,6 +1,7 @@
 """Solutions of one search for goals: figures minus their goals over places 0 … 1, and what went wrong."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 from screwsim.figures import declared
 from screwsim.outputs import Result
@@ -57,9 +58,9 @@ class Trials:
         return {span.path: span.value(place) for span, place in zip(self.spans, places, strict=True)}
 
     @property
-    def solutions(self) -> int:
-        """Number of all solutions."""
-        return len(self.known) + self.beyond
+    def counts(self) -> dict[str, Any]:
+        """Number of all solutions, and of those that failed."""
+        return {"solutions": len(self.known) + self.beyond, "failed": len(self.reasons)}
 
     def refusal_beyond(self, trial: Trial, span: Span, border: str) -> str:
         """Return why there is no solution beyond the border of a range at which a trial lies; '' where there is one."""

@@ -133,7 +133,7 @@ def run_sources(
             jobs=jobs,
             failed=lambda outcome: outcome.comparison is None,
             progress=progress,
-            answers=finished,
+            kept=finished.update,
         )
     except KeyboardInterrupt as pressed:
         if not finished:

@@ -1,0 +1,260 @@
+"""M480–M484: what each bearing carries, and how long it lives by ISO 281."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from each_row import each_row
+
+from screwsim import load, simulate
+from screwsim.effects.parts.bearing_life import TYPES, equivalent_load, life_of_set, mean_load, rating_life
+from screwsim.export.rotor_loads import loads_of, pressures_of
+from screwsim.figures.engineering import figure_text
+from screwsim.inputs.faults import SceneError
+from screwsim.machine.profile_law import laid_curves
+from screwsim.machine.rotors.loads import bearing_forces
+from screwsim.study.goals import read_figure
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+NAMES = ("male", "female")
+MU, BORE, SHAFT = 0.0018, 0.06, 0.05
+AT = {"suction": 0.04, "discharge": 0.06}  # [m]
+PLAIN = {"load": "rotors", "friction_coefficient": MU, "bore": f"{BORE} m", "shaft_diameter": f"{SHAFT} m"}
+RADIAL = {end: {"distance": f"{at} m", "rating": "150 kN"} for end, at in AT.items()}
+MALE = RADIAL | {"axial": {"rating": "90 kN"}}
+TAPERED = {"type": "tapered_roller", "axial_factor": 1.6}
+FEMALE = {"thrust": "discharge", "suction": RADIAL["suction"], "discharge": RADIAL["discharge"] | TAPERED}
+BOTH = PLAIN | {"male": MALE, "female": FEMALE, "life_of_set": "weibull"}
+
+
+def with_bearings(bearings, **changes):
+    return load(CONFIGS / "rotors" / "b.yaml").with_({"effects.bearings": bearings} | changes)
+
+
+@pytest.fixture(scope="module")
+def found():
+    return simulate(with_bearings(BOTH))
+
+
+# ---- statics (M480) ----
+
+
+def test_a_load_in_the_middle_of_a_symmetric_rotor_is_halved():
+    own = {"total_x": np.array([3e3]), "total_y": np.array([-4e3])}
+    own |= {f"total_moment_{way}": 0.1 * own[f"total_{way}"] for way in "xy"}  # at 0.1 m of 0.2 m
+    carried = bearing_forces(own, 0.2, (0.05, 0.05))
+    for end in AT:
+        assert carried[f"{end}_bearing"] == pytest.approx(2.5e3, rel=1e-15)
+
+
+def test_an_axial_force_off_the_axis_makes_a_couple_of_the_bearings():
+    """1 kN towards suction at y = 40 mm turns the shaft, whose bearings 0.25 m apart hold it with 160 N each."""
+    own = {"total_x": 0.0, "total_y": 0.0, "total_moment_x": 0.0, "total_moment_y": 0.04 * 1e3}
+    carried = bearing_forces(own, 0.2, (0.02, 0.03))
+    assert carried["discharge_bearing_y"] == pytest.approx(160.0, rel=1e-15)
+    assert carried["suction_bearing_y"] == pytest.approx(-160.0, rel=1e-15)
+
+
+def test_bearings_carry_what_is_exported_for_them(found):
+    scene = with_bearings(BOTH)
+    spans = AT["suction"], AT["discharge"]
+    columns = loads_of(pressures_of(laid_curves(scene.machine), found), spans, (SHAFT, SHAFT)).columns
+    for rotor in NAMES:
+        size = found.performance[f"{rotor}_radial_load"]
+        for end in AT:
+            by_angle = columns[f"{rotor}_{end}_bearing_total"]  # at 48 angles, from traces a degree apart
+            assert abs(found.performance[f"{rotor}_{end}_bearing_load"] - by_angle.mean()) < 0.005 * size
+            assert abs(found.performance[f"{rotor}_{end}_bearing_load_peak"] - by_angle.max()) < 0.01 * size
+
+
+def test_the_course_over_the_angle_has_the_figures_mean_and_peak(found):
+    for rotor in NAMES:
+        for name in ("suction_bearing_load", "discharge_bearing_load", "axial_load"):
+            course = found.cycle[f"{rotor}_{name}"][:-1]  # of whole pitches, read at degrees
+            figure = found.performance[f"{rotor}_{name}"]
+            assert course.mean() == pytest.approx(figure, rel=2e-3)
+            assert np.abs(course).max() == pytest.approx(found.performance[f"{rotor}_{name}_peak"], rel=2e-3)
+
+
+# ---- friction (M481), piston, and what stays ----
+
+
+def test_friction_is_that_of_each_bearing_s_own_load(found):
+    """The male rotor has three; the female's discharge bearing carries both loads, added as vectors."""
+    scene, p = with_bearings(BOTH), found.performance
+    speeds = scene.operation.speed * np.array([1.0, scene.machine.male_lobes / scene.machine.female_lobes])
+    male = p.male_suction_bearing_load + p.male_discharge_bearing_load + p.male_axial_load
+    both = [found.cycle[f"female_{name}"][:-1] for name in ("discharge_bearing_load", "axial_load")]
+    female = p.female_suction_bearing_load + np.hypot(*both).mean()
+    power = 0.5 * MU * BORE * float(speeds @ [male, female])
+    assert p.bearing_power == pytest.approx(power, rel=1e-3)  # courses are read at degrees
+
+
+def test_naming_bearings_leaves_the_cycle_and_the_rotors_loads_as_they_are(found):
+    plain = simulate(with_bearings(PLAIN)).performance
+    for name in ("indicated_power", "gas_mass_flow", "discharge_temperature", *(f"{of}_radial_load" for of in NAMES)):
+        assert found.performance[name] == plain[name]
+    assert found.performance.bearing_power > plain.bearing_power  # sums of lengths, in place of one vector's
+    assert not [name for name in plain if "bearing_l" in name or "life" in name or name.endswith("load_peak")]
+
+
+@pytest.mark.parametrize("stated", [None, "5 bar"])
+def test_a_balance_piston_takes_its_area_times_its_pressure_off_the_thrust(found, stated):
+    piston = {"area": "10 cm^2"} | ({} if stated is None else {"pressure": stated})
+    less = simulate(with_bearings(BOTH | {"male": MALE | {"balance_piston": piston}})).performance
+    pressure = 5e5 if stated else less.discharge_pressure
+    off = 1e-3 * (pressure - less.suction_pressure)
+    assert found.performance.male_axial_load - less.male_axial_load == pytest.approx(off, rel=1e-9)
+    assert less.male_suction_bearing_load == found.performance.male_suction_bearing_load
+    assert less.male_axial_bearing_life > found.performance.male_axial_bearing_life
+    assert less.female_axial_load == found.performance.female_axial_load
+
+
+# ---- life (M482–M484) ----
+
+
+def test_a_life_in_hours_by_hand():
+    """(C/P)^3 = 1000 million turns at 1000 rpm are 16 667 h."""
+    hours = rating_life(10e3, 1e3, 3.0, 1000.0 * math.pi / 30.0, 1.0) / 3600.0
+    assert hours == pytest.approx(1e9 / 60e3, rel=1e-14)
+
+
+@pytest.mark.parametrize(("name", "exponent"), [("angular_contact_ball", 3.0), ("cylindrical_roller", 10.0 / 3.0)])
+def test_twice_the_load_is_the_power_p_of_a_half_of_the_life(name, exponent):
+    p = TYPES[name].exponent
+    lives = [rating_life(100e3, load, p, 300.0, 1.0) for load in (5e3, 10e3)]
+    assert lives[1] / lives[0] == pytest.approx(0.5**exponent, rel=1e-14)
+    assert rating_life(100e3, 5e3, p, 600.0, 0.5) == pytest.approx(0.25 * lives[0], rel=1e-14)
+
+
+def test_a_load_of_half_the_turn_damages_half_as_much():
+    assert mean_load(np.array([6e3, 0.0]), 3.0) == pytest.approx(6e3 * 0.5 ** (1.0 / 3.0), rel=1e-14)
+    assert mean_load(np.full(7, 6e3), 10.0 / 3.0) == pytest.approx(6e3, rel=1e-14)
+    assert mean_load(np.zeros(3), 3.0) == 0.0
+
+
+def test_the_equivalent_load_changes_branches_without_a_step_at_the_e_of_its_source():
+    """ISO 281, single row: e = 1.14 of an angular contact bearing of 40°, 1.5 tan α of tapered rollers."""
+    ball, tan = TYPES["angular_contact_ball"], math.tan(math.radians(14.0))
+    X, Y = ball.radial_factor, ball.axial_factor
+    assert (1.0 - X) / Y == pytest.approx(1.14, abs=0.005)  # printed to two digits
+    assert (1.0 - TYPES["tapered_roller"].radial_factor) / (0.4 / tan) == pytest.approx(1.5 * tan, rel=1e-14)
+    radial = np.array([1e3, 1e3, 0.0])
+    found = equivalent_load(radial, np.array([1.1e3, -2e3, 1e3]), X, Y)
+    assert found.tolist() == pytest.approx([1e3, 350.0 + 1140.0, 570.0], rel=1e-14)
+
+
+def test_a_set_of_equal_bearings_lives_by_their_slope():
+    for count, slope in ((1, 9.0 / 8.0), (4, 10.0 / 9.0), (6, 9.0 / 8.0)):
+        assert life_of_set([(7e7, slope)] * count) == pytest.approx(7e7 * count ** (-1.0 / slope), rel=1e-11)
+
+
+def test_nine_of_ten_sets_of_different_bearings_are_whole_at_their_life():
+    """The chance of all is the product of the chances 0.9^((L/L_i)^e_i) of each."""
+    lives = [(4e7, 10.0 / 9.0), (9e7, 9.0 / 8.0), (3e8, 9.0 / 8.0), (1e12, 10.0 / 9.0)]
+    L = life_of_set(lives)
+    whole = math.prod(0.9 ** ((L / life) ** slope) for life, slope in lives)
+    assert whole == pytest.approx(0.9, rel=1e-11)
+    assert L < 4e7
+
+
+def test_lives_of_a_machine_follow_from_its_loads(found):
+    scene, p = with_bearings(BOTH), found.performance
+    omega = scene.operation.speed
+    turning = {"male": omega, "female": omega * scene.machine.male_lobes / scene.machine.female_lobes}
+    every = {(rotor, end): (150e3, 10.0 / 3.0, 9.0 / 8.0) for rotor in NAMES for end in AT}
+    every["male", "axial"] = 90e3, 3.0, 10.0 / 9.0
+    lives = []
+    for (rotor, place), (rating, exponent, slope) in every.items():
+        P, life = (p[f"{rotor}_{place}_bearing_{what}"] for what in ("equivalent_load", "life"))
+        assert life == pytest.approx(1e6 * 2.0 * math.pi / turning[rotor] * (rating / P) ** exponent, rel=1e-12)
+        lives.append((life, slope))
+    assert p.bearing_set_life == pytest.approx(life_of_set(lives), rel=1e-12)
+    axial = found.cycle["male_axial_load"][:-1]
+    assert p.male_axial_bearing_equivalent_load == pytest.approx(0.57 * np.mean(axial**3) ** (1.0 / 3.0), rel=2e-3)
+    radial, thrust = (found.cycle[f"female_{name}"][:-1] for name in ("discharge_bearing_load", "axial_load"))
+    combined = np.maximum(radial, 0.4 * radial + 1.6 * thrust)
+    assert combined.max() > radial.max()  # the thrust counts here
+    mean = np.mean(combined ** (10.0 / 3.0)) ** 0.3
+    assert p.female_discharge_bearing_equivalent_load == pytest.approx(mean, rel=2e-3)
+
+
+def test_a_life_factor_multiplies_the_life(found):
+    longer = MALE | {"axial": {"rating": "90 kN", "life_factor": 2.5}}
+    p = simulate(with_bearings(BOTH | {"male": longer})).performance
+    assert p.male_axial_bearing_life == pytest.approx(2.5 * found.performance.male_axial_bearing_life, rel=1e-12)
+    assert p.bearing_set_life > found.performance.bearing_set_life
+
+
+def test_people_read_and_ask_for_lives_in_hours():
+    assert figure_text("bearing_set_life", 4e4 * 3600.0) == "40000 h"
+    assert read_figure("bearing_set_life", "40000 h", "--for") == 4e4 * 3600.0
+
+
+def test_only_what_is_named_has_figures():
+    """A bearing without a rating has loads and no life; a rotor that is not named has neither."""
+    bare = {end: {"distance": "40 mm"} for end in AT}
+    p = simulate(with_bearings(PLAIN | {"male": bare})).performance
+    assert "male_suction_bearing_equivalent_load" in p and "male_axial_load_peak" in p
+    assert not [name for name in p if "life" in name or "male_axial_bearing" in name]
+    assert not [name for name in p if name.startswith("female") and "bearing" in name]
+
+
+# ---- warnings and faults ----
+
+
+@each_row(
+    ("changes", "words"),
+    [
+        ({"axial": {"rating": "2 kN"}}, ("above half of its rating", "a larger effects.bearings.male.axial.rating")),
+        ({"balance_piston": {"area": "300 cm^2"}}, ("kN more than its thrust", "reduce effects.bearings.male.balance")),
+    ],
+)
+def test_an_unlikely_bearing_is_told(changes, words):
+    (told,) = simulate(with_bearings(PLAIN | {"male": MALE | changes})).warnings
+    assert all(each in told for each in words)
+
+
+@each_row(
+    ("male", "words"),
+    [
+        ({"suction": {"rating": "9 kN"}}, "male.suction.distance: is missing (write distance: … mm"),
+        ({"suction": {"distance": "-5 mm"}}, "male.suction.distance: '-5 mm' is out of range (it must be at least 0"),
+        ({"suction": {"distance": "9 m"}}, "male.suction.distance: 9000 mm is 56.2 rotor diameters, which is imposs"),
+        ({"axial": {"rating": "-1 kN"}}, "male.axial.rating: '-1 kN' is out of range (it must be greater than 0 kN)"),
+        ({"axial": {"type": "cylindrical_roller"}}, "male.axial.type: cylindrical_roller carries no thrust (choose"),
+        ({"axial": {"type": "tapered_roller"}}, "male.axial.axial_factor: is missing (write Y of the tapered_roller"),
+        ({"axial": {"life_factor": 2}}, "male.axial.life_factor: applies only beside a rating"),
+        ({"thrust": "discharge"}, "male.axial: carries nothing, since thrust: discharge is chosen (remove one"),
+        (
+            {"suction": {"distance": "4 cm", "axial_factor": 1}},
+            "male.suction.axial_factor: applies only to thrust: suction (remove it, or write that)",
+        ),
+    ],
+)
+def test_a_fault_is_found_with_its_remedy(male, words):
+    with pytest.raises(SceneError) as caught:
+        with_bearings(PLAIN | {"male": MALE | male})
+    assert f"effects.bearings.{words}" in str(caught.value)
+
+
+@each_row(
+    ("changes", "words"),
+    [
+        (
+            {"female": None},
+            "effects.bearings.female: is missing (life_of_set needs both rotors; write its bearings)",
+        ),
+        ({"male": RADIAL}, "male.axial: is missing (write its rating; life_of_set needs the bearing of the thrust)"),
+        (
+            {"male": MALE | {"axial": {}}},
+            "male.axial.rating: is missing (write rating: … kN; life_of_set needs",
+        ),
+        ({"load": "stated"}, "effects.bearings.male: applies only to rotors, and stated is chosen (remove it)"),
+    ],
+)
+def test_a_set_needs_all_its_bearings_and_the_loads_of_rotors(changes, words):
+    with pytest.raises(SceneError) as caught:
+        with_bearings(BOTH | changes)
+    assert words in str(caught.value)
