@@ -64,7 +64,7 @@ def test_a_name_of_another_kind_of_file_is_refused(files, command, arguments, to
 
 TWO = (
     "describes two stages, which only `screwsim run`, `sweep`, `datasheet`, `optimum`, `optimize`, `find`, "
-    "`explain` and `export` accept "
+    "`sensitivity`, `explain` and `export` accept "
     "(run one of these on x.stages.yaml, or name the "
 )
 

@@ -356,7 +356,8 @@ NEWCOMERS = [
         "title: example",
         "stages: [a.yaml, b.yaml]",
         "x.yaml:1:1: describes two stages, which only `screwsim run`, `sweep`, `datasheet`, `optimum`, `optimize`, "
-        "`find`, `explain` and `export` accept (run one of these on x.yaml, or name the scene of one stage here)",
+        "`find`, `sensitivity`, `explain` and `export` accept (run one of these on x.yaml, or name the scene of one "
+        "stage here)",
     ),
 ]
 

@@ -17,6 +17,7 @@ from screwsim.screen import say
 
 if TYPE_CHECKING:
     from screwsim.scene import Scene
+    from screwsim.study.varied import Varied
 
 
 def optimum(
@@ -113,9 +114,12 @@ def sensitivity(
     as_json: bool = AS_JSON,
 ) -> int:
     """Rank the inputs that a figure depends on: Sobol indices over ranges, or derivatives at the point (--local)."""
-    scene = options.loaded_point(scene_file, overrides, without)
-    if check_sobol is not None:
+    from screwsim.scene import Scene
+
+    scene = options.base_point(options.loaded_scene_or_stages(scene_file, "study", overrides, without), scene_file)
+    if check_sobol is not None and isinstance(scene, Scene):
         return _print_checked_uncertainty(scene, check_sobol, jobs, as_json)
+    options.refuse_for_stages(scene_file, "study", {"--check-sobol": check_sobol is not None})
     if local:
         if paths:
             raise UsageError(f"--path {paths[0]}: --local takes no ranges (name the path alone, without --path)")
@@ -161,14 +165,19 @@ def _print_checked_uncertainty(scene: Scene, count: int, jobs: int | None, as_js
 
 
 def _local_sensitivity(
-    scene: Scene, places: Sequence[str], figures: Sequence[str], output: File, jobs: int | None, as_json: bool
+    scene: Varied, places: Sequence[str], figures: Sequence[str], output: File, jobs: int | None, as_json: bool
 ) -> int:
     """Print and write the derivatives of a scene's figures by its numbers."""
     from screwsim.printing.sensitivity import local_document, print_local, write_local
+    from screwsim.scene import Scene
     from screwsim.study.figures import figure_of
     from screwsim.study.local import sensitivities
 
     if output is not None and output.suffix.lower() == ".h5":
+        if not isinstance(scene, Scene):
+            raise UsageError(
+                f"-o {output}: derivatives of two stages are a table (write -o {output.with_suffix('.csv')})"
+            )
         options.check_place(output)
     else:
         options.check_columns(output, "local sensitivities", "figure", "path", "number", "derivative")

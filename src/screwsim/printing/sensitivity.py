@@ -11,12 +11,13 @@ from screwsim.outputs.derivatives import DIFFERENCES, PACKAGE_FIGURES
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.write import save
-from screwsim.scene import Scene, leaf_of
+from screwsim.scene import Scene
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.inputs import shown_value, unit_of_change, usual_efficiency
 from screwsim.study.local import Sensitivities
 from screwsim.study.sensitivity import CONFIDENCE, LARGEST_NOISE_SHARE, FigureIndices, Sensitivity
+from screwsim.study.varied import Varied, leaf_of
 
 USUAL_FIGURES = ("gas_mass_flow", "shaft_power")  # beside the efficiency, of a machine that is no air package
 MOST_NUMBERS = 15  # most numbers in the table, in order of importance
@@ -24,7 +25,7 @@ LEAST_SENSITIVITY = 5e-5  # per cent per per cent, below which a figure is indep
 ROUND_CHANGES = (1.0, 2.0, 5.0)  # of a power of ten: changes of a number in sentences
 
 
-def sensitivity_document(scene: Scene, found: Sensitivity) -> dict[str, Any]:
+def sensitivity_document(scene: Varied, found: Sensitivity) -> dict[str, Any]:
     """Return what `sensitivity --json` prints."""
     return {
         "title": scene.title,
@@ -43,7 +44,7 @@ def sensitivity_document(scene: Scene, found: Sensitivity) -> dict[str, Any]:
     }
 
 
-def print_sensitivity(scene: Scene, found: Sensitivity) -> None:
+def print_sensitivity(scene: Varied, found: Sensitivity) -> None:
     """Print one table per figure, with inputs of the largest total index first."""
     print_scene_title(scene.title)
     samples = f"{found.samples} samples of {len(found.ranges)} input{'s' * (len(found.ranges) > 1)}, seed {found.seed}"
@@ -100,7 +101,7 @@ def write_sensitivity(path: Path, found: Sensitivity) -> None:
     write_columns(path, "Sobol indices", columns)
 
 
-def local_document(scene: Scene, found: Sensitivities) -> dict[str, Any]:
+def local_document(scene: Varied, found: Sensitivities) -> dict[str, Any]:
     """Return what `sensitivity --local --json` prints."""
     return {
         "title": scene.title,
@@ -115,7 +116,7 @@ def local_document(scene: Scene, found: Sensitivities) -> dict[str, Any]:
     }
 
 
-def print_local(scene: Scene, found: Sensitivities, chosen: Sequence[str] = ()) -> None:
+def print_local(scene: Varied, found: Sensitivities, chosen: Sequence[str] = ()) -> None:
     """Print a table of numbers by figures [%/%], the most important first, and the first of them in words."""
     print_scene_title(scene.title)
     if found.result.status != "ok":
@@ -163,7 +164,7 @@ def _print_methods(found: Sensitivities) -> None:
         say(wrapped(f"left out: {told}"))
 
 
-def effect_sentence(scene: Scene, found: Sensitivities, figure: str, path: str) -> str:
+def effect_sentence(scene: Varied, found: Sensitivities, figure: str, path: str) -> str:
     """Return in words the effect of a round change of a number on a figure: '1 um … = -0.14 points of …'."""
     change, shown = _round_change(scene, path, found.values[path])
     slope, value = found.derivatives[figure][path], found.result.performance[figure]
@@ -174,7 +175,7 @@ def effect_sentence(scene: Scene, found: Sensitivities, figure: str, path: str) 
     return f"{shown} of {path} = {factor * slope * change:+.2g} {unit} of {shown_name(figure)}".replace("  ", " ")
 
 
-def _round_change(scene: Scene, path: str, value: float) -> tuple[float, str]:
+def _round_change(scene: Varied, path: str, value: float) -> tuple[float, str]:
     """Return a round change [SI] of about a twentieth of a number, and its text."""
     kind = leaf_of(scene, path).dimension
     per, unit = unit_of_change(scene, path, value)
@@ -190,9 +191,9 @@ def _percent(value: float | None) -> str:
     return "" if value is None else "0" if abs(value) < LEAST_SENSITIVITY else f"{value:+.3g}"
 
 
-def write_local(path: Path, scene: Scene, found: Sensitivities) -> None:
-    """Write one row per figure and number as CSV; as HDF5 the results of the point, with a group of derivatives."""
-    if path.suffix.lower() != ".csv":
+def write_local(path: Path, scene: Varied, found: Sensitivities) -> None:
+    """Write one row per figure and number as CSV; of a scene as HDF5 the results, with a group of derivatives."""
+    if path.suffix.lower() != ".csv" and isinstance(scene, Scene):
         save(path, scene, found.result, "sensitivity --local", found)
         return
     rows = [(figure, number, slope) for figure, slopes in found.derivatives.items() for number, slope in slopes.items()]

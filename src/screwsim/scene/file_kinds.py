@@ -9,7 +9,8 @@ _FIT = ("parameters", "data", "scene")
 def other_file(keys: Collection[str], name: str, wanted: str = "scene") -> str | None:
     """Return what a file is that is not the `wanted` kind (scene, fit), and which command reads it; else None."""
     if STAGES in keys:
-        commands = "`screwsim run`, `sweep`, `datasheet`, `optimum`, `optimize`, `find`, `explain` and `export`"
+        studies = "`datasheet`, `optimum`, `optimize`, `find`, `sensitivity`"
+        commands = f"`screwsim run`, `sweep`, {studies}, `explain` and `export`"
         remedy = f"run one of these on {name}, or name the scene of one stage here"
         return f"describes two stages, which only {commands} accept ({remedy})"
     fit = len([key for key in _FIT if key in keys]) >= 2 and not {"machine", "gas", "operation"} & set(keys)

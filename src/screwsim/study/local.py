@@ -28,6 +28,7 @@ from screwsim.study.figures import figure_of
 from screwsim.study.inputs import DISCRETE_KINDS, check_continuous, shown_value
 from screwsim.study.optimum import results_at
 from screwsim.study.progress import Progress, progress_of
+from screwsim.study.varied import Varied
 
 DIFFERENCE_STEP = 5e-3  # relative step of a number for differences of closed cycles ...
 # ... at most, for an angle: half a percent of a port's opening angle is three degrees ...
@@ -99,7 +100,7 @@ def numeric_paths(scene: Scene) -> tuple[dict[str, float], dict[str, str]]:
 
 @checked_arguments(paths=TEXTS, result=instance(Result, "what simulate returned"), fine=FLAG)
 def sensitivities(
-    scene: SceneLike,
+    scene: SceneLike | Varied,
     paths: Sequence[str] | None = None,
     figures: Sequence[str] | None = None,
     *,
@@ -110,11 +111,21 @@ def sensitivities(
 ) -> Sensitivities:
     """Return the derivatives of figures (default: all) by the numbers at paths (default: all of the scene).
 
-    Pass the scene's `result` if it is known already. With fine=False derivatives are good to 1e-3 instead of 1e-5 and
-    cost less (docs/explanation/derivatives.md). Raises UsageError for a path or a figure that does not exist, and for a
-    result of another scene.
+    Two stages are given by the path of their file: the figures are those of both together. Pass a scene's `result` if
+    it is known already. With fine=False derivatives are good to 1e-3 instead of 1e-5 and cost less
+    (docs/explanation/derivatives.md). Raises UsageError for a path or a figure that does not exist, and for a result of
+    another scene.
     """
-    scene = scene_of(scene)
+    from screwsim.study.stages import scene_or_stages
+
+    given = scene_or_stages(scene)
+    if not isinstance(given, Scene):
+        from screwsim.study.stages.local import chain_sensitivities
+
+        if result is not None:
+            raise UsageError("result: belongs to one machine, and here are two stages (leave it out)")
+        return chain_sensitivities(given, as_list(paths), as_list(figures), fine)
+    scene = given
     if result is not None and (other := _other_scene(scene, result)):
         raise UsageError(f"result: belongs to another scene: {other} (pass that of this scene, or none)")
     numbers, left_out = numeric_paths(scene)

@@ -13,7 +13,7 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.results.warning_kinds import kinds_of
-from screwsim.scene import Scene, with_values
+from screwsim.scene import Scene
 from screwsim.scene.grid import too_many
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_fit, usual_efficiency
@@ -21,6 +21,7 @@ from screwsim.study.optimum import Simulate, absolute_error, simulated_if_valid,
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
 from screwsim.study.spans import Span
+from screwsim.study.varied import Varied, solved, with_values
 from screwsim.study.workers import WORKER_DIED
 
 CONFIDENCE = 0.95
@@ -102,7 +103,7 @@ def cost_in_words(inputs: int, samples: int) -> str:
 
 
 def sensitivity(
-    scene: Scene,
+    scene: Varied,
     ranges: Sequence[Span],
     figures: Sequence[str] = (),
     *,
@@ -125,7 +126,9 @@ def sensitivity(
     points = _sampled_points(problem, samples, seed)
     middle = {each.path: 0.5 * (each.low + each.high) for each in ranges}
     check_fit(scene, middle, "in the middle of the ranges")
-    simulate = simulate or simulator(with_values(scene, middle))
+    if simulate is None:
+        first = with_values(scene, middle)
+        simulate = simulator(first) if isinstance(first, Scene) else solved
     call, dead = partial(_answer, scene, problem["names"], points, figures, simulate), _Answer(WORKER_DIED)
     answers = parallel_map(
         call, len(points), died=lambda number: dead, jobs=jobs, failed=lambda one: bool(one.message), progress=progress
@@ -143,7 +146,7 @@ def sensitivity(
 
 
 def _answer(
-    scene: Scene, paths: list[str], points: np.ndarray, figures: tuple[str, ...], simulate: Simulate, number: int
+    scene: Varied, paths: list[str], points: np.ndarray, figures: tuple[str, ...], simulate: Simulate, number: int
 ) -> _Answer:
     """Return the figures of one point with their absolute errors."""
     at = with_values(scene, dict(zip(paths, map(float, points[number]), strict=True)))

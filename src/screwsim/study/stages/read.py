@@ -166,7 +166,9 @@ def is_stages(path: str | os.PathLike[str]) -> bool:
 
 
 def scene_or_stages(given: Any) -> Scene | StageChain:
-    """Return two stages from the path of their file, else the scene that `scene_of` makes of what is given."""
+    """Return two stages as they are or from the path of their file, else the scene that `scene_of` makes of it."""
+    if isinstance(given, StageChain):
+        return given
     named = isinstance(given, str | os.PathLike) and "\n" not in os.fspath(given)
     return read_stages(given) if named and is_stages(given) else scene_of(given)
 

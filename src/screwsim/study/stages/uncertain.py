@@ -14,7 +14,7 @@ Source: JCGM 100:2008 (GUM), section 5, for the propagation.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -60,14 +60,15 @@ def with_uncertainty(chain: StageChain, found: ChainResult) -> ChainResult:
     if found.status != "ok" or not tolerances.uncertain:
         return found
     try:
-        linear = _linear_chain(chain, found, tolerances)
-        slopes = _Derivatives(linear, tolerances)
+        linear = linear_chain(chain, found, tolerances.uncertain)
+        values = ((name, each, float(chain.value_at(name))) for name, each in tolerances.uncertain.items())
+        slopes = ChainDerivatives(linear, {name: INPUT_STEP * each.standard_at(value) for name, each, value in values})
     except (UsageError, Stop) as error:
         return replace(found, warnings=(*found.warnings, f"no uncertainty from the inputs: {error}"))
     whole = Result("ok", performance=found.performance)
-    told = slopes.uncertainty(whole, slopes.whole)
+    told = slopes.uncertainty(whole, slopes.whole, tolerances)
     stages = tuple(
-        replace(each, uncertainty=slopes.uncertainty(each, own).as_json())
+        replace(each, uncertainty=slopes.uncertainty(each, own, tolerances).as_json())
         for each, own in zip(found.stages, slopes.stages, strict=True)
     )
     lost = (f"the tolerance of {path} is not included in the uncertainties: {why}" for path, why in linear.lost.items())
@@ -75,7 +76,7 @@ def with_uncertainty(chain: StageChain, found: ChainResult) -> ChainResult:
 
 
 @dataclass(frozen=True)
-class _LinearChain:
+class LinearChain:
     """Both stages at the solution, and the derivatives of each one's figures."""
 
     chain: StageChain
@@ -84,7 +85,7 @@ class _LinearChain:
 
     @property
     def lost(self) -> dict[str, str]:
-        """The inputs with a tolerance that have no derivative, and why."""
+        """The inputs that have no derivative, and why."""
         every = zip(STAGE_NAMES, self.slopes, strict=True)
         return {f"{stage}.{path}": why for stage, own in every for path, why in own.left_out.items()}
 
@@ -111,25 +112,26 @@ class _LinearChain:
         return found
 
 
-class _Derivatives:
-    """Derivatives of the figures of both together (`whole`) and of each stage, by the inputs at `values` [SI]."""
+class ChainDerivatives:
+    """Derivatives of the figures of both together (`whole`) and of each stage, by the inputs at `values` [SI].
 
-    def __init__(self, linear: _LinearChain, tolerances: Tolerances) -> None:
-        self._tolerances, self._linear = tolerances, linear
+    They are differences over the `steps` [SI] of the inputs, but for those that are lost.
+    """
+
+    def __init__(self, linear: LinearChain, steps: Mapping[str, float]) -> None:
+        self._linear = linear
         self.values: dict[str, float] = {}
         self.whole: Slopes = {}
         self.stages: tuple[Slopes, Slopes] = ({}, {})
         step = PRESSURE_STEP * linear.pair.p
         above, below = (linear.at("", 0.0, by)[1].excess for by in (step, -step))
         by_pressure = (above - below) / (2.0 * step)
-        for name in (name for name in tolerances.uncertain if name not in linear.lost):
-            self._add(name, by_pressure)
+        for name in (name for name in steps if name not in linear.lost):
+            self._add(name, steps[name], by_pressure)
 
-    def _add(self, name: str, by_pressure: float) -> None:
-        """Add the derivatives by one input; `by_pressure` is that of the residual [1/Pa]."""
-        stage, _, path = name.partition(".")
-        value = self.values[name] = float(value_at(getattr(self._linear.chain, stage), path))
-        step = INPUT_STEP * self._tolerances.uncertain[name].standard_at(value)
+    def _add(self, name: str, step: float, by_pressure: float) -> None:
+        """Add the derivatives by one input over a step [SI]; `by_pressure` is that of the residual [1/Pa]."""
+        value = self.values[name] = float(self._linear.chain.value_at(name))
         above, below = (self._linear.at(name, value + by, 0.0)[1].excess for by in (step, -step))
         dp = -(above - below) / (2.0 * by_pressure)  # over the step
         (up, high), (down, low) = (self._linear.at(name, value + way * step, way * dp) for way in (1.0, -1.0))
@@ -141,40 +143,47 @@ class _Derivatives:
             one = {figure: value for figure, value in high.results[number].performance.items() if figure in there}
             _add_slopes(into, name, (one, low.results[number].performance), 2.0 * step)
 
-    def uncertainty(self, result: Result, slopes: Slopes) -> Uncertainty:
+    def uncertainty(self, result: Result, slopes: Slopes, tolerances: Tolerances) -> Uncertainty:
         """Return the uncertainties of a result's figures with these derivatives."""
-        lost, methods = self._linear.lost, dict(self._methods())
-        spreads = spreads_of(self._tolerances, self.values, slopes)
-        known = Sensitivities(result, values=self.values, derivatives=slopes, method=methods)
-        return Uncertainty(spreads, known, groups_of(self._tolerances), lost)
+        spreads = spreads_of(tolerances, self.values, slopes)
+        known = Sensitivities(result, values=self.values, derivatives=slopes, method=self.methods)
+        return Uncertainty(spreads, known, groups_of(tolerances), self._linear.lost)
 
-    def _methods(self) -> Iterator[tuple[str, str]]:
-        """Yield each input and how derivatives by it were found; by one of a line, those by the state of that line."""
-        for stage, own in zip(STAGE_NAMES, self._linear.slopes, strict=True):
-            of_line = next((own.method[path] for path in LINE_PATHS if path in own.method), "")
-            for name in (name for name in self.values if name.startswith(f"{stage}.")):
-                yield name, own.method.get(name.partition(".")[2], of_line)
+    @property
+    def methods(self) -> dict[str, str]:
+        """How derivatives by each input were found; by one of a line, those by the state of that line."""
+        first, second = self._linear.slopes
+        return {name: _method(second if name.startswith(STAGE_NAMES[1]) else first, name) for name in self.values}
 
 
-def _linear_chain(chain: StageChain, found: ChainResult, tolerances: Tolerances) -> _LinearChain:
-    """Return the linear chain at a solution; raise UsageError where a stage has no derivative by its lines."""
+def linear_chain(chain: StageChain, found: ChainResult, names: Iterable[str], fine: bool = False) -> LinearChain:
+    """Return the chain at a solution with the derivatives of its stages by the inputs named, and by their lines.
+
+    Raise UsageError where a stage has none by its lines. `fine` is as in `sensitivities`.
+    """
+    names = list(names)
     (one, other), (first, second) = found.scenes, found.stages
     solver, p = ChainSolver(chain), float(found.performance.intermediate_pressure)
     vapour, T = solver.between(p, delivery_temperature(first))
     pair = StagePair(p, (one, other), (first, second), vapour, T, found.notes.get("second_separator_temperature", ""))
     slopes = []
     for number, (stage, scene, result) in enumerate(zip(STAGE_NAMES, pair.scenes, pair.results, strict=True)):
-        paths = [name.partition(".")[2] for name in tolerances.uncertain if name.startswith(f"{stage}.")]
+        paths = [name.partition(".")[2] for name in names if name.startswith(f"{stage}.")]
         own = [path for path in paths if _is_own(scene, path)]
         always = (P_D,) if number == 0 else (P_S, T_S)
         line = [path for path in LINE_PATHS if value_at(scene, path) is not None]
         needed = [path for path in line if path in always or len(own) < len(paths)]
-        these = sensitivities(scene, [*own, *needed], result=result, fine=False)
+        these = sensitivities(scene, [*own, *needed], result=result, fine=fine)
         if missing := [path for path in needed if path not in these.values]:
             why = these.left_out.get(missing[0], "it has no derivative")
             raise UsageError(f"the {stage} stage by {missing[0]}: {why}")
         slopes.append(these)
-    return _LinearChain(chain, pair, (slopes[0], slopes[1]))
+    return LinearChain(chain, pair, (slopes[0], slopes[1]))
+
+
+def _method(own: Sensitivities, name: str) -> str:
+    of_line = next((own.method[path] for path in LINE_PATHS if path in own.method), "")
+    return own.method.get(name.partition(".")[2], of_line)
 
 
 def _is_own(scene: Scene, path: str) -> bool:

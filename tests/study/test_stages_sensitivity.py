@@ -1,0 +1,135 @@
+"""Sensitivities of two stages: derivatives are those of whole solutions, indices those of the inputs of both."""
+
+import csv
+import json
+import math
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import screwsim
+from screwsim.cli import exit_code
+from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figures, Result
+from screwsim.scene import with_values
+from screwsim.study.sensitivity import sensitivity
+from screwsim.study.spans import read_ranges
+from screwsim.study.stages import read_stages, run_stages
+from screwsim.study.stages.local import chain_sensitivities
+from screwsim.study.stages.result import figures_of_both
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
+from scenes import scene_dict
+
+RPM = math.pi / 30.0
+FIRST, SECOND = "first.operation.speed", "second.operation.speed"
+COOLED = {"kind": "cooler", "outlet_temperature": "288 K", "pressure_drop": "0.05 bar"}
+STEPS = {  # [SI] half the distance of the solutions whose difference is the derivative
+    "first.operation.suction.pressure": 500.0,
+    "first.effects.tip_leakage.gap": 1e-6,
+    SECOND: 0.5,
+    "second.operation.discharge.pressure": 2000.0,
+    "intercooler.outlet_temperature": 0.5,
+    "intercooler.pressure_drop": 500.0,
+}
+COMPARED = ("intermediate_pressure", "shaft_power", "gas_mass_flow", "discharge_temperature", "isentropic_efficiency")
+
+
+@pytest.fixture
+def plant(tmp_path):
+    def write(**content):
+        (tmp_path / "low.yaml").write_text(json.dumps(scene_dict({})))
+        (tmp_path / "high.yaml").write_text(json.dumps(scene_dict({"operation.speed": "1300 rpm"})))
+        path = tmp_path / "plant.stages.yaml"
+        path.write_text(json.dumps({"title": "plant", "stages": ["low.yaml", "high.yaml"], **content}))
+        return path
+
+    return write
+
+
+def test_derivatives_are_those_of_whole_solutions_beside_the_point(plant):
+    """Tolerance: 0.3 % of the largest derivative of a figure, each per step: quick ones are good to 1e-3, the flows of
+    both solutions match to 1e-7 of steps worth some 1e-3, and the curvature over a step is of its square."""
+    chain, finer = read_stages(plant(intercooler=COOLED)), {"numerics.accuracy": 1e-6}
+    chain = replace(chain, first=with_values(chain.first, finer), second=with_values(chain.second, finer))
+    found = chain_sensitivities(chain, list(STEPS), fine=False)
+    assert not found.left_out and list(found.values) == list(STEPS)
+    changes = {name: {} for name in COMPARED}
+    for name, step in STEPS.items():
+        value = chain.value_at(name)
+        ends = [run_stages(chain.with_values({name: value + way * step})).performance for way in (1.0, -1.0)]
+        for figure in COMPARED:
+            changes[figure][name] = ends[0][figure] - ends[1][figure]
+    for figure, by in changes.items():
+        largest = max(map(abs, by.values()))
+        for name, change in by.items():
+            told = 2.0 * STEPS[name] * found.derivatives[figure][name]
+            assert told == pytest.approx(change, abs=0.003 * largest), (figure, name)
+
+
+def test_all_numbers_of_both_scenes_are_taken_but_for_the_line_that_is_solved_for(plant):
+    found = screwsim.sensitivities(plant(intercooler=COOLED), figures=["shaft_power"], fine=False)
+    assert list(found.derivatives) == ["shaft_power"]
+    assert {FIRST, SECOND, "intercooler.pressure_drop", "first.operation.suction.pressure"} <= set(found.values)
+    assert not {"first.operation.discharge.pressure", "second.operation.suction.pressure"} & set(found.values)
+    assert found.units[SECOND] == "rad/s" and found.method[SECOND] in ("exact", "quick")
+
+
+def test_the_command_prints_them_and_writes_a_table(plant, tmp_path, capsys):
+    path, out = plant(), tmp_path / "slopes.csv"
+    assert exit_code(["sensitivity", str(path), "--local", FIRST, SECOND, "-o", str(out)]) == 0
+    text = capsys.readouterr().out
+    assert "change of a figure, in percent per percent of a number" in text and SECOND in text
+    with out.open(encoding="utf-8-sig", newline="") as stream:
+        rows = {(row["figure"], row["path"]): row["relative"] for row in csv.DictReader(stream)}
+    # a faster second stage draws the pressure between both down
+    assert float(rows["intermediate_pressure", SECOND]) < 0.0 < float(rows["intermediate_pressure", FIRST])
+
+
+def test_indices_share_the_variance_between_inputs_of_both_stages(plant):
+    """A flow that is 3 x + y over equal widths has the shares 0.9 and 0.1."""
+
+    def flow(chain):
+        values = {"gas_mass_flow": 3.0 * chain.first.operation.speed + chain.second.operation.speed}
+        return Result("ok", performance=figures_of_both(values), error=Figures(gas_mass_flow=1e-9))
+
+    chain = read_stages(plant())
+    ranges = read_ranges(chain, [f"{FIRST}=2000 rpm..3000 rpm", f"{SECOND}=1000 rpm..2000 rpm"])
+    found = sensitivity(chain, ranges, ["gas_mass_flow"], samples=512, jobs=1, simulate=flow)
+    (shares,) = found.shares
+    # of 512 samples of Sobol's sequence, whose indices of a sum are good to 1e-2
+    assert {each.path: each.total for each in shares.indices} == pytest.approx({FIRST: 0.9, SECOND: 0.1}, abs=0.01)
+
+
+def test_a_solution_of_both_is_a_sample(plant, capsys):
+    words = ["sensitivity", str(plant()), "--path", f"{SECOND}=1250 rpm..1350 rpm", "--samples", "2", "--jobs", "1"]
+    assert exit_code([*words, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["solutions"] == 6
+    ends = [read_stages(plant()).with_values({SECOND: n * RPM}).solved().performance for n in (1250.0, 1350.0)]
+    low, high = sorted(each.gas_mass_flow for each in ends)
+    assert low < document["figures"]["gas_mass_flow"]["mean"] < high
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--check-sobol", "8"], "stages have no --check-sobol (study one of the two scenes instead)"),
+        (["--local", "-o", "a.h5"], "-o a.h5: derivatives of two stages are a table (write -o a.csv)"),
+        (["--local", "operation.speed"], "operation.speed: starts with none of first., second., intercooler."),
+        (["--local", "first.oil_supply.orifice_diameter"], "is not stated, or follows from others"),
+        (["--local", "first.operation.discharge.pressure"], "belongs to the discharge line, which follows from"),
+    ],
+)
+def test_what_a_study_of_two_stages_has_not_is_one_line(plant, tmp_path, monkeypatch, capsys, words, told):
+    monkeypatch.chdir(tmp_path)
+    assert exit_code(["sensitivity", str(plant()), *words]) == 2
+    error = capsys.readouterr().err
+    assert told in error and error.count("\n") == 1
+
+
+def test_a_result_of_one_machine_is_none_of_two(plant):
+    with pytest.raises(UsageError, match="result: belongs to one machine, and here are two stages"):
+        screwsim.sensitivities(plant(), result=Result("ok"))
