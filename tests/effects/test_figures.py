@@ -41,7 +41,8 @@ PISTON = ROOT / "configs" / "slider_crank" / "r134a.yaml"
 ROTORS = ROOT / "configs" / "rotors" / "b.yaml"
 ENDS = "suction: {distance: 40 mm, rating: 90 kN}, discharge: {distance: 40 mm, rating: 90 kN}, axial: {rating: 90 kN}"
 LOADED = (
-    "effects.bearings={load: rotors, friction_coefficient: 0.0018, bore: 60 mm, life_of_set: weibull, "
+    "effects.bearings={load: rotors, friction_coefficient: 0.0018, bore: 60 mm, shaft_diameter: 50 mm, "
+    "life_of_set: weibull, "
     f"male: {{{ENDS}}}, female: {{{ENDS}}}}}"
 )
 CHECKED = "effects.check_valves={suction_area: 50 mm^2, discharge_area: 28 mm^2}"

@@ -12,7 +12,7 @@ from rotor_mesh import ALONG, areas, centres, positions
 
 from screwsim.export import loads as exported
 from screwsim.export.loads import flows_of, harmonics
-from screwsim.export.rotor_loads import Pressures, loads_of, pressures_of
+from screwsim.export.rotor_loads import Pressures, Supports, loads_of, pressures_of
 from screwsim.export.source import run_of, spans_of
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.profile_law import laid_curves
@@ -42,7 +42,7 @@ def pressures(run) -> Pressures:
 
 @pytest.fixture(scope="module")
 def found(pressures):
-    return loads_of(pressures, (0.04, 0.06))[1]
+    return loads_of(pressures, Supports(((0.04, 0.06), (0.04, 0.06))))[1]
 
 
 def test_surfaces_are_closed_and_hold_the_rotors(pressures):
@@ -107,7 +107,7 @@ def test_areas_that_give_the_forces_of_the_surfaces_are_those_of_model_md(name):
     """M146: the mean force of all loads on a rotor over the sum of the chambers' pressures above suction, over D²."""
     unit = "effects.gas_torque={radial_area: 1 cm^2, axial_area: 1 cm^2}"
     scene, result = run_of(str(ROOT / "configs" / "rotors" / f"{name}.yaml"), [unit])
-    c = loads_of(pressures_of(laid_curves(scene.machine), result), shafts=(0.07, 0.07))[1]
+    c = loads_of(pressures_of(laid_curves(scene.machine), result), Supports(shafts=(0.07, 0.07)))[1]
     pressed = result.performance.radial_gas_force / 1e-4 * scene.machine.rotor_diameter**2
     for rotor, across, along in (("male", (0.06, 0.075), (0.09, 0.11)), ("female", (0.075, 0.1), (0.01, 0.035))):
         radial = math.hypot(*(float(c[f"{rotor}_force_{way}"].mean()) for way in "xy")) / pressed
@@ -237,4 +237,4 @@ def test_a_file_of_a_run_is_as_good_as_its_scene(run, tmp_path):
 def test_bearings_need_two_lengths(text, says):
     with pytest.raises(UsageError, match=says):
         spans_of(text)
-    assert spans_of("40 mm, 6 cm") == (0.04, 0.06) and spans_of(None) == (0.0, 0.0)
+    assert spans_of("40 mm, 6 cm") == (0.04, 0.06) and spans_of(None) is None

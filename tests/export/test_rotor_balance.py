@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from rotor_mesh import end_loads, gas_loads
 
-from screwsim.export.rotor_loads import PITCH_POINTS, Pressures, loads_of
+from screwsim.export.rotor_loads import PITCH_POINTS, Pressures, Supports, loads_of
 from screwsim.export.source import spans_of
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.profile_law import LaidCurves, laid_curves
@@ -21,6 +21,7 @@ from screwsim.scene import load
 
 ROOT = Path(__file__).parents[2]
 SPANS, SHAFTS = (0.04, 0.06), (0.06, 0.05)
+SUPPORTS = Supports((SPANS, SPANS), SHAFTS)
 
 
 @cache
@@ -50,7 +51,7 @@ def pressures(request) -> Pressures:
 
 @pytest.fixture(scope="module")
 def loads(pressures):
-    return loads_of(pressures, SPANS, SHAFTS)
+    return loads_of(pressures, SUPPORTS)
 
 
 def own_loads(pressures: Pressures, angle: float) -> dict[str, dict[str, float]]:
@@ -152,7 +153,7 @@ def test_the_contact_is_normal_to_the_helix_and_takes_up_the_female_s_flank_thru
 @pytest.mark.parametrize("name", ["a", "b"])
 def test_a_uniform_pressure_loads_no_bearing(name):
     one = compressed(laid_of(name))
-    columns = loads_of(Uniform(one.laid, one.angle, one.pressure, one.low), SPANS, SHAFTS)[1]
+    columns = loads_of(Uniform(one.laid, one.angle, one.pressure, one.low), SUPPORTS)[1]
     for rotor, shaft, outline in zip(NAMES, SHAFTS, outlines(one.laid.rotors.pair, one.laid.rotors.chain), strict=True):
         area = polygon_area(*outline) - 0.25 * math.pi * shaft**2
         np.testing.assert_allclose(columns[f"{rotor}_suction_end_force"], 1e5 * area, rtol=0.01)  # of straight pieces
@@ -186,6 +187,6 @@ def test_the_normal_at_the_pitch_point_is_that_of_the_profile():
 def test_a_shaft_as_thick_as_the_root_is_told():
     one = compressed(laid_of("b"))
     with pytest.raises(UsageError, match=r"--shafts: 100 mm is not less than 96 mm, the male rotor's diameter"):
-        loads_of(one, SPANS, (0.1, 0.05))
+        loads_of(one, Supports(shafts=(0.1, 0.05)))
     with pytest.raises(UsageError, match=r"--shafts -1 mm,2 mm: a diameter cannot be negative"):
         spans_of("-1 mm,2 mm", "--shafts")

@@ -26,6 +26,7 @@ STUDY = "a study, page or export of this effect, above the simulation"
 WORDS = "a word of its own that an effect is called by as well"
 WRITES = "it writes scenes with effects"
 ALLOWED = {
+    "cli/export.py": ({"bearings"}, "the help of an option says from where its default is"),
     "evaluate/figures.py": ({"wall_heat"}, FIGURES),
     "evaluate/ledger/book.py": ({"oil_injection", "suction_line"}, FIGURES),
     "explain/__init__.py": ({"suction_port", "discharge_port"}, SECTIONS),
@@ -55,6 +56,7 @@ ALLOWED = {
     "template/refrigeration.py": ({"separator", "drive", "motor", "economizer"}, WRITES),
 }
 IMPORTS = {  # of what an effect's file has
+    "export/rotor_supports.py": {"bearings"},
     "solve/start_up.py": {"gas_torque"},
     "study/datasheet/air_rating.py": {"air_package"},
     "study/datasheet/air_sheet.py": {"air_package"},

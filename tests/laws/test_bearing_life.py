@@ -9,10 +9,9 @@ from each_row import each_row
 
 from screwsim import load, simulate
 from screwsim.effects.parts.bearing_life import TYPES, equivalent_load, life_of_set, mean_load, rating_life
-from screwsim.export.rotor_loads import loads_of, pressures_of
+from screwsim.export.loads import loads
 from screwsim.figures.engineering import figure_text
 from screwsim.inputs.faults import SceneError
-from screwsim.machine.profile_law import laid_curves
 from screwsim.machine.rotors.loads import bearing_forces
 from screwsim.study.goals import read_figure
 
@@ -56,16 +55,48 @@ def test_an_axial_force_off_the_axis_makes_a_couple_of_the_bearings():
     assert carried["suction_bearing_y"] == pytest.approx(-160.0, rel=1e-15)
 
 
-def test_bearings_carry_what_is_exported_for_them(found):
-    scene = with_bearings(BOTH)
-    spans = AT["suction"], AT["discharge"]
-    columns = loads_of(pressures_of(laid_curves(scene.machine), found), spans, (SHAFT, SHAFT))[1]
+def assert_exported_as_simulated(found, columns):
+    """Hold columns, at 48 angles from traces a degree apart, against the figures of a run."""
     for rotor in NAMES:
         size = found.performance[f"{rotor}_radial_load"]
         for end in AT:
-            by_angle = columns[f"{rotor}_{end}_bearing_total"]  # at 48 angles, from traces a degree apart
+            by_angle = columns[f"{rotor}_{end}_bearing_total"]
             assert abs(found.performance[f"{rotor}_{end}_bearing_load"] - by_angle.mean()) < 0.005 * size
             assert abs(found.performance[f"{rotor}_{end}_bearing_load_peak"] - by_angle.max()) < 0.01 * size
+        thrust = -columns[f"{rotor}_thrust_bearing"]
+        assert abs(found.performance[f"{rotor}_axial_load"] - thrust.mean()) < 0.005 * size
+        assert abs(found.performance[f"{rotor}_axial_load_peak"] - np.abs(thrust).max()) < 0.01 * size
+
+
+def test_bearings_carry_what_is_exported_for_them(found):
+    assert_exported_as_simulated(found, loads(with_bearings(BOTH), found).curves["forces"][1])
+
+
+def test_each_rotor_s_own_distances_and_piston_are_exported():
+    """Distances that differ by rotor, a piston at the pressure of a plenum, behind a throttle."""
+    far = FEMALE | {"suction": RADIAL["suction"] | {"distance": "150 mm"}}
+    bearings = BOTH | {"male": MALE | {"balance_piston": {"area": "10 cm^2"}}, "female": far}
+    volumes = {"discharge_volume": "3 l", "discharge_area": "15 cm^2"}
+    lines = {"effects.plenums": volumes, "effects.suction_throttle.pressure_ratio": 0.7}
+    scene = with_bearings(bearings, **lines)
+    result = simulate(scene)
+    columns = loads(scene, result).curves["forces"][1]
+    assert_exported_as_simulated(result, columns)
+    other = loads(scene, result, (AT["suction"], AT["discharge"]), (0.0, 0.0)).curves["forces"][1]  # options hold
+    for rotor, same in (("male", True), ("female", False)):
+        name = f"{rotor}_suction_bearing_x"
+        assert np.allclose(columns[name], other[name]) == same
+        assert np.abs(other[f"{rotor}_thrust_bearing"]).mean() > np.abs(columns[f"{rotor}_thrust_bearing"]).mean()
+
+
+def test_the_export_takes_no_distances_where_the_scene_names_none():
+    scene = with_bearings(PLAIN | {"male": MALE})
+    result = simulate(scene)
+    assumed, stated = (loads(scene, result, spans).curves["forces"][1] for spans in (None, (0.0, 0.0)))
+    for way in "xy":
+        name = f"discharge_bearing_total_{way}"
+        assert np.array_equal(assumed[f"female_{name}"], stated[f"female_{name}"])
+        assert not np.allclose(assumed[f"male_{name}"], stated[f"male_{name}"])
 
 
 def test_the_course_over_the_angle_has_the_figures_mean_and_peak(found):
@@ -209,6 +240,10 @@ def test_only_what_is_named_has_figures():
     [
         ({"axial": {"rating": "2 kN"}}, ("above half of its rating", "a larger effects.bearings.male.axial.rating")),
         ({"balance_piston": {"area": "300 cm^2"}}, ("kN more than its thrust", "reduce effects.bearings.male.balance")),
+        (
+            {"balance_piston": {"area": "104 cm^2"}},
+            ("changes sides within a turn, from -", "(reduce effects.bearings.male.balance_piston.area, or use a sec"),
+        ),
     ],
 )
 def test_an_unlikely_bearing_is_told(changes, words):
@@ -250,6 +285,10 @@ def test_a_fault_is_found_with_its_remedy(male, words):
         (
             {"male": MALE | {"axial": {}}},
             "male.axial.rating: is missing (write rating: … kN; life_of_set needs",
+        ),
+        (
+            {"shaft_diameter": None},
+            "effects.bearings.shaft_diameter: is missing (male.axial needs it, as no gas presses on a shaft; write",
         ),
         ({"load": "stated"}, "effects.bearings.male: applies only to rotors, and stated is chosen (remove it)"),
     ],

@@ -8,7 +8,7 @@ import pytest
 from each_row import each_row
 
 from screwsim import load, simulate
-from screwsim.export.rotor_loads import loads_of, pressures_of
+from screwsim.export.rotor_loads import Supports, loads_of, pressures_of
 from screwsim.inputs.faults import SceneError
 from screwsim.machine.profile_law import laid_curves
 
@@ -25,7 +25,7 @@ def of_rotors(name: str, **changes):
 def test_bearings_carry_the_loads_that_are_exported(name):
     scene = of_rotors(name)
     result = simulate(scene)
-    columns = loads_of(pressures_of(laid_curves(scene.machine), result), shafts=(SHAFT, SHAFT))[1]
+    columns = loads_of(pressures_of(laid_curves(scene.machine), result), Supports(shafts=(SHAFT, SHAFT)))[1]
     found, power = result.performance, 0.0
     speeds = scene.operation.speed * np.array([1.0, scene.machine.male_lobes / scene.machine.female_lobes])
     for rotor, speed in zip(("male", "female"), speeds, strict=True):

@@ -278,9 +278,15 @@ def loads(
     output: Path = option("DIR", "Folder for curves, spectra and surfaces.", "-o", default=..., show_default=False),
     steps: int = option("N", "Time steps per revolution on the surfaces.", min=1, default=48),
     bearings: Text = option(
-        "A,B", "Distances of the bearings beyond the rotor ends, suction side first, e.g. '40 mm,60 mm'."
+        "A,B",
+        "Distances of the bearings of both rotors beyond their ends, suction side first, e.g. '40 mm,60 mm' "
+        "(default: those of effects.bearings.male and .female; else 0).",
     ),
-    shafts: Text = option("A,B", "Shaft diameters at the end faces, male rotor first, e.g. '60 mm,50 mm'."),
+    shafts: Text = option(
+        "A,B",
+        "Shaft diameters at the end faces, male rotor first, e.g. '60 mm,50 mm' "
+        "(default: effects.bearings.shaft_diameter; else no shaft).",
+    ),
     overrides: Texts = OVERRIDES,
     without: Texts = WITHOUT,
     as_json: bool = AS_JSON,

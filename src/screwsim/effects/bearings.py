@@ -105,7 +105,8 @@ class Parameters:
         "f_1, of the load-dependent moment (friction: two_term)", None, ge=0.0, le=1.0, hardly=(None, 0.01)
     )
     count: int | None = count(
-        f"bearings of one rotor, for the load-independent moment (friction: two_term; default: {USUAL_COUNT})",
+        "bearings of one rotor, for the load-independent moment, whatever male and female name (friction: two_term; "
+        f"default: {USUAL_COUNT})",
         None,
         ge=1,
     )
@@ -261,6 +262,12 @@ def _of_each_bearing(parameters: Parameters) -> Faults:
             yield from bearing_set.faults(name, bearings, whole)
         elif whole:
             yield Fault(f"effects.bearings.{name}", "is missing (life_of_set needs both rotors; write its bearings)")
+    if parameters.load == ROTOR_LOADS and parameters.shaft_diameter is None:
+        named = ((name, getattr(parameters, name)) for name in NAMES)
+        needing = [f"{name}.{each.needs_thrust}" for name, each in named if each is not None and each.needs_thrust]
+        if needing:
+            what = f"is missing ({needing[0]} needs it, as no gas presses on a shaft; write shaft_diameter: … mm)"
+            yield Fault("effects.bearings.shaft_diameter", what)
 
 
 def check_geometry(parameters: Parameters, geometry) -> Faults:

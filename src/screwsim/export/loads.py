@@ -16,10 +16,12 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from screwsim.build import build_parts
-from screwsim.export.rotor_loads import Pressures, loads_of, pressures_of
+from screwsim.export.rotor_loads import Pressures, Spans, loads_of, pressures_of
+from screwsim.export.rotor_supports import supports_of
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import TWIN_SCREW, twin_screw
 from screwsim.machine.profile_law import laid_curves
+from screwsim.machine.rotors.loads import Diameters
 from screwsim.machine.rotors.pair import Array
 from screwsim.machine.rotors.surface import Surface, chamber_angles, surfaces
 from screwsim.model.parts import Parts
@@ -117,12 +119,10 @@ class ExportedLoads:
     without: str
 
 
-def loads(
-    scene: Scene, result: Result, spans: tuple[float, float], shafts: tuple[float, float] = (0.0, 0.0)
-) -> ExportedLoads:
+def loads(scene: Scene, result: Result, spans: Spans | None = None, shafts: Diameters | None = None) -> ExportedLoads:
     """Return loads and flows of a result that keeps its cycle; for rotors without a profile only the flows.
 
-    `spans` and `shafts` [m] are those of `rotor_loads.loads_of`.
+    `spans` and `shafts` [m] are those of `rotor_supports.supports_of`, which takes what is None from the scene.
     """
     frequency = scene.operation.speed / build_parts(scene).geometry.pitch  # [Hz] at which chambers pass
     curves = {"flows": flows_of(scene, result)}
@@ -130,7 +130,7 @@ def loads(
         without = "forces and surfaces need rotors with a profile (machine.volume.law: profile), of a compressor"
     else:
         pressures, without = pressures_of(laid_curves(twin_screw(scene.machine)), result), ""
-        curves["forces"] = loads_of(pressures, spans, shafts)
+        curves["forces"] = loads_of(pressures, supports_of(scene, result, spans, shafts))
     spectra = {name: harmonics(values, frequency) for _, columns in curves.values() for name, values in columns.items()}
     return ExportedLoads(scene.title, frequency, curves, spectra, without)
 

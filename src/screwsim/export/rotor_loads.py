@@ -8,6 +8,7 @@ virtual work: the male torque agrees within 1.5 %, the female one within 2.5 % o
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,6 +30,21 @@ from screwsim.outputs import Result
 PITCH_POINTS = 48  # points of a pitch
 Spans = tuple[float, float]
 GAS = ("force_x", "force_y", "axial_force", "torque")  # columns of the gas on the flanks
+
+
+class Supports(NamedTuple):
+    """What holds male and female rotor.
+
+    `spans` [m]: distances of their bearings outside of the end planes, suction first; `shafts` [m]: diameters of the
+    shafts, which the gas on the end faces does not reach; `pushes` [N]: of balance pistons, towards the discharge end.
+    """
+
+    spans: tuple[Spans, Spans] = ((0.0, 0.0), (0.0, 0.0))
+    shafts: Diameters = (0.0, 0.0)
+    pushes: tuple[float, float] = (0.0, 0.0)
+
+
+BARE = Supports()
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,39 +78,43 @@ def pressures_of(laid: LaidCurves, result: Result) -> Pressures:
 
 def intake_pressure(result: Result) -> float:
     """Return the mean pressure [Pa] before the suction port: in its plenum, behind a throttle, or in the line."""
-    found = result.performance
-    known = (found.get(name) for name in ("suction_plenum_pressure", "intake_pressure", "suction_pressure"))
+    return _first_known(result, "suction_plenum_pressure", "intake_pressure", "suction_pressure")
+
+
+def outlet_pressure(result: Result) -> float:
+    """Return the mean pressure [Pa] behind the discharge port: in its plenum, or in the line."""
+    return _first_known(result, "discharge_plenum_pressure", "discharge_pressure")
+
+
+def _first_known(result: Result, *names: str) -> float:
+    known = (result.performance.get(name) for name in names)
     return float(next(each for each in known if each is not None))
 
 
-def loads_of(
-    pressures: Pressures, spans: Spans = (0.0, 0.0), shafts: Diameters = (0.0, 0.0)
-) -> tuple[Array, dict[str, Array]]:
+def loads_of(pressures: Pressures, supports: Supports = BARE) -> tuple[Array, dict[str, Array]]:
     """Return the angle over one pitch of the male rotor [rad], and by name forces [N], torques [N m], bearing forces.
 
-    `spans` [m] are the distances of the bearings outside of the end planes, suction first; `shafts` [m] the diameters
-    of the shafts of male and female, which the gas on the end faces does not reach. Raise UsageError for a shaft that
-    is not thinner than the roots.
+    Raise UsageError for a shaft that is not thinner than the roots.
     """
     rotors = pressures.laid.rotors
     angle = np.arange(PITCH_POINTS) * rotors.pair.pitch / PITCH_POINTS
-    if thick := thick_shaft(rotors, shafts):
+    if thick := thick_shaft(rotors, supports.shafts):
         raise UsageError(f"--shafts: {thick}")
-    areas = pressed_areas(rotors, shafts)
+    areas = pressed_areas(rotors, supports.shafts)
     phi = chambers_at(rotors, areas, angle)
     found = rotor_loads(rotors, [of.at(phi) for of in areas], pressures.excess(phi))
     columns: dict[str, Array] = {}
-    for name in NAMES:
+    for name, spans in zip(NAMES, supports.spans, strict=True):
         own = found[name]
         columns |= {f"{name}_{key}": own[key] for key in GAS}
         by_flanks = bearing_forces(own, rotors.length, spans, "force", "moment")
         columns |= {f"{name}_{key}": values for key, values in by_flanks.items()}
     columns |= _torques_by_virtual_work(pressures, angle)
-    for name in NAMES:
+    for name, spans, push in zip(NAMES, supports.spans, supports.pushes, strict=True):
         own = found[name]
         shown = {key: own[key] for key in ("suction_end_force", "discharge_end_force")}
         shown |= {key: own[key] for key in ("contact_force_x", "contact_force_y", "contact_force_z")}
-        shown["thrust_bearing"] = own["thrust"]
+        shown["thrust_bearing"] = own["thrust"] + push
         carried = bearing_forces(own, rotors.length, spans)
         shown |= {key.replace("_bearing", "_bearing_total"): values for key, values in carried.items()}
         columns |= {f"{name}_{key}": values for key, values in shown.items()}

@@ -138,10 +138,10 @@ def run_of(source: str, overrides: Sequence[str] = (), without: Sequence[str] = 
     return scene, Result(status, message, performance=Performance(figures, known()), cycle=cycle)
 
 
-def spans_of(text: str | None, option: str = "--bearings") -> tuple[float, float]:
-    """Return two lengths [m] from a text such as '40 mm,60 mm', or (0, 0) for None; raise UsageError with `option`."""
+def spans_of(text: str | None, option: str = "--bearings") -> tuple[float, float] | None:
+    """Return two lengths [m] from a text such as '40 mm,60 mm', or None for None; raise UsageError with `option`."""
     if text is None:
-        return 0.0, 0.0
+        return None
     parts = text.split(",")
     try:
         one, two = (parse_quantity(KINDS["length"], part) for part in parts)

@@ -45,7 +45,8 @@ class Bearing:
     type: str = _type("cylindrical_roller")
     rating: float | None = optional("force", "C: basic dynamic load rating; without it no life is given")
     axial_factor: float | None = number(
-        "Y, where it carries the thrust (default: of an angular_contact_ball 0.57)",
+        "Y, where it carries the thrust (default: of an angular_contact_ball 0.57; of a back-to-back or face-to-face "
+        "pair with its rating beyond e 0.93)",
         None,
         gt=0.0,
         le=10.0,
@@ -68,7 +69,8 @@ class RadialBearing(Bearing):
 
     distance: float = quantity("length", "from the rotor's end face to the middle of the bearing", ge=0.0)
     radial_factor: float | None = number(
-        "X, where it carries the thrust (default: by its type, angular_contact_ball 0.35)",
+        "X, where it carries the thrust (default: by its type, angular_contact_ball 0.35; of a back-to-back or "
+        "face-to-face pair with its rating beyond e 0.57)",
         None,
         ge=0.0,
         le=1.0,
@@ -83,6 +85,10 @@ class BalancePiston:
     pressure: float | None = quantity(
         "pressure", "absolute pressure on it (default: that behind the discharge port)", None, gt=0.0
     )
+
+    def push(self, low: float, high: float) -> float:
+        """Return its force [N], from the pressures [Pa] before the suction and behind the discharge port (M480)."""
+        return self.area * ((high if self.pressure is None else self.pressure) - low)
 
 
 @dataclass(frozen=True)
@@ -100,6 +106,12 @@ class RotorBearings:
         """The bearings that are named, by place."""
         named = {place: getattr(self, place) for place in _OF}
         return {place: each for place, each in named.items() if each is not None}
+
+    @property
+    def needs_thrust(self) -> str:
+        """What is named whose figures depend on the thrust or a life, as a path below the rotor; empty if nothing."""
+        rated = (f"{place}.rating" for place, each in self.each.items() if each.rating is not None)
+        return AXIAL if self.axial is not None else next(rated, "")
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,8 +146,8 @@ def carried(
     radial, axial = np.hypot(own["total_x"], own["total_y"]), -own["thrust"]
     if bearings is None:
         return RotorLoad(radial, axial, {})
-    if (piston := bearings.balance_piston) is not None:
-        axial = axial - piston.area * ((high if piston.pressure is None else piston.pressure) - low)
+    if bearings.balance_piston is not None:
+        axial = axial - bearings.balance_piston.push(low, high)
     forces = bearing_forces(own, length, [getattr(bearings, end).distance for end in ENDS])
     return RotorLoad(radial, axial, {end: forces[f"{end}_bearing"] for end in ENDS}, bearings.thrust)
 
@@ -224,14 +236,20 @@ def set_life(every: Mapping[str, Mapping[str, Rated]]) -> float | str:
 
 
 def told(rotor: str, bearings: RotorBearings, load: RotorLoad, each: Mapping[str, Rated]) -> Iterator[str]:
-    """Yield warnings of a rotor's bearings: loads beyond ISO 281, a piston that takes more than the thrust."""
+    """Yield warnings of a rotor's bearings: loads beyond ISO 281, thrust that turns round in a turn or for good."""
     path = f"effects.bearings.{rotor}"
     for place, one in each.items():
         if one.bearing.rating is not None and one.load > MOST_SHARE * one.bearing.rating:
             what = f"the {rotor} rotor's {_OF[place]} has an equivalent load of {1e-3 * one.load:.4g} kN"
             yield f"{what}: above half of its rating ISO 281 does not hold (choose a larger {path}.{place}.rating)"
-    left = float(load.axial.mean())
-    if bearings.balance_piston is not None and left < 0.0:
+    piston, left = bearings.balance_piston, float(load.axial.mean())
+    least, most = float(load.axial.min()), float(load.axial.max())
+    if least < 0.0 < most:
+        what = f"the axial load of the {rotor} rotor on its bearings changes sides within a turn"
+        course = f"from {1e-3 * least:.4g} to {1e-3 * most:.4g} kN towards the suction end"
+        smaller = "" if piston is None else f"reduce {path}.balance_piston.area, or "
+        yield f"{what}, {course}, so that no single bearing holds it ({smaller}use a second, opposed bearing)"
+    elif piston is not None and left < 0.0:
         what = f"the balance piston of the {rotor} rotor takes {-1e-3 * left:.4g} kN more than its thrust"
         yield f"{what}, which its bearings carry towards the discharge end (reduce {path}.balance_piston.area)"
 

@@ -1,0 +1,42 @@
+"""What holds the rotors of a scene: its `effects.bearings` with `load: rotors`, unless options say otherwise."""
+
+from typing import Any
+
+from screwsim.effects.bearings import EFFECT, ROTOR_LOADS
+from screwsim.effects.parts.bearing_set import ENDS
+from screwsim.export.rotor_loads import Spans, Supports, intake_pressure, outlet_pressure
+from screwsim.machine.rotors.loads import NAMES, Diameters
+from screwsim.outputs import Result
+from screwsim.scene import Scene
+
+
+def supports_of(scene: Scene, result: Result, spans: Spans | None = None, shafts: Diameters | None = None) -> Supports:
+    """Return the supports of both rotors of a result, those of the scene where `spans` or `shafts` [m] are None.
+
+    `spans` are the distances of the bearings of either rotor, suction first. What neither states is 0. Pistons are
+    those of the scene, with the pressures of the result (M480).
+    """
+    effect = scene.effects.get(EFFECT.name)
+    named = effect.parameters if effect is not None and effect.parameters.load == ROTOR_LOADS else None
+    diameter = getattr(named, "shaft_diameter", None) or 0.0
+    of_rotors = [getattr(named, name, None) for name in NAMES]
+    male, female = ((_spans(each), _push(each, result)) for each in of_rotors)
+    return Supports(
+        (male[0], female[0]) if spans is None else (spans, spans),
+        (diameter, diameter) if shafts is None else shafts,
+        (male[1], female[1]),
+    )
+
+
+def _spans(bearings: Any) -> Spans:
+    """Return the distances [m] of a rotor's bearings, 0 where they are not named."""
+    suction, discharge = (0.0 if bearings is None else getattr(bearings, end).distance for end in ENDS)
+    return suction, discharge
+
+
+def _push(bearings: Any, result: Result) -> float:
+    """Return the force [N] of a rotor's balance piston towards the discharge end."""
+    piston = getattr(bearings, "balance_piston", None)
+    if piston is None:
+        return 0.0
+    return piston.push(intake_pressure(result), outlet_pressure(result))
