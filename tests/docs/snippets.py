@@ -26,6 +26,8 @@ SHELL = ("bash", "sh", "console")
 NAMED = re.compile(r"# (\S+\.yaml)$")
 COMMAND = re.compile(r"(?:\$ )?(?:\.venv/bin/)?(?:screwsim|python3?|pip|scripts/\w+) ?")
 
+PROMPTED = re.compile(r"\$ |screwsim [a-z0-9]+ \S*[./]\S")
+
 
 @dataclass(frozen=True)
 class Block:
@@ -78,6 +80,13 @@ def blocks(page: Path, text: str | None = None) -> tuple[Block, ...]:
 def unchecked(found: Sequence[Block]) -> list[str]:
     """Return the places of blocks that no test could check."""
     return [block.place for block in found if block.kind == "unknown"]
+
+
+def run_together(page: Path, text: str | None = None) -> list[str]:
+    """Return the places of commands that are prose to readers of the page: below a list, with too few blanks before."""
+    tokens = BLOCKS.parse(page.read_text(encoding="utf-8") if text is None else text)
+    prose = [token for token in tokens if token.type == "inline" and PROMPTED.match(token.content)]
+    return [f"{page.relative_to(ROOT).as_posix()}:{token.map[0] + 1}" for token in prose]
 
 
 def named_commands(page: Path) -> list[str]:

@@ -15,7 +15,7 @@ import programs
 import pytest
 import yaml
 from shown import commands, lines, missing
-from snippets import PAGES, ROOT, SHELL, blocks, named_commands, unchecked
+from snippets import PAGES, ROOT, SHELL, blocks, named_commands, run_together, unchecked
 
 import screwsim
 from screwsim import cli
@@ -215,6 +215,13 @@ def all_commands():
 
 def test_no_block_is_without_a_check():
     assert [place for page in PAGES for place in unchecked(blocks(page))] == []
+
+
+def test_no_block_is_prose():
+    assert [place for page in PAGES for place in run_together(page)] == []
+    below_a_list = "- one\n\n    $ screwsim run x.yaml\n    …\n"
+    assert run_together(ROOT / "README.md", below_a_list) == ["README.md:3"]
+    assert run_together(ROOT / "README.md", below_a_list.replace("    ", "      ")) == []
 
 
 def test_a_block_that_nobody_checks_is_seen():
