@@ -21,7 +21,7 @@ from screwsim.study.datasheet.stages_sheet import best_intermediate
 from screwsim.study.stages import read_stages, run_stages
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
-from scenes import scene_dict
+from scenes import DROP, scene_dict
 
 pytestmark = pytest.mark.around
 LOW = {
@@ -241,6 +241,17 @@ def test_an_aftercooler_behind_the_first_stage_is_refused(tmp_path):
     low = AIR_LOW | {"effects.air_package": package, "effects.separator": {}}
     with pytest.raises(screwsim.SceneError, match=r"first scene names an aftercooler, .* intercooler: \{kind: cooler"):
         read_stages(written(tmp_path, low, AIR_HIGH))
+
+
+def test_an_oil_cooler_of_the_second_stage_states_its_coolant(tmp_path):
+    """The air at its inlet is that between the stages, and warm."""
+    package, size = {"rated_flow": "7 m^3/min"}, {"conductance": "2 kW/K"}
+    high = AIR_HIGH | {"effects.air_package": package, "oil_supply.temperature": DROP}
+    whole = r"second scene's oil cooler .* \(state its coolant_temperature there\)"
+    with pytest.raises(screwsim.SceneError, match=whole):
+        read_stages(written(tmp_path, AIR_LOW, high | {"effects.separator": {"cooler": size}}))
+    stated = high | {"effects.separator": {"cooler": size | {"coolant_temperature": "20 degC"}}}
+    assert read_stages(written(tmp_path, AIR_LOW, stated)).second.effects["separator"].parameters.bounded
 
 
 @pytest.mark.parametrize("which", ["first", "second"])

@@ -34,8 +34,9 @@ from screwsim.outputs.customary import in_celsius
 NAME = "separator"
 SUPPLY = "oil_supply.temperature"
 HEATS = 1e-3  # heat from the cooler into the oil, over shaft power, above which is warned
-MEASURED, DUTY = "mixture_discharge_temperature", "oil_cooler_duty"
+MEASURED, DUTY, LOAD = "mixture_discharge_temperature", "oil_cooler_duty", "oil_cooler_load"
 KEPT = "outlet_temperature", "duty", "discharge_temperature"  # what a cooler may keep, one of them
+TOLD = 0.01  # [K] by which a thermostat's temperature is exceeded before it is told
 LEAST = 1e-6  # heat capacity of oil over that of gas below which the oil cannot cool
 NO_OIL = (
     "hardly any oil flows, and its cooler can keep neither a duty nor a temperature (inject more oil, or remove the "
@@ -47,9 +48,9 @@ FIGURES = (
     Figure("oil_supply_temperature", "K", "temperature of the injected oil"),
     power_figure(DUTY, "heat removed by the oil cooler"),
     Figure(
-        "oil_cooler_load",
+        LOAD,
         "1",
-        "heat removed by the oil cooler over the most that its coolant would take",
+        "heat that the oil cooler is asked for over the most that its coolant would take",
         Scale(0.1),
         needs=(".cooler.conductance",),
     ),
@@ -107,13 +108,15 @@ class Cooler:
             f"cooling; it would have to heat, so its duty is 0 (lower effects.separator.cooler.{name})"
         )
 
-    def exhausted(self, found: Separated, T_supply: float) -> str:
-        """Return what is told where the whole cooler does not suffice for its thermostat."""
+    def exhausted(self, found: Separated, T_supply: float, coolant: float) -> str:
+        """Return what is told where the whole cooler does not suffice; `found` changes the supply as it would need."""
         kept, where, what, T = self._thermostat(found, T_supply)
+        colder = T_supply + found.supply <= coolant  # oil than any cooler can make it
+        remedy = "" if colder else "a larger effects.separator.cooler.conductance, or "
         return (
             f"the oil cooler cannot keep {kept} {where}: all of its {1e-3 * (self.conductance or 0.0):.4g} kW/K remove "
-            f"{1e-3 * found.duty:.4g} kW, and {what} reaches {in_celsius(T)} (a larger effects.separator.cooler."
-            "conductance, or a colder coolant)"
+            f"{1e-3 * found.duty:.4g} kW, and {what} reaches {in_celsius(T)} ({remedy}a coolant colder than "
+            f"{in_celsius(coolant)})"
         )
 
     def _thermostat(self, found: Separated, T_supply: float) -> tuple[str, str, str, float]:
@@ -127,7 +130,7 @@ class Cooler:
 class Parameters(CoolsOil):
     """The cooler (absent: oil_supply.temperature states its outlet, or there is none), and what becomes of losses."""
 
-    outlet_key = "cooler.outlet_temperature"
+    outlet_key, size_key = "cooler.outlet_temperature", "cooler.conductance"
     cooler: Cooler | None = None
     friction_share: float = number(
         "share of the friction of bearings, seals and gears that heats the oil", 1.0, ge=0.0, le=1.0
@@ -136,9 +139,18 @@ class Parameters(CoolsOil):
 
     @property
     def outlet(self) -> float | None:
-        """Temperature [K] of the oil behind the cooler; None where it is not prescribed, or not to be kept surely."""
-        bounded = self.cooler is None or self.cooler.conductance is not None
-        return None if self.cooler is None or bounded else self.cooler.outlet_temperature
+        """Temperature [K] of the oil behind the cooler; None where it is not prescribed, or may not be kept."""
+        return None if self.cooler is None or self.bounded else self.cooler.outlet_temperature
+
+    @property
+    def bounded(self) -> bool:
+        """Whether the cooler has a size, so that what it is to keep is not kept at any price."""
+        return self.cooler is not None and self.cooler.conductance is not None
+
+    @property
+    def cooled_by_inlet(self) -> bool:
+        """Whether the coolant is the air at the machine's inlet."""
+        return self.cooler is not None and self.bounded and self.cooler.coolant_temperature is None
 
     @property
     def discharge(self) -> float | None:
@@ -156,9 +168,11 @@ def build(parameters: Parameters, machine) -> list[Separator]:
         if not supply_open:
             return found
         T, C = found.T_separator, outflow.oil_capacity
+        coolant = outflow.T_inlet if cooler.coolant_temperature is None else cooler.coolant_temperature
         rise = outflow.heat_of(T + 2.0) - outflow.heat_of(T + 1.0)  # beside T, which may be saturation
         if not C > LEAST * rise:
-            return found._replace(why=found.why or (NO_OIL if cooler.stated else ""))
+            supply = 0.0 if cooler.conductance is None or cooler.stated else coolant - outflow.T_supply
+            return found._replace(supply=supply, why=found.why or (NO_OIL if cooler.stated else ""))
         share = C / (C + rise)
 
         def removing(duty: float, effectiveness: float = 0.0) -> Separated:
@@ -168,24 +182,27 @@ def build(parameters: Parameters, machine) -> list[Separator]:
             return found._replace(supply=open_ / (C * back), open=open_, share=share, gain=left / back)
 
         uncooled, off = removing(cooler.duty or 0.0), cooler.misses(found.T_mixture, outflow.T_supply)
-        whole = None
-        if cooler.conductance is not None:
-            effectiveness, coolant = 1.0 - exp(-cooler.conductance / C), cooler.coolant_temperature
-            most = effectiveness * C * (T - (outflow.T_inlet if coolant is None else coolant))
-            found = found._replace(load=found.duty / most if most > 0.0 else None)
-            whole = removing(most, effectiveness)
+        effectiveness = 0.0 if cooler.conductance is None else 1.0 - exp(-cooler.conductance / C)
+        whole = removing(effectiveness * C * (T - coolant), effectiveness)
+        if off is None and cooler.conductance is not None:
+            return whole._replace(load=1.0 if T > coolant else None)
         if off is None:
-            return uncooled._replace(duty=cooler.duty or 0.0) if whole is None else whole
+            return uncooled._replace(duty=cooler.duty or 0.0)
         kept = found._replace(supply=off, open=C * off, share=share, gain=0.0)
         if cooler.discharge_temperature is not None:
             kept = found._replace(supply=off / share, open=(C + rise) * off, share=share, gain=1.0 / share)
         if uncooled.supply <= kept.supply:
             return uncooled._replace(duty=0.0, load=0.0, told=cooler.idle(found, outflow.T_supply))
-        if whole is not None and kept.supply < min(whole.supply, uncooled.supply):
-            return min(whole, uncooled, key=lambda each: each.supply)._replace(
-                told=cooler.exhausted(found, outflow.T_supply)
-            )
-        return kept
+        if cooler.conductance is None:
+            return kept
+        # what is asked for at the temperature that is kept: beyond the cooler's most by the heat capacities alone
+        most = effectiveness * C * (T + share * kept.supply - coolant)
+        kept = kept._replace(load=(found.duty - C * (1.0 - share) * kept.supply) / most if most > 0.0 else None)
+        coldest = min(whole, uncooled, key=lambda each: each.supply)
+        if kept.supply >= coldest.supply:
+            return kept
+        told = cooler.exhausted(kept, outflow.T_supply, coolant) if off < -TOLD else ""
+        return coldest._replace(load=kept.load, told=told)
 
     return [Separator(balance)]
 
@@ -224,13 +241,16 @@ def _bounds(cooler: Cooler, path: str, facts) -> Faults:
 
 
 def warnings(found) -> Iterator[str]:
-    """Yield a warning where a stated supply temperature requires the cooler to heat."""
+    """Yield a warning where a stated supply temperature requires the cooler to heat, or its coolant does."""
     duty, power = found.get(DUTY), found.get("shaft_power")
     if duty is not None and duty < -HEATS * abs(power or 0.0):
         T, supply = found["separator_temperature"], found["oil_supply_temperature"]
+        heats, remedy = f"would have to heat it by {-1e-3 * duty:.4g} kW", f"lower {SUPPLY}"
+        if LOAD in found:  # a cooler of a stated size
+            heats, remedy = f"heats it by {-1e-3 * duty:.4g} kW", "choose a colder coolant"
         yield (
             f"the oil comes back at {in_celsius(supply)}, warmer than the {in_celsius(T)} of the separator: its cooler "
-            f"would have to heat it by {-1e-3 * duty:.4g} kW (lower {SUPPLY}, or that of the coolant)"
+            f"{heats} ({remedy})"
         )
 
 

@@ -26,7 +26,7 @@ Array = np.ndarray
 Read = tuple[Performance, dict[str, str]]  # figures, and the reasons for those that are None
 OF_SEPARATOR = "mixture_discharge_temperature", "separator_temperature", "oil_cooler_duty"
 OF_SEPARATOR = (*OF_SEPARATOR, "oil_circuit_residual", "oil_flow_volume", "oil_cooler_load")
-NO_LOAD = "the coolant is not colder than the oil"
+NO_LOAD = "no oil flows, or the coolant is not colder than what the cooler is to keep"
 NO_REASON = "this cycle has none"
 WHY_NONE = {
     "discharge_temperature": performance.NONE_LEAVES,

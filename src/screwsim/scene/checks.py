@@ -158,7 +158,10 @@ def _sought_oil_flow(scene: Scene) -> Iterator[Fault]:
     cold = parameters.outlet or supply.temperature
     if cold is None or isinstance(supply.temperature, FoundWithCycle):
         what = "needs oil at a stated temperature (write oil_supply.temperature, or"
-        if cold is None:
+        if cold is None and parameters.bounded:
+            what = "needs oil at a stated temperature, which a cooler of a stated size may not keep"
+            yield Fault(path, f"{what} (remove effects.{name}.{parameters.size_key})")
+        elif cold is None:
             yield Fault(path, f"{what} effects.{name}.{parameters.outlet_key}: 50 degC)")
     elif cold >= supply.discharge_temperature:
         what = f"{in_celsius(supply.discharge_temperature)} is not above the oil's {in_celsius(cold)}"

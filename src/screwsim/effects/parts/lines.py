@@ -105,10 +105,21 @@ class LosesPressure:
 class CoolsOil:
     """Parameters of an effect that returns the oil through a cooler, and may find the temperature of its supply.
 
-    `outlet_key` names the parameter that prescribes the oil's temperature behind the cooler.
+    `outlet_key` names the parameter that prescribes the oil's temperature behind the cooler, `size_key` that of the
+    cooler's size.
     """
 
-    outlet_key = ""
+    outlet_key = size_key = ""
+
+    @property
+    def bounded(self) -> bool:
+        """Whether the cooler has a size, so that what it is to keep is not kept at any price."""
+        return False
+
+    @property
+    def cooled_by_inlet(self) -> bool:
+        """Whether the coolant is the air at the machine's inlet."""
+        return False
 
     @property
     def outlet(self) -> float | None:

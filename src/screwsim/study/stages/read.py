@@ -11,7 +11,7 @@ from typing import Any, Self
 
 from screwsim.build import build_parts, package_of
 from screwsim.effects.air_package import AIR
-from screwsim.effects.base import Plenum
+from screwsim.effects.base import CoolsOil, Plenum
 from screwsim.explain import explain
 from screwsim.explain.parameters import WIDTH
 from screwsim.fluid.composition import is_blend
@@ -285,6 +285,10 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
             problems.add(place, STAGES_KEY, f"{what} (write aftercooler: null there, and {remedy})")
         if not getattr(package_of(scene), "delivers", True):
             problems.add(place, STAGES_KEY, f"the {name} scene {UNLOADED_STAGE} (write state: loaded there)")
+    cooling = (one.parameters for one in second.effects.values() if isinstance(one.parameters, CoolsOil))
+    if any(each.cooled_by_inlet for each in cooling):
+        what = "the second scene's oil cooler would have the warm suction of that stage for its coolant"
+        problems.add(place, STAGES_KEY, f"{what} (state its coolant_temperature there)")
     if first.gas != second.gas:
         problems.add(place, STAGES_KEY, "have different gases (write the same gas: section in both)")
     if first.machine.expands or second.machine.expands:
