@@ -55,6 +55,24 @@ def test_expressions_of_integers(expression):
     agree(f"def f(i, j):\n    return {expression}\n", *[(i, j) for i in range(-7, 8) for j in (-3, -1, 2, 5)])
 
 
+CONSTANTS = """
+def f(n, x):
+    total = 0.0
+    for i in range(n):
+        part = np.zeros(max(2, 3))
+        part[min(-1, 2)] = x
+        total += float(part[2])
+    for i in range(0, n, max(1, 2)):
+        total += i
+    return total + float(n ** max(2, 1))
+"""
+
+
+def test_the_larger_of_constants_is_a_constant():
+    """As the size of an array, an index from its end, a step and a power, which have to be known to the compiler."""
+    agree(CONSTANTS, (5, 0.5), (1_000_000, 0.5))
+
+
 LOOPS = """
 SMALL = 3
 TABLE = np.array([[1.0, 2.0], [3.0, 4.0]])

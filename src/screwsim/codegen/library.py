@@ -154,7 +154,8 @@ class Library:
         else:
             lines.append("  ret i64 0")
         if not all(words_of(kind) == self.lanes for kind in numbers):
-            raise TypeError(f"{name} returns what is the same for all lanes")
+            what = "an array, which Python cannot take" if self.lanes == 1 else "what is the same for all lanes"
+            raise TypeError(f"{name} returns {what}")
         return returned, self._whole_text((name, kinds), symbol, lines)
 
     def beside(self) -> tuple[list[str], list[str]]:

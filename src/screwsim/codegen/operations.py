@@ -222,8 +222,9 @@ class Operations:
         value = self.as_kind(value, kind)
         if isinstance(op, ast.UAdd):
             return value
-        how = "fneg {part}" if kind in (FLOAT, FLOATS) else f"{BY_KIND[kind][ast.Sub]} {{part}} zeroinitializer,"
-        return Value(kind, (self.new(f"{how.format(part=kind.parts[0])} {value.parts[0]}"),))
+        part = kind.parts[0]
+        how = f"fneg {part}" if kind in (FLOAT, FLOATS) else f"{BY_KIND[kind][ast.Sub]} {part} zeroinitializer,"
+        return Value(kind, (self.new(f"{how} {value.parts[0]}"),))
 
     def negated(self, value: Value) -> Value:
         """Return whether a condition does not hold."""
@@ -245,10 +246,10 @@ class Operations:
 
     def chosen(self, where: Value, one: Value, other: Value) -> Value:
         """Return the first of two values of a kind where a condition holds, the second elsewhere."""
-        test, parts = (
-            f"{where.kind.parts[0]} {where.parts[0]}",
-            zip(one.kind.parts, one.parts, other.parts, strict=True),
-        )
+        if where.known is not None:  # so that what is chosen of constants is one
+            return one if where.known else other
+        test = f"{where.kind.parts[0]} {where.parts[0]}"
+        parts = zip(one.kind.parts, one.parts, other.parts, strict=True)
         return Value(one.kind, tuple(self.new(f"select {test}, {part} {a}, {part} {b}") for part, a, b in parts))
 
     # ---- elements --------------------------------------------------------------------------------------------------
@@ -290,12 +291,16 @@ class Operations:
 
     def builtin(self, name: str) -> Callable[[Sequence[Value], ast.Call], Value] | None:
         """Return the writer of calls of a function that is not a kernel; None where it is unknown."""
-        plain = {"abs": self._abs, "min": self._extreme, "max": self._extreme, "int": self._int, "float": self._float}
-        plain |= {
+        plain = {
+            "abs": self._abs,
+            "min": self._extreme,
+            "max": self._extreme,
+            "int": self._int,
+            "float": self._float,
             "len": self._length,
-            "bits_of": self._same_bits,
+            "bits_of": self._same_bits,  # see `codegen.lane_math`
             "of_bits": self._same_bits,
-        }  # see `codegen.lane_math`
+        }
         function = name.removeprefix("math.")
         if name == function or not (function in OWN or function in LIBRARY or function in ROUNDED):
             return plain.get(name)

@@ -55,7 +55,7 @@ class CycleFigures:
     enthalpy: Callable[[float, float], float] | None = None  # [J/kg] of the gas at a pressure and a temperature
     drained: Callable[[float, float], tuple[float, Any]] | None = None  # at p, T: share that is not liquid, and its gas
     suction_density: float = 0.0  # of the gas in the suction line
-    theoretical_torque: Callable[[], float] | None = None  # of compressing the whole displacement without loss (M460)
+    theoretical_torque: Callable[[], float] | None = None  # [N m] of the whole displacement without loss (M460)
     fluid: str = ""
     found: Mapping[str, Any] = field(default_factory=dict)  # the figures known so far
 

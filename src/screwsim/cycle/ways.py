@@ -76,9 +76,9 @@ def _together_finer(task: ClosingTask, cycle: CycleSolution, most: int) -> Cycle
 
 
 WAYS = {
-    WAVEFORMS: Way(relax, _relax_again, _relax_finer, _relaxed_share, False, "numerics.closing: coupled"),
+    WAVEFORMS: Way(relax, _relax_again, _relax_finer, _relaxed_share, whole=False, instead="numerics.closing: coupled"),
     # what pitches needed says nothing about waveform relaxation
-    TOGETHER: Way(_together, _together_again, _together_finer, lambda cycle, criteria: 1.0, True),
+    TOGETHER: Way(_together, _together_again, _together_finer, lambda cycle, criteria: 1.0, whole=True),
 }
 
 
