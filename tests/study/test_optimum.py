@@ -1,6 +1,7 @@
 """The optimum of one path: found between grid points, with its uncertainty, its border and its failures."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from study_fakes import deadly, flat, gappy, parabola, raising, rough, steady, t
 
 from screwsim.build import build_parts
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Result
 from screwsim.scene import case, loads, with_values
 from screwsim.simulate import simulate
 from screwsim.study.optimum import optimum, question
@@ -59,6 +61,18 @@ def test_the_accuracy_is_tightened_until_the_place_is_known():
     # 1 % of the range ln 100 needs 0.05 · 0.046² > 0.8 · accuracy
     assert row.accuracy == pytest.approx(3e-5)
     assert row.value == pytest.approx(math.pi, rel=0.05)
+
+
+def test_a_best_value_keeps_its_warnings_where_a_more_accurate_solution_of_it_fails():
+    wanted = scene().numerics.accuracy
+
+    def solved(one):
+        if one.numerics.accuracy < wanted:
+            return Result("failed", message="too hard")
+        return replace(rough(one), warnings=("a warning",))
+
+    (row,) = best_of(solved)
+    assert (row.status, row.warnings) == ("ok", ("a warning",)) and row.failed and "too hard" in row.message
 
 
 def test_a_minimum_is_found():

@@ -177,13 +177,14 @@ def _best(rest: Varied, asked: Question, simulate: Simulate, number: int) -> Bes
 
 @dataclass
 class _Trials:
-    """Solutions of one search, by the search coordinate; the last one where a more accurate one follows another."""
+    """Solutions of one search by the search coordinate, of several there the last, and why others failed."""
 
     scene: Varied
     asked: Question
     simulate: Simulate
     count: int = 0
     known: dict[float, Result] = field(default_factory=dict)
+    reasons: dict[float, str] = field(default_factory=dict)  # why solutions failed or did not close
 
     def solved(self, value: float) -> Result:
         """Return the result at a value [SI]."""
@@ -193,16 +194,15 @@ class _Trials:
     def point(self, x: float) -> SearchPoint:
         """Return the figure at a coordinate, negated for a minimum; NaN without a closed solution."""
         name = self.asked.figure
-        result = self.known[x] = self.solved(self.asked.value_at(x))
-        value = result.performance.get(name) if result.status == "ok" else None
+        result = self.solved(self.asked.value_at(x))
+        if result.status != "ok":
+            self.reasons[x] = result.told
+            return SearchPoint(x, math.nan)
+        self.known[x] = result
+        value = result.performance.get(name)
         if value is None:
             return SearchPoint(x, math.nan)
         return SearchPoint(x, -value if self.asked.minimum else value, absolute_error(result, name, self.scene))
-
-    @property
-    def reasons(self) -> dict[float, str]:
-        """Why solutions failed or did not close, by coordinate."""
-        return {x: result.told for x, result in self.known.items() if result.status != "ok"}
 
     def beside(self, x: float, within: float) -> str:
         """Return why the nearest solution within a distance of a coordinate failed; '' where none did."""
