@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from each_row import each_row
 from result_fakes import SCENE
-from study_fakes import deadly, flat, gappy, parabola, raising, rough, steady, two_tops
+from study_fakes import deadly, flat, gappy, parabola, raising, result_of, rough, steady, two_tops
 
 from screwsim.build import build_parts
 from screwsim.inputs.faults import UsageError
@@ -69,7 +69,8 @@ def test_a_best_value_keeps_its_warnings_where_a_more_accurate_solution_of_it_fa
     def solved(one):
         if one.numerics.accuracy < wanted:
             return Result("failed", message="too hard")
-        return replace(rough(one), warnings=("a warning",))
+        rising = 0.5 + wanted * math.log(one.oil_supply.ratio)  # highest at the border, which each search tries
+        return replace(result_of(rising, wanted), warnings=("a warning",))
 
     (row,) = best_of(solved)
     assert (row.status, row.warnings) == ("ok", ("a warning",)) and row.failed and "too hard" in row.message
