@@ -28,7 +28,7 @@ from screwsim.machine.protocol import OIL
 from screwsim.numerics.kernel import kernel
 
 NAME = "oil_injection"
-NO_LINE = OilLine(pressure_loss=0.0, flow=1.0)
+NO_LINE = OilLine(pressure_loss=0.0, flow=1.0)  # without a loss, at any flow
 
 
 @dataclass(frozen=True)

@@ -115,7 +115,7 @@ class Cooler:
         remedy = "" if colder else "a larger effects.separator.cooler.conductance, or "
         return (
             f"the oil cooler cannot keep {kept} {where}: all of its {1e-3 * (self.conductance or 0.0):.4g} kW/K remove "
-            f"{1e-3 * found.duty:.4g} kW, and {what} reaches {in_celsius(T)} ({remedy}a coolant colder than "
+            f"{1e-3 * max(found.duty, 0.0):.4g} kW, and {what} reaches {in_celsius(T)} ({remedy}a coolant colder than "
             f"{in_celsius(coolant)})"
         )
 

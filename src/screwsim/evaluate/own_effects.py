@@ -65,9 +65,7 @@ def impossible(problem: Problem, cycle: CycleSolution) -> str:
         return wrong
     phi, rows = _states_along(life) if not cycle.failed else (np.empty(0), np.empty((0, 1)))
     degrees = np.radians(np.arange(0.0, math.degrees(parts.geometry.life), 1.0))
-    turned = [ChamberPoint(angle, rows, 0.0, 0.0, 0.0) for angle in np.union1d(phi, degrees).tolist()]
-    areas = (_first_message(asked, turned) for asked in _areas(parts, life) if asked.effect in own)
-    wrong = next(filter(None, areas), "")
+    wrong = next(_areas(parts, life, own, np.union1d(phi, degrees)), "")
     if wrong:
         return wrong
     stopped = cycle.failed  # NaN would not have closed: check a closed cycle for signs and shares only
@@ -85,11 +83,15 @@ def _first_message(asked: KernelCheck, points: Sequence[ChamberPoint]) -> str:
     slack = ROUNDING * max(finite, default=0.0)
     for point, value in zip(points, values, strict=True):
         if not (math.isfinite(value) and asked.least - slack <= value <= asked.most + slack):
-            states = f", T = {in_celsius(point.y[S_T])}, p = {in_bar(point.p)}" if point.m else ""
-            shown = f"{value:.6g} {asked.unit}".rstrip()
-            where = f"at {math.degrees(point.phi):.2f} deg{states}"
-            return f"effects.{asked.effect}: its {asked.what} is {shown} {where}, which is impossible; fix that module"
+            return _message(asked.effect, asked.what, asked.unit, point, value)
     return ""
+
+
+def _message(effect: str, what: str, unit: str, point: ChamberPoint, value: float) -> str:
+    states = f", T = {in_celsius(point.y[S_T])}, p = {in_bar(point.p)}" if point.m else ""
+    shown = f"{value:.6g} {unit}".rstrip()
+    where = f"at {math.degrees(point.phi):.2f} deg{states}"
+    return f"effects.{effect}: its {what} is {shown} {where}, which is impossible; fix that module"
 
 
 def _declared(parts: Parts, own: set[str]) -> Iterator[str]:
@@ -148,15 +150,20 @@ def _point(parts: Parts, life: Trajectory, phi: float, y: Array, p: float | None
     return ChamberPoint(phi, y, p, V, rho * V / room)
 
 
-def _areas(parts: Parts, life: Trajectory) -> Iterator[KernelCheck]:
-    """Yield the areas of paths, which depend on the angle alone."""
-    c, module = life.composition, life.module
-
-    def area(i: int, coefficient: float, point: ChamberPoint) -> float:
-        return float(module.path_area(i, point.phi, c.P, c.TAB)) / coefficient
-
+def _areas(parts: Parts, life: Trajectory, own: set[str], angles: Array) -> Iterator[str]:
+    """Yield messages on impossible areas of paths, which depend on the angle [rad] alone; one for each path."""
+    c, found = life.composition, np.empty(len(angles))
     for i, (name, path) in enumerate([*parts.ports, *parts.gaps]):
-        yield KernelCheck(name, "area", "m²", partial(area, i, path.flow_coefficient or 1.0), 0.0)
+        if name not in own:
+            continue
+        life.module.trace__areas_along(angles, i, c.P, c.TAB, found)
+        areas = found / (path.flow_coefficient or 1.0)
+        finite = np.isfinite(areas)
+        slack = ROUNDING * float(np.max(np.abs(areas), initial=0.0, where=finite))
+        wrong = np.flatnonzero(~(finite & (areas >= -slack)))
+        if len(wrong):
+            where = ChamberPoint(float(angles[wrong[0]]), areas, 0.0, 0.0, 0.0)
+            yield _message(name, "area", "m²", where, float(areas[wrong[0]]))
 
 
 def _rates(parts: Parts, life: Trajectory) -> Iterator[KernelCheck]:

@@ -25,6 +25,7 @@ more than this, such as condensed liquid or saturation, check for `gas.model: re
 """
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from math import log
 from typing import Any, Protocol
 
@@ -111,20 +112,16 @@ class CompiledGas(CommonGas, Protocol):
         """Return temperature [K] at p [Pa] and specific enthalpy h [J/kg]; T_sat within a pure fluid's dome."""
         return float(self._at(p, h, False)[0])
 
-    def _port_state(self: Any, p: float, T: float, rho: float) -> tuple[float, ...]:
-        _p, h, _c_v, _tpt, a, choke, choked = self._kernels["state"](T, rho)
-        return p, rho, h, a, choke, choked
-
     def port_state(self: Any, p: float, T: float) -> tuple[float, ...]:
         """Return (p, ρ, h, 1/k, drop and ψ² of choking) of a plenum at p [Pa], T [K]."""
-        return self._port_state(p, T, self.density(p, T))
+        return _port_state(self, p, T, self.density(p, T))
 
     def port_state_of_enthalpy(self: Any, p: float, h: float) -> tuple[float, ...]:
         """Return the same as `port_state`, at p [Pa] and specific enthalpy h [J/kg]; in equilibrium where that is wet.
 
         While a cycle is being closed a state may be wet for a time; `why_outside` says whether the closed cycle may be.
         """
-        return self._port_state(p, *self._at(p, h, False))
+        return _port_state(self, p, *self._at(p, h, False))
 
     def isentrope(self: Any, p: float, s: float) -> tuple[float, float, float]:
         """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet states in equilibrium.
@@ -141,6 +138,12 @@ class CompiledGas(CommonGas, Protocol):
     def isentropic_work_of_enthalpy(self: Any, p_1: float, p_2: float, h: float) -> float:
         """Return the isentropic enthalpy rise [J/kg] from p_1 and specific enthalpy h, wet or not, to p_2."""
         return self.isentrope(p_2, float(self._kernels["specific_entropy"](*self._at(p_1, h, False))))[2] - h
+
+
+@lru_cache(maxsize=64)  # those of the lines are asked for again and again
+def _port_state(gas: Any, p: float, T: float, rho: float) -> tuple[float, ...]:
+    _p, h, _c_v, _tpt, a, choke, choked = gas._kernels["state"](T, rho)
+    return p, rho, h, a, choke, choked
 
 
 class Gas(CommonGas, Protocol):

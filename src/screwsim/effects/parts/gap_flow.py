@@ -110,7 +110,11 @@ def faults(name: str, parameters: Any, facts: Any) -> Iterator[Fault]:
     """Yield keys that a gap's flow model needs and lacks, and those that have no meaning with it."""
     path, word, model = f"effects.{name}", parameters.model, MODELS[parameters.model]
     needed = {} if model.held is None else {"passage": "2 mm", model.key: model.example}
-    used = {*needed, *(["gas_viscosity"] * model.gas), *(["wall_speed"] * model.walls)}
+    used = set(needed)
+    if model.gas:
+        used.add("gas_viscosity")
+    if model.walls:
+        used.add("wall_speed")
     for key in ("passage", *(each.key for each in MODELS.values() if each.key), "gas_viscosity", "wall_speed"):
         given = getattr(parameters, key) is not None
         if key in needed and not given:
