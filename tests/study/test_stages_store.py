@@ -159,6 +159,7 @@ def test_files_are_compared_by_the_figures_of_both_and_of_each(folder, tmp_path)
     assert (in_sweep.common, in_sweep.compared, in_sweep.equal) == (1, 1, True)
 
 
+@pytest.mark.around
 def test_curves_pages_and_columns_are_made_of_both_and_of_each(folder, tmp_path, capsys):
     drawn = screwsim.plot.write(folder / "point.h5", tmp_path / "point")
     assert {"first_pressure_volume.png", "second_pressure_volume.png"} <= {Path(each).name for each in drawn}
@@ -191,6 +192,7 @@ def test_measured_pressures_need_the_file_of_one_machine(folder, tmp_path, capsy
     assert "holds two stages" in error and "--stage first gives its scene, to be run" in error
 
 
+@pytest.mark.around
 @pytest.mark.parametrize("sweep", [None, {"second.operation.speed": ["10000 rpm", "12000 rpm"]}])
 def test_a_file_without_any_result_has_a_page_and_nothing_to_draw(folder, tmp_path, capsys, sweep):
     path, out = folder / "failing.stages.yaml", tmp_path / "fail.h5"

@@ -162,6 +162,7 @@ def test_the_table_of_a_sweep_has_half_of_the_interval_in_the_unit_of_the_figure
     )
 
 
+@pytest.mark.around
 def test_the_data_sheet_tells_it_at_its_own_point(plant, tmp_path, capsys):
     path = plant()
     sheet = ["datasheet", str(path), "--suction", "1.4 bar..1.5 bar", "--discharge", "11 bar..12 bar", "--jobs", "1"]
