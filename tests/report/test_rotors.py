@@ -32,9 +32,9 @@ def pair() -> Rotors:
 
 def draw(pair, name):
     """Return one of the four figures."""
-    if name in ("mesh_figure", "sealing_figure"):
-        return getattr(figures, name)(pair)
-    return getattr(figures, name)(make_curves(pair, 3.2))
+    curves = make_curves(pair, 3.2)
+    given = {"volume_figure": (pair, curves), "areas_figure": (curves,)}
+    return getattr(figures, name)(*given.get(name, (pair,)))
 
 
 @pytest.mark.parametrize("name", ["mesh_figure", "sealing_figure", "volume_figure", "areas_figure"])

@@ -203,7 +203,7 @@ _SPEED = "operation.speed"
 def presets(base: SceneArguments) -> list[dict[str, Any]]:
     """Return useful sets of changes, if the scene has the changed values and allows the changes."""
     scene = base.scene
-    gaps = [name for name, active in scene.effects.items() if active.effect.needs & protocol.GAPS]
+    gaps = [name for name, active in scene.effects.items() if active.effect.needs.intersection(protocol.GAPS)]
     clearances = [f"effects.{name}.gap" for name in gaps if hasattr(scene.effects[name].parameters, "gap")]
     found = [
         _scaled(scene, "half the speed", [_SPEED], 0.5),

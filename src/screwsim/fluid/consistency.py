@@ -42,7 +42,8 @@ def _pairs(gas: Gas, p_s: float, T_s: float, p_d: float) -> Iterator[Pair]:
     yield from _state(gas, p_d, T_d)
 
 
-def _asked(gas: Gas, kernel: Kernel, T: float, rho: float) -> Any:
+def kernel_value(gas: Gas, kernel: Kernel, T: float, rho: float) -> Any:
+    """Return what a kernel of a gas gives at T [K] and ρ [kg/m³], in plain Python."""
     named = {"T": T, "rho": rho, **gas.values}
     return kernel(*(named[name] for name in kernel.arguments))
 
@@ -52,10 +53,10 @@ def _state(gas: Gas, p: float, T: float) -> Iterator[Pair]:
     at, rho = f" at {p / 1e5:.4g} bar, {T:.4g} K", gas.density(p, T)
 
     def state(T: float, rho: float) -> tuple[float, ...]:
-        return _asked(gas, gas.state, T, rho)
+        return kernel_value(gas, gas.state, T, rho)
 
     def entropy(T: float, rho: float) -> float:
-        return _asked(gas, gas.specific_entropy, T, rho)
+        return kernel_value(gas, gas.specific_entropy, T, rho)
 
     found_p, h, c_v, TpT, inverse, drop, choked = state(T, rho)
     yield f"p of its kernel `state`, with its density({p:.4g} Pa, {T:.4g} K)", found_p, p, 0.0

@@ -103,8 +103,13 @@ def sheet_of(text: str) -> Sheet:
     for name in head.cells:
         if name and head.cells.count(name) > 1:
             raise BadSheet(f"has the column {_short(name)} twice (remove one)", head.line)
+    wanted = len(head.cells)
     for row in body:
-        _check_count(row, len(head.cells))
+        count = len(row.cells)
+        if count != wanted:
+            remedy = "write decimal points, not decimal commas" if count > wanted else "fill the row"
+            what = f"has {count} cell{'s' * (count != 1)}, but the first line has {wanted}"
+            raise BadSheet(f"{what} ({remedy}: one cell per column)", row.line)
     if head.cells[0] == NAMES and len(head.cells) > 1:
         for number, line in numbered:
             _check_remark(number, line, head)
@@ -135,17 +140,6 @@ def _check_remark(number: int, line: str, head: Row) -> None:
         what = f"begins with {REMARK}, but has as many cells as a row"
         remedy = f"put its name in double quotes, or a space after {REMARK} if the row is to be left out"
         raise BadSheet(f"{what} ({remedy})", number)
-
-
-def _check_count(row: Row, wanted: int) -> None:
-    count = len(row.cells)
-    if count == wanted:
-        return
-    remedy = "write decimal points, not decimal commas" if count > wanted else "fill the row"
-    raise BadSheet(
-        f"has {count} cell{'s' * (count != 1)}, but the first line has {wanted} ({remedy}: one cell per column)",
-        row.line,
-    )
 
 
 def _short(name: str) -> str:

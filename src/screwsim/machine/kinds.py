@@ -9,24 +9,12 @@ import numpy as np
 from screwsim.inputs.faults import Fault, in_one_line
 from screwsim.machine import twin_screw as _twin_screw
 from screwsim.machine.profile_law import Interface
-from screwsim.machine.protocol import (
-    BLOW_HOLE,
-    CONTACT_GAP,
-    END_GAP,
-    PORTS,
-    TIP_GAP,
-    AreaLaw,
-    MachineGeometry,
-    MachineKind,
-    MachineSettings,
-    VolumeKernels,
-)
+from screwsim.machine.protocol import GAPS, PORTS, AreaLaw, MachineGeometry, MachineKind, MachineSettings, VolumeKernels
 from screwsim.machine.settings import TwinScrew
 from screwsim.machine.slider_crank import cylinder as _slider_crank
 from screwsim.numerics.trial import registry_entry
 
 Array = np.ndarray
-GAPS = TIP_GAP, CONTACT_GAP, BLOW_HOLE, END_GAP
 STEP = math.radians(0.5)  # spacing of the angles at which a user's own law is checked
 GAUSS = np.array((-1.0, 1.0)) / math.sqrt(3.0)
 SLACK = 1e-6  # allowed inconsistency of volumes, over the largest volume

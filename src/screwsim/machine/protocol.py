@@ -17,7 +17,7 @@ from screwsim.numerics.spline import negligible_areas, pack_curve
 # features that a machine may offer and an effect may need
 PORTS = "ports"  # area laws: `suction_law`, `discharge_law`
 TIP_GAP, CONTACT_GAP, BLOW_HOLE, END_GAP = "tip gap", "contact-line gap", "blow-hole", "end-face gap"
-GAPS = frozenset({TIP_GAP, CONTACT_GAP, BLOW_HOLE, END_GAP})  # returned by `interfaces`
+GAPS = TIP_GAP, CONTACT_GAP, BLOW_HOLE, END_GAP  # returned by `interfaces`
 OIL = "oil"  # injected into the chambers
 HOLES = "holes"  # in the housing, passed by the chambers, at angles like a twin screw's
 ROTORS = "screw rotors"  # a male and a female rotor, with their settings and symbols

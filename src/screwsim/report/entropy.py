@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.build import build_parts
+from screwsim.fluid.consistency import kernel_value
 from screwsim.fluid.dome import numbers, saturation_kernels
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.real_gas import RealGas
@@ -120,19 +121,14 @@ def entropies(trace: Trace, scene: Scene) -> Entropies:
     mass = np.asarray(trace.values["gas_mass"], float)
     there = np.isfinite(T) & (room > 0.0) & (mass > EMPTY * float(np.nanmax(mass)))
     s = np.full(T.shape, np.nan)
-    s[there] = [_of_state(gas, *state) for state in zip(T[there], mass[there] / room[there], strict=True)]
+    states = zip(T[there].tolist(), (mass[there] / room[there]).tolist(), strict=True)
+    s[there] = [kernel_value(gas, gas.specific_entropy, *state) for state in states]
     start = s[int(np.nanargmax(np.where(np.isfinite(s), room, -np.inf)))]
     low, high = float(np.min(T[there])), float(np.max(T[there]))
     isobars = {
         symbol: _isobar(gas, p, gas.nearest_vapour(p, low), high, start) for symbol, p in trace.pressures.items()
     }
     return Entropies(s - start, isobars, _dew(gas, low, high, start) if isinstance(gas, RealGas) else None)
-
-
-def _of_state(gas: Gas, T: float, rho: float) -> float:
-    """Return the specific entropy [J/(kg K)] at T [K] and ρ [kg/m³], by the kernel of the gas in plain Python."""
-    named = {"T": float(T), "rho": float(rho), **gas.values}
-    return float(gas.specific_entropy(*(named[name] for name in gas.specific_entropy.arguments)))
 
 
 def _isobar(gas: Gas, p: float, low: float, high: float, start: float) -> tuple[np.ndarray, np.ndarray]:
@@ -147,4 +143,5 @@ def _dew(gas: RealGas, low: float, high: float, start: float) -> tuple[np.ndarra
     T = np.linspace(max(low, T_low), min(high, T_c * (1.0 - 1e-4)), POINTS)
     if T[-1] <= T[0]:
         return None
-    return np.array([_of_state(gas, each, density(float(each))) for each in T]) - start, T
+    s = [kernel_value(gas, gas.specific_entropy, each, density(each)) for each in T.tolist()]
+    return np.array(s) - start, T

@@ -38,7 +38,7 @@ def draw_rotors(
     plans = {
         "rotors": partial(mesh_figure, rotors),
         "sealing_line": partial(sealing_figure, rotors),
-        "volume": partial(volume_figure, curves),
+        "volume": partial(volume_figure, rotors, curves),
         "areas": partial(areas_figure, curves),
     }
     if slide is not None:
@@ -136,15 +136,15 @@ def _over_life(axes: Any, curves: Curves, named: bool) -> None:
             style.name_above(axes, at, text)
 
 
-def volume_figure(curves: Curves) -> Any:
+def volume_figure(rotors: Rotors, curves: Curves) -> Any:
     """Draw V and dV/dφ over the chamber's own angle, and the male rotor's part of dV/dφ."""
     figure, (upper, lower) = subplots(SINGLE, 96.0, 2, 1, sharex=True)
-    degrees = np.degrees(curves.volume.angle)
+    degrees, phi = np.degrees(curves.volume.angle), curves.volume.angle + rotors.start
     upper.plot(degrees, 1e6 * curves.volume.value, color=COLOURS[0])
     upper.set(ylabel="$V$ (cm³)", ylim=(0.0, None))
     lower.axhline(0.0, color=GREY, linewidth=0.4)
-    for curve, name, i in ((curves.volume_slope, "both rotors", 0), (curves.male_slope, "male rotor", 1)):
-        lower.plot(np.degrees(curve.angle), 1e6 * curve.value, color=COLOURS[2 * i], linestyle=DASHES[i], label=name)
+    for slope, name, i in ((rotors.volume_slope, "both rotors", 0), (rotors.male_slope, "male rotor", 1)):
+        lower.plot(degrees, 1e6 * slope(phi), color=COLOURS[2 * i], linestyle=DASHES[i], label=name)
     lower.set(xlabel="angle of the chamber's life (°)", ylabel=r"$\mathrm{d}V/\mathrm{d}\varphi$ (cm³/rad)")
     lower.legend(loc="lower left")
     for axes in (upper, lower):

@@ -141,7 +141,7 @@ def table_files(scene: Scene, folder: Path) -> dict[str, str]:
     }
     effects = dict(scene.effects)
     for name, active in scene.effects.items():
-        gap = next(iter(active.effect.needs & GAPS), None)
+        gap = next(iter(active.effect.needs.intersection(GAPS)), None)
         if gap == END_GAP:
             effects.pop(name)
         elif gap is not None:

@@ -256,24 +256,19 @@ def _override_value(text: str, place: Position, path: str, problems: LocatedFaul
 
 
 def _keys(root: Node, path: str, value: Node) -> list[str]:
-    """Return the keys of a dotted path: all after `sweep.` is one key, and names of user-defined effects have dots."""
+    """Return the keys of a dotted path: names of user-defined effects have dots, and paths after `sweep.` are one key.
+
+    So are those inside a sample; other keys of a sample are separate.
+    """
     head, _, rest = path.partition(".")
     if head == "sweep" and rest:
-        return [head, *_sweep_keys(rest)]
+        return path.split(".", 3 if rest.startswith("sample.") else 1)
     if head != "effects" or "." not in rest or rest.partition(".")[0] in catalogue():
         return path.split(".")
     if child_of(root, "effects", rest) is not None or isinstance(value.value, dict):
         return [head, rest]
     name, _, parameter = rest.rpartition(".")
     return [head, name, parameter]
-
-
-def _sweep_keys(rest: str) -> list[str]:
-    """Return the keys after `sweep.`: a path is one key, also inside a sample; other keys of a sample are separate."""
-    if not rest.startswith("sample."):
-        return [rest]
-    first, *inner = rest.removeprefix("sample.").split(".", 1)
-    return ["sample", first, *inner]
 
 
 def _remove(root: Node, without: Iterable[str]) -> Node:

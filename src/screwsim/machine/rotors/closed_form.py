@@ -64,7 +64,7 @@ def rack_flank(pair: Pair, rho: float, alpha: float, r5: float, points: int) -> 
     line = root[0][-1] + s * math.sin(g1), root[1][-1] + s * math.cos(g1), np.full(points, math.tan(g1))
     g = g[::-1]
     top = pair.addendum - rho + rho * np.cos(g), -rho * np.sin(g), np.tan(g)
-    return [_on_rack(pair, *part) for part in (root, line, top)]
+    return [((y + x * slope) / pair.r1, pair.r1 + x, -x * slope) for x, y, slope in (root, line, top)]
 
 
 def rack_line(pair: Pair, rho: float, alpha: float, r5: float) -> tuple[float, float]:
@@ -73,11 +73,6 @@ def rack_line(pair: Pair, rho: float, alpha: float, r5: float) -> tuple[float, f
     height = pair.addendum - rho + rho * math.cos(g1) - r5 + pair.dedendum + r5 * math.cos(g1)
     length = height / math.sin(g1)
     return length, (rho + r5) * math.sin(g1) + length * math.cos(g1)
-
-
-def _on_rack(pair: Pair, x: Array, y: Array, slope: Array) -> Segment:
-    Y = -x * slope
-    return (y - Y) / pair.r1, pair.r1 + x, Y
 
 
 def _contact_of_tips(pair: Pair, r3: float, r4: float) -> float:

@@ -51,12 +51,10 @@ class Path:
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """All curves by angle: volume and its slopes, ports, leakage paths."""
+    """All curves by angle: volume, ports, leakage paths."""
 
     life: float
     volume: Curve
-    volume_slope: Curve
-    male_slope: Curve
     suction: dict[str, Curve]
     discharge: dict[str, Curve]
     paths: tuple[Path, ...]
@@ -111,14 +109,9 @@ def _both_ends(rotors: Rotors, psi: list[float]) -> list[float]:
     return [*psi, *(x + rotors.wrap for x in psi)]
 
 
-def _volume_curves(rotors: Rotors) -> tuple[Curve, Curve, Curve]:
+def _volume_curve(rotors: Rotors) -> Curve:
     grid = _grid(rotors, [*_both_ends(rotors, section_breakpoints(rotors)), rotors.largest[0]])
-    phi = grid[0]
-    return (
-        _curve(rotors, grid, "m^3", rotors.volume(phi)),
-        _curve(rotors, grid, "m^3/rad", rotors.volume_slope(phi)),
-        _curve(rotors, grid, "m^3/rad", rotors.male_slope(phi)),
-    )
+    return _curve(rotors, grid, "m^3", rotors.volume(grid[0]))
 
 
 def _suction_curves(rotors: Rotors, grooves: ports.UncoveredArea, closes: float) -> dict[str, Curve]:
@@ -208,7 +201,7 @@ def make_curves(
     grooves = ports.uncovered_area(rotors)
     return Curves(
         rotors.life,
-        *_volume_curves(rotors),
+        _volume_curve(rotors),
         _suction_curves(rotors, grooves, closes),
         _discharge_curves(rotors, grooves, opens, face_opens),
         _paths(rotors, closes),

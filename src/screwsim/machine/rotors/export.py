@@ -8,7 +8,7 @@ from screwsim.machine.rotors.curves import Curve, Curves
 from screwsim.machine.rotors.pair import Array
 from screwsim.machine.rotors.rotors import Rotors
 
-_COLUMN = {"m^3": "volume_m3", "m^2": "area_m2", "m": "length_m", "m^3/rad": "volume_slope_m3_per_rad"}
+_COLUMN = {"m^3": "volume_m3", "m^2": "area_m2", "m": "length_m"}
 
 
 def curve_csv(curve: Curve) -> str:

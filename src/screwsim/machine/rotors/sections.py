@@ -46,7 +46,6 @@ class Sections:
     male_groove: float  # A01 [m²]
     female_groove: float  # A02 [m²]
     male_share: float  # share of the displacement work, hence of the gas torque
-    crossing: float  # Δ: area that crosses the open blow-hole [m²]
 
     @property
     def grooves(self) -> float:
@@ -107,4 +106,4 @@ def sections(pair: Pair, chain: Chain, hole: BlowHoleOpening | None = None) -> S
     male, female = outlines(pair, chain)  # of the outer circle the grooves are what the outline leaves
     A01 = (math.pi * pair.male_radius**2 - polygon_area(*male)) / pair.male_lobes
     A02 = (math.pi * pair.female_radius**2 - polygon_area(*female)) / pair.female_lobes
-    return Sections(psi, a, parts[0], integral, A01, A02, share, float(delta[:, 1].sum()))
+    return Sections(psi, a, parts[0], integral, A01, A02, share)

@@ -128,7 +128,9 @@ def checks(results: Results) -> Iterator[BalanceCheck]:
             yield BalanceCheck(BALANCE[name].long_name, largest, most, VERDICTS[kept])
     wanted = results.accuracy
     bounds = np.where(wanted > 0.0, wanted, 1.0)
-    shares = [(float(np.nanmax(errors / bounds)), name, errors) for name, errors in _errors(results)]
+    every = {name: np.where(closed, results.error[name], np.nan) for name in results.error}
+    known = {name: errors for name, errors in every.items() if np.isfinite(errors).any()}
+    shares = [(float(np.nanmax(errors / bounds)), name, errors) for name, errors in known.items()]
     if shares:
         share, name, errors = max(shares, key=lambda each: each[0])
         worst = np.nanargmax(errors / bounds)
@@ -136,15 +138,6 @@ def checks(results: Results) -> Iterator[BalanceCheck]:
         bound = float(wanted.flat[worst])
         told = (small_number_text(bound), VERDICTS[share <= 1.0]) if np.isfinite(bound) else ("", "")
         yield BalanceCheck(words, small_number_text(float(errors.flat[worst])), *told)
-
-
-def _errors(results: Results) -> Iterator[tuple[str, np.ndarray]]:
-    """Yield the estimated errors of each figure over the closed cases, if it has any."""
-    closed = results.status == "ok"
-    for name in results.error:
-        errors = np.where(closed, results.error[name], np.nan)
-        if np.isfinite(errors).any():
-            yield name, errors
 
 
 def headline_efficiency(results: Results) -> str:
