@@ -1,7 +1,5 @@
 """Read STAGES.yaml: both scenes and what lies between, with faults by line; its JSON Schema and its description."""
 
-from __future__ import annotations
-
 import os
 import textwrap
 from collections.abc import Iterable, Mapping
