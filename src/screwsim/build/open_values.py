@@ -18,7 +18,7 @@ from screwsim.numerics.frozen import with_changes
 from screwsim.numerics.identity_cache import IdentityCache
 from screwsim.outputs.customary import celsius
 from screwsim.scene.lines import lines
-from screwsim.scene.types import ActiveEffect, OilSupply, Scene
+from screwsim.scene.types import ActiveEffect, OilSupply, Scene, parameters_of_type
 
 MIXTURE, OIL_SUPPLY = "mixture_discharge_temperature", "oil_supply"
 LOG = 20.0  # [K] change of the coordinate that makes a factor e of the oil flow
@@ -96,8 +96,7 @@ class _OilRatio(Sought):
 @IdentityCache
 def _of_effects(effects: Mapping[str, ActiveEffect]) -> dict[str, Sought]:
     """Return the parameters of the effects that leave a number open, by effect name."""
-    every = ((name, active.parameters) for name, active in effects.items())
-    return {name: parameters for name, parameters in every if isinstance(parameters, Sought) and parameters.is_open}
+    return {name: sought for name, sought in parameters_of_type(effects, Sought).items() if sought.is_open}
 
 
 def _open(scene: Scene, T_oil: float | None = None) -> dict[str, Sought]:

@@ -1,8 +1,8 @@
 """Completes a scene with quantities found with its cycle: temperatures of oil and separator, losses of a package."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from screwsim.build import open_values
 from screwsim.effects.base import CoolsOil, InSeparator, LosesPressure, PressureLosses
@@ -12,11 +12,10 @@ from screwsim.fluid.oils import OILS
 from screwsim.fluid.settings import COLDEST, HOTTEST
 from screwsim.inputs.faults import Fault, QuantityNotFound, UsageError
 from screwsim.numerics.frozen import with_changes
-from screwsim.numerics.identity_cache import IdentityCache
 from screwsim.outputs.customary import in_celsius
 from screwsim.scene.checks import oil_faults
 from screwsim.scene.lines import lines
-from screwsim.scene.types import ActiveEffect, FoundWithCycle, Scene
+from screwsim.scene.types import ActiveEffect, FoundWithCycle, Scene, parameters_of_type
 
 WARMED, COOLED = 45.0, 12.0  # [K] first guesses: mixture above suction gas, temperature drop of oil in its cooler
 
@@ -30,14 +29,7 @@ class Temperatures(NamedTuple):
 
 def package_of(scene: Scene) -> LosesPressure | None:
     """Return the parameters of the effect that puts a package around the machine; None without one."""
-    return next(iter(_parameters_of_type(scene.effects, LosesPressure).values()), None)
-
-
-@IdentityCache
-def _parameters_of_type(effects: Mapping[str, ActiveEffect], kind: type) -> dict[str, Any]:
-    """Return the parameters of a given type among those of the effects, by effect name."""
-    every = ((name, active.parameters) for name, active in effects.items())
-    return {name: parameters for name, parameters in every if isinstance(parameters, kind)}
+    return next(iter(parameters_of_type(scene.effects, LosesPressure).values()), None)
 
 
 def completed(
@@ -102,7 +94,7 @@ def with_temperatures(scene: Scene, at: Temperatures) -> Scene:
 
 def _cooling(scene: Scene) -> CoolsOil:
     """Return the settings of the scene's oil cooler."""
-    return next(iter(_parameters_of_type(scene.effects, CoolsOil).values()), CoolsOil())
+    return next(iter(parameters_of_type(scene.effects, CoolsOil).values()), CoolsOil())
 
 
 def open_temperatures(scene: Scene) -> tuple[bool, bool]:
@@ -116,13 +108,13 @@ def open_temperatures(scene: Scene) -> tuple[bool, bool]:
 
 def _effects_to_complete(scene: Scene) -> dict[str, ActiveEffect]:
     """Return the effects of a scene that need the separator temperature and do not state it."""
-    asking = _parameters_of_type(scene.effects, InSeparator)
+    asking = parameters_of_type(scene.effects, InSeparator)
     return {name: scene.effects[name] for name, one in asking.items() if _is_open(one.separator_temperature)}
 
 
 def separator_effects(scene: Scene) -> list[InSeparator]:
     """Return the parameters of the effects that need the separator temperature, stated or not."""
-    return list(_parameters_of_type(scene.effects, InSeparator).values())
+    return list(parameters_of_type(scene.effects, InSeparator).values())
 
 
 def _is_open(value: float | None) -> bool:

@@ -19,12 +19,10 @@ LEAST_CREEP = 0.1  # [rpm] slowest start
 def _creep_speed(text: str) -> float:
     """Return the speed [rad/s] of --creep; raise UsageError for one that is none."""
     from screwsim.inputs.declare import KINDS
-    from screwsim.scene.units import NUMBER, Refused, parse_quantity
+    from screwsim.scene.units import NUMBER, parse_quantity, refused_at
 
-    try:
+    with refused_at(f"--creep {text}"):
         found = parse_quantity(KINDS["speed"], f"{text} rpm" if re.fullmatch(NUMBER, text.strip()) else text)
-    except Refused as refusal:
-        raise UsageError(f"--creep {text}: {refusal}") from None
     if not found >= LEAST_CREEP * RPM:
         raise UsageError(f"--creep {text}: is below {LEAST_CREEP:g} rpm (write e.g. --creep '30 rpm')")
     return found

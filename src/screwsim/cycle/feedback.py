@@ -38,6 +38,7 @@ from screwsim.model.slots import (
 )
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.integrators import Check
+from screwsim.scene.types import parameters_of_type
 
 Array = np.ndarray
 OF_LINE = ENTHALPY, OIL_RATIO, OIL_TEMPERATURE, DISSOLVED
@@ -120,7 +121,7 @@ def turn_of(problem: Problem, life: Trajectory, q: Array, into: LineInflow | Non
     parts, P, c = problem.parts, life.composition.P, problem.composition
     sums = problem.rate * walls_of(c, q)
     names = [wall.name for _, wall in parts.walls]
-    stated = ((name, active.parameters) for name, active in problem.scene.effects.items())
+    gaps = parameters_of_type(problem.scene.effects, ClearanceParameters)
     held = dict(zip(parts.made, P[list(c.made)].tolist(), strict=True))
     made = dict(held)
     turn = Turn(
@@ -128,7 +129,7 @@ def turn_of(problem: Problem, life: Trajectory, q: Array, into: LineInflow | Non
         made,
         dict(zip(names, sums[:, 0].tolist(), strict=True)),
         dict(zip(names, sums[:, 1].tolist(), strict=True)),
-        {name: gap.gap for name, gap in stated if isinstance(gap, ClearanceParameters)},
+        {name: gap.gap for name, gap in gaps.items()},
         problem.scene.operation.ambient_temperature,
         _line_flows(problem, life, q, into),
         parts.omega,

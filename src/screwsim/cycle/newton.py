@@ -7,10 +7,8 @@ through all chambers and unknowns. The errors of the slices and the curvature of
 Source: docs/explanation/closing.md, Newton's correction.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -53,10 +51,10 @@ class Correction(NamedTuple):
         """The change of the work of a life [J]."""
         return float(self.sums[0])
 
-    def times(self, factor: float) -> Correction:
+    def times(self, factor: float) -> Self:
         """Return the correction multiplied by a factor."""
-        start, along, unknowns, sums = (factor * each for each in (self.start, self.along, self.unknowns, self.sums))
-        return Correction(self.edges, start, along, unknowns, self.share, factor * self.mass, sums, self.back)
+        changed = "start", "along", "unknowns", "mass", "sums"
+        return self._replace(**{name: factor * getattr(self, name) for name in changed})
 
 
 class SlowestMode(NamedTuple):

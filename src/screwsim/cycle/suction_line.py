@@ -4,11 +4,9 @@ Its enthalpy, and with carried oil its oil ratio and dissolved gas, are feedback
 life of one chamber, like the streams (`balances.streams_of`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import exp
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -53,13 +51,13 @@ class Stream(NamedTuple):
         """Free and dissolved gas [kg]."""
         return self.gas + self.held
 
-    def times(self, rate: float) -> Stream:
+    def times(self, rate: float) -> Self:
         """Return the stream with all sums multiplied by a factor."""
-        return Stream(*(rate * each for each in self))
+        return self._make(rate * each for each in self)
 
-    def plus(self, other: Stream, share: float = 1.0) -> Stream:
+    def plus(self, other: Self, share: float = 1.0) -> Self:
         """Return the sum of this stream and a share of another."""
-        return Stream(*(one + share * more for one, more in zip(self, other, strict=True)))
+        return self._make(one + share * more for one, more in zip(self, other, strict=True))
 
 
 _NONE = Stream()

@@ -4,10 +4,8 @@ Kernels for lanes are compiled on first use, which takes seconds, and kept. The 
 earlier calls, so a scene always gives the same answer.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -42,7 +40,7 @@ class LaneRows(NamedTuple):
     held: Any
 
     @classmethod
-    def each(cls, arrays: Sequence[Array]) -> LaneRows:
+    def each(cls, arrays: Sequence[Array]) -> Self:
         """Return one array for each lane; unused lanes point to the first array."""
         first, *others = arrays = [np.ascontiguousarray(each) for each in arrays]
         at = address(first)
@@ -50,7 +48,7 @@ class LaneRows(NamedTuple):
         return cls([*addresses, *[at] * (LANES - len(addresses))], first.shape, arrays)
 
     @classmethod
-    def parts(cls, whole: Array, part: int) -> LaneRows:
+    def parts(cls, whole: Array, part: int) -> Self:
         """Return rows of an array for each lane, `part` of them; missing rows at the end repeat the last one.
 
         Lanes take rows in turn: nodes side by side are near each other, so that the same ports are open in all.

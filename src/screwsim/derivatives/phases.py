@@ -8,8 +8,6 @@ density, T_b(ρ): δφ = (δT_b + T_b' δρ − δT)/(dT/dφ − T_b' dρ/dφ).
 Source: M. di Bernardo et al., Piecewise-smooth Dynamical Systems, Springer 2008, 2.5 (saltation matrix).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import NamedTuple
 

@@ -5,12 +5,10 @@ Y = y₀ + h Σ a f(Y), after a pitch each chamber moves to the next place, oil 
 derivatives are then those of a system of equations (implicit-function theorem), whatever steps found the cycle.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -37,9 +35,9 @@ class RateNumbers(NamedTuple):
     TAB: Array
     R: Array
 
-    def plus(self, by: float, change: RateNumbers) -> RateNumbers:
+    def plus(self, by: float, change: Self) -> Self:
         """Return these plus a multiple of a change."""
-        return RateNumbers(*(one + by * more for one, more in zip(self, change, strict=True)))
+        return self._make(one + by * more for one, more in zip(self, change, strict=True))
 
     @property
     def nothing(self) -> bool:

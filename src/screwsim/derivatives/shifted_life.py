@@ -3,10 +3,8 @@
 Most figures follow from quadratures and numbers, while a history costs the gas's properties at the ends of all steps.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -61,7 +59,7 @@ class ShiftedLife(Trajectory):
     turning: PeakPlace | None
 
     @classmethod
-    def of(cls, pitch: CollocatedPitch, fill: Callable[[], None], turning: PeakPlace | None = None) -> ShiftedLife:
+    def of(cls, pitch: CollocatedPitch, fill: Callable[[], None], turning: PeakPlace | None = None) -> Self:
         """Return the life of a pitch; `fill` installs it as the last history."""
         machinery = pitch.machinery
         nothing: Any = None

@@ -1,6 +1,6 @@
 """All cases of a results file as a table, a row each: varied paths, status, figures; in SI, metric or US units."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -9,8 +9,8 @@ from ruamel.yaml import YAML
 
 from screwsim.effects import catalogue
 from screwsim.figures.engineering import figure_unit, shown_name
-from screwsim.fluid.composition import own_blend
 from screwsim.fluid.constants import gas_constant
+from screwsim.fluid.settings import GasSettings
 from screwsim.outputs import PERFORMANCE, Figure
 from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.results import Results
@@ -134,19 +134,12 @@ def _volume_flows(results: Results, units: str) -> Iterator[CaseColumn]:
     if any(path.startswith("gas.") for path in results.varied):
         return
     T, p = STANDARD[units]
-    fluid = _fluid(YAML(typ="safe", pure=True).load(results.scene_yaml)["gas"])
+    gas = YAML(typ="safe", pure=True).load(results.scene_yaml)["gas"]
+    fluid = GasSettings(**{key: gas.get(key) for key in ("fluid", "mass_fractions", "mole_fractions")}).name
     wet = results.performance[HUMIDITY] if HUMIDITY in results.figures else 0.0
     flow = (results.performance[FLOW] / (1.0 + wet)).ravel() * gas_constant(fluid) * T / p  # [m³/s], without the water
     name, factor = ("MMSCFD", 86400e-6 / CUBIC_FOOT) if units == US else ("Nm3/h", 3600.0)
     yield CaseColumn("standard flow", name, factor * flow)
-
-
-def _fluid(gas: Mapping[str, Any]) -> str:
-    """Return the name of the fluid of a scene's gas, or of its components and fractions."""
-    if isinstance(gas["fluid"], str):
-        return gas["fluid"]
-    by_mole = gas.get("mole_fractions") is not None
-    return own_blend(gas["fluid"], gas["mole_fractions" if by_mole else "mass_fractions"], by_mole)
 
 
 def protect_other_cases(path: Path) -> None:

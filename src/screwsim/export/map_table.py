@@ -1,7 +1,5 @@
 """A map as a table: what it is made of, and its values at other points, by the names of its inputs."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field

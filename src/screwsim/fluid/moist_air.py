@@ -7,13 +7,11 @@ is consistent with and without liquid. The liquid has no volume, and the chemica
 without air. It implements the protocol `fluid.gas`. `dry` is an `IdealGas` or the `RealGas` of air.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 from screwsim.codegen.modules import load
 from screwsim.fluid import moist_states as states
@@ -132,7 +130,7 @@ class MoistAir(CompiledGas):
         """Return the share of the mixture that is liquid at p [Pa], T [K] (M325)."""
         return self.liquid_share(T, self.density(p, T))
 
-    def drained(self, p: float, T: float) -> tuple[float, MoistAir]:
+    def drained(self, p: float, T: float) -> tuple[float, Self]:
         """Return the share of the mixture that remains at p [Pa], T [K] without its liquid, and that gas (M361)."""
         liquid = self.condensed(p, T)
         return 1.0 - liquid, replace(self, share=(self.share - liquid) / (1.0 - liquid)) if liquid > 0.0 else self

@@ -4,8 +4,6 @@ Source: docs/model.md M430. J. W. Murdock, J. Basic Eng. 84 (1962) 419; D. Chish
 orifices, J. Mech. Eng. Sci. 19 (1977) 128, the exponent 1/4; measured there with steam and water, gas and water.
 """
 
-from __future__ import annotations
-
 import math
 
 from screwsim.fluid.gap_flow import volume_share

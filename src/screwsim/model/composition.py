@@ -1,7 +1,5 @@
 """The result of composing the parts of a scene: module texts, the numbers that go in, and the layout of both."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -10,6 +8,15 @@ import numpy as np
 
 from screwsim.model.slots import P_PORT_WIDTH, Q_WALLS, R_SIZE
 from screwsim.numerics.identity_cache import once
+
+
+class StoredNumber(NamedTuple):
+    """A number of P that is stored in parts: its index, which holder has it, under which name, and how."""
+
+    place: int
+    holder: int
+    name: str
+    by_key: bool  # whether the holder is a mapping
 
 
 @dataclass(frozen=True)
@@ -22,15 +29,6 @@ class NumbersRecipe:
     held: tuple[StoredNumber, ...] | None = None  # where the other numbers are stored in parts; None where some are not
     angles: tuple[Any, ...] = ()  # from which the breakpoints follow
     law: Any = None  # of the volume, as read: its file may have changed since
-
-
-class StoredNumber(NamedTuple):
-    """A number of P that is stored in parts: its index, which holder has it, under which name, and how."""
-
-    place: int
-    holder: int
-    name: str
-    by_key: bool  # whether the holder is a mapping
 
 
 @dataclass(frozen=True)

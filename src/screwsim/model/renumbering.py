@@ -4,8 +4,6 @@ Whatever affects the text is compared; each number is read from where the earlie
 that affect more than calls of kernels, must be the same.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from operator import attrgetter
 from typing import Any

@@ -10,12 +10,12 @@ the dictionary anyway.
 calls an `__init__` that sets one value after the other.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import MISSING, fields, replace
 from functools import cache
 from typing import Any, TypeVar
+
+Kind = TypeVar("Kind")
 
 
 @cache
@@ -40,9 +40,6 @@ def with_changes(of: Kind, /, **values: Any) -> Kind:
         into[name] = own[name]
     into.update(values)
     return found
-
-
-Kind = TypeVar("Kind")
 
 
 def fast_init(kind: type[Kind]) -> type[Kind]:

@@ -1,10 +1,8 @@
 """Derivatives of a result's figures by the numbers of its scene, computed on first use."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, Protocol, Self
 
 from screwsim.inputs.suggestions import nearest
 from screwsim.outputs import display
@@ -61,7 +59,7 @@ class Derivatives(Mapping[tuple[str, str], float]):
         self._performance = Figures() if performance is None else performance
 
     @classmethod
-    def of(cls, found: ComputedDerivatives, performance: Figures, scene: Any = None) -> Derivatives:
+    def of(cls, found: ComputedDerivatives, performance: Figures, scene: Any = None) -> Self:
         """Return derivatives that have already been computed."""
         known = cls(lambda: found, performance, scene)
         known.__dict__["found"] = found

@@ -5,8 +5,6 @@ is free: here it is the gas where the chamber's volume is largest. The mass in a
 is open; areas of the loop are therefore no heat.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple

@@ -1,13 +1,11 @@
 """Results to HDF5: one file, written under a temporary name and renamed, so that it is complete or absent."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -103,7 +101,7 @@ class Draft:
         self._file: Any = None
         self._plan: Plan | None = None
 
-    def __enter__(self) -> Draft:
+    def __enter__(self) -> Self:
         """Return the draft."""
         return self
 

@@ -18,7 +18,7 @@ from screwsim.scene.derived_values import stated_faults
 from screwsim.scene.fields import leaves_of, value_at
 from screwsim.scene.operation import check_operation
 from screwsim.scene.sizes import area_fault, size_faults
-from screwsim.scene.types import Scene
+from screwsim.scene.types import Scene, parameters_of_type
 
 FLUID = "gas.fluid"
 KIND = "machine.kind"
@@ -119,8 +119,7 @@ def _oil_supply(scene: Scene) -> Iterator[Fault]:
 
 def _cooling(scene: Scene) -> tuple[str, CoolsOil] | None:
     """Return the effect that cools the oil and may find its temperature, as (name, parameters); None without one."""
-    every = ((name, active.parameters) for name, active in scene.effects.items())
-    return next(((name, one) for name, one in every if isinstance(one, CoolsOil)), None)
+    return next(iter(parameters_of_type(scene.effects, CoolsOil).items()), None)
 
 
 def _pump(scene: Scene) -> Iterator[Fault]:

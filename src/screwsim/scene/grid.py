@@ -10,7 +10,7 @@ from screwsim.scene.checks import cross_check
 from screwsim.scene.derived_values import with_derived_values
 from screwsim.scene.fields import Leaf, effect_keys, sweep_leaf, value_at
 from screwsim.scene.types import Joint, Scene
-from screwsim.scene.units import Refused, gauge_pressures_over
+from screwsim.scene.units import gauge_pressures_over, refused_at
 from screwsim.scene.values import convert
 
 FLUID = "gas.fluid"
@@ -165,11 +165,9 @@ def leaf_of(scene: Scene, path: str, before: str = "", fixed: tuple[str, ...] = 
 
     `before` and `fixed` are as in `sweep_leaf`.
     """
-    try:
+    with refused_at(path):
         parameters = {name: type(active.parameters) for name, active in scene.effects.items()}
         leaf = sweep_leaf(path, parameters, scene.machine.kind, before, fixed)
-    except Refused as refusal:
-        raise UsageError(f"{path}: {refusal}") from None
     parent = path.rpartition(".")[0]
     if parent.removeprefix("effects.") not in scene.effects and value_at(scene, parent) is None:
         raise UsageError(f"{path}: the section {before}{parent} is not in this scene (write it first)")
@@ -178,11 +176,8 @@ def leaf_of(scene: Scene, path: str, before: str = "", fixed: tuple[str, ...] = 
 
 def read_value(scene: Scene, path: str, raw: Any) -> Any:
     """Return a value as written in YAML ('1000 rpm', 3) in SI, checked like the field; raise `UsageError`."""
-    try:
-        with gauge_pressures_over(scene.operation.ambient_pressure):
-            return convert(leaf_of(scene, path), raw, scene.folder)
-    except Refused as refusal:
-        raise UsageError(f"{path}: {refusal}") from None
+    with refused_at(path), gauge_pressures_over(scene.operation.ambient_pressure):
+        return convert(leaf_of(scene, path), raw, scene.folder)
 
 
 def axis_label(path: str, scene: Scene) -> tuple[str, str]:

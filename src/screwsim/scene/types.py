@@ -12,6 +12,7 @@ from screwsim.effects.base import Effect, PressureLosses
 from screwsim.fluid.settings import GasSettings, OilLine, OilSettings, oil_temperature
 from screwsim.inputs.arguments import MAPPING, checked_arguments
 from screwsim.inputs.declare import FoundWithCycle, choice, number, optional, quantity, word
+from screwsim.numerics.identity_cache import IdentityCache
 from screwsim.numerics.settings import NumericsSettings
 from screwsim.outputs.display import About, Brief
 
@@ -208,6 +209,13 @@ class ActiveEffect:
 
     effect: Effect
     parameters: Any
+
+
+@IdentityCache
+def parameters_of_type(effects: Mapping[str, ActiveEffect], kind: type) -> dict[str, Any]:
+    """Return the parameters of a given type among those of the effects, by effect name."""
+    every = ((name, active.parameters) for name, active in effects.items())
+    return {name: parameters for name, parameters in every if isinstance(parameters, kind)}
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,21 @@ from functools import cache, lru_cache
 from typing import Any
 
 from screwsim.inputs.declare import KINDS, Kind
+from screwsim.inputs.faults import UsageError
 from screwsim.scene.numerals import odd_number, odd_number_text
 
 
 class Refused(Exception):
     """Reason why a value is refused, with the remedy; the caller adds file, line and path."""
+
+
+@contextmanager
+def refused_at(where: str) -> Iterator[None]:
+    """Raise what is refused within as a `UsageError` that tells where."""
+    try:
+        yield
+    except Refused as refusal:
+        raise UsageError(f"{where}: {refusal}") from None
 
 
 NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.build import open_temperatures, open_values, package_of
+from screwsim.build import open_temperatures, open_values, package_of, separator_effects
 from screwsim.cycle.problem import Problem
-from screwsim.effects.base import CoolsOil, InSeparator, LosesPressure
+from screwsim.effects.base import CoolsOil, LosesPressure
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.numerics.identity_cache import IdentityCache
 from screwsim.scene.lines import lines
@@ -36,8 +36,7 @@ class ImpliedSurroundings(NamedTuple):
 def unknowns_of(problem: Problem) -> Array:
     """Return where a problem stands: supply and separator [K], lost pressures [kPa], other open numbers."""
     T = _oil_temperature(problem)
-    every = (one.parameters for one in problem.scene.effects.values())
-    asked = (one.separator_temperature for one in every if isinstance(one, InSeparator))
+    asked = (one.separator_temperature for one in separator_effects(problem.scene))
     lost = () if problem.scene.losses is None else (each / KPA for each in problem.scene.losses)
     stands = (each for each in open_values.current_coordinates(problem.scene) if each is not None)
     return np.array([T, next((at for at in asked if at is not None), T), *lost, *stands], float)

@@ -1,14 +1,12 @@
 """Workers of a dask scheduler as the pool of a sweep (docs/how-to/clusters.md); extra: `pip install screwsim[dask]`."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import logging
 from collections.abc import Iterable
 from concurrent.futures import Executor, ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import Unreadable, read_text
@@ -31,7 +29,7 @@ class Cluster:
         self._asked: set[str] = set()
         self._client: Any = None
 
-    def __enter__(self) -> Cluster:
+    def __enter__(self) -> Self:
         """Connect, and wait for the first worker; raise UsageError, in one line, when that fails."""
         self._client = _connect(self._where, self._patience)
         try:

@@ -1,12 +1,10 @@
 """Find the case that kills its worker or never ends, and let all other cases finish."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from concurrent.futures import BrokenExecutor, Executor
 from dataclasses import replace
-from typing import Any
+from typing import Any, Self
 
 from screwsim.study.cases import Block
 from screwsim.study.workers import WORKER_DIED, Chunks, ChunkWork, LostChunk, drain, stop_executor
@@ -23,7 +21,7 @@ class _SingleTaskWorker:
         self._work = work
         self._executor: Executor | None = None
 
-    def __enter__(self) -> _SingleTaskWorker:
+    def __enter__(self) -> Self:
         """Raise RuntimeError when workers die without any case, so that no case is to blame."""
         try:
             self._start().submit(os.getpid).result()

@@ -12,7 +12,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.results.read import STAGES
 from screwsim.scene.fields import leaf_paths, unknown_key
-from screwsim.scene.units import ZERO_CELSIUS, Refused
+from screwsim.scene.units import ZERO_CELSIUS, refused_at
 from screwsim.scene.values import convert
 from screwsim.study.performance_map import PerformanceMap, performance_maps, temperature_paths
 
@@ -148,10 +148,7 @@ def _value(path: str, text: str, two: bool) -> Any:
         known |= {f"{BETWEEN}.{name}": leaf for name, leaf in LEAVES.items()}
     leaf = known.get(path)
     try:
-        if leaf is not None and leaf.dimension is not None:
-            return convert(leaf, text)
-        return float(text)
-    except Refused as refusal:
-        raise UsageError(f"{path}: {refusal}") from None
+        with refused_at(path):
+            return convert(leaf, text) if leaf is not None and leaf.dimension is not None else float(text)
     except ValueError:
         return text  # a word, such as a fluid

@@ -21,7 +21,7 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, leaf_of, with_values
 from screwsim.scene.tolerances import split_coverage
 from screwsim.scene.types import COVERAGE
-from screwsim.scene.units import NUMBER, Refused
+from screwsim.scene.units import NUMBER, refused_at
 from screwsim.scene.values import within
 from screwsim.study.figures import figure_of
 from screwsim.study.goals import read_figure, refuse_twice
@@ -148,10 +148,8 @@ def _read(scene: Scene, text: str) -> MeasuredFigure:
     if not (name and equals and value) or len(behind) > 1 or bare:
         raise UsageError(f"{OPTION} {text}: is not FIGURE=VALUE ± UNCERTAINTY (write e.g. {OPTION} '{EXAMPLE}')")
     figure, where = figure_of(scene, name, OPTION), f"{OPTION} {text}"
-    try:
+    with refused_at(where):
         half, factor = split_coverage(behind[0] if behind else "", COVERAGE)
-    except Refused as refusal:
-        raise UsageError(f"{where}: {refusal}") from None
     unit = unit_behind(half)
     if unit not in ("", "%") and re.fullmatch(NUMBER, value):
         value = f"{value} {unit}"  # 132 ± 2 kW

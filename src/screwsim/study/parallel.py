@@ -3,15 +3,13 @@
 `BatchWorkers` keeps its workers for many batches, for studies whose next questions depend on the last answers.
 """
 
-from __future__ import annotations
-
 import pickle
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import lru_cache, partial
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 from screwsim.outputs import Result
 from screwsim.scene import Scene
@@ -113,7 +111,7 @@ class BatchWorkers:
         self._tick = tick
         self._executor: Executor | None = None
 
-    def __enter__(self) -> BatchWorkers:
+    def __enter__(self) -> Self:
         """Return the crew, whose workers start with the first batch."""
         return self
 

@@ -4,8 +4,6 @@ Each part is written under a temporary name and renamed, so that after a crash a
 whole. When there are many, neighbours are joined to larger ones.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable, Iterator, Mapping
@@ -23,6 +21,23 @@ MOST_SMALL_PARTS = 128  # small parts written until neighbours are joined
 LARGE_PART = 16_000_000  # [byte] size from which a part is no longer joined
 BYTES_IN_MEMORY = 16_000_000  # [byte] of parts that are also kept in memory, and not read again
 _NAME = re.compile(r"cases_(\d{9})_(\d{9})\.npz")
+
+
+class StoredTables:
+    """Consecutive parts, read one at a time except those kept in memory."""
+
+    def __init__(self, paths: list[Path], cases: int, at_hand: Mapping[Path, Table]) -> None:
+        self.cases = cases
+        self._paths = paths
+        self._at_hand = at_hand
+
+    def heads(self) -> Iterator[Table]:
+        """Yield the parts; those read from disk come without their cases."""
+        return (self._at_hand.get(path) or read_part(path, cases=False) for path in self._paths)
+
+    def tables(self, traces: bool) -> Iterator[Table]:
+        """Yield the parts; those read from disk come with or without traces."""
+        return (self._at_hand.get(path) or read_part(path, traces) for path in self._paths)
 
 
 class Parts:
@@ -192,20 +207,3 @@ class Parts:
         if stop != total:
             raise self._taken(f"cases from {stop} onwards are gone")
         return StoredTables(paths, total, self._at_hand)
-
-
-class StoredTables:
-    """Consecutive parts, read one at a time except those kept in memory."""
-
-    def __init__(self, paths: list[Path], cases: int, at_hand: Mapping[Path, Table]) -> None:
-        self.cases = cases
-        self._paths = paths
-        self._at_hand = at_hand
-
-    def heads(self) -> Iterator[Table]:
-        """Yield the parts; those read from disk come without their cases."""
-        return (self._at_hand.get(path) or read_part(path, cases=False) for path in self._paths)
-
-    def tables(self, traces: bool) -> Iterator[Table]:
-        """Yield the parts; those read from disk come with or without traces."""
-        return (self._at_hand.get(path) or read_part(path, traces) for path in self._paths)

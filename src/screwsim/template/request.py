@@ -11,7 +11,7 @@ from screwsim.fluid.oils import OILS
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.suggestions import did_you_mean
-from screwsim.scene.units import NUMBER, Refused, gauge_pressures_over, parse_quantity
+from screwsim.scene.units import NUMBER, gauge_pressures_over, parse_quantity, refused_at
 from screwsim.template import sizes
 
 SPEED = 2950.0 * math.pi / 30.0  # [rad/s] of screws
@@ -141,10 +141,8 @@ def _quantity(option: str, kind: str, text: str | None, example: str) -> float |
     """Return the value [SI] of an option, which must be positive; None where it is not given."""
     if text is None:
         return None
-    try:
+    with refused_at(f"{option} {text}"):
         found = parse_quantity(KINDS[kind], text)
-    except Refused as refusal:
-        raise UsageError(f"{option} {text}: {refusal}") from None
     if not found > 0.0:
         raise UsageError(f"{option} {text}: is not above zero (write e.g. {option} '{example}')")
     return found
@@ -162,21 +160,16 @@ def condition_of(text: str, kind: str, example: str) -> Condition:
     if not last:
         raise UsageError(f"--condition {text}: has no unit (write e.g. --condition '{example}')")
     texts = [f"{low} {unit or last}", f"{high} {last}"]
-    try:
-        with gauge_pressures_over(ATMOSPHERE):
-            first, second = (parse_quantity(KINDS[kind], each) for each in texts)
-    except Refused as refusal:
-        raise UsageError(f"--condition {text}: {refusal}") from None
+    with refused_at(f"--condition {text}"), gauge_pressures_over(ATMOSPHERE):
+        first, second = (parse_quantity(KINDS[kind], each) for each in texts)
     return Condition(first, second, texts[0], texts[1], beside or "")
 
 
 def quantity_after_comma(condition: Condition, kind: str, default: str) -> tuple[str, float]:
     """Return the quantity after the comma of a condition: its text and its value [SI]."""
     text = condition.beside or default
-    try:
+    with refused_at(f"--condition …, {text}"):
         return text, parse_quantity(KINDS[kind], text)
-    except Refused as refusal:
-        raise UsageError(f"--condition …, {text}: {refusal}") from None
 
 
 def refuse_option(option: str, asked: Any, why: str) -> None:

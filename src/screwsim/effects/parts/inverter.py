@@ -13,8 +13,6 @@ nothing that the machine's model sees.
 Parameters: rated_speed; loss, standing_share, current_share or points_file; harmonic_loss.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import isfinite
 from typing import NamedTuple

@@ -5,12 +5,10 @@ Source: V. V. Solovyova, "Optimization of the transfer function of a piston comp
 three are here (docs/reference/slider-crank.md). Angles in rad, lengths in m; deviations in m/rad.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from itertools import product
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -26,9 +24,9 @@ class Links(NamedTuple):
     rod: float
     offset: float
 
-    def scaled(self, crank: float, rod: float) -> Links:
+    def scaled(self, crank: float, rod: float) -> Self:
         """Return the links with the lengths of crank and rod multiplied."""
-        return Links(self.crank * crank, self.rod * rod, self.offset)
+        return self._replace(crank=self.crank * crank, rod=self.rod * rod)
 
 
 Transfer = Callable[[Array, Links], Array]

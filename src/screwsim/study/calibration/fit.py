@@ -1,12 +1,10 @@
 """The question of a fit: parameters with bounds, measured points with uncertainties; all in SI units."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -185,7 +183,7 @@ class Fit:
         """Return the scene of an operating point with other values [SI] of the parameters."""
         return with_values(self.machine(values), point.values)
 
-    def with_priors(self) -> Fit:
+    def with_priors(self) -> Self:
         """Return the fit with the scene's tolerances as priors of parameters that have none."""
         parameters = tuple(replace(each, prior=prior_of(self.scene, each)) for each in self.parameters)
         of_scene = [(i, each.path) for i, each in enumerate(parameters) if each.prior and each.prior.of_scene]

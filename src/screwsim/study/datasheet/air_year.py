@@ -14,7 +14,7 @@ from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
 from screwsim.numerics.pchip import Pchip
-from screwsim.scene.units import NUMBER, Refused, parse_quantity
+from screwsim.scene.units import NUMBER, parse_quantity, refused_at
 from screwsim.study.datasheet.air_rating import Point, Rating
 from screwsim.study.datasheet.sheet import Table
 
@@ -65,10 +65,8 @@ def read_profile(name: str) -> tuple[Demand, ...]:
     found = []
     for row in sheet.rows:
         at, hours = f"{where} line {row.line}", row.cells[1 - flow]
-        try:
+        with refused_at(f"{at}: flow"):
             asked = parse_quantity(KINDS["volume_flow"], f"{row.cells[flow]} {match[1]}")
-        except Refused as refusal:
-            raise UsageError(f"{at}: flow: {refusal}") from None
         if not re.fullmatch(NUMBER, hours) or not 0.0 <= float(hours) <= WHOLE:
             raise UsageError(f"{at}: hours {hours!r} is not a number from 0 to {WHOLE:g} (write e.g. 2000)")
         if asked < 0.0:

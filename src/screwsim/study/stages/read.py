@@ -1,7 +1,5 @@
 """Read STAGES.yaml: both scenes and what lies between, with faults by line; its JSON Schema and its description."""
 
-from __future__ import annotations
-
 import os
 import textwrap
 from collections.abc import Iterable, Mapping
@@ -26,7 +24,7 @@ from screwsim.scene.schema import DRAFT, OWN_PARAMETER, axis_definitions, leaf_s
 from screwsim.scene.sections import read_section
 from screwsim.scene.sweep import read_sweep_of
 from screwsim.scene.types import Joint
-from screwsim.scene.units import Refused, gauge_pressures_over, readable_quantity, to_customary
+from screwsim.scene.units import gauge_pressures_over, readable_quantity, refused_at, to_customary
 from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
 from screwsim.study.figures import figures_of
@@ -101,19 +99,14 @@ class StageChain:
 
     def leaf_of(self, path: str) -> Leaf:
         """Return the description of an input; raise UsageError where it cannot vary."""
-        try:
+        with refused_at(path):
             return leaf_in_chain(self, path)
-        except Refused as refusal:
-            raise UsageError(f"{path}: {refusal}") from None
 
     def read_value(self, path: str, raw: Any) -> Any:
         """Return a value as written in YAML in SI, checked like the field; raise UsageError."""
         leaf, scene = self.leaf_of(path), self.second if path.startswith(STAGE_NAMES[1]) else self.first
-        try:
-            with gauge_pressures_over(scene.operation.ambient_pressure):
-                return convert(leaf, raw, scene.folder)
-        except Refused as refusal:
-            raise UsageError(f"{path}: {refusal}") from None
+        with refused_at(path), gauge_pressures_over(scene.operation.ambient_pressure):
+            return convert(leaf, raw, scene.folder)
 
     def with_values(self, values: Mapping[str, Any]) -> Self:
         """Return a chain without a sweep, with other values [SI] at its paths; solving tells what does not fit."""

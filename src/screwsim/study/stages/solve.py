@@ -16,7 +16,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.outputs.customary import in_bar, in_celsius
 from screwsim.scene import Scene, cross_check, lines, scene_text, with_values
-from screwsim.scene.types import ActiveEffect
+from screwsim.scene.types import ActiveEffect, parameters_of_type
 from screwsim.simulate import simulate
 from screwsim.study.stages.axes import SOLVED
 from screwsim.study.stages.figures import ChainEnds, StagePair, chain_figures, delivery_temperature
@@ -61,13 +61,12 @@ def _with_lines(scene: Scene, p_s: float, state: tuple[str, float], p_d: float) 
 
 def _with_separator(scene: Scene) -> Scene:
     """Return a scene with a separator for gas and oil: only the gas goes on to the other stage (M201)."""
-    every = scene.effects.values()
-    if scene.oil_supply is None or any(isinstance(active.parameters, CoolsOil) for active in every):
+    if scene.oil_supply is None or parameters_of_type(scene.effects, CoolsOil):
         return scene
     name = stating(CoolsOil)
     effect = catalogue()[name]
     parted = replace(scene, effects={**scene.effects, name: ActiveEffect(effect, effect.parameters())})
-    stated = any(isinstance(active.parameters, InSeparator) for active in every)  # a file cannot state both
+    stated = parameters_of_type(scene.effects, InSeparator)  # a file cannot state both
     return parted if stated else replace(parted, text=scene_text(parted))
 
 
