@@ -8,7 +8,7 @@ from screwsim.export.inputs import plain
 from screwsim.export.loads import ExportedLoads, document, unit_of
 from screwsim.export.map_table import MapTable
 from screwsim.outputs import Result
-from screwsim.printing.tables import print_scene_title, print_table, wrapped
+from screwsim.printing.tables import print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.screen import say
 
 
@@ -36,8 +36,7 @@ def print_map(table: MapTable, files: Sequence[str]) -> None:
     print_table(["output", "unit", "error"], rows, 1)
     say(wrapped(f"errors: {table.how}; of temperatures, over 100 K"))
     say(wrapped(f"{table.cases} cases{_open_nodes(table)}"))
-    for line in table.warnings_told():
-        say(wrapped(line))
+    print_wrapped(table.warnings_told())
     for file in files:
         say(file)
 
