@@ -37,8 +37,7 @@ def print_map(table: MapTable, files: Sequence[str]) -> None:
     say(wrapped(f"errors: {table.how}; of temperatures, over 100 K"))
     say(wrapped(f"{table.cases} cases{_open_nodes(table)}"))
     print_wrapped(table.warnings_told())
-    for file in files:
-        say(file)
+    say("\n".join(files))
 
 
 def _open_nodes(table: MapTable) -> str:
@@ -64,8 +63,7 @@ def print_polynomials(
         for at, errors in rows
     ]
     print_table(["largest error", *(name.replace("_", " ") for name in figures)], body, 1)
-    for file in files:
-        say(file)
+    say("\n".join(files))
 
 
 def loads_document(found: ExportedLoads, result: Result, files: Sequence[str]) -> dict[str, Any]:
@@ -82,8 +80,7 @@ def print_loads(found: ExportedLoads, result: Result, files: Sequence[str]) -> N
         for name, spectrum in found.spectra.items()
     ]
     print_table(["curve", "unit", "mean", "1st", "2nd", "3rd"], rows, 2)
-    for file in files:
-        say(file)
+    say("\n".join(files))
 
 
 def _percent(error: float) -> str:

@@ -103,9 +103,8 @@ def write_optimum(path: Path, scene: Varied, asked: Question, rows: Sequence[Bes
     """Write one row per point of the other axes as CSV or HDF5, in SI units."""
     columns = {}
     for axis in (axis for axis in scene.sweep if axis != asked.path):
-        values = [row.values[axis] for row in rows]
         leaf = leaf_of(scene, axis)
-        columns[axis] = Column(values, unit_of(leaf) or "1", leaf.doc)
+        columns[axis] = Column([row.values[axis] for row in rows], unit_of(leaf) or "1", leaf.doc)
     sought = leaf_of(scene, asked.path)
     units, doc = unit_of(sought), sought.doc
     about = declared(asked.figure)
