@@ -40,7 +40,7 @@ BATCH = 500  # random samples solved at once
 
 def sampled(asked: Question, count: int, jobs: int) -> Record:
     """Return `count` random evaluations."""
-    with BatchWorkers(jobs, lambda work: None, lambda: None) as crew:
+    with BatchWorkers(jobs, lambda: None) as crew:
         record = Record(asked, crew)
         generator = np.random.default_rng(11)
         while len(record) < count:

@@ -218,7 +218,7 @@ def test_workers_start_afresh_after_a_while(monkeypatch):
 
 def test_workers_that_have_left_leave_no_thread_beside_which_none_is_forked():
     before = threading.active_count()
-    with BatchWorkers(2, lambda work: None, lambda: None) as crew:
+    with BatchWorkers(2, lambda: None) as crew:
         for _ in range(5):
             assert crew.answers(abs, [-1, 2, -3]) == [1, 2, 3]
             crew.leave()
@@ -250,7 +250,7 @@ class Canned(BatchWorkers):
     """Answer every evaluation with one result, at once."""
 
     def __init__(self) -> None:
-        super().__init__(1, lambda work: None, lambda: None)
+        super().__init__(1, lambda: None)
         self._table = table_of([choosing(with_values(scene(), {"oil_supply.ratio": 1.5}))], keep_cycle=False)
 
     def answers(self, task, payloads):

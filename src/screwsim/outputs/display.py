@@ -6,10 +6,12 @@ import importlib
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from screwsim.outputs.customary import digits, printed_celsius, scale
 
+Key = TypeVar("Key")
+Member = TypeVar("Member")
 ANGLE = "angle"
 MOST_CHARACTERS = 100  # largest number of characters of a meaning or a cell, in text
 MOST_ROWS, MOST_HTML_ROWS = 10, 60  # largest number of rows of a table, in text and in HTML
@@ -97,6 +99,14 @@ def picked(record: object, *names: str, **renamed: str) -> dict[str, Any]:
     plain = {key: getattr(record, name) for key, name in (dict(zip(names, names, strict=True)) | renamed).items()}
     plain |= {name: dict(value) for name, value in plain.items() if isinstance(value, Mapping)}
     return plain | {name: list(value) for name, value in plain.items() if type(value) is tuple}
+
+
+def grouped(pairs: Iterable[tuple[Key, Member]]) -> dict[Key, list[Member]]:
+    """Return the second parts of pairs by the first ones, in their order."""
+    found: dict[Key, list[Member]] = {}
+    for key, member in pairs:
+        found.setdefault(key, []).append(member)
+    return found
 
 
 def _left_out(rows: int, columns: int) -> list[str]:

@@ -11,7 +11,7 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, shown_name
 from screwsim.outputs import STATUSES, Result, sorted_entries, words_of_effects
 from screwsim.outputs.customary import engineering_temperature, scale, small_number_text, with_printed_units
-from screwsim.outputs.display import picked
+from screwsim.outputs.display import grouped, picked
 from screwsim.printing.tables import WIDTH, absent_figures, plain_table, wrapped
 from screwsim.printing.uncertain import ranges_text, uncertainty_ranges
 from screwsim.results.atomic import write_text
@@ -260,9 +260,7 @@ def print_sweep(document: Mapping[str, Any], scene: Scene) -> None:
     counts = f"{document['cases']} cases: {_status_counts(document)}"
     counts += f" ({document['reused']} from an earlier run)" if document["reused"] else ""
     say(document["path"])
-    alike: dict[tuple[str, str], list[str]] = {}
-    for failure in document["failures"]:
-        alike.setdefault((failure["status"], failure["message"]), []).append(where(failure["values"]))
+    alike = grouped(((each["status"], each["message"]), where(each["values"])) for each in document["failures"])
     for (status, message), (place, *others) in alike.items():
         others_too = f" and {len(others)} more" if others else ""
         say(wrapped(printable(f"{status} at {place}{others_too}: {message}")))

@@ -10,7 +10,7 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import reading_unit, shown_name
 from screwsim.outputs.customary import digits
-from screwsim.outputs.display import picked
+from screwsim.outputs.display import grouped, picked
 from screwsim.printing import write_json
 from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.report.calibration import residuals_figure
@@ -135,8 +135,7 @@ def print_calibration(found: Calibration) -> None:
 def _methods(found: Calibration) -> Iterator[str]:
     """Yield how the slopes by the parameters were found, with parameters of the same method together."""
     names = found.fit.short_names()
-    for why in dict.fromkeys(found.methods.values()):
-        some = [names[path] for path, method in found.methods.items() if method == why]
+    for why, some in grouped((why, names[path]) for path, why in found.methods.items()).items():
         which = "" if len(some) == len(names) else f" of {', '.join(some)}"
         yield f"slopes{which}: " + (f"differences ({why})" if why else "exact")
 
@@ -265,8 +264,7 @@ def _panels(found: Calibration) -> dict[str, list[tuple[int, bool, float, float]
     """Return {label of a figure: [(number of the point, fitted, residual, uncertainty)]} in the unit of the label."""
     names = _points_shown(found)
     panels: dict[str, list[tuple[int, bool, float, float]]] = {}
-    for figure in dict.fromkeys(each.figure for each in found.compared):
-        of = [each for each in found.compared if each.figure == figure]
+    for figure, of in grouped((each.figure, each) for each in found.compared).items():
         factor, unit, _ = reading_unit(declared(figure), max(abs(each.measured.value) for each in of))
         unit = {"%": "points", "°C": "K"}.get(unit, unit)
         label = f"{shown_name(figure)} ({unit})" if unit else shown_name(figure)

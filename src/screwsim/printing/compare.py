@@ -11,7 +11,8 @@ from typing import Any
 from screwsim.figures.engineering import engineering, shown_name
 from screwsim.outputs import Figure
 from screwsim.outputs.customary import printed_celsius
-from screwsim.printing.tables import print_table, wrapped
+from screwsim.outputs.display import grouped
+from screwsim.printing.tables import print_table, print_wrapped, wrapped
 from screwsim.report.overlay import draw_overlay
 from screwsim.report.quantities import short, shown_axis
 from screwsim.results import Results
@@ -62,8 +63,7 @@ def print_comparison(a: Results, b: Results, found: Comparison) -> None:
         say()
         count = found.status_changes
         say(f"{count} point{'s have' if count != 1 else ' has'} another status")
-        for change in found.first_status_changes:
-            say(wrapped(f"{change.a} → {change.b}{_where(a, change.at)}"))
+        print_wrapped(f"{change.a} → {change.b}{_where(a, change.at)}" for change in found.first_status_changes)
     if not found.compared:
         return
     say()
@@ -85,10 +85,8 @@ def _print_figures(a: Results, b: Results, found: Comparison) -> None:
     text += "as no change"
     text += "; inputs: half of the 95 % interval of the change, if inputs are off alike in both" if toleranced else ""
     say(wrapped(f"{text}; the point shown has the largest change relative to what is allowed" if many else text))
-    places: dict[str, list[str]] = {}
-    for figure in found.figures:
-        if many and figure.beyond and figure.at:
-            places.setdefault(_where(a, figure.at), []).append(shown_name(figure.figure))
+    far = (figure for figure in found.figures if many and figure.beyond)
+    places = grouped((_where(a, figure.at), shown_name(figure.figure)) for figure in far if figure.at)
     for place, names in places.items():
         few = ", ".join(names[:MOST_NAMES]) + (" …" if len(names) > MOST_NAMES else "")
         say(wrapped(f"largest change{place}: {few}"))

@@ -8,7 +8,7 @@ from screwsim.export.inputs import plain
 from screwsim.export.loads import ExportedLoads, document, unit_of
 from screwsim.export.map_table import MapTable
 from screwsim.outputs import Result
-from screwsim.printing.tables import print_scene_title, print_table, wrapped
+from screwsim.printing.tables import print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.screen import say
 
 
@@ -36,10 +36,8 @@ def print_map(table: MapTable, files: Sequence[str]) -> None:
     print_table(["output", "unit", "error"], rows, 1)
     say(wrapped(f"errors: {table.how}; of temperatures, over 100 K"))
     say(wrapped(f"{table.cases} cases{_open_nodes(table)}"))
-    for line in table.warnings_told():
-        say(wrapped(line))
-    for file in files:
-        say(file)
+    print_wrapped(table.warnings_told())
+    say("\n".join(files))
 
 
 def _open_nodes(table: MapTable) -> str:
@@ -65,8 +63,7 @@ def print_polynomials(
         for at, errors in rows
     ]
     print_table(["largest error", *(name.replace("_", " ") for name in figures)], body, 1)
-    for file in files:
-        say(file)
+    say("\n".join(files))
 
 
 def loads_document(found: ExportedLoads, result: Result, files: Sequence[str]) -> dict[str, Any]:
@@ -83,8 +80,7 @@ def print_loads(found: ExportedLoads, result: Result, files: Sequence[str]) -> N
         for name, spectrum in found.spectra.items()
     ]
     print_table(["curve", "unit", "mean", "1st", "2nd", "3rd"], rows, 2)
-    for file in files:
-        say(file)
+    say("\n".join(files))
 
 
 def _percent(error: float) -> str:

@@ -154,12 +154,11 @@ def write_find(path: Path, scene: Varied, asked: Question, rows: Sequence[GoalSe
     columns = {}
     for axis in rows[0].at:
         leaf = leaf_of(scene, axis)
-        units, doc = unit_of(leaf) or "1", leaf.doc
-        columns[axis] = Column([row.at[axis] for row in rows], units, doc)
+        columns[axis] = Column([row.at[axis] for row in rows], unit_of(leaf) or "1", leaf.doc)
     for span in asked.spans:
         leaf = leaf_of(scene, span.path)
-        units, doc = unit_of(leaf), leaf.doc
-        columns[span.path] = Column([row.values.get(span.path) for row in rows], units, f"found {doc}")
+        units = unit_of(leaf)
+        columns[span.path] = Column([row.values.get(span.path) for row in rows], units, f"found {leaf.doc}")
         wide = [row.uncertainties.get(span.path) for row in rows]
         columns[f"{span.path}_uncertainty"] = Column(wide, units, "uncertainty from the figures' numerical errors")
     for goal in asked.goals:

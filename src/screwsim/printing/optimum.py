@@ -7,6 +7,7 @@ from typing import Any
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, figure_text, shown_name
+from screwsim.outputs.display import grouped
 from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.scene.grid import unit_of
 from screwsim.screen import say
@@ -48,10 +49,8 @@ def print_optimum(scene: Varied, asked: Question, rows: Sequence[Best]) -> None:
     heads += [own if sought == own.replace("_", " ") else sought, "as good"]
     heads += [shown_name(asked.figure), "error", *map(shown_name, _beside(rows)), "accuracy", "simulated"]
     print_table(heads, [_cells(scene, asked, paths, row, _beside(rows)) for row in rows])
-    notes: dict[str, list[str]] = {}
-    for row in rows:
-        for note in _notes(scene, asked, row):
-            notes.setdefault(note, []).append(", ".join(shown_value(scene, path, row.values[path]) for path in paths))
+    told = ((note, row.values) for row in rows for note in _notes(scene, asked, row))
+    notes = grouped((note, ", ".join(shown_value(scene, path, at[path]) for path in paths)) for note, at in told)
     if notes:
         say()
     print_wrapped(line for note, where in notes.items() for line in _with_places(note, where))
@@ -104,9 +103,8 @@ def write_optimum(path: Path, scene: Varied, asked: Question, rows: Sequence[Bes
     """Write one row per point of the other axes as CSV or HDF5, in SI units."""
     columns = {}
     for axis in (axis for axis in scene.sweep if axis != asked.path):
-        values = [row.values[axis] for row in rows]
         leaf = leaf_of(scene, axis)
-        columns[axis] = Column(values, unit_of(leaf) or "1", leaf.doc)
+        columns[axis] = Column([row.values[axis] for row in rows], unit_of(leaf) or "1", leaf.doc)
     sought = leaf_of(scene, asked.path)
     units, doc = unit_of(sought), sought.doc
     about = declared(asked.figure)

@@ -10,7 +10,7 @@ import numpy as np
 from screwsim.figures import declared
 from screwsim.figures.engineering import reading_unit, shown_name
 from screwsim.outputs.customary import digits
-from screwsim.outputs.display import picked
+from screwsim.outputs.display import grouped, picked
 from screwsim.printing.tables import print_left_out, print_table, print_wrapped, wrapped
 from screwsim.report.calibration import ParameterSample, pairs_figure
 from screwsim.report.style import write_all
@@ -97,8 +97,7 @@ def print_predictions(found: Predictions) -> None:
         say(wrapped(f"predictions {found.status}: {found.message}"))
     print_left_out(found.reasons)
     rows = []
-    for name in dict.fromkeys(figure.figure for figure in found.figures):
-        of = [figure for figure in found.figures if figure.figure == name]
+    for name, of in grouped((figure.figure, figure) for figure in found.figures).items():
         factor, unit, zero = reading_unit(declared(name), max(abs(each.median) for each in of))
         rows.append([f"{shown_name(name)} [{unit}]" if unit else shown_name(name), *[""] * 5])
         for each in of:

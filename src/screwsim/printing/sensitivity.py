@@ -8,7 +8,7 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import figure_text, figure_unit, shown_name
 from screwsim.outputs import EFFICIENCY
 from screwsim.outputs.derivatives import DIFFERENCES, PACKAGE_FIGURES
-from screwsim.outputs.display import picked
+from screwsim.outputs.display import grouped, picked
 from screwsim.printing.tables import print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.write import save
 from screwsim.scene import Scene
@@ -51,8 +51,7 @@ def print_sensitivity(scene: Varied, found: Sensitivity) -> None:
     say(wrapped(f"{found.solutions} solutions: {samples}"))
     if found.message:
         say(wrapped(found.message))
-    for count, text in found.warnings:
-        say(wrapped(f"warning in {count} of {found.solutions} solutions: {text}"))
+    print_wrapped(f"warning in {count} of {found.solutions} solutions: {text}" for count, text in found.warnings)
     spans = {each.path: each for each in found.ranges}
     for shares in found.shares:
         say()
@@ -145,21 +144,17 @@ def print_local(scene: Varied, found: Sensitivities, chosen: Sequence[str] = ())
     if idle := len(found.values) - len(felt):
         say(wrapped(f"{idle} of {len(found.values)} numbers change none of these figures"))
     say()
-    for path in felt[:3]:
-        say(wrapped(f"{effect_sentence(scene, found, figures[0], path)}"))
+    print_wrapped(effect_sentence(scene, found, figures[0], path) for path in felt[:3])
     _print_methods(found)
 
 
 def _print_methods(found: Sensitivities) -> None:
     """Print the method of derivatives that are not exact, and what was left out."""
-    for why in dict.fromkeys(found.why.values()):
-        paths = [path for path, each in found.why.items() if each == why]
+    for why, paths in grouped((why, path) for path, why in found.why.items()).items():
         which = "all" if len(paths) == len(found.values) else ", ".join(paths)
         say(wrapped(f"* {which}: from differences of closed cycles, because {why}"))
     if found.left_out:
-        by_why: dict[str, list[str]] = {}
-        for path, why in found.left_out.items():
-            by_why.setdefault(why, []).append(path)
+        by_why = grouped((why, path) for path, why in found.left_out.items())
         told = "; ".join(f"{', '.join(paths)} ({why})" for why, paths in by_why.items())
         say(wrapped(f"left out: {told}"))
 

@@ -30,11 +30,8 @@ def print_stages(title: str, found: ChainResult) -> None:
     """Print the figures of a chain, and some figures of both stages."""
     print_scene_title(title)
     say(textwrap.fill(f"status: {found.status}" + (f"; {found.message}" if found.message else ""), WIDTH - 1))
-    for warning in found.warnings:
+    for warning in found.as_result().warnings:
         say(textwrap.fill(f"warning: {warning}", WIDTH - 1, subsequent_indent="  "))
-    for which, result in zip(STAGE_NAMES, found.stages, strict=False):
-        for warning in result.warnings:
-            say(textwrap.fill(f"warning: {which} stage: {warning}", WIDTH - 1, subsequent_indent="  "))
     if found.error:
         say(" " * 54 + "error")
     for name, value in found.performance.items():

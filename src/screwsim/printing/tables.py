@@ -6,6 +6,7 @@ from typing import Any
 
 from screwsim.figures.engineering import shown_name
 from screwsim.outputs.customary import with_printed_units
+from screwsim.outputs.display import grouped
 from screwsim.screen import say
 
 WIDTH = 80
@@ -90,11 +91,8 @@ def print_wrapped(texts: Iterable[str]) -> None:
 
 def absent_figures(figures: Mapping[str, Any], notes: Mapping[str, str]) -> dict[str, list[str]]:
     """Return the names that people read of figures without a value, by the reason that the notes give."""
-    reasons: dict[str, list[str]] = {}
-    for name, value in figures.items():
-        if value is None and name in notes:
-            reasons.setdefault(notes[name], []).append(shown_name(name))
-    return reasons
+    absent = (name for name, value in figures.items() if value is None and name in notes)
+    return grouped((notes[name], shown_name(name)) for name in absent)
 
 
 def print_left_out(reasons: Mapping[str, str]) -> None:

@@ -133,7 +133,7 @@ def sensitivities(
     numbers = {path: value for path, value in numbers.items() if path not in FIXED}
     names = tuple(dict.fromkeys(figure_of(scene, name) for name in as_list(figures)))
     paths = as_list(paths)
-    values = _requested_numbers(scene, paths, numbers) if paths else numbers
+    values = requested_numbers(scene, paths, numbers)
     result = simulated(scene, trace=False) if result is None else result
     if result.status != "ok":
         return Sensitivities(result)
@@ -183,15 +183,17 @@ def _other_scene(scene: Scene, result: Result) -> str:
     return ""
 
 
-def _requested_numbers(scene: Scene, paths: Sequence[str], every: Mapping[str, float]) -> dict[str, float]:
-    """Return the numbers at the requested paths; raise UsageError for a path without a number."""
+def requested_numbers(of: Varied, paths: Sequence[str], every: Mapping[str, float]) -> dict[str, float]:
+    """Return the numbers at the requested paths, by default all; raise UsageError for a path without a number."""
     for path in paths:
-        check_continuous(scene, path)
+        check_continuous(of, path)
         if path not in every:
-            follows = isinstance(value_at(scene, path), FoundWithCycle) or is_derived(value_at(scene, path))
-            why = "follows from others" if follows else "is not stated"
-            raise UsageError(f"{path}: {why} in this scene (state it, or leave it out)")
-    return {path: every[path] for path in dict.fromkeys(paths)}
+            why = "is not stated, or follows from others"
+            if isinstance(of, Scene):
+                follows = isinstance(value_at(of, path), FoundWithCycle) or is_derived(value_at(of, path))
+                why = f"{'follows from others' if follows else 'is not stated'} in this scene"
+            raise UsageError(f"{path}: {why} (state it, or leave it out)")
+    return {path: every[path] for path in dict.fromkeys(paths or every)}
 
 
 def _differences(

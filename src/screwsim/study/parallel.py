@@ -101,13 +101,11 @@ unpacked = lru_cache(maxsize=1)(pickle.loads)
 class BatchWorkers:
     """Call a module-level function for each payload of a batch on the same workers; with one job in this process.
 
-    A payload that is lost when a worker dies is tried once more, alone; if that worker dies, too, the answer is
-    `died(payload)`.
+    A payload that is lost when a worker dies is tried once more, alone; if that worker dies, too, the answer is None.
     """
 
-    def __init__(self, jobs: int, died: Callable[[Any], Any], tick: Callable[[], None]) -> None:
+    def __init__(self, jobs: int, tick: Callable[[], None]) -> None:
         self.jobs = jobs
-        self._died = died
         self._tick = tick
         self._executor: Executor | None = None
 
@@ -143,7 +141,7 @@ class BatchWorkers:
         chunks = Chunks([range(len(payloads))], 1, lambda: self.jobs)
         while lost := drain(chunks, work, self._begun()):
             self.leave()
-            _run_alone(lost, work, lambda number: self._died(payloads[number]))
+            _run_alone(lost, work, lambda number: None)
         return [found[number] for number in range(len(payloads))]
 
     def _begun(self) -> Executor:

@@ -47,6 +47,11 @@ def value_at(of: Varied, path: str) -> Any:
     return scenes.value_at(of, path) if isinstance(of, Scene) else of.value_at(path)
 
 
+def with_text(of: Kind) -> Kind:
+    """Return a scene with the text that it is written as; two stages have none."""
+    return replace(of, text=scenes.scene_text(of)) if isinstance(of, Scene) else of
+
+
 def case(of: Kind, number: int) -> Kind:
     """Return one case of a sweep, without a sweep."""
     return scenes.case(of, number) if isinstance(of, Scene) else of.with_values(scenes.case_values(of, number))

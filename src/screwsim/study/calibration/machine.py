@@ -11,6 +11,7 @@ from screwsim.figures import declared
 from screwsim.inputs.declare import FoundWithCycle
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
+from screwsim.outputs.display import grouped
 from screwsim.scene import Scene, cross_check, value_at, with_values
 from screwsim.scene.yaml_tree import LocatedFault, LocatedFaults, Position
 from screwsim.study.calibration.data import read_points
@@ -113,12 +114,9 @@ def points_of(fit: Fit, file: str | os.PathLike[str], option: str, what: str) ->
 def typical_uncertainties(fit: Fit) -> dict[str, TypicalUncertainty]:
     """Return the usual uncertainty of each figure at the fit's points: the median share, or for temperatures [K]."""
     found = {}
-    every = [(name, one) for point in fit.points for name, one in point.measured.items()]
-    for name in dict.fromkeys(name for name, _ in every):
+    for name, every in grouped(each for point in fit.points for each in point.measured.items()).items():
         share = declared(name).units != "K"
-        sizes = [
-            one.uncertainty / (abs(one.value) if share else 1.0) for key, one in every if key == name and one.value
-        ]
+        sizes = [one.uncertainty / (abs(one.value) if share else 1.0) for one in every if one.value]
         if sizes:
             found[name] = TypicalUncertainty(float(np.median(sizes)), share)
     return found

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from screwsim.outputs.display import grouped
 from screwsim.results.warning_kinds import kind_of
 
 COLUMNS, LETTERS = 7, 11  # limits of a table that leaves room for another one beside it
@@ -72,10 +73,7 @@ def warning_lines(points: Sequence[tuple[str, Sequence[str]]], among: int = 0) -
     are `among` points in all, by default those given.
     """
     among = among or len(points)
-    found: dict[str, list[tuple[str, str]]] = {}
-    for where, warnings in points:
-        for text in warnings:
-            found.setdefault(kind_of(text), []).append((where, text))
+    found = grouped((kind_of(text), (where, text)) for where, warnings in points for text in warnings)
     for (where, text), *others in found.values():
         if not others:
             yield f"{where}: {text}" if among > 1 else text

@@ -5,6 +5,7 @@ from typing import Any
 
 from screwsim.figures.engineering import shown_name
 from screwsim.outputs.customary import with_printed_units
+from screwsim.outputs.display import grouped
 from screwsim.scene import grid
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, warning_lines
 from screwsim.study.datasheet.stages_air import STAGE_HEADS, is_air_package
@@ -123,11 +124,7 @@ def _along(chain: StageChain) -> tuple[str, ...]:
 
 def _curves(points: Sequence[ChainPoint], along: Sequence[str]) -> dict[tuple[tuple[str, Any], ...], list[ChainPoint]]:
     """Return the points of each curve by the values of the other paths."""
-    curves: dict[tuple[tuple[str, Any], ...], list[ChainPoint]] = {}
-    for point in points:
-        beside = tuple((name, value) for name, value in point.values.items() if name not in along)
-        curves.setdefault(beside, []).append(point)
-    return curves
+    return grouped((tuple(each for each in point.values.items() if each[0] not in along), point) for point in points)
 
 
 def _title(column: Column) -> str:

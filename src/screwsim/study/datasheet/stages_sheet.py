@@ -265,17 +265,13 @@ def swept_line(found: ChainResult) -> Lines:
 
 def stage_documents(found: ChainResult) -> list[dict[str, Any]]:
     """Return the figures of each stage [SI] for programs, with their estimated errors."""
-    return [_with_errors(each, STAGE_FIGURES) for each in found.stages]
+    return [own_document(each, STAGE_FIGURES) for each in found.stages]
 
 
-def _with_errors(found: Result, names: Sequence[str]) -> dict[str, Any]:
+def own_document(found: Result, names: Sequence[str] = DOCUMENT_FIGURES) -> dict[str, Any]:
+    """Return figures [SI] at the own point for programs, by default those of the whole, with their estimated errors."""
     errors = {name: found.error[name] for name in names if found.error.get(name) is not None}
     return {**tables.document_figures(found, names), "error": errors}
-
-
-def own_document(found: Result) -> dict[str, Any]:
-    """Return figures of the whole [SI] at its own point for programs, with their estimated errors."""
-    return _with_errors(found, DOCUMENT_FIGURES)
 
 
 def ignored_model_errors(chain: StageChain) -> Iterator[str]:

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from screwsim.figures.engineering import figure_text
-from screwsim.inputs.arguments import TEXTS, checked_arguments, whole
+from screwsim.inputs.arguments import TEXTS, as_list, checked_arguments, whole
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
 from screwsim.results.atomic import make_folder
-from screwsim.scene import Scene, SceneLike, scene_text
+from screwsim.scene import Scene, SceneLike
 from screwsim.study.goals import Bound
 from screwsim.study.inputs import check_fit, shown_figure, shown_value
 from screwsim.study.optimize.evaluate import SimulatedPoint, simulated
@@ -30,7 +30,7 @@ from screwsim.study.seek import rounded
 from screwsim.study.spans import LOWER, UPPER, read_spans, refusal_beyond
 from screwsim.study.stages import scene_or_stages
 from screwsim.study.tally import Place, Tally
-from screwsim.study.varied import Varied, solved, with_values
+from screwsim.study.varied import Varied, solved, with_text, with_values
 from screwsim.study.workers import cores
 
 __all__ = ["Aim", "EquallyGoodRange", "Optimum", "Question", "optimize", "question", "run_question", "spans_of"]
@@ -107,8 +107,7 @@ class Optimum(Brief):
     def scene_at(self, row: int) -> Varied:
         """Return the scene of an evaluation, or its two stages."""
         scene = self.asked.scene
-        changed = with_values(scene, rounded(scene, self.values_at(row)))
-        return replace(changed, text=scene_text(changed)) if isinstance(changed, Scene) else changed
+        return with_text(with_values(scene, rounded(scene, self.values_at(row))))
 
 
 @checked_arguments(
@@ -142,8 +141,7 @@ def optimize(
     file, and an interrupted run of the same question repeats none of them (unless `restart`).
     """
     given = scene_or_stages(scene)
-    base = replace(given, sweep={}, joints=())
-    base = replace(base, text=scene_text(replace(base, text=""))) if isinstance(base, Scene) else base
+    base = with_text(replace(given, sweep={}, joints=()))
     spans = vary if isinstance(vary, Mapping) else spans_of(given, vary)
     more = {"subject_to": subject_to, "over": over, "evaluations": evaluations, "seed": seed}
     asked = question(base, spans, maximize, minimize, **more)
@@ -153,8 +151,7 @@ def optimize(
 
 def spans_of(scene: Varied, vary: Iterable[str]) -> dict[str, tuple[float, float]]:
     """Return the ranges [SI] of texts 'PATH=LOW..HIGH', or 'PATH' of an axis of the scene's sweep."""
-    listed = [vary] if isinstance(vary, str) else vary
-    return {span.path: (span.low, span.high) for span in read_spans(scene, listed, ranged=True)}
+    return {span.path: (span.low, span.high) for span in read_spans(scene, as_list(vary), ranged=True)}
 
 
 def run_question(
@@ -180,7 +177,7 @@ def run_question(
     with nullcontext() if target is None else held_parts(target, asked, restart) as parts:
         tally = Tally(progress, Place.BESIDE if jobs > 1 else Place.HERE)
         try:
-            with BatchWorkers(jobs, lambda work: None, tally.tick) as crew:
+            with BatchWorkers(jobs, tally.tick) as crew:
                 record = Record(asked, crew, parts, simulate, tally)
                 top = search(record)
         finally:

@@ -8,7 +8,7 @@ from typing import Any
 from screwsim.inputs.arguments import NUMBER, NUMBERS, TEXTS, as_list, checked_arguments
 from screwsim.inputs.arguments import shown as shown_argument
 from screwsim.inputs.faults import UsageError
-from screwsim.scene import Scene, SceneLike, case_count, case_values, scene_text
+from screwsim.scene import Scene, SceneLike, case_count, case_values
 from screwsim.scene.grid import with_sweep_over
 from screwsim.study.figures import figure_of
 from screwsim.study.goals import Goal, read_figure, read_goals
@@ -21,7 +21,7 @@ from screwsim.study.seek.answer import GoalSeekAnswer, answer_of_trials, next_si
 from screwsim.study.seek.trials import ReportedSimulation, Trial, Trials
 from screwsim.study.spans import Span, read_spans
 from screwsim.study.stages import scene_or_stages
-from screwsim.study.varied import Kind, Varied, case, solved, with_values
+from screwsim.study.varied import Varied, case, solved, with_text, with_values
 from screwsim.study.workers import WORKER_DIED
 
 __all__ = ["GoalSeekAnswer", "Question", "find", "find_each", "question"]
@@ -154,7 +154,7 @@ def _answer_at_point(rest: Varied, asked: Question, simulate: Simulate | None, n
     found = answer_of_trials(trials, met, at)
     if met is not None:
         values = rounded(trials.scene, found.values)
-        found = replace(found, values=values, scene=_with_text(with_values(trials.scene, values)))
+        found = replace(found, values=values, scene=with_text(with_values(trials.scene, values)))
     return _with_catalogue_size(trials, found, met, asked) if asked.sizes and found.status != "failed" else found
 
 
@@ -165,13 +165,9 @@ def _with_catalogue_size(trials: Trials, found: GoalSeekAnswer, met: Trial | Non
         largest = shown_value(trials.scene, path, asked.sizes[-1])
         why = "; ".join(filter(None, (f"no size in the catalogue, up to {largest}, meets the goal", found.message)))
         return replace(found, status="none", message=why, scene=None, **trials.counts)
-    scene = _with_text(with_values(trials.scene, {path: size.value}))
+    scene = with_text(with_values(trials.scene, {path: size.value}))
     message = "" if found.status == "none" else found.message
     return replace(found, status="ok", message=message, size=size, scene=scene, result=size.result, **trials.counts)
-
-
-def _with_text(scene: Kind) -> Kind:
-    return replace(scene, text=scene_text(scene)) if isinstance(scene, Scene) else scene
 
 
 def rounded(scene: Varied, values: Mapping[str, float]) -> dict[str, float]:

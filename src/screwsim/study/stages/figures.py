@@ -1,6 +1,7 @@
 """Figures of two stages together, from the results of both at one intermediate pressure (docs/model.md M203)."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -73,6 +74,12 @@ class ChainEnds:
         assert found is not None
         return found
 
+    def saturation(self, p: float) -> float | None:
+        """Return the saturation temperature [K] of the gas at p [Pa]; None above the critical pressure."""
+        with suppress(UsageError):
+            return constants.saturation_temperature(self.chain.first.gas.name, p)
+        return None
+
 
 def chain_figures(ends: ChainEnds, pair: StagePair) -> tuple[Figures, Mapping[str, str]]:
     """Return the figures of the whole that the chain calls for (M203), and why some are None."""
@@ -121,13 +128,10 @@ def chain_figures(ends: ChainEnds, pair: StagePair) -> tuple[Figures, Mapping[st
 
 def _saturation(ends: ChainEnds, p: float) -> dict[str, float]:
     """Return the saturation temperature [K] at p [Pa] of a chain with a condenser, if its refrigerant has one."""
-    fluid = ends.chain.first.gas.name
-    if condensate_enthalpy(ends.chain.second) is None or is_blend(fluid):
+    if condensate_enthalpy(ends.chain.second) is None or is_blend(ends.chain.first.gas.name):
         return {}
-    try:
-        return {"intermediate_temperature": constants.saturation_temperature(fluid, p)}
-    except UsageError:  # above the critical pressure
-        return {}
+    T = ends.saturation(p)
+    return {} if T is None else {"intermediate_temperature": T}
 
 
 def _capacities(

@@ -6,15 +6,14 @@ the flows stay equal (`study.stages.uncertain`).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import STAGES
 from screwsim.scene.fields import FIXED
 from screwsim.study.figures import figure_of
-from screwsim.study.inputs import check_continuous
-from screwsim.study.local import Sensitivities, numeric_paths
+from screwsim.study.local import Sensitivities, numeric_paths, requested_numbers
 from screwsim.study.stages.axes import BETWEEN, COMMON, LEAVES, SOLVED
 from screwsim.study.stages.solve import Stop, run_stages
 from screwsim.study.stages.uncertain import ChainDerivatives, linear_chain
@@ -33,8 +32,7 @@ def chain_sensitivities(
     Raises UsageError for a path or a figure that does not exist, and where a stage has no derivatives by its lines.
     """
     names = [figure_of(chain, name) for name in figures]
-    values = dict(_numbers(chain))
-    values = _requested(chain, paths, values) if paths else values
+    values = requested_numbers(chain, paths, dict(_numbers(chain)))
     found = run_stages(chain)
     result = found.as_result()
     if found.status != "ok":
@@ -62,15 +60,6 @@ def chain_sensitivities(
         },
         left_out=linear.lost,
     )
-
-
-def _requested(chain: StageChain, paths: Sequence[str], every: Mapping[str, float]) -> dict[str, float]:
-    """Return the numbers at the requested paths; raise UsageError for a path without a number."""
-    for path in paths:
-        check_continuous(chain, path)
-        if path not in every:
-            raise UsageError(f"{path}: is not stated, or follows from others (state it, or leave it out)")
-    return {path: every[path] for path in dict.fromkeys(paths)}
 
 
 def _numbers(chain: StageChain) -> Iterator[tuple[str, float]]:

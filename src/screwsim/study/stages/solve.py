@@ -139,14 +139,8 @@ class ChainSolver(ChainEnds):
 
     def _check_dry(self, p: float, T_d: float, first: Result) -> None:
         """Raise `Stop` where the first stage delivers wet vapour: its temperature does not determine its enthalpy."""
-        gas = self.chain.first.gas
-        if not gas.equilibrium:
-            return
-        try:
-            saturation = constants.saturation_temperature(gas.name, p)
-        except UsageError:  # above the critical pressure
-            return
-        if T_d <= saturation * (1.0 + WET_TOLERANCE):
+        saturation = self.saturation(p) if self.chain.first.gas.equilibrium else None
+        if saturation is not None and T_d <= saturation * (1.0 + WET_TOLERANCE):
             what = f"the first stage delivers wet vapour at {p / 1e5:.4g} bar"
             raise Stop("failed", f"{what} (use warmer or less oil there, or drier suction gas)", (first,))
 
@@ -175,11 +169,8 @@ class ChainSolver(ChainEnds):
 
     def _is_liquid(self, p: float, T: float) -> bool:
         """Return whether a real gas is liquid at p [Pa], T [K]."""
-        gas = self.chain.first.gas
-        try:
-            return condenses(gas) and T < constants.saturation_temperature(gas.name, p)
-        except UsageError:  # above the critical pressure
-            return False
+        saturation = self.saturation(p) if condenses(self.chain.first.gas) else None
+        return saturation is not None and T < saturation
 
     # ---- the pressure ------------------------------------------------------------------------------------------
 

@@ -14,6 +14,7 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.errors import error_in_unit
 from screwsim.outputs import EFFICIENCY, Result
+from screwsim.outputs.display import grouped
 from screwsim.scene import Scene
 from screwsim.scene.types import COVERAGE
 from screwsim.study.uncertain import conditions_of, with_uncertainty
@@ -69,21 +70,20 @@ def interval(point: ValidationPoint) -> tuple[float, float, float]:
 
 def model_errors(points: Sequence[ValidationPoint], source: str, citation: str) -> dict[str, Any]:
     """Return the model error of each machine of a source by its points, in JSON types only."""
-    machines = dict.fromkeys(point.machine for point in points)
     return {
         name: {
             "source": source,
             "citation": citation,
-            "range": _condition_range([point for point in points if point.machine == name and not point.fitted]),
-            "figures": dict(_figures([point for point in points if point.machine == name])),
+            "range": _condition_range([point for point in own if not point.fitted]),
+            "figures": dict(_figures(own)),
         }
-        for name in machines
+        for name, own in grouped((point.machine, point) for point in points).items()
     }
 
 
 def _figures(points: Sequence[ValidationPoint]) -> Iterator[tuple[str, dict[str, Any]]]:
-    for figure in dict.fromkeys(point.figure for point in points):
-        mine = [[point for point in points if point.figure == figure and point.fitted is fit] for fit in (False, True)]
+    for figure, own in grouped((point.figure, point) for point in points).items():
+        mine = [[point for point in own if point.fitted is fit] for fit in (False, True)]
         unknown = [
             word for part, word in UNCERTAINTY_PARTS.items() if any(getattr(point, part) is None for point in mine[0])
         ]
@@ -104,8 +104,7 @@ def _statistics(points: Sequence[ValidationPoint]) -> dict[str, Any] | None:
 def _condition_range(points: Sequence[ValidationPoint]) -> dict[str, Any]:
     """Return the ends of each condition, or its words, over some points."""
     found: dict[str, Any] = {}
-    for name in dict.fromkeys(name for point in points for name in point.at):
-        values = [point.at[name] for point in points if name in point.at]
+    for name, values in grouped(each for point in points for each in point.at.items()).items():
         words = isinstance(values[0], str)
         found[name] = list(dict.fromkeys(values)) if words else [min(values), max(values)]
     return found
