@@ -192,6 +192,43 @@ def test_what_turns_back_while_it_varies_together_is_no_input(plant, summed, tmp
         map_of(str(out) if stored else source, figures=["shaft_power"], jobs=1)
 
 
+def test_what_varies_with_a_word_says_that_it_is_none(plant, summed, tmp_path):
+    """The speed rises; the kind beside it has no values between."""
+    kinds = {FIRST_SPEED: ["1000 rpm", "2000 rpm"], "second.oil_supply.kind": ["pump", "pump"]}
+    source = plant(sweep={"zip": [kinds]})
+    with pytest.raises(UsageError, match=r"second\.oil_supply\.kind has values that are no numbers \(name ranges"):
+        map_of(source, figures=["shaft_power"], jobs=1)
+    out = tmp_path / "kinds.h5"
+    assert exit_code(["sweep", source, "-o", str(out), "--jobs", "1"]) == 0
+    with pytest.raises(UsageError, match=r"kinds\.h5: second\.oil_supply\.kind has values that are no numbers"):
+        map_of(str(out), figures=["shaft_power"], jobs=1)
+
+
+WARMER = ["-15 degC", "-30 degC", "-25 degC", "-20 degC"]  # polynomials ask for no order
+SUPERHEATS = ["4 K", "10 K", "8 K", "6 K"]
+
+
+def test_polynomials_hold_what_varies_together_with_a_temperature(plant, tmp_path, capsys):
+    """Each superheat belongs to one evaporating temperature, so that the polynomial of both is that of runs."""
+    joint = {EVAPORATING: WARMER, "first.operation.superheat": SUPERHEATS}
+    source = plant(sweep={"zip": [joint], CONDENSING: AXES[CONDENSING]})
+    out = tmp_path / "plant.json"
+    assert exit_code(["export", "en12900", source, "-o", str(out), "--jobs", "1"]) == 0
+    (one,) = json.loads(out.read_text())["maps"]
+    S, D, values = -20.0, 35.0, {EVAPORATING: 253.15, CONDENSING: 308.15, "first.operation.superheat": 6.0}
+    run = read_stages(plant()).with_values(values).solved().performance
+    figures = one["figures"]
+    for name in ("shaft_power", "cooling_capacity"):
+        c = list(figures[name]["coefficients"].values())
+        value = np.dot(c, [1, S, D, S * S, S * D, D * D, S**3, D * S * S, S * D * D, D**3])
+        assert value == pytest.approx(run[name], rel=1.01 * figures[name]["largest_error"] + 1e-4)
+    assert "superheat 4 K … 10 K" in capsys.readouterr().err
+    source = plant(sweep={"zip": [joint], CONDENSING: AXES[CONDENSING]})
+    idf = str(tmp_path / "plant.idf")
+    assert exit_code(["export", "energyplus", source, "-o", idf, "--jobs", "1"]) == 2
+    assert "first.operation.superheat varies together with a temperature" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [

@@ -117,11 +117,32 @@ def read_inputs(
 
     Raise UsageError, in which `option` names where they were given.
     """
-    if isinstance(over, Mapping) and over:
-        return _inputs(scene, {each.path: (each.low, each.high) for each in read_spans(scene, over, ranged=True)})
     if over:
-        ranges = read_ranges(scene, tuple(over), option, _example(scene))
-        return _inputs(scene, {each.path: (each.low, each.high) for each in ranges})
+        if isinstance(over, Mapping):
+            spans = read_spans(scene, over, ranged=True)
+        else:
+            spans = read_ranges(scene, tuple(over), option, _example(scene))
+        found = _inputs(scene, {each.path: (each.low, each.high) for each in spans})
+        check_names(found)
+        return found
+    axes = _numeric_axes(scene, option)
+    for path in axes:
+        check_continuous(scene, path)
+    together = {} if isinstance(scene, Scene) else _followers(scene, axes)
+    follow = {each.path for followers in together.values() for each in followers}
+    ends = {path: (min(values), max(values)) for path, values in axes.items() if path not in follow}
+    found = _inputs(scene, ends)
+    check_names(found)
+    return tuple(with_followers(one, together.get(one.path, ())) for one in found)
+
+
+def numeric_inputs(scene: Varied) -> tuple[Input, ...]:
+    """Return each path of a sweep over numbers as an input, those that vary together too; raise UsageError for none."""
+    return _inputs(scene, {path: (min(values), max(values)) for path, values in _numeric_axes(scene).items()})
+
+
+def _numeric_axes(scene: Varied, option: str = "--over") -> dict[str, tuple[float, ...]]:
+    """Return the values [SI] of each path that a sweep varies over numbers; raise UsageError where there is none."""
     axes = {
         path: values
         for path, values in scene.sweep.items()
@@ -132,13 +153,7 @@ def read_inputs(
             "there is nothing to map over: the scene has no sweep over numbers (write e.g. "
             f"{option} '{_example(scene)}', repeated for each further path)"
         )
-    for path in axes:
-        check_continuous(scene, path)
-    together = {} if isinstance(scene, Scene) else _followers(scene, axes)
-    follow = {each.path for followers in together.values() for each in followers}
-    ends = {path: (min(values), max(values)) for path, values in axes.items() if path not in follow}
-    found = _inputs(scene, ends)
-    return tuple(with_followers(one, together.get(one.path, ())) for one in found)
+    return axes
 
 
 def _followers(scene: Swept, axes: Mapping[str, tuple[float, ...]]) -> dict[str, tuple[Follower, ...]]:
@@ -149,11 +164,15 @@ def _followers(scene: Swept, axes: Mapping[str, tuple[float, ...]]) -> dict[str,
         numbers = {path: axes[path] for path in joint.paths if path in axes}
         if not numbers:
             continue
-        own = numbers.pop(leader, ())
-        followers = followers_of(own, numbers) if own and len(numbers) == len(others) else None
+        together = f"no map: {leader} varies together with {' and '.join(others)}, but"
+        words = [path for path in joint.paths if path not in numbers]
+        if words:
+            remedy = "name ranges with --over, or vary it on an axis of its own"
+            raise UsageError(f"{together} {words[0]} has values that are no numbers ({remedy})")
+        followers = followers_of(numbers.pop(leader), numbers)
         if followers is None:
-            what = f"{leader} varies together with {' and '.join(others)}, but neither rises nor falls throughout"
-            raise UsageError(f"no map: {what} (name ranges with --over, or vary them on axes of their own)")
+            remedy = "name ranges with --over, or vary them on axes of their own"
+            raise UsageError(f"{together} neither rises nor falls throughout ({remedy})")
         found[leader] = followers
     return found
 
@@ -185,7 +204,6 @@ def _inputs(scene: Varied, ends: Mapping[str, tuple[float, float]]) -> tuple[Inp
         leaf, own = leaf_of(scene, path), value_at(scene, path)
         value = float(own) if isinstance(own, int | float) and low <= own <= high else 0.5 * (low + high)
         found.append(input_of(path, unit_of(leaf), leaf.doc, (low, high), value))
-    check_names(found)
     return tuple(found)
 
 
