@@ -233,6 +233,8 @@ def test_polynomials_hold_what_varies_together_with_a_temperature(plant, tmp_pat
     ("words", "told"),
     [
         (["export", "tespy", "FILE", "-o", "a.json"], "holds two stages, and TESPy's compressor is one machine"),
+        (["export", "tespy", "PLANT", "-o", "a.json"], "describes two stages, and TESPy's compressor is one machine"),
+        (["export", "loads", "PLANT", "-o", "a"], "describes two stages, and loads are those of one machine (screwsim"),
         (
             ["export", "loads", "FILE", "-o", "a"],
             "and loads are those of one machine (screwsim scene",

@@ -197,9 +197,11 @@ def tespy(
     """Write the attributes of TESPy's PolynomialCompressor: efficiency polynomials, one per speed."""
     options.check_target(output, ".json")
     from screwsim.export.polynomials import swept_results
-    from screwsim.export.tespy import FIGURES, tespy_document
+    from screwsim.export.source import refuse_stages
+    from screwsim.export.tespy import FIGURES, ONE_MACHINE, tespy_document
     from screwsim.results.protection import protect_other_json
 
+    refuse_stages(source, ONE_MACHINE)
     protect_other_json(output, "for", "fluid", "maps")
     with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_map) as results:
         document = tespy_document(results)
