@@ -49,6 +49,7 @@ AFTERCOOLERS = (  # why neither scene may name one, and what to do, of each stag
     ("intercooler: {kind: cooler, outlet_temperature: …, pressure_drop: …}", "add its loss to that of a valve"),
 )
 USUAL_FIGURES = ("electrical_cop", "cop", "package_isentropic_efficiency", ISENTROPIC)  # the first that there is
+MOTORS, OF_AIR, CONDENSER = "motors", "air", "condenser"  # what some figures of both together need
 UNLOADED_STAGE = "is unloaded and blows off what it moves, so that the pair delivers nothing"
 
 
@@ -89,15 +90,23 @@ class StageChain:
     @property
     def figures(self) -> dict[str, Figure]:
         """The figures of both together that they may call for: capacities, powers and those of a package where due."""
-        motors = all("electrical_power" in figures_of(scene) for scene in self.by_stage.values())
-        absent = () if motors else ("electrical",)
-        absent += () if motors and self.first.gas.name.lower() == AIR else ("package", "free_air")
-        cools = condensate_enthalpy(self.second) is not None
-        return {
-            name: figure
-            for name, figure in STAGES.items()
-            if not name.startswith(absent) and (cools or not name.endswith(("capacity", "cop")))
-        }
+        absent = self._absences()
+        return {name: figure for name, figure in STAGES.items() if not _lacked(name, absent)}
+
+    def lacks(self, name: str) -> tuple[str, ...]:
+        """Return in words what the scenes lack for a figure of both together; empty where they have what it needs."""
+        return _lacked(name, self._absences())
+
+    def _absences(self) -> dict[str, str]:
+        """Return what the scenes do not have, in words, of what some figures of both together need."""
+        still = [name for name, scene in self.by_stage.items() if "electrical_power" not in figures_of(scene)]
+        found = {MOTORS: f"a motor in the {still[0]} scene" if len(still) == 1 else "a motor in both scenes"}
+        found = found if still else {}
+        if self.first.gas.name.lower() != AIR:
+            found[OF_AIR] = "air for its gas"
+        if condensate_enthalpy(self.second) is None:
+            found[CONDENSER] = "operation.condensing_temperature or gas_cooler in the second scene"
+        return found
 
     def leaf_of(self, path: str) -> Leaf:
         """Return the description of an input; raise UsageError where it cannot vary."""
@@ -159,6 +168,17 @@ class StageChain:
         return run_stages(self).as_result()
 
 
+def _lacked(name: str, absent: Mapping[str, str]) -> tuple[str, ...]:
+    """Return what is absent of that which a figure of both together needs."""
+    package = name.startswith(("package", "free_air"))
+    needed = {
+        MOTORS: package or name.startswith("electrical"),
+        OF_AIR: package,
+        CONDENSER: name.endswith(("capacity", "cop")),
+    }
+    return tuple(words for need, words in absent.items() if needed[need])
+
+
 def is_stages(path: str | os.PathLike[str]) -> bool:
     """Return whether a YAML file describes stages instead of one scene."""
     root = _root(shipped_name(path), LocatedFaults())
@@ -166,10 +186,18 @@ def is_stages(path: str | os.PathLike[str]) -> bool:
 
 
 def scene_or_stages(given: Any) -> Scene | StageChain:
-    """Return two stages as they are or from the path of their file, else the scene that `scene_of` makes of it."""
+    """Return two stages as they are or from the path of their file, else the scene that `scene_of` makes of it.
+
+    Raise `UsageError` for two stages as a dict or as text, besides what the readers of files raise.
+    """
     if isinstance(given, StageChain):
         return given
     named = isinstance(given, str | os.PathLike) and "\n" not in os.fspath(given)
+    lines = given.splitlines() if isinstance(given, str) and not named else ()
+    keys = given if isinstance(given, Mapping) else {line.partition(":")[0] for line in lines}
+    if STAGES_KEY in keys:
+        what = f"{STAGES_KEY}: two stages are given by the path of their file"
+        raise UsageError(f"{what} (write one that names the files of both scenes, and pass its path)")
     return read_stages(given) if named and is_stages(given) else scene_of(given)
 
 
