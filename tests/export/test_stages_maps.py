@@ -3,6 +3,7 @@
 import csv
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -19,7 +20,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
 from screwsim.study.map_points import evaluate_map, points_at
-from screwsim.study.performance_map import performance_maps
+from screwsim.study.performance_map import PerformanceMap, PolynomialFit, performance_maps
 from screwsim.study.stages import points, read_stages
 from screwsim.study.stages.result import ChainResult, figures_of_both
 
@@ -260,6 +261,28 @@ def test_a_speed_is_named_with_its_stage():
     results = SimpleNamespace(varied=axes, stages={"first": None, "second": None})
     with pytest.raises(UsageError, match=f"speed is short for first.operation.speed and for {SPEED}"):
         points_at(results, [], ["speed=1300 rpm"])
+
+
+def test_an_axis_is_named_as_its_exports_name_it():
+    """One map at each speed of the second stage, whose figure is that speed."""
+    speeds = np.array([130.0, 150.0])
+    fit = PolynomialFit((0.0,) * 10, 0.0, 0.0, 0.0)
+    corners = ((-30.0, 30.0), (-20.0, 30.0), (-20.0, 40.0), (-30.0, 40.0))
+    maps = [
+        PerformanceMap(
+            {FIRST_SPEED: 300.0, SPEED: x}, "", 16, 0, 1.0, corners, {"cop": replace(fit, coefficients=(x, *[0.0] * 9))}
+        )
+        for x in speeds
+    ]
+    axes = {EVAPORATING: (0, speeds), CONDENSING: (1, speeds), FIRST_SPEED: (2, speeds[:1]), SPEED: (3, speeds)}
+    results = SimpleNamespace(varied=axes, stages={"first": None, "second": None})
+    at = "evaporating_temperature=-25 degC, condensing_temperature=35 degC"
+    (point,) = points_at(results, maps, [f"{at}, second_speed={150.0 * 30.0 / np.pi} rpm"])
+    assert point.figures == {"cop": 150.0}
+    with pytest.raises(UsageError, match=r"state first_speed and second_speed as well, e\.g\. first_speed=300"):
+        points_at(results, maps, [at])
+    with pytest.raises(UsageError, match="did you mean 'second_speed'"):
+        points_at(results, maps, [f"{at}, second_sped=1 rpm"])
 
 
 def test_a_sweep_without_both_temperatures_says_where_to_write_them(plant, tmp_path):

@@ -8,8 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.build import build_parts
-from screwsim.effects import having
-from screwsim.effects.parts.usual import SLIDES
 from screwsim.figures import called_for, declared
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figure
@@ -18,8 +16,9 @@ from screwsim.scene import Scene
 from screwsim.scene.grid import Swept, joints_of, unit_of
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_continuous
+from screwsim.study.short_names import short_name
 from screwsim.study.spans import read_ranges, read_spans
-from screwsim.study.stages.axes import STAGE_NAMES, names_in_chain
+from screwsim.study.stages.axes import STAGE_NAMES
 from screwsim.study.varied import Varied, leaf_of, names_of, value_at
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
@@ -33,16 +32,6 @@ _DERIVED: dict[str, dict[str, int]] = {
 _PART = re.compile(r"([A-Za-z]+)\^?(-?[0-9]+)?")
 LOGARITHMIC_FROM = 2.0  # ratio of the ends of a pressure range from which nodes are spaced by its logarithm
 FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "cooling_capacity", "electrical_power")
-_NAMES = {
-    "operation.suction.pressure": "suction_pressure",
-    "operation.suction.temperature": "suction_temperature",
-    "operation.suction.superheat": "superheat",
-    "operation.discharge.pressure": "discharge_pressure",
-    "oil_supply.temperature": "oil_temperature",
-    "oil_supply.ratio": "oil_ratio",
-    "machine.slide_valve.position": "slide_position",
-    **dict.fromkeys(having(SLIDES), "slide_position"),
-}
 
 
 class Follower(NamedTuple):
@@ -95,19 +84,7 @@ def input_of(path: str, units: str, doc: str, ends: tuple[float, float], value: 
     meaning, stage = doc.partition(" (instead of ")[0], path.partition(".")[0]
     meaning = f"{meaning}, {stage} stage" if stage in STAGE_NAMES else meaning
     log = units == "Pa" and high >= LOGARITHMIC_FROM * low > 0.0
-    return Input(path, _input_name(path), units, meaning, low, high, value, log)
-
-
-def _input_name(path: str) -> str:
-    """Return the external name of an input: a usual one, else the last words of its path.
-
-    Of two stages it begins with the stage where both have such an input: first_speed, but evaporating_temperature.
-    """
-    stage, _, own = path.partition(".")
-    if stage in STAGE_NAMES:
-        return _input_name(own) if len(names_in_chain(own)) == 1 else f"{stage}_{_input_name(own)}"
-    words = path.split(".")[-1 if path.startswith("operation.") else -2 :]
-    return _NAMES.get(path, "_".join(words))
+    return Input(path, short_name(path), units, meaning, low, high, value, log)
 
 
 def read_inputs(
