@@ -6,6 +6,7 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -183,6 +184,24 @@ def test_what_a_sweep_varies_together_is_one_input(plant, summed, tmp_path, stor
         assert table.met and float(table.evaluate(first_speed=1500.0 * rpm)["shaft_power"]) == pytest.approx(
             (1500.0 + 9500.0) * rpm, rel=table.wanted
         )
+
+
+def test_a_map_tells_what_follows_its_inputs(plant, summed, tmp_path, capsys):
+    rpm = np.pi / 30.0
+    source, out, unit = plant(sweep={"zip": [FALLING]}), tmp_path / "speeds.csv", tmp_path / "speeds.fmu"
+    asked = ["--figure", "shaft_power", "--jobs", "1"]
+    assert exit_code(["export", "csv", source, "-o", str(out), *asked]) == 0
+    assert f"first_speed 1000 rpm … 3000 rpm with {SPEED} 700 rpm … 1300 rpm" in capsys.readouterr().err
+    head = out.read_text().splitlines()[0]
+    assert head.endswith(f"; with first_speed 104.72, 209.44, 314.159: {SPEED} 73.3038, 125.664, 136.136")
+    assert exit_code(["export", "csv", source, "-o", str(out), *asked]) == 0  # what an export wrote it may replace
+    assert exit_code(["export", "fmu", source, "-o", str(unit), "--sources-only", *asked]) == 0
+    with ZipFile(unit) as held:
+        (speed,) = json.loads(held.read("resources/map.json"))["inputs"]
+    (follower,) = speed["follows"]
+    assert follower["path"] == SPEED
+    assert follower["at"] == pytest.approx([1000.0 * rpm, 2000.0 * rpm, 3000.0 * rpm])
+    assert follower["values"] == pytest.approx([700.0 * rpm, 1200.0 * rpm, 1300.0 * rpm])
 
 
 @pytest.mark.parametrize("stored", [False, True])

@@ -50,8 +50,12 @@ def _announce_polynomials(scene: Varied, inputs: Sequence[Input]) -> None:
 def _announce_map(scene: Varied, inputs: Sequence[Input]) -> None:
     from screwsim.study.inputs import shown_range
 
-    ranges = ", ".join(f"{one.name} {shown_range(scene, one.path, one.low, one.high)}" for one in inputs)
-    typer.echo(f"export: simulating a map over {ranges}", err=True)
+    ranges = []
+    for one in inputs:
+        others = (f"{path} {shown_range(scene, path, values[0], values[-1])}" for path, _, values in one.follows)
+        together = " with ".join((shown_range(scene, one.path, one.low, one.high), *others))
+        ranges.append(f"{one.name} {together}")
+    typer.echo(f"export: simulating a map over {', '.join(ranges)}", err=True)
 
 
 def print_map_and_files(table: MapTable, files: list[str], as_json: bool) -> int:

@@ -243,6 +243,16 @@ def unit_after_number(units: str) -> str:
     return "" if text == "1" else f" {text}"
 
 
+def followers_text(inputs: Sequence[Input]) -> str:
+    """Return, in SI, what varies together with inputs: '; with speed 100, 200: first.x 1, 3'; empty where nothing."""
+    lists = (
+        (one.name, each.path, *(", ".join(f"{x:.6g}" for x in column) for column in each[1:]))
+        for one in inputs
+        for each in one.follows
+    )
+    return "".join(f"; with {name} {at}: {path} {values}" for name, path, at, values in lists)
+
+
 def range_text(one: Input) -> str:
     """Return the range of an input in SI: '263.15 … 283.15 K'."""
     return f"{one.low:.6g} … {one.high:.6g}{unit_after_number(one.units)}"

@@ -25,6 +25,7 @@ from screwsim.export.inputs import (
     check_names,
     evenly_spaced_nodes,
     followers_of,
+    followers_text,
     input_of,
     plain,
     title_on_one_line,
@@ -324,7 +325,7 @@ def _documents(text: str, stages: Mapping[str, str]) -> str:
 def csv_table(table: MapTable) -> str:
     """Return the rows of all nodes, the last input fastest; `closed` is 0 where a cycle did not close."""
     heads = [f"{each.name} [{plain(each.units)}]" for each in (*table.inputs, *table.outputs)]
-    lines = [f"# {table.title}{TITLE_SEPARATOR}{table.error_in_words}"]
+    lines = [f"# {table.title}{TITLE_SEPARATOR}{table.error_in_words}{followers_text(table.inputs)}"]
     lines.append(",".join([*heads, "closed"]))
     nodes = [variable.at(u) for variable, u in zip(table.inputs, table.grid.nodes, strict=True)]
     values = table.grid.data[(0,) * len(nodes)]

@@ -10,7 +10,6 @@ from functools import partial
 from typing import Any, Self
 
 from screwsim.build import build_parts, package_of
-from screwsim.effects.air_package import AIR
 from screwsim.effects.base import CoolsOil, Plenum
 from screwsim.explain import explain
 from screwsim.explain.parameters import WIDTH
@@ -29,7 +28,6 @@ from screwsim.scene.types import Joint
 from screwsim.scene.units import Refused, gauge_pressures_over, readable_quantity, to_customary
 from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
-from screwsim.study.figures import figures_of
 from screwsim.study.inputs import ISENTROPIC
 from screwsim.study.stages.axes import (
     BETWEEN,
@@ -40,6 +38,7 @@ from screwsim.study.stages.axes import (
     leaf_in_chain,
     names_in_chain,
 )
+from screwsim.study.stages.needs import absences, lacked
 
 STAGES_KEY = "stages"
 KEYS = ("title", STAGES_KEY, "intercooler", "sweep")
@@ -49,7 +48,6 @@ AFTERCOOLERS = (  # why neither scene may name one, and what to do, of each stag
     ("intercooler: {kind: cooler, outlet_temperature: …, pressure_drop: …}", "add its loss to that of a valve"),
 )
 USUAL_FIGURES = ("electrical_cop", "cop", "package_isentropic_efficiency", ISENTROPIC)  # the first that there is
-MOTORS, OF_AIR, CONDENSER = "motors", "air", "condenser"  # what some figures of both together need
 UNLOADED_STAGE = "is unloaded and blows off what it moves, so that the pair delivers nothing"
 
 
@@ -90,23 +88,12 @@ class StageChain:
     @property
     def figures(self) -> dict[str, Figure]:
         """The figures of both together that they may call for: capacities, powers and those of a package where due."""
-        absent = self._absences()
-        return {name: figure for name, figure in STAGES.items() if not _lacked(name, absent)}
+        absent = absences(self.first, self.second)
+        return {name: figure for name, figure in STAGES.items() if not lacked(name, absent)}
 
     def lacks(self, name: str) -> tuple[str, ...]:
         """Return in words what the scenes lack for a figure of both together; empty where they have what it needs."""
-        return _lacked(name, self._absences())
-
-    def _absences(self) -> dict[str, str]:
-        """Return what the scenes do not have, in words, of what some figures of both together need."""
-        still = [name for name, scene in self.by_stage.items() if "electrical_power" not in figures_of(scene)]
-        found = {MOTORS: f"a motor in the {still[0]} scene" if len(still) == 1 else "a motor in both scenes"}
-        found = found if still else {}
-        if self.first.gas.name.lower() != AIR:
-            found[OF_AIR] = "air for its gas"
-        if condensate_enthalpy(self.second) is None:
-            found[CONDENSER] = "operation.condensing_temperature or gas_cooler in the second scene"
-        return found
+        return lacked(name, absences(self.first, self.second))
 
     def leaf_of(self, path: str) -> Leaf:
         """Return the description of an input; raise UsageError where it cannot vary."""
@@ -166,17 +153,6 @@ class StageChain:
         from screwsim.study.stages.solve import run_stages
 
         return run_stages(self).as_result()
-
-
-def _lacked(name: str, absent: Mapping[str, str]) -> tuple[str, ...]:
-    """Return what is absent of that which a figure of both together needs."""
-    package = name.startswith(("package", "free_air"))
-    needed = {
-        MOTORS: package or name.startswith("electrical"),
-        OF_AIR: package,
-        CONDENSER: name.endswith(("capacity", "cop")),
-    }
-    return tuple(words for need, words in absent.items() if needed[need])
 
 
 def is_stages(path: str | os.PathLike[str]) -> bool:
