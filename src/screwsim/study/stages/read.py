@@ -168,13 +168,14 @@ def scene_or_stages(given: Any) -> Scene | StageChain:
     """
     if isinstance(given, StageChain):
         return given
-    named = isinstance(given, str | os.PathLike) and "\n" not in os.fspath(given)
-    lines = given.splitlines() if isinstance(given, str) and not named else ()
+    if isinstance(given, str | os.PathLike) and "\n" not in os.fspath(given):
+        return read_stages(given) if is_stages(given) else scene_of(given)
+    lines = given.splitlines() if isinstance(given, str) else ()
     keys = given if isinstance(given, Mapping) else {line.partition(":")[0] for line in lines}
     if STAGES_KEY in keys:
         what = f"{STAGES_KEY}: two stages are given by the path of their file"
         raise UsageError(f"{what} (write one that names the files of both scenes, and pass its path)")
-    return read_stages(given) if named and is_stages(given) else scene_of(given)
+    return scene_of(given)
 
 
 def read_stages(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> StageChain:
