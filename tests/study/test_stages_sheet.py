@@ -291,7 +291,7 @@ def test_a_packages_points_begin_at_full_flow(package, aired):
         (
             "plant",
             ["--limit", "free_air<3 m^3/min"],
-            "--limit free_air: is not a figure of these two stages: it needs air",
+            "is not a figure of these two stages: it needs air",
         ),
         ("plant", ["--limit", "piston_speed<3 m/s"], "--limit piston_speed: is not"),
         ("plant", ["--profile", "x.csv"], "--profile: belongs to an air package"),
