@@ -3,8 +3,10 @@
 import csv
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -19,7 +21,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
 from screwsim.study.map_points import evaluate_map, points_at
-from screwsim.study.performance_map import performance_maps
+from screwsim.study.performance_map import PerformanceMap, PolynomialFit, performance_maps
 from screwsim.study.stages import points, read_stages
 from screwsim.study.stages.result import ChainResult, figures_of_both
 
@@ -131,7 +133,8 @@ def test_inputs_are_named_by_their_stage_only_where_both_have_them(plant):
 def test_usual_outputs_are_those_that_the_plant_has(plant):
     names = [each.name for each in read_outputs(read_stages(plant()))]
     assert names == ["gas_mass_flow", "shaft_power", "discharge_temperature", "cooling_capacity"]
-    with pytest.raises(UsageError, match="--figure package_input_power: is not a figure of these two stages"):
+    needed = "a motor in both scenes and air for its gas"
+    with pytest.raises(UsageError, match=f"package_input_power: .* these two stages: it needs {needed} "):
         read_outputs(read_stages(plant()), ["package_input_power"])
 
 
@@ -183,6 +186,24 @@ def test_what_a_sweep_varies_together_is_one_input(plant, summed, tmp_path, stor
         )
 
 
+def test_a_map_tells_what_follows_its_inputs(plant, summed, tmp_path, capsys):
+    rpm = np.pi / 30.0
+    source, out, unit = plant(sweep={"zip": [FALLING]}), tmp_path / "speeds.csv", tmp_path / "speeds.fmu"
+    asked = ["--figure", "shaft_power", "--jobs", "1"]
+    assert exit_code(["export", "csv", source, "-o", str(out), *asked]) == 0
+    assert f"first_speed 1000 rpm … 3000 rpm with {SPEED} 700 rpm … 1300 rpm" in capsys.readouterr().err
+    head = out.read_text().splitlines()[0]
+    assert head.endswith(f"; with first_speed 104.72, 209.44, 314.159: {SPEED} 73.3038, 125.664, 136.136")
+    assert exit_code(["export", "csv", source, "-o", str(out), *asked]) == 0  # what an export wrote it may replace
+    assert exit_code(["export", "fmu", source, "-o", str(unit), "--sources-only", *asked]) == 0
+    with ZipFile(unit) as held:
+        (speed,) = json.loads(held.read("resources/map.json"))["inputs"]
+    (follower,) = speed["follows"]
+    assert follower["path"] == SPEED
+    assert follower["at"] == pytest.approx([1000.0 * rpm, 2000.0 * rpm, 3000.0 * rpm])
+    assert follower["values"] == pytest.approx([700.0 * rpm, 1200.0 * rpm, 1300.0 * rpm])
+
+
 @pytest.mark.parametrize("stored", [False, True])
 def test_what_turns_back_while_it_varies_together_is_no_input(plant, summed, tmp_path, stored):
     source, out = plant(sweep={"zip": [TURNING]}), tmp_path / "speeds.h5"
@@ -192,10 +213,49 @@ def test_what_turns_back_while_it_varies_together_is_no_input(plant, summed, tmp
         map_of(str(out) if stored else source, figures=["shaft_power"], jobs=1)
 
 
+def test_what_varies_with_a_word_says_that_it_is_none(plant, summed, tmp_path):
+    """The speed rises; the kind beside it has no values between."""
+    kinds = {FIRST_SPEED: ["1000 rpm", "2000 rpm"], "second.oil_supply.kind": ["pump", "pump"]}
+    source = plant(sweep={"zip": [kinds]})
+    with pytest.raises(UsageError, match=r"second\.oil_supply\.kind has values that are no numbers \(name ranges"):
+        map_of(source, figures=["shaft_power"], jobs=1)
+    out = tmp_path / "kinds.h5"
+    assert exit_code(["sweep", source, "-o", str(out), "--jobs", "1"]) == 0
+    with pytest.raises(UsageError, match=r"kinds\.h5: second\.oil_supply\.kind has values that are no numbers"):
+        map_of(str(out), figures=["shaft_power"], jobs=1)
+
+
+WARMER = ["-15 degC", "-30 degC", "-25 degC", "-20 degC"]  # polynomials ask for no order
+SUPERHEATS = ["4 K", "10 K", "8 K", "6 K"]
+
+
+def test_polynomials_hold_what_varies_together_with_a_temperature(plant, tmp_path, capsys):
+    """Each superheat belongs to one evaporating temperature, so that the polynomial of both is that of runs."""
+    joint = {EVAPORATING: WARMER, "first.operation.superheat": SUPERHEATS}
+    source = plant(sweep={"zip": [joint], CONDENSING: AXES[CONDENSING]})
+    out = tmp_path / "plant.json"
+    assert exit_code(["export", "en12900", source, "-o", str(out), "--jobs", "1"]) == 0
+    (one,) = json.loads(out.read_text())["maps"]
+    S, D, values = -20.0, 35.0, {EVAPORATING: 253.15, CONDENSING: 308.15, "first.operation.superheat": 6.0}
+    run = read_stages(plant()).with_values(values).solved().performance
+    figures = one["figures"]
+    for name in ("shaft_power", "cooling_capacity"):
+        c = list(figures[name]["coefficients"].values())
+        value = np.dot(c, [1, S, D, S * S, S * D, D * D, S**3, D * S * S, S * D * D, D**3])
+        assert value == pytest.approx(run[name], rel=1.01 * figures[name]["largest_error"] + 1e-4)
+    assert "superheat 4 K … 10 K" in capsys.readouterr().err
+    source = plant(sweep={"zip": [joint], CONDENSING: AXES[CONDENSING]})
+    idf = str(tmp_path / "plant.idf")
+    assert exit_code(["export", "energyplus", source, "-o", idf, "--jobs", "1"]) == 2
+    assert "first.operation.superheat varies together with a temperature" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
         (["export", "tespy", "FILE", "-o", "a.json"], "holds two stages, and TESPy's compressor is one machine"),
+        (["export", "tespy", "PLANT", "-o", "a.json"], "describes two stages, and TESPy's compressor is one machine"),
+        (["export", "loads", "PLANT", "-o", "a"], "describes two stages, and loads are those of one machine (screwsim"),
         (
             ["export", "loads", "FILE", "-o", "a"],
             "and loads are those of one machine (screwsim scene",
@@ -220,6 +280,28 @@ def test_a_speed_is_named_with_its_stage():
     results = SimpleNamespace(varied=axes, stages={"first": None, "second": None})
     with pytest.raises(UsageError, match=f"speed is short for first.operation.speed and for {SPEED}"):
         points_at(results, [], ["speed=1300 rpm"])
+
+
+def test_an_axis_is_named_as_its_exports_name_it():
+    """One map at each speed of the second stage, whose figure is that speed."""
+    speeds = np.array([130.0, 150.0])
+    fit = PolynomialFit((0.0,) * 10, 0.0, 0.0, 0.0)
+    corners = ((-30.0, 30.0), (-20.0, 30.0), (-20.0, 40.0), (-30.0, 40.0))
+    maps = [
+        PerformanceMap(
+            {FIRST_SPEED: 300.0, SPEED: x}, "", 16, 0, 1.0, corners, {"cop": replace(fit, coefficients=(x, *[0.0] * 9))}
+        )
+        for x in speeds
+    ]
+    axes = {EVAPORATING: (0, speeds), CONDENSING: (1, speeds), FIRST_SPEED: (2, speeds[:1]), SPEED: (3, speeds)}
+    results = SimpleNamespace(varied=axes, stages={"first": None, "second": None})
+    at = "evaporating_temperature=-25 degC, condensing_temperature=35 degC"
+    (point,) = points_at(results, maps, [f"{at}, second_speed={150.0 * 30.0 / np.pi} rpm"])
+    assert point.figures == {"cop": 150.0}
+    with pytest.raises(UsageError, match=r"state first_speed and second_speed as well, e\.g\. first_speed=300"):
+        points_at(results, maps, [at])
+    with pytest.raises(UsageError, match="did you mean 'second_speed'"):
+        points_at(results, maps, [f"{at}, second_sped=1 rpm"])
 
 
 def test_a_sweep_without_both_temperatures_says_where_to_write_them(plant, tmp_path):

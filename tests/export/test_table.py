@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from screwsim.export import inputs
 from screwsim.export.inputs import read_inputs, read_outputs
 from screwsim.export.source import map_of
 from screwsim.export.table import TEMPERATURE_SCALE, scales, table_of, tabulated_map
@@ -18,6 +17,7 @@ from screwsim.outputs import Figure, Figures, Result
 from screwsim.results import open_results
 from screwsim.scene import load, with_values
 from screwsim.scene.write import scene_text
+from screwsim.study import short_names
 from screwsim.study.sweep import run_sweep
 
 POINT = load(Path(__file__).parents[2] / "configs" / "paper" / "point.yaml")
@@ -249,7 +249,7 @@ def test_results_cannot_be_changed(tmp_path):
 def test_two_inputs_of_one_external_name_are_refused(monkeypatch):
     """An exported map would hold two variables of that name, as of two effects of one's own."""
     for path in ("operation.speed", "operation.discharge.pressure"):
-        monkeypatch.setitem(inputs._NAMES, path, "drive")
+        monkeypatch.setitem(short_names.NAMES, path, "drive")
     with pytest.raises(
         UsageError, match=r"operation\.speed and operation\.discharge\.pressure would both be called drive"
     ):

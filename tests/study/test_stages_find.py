@@ -98,6 +98,22 @@ def test_what_is_found_is_a_run_of_the_files_written(plant, tmp_path, capsys):
     assert "found_first.yaml" in capsys.readouterr().err
 
 
+def test_scenes_that_another_two_stage_file_names_are_not_replaced(plant, tmp_path, monkeypatch, capsys):
+    """plant.yaml and plant.stages.yaml would both name their scenes plant_first.yaml and plant_second.yaml."""
+    monkeypatch.setattr(StageChain, "solved", matching)
+    words = ["find", str(plant()), "--vary", RANGES[1], "--for", "intermediate_pressure=3 bar", "--jobs", "1", "-o"]
+    assert exit_code([*words, str(tmp_path / "found.yaml")]) == 0
+    before = (tmp_path / "found_second.yaml").read_text()
+    capsys.readouterr()
+    assert exit_code([*words, str(tmp_path / "found.stages.yaml")]) == 2
+    error = capsys.readouterr().err
+    assert f"would replace {tmp_path / 'found_first.yaml'}, which {tmp_path / 'found.yaml'} names" in error
+    assert (tmp_path / "found_second.yaml").read_text() == before and not (tmp_path / "found.stages.yaml").exists()
+    assert exit_code([*words, str(tmp_path / "found.yaml")]) == 0
+    assert exit_code([*words, str(tmp_path / ".stages.yaml")]) == 0
+    assert (tmp_path / ".stages_first.yaml").exists() and read_stages(tmp_path / ".stages.yaml")
+
+
 def test_the_best_stages_are_written_as_those_found(plant, tmp_path, monkeypatch):
     monkeypatch.setattr(StageChain, "solved", matching)
     out = tmp_path / "best.stages.yaml"
@@ -126,3 +142,31 @@ def test_a_question_that_makes_no_sense_is_one_line(plant, vary, goal, told):
     with pytest.raises(UsageError) as refused:
         question(read_stages(plant()), [vary], [goal])
     assert told in str(refused.value) and "\n" not in str(refused.value)
+
+
+MOTOR = {"effects": {"motor": {"rated_power": "30 kW", "efficiency": 0.9}}}
+
+
+@pytest.mark.parametrize(
+    ("low", "figure", "needs"),
+    [
+        (MOTOR, "electrical_power", "a motor in the second scene (use one of intermediate_pressure"),
+        ({}, "electrical_power", "a motor in both scenes (use"),
+        ({}, "cooling_capacity", "operation.condensing_temperature or gas_cooler in the second scene (use"),
+    ],
+)
+def test_a_figure_that_both_scenes_do_not_give_says_what_it_needs(plant, tmp_path, low, figure, needs):
+    path = plant()
+    (tmp_path / "low.yaml").write_text(json.dumps(scene_dict(low)))
+    with pytest.raises(UsageError) as refused:
+        question(read_stages(path), [RANGES[0]], [f"{figure}=10 kW"])
+    assert f"--for {figure}: is not a figure of these two stages: it needs {needs}" in str(refused.value)
+
+
+@pytest.mark.parametrize("form", [dict, str])
+def test_two_stages_in_a_program_are_given_by_their_file(form):
+    content = {"title": "plant", "stages": ["low.yaml", "high.yaml"]}
+    given = content if form is dict else "title: plant\nstages: [low.yaml, high.yaml]\n"
+    for ask in (lambda: screwsim.find(given, RANGES[0], "gas_mass_flow=1 kg/s"), lambda: screwsim.tabulate(given)):
+        with pytest.raises(UsageError, match="two stages are given by the path of their file"):
+            ask()

@@ -288,7 +288,11 @@ def test_a_packages_points_begin_at_full_flow(package, aired):
         ("plant", ["--suction", "1 bar..2 bar"], "--suction: belongs to a machine whose lines are stated by pressures"),
         ("plant", ["--evaporating", "-20 degC"], "--evaporating -20 degC: is not LOW..HIGH"),
         ("plant", ["--evaporating", "38 degC..40 degC", "--condensing", "39 degC..41 degC"], "no point of the table"),
-        ("plant", ["--limit", "free_air<3 m^3/min"], "--limit free_air_delivered: is not a figure of these two stages"),
+        (
+            "plant",
+            ["--limit", "free_air<3 m^3/min"],
+            "is not a figure of these two stages: it needs air",
+        ),
         ("plant", ["--limit", "piston_speed<3 m/s"], "--limit piston_speed: is not"),
         ("plant", ["--profile", "x.csv"], "--profile: belongs to an air package"),
         ("plant", ["--without", "tip_leakage"], "stages have no --without"),

@@ -50,8 +50,12 @@ def _announce_polynomials(scene: Varied, inputs: Sequence[Input]) -> None:
 def _announce_map(scene: Varied, inputs: Sequence[Input]) -> None:
     from screwsim.study.inputs import shown_range
 
-    ranges = ", ".join(f"{one.name} {shown_range(scene, one.path, one.low, one.high)}" for one in inputs)
-    typer.echo(f"export: simulating a map over {ranges}", err=True)
+    ranges = []
+    for one in inputs:
+        others = (f"{path} {shown_range(scene, path, values[0], values[-1])}" for path, _, values in one.follows)
+        together = " with ".join((shown_range(scene, one.path, one.low, one.high), *others))
+        ranges.append(f"{one.name} {together}")
+    typer.echo(f"export: simulating a map over {', '.join(ranges)}", err=True)
 
 
 def print_map_and_files(table: MapTable, files: list[str], as_json: bool) -> int:
@@ -197,9 +201,11 @@ def tespy(
     """Write the attributes of TESPy's PolynomialCompressor: efficiency polynomials, one per speed."""
     options.check_target(output, ".json")
     from screwsim.export.polynomials import swept_results
-    from screwsim.export.tespy import FIGURES, tespy_document
+    from screwsim.export.source import refuse_stages
+    from screwsim.export.tespy import FIGURES, ONE_MACHINE, tespy_document
     from screwsim.results.protection import protect_other_json
 
+    refuse_stages(source, ONE_MACHINE)
     protect_other_json(output, "for", "fluid", "maps")
     with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_map) as results:
         document = tespy_document(results)

@@ -69,10 +69,9 @@ def find(
 def _check_found(output: Path, option: str, of: Varied) -> None:
     """Raise UsageError where a scene found, or both scenes of two stages, cannot be written."""
     from screwsim.scene import Scene
-    from screwsim.study.scene_files import check_scene_file, files_of_stages
+    from screwsim.study.scene_files import check_found_stages, check_scene_file
 
-    for file in (output, *(() if isinstance(of, Scene) else files_of_stages(output).values())):
-        check_scene_file(file, option)
+    (check_scene_file if isinstance(of, Scene) else check_found_stages)(output, option)
 
 
 def _write_found(

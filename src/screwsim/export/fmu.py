@@ -134,6 +134,7 @@ def map_description(table: MapTable) -> dict[str, object]:
                 "from": one.low,
                 "to": one.high,
                 "meaning": one.long_name,
+                "follows": [{"path": path, "at": [*at], "values": [*values]} for path, at, values in one.follows],
             }
             for one in table.inputs
         ],

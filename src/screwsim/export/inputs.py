@@ -8,8 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.build import build_parts
-from screwsim.effects import having
-from screwsim.effects.parts.usual import SLIDES
 from screwsim.figures import called_for, declared
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figure
@@ -18,8 +16,9 @@ from screwsim.scene import Scene
 from screwsim.scene.grid import Swept, joints_of, unit_of
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_continuous
+from screwsim.study.short_names import short_name
 from screwsim.study.spans import read_ranges, read_spans
-from screwsim.study.stages.axes import STAGE_NAMES, names_in_chain
+from screwsim.study.stages.axes import STAGE_NAMES
 from screwsim.study.varied import Varied, leaf_of, names_of, value_at
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
@@ -33,16 +32,6 @@ _DERIVED: dict[str, dict[str, int]] = {
 _PART = re.compile(r"([A-Za-z]+)\^?(-?[0-9]+)?")
 LOGARITHMIC_FROM = 2.0  # ratio of the ends of a pressure range from which nodes are spaced by its logarithm
 FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "cooling_capacity", "electrical_power")
-_NAMES = {
-    "operation.suction.pressure": "suction_pressure",
-    "operation.suction.temperature": "suction_temperature",
-    "operation.suction.superheat": "superheat",
-    "operation.discharge.pressure": "discharge_pressure",
-    "oil_supply.temperature": "oil_temperature",
-    "oil_supply.ratio": "oil_ratio",
-    "machine.slide_valve.position": "slide_position",
-    **dict.fromkeys(having(SLIDES), "slide_position"),
-}
 
 
 class Follower(NamedTuple):
@@ -95,19 +84,7 @@ def input_of(path: str, units: str, doc: str, ends: tuple[float, float], value: 
     meaning, stage = doc.partition(" (instead of ")[0], path.partition(".")[0]
     meaning = f"{meaning}, {stage} stage" if stage in STAGE_NAMES else meaning
     log = units == "Pa" and high >= LOGARITHMIC_FROM * low > 0.0
-    return Input(path, _input_name(path), units, meaning, low, high, value, log)
-
-
-def _input_name(path: str) -> str:
-    """Return the external name of an input: a usual one, else the last words of its path.
-
-    Of two stages it begins with the stage where both have such an input: first_speed, but evaporating_temperature.
-    """
-    stage, _, own = path.partition(".")
-    if stage in STAGE_NAMES:
-        return _input_name(own) if len(names_in_chain(own)) == 1 else f"{stage}_{_input_name(own)}"
-    words = path.split(".")[-1 if path.startswith("operation.") else -2 :]
-    return _NAMES.get(path, "_".join(words))
+    return Input(path, short_name(path), units, meaning, low, high, value, log)
 
 
 def read_inputs(
@@ -117,11 +94,32 @@ def read_inputs(
 
     Raise UsageError, in which `option` names where they were given.
     """
-    if isinstance(over, Mapping) and over:
-        return _inputs(scene, {each.path: (each.low, each.high) for each in read_spans(scene, over, ranged=True)})
     if over:
-        ranges = read_ranges(scene, tuple(over), option, _example(scene))
-        return _inputs(scene, {each.path: (each.low, each.high) for each in ranges})
+        if isinstance(over, Mapping):
+            spans = read_spans(scene, over, ranged=True)
+        else:
+            spans = read_ranges(scene, tuple(over), option, _example(scene))
+        found = _inputs(scene, {each.path: (each.low, each.high) for each in spans})
+        check_names(found)
+        return found
+    axes = _numeric_axes(scene, option)
+    for path in axes:
+        check_continuous(scene, path)
+    together = {} if isinstance(scene, Scene) else _followers(scene, axes)
+    follow = {each.path for followers in together.values() for each in followers}
+    ends = {path: (min(values), max(values)) for path, values in axes.items() if path not in follow}
+    found = _inputs(scene, ends)
+    check_names(found)
+    return tuple(with_followers(one, together.get(one.path, ())) for one in found)
+
+
+def numeric_inputs(scene: Varied) -> tuple[Input, ...]:
+    """Return each path of a sweep over numbers as an input, those that vary together too; raise UsageError for none."""
+    return _inputs(scene, {path: (min(values), max(values)) for path, values in _numeric_axes(scene).items()})
+
+
+def _numeric_axes(scene: Varied, option: str = "--over") -> dict[str, tuple[float, ...]]:
+    """Return the values [SI] of each path that a sweep varies over numbers; raise UsageError where there is none."""
     axes = {
         path: values
         for path, values in scene.sweep.items()
@@ -132,13 +130,7 @@ def read_inputs(
             "there is nothing to map over: the scene has no sweep over numbers (write e.g. "
             f"{option} '{_example(scene)}', repeated for each further path)"
         )
-    for path in axes:
-        check_continuous(scene, path)
-    together = {} if isinstance(scene, Scene) else _followers(scene, axes)
-    follow = {each.path for followers in together.values() for each in followers}
-    ends = {path: (min(values), max(values)) for path, values in axes.items() if path not in follow}
-    found = _inputs(scene, ends)
-    return tuple(with_followers(one, together.get(one.path, ())) for one in found)
+    return axes
 
 
 def _followers(scene: Swept, axes: Mapping[str, tuple[float, ...]]) -> dict[str, tuple[Follower, ...]]:
@@ -149,11 +141,15 @@ def _followers(scene: Swept, axes: Mapping[str, tuple[float, ...]]) -> dict[str,
         numbers = {path: axes[path] for path in joint.paths if path in axes}
         if not numbers:
             continue
-        own = numbers.pop(leader, ())
-        followers = followers_of(own, numbers) if own and len(numbers) == len(others) else None
+        together = f"no map: {leader} varies together with {' and '.join(others)}, but"
+        words = [path for path in joint.paths if path not in numbers]
+        if words:
+            remedy = "name ranges with --over, or vary it on an axis of its own"
+            raise UsageError(f"{together} {words[0]} has values that are no numbers ({remedy})")
+        followers = followers_of(numbers.pop(leader), numbers)
         if followers is None:
-            what = f"{leader} varies together with {' and '.join(others)}, but neither rises nor falls throughout"
-            raise UsageError(f"no map: {what} (name ranges with --over, or vary them on axes of their own)")
+            remedy = "name ranges with --over, or vary them on axes of their own"
+            raise UsageError(f"{together} neither rises nor falls throughout ({remedy})")
         found[leader] = followers
     return found
 
@@ -185,7 +181,6 @@ def _inputs(scene: Varied, ends: Mapping[str, tuple[float, float]]) -> tuple[Inp
         leaf, own = leaf_of(scene, path), value_at(scene, path)
         value = float(own) if isinstance(own, int | float) and low <= own <= high else 0.5 * (low + high)
         found.append(input_of(path, unit_of(leaf), leaf.doc, (low, high), value))
-    check_names(found)
     return tuple(found)
 
 
@@ -246,6 +241,16 @@ def unit_after_number(units: str) -> str:
     """Return a unit as it follows a number: with a blank before it; empty for plain numbers."""
     text = plain(units)
     return "" if text == "1" else f" {text}"
+
+
+def followers_text(inputs: Sequence[Input]) -> str:
+    """Return, in SI, what varies together with inputs: '; with speed 100, 200: first.x 1, 3'; empty where nothing."""
+    lists = (
+        (one.name, each.path, *(", ".join(f"{x:.6g}" for x in column) for column in each[1:]))
+        for one in inputs
+        for each in one.follows
+    )
+    return "".join(f"; with {name} {at}: {path} {values}" for name, path, at, values in lists)
 
 
 def range_text(one: Input) -> str:

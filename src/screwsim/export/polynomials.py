@@ -3,13 +3,14 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from screwsim.export.inputs import Input, evenly_spaced_nodes, read_inputs, title_on_one_line
+from screwsim.export.inputs import Input, evenly_spaced_nodes, numeric_inputs, read_inputs, title_on_one_line
 from screwsim.export.source import is_results, load_varied, refuse_changes
-from screwsim.export.table import temporary_results
+from screwsim.export.table import refuse_words, temporary_results
 from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
@@ -78,7 +79,11 @@ def swept_results(
     progress: Progress | None = None,
     told: Callable[[Varied, tuple[Input, ...]], None] | None = None,
 ) -> Iterator[Results]:
-    """Give the results of a file, or those of a scene after its own sweep or one over ranges (`--over`)."""
+    """Give the results of a file, or those of a scene after its own sweep or one over ranges (`--over`).
+
+    `told` is called with the scene and what it varies before anything is simulated; the results of a scene bear the
+    path of its file.
+    """
     if is_results(source):
         refuse_changes(source, {"--over": over, "--set": overrides, "--without": without})
         yield open_results(source)
@@ -99,19 +104,19 @@ def swept_results(
             f"--over '{evaporating}=-10 degC..10 degC' --over '{condensing}=30 degC..50 degC')"
         )
     if told is not None:
-        told(scene, read_inputs(scene, ()))
+        told(scene, numeric_inputs(scene))
     with temporary_results(scene, jobs=jobs, progress=progress) as results:
-        yield results
+        yield replace(results, path=Path(source))
 
 
 def polynomials(results: Results, figures: Sequence[str]) -> Polynomials:
     """Return the polynomials of some figures; raise UsageError where there can be none."""
     from ruamel.yaml import YAML
 
-    if any(axis.values.dtype.kind != "f" for axis in results.axis_list):
-        raise UsageError(f"{results.path}: has a non-numeric axis (export a sweep of one of its values)")
+    refuse_words(results, results.axis_list)
     maps = tuple(one for one in performance_maps(results, figures) if not one.message)
-    axes = {axis.path: axis.units for axis in results.axis_list if axis.path in maps[0].values}
+    varied = (one for axis in results.axis_list for one in axis.joined or (axis,))
+    axes = {one.path: one.units for one in varied if one.path in maps[0].values}
     units = {name: results.figure(name).units for name in maps[0].fits}
     alone = results.stages.get(STAGES[0], results)  # of two stages the first
     fluid = YAML(typ="safe", pure=True).load(alone.scene_yaml)["gas"]["fluid"]

@@ -53,6 +53,12 @@ def load_varied(source: str, overrides: Sequence[str] | None, without: Sequence[
     return read_stages(source, overrides or ())
 
 
+def refuse_stages(source: str, why: str) -> None:
+    """Raise UsageError where a scene's file describes two stages, with the reason and the remedy."""
+    if not is_results(source) and is_stages(source):
+        raise UsageError(f"{source}: describes two stages, and {why}")
+
+
 def map_of(
     source: str,
     over: Sequence[str] | None = None,
@@ -117,6 +123,8 @@ def map_of_scene(
 def run_of(source: str, overrides: Sequence[str] = (), without: Sequence[str] = ()) -> tuple[Scene, Result]:
     """Return a scene without its sweep, and its result with the cycle; raise `SceneError` or `UsageError`."""
     if not is_results(source):
+        alone = "screwsim run -o OUT.h5, then screwsim scene OUT.h5 --stage first, gives one to be named here"
+        refuse_stages(source, f"loads are those of one machine ({alone})")
         scene = load(source, overrides, without)
         scene = replace(scene, sweep={}, joints=())
         return scene, simulate(scene)

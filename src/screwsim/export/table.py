@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import math
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -25,6 +25,7 @@ from screwsim.export.inputs import (
     check_names,
     evenly_spaced_nodes,
     followers_of,
+    followers_text,
     input_of,
     plain,
     title_on_one_line,
@@ -120,8 +121,7 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable
     if not varied:
         raise UsageError(f"{results.path}: varies nothing, as each axis has one value (export a sweep over more)")
     axes = [axis.joined[0] if axis.joined else axis for axis in varied]
-    if not _are_numbers(axes):
-        raise UsageError(f"{results.path}: has a non-numeric axis (export a sweep of one of its values)")
+    refuse_words(results, varied)
     inputs = [_input_of(results, axis, whole.joined[1:]) for axis, whole in zip(axes, varied, strict=True)]
     orders = [np.argsort(np.asarray(axis.values, float)) for axis in axes]
     names = figures or [name for name in FIGURES if name in results.figures]
@@ -167,15 +167,19 @@ def _input_of(results: Results, axis: Axis, others: Sequence[Axis]) -> Input:
     ends = np.min(axis.values), np.max(axis.values)
     found = input_of(axis.path, axis.units, axis.long_name, ends, float(axis.values[0]))
     numbers = {each.path: each.values for each in others}
-    followers = () if not others else followers_of(axis.values, numbers) if _are_numbers(others) else None
+    followers = followers_of(axis.values, numbers) if others else ()
     if followers is None:
         what = f"{axis.path} varies together with {' and '.join(numbers)}, but does not rise or fall throughout"
         raise UsageError(f"{results.path}: holds no grid: {what} (a map needs axes of their own)")
     return with_followers(found, followers)
 
 
-def _are_numbers(axes: Sequence[Axis]) -> bool:
-    return all(axis.values.dtype.kind == "f" for axis in axes)
+def refuse_words(results: Results, axes: Iterable[Axis]) -> None:
+    """Raise UsageError where one of some axes of a sweep, or what varies along it, has words for values."""
+    for one in (one for axis in axes for one in axis.joined or (axis,)):
+        if one.values.dtype.kind != "f":
+            what = f"{one.path} has values that are no numbers (export a sweep of one of them)"
+            raise UsageError(f"{results.path}: {what}")
 
 
 def _drawn_check_points(inputs: Sequence[Input]) -> Array:
@@ -321,7 +325,7 @@ def _documents(text: str, stages: Mapping[str, str]) -> str:
 def csv_table(table: MapTable) -> str:
     """Return the rows of all nodes, the last input fastest; `closed` is 0 where a cycle did not close."""
     heads = [f"{each.name} [{plain(each.units)}]" for each in (*table.inputs, *table.outputs)]
-    lines = [f"# {table.title}{TITLE_SEPARATOR}{table.error_in_words}"]
+    lines = [f"# {table.title}{TITLE_SEPARATOR}{table.error_in_words}{followers_text(table.inputs)}"]
     lines.append(",".join([*heads, "closed"]))
     nodes = [variable.at(u) for variable, u in zip(table.inputs, table.grid.nodes, strict=True)]
     values = table.grid.data[(0,) * len(nodes)]

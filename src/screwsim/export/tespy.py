@@ -19,6 +19,9 @@ FIGURES = ("isentropic_efficiency", "volumetric_efficiency")
 SEPARATOR = "separator_temperature"
 SAME_VALUE = 1e-6  # relative difference up to which the values of one map are considered equal
 OTHER_MACHINE = 5e-3  # relative difference of its flow or power from ours above which an export is refused
+ONE_MACHINE = (  # why two stages are refused, and what to do
+    "TESPy's compressor is one machine, with one swept volume (use export en12900 or csv, or the sweep of one stage)"
+)
 _NEEDED = (
     "displacement",
     "displacement_flow",
@@ -38,8 +41,7 @@ def tespy_document(results: Results) -> dict[str, Any]:
     Raise UsageError where the sweep lacks what they need.
     """
     if results.stages:
-        what = "holds two stages, and TESPy's compressor is one machine, with one swept volume"
-        raise UsageError(f"{results.path}: {what} (use export en12900 or csv, or the sweep of one stage)")
+        raise UsageError(f"{results.path}: holds two stages, and {ONE_MACHINE}")
     lacking = [name for name in _NEEDED if name not in results.figures]
     if lacking:
         raise UsageError(f"{results.path}: has no {lacking[0]}, which TESPy's compressor needs")

@@ -69,7 +69,10 @@ def figure_of(scene: Varied, text: str, option: str = "--figure") -> str:
     here = figures_of(scene) if isinstance(scene, Scene) else tuple(scene.figures)
     name = figure_named(text, here, option=option)
     if name not in here:
-        whose = f"this scene: it needs {needs_of(name)}" if isinstance(scene, Scene) else "these two stages"
+        alone = isinstance(scene, Scene)
+        whose = "this scene" if alone else "these two stages"
+        if needs := needs_of(name) if alone else " and ".join(scene.lacks(name)):
+            whose = f"{whose}: it needs {needs}"
         raise UsageError(f"{option} {text}: is not a figure of {whose} (use one of {', '.join(here)})")
     return name
 

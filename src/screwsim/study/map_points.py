@@ -15,6 +15,7 @@ from screwsim.scene.fields import leaf_paths, unknown_key
 from screwsim.scene.units import ZERO_CELSIUS, refused_at
 from screwsim.scene.values import convert
 from screwsim.study.performance_map import PerformanceMap, performance_maps, temperature_paths
+from screwsim.study.short_names import short_name
 
 EXAMPLE = '--at "evaporating_temperature=0 degC, condensing_temperature=40 degC"'
 SAME_VALUE = 1e-9  # relative difference within which values of other axes are the same
@@ -39,8 +40,9 @@ def evaluate_map(
 ) -> dict[str, float]:
     """Return figures [SI] of a sweep's map at evaporating and condensing temperature [K].
 
-    If the sweep has other axes, `others` gives their values [SI] by the last word of their paths (speed=309.0). Raises
-    UsageError outside the envelope, where the polynomial does not hold.
+    If the sweep has other axes, `others` gives their values [SI] by the last word of their paths (speed=309.0), of
+    two stages in series with the stage in front where both have such an input (second_speed=136.0). Raises UsageError
+    outside the envelope, where the polynomial does not hold.
     """
     of = results if isinstance(results, Results) else open_results(results)
     maps = performance_maps(of, tuple(as_list(figures)))
@@ -92,14 +94,19 @@ def _choose(maps: Sequence[PerformanceMap], fitting: Sequence[PerformanceMap]) -
     there = [", ".join(f"{path} = {_digits(one.values[path])}" for path in paths) for one in maps]
     which = f"there are maps at {'; '.join(there)} in SI units"
     if fitting:
-        names = " and ".join(path.rpartition(".")[2] for path in paths)
+        names = " and ".join(map(_shown_name, paths))
         return f"there are {len(fitting)} maps of it (state {names} as well, e.g. {_stated(fitting[0])}; {which})"
     return f"there is no map for it ({which})"
 
 
 def _stated(one: PerformanceMap) -> str:
     """Return the values [SI] of a map's other axes as they are asked for: 'position=0'."""
-    return ", ".join(f"{path.rpartition('.')[2]}={_digits(value)}" for path, value in one.values.items())
+    return ", ".join(f"{_shown_name(path)}={_digits(value)}" for path, value in one.values.items())
+
+
+def _shown_name(path: str) -> str:
+    """Return the last word of a path; of two stages the short name, as both may have that word."""
+    return short_name(path) if path.startswith(STAGES) else path.rpartition(".")[2]
 
 
 def _digits(value: Any) -> str:
@@ -107,14 +114,18 @@ def _digits(value: Any) -> str:
 
 
 def _axis(results: Results, name: str) -> str:
-    """Return the path of an axis given in full or by its last word; raise UsageError with the available axes."""
+    """Return the path of an axis given in full, by its short name or its last word.
+
+    Raise UsageError with the available axes.
+    """
     paths = list(results.varied)
-    same = [path for path in paths if name in (path, path.rpartition(".")[2])]
+    same = [path for path in paths if name in (path, short_name(path))]
+    same = same or [path for path in paths if name == path.rpartition(".")[2]]
     if len(same) == 1:
         return same[0]
     if same:
         raise UsageError(f"{name} is short for {' and for '.join(same)} (write the one that is meant in full)")
-    options = paths if "." in name else [path.rpartition(".")[2] for path in paths]
+    options = paths if "." in name else [_shown_name(path) for path in paths]
     one_of = f"one of {', '.join(options)}"
     raise UsageError(f"{name} {unknown_key(name, options, one_of)}")
 

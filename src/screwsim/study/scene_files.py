@@ -64,6 +64,26 @@ def files_of_stages(path: Path) -> dict[str, Path]:
     return {stage: path.with_name(f"{_stem(path)}_{stage}.yaml") for stage in STAGE_NAMES}
 
 
+def check_found_stages(path: Path, option: str = "-o") -> None:
+    """Raise UsageError where two stages cannot be written, or where another two-stage file names the same scenes."""
+    scenes = files_of_stages(path)
+    for file in (path, *scenes.values()):
+        check_scene_file(file, option)
+    first, *_ = scenes.values()
+    endings = (f"{stages}{suffix}" for stages in ("", ".stages") for suffix in (".yaml", ".yml"))
+    for other in (path.with_name(f"{_stem(path)}{ending}") for ending in endings):
+        if other != path and _names(other, first.name):
+            raise UsageError(f"{option} {path}: would replace {first}, which {other} names (choose another name)")
+
+
+def _names(file: Path, name: str) -> bool:
+    """Return whether the text of a file, if it can be read, contains a name."""
+    try:
+        return name in file.read_text("utf-8", errors="replace")
+    except OSError:
+        return False
+
+
 def write_found_stages(path: Path, found: StageChain, values: Mapping[str, float], told: str) -> list[str]:
     """Write two stages `found` with `values` [SI], each scene whole in a file beside `path`; return all paths."""
     from screwsim.study.stages.store import chain_text
@@ -79,7 +99,7 @@ def write_found_stages(path: Path, found: StageChain, values: Mapping[str, float
 
 
 def _stem(path: Path) -> str:
-    return path.stem.removesuffix(".stages")
+    return path.stem.removesuffix(".stages") or path.stem
 
 
 def _first_line(told: str) -> str:

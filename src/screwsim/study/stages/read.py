@@ -8,7 +8,6 @@ from functools import partial
 from typing import Any, Self
 
 from screwsim.build import build_parts, package_of
-from screwsim.effects.air_package import AIR
 from screwsim.effects.base import CoolsOil, Plenum
 from screwsim.explain import explain
 from screwsim.explain.parameters import WIDTH
@@ -27,7 +26,6 @@ from screwsim.scene.types import Joint
 from screwsim.scene.units import gauge_pressures_over, readable_quantity, refused_at, to_customary
 from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
-from screwsim.study.figures import figures_of
 from screwsim.study.inputs import ISENTROPIC
 from screwsim.study.stages.axes import (
     BETWEEN,
@@ -38,6 +36,7 @@ from screwsim.study.stages.axes import (
     leaf_in_chain,
     names_in_chain,
 )
+from screwsim.study.stages.needs import absences, lacked
 
 STAGES_KEY = "stages"
 KEYS = ("title", STAGES_KEY, "intercooler", "sweep")
@@ -87,15 +86,12 @@ class StageChain:
     @property
     def figures(self) -> dict[str, Figure]:
         """The figures of both together that they may call for: capacities, powers and those of a package where due."""
-        motors = all("electrical_power" in figures_of(scene) for scene in self.by_stage.values())
-        absent = () if motors else ("electrical",)
-        absent += () if motors and self.first.gas.name.lower() == AIR else ("package", "free_air")
-        cools = condensate_enthalpy(self.second) is not None
-        return {
-            name: figure
-            for name, figure in STAGES.items()
-            if not name.startswith(absent) and (cools or not name.endswith(("capacity", "cop")))
-        }
+        absent = absences(self.first, self.second)
+        return {name: figure for name, figure in STAGES.items() if not lacked(name, absent)}
+
+    def lacks(self, name: str) -> tuple[str, ...]:
+        """Return in words what the scenes lack for a figure of both together; empty where they have what it needs."""
+        return lacked(name, absences(self.first, self.second))
 
     def leaf_of(self, path: str) -> Leaf:
         """Return the description of an input; raise UsageError where it cannot vary."""
@@ -159,11 +155,20 @@ def is_stages(path: str | os.PathLike[str]) -> bool:
 
 
 def scene_or_stages(given: Any) -> Scene | StageChain:
-    """Return two stages as they are or from the path of their file, else the scene that `scene_of` makes of it."""
+    """Return two stages as they are or from the path of their file, else the scene that `scene_of` makes of it.
+
+    Raise `UsageError` for two stages as a dict or as text, besides what the readers of files raise.
+    """
     if isinstance(given, StageChain):
         return given
-    named = isinstance(given, str | os.PathLike) and "\n" not in os.fspath(given)
-    return read_stages(given) if named and is_stages(given) else scene_of(given)
+    if isinstance(given, str | os.PathLike) and "\n" not in os.fspath(given):
+        return read_stages(given) if is_stages(given) else scene_of(given)
+    lines = given.splitlines() if isinstance(given, str) else ()
+    keys = given if isinstance(given, Mapping) else {line.partition(":")[0] for line in lines}
+    if STAGES_KEY in keys:
+        what = f"{STAGES_KEY}: two stages are given by the path of their file"
+        raise UsageError(f"{what} (write one that names the files of both scenes, and pass its path)")
+    return scene_of(given)
 
 
 def read_stages(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> StageChain:
