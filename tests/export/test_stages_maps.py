@@ -28,6 +28,8 @@ from screwsim.study.stages.result import ChainResult, figures_of_both
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
 from scenes import scene_dict
 
+pytestmark = pytest.mark.around
+
 EVAPORATING, CONDENSING = "first.operation.evaporating_temperature", "second.operation.condensing_temperature"
 SPEED = "second.operation.speed"
 AXES = {
