@@ -70,7 +70,7 @@ def standing(phi):
     return 0.0
 
 
-@pytest.mark.parametrize(("name", "closing"), [("V", "one"), ("flow", "one"), ("crossing", "all")])
+@pytest.mark.parametrize(("name", "closing"), [("V", "one"), ("flow", "one"), ("q_crossing", "all")])
 def test_a_state_that_is_called_as_a_variable_of_the_text_is_refused(name, closing):
     parts = build_parts(screwsim.load(CONFIGS / "paper" / "point.yaml"))
     named = replace(parts, effects={**parts.effects, "mine": [ChamberState(name, standing, {})]})

@@ -62,7 +62,7 @@ IMPORTS = {  # of what an effect's file has
     "study/datasheet/air_sheet.py": {"air_package"},
     "study/datasheet/stages_air.py": {"air_package"},
     "study/stages/figures.py": {"air_package"},
-    "study/stages/read.py": {"air_package"},
+    "study/stages/needs.py": {"air_package"},
     "template/gas.py": {"oil_drag"},
 }
 

@@ -149,10 +149,11 @@ print(len(found | {{child.stdout.strip(), str(cache_folder())}}))
 
 
 @pytest.mark.parametrize("threads", [False, True])
-def test_workers_share_the_private_folder_of_the_process_that_started_them(python, tmp_path, threads):
-    (tmp_path / "cache").write_text("a file")
+def test_workers_share_the_private_folder_of_the_process_that_started_them(python, tmp_path_factory, threads):
+    folder = tmp_path_factory.mktemp("w")  # the address of a socket in it has to be short
+    (folder / "cache").write_text("a file")
     text = WORKERS.format(threads=threads, place=PLACE)
-    found = python(text, SCREWSIM_CACHE=str(tmp_path / "cache"), TMPDIR=str(tmp_path))
+    found = python(text, SCREWSIM_CACHE=str(folder / "cache"), TMPDIR=str(folder))
     assert found.stdout == "1\n", found.stderr
     assert len(found.stderr.splitlines()) == 1
-    assert [path.name for path in tmp_path.glob("screwsim-*")] == []
+    assert [path.name for path in folder.glob("screwsim-*")] == []
