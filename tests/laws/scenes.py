@@ -162,6 +162,15 @@ def scene_dict(changes: dict[str, Any] | None = None) -> dict[str, Any]:
     return scene
 
 
+def two_stages(folder, **content):
+    """Write two stages into a folder, low.yaml and the slower high.yaml; return the path of their file."""
+    (folder / "low.yaml").write_text(json.dumps(scene_dict({})))
+    (folder / "high.yaml").write_text(json.dumps(scene_dict({"operation.speed": "1300 rpm"})))
+    path = folder / "plant.stages.yaml"
+    path.write_text(json.dumps({"stages": ["low.yaml", "high.yaml"], **content}))
+    return path
+
+
 def make(changes: dict[str, Any] | None = None) -> Scene:
     """Return the scene of `scene_dict`."""
     return _read(json.dumps(scene_dict(changes)))

@@ -3,6 +3,7 @@
 import json
 import math
 import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -16,7 +17,7 @@ from screwsim.study.stages import StageChain, read_stages
 from screwsim.study.stages.result import figures_of_both
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
-from scenes import scene_dict
+from scenes import scene_dict, two_stages
 
 RPM = math.pi / 30.0
 FIRST, SECOND = "first.operation.speed", "second.operation.speed"
@@ -25,14 +26,7 @@ RANGES = [f"{FIRST}=1000 rpm..5000 rpm", f"{SECOND}=500 rpm..3000 rpm"]
 
 @pytest.fixture
 def plant(tmp_path):
-    def write(**content):
-        (tmp_path / "low.yaml").write_text(json.dumps(scene_dict({})))
-        (tmp_path / "high.yaml").write_text(json.dumps(scene_dict({"operation.speed": "1300 rpm"})))
-        path = tmp_path / "plant.stages.yaml"
-        path.write_text(json.dumps({"title": "plant", "stages": ["low.yaml", "high.yaml"], **content}))
-        return path
-
-    return write
+    return partial(two_stages, tmp_path, title="plant")
 
 
 def matching(chain):

@@ -3,6 +3,7 @@
 import csv
 import json
 import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -17,21 +18,14 @@ from screwsim.study.stages.points import KeptPoints, sweep_stages
 from screwsim.study.stages.result import ChainResult, figures_of_both
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
-from scenes import scene_dict
+from scenes import scene_dict, two_stages
 
 SPEEDS = {"first.operation.speed": ["2500 rpm", "3000 rpm"], "second.operation.speed": ["1300 rpm", "10000 rpm"]}
 
 
 @pytest.fixture
 def plant(tmp_path):
-    def write(**content):
-        (tmp_path / "low.yaml").write_text(json.dumps(scene_dict({})))
-        (tmp_path / "high.yaml").write_text(json.dumps(scene_dict({"operation.speed": "1300 rpm"})))
-        path = tmp_path / "plant.stages.yaml"
-        path.write_text(json.dumps({"stages": ["low.yaml", "high.yaml"], "sweep": SPEEDS, **content}))
-        return path
-
-    return write
+    return partial(two_stages, tmp_path, sweep=SPEEDS)
 
 
 @pytest.fixture

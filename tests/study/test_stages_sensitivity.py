@@ -5,6 +5,7 @@ import json
 import math
 import sys
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -21,7 +22,7 @@ from screwsim.study.stages.local import chain_sensitivities
 from screwsim.study.stages.result import figures_of_both
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
-from scenes import scene_dict
+from scenes import two_stages
 
 RPM = math.pi / 30.0
 FIRST, SECOND = "first.operation.speed", "second.operation.speed"
@@ -39,14 +40,7 @@ COMPARED = ("intermediate_pressure", "shaft_power", "gas_mass_flow", "discharge_
 
 @pytest.fixture
 def plant(tmp_path):
-    def write(**content):
-        (tmp_path / "low.yaml").write_text(json.dumps(scene_dict({})))
-        (tmp_path / "high.yaml").write_text(json.dumps(scene_dict({"operation.speed": "1300 rpm"})))
-        path = tmp_path / "plant.stages.yaml"
-        path.write_text(json.dumps({"title": "plant", "stages": ["low.yaml", "high.yaml"], **content}))
-        return path
-
-    return write
+    return partial(two_stages, tmp_path, title="plant")
 
 
 def test_derivatives_are_those_of_whole_solutions_beside_the_point(plant):

@@ -22,7 +22,7 @@ from screwsim.scene.lines import condensate_enthalpy, lines
 from screwsim.scene.schema import DRAFT, OWN_PARAMETER, axis_definitions, leaf_schema, mapping, sweep_schema
 from screwsim.scene.sections import read_section
 from screwsim.scene.sweep import read_sweep_of
-from screwsim.scene.types import Joint
+from screwsim.scene.types import Joint, parameters_of_type
 from screwsim.scene.units import gauge_pressures_over, readable_quantity, refused_at, to_customary
 from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
@@ -283,8 +283,7 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
             problems.add(place, STAGES_KEY, f"{what} (write aftercooler: null there, and {remedy})")
         if not getattr(package_of(scene), "delivers", True):
             problems.add(place, STAGES_KEY, f"the {name} scene {UNLOADED_STAGE} (write state: loaded there)")
-    cooling = (one.parameters for one in second.effects.values() if isinstance(one.parameters, CoolsOil))
-    if any(each.cooled_by_inlet for each in cooling):
+    if any(each.cooled_by_inlet for each in parameters_of_type(second.effects, CoolsOil).values()):
         what = "the second scene's oil cooler would have the warm suction of that stage for its coolant"
         problems.add(place, STAGES_KEY, f"{what} (state its coolant_temperature there)")
     if first.gas != second.gas:
