@@ -24,7 +24,7 @@ def fake(index, seed, drawn_from):
 @pytest.mark.parametrize(("jobs", "scenes"), [(1, HANGS), (2, 6)])  # what hangs is waited for
 def test_a_scene_that_dies_or_hangs_is_one_row(jobs, scenes, monkeypatch):
     monkeypatch.setattr(fuzz, "one", fake)
-    rows = {row["index"]: row["status"] for row in fuzz.rows_of(list(range(scenes)), jobs, 1, 0, 3.0)}
+    rows = {row["index"]: row["status"] for row in fuzz.rows_of(list(range(scenes)), jobs, 1, 0, 1.5)}
     every = {0: "failed", DIES: "crashed", 2: "failed", HANGS: "hung", 4: "failed", 5: "failed"}
     assert rows == {index: every[index] for index in range(scenes)}
 

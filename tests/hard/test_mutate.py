@@ -108,5 +108,5 @@ def fake(folder, place, seed, number):
 def test_a_mutant_that_dies_or_hangs_is_one_row(monkeypatch):
     monkeypatch.setattr(space, "read", fake)
     monkeypatch.setattr(space, "furnish", lambda folder: folder.mkdir())
-    rows = {row["number"]: row["wrong"] for row in mutate.rows_of(list(range(5)), 1, 1, 2.0)}
-    assert rows == {0: [], DIES: ["the process ended with 3"], HANGS: ["no end within 2 s"], EATS: [], 4: []}
+    rows = {row["number"]: row["wrong"] for row in mutate.rows_of(list(range(5)), 1, 1, 1.5)}
+    assert rows == {0: [], DIES: ["the process ended with 3"], HANGS: ["no end within 1.5 s"], EATS: [], 4: []}

@@ -67,6 +67,7 @@ def test_gas_in_a_chamber_whose_oil_takes_room_has_the_density_of_its_own_room()
     assert s[600] - s[400] == pytest.approx(wanted, abs=1e-4 * gas.R)
 
 
+@pytest.mark.around
 def test_the_command_and_python_draw_it(tmp_path):
     scene, result, _ = run("tests/plain/r134a.yaml")
     save(tmp_path / "x.h5", scene, result)

@@ -65,6 +65,7 @@ def test_the_best_speed_is_found_for_each_speed_of_the_other_stage_with_the_pres
         assert row.beside == {"intermediate_pressure": pytest.approx(1e6, rel=1e-3)}
 
 
+@pytest.mark.around
 def test_a_best_value_of_solutions_is_better_than_those_beside_it(plant, tmp_path, capsys):
     """R134a without motors: the efficiency is highest at a speed inside the range, and lower 3 % to either side."""
     path, out = plant(), tmp_path / "best.csv"

@@ -91,9 +91,9 @@ def test_indices_share_the_variance_between_inputs_of_both_stages(plant):
 
     chain = read_stages(plant())
     ranges = read_ranges(chain, [f"{FIRST}=2000 rpm..3000 rpm", f"{SECOND}=1000 rpm..2000 rpm"])
-    found = sensitivity(chain, ranges, ["gas_mass_flow"], samples=512, jobs=1, simulate=flow)
+    found = sensitivity(chain, ranges, ["gas_mass_flow"], samples=256, jobs=1, simulate=flow)
     (shares,) = found.shares
-    # of 512 samples of Sobol's sequence, whose indices of a sum are good to 1e-2
+    # of 256 samples of Sobol's sequence, whose indices of a sum are good to 1e-2
     assert {each.path: each.total for each in shares.indices} == pytest.approx({FIRST: 0.9, SECOND: 0.1}, abs=0.01)
 
 

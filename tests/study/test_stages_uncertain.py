@@ -48,7 +48,7 @@ def plant(tmp_path):
     return write
 
 
-@pytest.mark.parametrize("between", [None, COOLED])
+@pytest.mark.parametrize("between", [pytest.param(None, marks=pytest.mark.around), COOLED])
 def test_standard_uncertainties_are_those_of_whole_solutions_at_other_inputs(plant, between):
     """The change of each figure by an input is that between two solutions one standard uncertainty to either side.
 

@@ -34,7 +34,7 @@ class Driver:
 
     def __init__(self) -> None:
         try:
-            from cuda.bindings import driver  # pyright: ignore[reportMissingImports] - an extra
+            from cuda.bindings import driver  # pyrefly: ignore[missing-import] - an extra
         except ImportError:
             raise UsageError(NEEDS) from None
         self._driver = driver

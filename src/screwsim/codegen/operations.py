@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 BY_FLOATS = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
 BY_INTEGERS = {ast.Add: "add nsw", ast.Sub: "sub nsw", ast.Mult: "mul nsw"}
 # in lanes that are not active integers may overflow
-BY_KIND = {FLOAT: BY_FLOATS, FLOATS: BY_FLOATS, INTEGER: BY_INTEGERS}
+BY_KIND: dict[Kind, dict[type, str]] = {FLOAT: BY_FLOATS, FLOATS: BY_FLOATS, INTEGER: BY_INTEGERS}
 BY_KIND[INTEGERS] = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul"}
 TRUE = {TRUTH: "true", TRUTHS: "splat (i1 true)"}
 SAME_BITS = {FLOAT: INTEGER, INTEGER: FLOAT, FLOATS: INTEGERS, INTEGERS: FLOATS}

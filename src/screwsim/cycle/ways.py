@@ -41,7 +41,7 @@ class Way(NamedTuple):
 
 def _relax_again(task: ClosingTask, cycle: CycleSolution, led: CorrectedState | None) -> CycleSolution:
     """Relax from a cycle, or from where its finer lives have moved it, with steps no coarser than before."""
-    y, seen = led or (cycle.y, cycle.seen)
+    y, seen = (cycle.y, cycle.seen) if led is None else led
     share = min(1.0, _relaxed_share(cycle, task.criteria))
     expected = Expectation(seen, 0.0, share, cycle.contraction, cycle.missed)
     return close_by_ways(task, Start(y, expected, cycle.tangents))

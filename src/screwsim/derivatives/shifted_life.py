@@ -70,7 +70,7 @@ class ShiftedLife(Trajectory):
             nothing,
             nothing,
             nothing,
-            0,
+            nothing,
             nothing,
             machinery._reading,
             machinery.line_flows,
@@ -97,27 +97,27 @@ class ShiftedLife(Trajectory):
         return there
 
     @property
-    def times(self) -> Array:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def times(self) -> Array:  # pyrefly: ignore[bad-override]
         """Edges of the steps [rad]."""
         return self._there.times
 
     @property
-    def dense(self) -> Array:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def dense(self) -> Array:  # pyrefly: ignore[bad-override]
         """Polynomials of the steps."""
         return self._there.dense
 
     @property
-    def quads(self) -> Array:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def quads(self) -> Array:  # pyrefly: ignore[bad-override]
         """The work only, for traces."""
         return self._worked.quads
 
     @property
-    def steps(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def steps(self) -> int:  # pyrefly: ignore[bad-override]
         """The number of steps."""
         return self._there.steps
 
     @property
-    def context(self) -> Any:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def context(self) -> Any:  # pyrefly: ignore[bad-override]
         """The context for kernels that read a life."""
         return self._there.context
 

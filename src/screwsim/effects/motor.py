@@ -26,7 +26,8 @@ from math import inf, pi
 import numpy as np
 
 from screwsim.effects.base import Effect, Faults, Given, Reading, SuctionHeat
-from screwsim.effects.parts import inverter, motor_classes
+from screwsim.effects.parts import inverter as inverters
+from screwsim.effects.parts import motor_classes
 from screwsim.effects.parts.usual import DRIVE
 from screwsim.inputs.declare import Derived, choice, count, file, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
@@ -64,7 +65,7 @@ class Parameters:
     rated_power: float = quantity("power", "P_r: rated power at the shaft", gt=0.0)
     efficiency: float = number(
         "eta_r: efficiency at rated power (default: IE3, 75 kW, four poles)",
-        inverter.Usual(0.95),
+        inverters.Usual(0.95),
         gt=0.0,
         le=1.0,
         hardly=(0.3, 0.995),
@@ -88,16 +89,16 @@ class Parameters:
     drive_efficiency: float = number(
         "eta_d: efficiency of the inverter (1: none)", 1.0, gt=0.0, le=1.0, hardly=(0.5, None)
     )
-    inverter: inverter.Inverter | None = None
+    inverter: inverters.Inverter | None = None
 
     def __post_init__(self) -> None:
         """Set what follows from the rated power and is not stated: a class's efficiency, the loss by an inverter."""
         poles = self.poles or 4
-        if self.is_of_class and poles in motor_classes.POLES and isinstance(self.efficiency, inverter.Usual | Derived):
+        if self.is_of_class and poles in motor_classes.POLES and isinstance(self.efficiency, inverters.Usual | Derived):
             efficiency = motor_classes.class_efficiency(self.efficiency_class, poles, self.rated_power)
             object.__setattr__(self, "efficiency", Derived(efficiency))
         if self.inverter is not None:
-            object.__setattr__(self, "inverter", inverter.of_size(self.inverter, self.rated_power))
+            object.__setattr__(self, "inverter", inverters.of_size(self.inverter, self.rated_power))
 
     @property
     def is_of_class(self) -> bool:
@@ -165,13 +166,13 @@ def losses_of(parameters: Parameters) -> Callable[[float, float], tuple[float, f
     loss = loss_of_shares(parameters) if stated is None else loss_of_table(read_table(stated))
     if drive is None:
         return lambda load, omega: motor_loss(parameters, load, loss)
-    terms = inverter.loss_of(drive)
+    terms = inverters.loss_of(drive)
 
     def lost(load: float, omega: float) -> tuple[float, float]:
-        at = inverter.turning(drive, load, rated, omega)
-        mains = loss(load / rated) if stated else loss(1.0) * inverter.motor_share(parameters.constant_share, at)
+        at = inverters.turning(drive, load, rated, omega)
+        mains = loss(load / rated) if stated else loss(1.0) * inverters.motor_share(parameters.constant_share, at)
         own = rated * mains * (1.0 + drive.harmonic_loss)
-        return own, own + inverter.inverter_loss(terms, at)
+        return own, own + inverters.inverter_loss(terms, at)
 
     return lost
 
@@ -188,9 +189,9 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
         drive = parameters.inverter
         share, beyond = load / rated, _too_good(parameters)
         if drive is not None:
-            at = inverter.turning(drive, load, rated, figures.omega)
+            at = inverters.turning(drive, load, rated, figures.omega)
             share = max(share, at.torque)  # below rated speed the torque is more
-            beyond = (*beyond, *inverter.told(at))
+            beyond = (*beyond, *inverters.told(at))
         if share <= OVERLOAD:
             return "", beyond
         what = f"the motor's load is {1e-3 * load:.4g} kW, {load / rated:.3g} times effects.motor.rated_power"
@@ -225,7 +226,7 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
 
 def _too_good(parameters: Parameters) -> tuple[str, ...]:
     """Return a warning where the default efficiency, of a motor of 75 kW, is not that of one so small; else empty."""
-    if not isinstance(parameters.efficiency, inverter.Usual) or parameters.efficiency_file is not None:
+    if not isinstance(parameters.efficiency, inverters.Usual) or parameters.efficiency_file is not None:
         return ()
     known, rated = motor_classes.class_efficiency(motor_classes.IE3, 4, parameters.rated_power), parameters.rated_power
     if parameters.efficiency - known <= TOO_GOOD:
@@ -248,7 +249,7 @@ def check(parameters: Parameters, facts) -> Faults:
         if parameters.drive_efficiency < 1.0:
             what = "is given as well as effects.motor.inverter, whose losses go by frequency and current"
             yield Fault("effects.motor.drive_efficiency", f"{what} (remove one of the two)")
-        yield from inverter.faults(parameters.inverter, "effects.motor.inverter")
+        yield from inverters.faults(parameters.inverter, "effects.motor.inverter")
     if parameters.cooling != SUCTION:
         return
     path = "effects.motor.cooling"

@@ -259,7 +259,8 @@ def unpacked(text: str) -> Scale | None:
 
 def scale_of(values: Mapping[str, Any]) -> Scale:
     """Return an error scale from values by name; raise TypeError where they are not valid."""
-    scale = Scale(**{**values, "of": tuple(values.get("of", ()))})
+    given: dict[str, Any] = {**values, "of": tuple(values.get("of", ()))}
+    scale = Scale(**given)
     kinds = (isinstance(getattr(scale, each.name), type(each.default)) for each in fields(Scale))
     if not all((*kinds, *(isinstance(name, str) for name in scale.of))) or scale.times not in TIMES:
         raise TypeError("a scale of errors has other values")

@@ -72,7 +72,7 @@ def _drops(f: Fugacities, T: float) -> Array:
 
 def _sound(f: Fugacities, u: Array, T: float) -> Array:
     """Tell which columns u are two phases of positive compressibility, at a pressure above zero and up to P_MOST."""
-    n, sound = f.n, np.isfinite(u).all(axis=0)
+    n, sound = f.n, np.asarray(np.isfinite(u).all(axis=0))
     z = np.repeat(f.z[:, None], u.shape[1], axis=1)
     with np.errstate(all="ignore"):
         for log_rho, x in ((u[n], normal(f, u)), (u[n + 1], z)):

@@ -81,7 +81,7 @@ def _sized(machine: TwinScrew) -> TwinScrew:
 
 def _of_size(profile: Profile, diameter: float) -> Profile:
     family = FAMILIES[profile.family or ""]
-    lengths = {name: Derived(share * diameter) for name, share in family.shares.items()}
+    lengths: dict[str, Any] = {name: Derived(share * diameter) for name, share in family.shares.items()}
     angle = None if family.pressure_angle is None else Derived(family.pressure_angle)
     return replace(profile, **lengths, pressure_angle=angle)
 

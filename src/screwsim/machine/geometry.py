@@ -29,7 +29,7 @@ WRAP, CENTRES = radians(300.0), 0.8  # wrap angle, and axis distance over D, of 
 class Geometry(MachineGeometry):
     """A pair of screw rotors: laws of the paper, of tables, or of a rotor profile."""
 
-    settings: TwinScrew
+    settings: TwinScrew  # pyrefly: ignore[bad-override] - frozen
 
     @property
     def lobes(self) -> int:

@@ -159,6 +159,7 @@ LAWS: dict[str, Law] = {
 }
 
 
+@dataclass(frozen=True)
 class ByLaw:
     """A section of a scene that names the law by which it is read."""
 

@@ -99,17 +99,23 @@ class VolumeKernels:
 class MachineSettings(Protocol):
     """The settings of a machine in a scene: a frozen dataclass of `screwsim.inputs.declare` fields, in SI units.
 
-    `kind` is the name under which scenes ask for it, `mode` 'compressor' or 'expander'. `finds_gaps` names in words
-    what determines lengths and neighbours of the gaps, empty where formulas of the effects do; `counts_otherwise` says
-    whether the angles of those formulas have no meaning for this machine. `symbol_names` are those of its settings that
-    a kernel can take.
+    `kind` is the name under which scenes ask for it, `mode` 'compressor' or 'expander'. `symbol_names` are those of its
+    settings that a kernel can take.
     """
 
     kind: str
     mode: str
     symbol_names: ClassVar[tuple[str, ...]] = ()
-    finds_gaps = ""
-    counts_otherwise = False
+
+    @property
+    def finds_gaps(self) -> str:
+        """What determines lengths and neighbours of the gaps, in words; empty where formulas of the effects do."""
+        return ""
+
+    @property
+    def counts_otherwise(self) -> bool:
+        """Whether the angles of those formulas have no meaning for this machine."""
+        return False
 
     @property
     def expands(self) -> bool:

@@ -94,7 +94,8 @@ class TwinScrew(MachineSettings):
     """A twin-screw machine: one chamber per male lobe and revolution."""
 
     symbol_names = ("rotor_diameter", "rotor_length", "male_lobes", "female_lobes")
-    kind: str = choice("kind of machine", ("twin_screw",), "twin_screw")
+    kind: str = choice("kind of machine", ("twin_screw",), "twin_screw")  # pyrefly: ignore[bad-override] - frozen
+    # pyrefly: ignore[bad-override] - frozen
     mode: str = choice("compressor, or expander (discharge below suction pressure)", (COMPRESSOR, EXPANDER), COMPRESSOR)
     male_lobes: int = count("number of male lobes z1 (with a family: the family's)", DerivedCount(4), ge=1, le=12)
     female_lobes: int = count("number of female lobes z2 (with a family: the family's)", DerivedCount(6), ge=1, le=14)

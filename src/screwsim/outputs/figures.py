@@ -1,7 +1,7 @@
 """Figures by name and as attributes, which know their units and meanings."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Self
 
 from screwsim.inputs.suggestions import nearest
 from screwsim.outputs.core import PERFORMANCE
@@ -26,6 +26,10 @@ class Figures(dict[str, Any]):
         if isinstance(value, float) and (about := self.described(name)):
             return Value(value, about)
         return value
+
+    def copy(self) -> Self:
+        """Return the same figures in a mapping of this kind."""
+        return type(self)(self)
 
     def described(self, name: str) -> ShownFigure | None:
         """Return unit and meaning of a figure; None where they are not known."""

@@ -35,9 +35,9 @@ def plans(a: Results, b: Results) -> Mapping[str, Callable[[], Any]]:
         common = _common_curves(one, other)
         if common[0]:  # no figure may have two points along an axis in both
             found["comparison"] = partial(_curves, one, b, *common)
-    traces = chosen_trace(a), chosen_trace(b)
-    if None not in traces:
-        found["comparison_cycles"] = partial(_cycles, a, b, *traces)
+    first, second = chosen_trace(a), chosen_trace(b)
+    if first is not None and second is not None:
+        found["comparison_cycles"] = partial(_cycles, a, b, first, second)
     return found
 
 

@@ -182,4 +182,5 @@ def _tabled_curves(scene: Scene, laid: LaidCurves, folder: Path) -> Any:
     }
     stated = {name: plain(getattr(machine, name)) for name in sizes}
     rotors = ("profile", "displacement", "built_in_volume_ratio", "axial_volume_ratio", "slide_valve")
-    return replace(machine, volume=volume, **dict.fromkeys(rotors), **ports, **stated)
+    more: dict[str, Any] = {**dict.fromkeys(rotors), **ports, **stated}
+    return replace(machine, volume=volume, **more)

@@ -97,11 +97,12 @@ class Paper:
     def rule(self, x: float, y: float, width: float, **look: Any) -> None:
         """Draw a horizontal line from x, y [mm], counted from the left and upper edges."""
         ends = [x / WIDE, (x + width) / WIDE], [1.0 - y / HIGH] * 2
+        look = {"color": GREY, "linewidth": 0.4, **look}
 
         def call(figure: Any) -> None:
             from matplotlib.lines import Line2D
 
-            figure.add_artist(Line2D(*ends, **({"color": GREY, "linewidth": 0.4} | look)))
+            figure.add_artist(Line2D(*ends, **look))
 
         self.draw(call)
 

@@ -31,7 +31,7 @@ def set_attributes(target: Any, attributes: Mapping[str, Any]) -> None:
 
     This calls HDF5 directly: a file has hundreds of attributes, and h5py's checks take longer than the writing.
     """
-    from h5py import h5a  # pyright: ignore[reportAttributeAccessIssue] - compiled, without types
+    from h5py import h5a  # pyrefly: ignore[missing-module-attribute] - compiled, without types
 
     for name, value in attributes.items():
         if isinstance(value, str):
@@ -125,7 +125,7 @@ class Layout:
         self, group: Any, name: str, shape: tuple[int, ...], dtype: Any, dimensions: Sequence[str], about: Mapping
     ) -> FileVariable:
         """Create a variable whose values are written later, and return it."""
-        from h5py import h5ds  # pyright: ignore[reportAttributeAccessIssue]
+        from h5py import h5ds  # pyrefly: ignore[missing-module-attribute]
 
         data = self._made(group, name, shape, np.dtype(dtype), about.get("_FillValue"))
         set_attributes(data, about)
@@ -135,7 +135,7 @@ class Layout:
 
     def _made(self, group: Any, name: str, shape: tuple[int, ...], dtype: np.dtype, fill: Any) -> FileVariable:
         """Create a dataset with the properties of the first one of its kind, which h5py creates."""
-        from h5py import h5d  # pyright: ignore[reportAttributeAccessIssue]
+        from h5py import h5d  # pyrefly: ignore[missing-module-attribute]
 
         kind = shape, dtype.str, None if fill is None else fill.tobytes()
         if kind in self._kinds:

@@ -99,7 +99,7 @@ def names(group: Any) -> list[str]:
 def member(group: Any, name: str, dataset: bool = True) -> Any:
     """Return a dataset or group in the group itself; raise MalformedFile if missing, a link or of the wrong type."""
     import h5py
-    from h5py import h5d, h5l, h5o  # pyright: ignore[reportAttributeAccessIssue] - compiled, without types
+    from h5py import h5d, h5l, h5o  # pyrefly: ignore[missing-module-attribute] - compiled, without types
 
     with _malformed_on_error(group, name):
         links, known = group.id.links, name.encode()
@@ -133,7 +133,7 @@ def has(group: Any, name: str) -> bool:
 
 def has_attribute(item: Any, name: str) -> bool:
     """Tell whether a group or dataset has an attribute."""
-    from h5py import h5a  # pyright: ignore[reportAttributeAccessIssue] - compiled, without types
+    from h5py import h5a  # pyrefly: ignore[missing-module-attribute] - compiled, without types
 
     with _malformed_on_error(item, f"@{name}"):
         return bool(h5a.exists(item.id, name.encode()))
@@ -141,7 +141,7 @@ def has_attribute(item: Any, name: str) -> bool:
 
 def attribute(item: Any, name: str) -> Any:
     """Return an attribute that is a single text or number; raise MalformedFile for any other, or if it is missing."""
-    from h5py import h5a, h5t  # pyright: ignore[reportAttributeAccessIssue] - compiled, without types
+    from h5py import h5a, h5t  # pyrefly: ignore[missing-module-attribute] - compiled, without types
 
     try:
         found = h5a.open(item.id, name.encode())

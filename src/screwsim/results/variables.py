@@ -170,7 +170,8 @@ class Plan:
     def _uncertainty(self) -> Iterator[Column]:
         """Create the standard uncertainty of each figure due to the tolerances of the inputs."""
         told = self._uncertain("standard uncertainty of {} by the tolerances of the inputs")
-        return self._created(self._group(UNCERTAINTY), told, lambda *of: tables.standard_of(self._changed(*of)))
+        group = self._group(UNCERTAINTY)
+        return self._created(group, told, lambda table, name: tables.standard_of(self._changed(table, name)))
 
     def _changes(self) -> Iterator[Column]:
         """Create the change of these figures by each input, over the inputs."""

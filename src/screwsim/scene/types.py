@@ -36,7 +36,7 @@ class FixedDict(dict[K, V], Generic[K, V]):
         raise TypeError("a scene cannot be changed: with_ and without return a new one")
 
     __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = _refuse
-    setdefault = update = _refuse  # pyright: ignore[reportAssignmentType] - of more forms than one
+    setdefault = update = _refuse  # pyrefly: ignore[bad-override, bad-assignment] - of more forms than one
 
     def __reduce__(self) -> tuple[Any, ...]:
         return FixedDict, (dict(self),)

@@ -148,7 +148,8 @@ def common_points(a: Results, b: Results) -> CommonPoints:
         one, other = (side.values(name) for side in sides)
         if np.isfinite(one).any() or np.isfinite(other).any():
             there = all(name in _figures(each) for each in (a, b))
-            figures[name] = one, other, sum(side.errors(name) for side in sides) if there else np.full(len(one), np.nan)
+            error = sides[0].errors(name) + sides[1].errors(name) if there else np.full(len(one), np.nan)
+            figures[name] = one, other, error
     return CommonPoints(places, (sides[0].status, sides[1].status), figures)
 
 

@@ -39,6 +39,7 @@ def names_of(path: str, two: bool) -> tuple[str, ...]:
 
 def with_values(of: Kind, values: Mapping[str, Any]) -> Kind:
     """Return the same with other values [SI] at dotted paths."""
+    # pyrefly: ignore[bad-return] - of the kind that was given
     return scenes.with_values(of, values) if isinstance(of, Scene) else of.with_values(values)
 
 
@@ -54,6 +55,7 @@ def with_text(of: Kind) -> Kind:
 
 def case(of: Kind, number: int) -> Kind:
     """Return one case of a sweep, without a sweep."""
+    # pyrefly: ignore[bad-return]
     return scenes.case(of, number) if isinstance(of, Scene) else of.with_values(scenes.case_values(of, number))
 
 

@@ -125,4 +125,4 @@ def _solved(bands: Array, jumps: Array, strength: Array) -> Array:
         right[i : i + count] -= strength * bands[i] * jumps
         for j in range(i, 4):
             matrix[3 + i - j, j : j + count] += strength * bands[i] * bands[j]
-    return solveh_banded(matrix, right)
+    return np.asarray(solveh_banded(matrix, right))

@@ -26,8 +26,8 @@ class SliderCrank(MachineSettings):
     """One cylinder: a piston on an offset slider-crank; its chamber lives one turn of the crank."""
 
     symbol_names = ("bore", "stroke", "piston_area", "crank_radius", "rod_length", "clearance")
-    kind: str = choice("kind of machine", ("slider_crank",), "slider_crank")
-    mode: str = choice("a cylinder is a compressor", ("compressor",), "compressor")
+    kind: str = choice("kind of machine", ("slider_crank",), "slider_crank")  # pyrefly: ignore[bad-override] - frozen
+    mode: str = choice("a cylinder is a compressor", ("compressor",), "compressor")  # pyrefly: ignore[bad-override]
     bore: float = quantity("length", "bore of the cylinder", gt=0.0, hardly=(0.005, 1.5))
     crank_radius: float = quantity("length", "radius r of the crank", gt=0.0)
     rod_length: float = quantity("length", "length l of the connecting rod, between its pins", gt=0.0)
@@ -94,7 +94,7 @@ TURN = 2.0 * math.pi
 class Cylinder(MachineGeometry):
     """One chamber without neighbours, from top dead centre to top dead centre (S5)."""
 
-    settings: SliderCrank
+    settings: SliderCrank  # pyrefly: ignore[bad-override] - frozen
 
     @property
     def pitch(self) -> float:

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -199,7 +200,8 @@ def effect_costs(scene: Scene, name: str, extent: Scope) -> EffectCost:
     full, less = pairs[-1]
     ratio = statistics.median(time_of(full) / time_of(less) for full, less in pairs) - 1.0
     evaluations = full.numerics.rhs_evaluations / less.numerics.rhs_evaluations - 1.0
-    relative = {each: _relative(full, less, each) for each in ("shaft_power", "gas_mass_flow", "cooling_capacity")}
+    compared = ("shaft_power", "gas_mass_flow", "cooling_capacity")
+    relative: dict[str, Any] = {each: _relative(full, less, each) for each in compared}
     one, other = _with_and_without(full, less, "discharge_temperature")
     costs = EffectCost(name, "ok", ratio, evaluations, _points(full, less), discharge_temperature=one - other)
     one, other = _with_and_without(full, less, "electrical_cop", "cop")  # on the power that the machine takes

@@ -293,7 +293,7 @@ def _judged(machine: LinearMachine, unchanged: float, odds: float, jobs: int | N
             break  # else a hypothesis that fits may have been dismissed by its slopes
     spent += filter(None, solved.values())
     paths = [parameter.path for parameter in machine.fit.parameters]
-    left = {(paths[i], paths[j]): double.residuals for (i, j), double in doubles.items()}
+    left: dict[Group, Array] = {(paths[i], paths[j]): double.residuals for (i, j), double in doubles.items()}
     left |= {(paths[i],): machine.residuals_of(i, single) for i, single in enumerate(singles)}
     return Judgement(hypotheses, left, sum(one.solutions for one in spent), sum(one.failed for one in spent))
 

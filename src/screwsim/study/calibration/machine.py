@@ -55,7 +55,7 @@ def inputs_of(fit: Fit, machine: Scene) -> tuple[tuple[Group, ...], dict[Group, 
 
     A parameter's prior replaces the tolerances of its path and of those that follow it.
     """
-    priors = {(fit.parameters[i].path,): prior.deviation for i, prior in fit.held.items()}
+    priors: dict[Group, float] = {(fit.parameters[i].path,): prior.deviation for i, prior in fit.held.items()}
     known = {path for i in fit.held for path in fit.parameters[i].values(0.0)}
     groups = (tuple(path for path in group if path not in known) for group in groups_of(machine))
     return tuple(group for group in groups if group), priors

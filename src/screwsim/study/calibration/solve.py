@@ -258,7 +258,7 @@ def _calibration_of_starts(
     status = "interrupted" if interrupted else "failed" if outcome.reasons else "ok"
     message = _message(outcome, best, interrupted, len(starts))
     rest = (known, outcome.chi_squared, freedom, margin, as_good, compared, reasons)
-    more = {**_counts((*starts, asked)), "methods": asked.methods, "warnings": warned}
+    more: dict[str, Any] = {**_counts((*starts, asked)), "methods": asked.methods, "warnings": warned}
     return Calibration(fit, status, message, tuple(starts), values, *rest, **more)
 
 

@@ -108,8 +108,9 @@ def _point(line: Mapping[str, Any]) -> ChainPoint:
 
 
 def _result(line: Mapping[str, Any], names: Sequence[str]) -> Result:
-    found = {name: tuple(line[name]) if isinstance(line[name], list) else line[name] for name in names}
-    return Result(**{**found, "performance": Figures(found["performance"])})
+    found: dict[str, Any] = {name: tuple(of) if isinstance(of := line[name], list) else of for name in names}
+    found["performance"] = Figures(found["performance"])
+    return Result(**found)
 
 
 def sweep_stages(
