@@ -5,14 +5,14 @@ python docs/tools/new_valves.py      the tables of docs/reference/slider-crank.m
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
 from screwsim.outputs import Result
 from screwsim.scene import Scene, loads, with_values
 from screwsim.simulate import simulate
-from screwsim.template import new_scene, request_of
+from screwsim.template import new_scene, request_of, valves
 
 SPEEDS = ("725 rpm", "1450 rpm", "2950 rpm")
 GASES = (
@@ -29,7 +29,7 @@ CASES: tuple[Mapping[str, object], ...] = (
     {"fluid": "R1233zd(E)"},
 )
 VARIED: Mapping[str, object] = {"fluid": "R404A", "condition": "0/40 degC, 18.3 K", "speed": "1750 rpm"}
-SPRINGS, FREQUENCIES = (1.0 / 3.0, 1.0, 3.0), (0.6, 1.0, 1.6)  # over those of the rule
+SPRINGS, FREQUENCIES = (1.0, 1.0 / 3.0, 3.0), (0.6, 1.6)  # over those of the rule
 HEAD = ("λ %", "η_s %", "loss %", "backflow %", "shuts °")
 
 
@@ -75,24 +75,32 @@ def cells(scene: Scene) -> list[str]:
     ]
 
 
+def table(first: str, rows: Iterable[tuple[str, Scene]]) -> None:
+    """Print a table with what each row's scene costs."""
+    print(f"| {first} |", " | ".join(HEAD), "|")
+    print("|---" * (first.count("|") + 1 + len(HEAD)) + "|")
+    for told, scene in rows:
+        print(f"| {told} |", " | ".join(cells(scene)), "|", flush=True)
+    print()
+
+
+def with_ports(stated: Mapping[str, object]) -> tuple[str, Scene]:
+    """Return a new cylinder after what was stated and the share of its ports."""
+    scene = scene_of(stated)
+    own, piston = scene.effects["reed_valves"].parameters, scene.machine.piston_area
+    shares = (100.0 * getattr(own, f"{side}_port_area") / piston for side in ("suction", "discharge"))
+    return f"{', '.join(map(str, stated.values()))} | {', '.join(f'{each:.1f}' for each in shares)}", scene
+
+
 def main() -> None:
-    print("| cylinder | ports, % of the piston |", " | ".join(HEAD), "|")
-    print("|---" * (2 + len(HEAD)) + "|")
-    for stated in CASES:
-        scene = scene_of(stated)
-        own, piston = scene.effects["reed_valves"].parameters, scene.machine.piston_area
-        shares = ", ".join(
-            f"{100.0 * getattr(own, f'{side}_port_area') / piston:.1f}" for side in ("suction", "discharge")
-        )
-        print("|", ", ".join(map(str, stated.values())), "|", shares, "|", " | ".join(cells(scene)), "|", flush=True)
-    print("\n| spring | natural frequency |", " | ".join(HEAD), "|")
-    print("|---" * (2 + len(HEAD)) + "|")
-    scene = scene_of(VARIED)
-    for spring, frequency in (
-        *((each, 1.0) for each in SPRINGS),
-        *((1.0, each) for each in FREQUENCIES if each != 1.0),
-    ):
-        print(f"| {spring:.2f} | {frequency:g} |", " | ".join(cells(varied(scene, spring, frequency))), "|", flush=True)
+    """Print the tables."""
+    table("cylinder | ports, % of the piston", map(with_ports, CASES))
+    known = scene_of(VARIED)
+    each_way = [(spring, 1.0) for spring in SPRINGS] + [(1.0, each) for each in FREQUENCIES]
+    rows = ((f"{spring:.2f} | {times:g}", varied(known, spring, times)) for spring, times in each_way)
+    table("spring | natural frequency", rows)
+    valves.MACH *= 2.0
+    table("at a/10 | ports, % of the piston", map(with_ports, ({"fluid": gas, "condition": at} for gas, at in GASES)))
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
 """Reed valves of a new cylinder: ports by the gas's mean velocity, reeds by its pressure drop and the shaft's speed.
 
-Velocity: API 618 divides the swept flow by the open area, W = c_m F/A. Valves are chosen for 18.2 m/s at a molar mass
-of 20 kg/kmol and for 35.6 m/s at 7 (Bloch, Hoefner: Reciprocating Compressors, Gulf 1996, p. 391-392): some 0.05 of the
-speed of sound of either gas. Those are machines of the process industry; of refrigeration no number was found.
+Velocity W = c_m F/A: valves of process compressors are chosen for 18.2 m/s at a molar mass of 20 kg/kmol and for 35.6
+m/s at 7 (Bloch, Hoefner: Reciprocating Compressors, Gulf 1996, p. 391-392, on API 618), some 0.05 of the speed of sound
+of either gas. For refrigeration no number was found (docs/reference/slider-crank.md, S36, S37).
 Reed: that of the example compressor of PDSim (examples/recip_compressor.py; R410A, bore 20 mm, 3600 rpm), scaled.
 """
 
