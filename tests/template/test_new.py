@@ -114,6 +114,7 @@ def test_a_package_of_a_small_pressure_rise_has_a_motor_that_takes_its_load_and_
         ("expander", {"fluid": "Water", "condition": "20/3.59 bar, 220 degC"}),
         ("reciprocating", {"fluid": "R454B"}),
         ("reciprocating", {"fluid": "R1233zd(E)"}),
+        ("reciprocating", {"fluid": "1-Butene"}),
         ("heat_pump", {"fluid": "R245fa", "condition": "80/140 degC"}),
         ("heat_pump", {"fluid": "Cyclopentane", "condition": "80/130 degC"}),
         ("refrigeration", {"fluid": "R449A", "condition": "-35/40 degC"}),
@@ -129,7 +130,7 @@ def test_a_package_of_a_small_pressure_rise_has_a_motor_that_takes_its_load_and_
 )
 def test_templates_that_had_no_solution_or_warned_run(kind, stated):
     """A ratio far from the pressures', a thermostat above what leaves, oil below the dew or hot, deep freezing,
-    wet steam or inlet, no transport, oil films that take more than a vacuum pump."""
+    wet steam or inlet, no transport, oil films that take more than a vacuum pump, a name that begins with a digit."""
     figures(kind, **stated)
 
 

@@ -17,6 +17,7 @@ FULLY_OPEN = 0.5**0.5  # opening of a reed at its stop, where curtain and port a
 PORT, WIDTH, LENGTH, ARM, THICKNESS = 5.9e-3, 7e-3, 18e-3, 14e-3, 0.1532e-3  # [m] of the reed that is scaled
 YOUNG, DENSITY = 193e9, 8000.0  # [Pa], [kg/m³] of its steel
 FREQUENCIES = 6.5  # its natural frequency over that of its shaft, 60 Hz
+LARGEST_LIFT = 0.09  # of the cylinder's bore; scenes warn above 0.1
 ROOM = 0.25 * (PORT / WIDTH) ** 2  # of the piston's area: two reeds side by side are half as wide as the bore
 
 
@@ -49,11 +50,17 @@ def valve(piston: float, piston_speed: float, speed: float, pressure: float, k: 
     spring = 0.5 * k * pressure * (mach / (FLOW_COEFFICIENT * FULLY_OPEN)) ** 2
     thickness = (spring / _spring()) ** (1.0 / 3.0)  # over that of the known reed, in port diameters
     wanted = FREQUENCIES * speed / (2.0 * math.pi)
-    bore = min(PORT * thickness * _frequency() / wanted, math.sqrt(4.0 * area / math.pi))
+    largest = min(_diameter(area), 4.0 * LARGEST_LIFT * _diameter(piston))
+    bore = min(PORT * thickness * _frequency() / wanted, largest)
     frequency, stop = _frequency() * thickness * PORT / bore, 0.25 * bore
     stiffness = spring * area / stop
     mass = stiffness / (2.0 * math.pi * frequency) ** 2
     return Valve(area, velocity, mach, bore, stop, mass, stiffness, frequency)
+
+
+def _diameter(area: float) -> float:
+    """Return the diameter [m] of a circle's area [m²]."""
+    return math.sqrt(4.0 * area / math.pi)
 
 
 def _stiffness() -> float:
