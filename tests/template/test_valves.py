@@ -76,6 +76,17 @@ def test_a_reed_swings_six_and_a_half_times_a_turn_and_is_a_scaled_cantilever():
     assert by_mass**3 == pytest.approx(by_spring)
 
 
+def test_the_known_reed_is_a_third_as_strong_as_its_gas_at_the_mean_velocity():
+    """R410A of 33.1 kg/m³, bore and stroke of 20 mm, 60 Hz; 310 N/m, 0.0515 g and 390 Hz, as the page says."""
+    k, frequency = valves._stiffness(), valves._frequency()
+    assert (round(k), round(frequency)) == (310, 390)
+    assert k / (2.0 * math.pi * frequency) ** 2 == pytest.approx(0.0515e-3, rel=1e-3)
+    velocity = 2.0 * 0.02 * 60.0 * (0.02 / valves.PORT) ** 2
+    gas = 0.5 * 33.1 * (velocity / (valves.FLOW_COEFFICIENT * valves.FULLY_OPEN)) ** 2
+    assert valves._spring() / gas == pytest.approx(1.0 / 3.0, rel=0.03)
+    assert frequency / 60.0 == pytest.approx(valves.FREQUENCIES, rel=0.01)
+
+
 def test_a_small_valve_of_dense_gas_has_one_port_and_a_faster_reed():
     found = valves.valve(7e-4, 1.2, SPEED, pressure=90e5, k=1.25, sound=290.0)
     assert found.area == pytest.approx(0.25 * math.pi * found.bore**2)
