@@ -209,3 +209,9 @@ def test_a_package_with_a_hyphen_gives_names_that_python_takes(tmp_path, monkeyp
 def test_a_function_that_was_imported_from_math_is_refused_with_how_to_write_it():
     assert math_spelling(math.sqrt) == " (import math, and write math.sqrt)"
     assert math_spelling(len) == math_spelling(None) == math_spelling(2.0) == ""
+
+
+def test_a_fluid_whose_name_begins_with_a_digit_has_names_that_python_takes():
+    """1-Butene: its chamber's text could not be parsed."""
+    found = written("def state(T):\n    return 2.0 * T\n", "1-Butene_equilibrium")
+    assert found.flat_name.isidentifier() and found(3.0) == 6.0

@@ -17,9 +17,12 @@ CITATION = "EnergyPlus, RefrigerationCompressorCurves.idf: ratings of six semi-h
 ABOUT = (
     "The machine is one that `screwsim new reciprocating` writes for -10/40 °C, at 1750 rpm: nothing of it is fitted "
     "to these ratings, and it is none of the six, of which neither bore nor speed is stated. So a difference is that "
-    "of another machine as much as one of the model. Its cylinder wall stays as warm as at the condition that it was "
-    "written for. Efficiency is the isentropic work of the rated capacity over the rated power, with the suction gas "
-    "at 18.3 °C and liquid at saturation, as the curves are rated. The curves state no uncertainty."
+    "of another machine as much as one of the model. Its valves are sized by a rule (S36, S37 in "
+    "docs/reference/slider-crank.md). It leaves out the heat of the motor that warms the suction gas of semi-hermetic "
+    "machines, and the passages before and behind the valves; either would lower its efficiency. Its cylinder wall "
+    "stays as warm as at the condition that it was written for. Efficiency is the isentropic work of the rated "
+    "capacity over the rated power, with the suction gas at 18.3 °C and liquid at saturation, as the curves are rated. "
+    "The curves state no uncertainty."
 )
 FIGURE, NAME = "electrical_isentropic_efficiency", "reciprocating_r404a"
 SUCTION, ZERO = 291.45, 273.15  # [K] suction gas of the ratings

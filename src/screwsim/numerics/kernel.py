@@ -136,7 +136,9 @@ def written(source: str, of: str, uses: Mapping[str, Any] | None = None) -> Kern
         f"{name} = {item.flat_name if isinstance(item, Kernel) else constant_text(item)}" for name, item in uses.items()
     ]
     digest = hashlib.sha256("\n".join([source, *spelled]).encode()).hexdigest()[:10]
-    module = f"screwsim.written.{re.sub('[^a-z0-9]+', '_', of.lower()).strip('_')}_{digest}"
+    stem = re.sub("[^a-z0-9]+", "_", of.lower()).strip("_")
+    stem = f"of_{stem}" if stem[:1].isdigit() else stem  # 1-Butene: no name begins with a digit
+    module = f"screwsim.written.{stem}_{digest}"
     name = source[: source.index("(")].removeprefix("def ").strip()
     key = f"{module}.{name}"
     if key not in _written:

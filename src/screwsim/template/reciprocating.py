@@ -1,27 +1,19 @@
 """A reciprocating refrigeration compressor: the cylinder of configs/slider_crank/r134a.yaml in another size."""
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
+from screwsim.fluid import constants
 from screwsim.fluid.transport import transport
 from screwsim.inputs.faults import UsageError
 from screwsim.template import duty as duties
-from screwsim.template import sizes
+from screwsim.template import sizes, valves
 from screwsim.template.duty import Duty, conditions, duty_of
 from screwsim.template.request import SceneRequest, condition_of, refuse_option
 from screwsim.template.texts import filled
 
 RPM = math.pi / 30.0
-
-
-class Valve(NamedTuple):
-    """A port and its reed, in SI units."""
-
-    area: float
-    perimeter: float
-    stop: float
-    mass: float
-    stiffness: float
 
 
 class Cylinder(NamedTuple):
@@ -36,8 +28,6 @@ class Cylinder(NamedTuple):
     stroke: float
     clearance: float
     speed: float
-    suction: Valve
-    discharge: Valve
     ring: float
     wall: float
     friction: float
@@ -62,8 +52,6 @@ KNOWN = Cylinder(
     stroke=16.045e-3,  # from that crank, rod and offset
     clearance=0.16e-6,
     speed=2950.0 * RPM,
-    suction=Valve(50e-6, 25e-3, 1.5e-3, 0.25e-3, 300.0),
-    discharge=Valve(28e-6, 19e-3, 1e-3, 0.2e-3, 600.0),
     ring=1e-6,
     wall=0.57,  # 360 K in the known machine
     friction=0.12,
@@ -78,14 +66,11 @@ CARBON_DIOXIDE = Cylinder(
     stroke=25.4e-3,
     clearance=0.9e-6,
     speed=1450.0 * RPM,
-    suction=Valve(60e-6, 28e-3, 1.2e-3, 0.4e-3, 1500.0),
-    discharge=Valve(40e-6, 23e-3, 1e-3, 0.35e-3, 3000.0),
     ring=2e-6,
     wall=0.84,  # 350 K in the known machine
     friction=0.08,
 )
 FLOW, SMALL_FLOW = 10.0 / 3600.0, 1.5 / 3600.0  # [m³/s] default displacement of a cylinder; of CO2, which is denser
-LARGEST_PORT_SHARE = 0.3  # of the piston's area: largest possible port
 ESTIMATED_EFFICIENCY = 0.65  # for an estimate of the power
 
 
@@ -108,13 +93,24 @@ def reciprocating(asked: SceneRequest) -> str:
         pressure = duties.best_pressure(stated.low, stated.high)
     duty = duty_of(fluid, flow, condition, example, pressure, lossless=True)
     s = (2.0 * math.pi * flow / speed / of.swept) ** (1.0 / 3.0)
-    faster = s * speed / of.speed  # mean piston speed over the known one
-    if of.suction.area * s**2 * faster > LARGEST_PORT_SHARE * 0.25 * math.pi * (of.bore * s) ** 2:
-        what = f"leaves no room for valves at {faster * of.stroke * of.speed / math.pi:.3g} m/s of its piston"
+    found = _valves(of, fluid, duty, s, speed)
+    if found["suction"].mach > valves.LARGEST_MACH:
+        what = f"leaves no room for valves at {s * speed * of.stroke / math.pi:.3g} m/s of its piston"
         raise UsageError(
             f"--displacement {sizes.flow_text(flow)} at {sizes.rpm(speed)}: one cylinder {what} (a lower --speed)"
         )
-    return _text(of, fluid, duty, s, faster, flow, speed, pressure is not None)
+    return _text(of, fluid, duty, s, found, flow, speed, pressure is not None)
+
+
+def _valves(of: Cylinder, fluid: str, duty: Duty, s: float, speed: float) -> dict[str, valves.Valve]:
+    """Return the valves of a cylinder at a scale s of lengths and a speed [rad/s], by side."""
+    piston, piston_speed = 0.25 * math.pi * (of.bore * s) ** 2, s * of.stroke * speed / math.pi
+    ends = {"suction": (duty.p_s, duty.T_e + duty.more), "discharge": (duty.p_d, duty.hottest)}
+    R = constants.gas_constant(fluid)
+    return {
+        side: valves.valve(piston, piston_speed, speed, p, duty.k, math.sqrt(duty.k * R * T))
+        for side, (p, T) in ends.items()
+    }
 
 
 def _wall(fluid: str, T: float) -> str:
@@ -128,7 +124,14 @@ def _wall(fluid: str, T: float) -> str:
 
 
 def _text(
-    of: Cylinder, fluid: str, duty: Duty, s: float, faster: float, flow: float, speed: float, cooled: bool
+    of: Cylinder,
+    fluid: str,
+    duty: Duty,
+    s: float,
+    found: Mapping[str, valves.Valve],
+    flow: float,
+    speed: float,
+    cooled: bool,
 ) -> str:
     rated = sizes.motor_for(duty.gas_flow * duty.work / ESTIMATED_EFFICIENCY)
     T_s = duty.T_e + duty.more
@@ -145,8 +148,7 @@ def _text(
         "offset": f"  offset: {sizes.mm(of.offset * s)}\n" if of.offset else "",
         "clearance": f"{1e6 * of.clearance * s**3:.3g} cm^3",
         "share": f"{100.0 * of.clearance / of.swept:.0f}",
-        **_valve("suction", of.suction, s, faster, speed / of.speed),
-        **_valve("discharge", of.discharge, s, faster, speed / of.speed),
+        "reeds": "".join(_reed(side, each, 0.25 * math.pi * (of.bore * s) ** 2, speed) for side, each in found.items()),
         "ring": sizes.um(of.ring * s),
         "wall": _wall(fluid, T_s + of.wall * (duty.hottest - T_s)),
         "friction": f"{of.friction:g}",
@@ -156,17 +158,23 @@ def _text(
     return filled("reciprocating", values)
 
 
-def _valve(side: str, known: Valve, s: float, faster: float, speeds: float) -> dict[str, str]:
-    """Return the entries of a valve at a scale s of lengths, with piston speed and speed over the known ones."""
-    wide = s * math.sqrt(faster)  # scale of a port's lengths: its area grows with the piston speed
-    stiff = float(f"{known.stiffness * s**3 * speeds**2:.3g}")  # reeds follow the crank as in the known machine
-    return {
-        f"{side}_area": sizes.area(known.area * wide**2),
-        f"{side}_perimeter": sizes.mm(known.perimeter * wide),
-        f"{side}_stop": sizes.mm(known.stop * wide),
-        f"{side}_mass": f"{1e3 * known.mass * s**3:.3g} g",
-        f"{side}_stiffness": f"{stiff:g} N/m",
-    }
+def _reed(side: str, valve: valves.Valve, piston: float, speed: float) -> str:
+    """Return the entries of a valve with their basis; area of the piston [m²], speed [rad/s]."""
+    full = ", all the room in the head" if valve.mach > valves.MACH * 1.001 else ""
+    share = f"{100.0 * valve.area / piston:.0f} % of the piston{full}"
+    times = valve.frequency / speed * 2.0 * math.pi
+    entries = (
+        (
+            "port_area",
+            sizes.area(valve.area),
+            f"{share}: {valve.velocity:.3g} m/s, {valve.mach:.3f} of the speed of sound",
+        ),
+        ("perimeter", sizes.mm(valve.perimeter), f"of round ports of {sizes.mm(valve.bore, 2)}"),
+        ("stop", sizes.mm(valve.stop), "a quarter of their diameter"),
+        ("mass", f"{1e3 * valve.mass:.3g} g", f"{valve.frequency:.0f} Hz, {times:.2g} times the shaft's frequency"),
+        ("stiffness", f"{float(f'{valve.stiffness:.3g}'):g} N/m", "as strong at the stop as the gas at that velocity"),
+    )
+    return "".join(f"    {side}_{name}: {value}    # {told}\n" for name, value, told in entries)
 
 
 def _warm_side(duty: Duty, cooled: bool) -> dict[str, str]:
