@@ -76,6 +76,19 @@ def test_a_best_value_keeps_its_warnings_where_a_more_accurate_solution_of_it_fa
     assert (row.status, row.warnings) == ("ok", ("a warning",)) and row.failed and "too hard" in row.message
 
 
+def test_a_value_that_closes_only_more_accurately_has_not_failed():
+    wanted = scene().numerics.accuracy
+
+    def solved(one):
+        if one.numerics.accuracy == wanted and one.oil_supply.ratio == pytest.approx(2.0):
+            return Result("failed", message="too loose")
+        return result_of(0.5 - wanted * math.log(one.oil_supply.ratio), wanted)  # highest at that border
+
+    (row,) = best_of(solved, first="2", last="20")
+    assert row.accuracy < wanted and row.value == pytest.approx(2.0)
+    assert (row.failed, row.message, row.beyond) == (0, "", "")
+
+
 def test_a_minimum_is_found():
     (row,) = best_of(parabola, minimum=True, first="2", last="20")
     assert (row.place, row.value) == ("upper border", pytest.approx(20.0, rel=1e-3))

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from screwsim.cli import exit_code
+from screwsim.export.en12900 import en12900_csv
+from screwsim.export.polynomials import polynomials
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
@@ -183,6 +185,22 @@ def test_another_axis_chooses_the_map(tmp_path):
         evaluate_map(results, 273.15, 313.15, NO_CAPACITY)
     with pytest.raises(UsageError, match=r"there is no map for it \(there are maps at"):
         evaluate_map(results, 273.15, 313.15, NO_CAPACITY, speed=100.0)
+
+
+def test_what_varies_with_a_temperature_is_told_and_cannot_be_chosen(tmp_path, capsys):
+    warm = "  zip: [{operation.evaporating_temperature: %s, operation.superheat: [8 K, 9 K, 10 K, 11 K]}]\n" % AXES[0]
+    text = f"base: point.yaml\nsweep:\n  operation.condensing_temperature: {AXES[1]}\n{warm}"
+    run_sweep(loads(text, folder=str(CONFIGS)), tmp_path / "map.h5", jobs=1, simulate=nearly)
+    results = open_results(tmp_path / "map.h5")
+    assert exit_code(["map", str(results.path), "--figure", "shaft_power", "--json"]) == 0
+    (told,) = json.loads(capsys.readouterr().out)["follows"]
+    assert (told["path"], told["of"]) == ("operation.superheat", "operation.evaporating_temperature")
+    assert told["values"] == [8.0, 9.0, 10.0, 11.0] and told["at"] == pytest.approx([258.15, 268.15, 273.15, 283.15])
+    line = "# operation.superheat = 8 K, 9 K, 10 K, 11 K where operation.evaporating_temperature = -15 degC, -5 degC, "
+    assert line in en12900_csv(polynomials(results, NO_CAPACITY))
+    assert evaluate_map(results, 273.15, 313.15, NO_CAPACITY)
+    with pytest.raises(UsageError, match=r"superheat varies together with a temperature in this sweep \(leave it out\)"):
+        evaluate_map(results, 273.15, 313.15, NO_CAPACITY, superheat=20.0)
 
 
 @pytest.mark.parametrize(

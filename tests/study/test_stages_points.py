@@ -208,6 +208,7 @@ def test_two_stages_without_a_sweep_are_told_how_to_write_one(plant, capsys):
         ("first.operation.discharge.pressure", "belongs to the discharge line, which follows from the other stage"),
         ("second.operation.suction.temperature", "belongs to the suction line, which follows from the other stage"),
         ("second.gas.fluid", "is the same in both stages"),
+        ("gas.fluid", "is the same in both stages (vary it by two files, or with --set in both)"),
         ("first", "names a stage, not an input of it (write e.g. first.operation.speed)"),
         ("second.effects.oil_heat", "is a section, not a value (write e.g. second.effects.oil_heat."),
         ("intercooler.outlet_temperature", "is not stated (it belongs to kind: cooler; write it first)"),

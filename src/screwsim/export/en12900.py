@@ -25,6 +25,7 @@ _IP = {
 }
 HEAD_LINE = "table,map,figure,unit"  # of the coefficients' table
 RATED_STEPS = 6  # rated temperatures along each axis
+FOLLOWED = (("path", "values"), ("of", "at"))
 GLIDES = 0.1  # [K] distance of dew and bubble point in the condenser above which it is told
 
 
@@ -35,14 +36,20 @@ def _condition_lines(found: Polynomials, ip: bool) -> Iterator[str]:
     if subcooling not in {*stated, *found.axes, *found.within}:
         stated[subcooling] = 0.0
     for path, value in stated.items():
-        if path.endswith(("superheat", "subcooling")):
-            shown = f"{1.8 * value:.6g} degF" if ip else f"{value:.6g} K"
-        elif path.endswith("temperature"):
-            celsius = value - ZERO_CELSIUS
-            shown = f"{1.8 * celsius + 32.0:.6g} degF" if ip else f"{celsius:.6g} degC"
-        else:
-            shown = f"{value:.6g} kg/kg"
-        yield f"{path} = {shown}" + ("" if path in found.conditions else ", as the scene states none")
+        yield f"{path} = {_shown(path, value, ip)}" + ("" if path in found.conditions else ", as the scene states none")
+    for each in found.follows:
+        values, at = (", ".join(_shown(each[of], x, ip) for x in each[x_of]) for of, x_of in FOLLOWED)
+        yield f"{each['path']} = {values} where {each['of']} = {at}"
+
+
+def _shown(path: str, value: Any, ip: bool) -> str:
+    """Return a condition [SI] in the unit of the table; another number of the scene in SI units."""
+    if path.endswith(("superheat", "subcooling")):
+        return f"{1.8 * value:.6g} degF" if ip else f"{value:.6g} K"
+    if path.endswith("temperature"):
+        celsius = value - ZERO_CELSIUS
+        return f"{1.8 * celsius + 32.0:.6g} degF" if ip else f"{celsius:.6g} degC"
+    return f"{value:.6g} kg/kg" if path.endswith(("ratio", "quality")) else f"{value:.6g} in SI units"
 
 
 def other_convention(found: Polynomials) -> str:
@@ -85,7 +92,7 @@ def en12900_csv(found: Polynomials, ip: bool = False) -> str:
         f"# S evaporating (dew), D condensing ({found.condensing}) temperature, {degree}",
         *([f"# {other}"] if other else []),
         *(f"# {line}" for line in _condition_lines(found, ip)),
-        *(f"# {found.name(one)}: valid between the corners (S, D) {_corners(one, ip)} {degree}" for one in found.maps),
+        *(f"# {found.name(one) or 'the map'}: valid between the corners (S, D) {_corners(one, ip)} {degree}" for one in found.maps),
         f"{HEAD_LINE}," + ",".join(COEFFICIENT_NAMES) + ",largest_error,left_out_error",
     ]
     for one in found.maps:

@@ -24,7 +24,7 @@ def package(table: MapTable, name: str) -> str:
     if len(table.inputs) != 2:
         inputs = ", ".join(one.name for one in table.inputs)
         what = f"has {len(table.inputs)} inputs ({inputs}), and {_TABLE} two"
-        raise UsageError(f"the map {what} (name two with --over; fmu takes any number)")
+        raise UsageError(f"the map {what} (name two with --over, or a sweep over two; fmu takes any number)")
     words = _quoted(f"{table.title or name}: {WRITTEN_MARK}{_error_in_words(table)}")
     return "\n".join(
         (

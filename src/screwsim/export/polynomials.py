@@ -17,10 +17,12 @@ from screwsim.results import Results, open_results
 from screwsim.results.read import STAGES
 from screwsim.scene import Scene
 from screwsim.scene.operation import QUALITY, SUPERHEAT
+from screwsim.study.map_points import shown_name
 from screwsim.study.performance_map import (
     FORMULA,
     PerformanceMap,
     conditions,
+    followers,
     performance_maps,
     temperature_paths,
 )
@@ -42,13 +44,17 @@ class Polynomials:
     conditions: dict[str, float]
     axes: dict[str, str]  # SI units of the other axes
     condensing: str = "bubble"  # to which point the condensing temperature refers: "dew" for a blend (M316)
-    within: frozenset[str] = frozenset()  # paths that vary together with a temperature, and so within a map
+    follows: tuple[dict[str, Any], ...] = ()  # what varies together with a temperature, and so within a map
     two: bool = False  # of two stages in series, before whose paths their stage stands
 
     def name(self, one: PerformanceMap) -> str:
         """Return what distinguishes a map from the others, as part of a name: 'speed_308.923'."""
-        parts = (f"{path.rpartition('.')[2]}_{value:.6g}" for path, value in one.values.items())
-        return "_".join(parts)
+        return "_".join(f"{shown_name(path)}_{value:.6g}" for path, value in one.values.items())
+
+    @property
+    def within(self) -> set[str]:
+        """The paths that vary within a map."""
+        return {each["path"] for each in self.follows}
 
     def condition(self, one: PerformanceMap, path: str) -> float:
         """Return a condition of a map [SI]: its own value where the sweep varies it; 0 if the scene does not state it.
@@ -121,11 +127,8 @@ def polynomials(results: Results, figures: Sequence[str]) -> Polynomials:
     alone = results.stages.get(STAGES[0], results)  # of two stages the first
     fluid = YAML(typ="safe", pure=True).load(alone.scene_yaml)["gas"]["fluid"]
     name, blend = (fluid, is_blend(fluid)) if isinstance(fluid, str) else ("/".join(fluid), True)
-    temperatures = temperature_paths(bool(results.stages))
-    own = {results.varied[path][0] for path in temperatures}
-    within = {path for path, (axis, _) in results.varied.items() if axis in own} - {*temperatures}
     title, point = title_on_one_line(results.attributes["title"]), "dew" if blend else "bubble"
-    about = units, conditions(results), axes, point, frozenset(within), bool(results.stages)
+    about = units, conditions(results), axes, point, tuple(followers(results)), bool(results.stages)
     return Polynomials(title, name, maps, *about)
 
 
@@ -162,7 +165,7 @@ def quadratic(
     return tuple(map(float, found)), float(np.max(np.abs(matrix @ found / wanted - 1.0)))
 
 
-DOCUMENT_KEYS = ("title", "fluid", "formula", "S", "D", "units", "conditions")  # keys of a document
+DOCUMENT_KEYS = ("title", "fluid", "formula", "S", "D", "units", "conditions", "follows")  # keys of a document
 
 
 def document(found: Polynomials) -> dict[str, Any]:
@@ -175,4 +178,5 @@ def document(found: Polynomials) -> dict[str, Any]:
         "D": f"condensing temperature ({found.condensing} point), degC",
         "units": found.units,
         "conditions": found.conditions,
+        "follows": found.follows,
     }

@@ -132,7 +132,8 @@ def run_of(source: str, overrides: Sequence[str] = (), without: Sequence[str] = 
         raise UsageError(f"{source}: holds results, which --set and --without cannot change (name their scene instead)")
     results = open_results(source)
     if results.stages:
-        alone = f"screwsim scene {source} --stage {next(iter(results.stages))} gives its scene, to be named here"
+        point = "of one point, written with run -o, " if results.shape else f"{source} "
+        alone = f"screwsim scene {point}--stage {next(iter(results.stages))} gives its scene, to be named here"
         raise UsageError(f"{source}: holds two stages, and loads are those of one machine ({alone})")
     if results.shape or "angle" not in results.cycle:
         raise UsageError(f"{source}: holds no cycle of one run (write one with screwsim run -o, or name the scene)")

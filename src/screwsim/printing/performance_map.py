@@ -16,7 +16,7 @@ from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
 from screwsim.study.columns import Column, protect_other_columns, write_columns
 from screwsim.study.map_points import MapPoint
-from screwsim.study.performance_map import COEFFICIENT_NAMES, ELECTRICAL, FORMULA, SHAFT, PerformanceMap, conditions
+from screwsim.study.performance_map import COEFFICIENT_NAMES, ELECTRICAL, FORMULA, SHAFT, PerformanceMap, conditions, followers
 
 
 def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, Any]:
@@ -30,6 +30,7 @@ def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, 
         "D": "condensing temperature, degC",
         "units": {figure: results.figure(figure).units for figure in figures},
         "conditions": conditions(results),
+        "follows": followers(results),
         "maps": [asdict(each) for each in maps],
         "warnings": [{"cases": kind.cases, "warning": kind.text} for kind in warning_kinds(results)],
     }

@@ -141,7 +141,10 @@ def print_local(scene: Varied, found: Sensitivities, chosen: Sequence[str] = ())
     print_table(["", "value", *map(shown_name, figures)], rows, 1)
     if len(felt) > MOST_NUMBERS:
         say(wrapped(f"and {len(felt) - MOST_NUMBERS} more with less effect (--json lists all)"))
-    if idle := len(found.values) - len(felt):
+    zero = [path for path, value in found.values.items() if value == 0.0]
+    if zero:
+        say(wrapped(f"no percentage of a number that is 0 (--json lists its derivatives): {', '.join(zero)}"))
+    if idle := len(found.values) - len(felt) - len(zero):
         say(wrapped(f"{idle} of {len(found.values)} numbers change none of these figures"))
     say()
     print_wrapped(effect_sentence(scene, found, figures[0], path) for path in felt[:3])

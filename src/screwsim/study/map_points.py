@@ -66,7 +66,10 @@ def evaluated_at(
 ) -> MapPoint:
     """Return the one map selected by values [SI] of its other axes at both temperatures [K]; raise UsageError."""
     T_e, T_c = map(float, temperatures)
-    fitting = [one for one in maps if all(_is_same_value(one.values.get(path), value) for path, value in asked.items())]
+    within = [shown_name(path) for path in asked if path not in maps[0].values]
+    if within:
+        raise UsageError(f"{within[0]} varies together with a temperature in this sweep (leave it out)")
+    fitting = [one for one in maps if all(_is_same_value(one.values[path], value) for path, value in asked.items())]
     if len(fitting) != 1:
         raise UsageError(_choose(maps, fitting))
     (one,) = fitting
@@ -82,9 +85,9 @@ def evaluated_at(
 
 
 def _is_same_value(own: Any, asked: Any) -> bool:
-    """Return whether a map's value is the requested one; always True where a map has none."""
-    if own is None or isinstance(own, str) or isinstance(asked, str):
-        return own is None or own == asked
+    """Return whether a map's value is the requested one."""
+    if isinstance(own, str) or isinstance(asked, str):
+        return own == asked
     return bool(np.isclose(float(own), float(asked), rtol=SAME_VALUE, atol=0.0))
 
 
@@ -94,17 +97,17 @@ def _choose(maps: Sequence[PerformanceMap], fitting: Sequence[PerformanceMap]) -
     there = [", ".join(f"{path} = {_digits(one.values[path])}" for path in paths) for one in maps]
     which = f"there are maps at {'; '.join(there)} in SI units"
     if fitting:
-        names = " and ".join(map(_shown_name, paths))
+        names = " and ".join(map(shown_name, paths))
         return f"there are {len(fitting)} maps of it (state {names} as well, e.g. {_stated(fitting[0])}; {which})"
     return f"there is no map for it ({which})"
 
 
 def _stated(one: PerformanceMap) -> str:
     """Return the values [SI] of a map's other axes as they are asked for: 'position=0'."""
-    return ", ".join(f"{_shown_name(path)}={_digits(value)}" for path, value in one.values.items())
+    return ", ".join(f"{shown_name(path)}={_digits(value)}" for path, value in one.values.items())
 
 
-def _shown_name(path: str) -> str:
+def shown_name(path: str) -> str:
     """Return the last word of a path; of two stages the short name, as both may have that word."""
     return short_name(path) if path.startswith(STAGES) else path.rpartition(".")[2]
 
@@ -125,7 +128,7 @@ def _axis(results: Results, name: str) -> str:
         return same[0]
     if same:
         raise UsageError(f"{name} is short for {' and for '.join(same)} (write the one that is meant in full)")
-    options = paths if "." in name else [_shown_name(path) for path in paths]
+    options = paths if "." in name else [shown_name(path) for path in paths]
     one_of = f"one of {', '.join(options)}"
     raise UsageError(f"{name} {unknown_key(name, options, one_of)}")
 

@@ -202,6 +202,7 @@ class _Trials:
         value = result.performance.get(name)
         if value is None:
             return SearchPoint(x, math.nan)
+        self.reasons.pop(x, None)  # less accurately it had failed
         return SearchPoint(x, -value if self.asked.minimum else value, absolute_error(result, name, self.scene))
 
     def beside(self, x: float, within: float) -> str:

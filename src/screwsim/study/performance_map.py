@@ -130,6 +130,16 @@ def conditions(results: Results) -> dict[str, float]:
     return {path: float(value) for path, value in found.items() if value.shape == () and np.isfinite(value)}
 
 
+def followers(results: Results) -> list[dict[str, Any]]:
+    """Return the paths that vary together with a temperature: `values` [SI] `at` those of the other path, `of`."""
+    own = {results.varied[path][0]: path for path in temperature_paths(bool(results.stages))}
+    return [
+        {"path": path, "of": of, "at": results.varied[of][1].tolist(), "values": values.tolist()}
+        for path, (axis, values) in results.varied.items()
+        if path != (of := own.get(axis, path))
+    ]
+
+
 def _groups(results: Results, varied: Mapping[str, tuple[int, Array]]) -> Iterator[tuple[dict[str, Any], Array]]:
     """Yield the values of the other axes with the indices of the cases there."""
     shape = results.shape

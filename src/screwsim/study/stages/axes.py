@@ -79,13 +79,13 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
         return _leaf_between(chain, path)
     if stage in STAGE_NAMES and not path:
         raise Refused(f"names a stage, not an input of it (write e.g. {stage}.operation.speed)")
+    if (path if stage in STAGE_NAMES else name).startswith(COMMON):
+        raise Refused("is the same in both stages (vary it by two files, or with --set in both)")
     if stage not in STAGE_NAMES:
         raise Refused(f"starts with none of first., second., {BETWEEN}. (write e.g. first.{name})")
-    if path.startswith(COMMON):
-        raise Refused("is the same in both stages (vary it by two files, or with --set in both)")
     if path.startswith(SOLVED[stage]):
         line = "discharge line" if stage == STAGE_NAMES[0] else "suction line"
-        raise Refused(f"belongs to the {line}, which follows from the other stage (remove this axis)")
+        raise Refused(f"belongs to the {line}, which follows from the other stage (leave it out)")
     scene = chain.by_stage[stage]
     for fault in line_axis_faults(scene, (path,)):
         raise Refused(fault.what.replace("(vary operation.", f"(vary {stage}.operation."))
